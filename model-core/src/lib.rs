@@ -1,3 +1,8 @@
-#![no_std]
+#![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
-//! Models.
+#![deny(missing_docs)]
+//! Vibration energy harvesters on a microcontroller.
+
+pub mod clock;
+pub mod excitation;
+pub mod scalar;

@@ -1,0 +1,47 @@
+//! An excitation chosen at run time, for a host that must serve any scene file.
+
+use super::{Excitation, Sampled, Silence, Sine, Tones};
+use crate::clock::Instant;
+use crate::scalar::{Mathematics, Polynomial, Scalar};
+
+/// Any of the excitations of this module, with room for `TONES` sines in a sum.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AnyExcitation<'a, S, const TONES: usize, M = Polynomial> {
+    /// A base at rest.
+    Silence,
+    /// One sine.
+    Sine(Sine<S, M>),
+    /// A sum of sines.
+    Tones(Tones<S, TONES, M>),
+    /// A recorded trace.
+    Sampled(Sampled<'a, S>),
+}
+
+impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S>
+    for AnyExcitation<'_, S, TONES, M>
+{
+    fn acceleration(&self, at: Instant) -> S {
+        match self {
+            Self::Silence => Silence.acceleration(at),
+            Self::Sine(sine) => sine.acceleration(at),
+            Self::Tones(tones) => tones.acceleration(at),
+            Self::Sampled(trace) => trace.acceleration(at),
+        }
+    }
+
+    fn jerk(&self, at: Instant) -> S {
+        match self {
+            Self::Silence => Silence.jerk(at),
+            Self::Sine(sine) => sine.jerk(at),
+            Self::Tones(tones) => tones.jerk(at),
+            Self::Sampled(trace) => trace.jerk(at),
+        }
+    }
+
+    fn smooth_ticks(&self, at: Instant) -> u32 {
+        match self {
+            Self::Sampled(trace) => trace.smooth_ticks(at),
+            Self::Silence | Self::Sine(_) | Self::Tones(_) => u32::MAX,
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! No excitation: free decay, static equilibrium, leakage.
+
+use super::Excitation;
+use crate::clock::Instant;
+use crate::scalar::Scalar;
+
+/// A base at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Silence;
+
+impl<S: Scalar> Excitation<S> for Silence {
+    #[inline(always)]
+    fn acceleration(&self, _at: Instant) -> S {
+        S::ZERO
+    }
+
+    #[inline(always)]
+    fn jerk(&self, _at: Instant) -> S {
+        S::ZERO
+    }
+}

@@ -1,0 +1,133 @@
+//! A sine of fixed amplitude, frequency and start phase.
+
+use core::marker::PhantomData;
+
+use super::{Excitation, ExcitationError};
+use crate::clock::{Frequency, Instant};
+use crate::scalar::{Mathematics, Polynomial, Scalar};
+
+/// `a(t) = A sin(2π f t + φ)`.
+///
+/// The phase is an integer number of 2⁻⁶⁴ turns computed from the clock, so it neither drifts nor
+/// needs range reduction. `M` evaluates the sine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Sine<S, M = Polynomial> {
+    amplitude: S,
+    /// `2π f`, in rad/s.
+    angular_frequency: S,
+    frequency: Frequency,
+    start: u64,
+    mathematics: PhantomData<M>,
+}
+
+impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
+    /// `amplitude` in m/s², `frequency` in Hz, `phase` at time zero in radians.
+    ///
+    /// # Errors
+    /// [`ExcitationError`] names the argument that is out of range.
+    pub fn new(amplitude: S, frequency: S, phase: S) -> Result<Self, ExcitationError> {
+        if !amplitude.is_finite() {
+            return Err(ExcitationError::Amplitude);
+        }
+        let fixed = Frequency::from_hertz(frequency).ok_or(ExcitationError::Frequency)?;
+        let start = turns_of_radians(phase).ok_or(ExcitationError::Phase)?;
+        let angular_frequency = frequency * S::literal(core::f64::consts::TAU);
+        Ok(Self {
+            amplitude,
+            angular_frequency,
+            frequency: fixed,
+            start,
+            mathematics: PhantomData,
+        })
+    }
+
+    #[inline(always)]
+    fn phase(&self, at: Instant) -> u64 {
+        self.frequency.phase(at).wrapping_add(self.start)
+    }
+}
+
+/// An angle as a fraction of a turn in units of 2⁻⁶⁴; `None` unless finite and below 2²⁰ turns.
+fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
+    let turns = radians * S::literal(core::f64::consts::FRAC_1_PI * 0.5);
+    let magnitude = turns.absolute();
+    // Written so that not-a-number is refused too.
+    if !(magnitude < S::literal(1_048_576.0)) {
+        return None;
+    }
+    let fraction = magnitude - S::from_u32(magnitude.to_u32());
+    // 2³² · fraction is exact; its own fraction gives the lower word.
+    let scaled = fraction * S::power_of_two(32);
+    let upper = scaled.to_u32();
+    let lower = ((scaled - S::from_u32(upper)) * S::power_of_two(32)).to_u32();
+    let units = (u64::from(upper) << 32) | u64::from(lower);
+    Some(if turns < S::ZERO {
+        units.wrapping_neg()
+    } else {
+        units
+    })
+}
+
+impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {
+    #[inline(always)]
+    fn acceleration(&self, at: Instant) -> S {
+        self.amplitude * M::sine_of_turns(self.phase(at))
+    }
+
+    #[inline(always)]
+    fn jerk(&self, at: Instant) -> S {
+        self.amplitude * self.angular_frequency * M::cosine_of_turns(self.phase(at))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn follows_the_sine_and_its_derivative() {
+        let sine = Sine::<f64>::new(1.962, 20.0, 0.3).expect("valid");
+        for k in 0..500 {
+            let at = Instant::from_seconds(f64::from(k) * 1.37e-3).expect("valid");
+            let angle = core::f64::consts::TAU * 20.0 * at.seconds::<f64>() + 0.3;
+            assert!((sine.acceleration(at) - 1.962 * angle.sin()).abs() < 1e-12);
+            assert!(
+                (sine.jerk(at) - 1.962 * core::f64::consts::TAU * 20.0 * angle.cos()).abs() < 1e-9
+            );
+        }
+    }
+
+    #[test]
+    fn start_phase_may_be_negative_or_beyond_a_turn() {
+        for phase in [-0.3_f64, 6.5, -1000.0, 0.0] {
+            let sine = Sine::<f64>::new(1.0, 0.0, phase).expect("valid");
+            assert!(
+                (sine.acceleration(Instant::START) - phase.sin()).abs() < 1e-11,
+                "{phase}"
+            );
+            let single = Sine::<f32>::new(1.0, 0.0, phase as f32).expect("valid");
+            let tolerance = 1e-6 * phase.abs().max(1.0) as f32;
+            assert!(
+                (single.acceleration(Instant::START) - phase.sin() as f32).abs() < tolerance,
+                "{phase}"
+            );
+        }
+    }
+
+    #[test]
+    fn arguments_out_of_range_are_named() {
+        assert_eq!(
+            Sine::<f32>::new(f32::NAN, 1.0, 0.0),
+            Err(ExcitationError::Amplitude)
+        );
+        assert_eq!(
+            Sine::<f32>::new(1.0, -1.0, 0.0),
+            Err(ExcitationError::Frequency)
+        );
+        assert_eq!(
+            Sine::<f32>::new(1.0, 1.0, f32::INFINITY),
+            Err(ExcitationError::Phase)
+        );
+    }
+}

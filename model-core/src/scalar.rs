@@ -1,0 +1,149 @@
+//! The number: `f32` or `f64`, and the elementary functions behind it.
+//!
+//! Every model and method in this crate is generic over [`Scalar`], so the bits that run on a
+//! microcontroller are the bits that the host tests. Nothing here calls the platform's math
+//! library: addition, multiplication, division and conversion are IEEE 754 operations, and the
+//! elementary functions are one of the [`Mathematics`] backends, which are plain Rust.
+
+mod float;
+#[cfg(feature = "libm")]
+mod libm;
+#[cfg(feature = "micromath")]
+mod micromath;
+mod polynomial;
+
+use core::fmt::{Debug, Display};
+use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+#[cfg(feature = "libm")]
+pub use self::libm::Libm;
+#[cfg(feature = "micromath")]
+pub use self::micromath::Micromath;
+pub use polynomial::Polynomial;
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// A number written `mantissa · 2^exponent`, so that integers can be made from it exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Decomposed {
+    /// Magnitude of the significand, at most 53 bits.
+    pub mantissa: u64,
+    /// Power of two that scales `mantissa`.
+    pub exponent: i32,
+    /// Whether the number is below zero.
+    pub negative: bool,
+}
+
+/// The floating-point number that states, parameters and coefficients are made of.
+///
+/// Implemented for `f32` and `f64` only.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Display
+    + PartialEq
+    + PartialOrd
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + sealed::Sealed
+    + 'static
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// Distance from 1 to the next larger number.
+    const EPSILON: Self;
+    /// Smallest positive normal number.
+    const TINY: Self;
+    /// Positive infinity.
+    const INFINITY: Self;
+
+    /// A literal in the source, rounded once to this precision.
+    ///
+    /// For constants only: the conversion is folded at compile time, so that an `f32` firmware
+    /// links no double-precision arithmetic.
+    fn literal(value: f64) -> Self;
+
+    /// `value`, rounded to nearest.
+    fn from_u32(value: u32) -> Self;
+
+    /// `value`, rounded to nearest.
+    fn from_i32(value: i32) -> Self;
+
+    /// `value / 2^63`: a 64-bit signed fraction of one, rounded to the precision of this type.
+    fn from_fraction(value: i64) -> Self;
+
+    /// The integer part, saturating at both ends; not-a-number gives 0.
+    fn to_u32(self) -> u32;
+
+    /// This number in single precision, for quantities that steer and do not enter a result.
+    fn to_f32(self) -> f32;
+
+    /// The single-precision number `value`, exactly.
+    fn from_f32(value: f32) -> Self;
+
+    /// Magnitude.
+    fn absolute(self) -> Self;
+
+    /// Neither infinite nor not-a-number.
+    fn is_finite(self) -> bool;
+
+    /// Mantissa and exponent of a finite number; `None` otherwise.
+    fn decompose(self) -> Option<Decomposed>;
+
+    /// `2^power`, for powers whose result is a normal number; others are clamped to the nearest.
+    fn power_of_two(power: i32) -> Self;
+
+    /// Square root to within one unit in the last place; 0 for arguments at or below 0.
+    ///
+    /// Newton's iteration from an estimate made of the bits. For building coefficients: a step
+    /// calls it nowhere.
+    fn square_root(self) -> Self;
+
+    /// The larger of two numbers; `other` if this one is not a number.
+    #[must_use]
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+
+    /// The smaller of two numbers; `other` if this one is not a number.
+    #[must_use]
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+}
+
+/// Elementary functions, chosen at compile time by a type parameter.
+///
+/// A step of an integrator calls at most [`Mathematics::sine_of_turns`] (for the excitation) and
+/// an impact [`Mathematics::exponential`]; square roots and the like belong to the build of the
+/// coefficients and are [`Scalar`]'s own, the same for every backend.
+pub trait Mathematics<S: Scalar>: Copy + Debug + PartialEq + 'static {
+    /// The backend's name, as a command line or a report writes it.
+    const NAME: &'static str;
+
+    /// `sin(2π · phase / 2^64)`: the sine of a phase given in turns, wrapping.
+    fn sine_of_turns(phase: u64) -> S;
+
+    /// `e^x`. Arguments too small to represent the result give 0.
+    fn exponential(x: S) -> S;
+
+    /// `cos(2π · phase / 2^64)`: the sine a quarter of a turn further on.
+    #[inline(always)]
+    fn cosine_of_turns(phase: u64) -> S {
+        Self::sine_of_turns(phase.wrapping_add(1 << 62))
+    }
+}

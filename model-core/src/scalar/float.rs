@@ -1,0 +1,255 @@
+//! [`Scalar`] for `f32` and `f64`.
+
+use super::{Decomposed, Scalar};
+
+impl Scalar for f32 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const EPSILON: Self = f32::EPSILON;
+    const TINY: Self = f32::MIN_POSITIVE;
+    const INFINITY: Self = f32::INFINITY;
+
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+    fn literal(value: f64) -> Self {
+        value as f32
+    }
+
+    #[inline(always)]
+    fn from_u32(value: u32) -> Self {
+        value as f32
+    }
+
+    #[inline(always)]
+    fn from_i32(value: i32) -> Self {
+        value as f32
+    }
+
+    #[inline(always)]
+    fn from_fraction(value: i64) -> Self {
+        // The top word holds more bits than the mantissa: no 64-bit conversion on a 32-bit core.
+        (value >> 32) as i32 as f32 * (1.0 / 2_147_483_648.0)
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturates, as documented"
+    )]
+    fn to_u32(self) -> u32 {
+        self as u32
+    }
+
+    #[inline(always)]
+    fn to_f32(self) -> f32 {
+        self
+    }
+
+    #[inline(always)]
+    fn from_f32(value: f32) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn absolute(self) -> Self {
+        f32::from_bits(self.to_bits() & 0x7fff_ffff)
+    }
+
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        f32::is_finite(self)
+    }
+
+    fn decompose(self) -> Option<Decomposed> {
+        if !f32::is_finite(self) {
+            return None;
+        }
+        let bits = self.to_bits();
+        let (biased, fraction) = ((bits >> 23) & 0xff, bits & 0x007f_ffff);
+        let (mantissa, exponent) = if biased == 0 {
+            (fraction, -149)
+        } else {
+            (fraction | 0x0080_0000, biased.cast_signed() - 150)
+        };
+        Some(Decomposed {
+            mantissa: u64::from(mantissa),
+            exponent,
+            negative: self < 0.0,
+        })
+    }
+
+    #[inline(always)]
+    fn power_of_two(power: i32) -> Self {
+        f32::from_bits((power.clamp(-126, 127) + 127).cast_unsigned() << 23)
+    }
+
+    fn square_root(self) -> Self {
+        // Written so that not-a-number takes this way too.
+        if !(self > 0.0 && f32::is_finite(self)) {
+            return if self > 0.0 { self } else { 0.0 };
+        }
+        // Halving the biased exponent is a first guess within 6 %.
+        let mut root = f32::from_bits((self.to_bits() >> 1) + 0x1fbb_67ae);
+        for _ in 0..4 {
+            root = 0.5 * (root + self / root);
+        }
+        root
+    }
+}
+
+impl Scalar for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const EPSILON: Self = f64::EPSILON;
+    const TINY: Self = f64::MIN_POSITIVE;
+    const INFINITY: Self = f64::INFINITY;
+
+    #[inline(always)]
+    fn literal(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn from_u32(value: u32) -> Self {
+        f64::from(value)
+    }
+
+    #[inline(always)]
+    fn from_i32(value: i32) -> Self {
+        f64::from(value)
+    }
+
+    #[inline(always)]
+    fn from_fraction(value: i64) -> Self {
+        value as f64 * (1.0 / 9_223_372_036_854_775_808.0)
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturates, as documented"
+    )]
+    fn to_u32(self) -> u32 {
+        self as u32
+    }
+
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+    fn to_f32(self) -> f32 {
+        self as f32
+    }
+
+    #[inline(always)]
+    fn from_f32(value: f32) -> Self {
+        f64::from(value)
+    }
+
+    #[inline(always)]
+    fn absolute(self) -> Self {
+        f64::from_bits(self.to_bits() & 0x7fff_ffff_ffff_ffff)
+    }
+
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+
+    fn decompose(self) -> Option<Decomposed> {
+        if !f64::is_finite(self) {
+            return None;
+        }
+        let bits = self.to_bits();
+        let (biased, fraction) = ((bits >> 52) & 0x7ff, bits & 0x000f_ffff_ffff_ffff);
+        let (mantissa, exponent) = if biased == 0 {
+            (fraction, -1074)
+        } else {
+            // Eleven bits: the cast loses nothing.
+            (
+                fraction | 0x0010_0000_0000_0000,
+                (biased as u32).cast_signed() - 1075,
+            )
+        };
+        Some(Decomposed {
+            mantissa,
+            exponent,
+            negative: self < 0.0,
+        })
+    }
+
+    #[inline(always)]
+    fn power_of_two(power: i32) -> Self {
+        f64::from_bits(u64::from((power.clamp(-1022, 1023) + 1023).cast_unsigned()) << 52)
+    }
+
+    fn square_root(self) -> Self {
+        if !(self > 0.0 && f64::is_finite(self)) {
+            return if self > 0.0 { self } else { 0.0 };
+        }
+        let mut root = f64::from_bits((self.to_bits() >> 1) + 0x1ff7_6cf5_d0b0_9955);
+        for _ in 0..5 {
+            root = 0.5 * (root + self / root);
+        }
+        root
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn square_root_is_within_one_unit_in_the_last_place() {
+        let mut x = 1.1e-30_f64;
+        while x < 1e30 {
+            let exact = x.sqrt();
+            assert!(
+                (x.square_root() - exact).abs() <= exact * f64::EPSILON,
+                "{x}"
+            );
+            let single = x as f32;
+            let exact = single.sqrt();
+            assert!(
+                (single.square_root() - exact).abs() <= exact * f32::EPSILON,
+                "{x}"
+            );
+            x *= 1.37;
+        }
+        assert_eq!((-1.0_f64).square_root(), 0.0);
+        assert_eq!(f32::NAN.square_root(), 0.0);
+        assert_eq!(f64::INFINITY.square_root(), f64::INFINITY);
+    }
+
+    #[test]
+    fn decomposition_reassembles_to_the_same_number() {
+        for value in [1.0_f64, 0.1, 1e4, 3.3e-310, 6.02e23, -2.5] {
+            let parts = value.decompose().expect("finite");
+            let magnitude = parts.mantissa as f64
+                * 2f64.powi(parts.exponent / 2)
+                * 2f64.powi(parts.exponent - parts.exponent / 2);
+            assert_eq!(
+                if parts.negative {
+                    -magnitude
+                } else {
+                    magnitude
+                },
+                value
+            );
+        }
+        for value in [1.0_f32, 0.1, 1e4, 1e-40, -2.5] {
+            let parts = value.decompose().expect("finite");
+            let magnitude = (parts.mantissa as f64 * 2f64.powi(parts.exponent)) as f32;
+            assert_eq!(
+                if parts.negative {
+                    -magnitude
+                } else {
+                    magnitude
+                },
+                value
+            );
+        }
+        assert_eq!(f64::NAN.decompose(), None);
+        assert_eq!(f32::INFINITY.decompose(), None);
+    }
+}
