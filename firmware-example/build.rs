@@ -1,0 +1,105 @@
+//! Links the firmware for the board that the environment variable `HARVESTER_BOARD` names.
+//!
+//! A variable and not a Cargo feature for each board: a firmware has exactly one memory map, and
+//! features are meant to be added together.
+
+use std::env;
+
+/// What the linker must know about a board.
+struct Board {
+    name: &'static str,
+    target: &'static str,
+    /// `None`: the numbers that stand in `memory.x` itself.
+    memory: Option<Memory>,
+}
+
+/// Origins, and lengths in KiB.
+struct Memory {
+    flash: (u32, u32),
+    ram: (u32, u32),
+}
+
+/// The boards that QEMU emulates, one for each core. The first one is the default.
+const BOARDS: [Board; 5] = [
+    // Cortex-M4F, STM32F405.
+    Board { name: "netduinoplus2", target: "thumbv7em-none-eabihf", memory: None },
+    // Cortex-M0, nRF51822.
+    Board {
+        name: "microbit",
+        target: "thumbv6m-none-eabi",
+        memory: Some(Memory { flash: (0x0000_0000, 256), ram: (0x2000_0000, 16) }),
+    },
+    // Cortex-M3, STM32F100RB.
+    Board {
+        name: "stm32vldiscovery",
+        target: "thumbv7m-none-eabi",
+        memory: Some(Memory { flash: (0x0800_0000, 128), ram: (0x2000_0000, 8) }),
+    },
+    // Cortex-M7. Of the board's 4 MiB of RAM as much as the default board has: the stack is painted
+    // before each measurement, and a megabyte of it would take longer than what is measured.
+    Board {
+        name: "mps2-an500",
+        target: "thumbv7em-none-eabihf",
+        memory: Some(Memory { flash: (0x0000_0000, 4096), ram: (0x2000_0000, 128) }),
+    },
+    // Cortex-M33, in its secure state. RAM as above.
+    Board {
+        name: "mps2-an505",
+        target: "thumbv8m.main-none-eabihf",
+        memory: Some(Memory { flash: (0x1000_0000, 4096), ram: (0x3800_0000, 128) }),
+    },
+];
+
+fn main() {
+    println!("cargo::rerun-if-env-changed=HARVESTER_BOARD");
+    println!("cargo::rerun-if-env-changed=DEFMT_LOG");
+    println!("cargo::rerun-if-changed=../memory.x");
+    println!("cargo::rerun-if-changed=build.rs");
+
+    // On the host the binaries are stubs and the ordinary linker does the right thing.
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
+        return;
+    }
+
+    // Left to itself defmt compiles every `info!` out, and the bench would have nothing to say.
+    if env::var_os("DEFMT_LOG").is_none() {
+        println!("cargo::rustc-env=DEFMT_LOG=info");
+    }
+
+    let board = match chosen_board() {
+        Ok(board) => board,
+        Err(reason) => {
+            println!("cargo::error={reason}");
+            return;
+        }
+    };
+    if let Some(Memory { flash, ram }) = &board.memory {
+        for (region, (origin, kibibytes)) in [("flash", flash), ("ram", ram)] {
+            let length = kibibytes * 1024;
+            println!("cargo::rustc-link-arg-bins=--defsym=_{region}_origin={origin:#x}");
+            println!("cargo::rustc-link-arg-bins=--defsym=_{region}_length={length:#x}");
+        }
+    }
+    // Pages of 64 KiB would push the first section away from the start of the flash.
+    println!("cargo::rustc-link-arg-bins=--nmagic");
+    println!("cargo::rustc-link-arg-bins=-Tlink.x");
+    println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
+}
+
+/// The board asked for, once it is known to have the core that is compiled for.
+fn chosen_board() -> Result<&'static Board, String> {
+    let name = env::var("HARVESTER_BOARD").unwrap_or_else(|_| BOARDS[0].name.to_owned());
+    let target = env::var("TARGET").unwrap_or_default();
+    let known: Vec<_> = BOARDS.iter().map(|board| format!("{} ({})", board.name, board.target)).collect();
+    let known = known.join(", ");
+    let board = BOARDS
+        .iter()
+        .find(|board| board.name == name)
+        .ok_or_else(|| format!("HARVESTER_BOARD={name} is none of {known}"))?;
+    if target != board.target {
+        return Err(format!(
+            "the board {name} is not built for {target}; HARVESTER_BOARD chooses one of {known}"
+        ));
+    }
+    Ok(board)
+}

@@ -1,0 +1,33 @@
+//! The on-target bench: what a model costs on a microcontroller, and the bits it comes to there.
+//!
+//! Under QEMU, on every core, with the log decoded, the bits checked and a table at the end:
+//!
+//! ```text
+//! cargo run --release -p host-bench -- on-target
+//! ```
+//!
+//! On the board itself (an STM32F405; `HARVESTER_BOARD` chooses another, see the build script),
+//! through a debug probe that serves semihosting; the ticks are then cycles of the core:
+//!
+//! ```text
+//! cargo build --release -p firmware-example --target thumbv7em-none-eabihf
+//! openocd -f interface/stlink.cfg -f target/stm32f4x.cfg \
+//!     -c "program target/thumbv7em-none-eabihf/release/bench" \
+//!     -c "arm semihosting enable" -c "reset run" \
+//!   | defmt-print -e target/thumbv7em-none-eabihf/release/bench
+//! ```
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    use firmware_example::{measure, workload::Oscillator};
+
+    measure::run(&mut [&mut Oscillator::new()])
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("{}", firmware_example::HOW_TO_BUILD);
+}

@@ -1,0 +1,39 @@
+//! What the firmware binaries have in common: measuring, logging, and ending.
+//!
+//! Everything here exists on bare metal only. On the host the crate is empty but for
+//! [`HOW_TO_BUILD`], so that `cargo build --workspace` needs no microcontroller.
+//!
+//! | module | subject |
+//! | --- | --- |
+//! | `counter` | SysTick as a 64-bit counter |
+//! | `stack` | how deep the stack went |
+//! | `measure` | one workload measured: what it cost, and its states, in the log |
+//! | `calibration` | the workload whose cost is known |
+//! | `workload` | the workload that is the point of it all |
+//! | `logger` | defmt frames over semihosting |
+//! | `stop` | panics and faults end the run with a code |
+
+#![no_std]
+
+#[cfg(target_os = "none")]
+mod calibration;
+#[cfg(target_os = "none")]
+mod counter;
+#[cfg(target_os = "none")]
+mod logger;
+#[cfg(target_os = "none")]
+pub mod measure;
+#[cfg(target_os = "none")]
+mod stack;
+#[cfg(target_os = "none")]
+mod stop;
+#[cfg(target_os = "none")]
+pub mod workload;
+
+/// What a binary says when it was built for the host.
+pub const HOW_TO_BUILD: &str = "\
+This is firmware, and this was built for the host. To build it for the default board:
+    rustup target add thumbv7em-none-eabihf
+    cargo build --release -p firmware-example --target thumbv7em-none-eabihf
+To build and run it on every core under QEMU:
+    cargo run --release -p host-bench -- on-target";

@@ -1,0 +1,93 @@
+//! Measuring: runs workloads piece by piece and logs what they cost and where they got to.
+//!
+//! The log is read by a program. Its records, one frame each:
+//!
+//! ```text
+//! begin NAME                 a workload starts
+//! sample MICROSECONDS WORDS  simulated time, and the state as raw bits: "[3f800000, bf000000]"
+//! count NAME VALUE           what was counted over the whole workload
+//! end NAME                   it is complete
+//! ```
+//!
+//! Costs are in ticks of [`Counter`]; what a tick is worth depends on the board, and the host knows
+//! the board. So the firmware divides nothing and links no 64-bit division.
+
+use crate::calibration::Nops;
+use crate::counter::Counter;
+use crate::stack;
+use crate::stop::{Code, stop};
+use core::hint::black_box;
+use cortex_m::Peripherals;
+use defmt::info;
+
+/// Something to measure.
+///
+/// It is used as `dyn Workload`, so that the code around it is the same machine code in `empty`
+/// and in `bench`, and the difference of their sizes is the workload's own.
+pub trait Workload {
+    /// One word, for the log.
+    fn name(&self) -> &'static str;
+
+    /// Runs up to the next sample. This, and nothing else, is measured.
+    fn advance(&mut self) -> Progress;
+
+    /// The state as raw bits, for a comparison with the host that forgives nothing.
+    fn state(&self) -> &[u32];
+}
+
+/// What a call of [`Workload::advance`] did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// It got to the next sample.
+    Sample {
+        /// Steps taken since the last one.
+        steps: u32,
+        /// Simulated microseconds since the last one.
+        simulated_us: u32,
+    },
+    /// There was nothing left to do.
+    Finished,
+    /// It could not go on.
+    Failed,
+}
+
+/// Measures what costs a known number of instructions, then the workloads, and ends the run.
+pub fn run(workloads: &mut [&mut dyn Workload]) -> ! {
+    let Some(peripherals) = Peripherals::take() else { stop(Code::Faulted) };
+    let counter = Counter::start(peripherals.SYST);
+    measure(&counter, &mut Nops::default());
+    for workload in workloads {
+        measure(&counter, *workload);
+    }
+    stop(Code::Done)
+}
+
+#[inline(never)]
+fn measure(counter: &Counter, workload: &mut dyn Workload) {
+    info!("begin {=str}", workload.name());
+    let (mut steps, mut simulated_us, mut ticks, mut deepest) = (0_u64, 0_u64, 0_u64, 0_u32);
+    loop {
+        // Anew each time, because logging a sample uses the stack too.
+        stack::paint();
+        let started = counter.ticks();
+        // The boxes keep the compiler from moving the work out from between the two readings.
+        let progress = black_box(black_box(&mut *workload).advance());
+        let elapsed = counter.ticks() - started;
+        match progress {
+            Progress::Sample { steps: more, simulated_us: later } => {
+                steps += u64::from(more);
+                simulated_us += u64::from(later);
+                ticks += elapsed;
+                deepest = deepest.max(stack::deepest());
+                info!("sample {=u64} {=[?]:08x}", simulated_us, workload.state());
+            }
+            Progress::Finished => break,
+            Progress::Failed => stop(Code::WorkloadFailed),
+        }
+    }
+    info!("count steps {=u64}", steps);
+    info!("count simulated_us {=u64}", simulated_us);
+    info!("count ticks {=u64}", ticks);
+    info!("count stack_bytes {=u32}", deepest);
+    info!("end {=str}", workload.name());
+}

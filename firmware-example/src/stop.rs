@@ -1,0 +1,46 @@
+//! Panics and faults end the run with a code of their own, which QEMU or the debugger returns.
+//!
+//! Nothing here formats. So a firmware in which nothing can panic links no word of
+//! `core::panicking`, and the absence of those symbols is the proof that nothing can.
+
+use core::panic::PanicInfo;
+use cortex_m_rt::{ExceptionFrame, exception};
+use semihosting::process::exit;
+
+/// How a run ended. `host-bench on-target` puts these in words.
+#[derive(Clone, Copy)]
+pub(crate) enum Code {
+    Done = 0,
+    WorkloadFailed = 10,
+    Panicked = 11,
+    Faulted = 12,
+    LoggerMisused = 13,
+}
+
+/// Ends the run.
+pub(crate) fn stop(code: Code) -> ! {
+    exit(code as i32)
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo) -> ! {
+    stop(Code::Panicked)
+}
+
+/// `defmt`'s own panics (`defmt::panic!`, `defmt::unwrap!`) would otherwise keep `core`'s alive.
+#[defmt::panic_handler]
+fn defmt_panic() -> ! {
+    stop(Code::Panicked)
+}
+
+// SAFETY: it touches no memory but its own frame, and does not return.
+#[exception]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+    stop(Code::Faulted)
+}
+
+// SAFETY: as above; no interrupt is enabled, so this is a fault as well.
+#[exception]
+unsafe fn DefaultHandler(_: i16) -> ! {
+    stop(Code::Faulted)
+}
