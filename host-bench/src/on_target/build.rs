@@ -1,0 +1,73 @@
+//! Building the firmware.
+
+use super::core::Core;
+use super::toolchain::{self, Toolchain};
+use std::path::{Path, PathBuf};
+use std::{env, fs, io};
+use thiserror::Error;
+
+/// Where the binaries for one core are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Firmware {
+    /// The one that measures the workloads.
+    pub bench: PathBuf,
+    /// The same with no workloads.
+    pub empty: PathBuf,
+}
+
+/// Why there is no firmware.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// There is nothing to compile with.
+    #[error(transparent)]
+    Toolchain(#[from] toolchain::Error),
+    /// Cargo said why on the terminal.
+    #[error("the firmware for {0} does not build")]
+    Cargo(Core),
+    /// Cargo could not be started, or a file not be kept.
+    #[error("building the firmware for {core}: {source}")]
+    Io {
+        /// The core.
+        core: Core,
+        /// The system's reason.
+        source: io::Error,
+    },
+}
+
+/// Builds the firmware for `core`, by itself: the features of host crates must not reach it.
+///
+/// # Errors
+///
+/// When there is no compiler for it, or it does not compile.
+pub fn build(core: Core) -> Result<Firmware, Error> {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let hardware = core.hardware();
+    let toolchain = Toolchain::find(hardware.target)?;
+    let io_error = |source| Error::Io { core, source };
+
+    let all = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    let target_directory = workspace.join(all).join("on-target");
+    let status = toolchain
+        .cargo("build", hardware.target)
+        .args(["--release", "--package", "firmware-example"])
+        .arg("--target-dir")
+        .arg(&target_directory)
+        .env("HARVESTER_BOARD", hardware.board)
+        .current_dir(&workspace)
+        .status()
+        .map_err(io_error)?;
+    if !status.success() {
+        return Err(Error::Cargo(core));
+    }
+
+    // Two boards have the same target, and the second would overwrite the first. A directory for
+    // each board to build in would compile `core` and all the macros once for each as well.
+    let built = target_directory.join(hardware.target).join("release");
+    let kept = target_directory.join(hardware.board);
+    fs::create_dir_all(&kept).map_err(io_error)?;
+    let keep = |name: &str| {
+        let to = kept.join(name);
+        fs::copy(built.join(name), &to).map(|_| to).map_err(io_error)
+    };
+    Ok(Firmware { bench: keep("bench")?, empty: keep("empty")? })
+}

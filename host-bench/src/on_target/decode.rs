@@ -1,0 +1,166 @@
+//! The firmware's log, read back.
+//!
+//! The frames are defmt's; its own decoder turns them into text, with the strings that only the
+//! firmware's ELF file has. The text is a record of `firmware-example/src/measure.rs`:
+//!
+//! ```text
+//! begin NAME
+//! sample MICROSECONDS [WORD, …]
+//! count NAME VALUE
+//! end NAME
+//! ```
+//!
+//! The reader is strict. A log with a flaw in it is refused as a whole, because the figures are worth
+//! nothing if a part of them is missing.
+
+use defmt_decoder::{DecodeError, Table};
+use std::collections::BTreeMap;
+use thiserror::Error;
+
+/// All that is logged from one `begin` to its `end`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Section {
+    /// The workload's name.
+    pub name: String,
+    /// Its states.
+    pub samples: Vec<Sample>,
+    /// What it counted.
+    pub counts: BTreeMap<String, u64>,
+}
+
+/// The state at one moment.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sample {
+    /// Simulated time in microseconds.
+    pub simulated_us: u64,
+    /// Each number of the state as its bits.
+    pub bits: Vec<u32>,
+}
+
+/// What is wrong with a log.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum Error {
+    /// The ELF file has nothing to decode the log with.
+    #[error("no defmt strings in the firmware: {0}")]
+    Strings(String),
+    /// Bytes that are not a frame.
+    #[error("a frame of the log is damaged, after {0} good ones")]
+    Frame(usize),
+    /// Text that is not a record, or not one that may stand there.
+    #[error("not a record of the log: {0:?}")]
+    Record(String),
+    /// It stops before its end.
+    #[error("the log is not complete")]
+    Incomplete,
+    /// A figure that every workload has is not there.
+    #[error("the log of {section} has no count of {count}")]
+    Missing {
+        /// The workload.
+        section: String,
+        /// The figure.
+        count: &'static str,
+    },
+}
+
+/// Reads `log`, the bytes that the firmware in the ELF file `firmware` sent.
+///
+/// # Errors
+///
+/// At the first flaw.
+pub fn decode(firmware: &[u8], log: &[u8]) -> Result<Vec<Section>, Error> {
+    let table = Table::parse(firmware)
+        .map_err(|error| Error::Strings(error.to_string()))?
+        .ok_or_else(|| Error::Strings("no .defmt section".to_owned()))?;
+    let mut decoder = table.new_stream_decoder();
+    decoder.received(log);
+    let mut records = Vec::new();
+    loop {
+        match decoder.decode() {
+            Ok(frame) => records.push(frame.display_message().to_string()),
+            Err(DecodeError::UnexpectedEof) => return sections(&records),
+            Err(DecodeError::Malformed) => return Err(Error::Frame(records.len())),
+        }
+    }
+}
+
+/// Sorts records into sections.
+fn sections(records: &[String]) -> Result<Vec<Section>, Error> {
+    let mut done = Vec::new();
+    let mut open: Option<Section> = None;
+    for record in records {
+        let misfit = || Error::Record(record.clone());
+        let (kind, rest) = record.split_once(' ').ok_or_else(misfit)?;
+        open = match (kind, open) {
+            ("begin", None) => {
+                Some(Section { name: rest.to_owned(), samples: Vec::new(), counts: BTreeMap::new() })
+            }
+            ("sample", Some(mut section)) => {
+                section.samples.push(sample(rest).ok_or_else(misfit)?);
+                Some(section)
+            }
+            ("count", Some(mut section)) => {
+                let (name, value) = rest.split_once(' ').ok_or_else(misfit)?;
+                let value = value.parse().map_err(|_| misfit())?;
+                section.counts.insert(name.to_owned(), value);
+                Some(section)
+            }
+            ("end", Some(section)) if section.name == rest => {
+                done.push(section);
+                None
+            }
+            _ => return Err(misfit()),
+        };
+    }
+    match open {
+        None => Ok(done),
+        Some(_) => Err(Error::Incomplete),
+    }
+}
+
+/// `250000 [3f3a6b27, c05cca90]`
+fn sample(text: &str) -> Option<Sample> {
+    let (time, words) = text.split_once(' ')?;
+    let words = words.strip_prefix('[')?.strip_suffix(']')?;
+    let bits = words.split(", ").map(|word| u32::from_str_radix(word, 16));
+    Some(Sample { simulated_us: time.parse().ok()?, bits: bits.collect::<Result<_, _>>().ok()? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(log: &str) -> Result<Vec<Section>, Error> {
+        sections(&log.lines().map(str::to_owned).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_complete_log_is_read_to_the_last_bit() {
+        let log =
+            "begin a\nsample 250000 [3f3a6b27, c05cca90]\ncount steps 4294967296\nend a\nbegin b\nend b";
+        let sections = read(log).expect("it is complete");
+        assert_eq!(sections.len(), 2);
+        assert_eq!(sections[0].samples[0].simulated_us, 250_000);
+        assert_eq!(sections[0].samples[0].bits, [0x3f3a_6b27, 0xc05c_ca90]);
+        assert_eq!(sections[0].counts["steps"], 1 << 32);
+    }
+
+    #[test]
+    fn a_log_that_stops_early_is_refused() {
+        assert_eq!(read("begin a\ncount steps 1"), Err(Error::Incomplete));
+    }
+
+    #[test]
+    fn a_record_out_of_place_or_of_no_known_form_is_refused() {
+        for log in [
+            "count steps 1",
+            "begin a\nbegin b",
+            "begin a\nend b",
+            "begin a\nsample 1 [xyz]",
+            "begin a\nsample 1 3f3a6b27",
+            "begin a\ncount steps -1",
+            "begin a\nnoise",
+        ] {
+            assert!(matches!(read(log), Err(Error::Record(_))), "{log}");
+        }
+    }
+}
