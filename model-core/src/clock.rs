@@ -61,18 +61,14 @@ impl Instant {
     #[must_use]
     #[inline(always)]
     pub fn ticks_until(self, later: Self, limit: u32) -> u32 {
-        u32::try_from(later.0.saturating_sub(self.0))
-            .unwrap_or(u32::MAX)
-            .min(limit)
+        u32::try_from(later.0.saturating_sub(self.0)).unwrap_or(u32::MAX).min(limit)
     }
 
     /// Seconds since the start, rounded. For reports: a step never uses absolute time.
     #[must_use]
     pub fn seconds<S: Scalar>(self) -> S {
-        let (whole, fraction) = (
-            self.0 >> TICKS_PER_SECOND_LOG2,
-            self.0 & ((1 << TICKS_PER_SECOND_LOG2) - 1),
-        );
+        let (whole, fraction) =
+            (self.0 >> TICKS_PER_SECOND_LOG2, self.0 & ((1 << TICKS_PER_SECOND_LOG2) - 1));
         let fraction = S::from_u32((fraction >> 8) as u32) * S::power_of_two(-32)
             + S::from_u32((fraction & 0xff) as u32) * S::power_of_two(-TICKS_PER_SECOND_LOG2);
         S::from_u32(whole as u32) + fraction
@@ -102,9 +98,7 @@ pub fn seconds_of_ticks<S: Scalar>(ticks: u32) -> S {
 #[must_use]
 pub fn ticks_of_seconds<S: Scalar>(seconds: S) -> u32 {
     // Two exact scalings by a power of two; the conversion saturates.
-    (seconds * S::power_of_two(TICKS_PER_SECOND_LOG2) + S::literal(0.5))
-        .to_u32()
-        .max(1)
+    (seconds * S::power_of_two(TICKS_PER_SECOND_LOG2) + S::literal(0.5)).to_u32().max(1)
 }
 
 /// The longest step, in seconds: 2³² − 1 ticks, 3.9 ms.
@@ -142,10 +136,7 @@ impl Frequency {
             return None;
         }
         let units = scale_to_integer(parts.mantissa, parts.exponent + 96 - TICKS_PER_SECOND_LOG2)?;
-        Some(Self {
-            upper: (units >> 32) as u64,
-            lower: units as u32,
-        })
+        Some(Self { upper: (units >> 32) as u64, lower: units as u32 })
     }
 
     /// Fraction of a cycle at `at`, in units of 2⁻⁶⁴; whole cycles are dropped.
@@ -167,10 +158,7 @@ impl Frequency {
     pub fn cycles(self, at: Instant) -> Cycles {
         let upper = u128::from(self.upper) * u128::from(at.0);
         let total = upper + ((u128::from(self.lower) * u128::from(at.0)) >> 32);
-        Cycles {
-            whole: (total >> 64) as u64,
-            fraction: total as u64,
-        }
+        Cycles { whole: (total >> 64) as u64, fraction: total as u64 }
     }
 }
 
@@ -202,8 +190,7 @@ mod tests {
                 ] {
                     let (frequency, parts) = (frequency.expect("in range"), parts.expect("finite"));
                     let phase = frequency.phase(at) as f64 / 2f64.powi(64);
-                    let mut error =
-                        (phase - exact_phase(parts.mantissa, parts.exponent, at.ticks())).abs();
+                    let mut error = (phase - exact_phase(parts.mantissa, parts.exponent, at.ticks())).abs();
                     error = error.min(1.0 - error);
                     assert!(error < 1e-10, "{hertz} Hz: {error} turns after a day");
                 }
@@ -219,15 +206,8 @@ mod tests {
             let at = Instant::from_ticks(ticks);
             let cycles = frequency.cycles(at);
             // The two round the lowest of 96 bits differently.
-            assert!(
-                cycles
-                    .fraction
-                    .wrapping_sub(frequency.phase(at))
-                    .cast_signed()
-                    .abs()
-                    <= 1
-            );
-            let exact = 400.3_f32 as f64 * ticks as f64 / 2f64.powi(40);
+            assert!(cycles.fraction.wrapping_sub(frequency.phase(at)).cast_signed().abs() <= 1);
+            let exact = f64::from(400.3_f32) * ticks as f64 / 2f64.powi(40);
             assert!((cycles.whole as f64 - exact).abs() <= 1.0);
         }
     }
@@ -235,10 +215,7 @@ mod tests {
     #[test]
     fn conversions_round_to_the_nearest_tick_and_refuse_the_rest() {
         assert_eq!(Instant::from_seconds(1.5_f32), Some(Instant(3 << 39)));
-        assert_eq!(
-            Instant::from_seconds(2f64.powi(-41) * 1.01),
-            Some(Instant(1))
-        );
+        assert_eq!(Instant::from_seconds(2f64.powi(-41) * 1.01), Some(Instant(1)));
         assert_eq!(Instant::from_seconds(0.0_f64), Some(Instant(0)));
         for refused in [-1.0, f64::NAN, f64::INFINITY, 1.7e7, 1e300] {
             assert_eq!(Instant::from_seconds(refused), None, "{refused}");

@@ -62,10 +62,9 @@ impl core::fmt::Display for ExcitationError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Amplitude => write!(f, "amplitude must be finite"),
-            Self::Frequency => write!(
-                f,
-                "frequency must be from 0 to 1e6 Hz, and above 0 for a sampled trace"
-            ),
+            Self::Frequency => {
+                write!(f, "frequency must be from 0 to 1e6 Hz, and above 0 for a sampled trace")
+            }
             Self::Phase => write!(f, "phase must be finite"),
             Self::TooFewSamples => write!(f, "a sampled trace must have at least two samples"),
             Self::Sample { index } => write!(f, "sample {index} must be finite"),

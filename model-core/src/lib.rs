@@ -4,5 +4,10 @@
 //! Vibration energy harvesters on a microcontroller.
 
 pub mod clock;
+pub mod energy;
 pub mod excitation;
+pub mod hybrid;
+pub mod integrate;
+pub mod part;
 pub mod scalar;
+pub mod scene;

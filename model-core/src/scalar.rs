@@ -5,6 +5,7 @@
 //! library: addition, multiplication, division and conversion are IEEE 754 operations, and the
 //! elementary functions are one of the [`Mathematics`] backends, which are plain Rust.
 
+mod compensated;
 mod float;
 #[cfg(feature = "libm")]
 mod libm;
@@ -19,6 +20,8 @@ use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 pub use self::libm::Libm;
 #[cfg(feature = "micromath")]
 pub use self::micromath::Micromath;
+pub use compensated::CompensatedSum;
+pub(crate) use compensated::add_increment;
 pub use polynomial::Polynomial;
 
 mod sealed {
@@ -44,6 +47,7 @@ pub struct Decomposed {
 pub trait Scalar:
     Copy
     + Debug
+    + Default
     + Display
     + PartialEq
     + PartialOrd
@@ -89,6 +93,9 @@ pub trait Scalar:
 
     /// This number in single precision, for quantities that steer and do not enter a result.
     fn to_f32(self) -> f32;
+
+    /// This number in double precision, exactly: for reports on a host.
+    fn to_f64(self) -> f64;
 
     /// The single-precision number `value`, exactly.
     fn from_f32(value: f32) -> Self;

@@ -17,9 +17,7 @@ pub enum AnyExcitation<'a, S, const TONES: usize, M = Polynomial> {
     Sampled(Sampled<'a, S>),
 }
 
-impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S>
-    for AnyExcitation<'_, S, TONES, M>
-{
+impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExcitation<'_, S, TONES, M> {
     fn acceleration(&self, at: Instant) -> S {
         match self {
             Self::Silence => Silence.acceleration(at),

@@ -45,13 +45,7 @@ impl<'a, S: Scalar> Sampled<'a, S> {
             return Err(ExcitationError::Frequency);
         }
         let ticks_per_sample = S::power_of_two(40) / rate;
-        Ok(Self {
-            samples,
-            rate: fixed,
-            samples_per_second: rate,
-            ticks_per_sample,
-            after,
-        })
+        Ok(Self { samples, rate: fixed, samples_per_second: rate, ticks_per_sample, after })
     }
 
     /// The samples on either side of `at`, and how far it lies between them.
@@ -112,33 +106,14 @@ mod tests {
     #[test]
     fn interpolates_and_ends_as_told() {
         let once = Sampled::new(&TRACE, 4.0, AfterLastSample::Silence).expect("valid");
-        let cases = [
-            (0.0, 0.0),
-            (0.125, 0.5),
-            (0.25, 1.0),
-            (0.375, -0.5),
-            (0.6, -1.0),
-            (0.75, 0.0),
-            (9.0, 0.0),
-        ];
+        let cases =
+            [(0.0, 0.0), (0.125, 0.5), (0.25, 1.0), (0.375, -0.5), (0.6, -1.0), (0.75, 0.0), (9.0, 0.0)];
         for (seconds, expected) in cases {
-            assert!(
-                (once.acceleration(at(seconds)) - expected).abs() < 1e-11,
-                "{seconds}"
-            );
+            assert!((once.acceleration(at(seconds)) - expected).abs() < 1e-11, "{seconds}");
         }
         let again = Sampled::new(&TRACE, 4.0, AfterLastSample::Repeat).expect("valid");
-        for (seconds, expected) in [
-            (0.75, 0.5),
-            (0.875, 0.25),
-            (1.0, 0.0),
-            (101.25, 1.0),
-            (101.375, -0.5),
-        ] {
-            assert!(
-                (again.acceleration(at(seconds)) - expected).abs() < 1e-11,
-                "{seconds}"
-            );
+        for (seconds, expected) in [(0.75, 0.5), (0.875, 0.25), (1.0, 0.0), (101.25, 1.0), (101.375, -0.5)] {
+            assert!((again.acceleration(at(seconds)) - expected).abs() < 1e-11, "{seconds}");
         }
         assert!((once.jerk(at(0.3)) + 12.0).abs() < 1e-9);
     }
@@ -156,13 +131,9 @@ mod tests {
 
     #[test]
     fn bad_traces_are_refused() {
-        let refuse =
-            |samples: &[f64], rate| Sampled::new(samples, rate, AfterLastSample::Silence).err();
+        let refuse = |samples: &[f64], rate| Sampled::new(samples, rate, AfterLastSample::Silence).err();
         assert_eq!(refuse(&[1.0], 4.0), Some(ExcitationError::TooFewSamples));
-        assert_eq!(
-            refuse(&[1.0, f64::NAN], 4.0),
-            Some(ExcitationError::Sample { index: 1 })
-        );
+        assert_eq!(refuse(&[1.0, f64::NAN], 4.0), Some(ExcitationError::Sample { index: 1 }));
         assert_eq!(refuse(&TRACE, 0.0), Some(ExcitationError::Frequency));
         assert_eq!(refuse(&TRACE, -4.0), Some(ExcitationError::Frequency));
     }

@@ -33,13 +33,7 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
         let fixed = Frequency::from_hertz(frequency).ok_or(ExcitationError::Frequency)?;
         let start = turns_of_radians(phase).ok_or(ExcitationError::Phase)?;
         let angular_frequency = frequency * S::literal(core::f64::consts::TAU);
-        Ok(Self {
-            amplitude,
-            angular_frequency,
-            frequency: fixed,
-            start,
-            mathematics: PhantomData,
-        })
+        Ok(Self { amplitude, angular_frequency, frequency: fixed, start, mathematics: PhantomData })
     }
 
     #[inline(always)]
@@ -62,11 +56,7 @@ fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
     let upper = scaled.to_u32();
     let lower = ((scaled - S::from_u32(upper)) * S::power_of_two(32)).to_u32();
     let units = (u64::from(upper) << 32) | u64::from(lower);
-    Some(if turns < S::ZERO {
-        units.wrapping_neg()
-    } else {
-        units
-    })
+    Some(if turns < S::ZERO { units.wrapping_neg() } else { units })
 }
 
 impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {
@@ -92,9 +82,7 @@ mod tests {
             let at = Instant::from_seconds(f64::from(k) * 1.37e-3).expect("valid");
             let angle = core::f64::consts::TAU * 20.0 * at.seconds::<f64>() + 0.3;
             assert!((sine.acceleration(at) - 1.962 * angle.sin()).abs() < 1e-12);
-            assert!(
-                (sine.jerk(at) - 1.962 * core::f64::consts::TAU * 20.0 * angle.cos()).abs() < 1e-9
-            );
+            assert!((sine.jerk(at) - 1.962 * core::f64::consts::TAU * 20.0 * angle.cos()).abs() < 1e-9);
         }
     }
 
@@ -102,32 +90,17 @@ mod tests {
     fn start_phase_may_be_negative_or_beyond_a_turn() {
         for phase in [-0.3_f64, 6.5, -1000.0, 0.0] {
             let sine = Sine::<f64>::new(1.0, 0.0, phase).expect("valid");
-            assert!(
-                (sine.acceleration(Instant::START) - phase.sin()).abs() < 1e-11,
-                "{phase}"
-            );
+            assert!((sine.acceleration(Instant::START) - phase.sin()).abs() < 1e-11, "{phase}");
             let single = Sine::<f32>::new(1.0, 0.0, phase as f32).expect("valid");
             let tolerance = 1e-6 * phase.abs().max(1.0) as f32;
-            assert!(
-                (single.acceleration(Instant::START) - phase.sin() as f32).abs() < tolerance,
-                "{phase}"
-            );
+            assert!((single.acceleration(Instant::START) - phase.sin() as f32).abs() < tolerance, "{phase}");
         }
     }
 
     #[test]
     fn arguments_out_of_range_are_named() {
-        assert_eq!(
-            Sine::<f32>::new(f32::NAN, 1.0, 0.0),
-            Err(ExcitationError::Amplitude)
-        );
-        assert_eq!(
-            Sine::<f32>::new(1.0, -1.0, 0.0),
-            Err(ExcitationError::Frequency)
-        );
-        assert_eq!(
-            Sine::<f32>::new(1.0, 1.0, f32::INFINITY),
-            Err(ExcitationError::Phase)
-        );
+        assert_eq!(Sine::<f32>::new(f32::NAN, 1.0, 0.0), Err(ExcitationError::Amplitude));
+        assert_eq!(Sine::<f32>::new(1.0, -1.0, 0.0), Err(ExcitationError::Frequency));
+        assert_eq!(Sine::<f32>::new(1.0, 1.0, f32::INFINITY), Err(ExcitationError::Phase));
     }
 }

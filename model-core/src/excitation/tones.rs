@@ -36,16 +36,12 @@ impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Default for Tones<S, C
 impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Excitation<S> for Tones<S, CAPACITY, M> {
     #[inline]
     fn acceleration(&self, at: Instant) -> S {
-        self.tones
-            .iter()
-            .fold(S::ZERO, |sum, tone| sum + tone.acceleration(at))
+        self.tones.iter().fold(S::ZERO, |sum, tone| sum + tone.acceleration(at))
     }
 
     #[inline]
     fn jerk(&self, at: Instant) -> S {
-        self.tones
-            .iter()
-            .fold(S::ZERO, |sum, tone| sum + tone.jerk(at))
+        self.tones.iter().fold(S::ZERO, |sum, tone| sum + tone.jerk(at))
     }
 }
 
@@ -55,20 +51,12 @@ mod tests {
 
     #[test]
     fn adds_its_tones_and_refuses_one_too_many() {
-        let (a, b) = (
-            Sine::new(1.0_f64, 20.0, 0.0).expect("valid"),
-            Sine::new(0.5_f64, 33.0, 1.0).expect("valid"),
-        );
+        let (a, b) =
+            (Sine::new(1.0_f64, 20.0, 0.0).expect("valid"), Sine::new(0.5_f64, 33.0, 1.0).expect("valid"));
         let mut tones = Tones::<f64, 2>::new();
-        assert_eq!(
-            (tones.push(a), tones.push(b), tones.push(a)),
-            (Ok(()), Ok(()), Err(a))
-        );
+        assert_eq!((tones.push(a), tones.push(b), tones.push(a)), (Ok(()), Ok(()), Err(a)));
         let at = Instant::from_ticks(987_654_321_012);
-        assert_eq!(
-            tones.acceleration(at),
-            a.acceleration(at) + b.acceleration(at)
-        );
+        assert_eq!(tones.acceleration(at), a.acceleration(at) + b.acceleration(at));
         assert_eq!(tones.jerk(at), a.jerk(at) + b.jerk(at));
     }
 }

@@ -32,11 +32,7 @@ impl Scalar for f32 {
     }
 
     #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "saturates, as documented"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, as documented")]
     fn to_u32(self) -> u32 {
         self as u32
     }
@@ -44,6 +40,10 @@ impl Scalar for f32 {
     #[inline(always)]
     fn to_f32(self) -> f32 {
         self
+    }
+
+    fn to_f64(self) -> f64 {
+        f64::from(self)
     }
 
     #[inline(always)]
@@ -67,16 +67,9 @@ impl Scalar for f32 {
         }
         let bits = self.to_bits();
         let (biased, fraction) = ((bits >> 23) & 0xff, bits & 0x007f_ffff);
-        let (mantissa, exponent) = if biased == 0 {
-            (fraction, -149)
-        } else {
-            (fraction | 0x0080_0000, biased.cast_signed() - 150)
-        };
-        Some(Decomposed {
-            mantissa: u64::from(mantissa),
-            exponent,
-            negative: self < 0.0,
-        })
+        let (mantissa, exponent) =
+            if biased == 0 { (fraction, -149) } else { (fraction | 0x0080_0000, biased.cast_signed() - 150) };
+        Some(Decomposed { mantissa: u64::from(mantissa), exponent, negative: self < 0.0 })
     }
 
     #[inline(always)]
@@ -126,11 +119,7 @@ impl Scalar for f64 {
     }
 
     #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "saturates, as documented"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, as documented")]
     fn to_u32(self) -> u32 {
         self as u32
     }
@@ -139,6 +128,10 @@ impl Scalar for f64 {
     #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
     fn to_f32(self) -> f32 {
         self as f32
+    }
+
+    fn to_f64(self) -> f64 {
+        self
     }
 
     #[inline(always)]
@@ -166,16 +159,9 @@ impl Scalar for f64 {
             (fraction, -1074)
         } else {
             // Eleven bits: the cast loses nothing.
-            (
-                fraction | 0x0010_0000_0000_0000,
-                (biased as u32).cast_signed() - 1075,
-            )
+            (fraction | 0x0010_0000_0000_0000, (biased as u32).cast_signed() - 1075)
         };
-        Some(Decomposed {
-            mantissa,
-            exponent,
-            negative: self < 0.0,
-        })
+        Some(Decomposed { mantissa, exponent, negative: self < 0.0 })
     }
 
     #[inline(always)]
@@ -204,16 +190,10 @@ mod tests {
         let mut x = 1.1e-30_f64;
         while x < 1e30 {
             let exact = x.sqrt();
-            assert!(
-                (x.square_root() - exact).abs() <= exact * f64::EPSILON,
-                "{x}"
-            );
+            assert!((x.square_root() - exact).abs() <= exact * f64::EPSILON, "{x}");
             let single = x as f32;
             let exact = single.sqrt();
-            assert!(
-                (single.square_root() - exact).abs() <= exact * f32::EPSILON,
-                "{x}"
-            );
+            assert!((single.square_root() - exact).abs() <= exact * f32::EPSILON, "{x}");
             x *= 1.37;
         }
         assert_eq!((-1.0_f64).square_root(), 0.0);
@@ -228,26 +208,12 @@ mod tests {
             let magnitude = parts.mantissa as f64
                 * 2f64.powi(parts.exponent / 2)
                 * 2f64.powi(parts.exponent - parts.exponent / 2);
-            assert_eq!(
-                if parts.negative {
-                    -magnitude
-                } else {
-                    magnitude
-                },
-                value
-            );
+            assert_eq!(if parts.negative { -magnitude } else { magnitude }, value);
         }
         for value in [1.0_f32, 0.1, 1e4, 1e-40, -2.5] {
             let parts = value.decompose().expect("finite");
             let magnitude = (parts.mantissa as f64 * 2f64.powi(parts.exponent)) as f32;
-            assert_eq!(
-                if parts.negative {
-                    -magnitude
-                } else {
-                    magnitude
-                },
-                value
-            );
+            assert_eq!(if parts.negative { -magnitude } else { magnitude }, value);
         }
         assert_eq!(f64::NAN.decompose(), None);
         assert_eq!(f32::INFINITY.decompose(), None);

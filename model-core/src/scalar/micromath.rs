@@ -34,10 +34,7 @@ mod tests {
     fn stays_within_its_stated_error() {
         for k in 0..10_000_u64 {
             let phase = k.wrapping_mul(1_844_674_407_370_955_161);
-            let (a, b): (f32, f32) = (
-                Micromath::sine_of_turns(phase),
-                Polynomial::sine_of_turns(phase),
-            );
+            let (a, b): (f32, f32) = (Micromath::sine_of_turns(phase), Polynomial::sine_of_turns(phase));
             assert!((a - b).abs() < 2e-3, "{phase} {a} {b}");
             let x = -20.0 + k as f32 * 0.002;
             let (a, b): (f32, f32) = (Micromath::exponential(x), Polynomial::exponential(x));

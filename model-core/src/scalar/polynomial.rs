@@ -14,9 +14,11 @@ use super::{Mathematics, Scalar};
 pub struct Polynomial;
 
 /// `sin(2πx) / x` as a polynomial in x², |x| ≤ 1/4: error 2.7e-8.
+#[expect(clippy::approx_constant, reason = "the leading coefficient is fitted and only near 2π")]
 const SINE_F32: [f32; 5] = [6.283_185_3, -41.341_682, 81.602_486, -76.581_4, 39.761_616];
 
 /// `sin(2πx) / x` as a polynomial in x², |x| ≤ 1/4: error 1.3e-18.
+#[expect(clippy::approx_constant, reason = "the leading coefficient is fitted and only near 2π")]
 const SINE_F64: [f64; 9] = [
     6.283_185_307_179_586_475_6,
     -41.341_702_240_399_756_87,
@@ -30,15 +32,8 @@ const SINE_F64: [f64; 9] = [
 ];
 
 /// `e^x`, |x| ≤ ln 2 / 2: error 1.9e-9.
-const EXPONENTIAL_F32: [f32; 7] = [
-    1.0,
-    1.0,
-    0.500_000_02,
-    0.166_664_15,
-    0.041_666_084,
-    0.008_375_128_6,
-    0.001_395_605_6,
-];
+const EXPONENTIAL_F32: [f32; 7] =
+    [1.0, 1.0, 0.500_000_02, 0.166_664_15, 0.041_666_084, 0.008_375_128_6, 0.001_395_605_6];
 
 /// `e^x`, |x| ≤ ln 2 / 2: error 4.1e-20.
 const EXPONENTIAL_F64: [f64; 13] = [
@@ -59,10 +54,7 @@ const EXPONENTIAL_F64: [f64; 13] = [
 
 #[inline(always)]
 fn horner<S: Scalar, const N: usize>(coefficients: &[S; N], x: S) -> S {
-    coefficients
-        .iter()
-        .rev()
-        .fold(S::ZERO, |sum, &coefficient| sum * x + coefficient)
+    coefficients.iter().rev().fold(S::ZERO, |sum, &coefficient| sum * x + coefficient)
 }
 
 /// Folds a phase in turns into [−1/4, 1/4] turn with the same sine; returned in units of half a
@@ -71,11 +63,7 @@ fn horner<S: Scalar, const N: usize>(coefficients: &[S; N], x: S) -> S {
 fn fold_quarter_wave(phase: u64) -> i64 {
     let signed = phase.cast_signed();
     // Above a quarter of a turn, sin(½ turn − x) = sin x; the subtraction wraps as phases do.
-    if (phase.wrapping_add(1 << 62)) >> 63 == 0 {
-        signed
-    } else {
-        i64::MIN.wrapping_sub(signed)
-    }
+    if (phase.wrapping_add(1 << 62)) >> 63 == 0 { signed } else { i64::MIN.wrapping_sub(signed) }
 }
 
 #[inline(always)]
@@ -103,11 +91,7 @@ fn exponential<S: Scalar, const N: usize>(
     let scaled = x * S::literal(core::f64::consts::LOG2_E);
     let half = S::literal(0.5);
     let magnitude = (scaled.absolute() + half).to_u32().cast_signed();
-    let n = if scaled < S::ZERO {
-        -magnitude
-    } else {
-        magnitude
-    };
+    let n = if scaled < S::ZERO { -magnitude } else { magnitude };
     let count = S::from_i32(n);
     let r = (x - count * S::literal(ln_2[0])) - count * S::literal(ln_2[1]);
     // Split the power so that neither factor leaves the normal range.
@@ -124,13 +108,7 @@ impl Mathematics<f32> for Polynomial {
     }
 
     fn exponential(x: f32) -> f32 {
-        exponential(
-            x,
-            -87.0,
-            88.7,
-            [0.693_145_751_953_125, 1.428_606_820_309_417_2e-6],
-            &EXPONENTIAL_F32,
-        )
+        exponential(x, -87.0, 88.7, [0.693_145_751_953_125, 1.428_606_820_309_417_2e-6], &EXPONENTIAL_F32)
     }
 }
 
@@ -162,27 +140,18 @@ mod tests {
         for k in 0..200_000_u64 {
             let phase = k.wrapping_mul(92_233_720_368_547_759).wrapping_add(k << 7);
             // The comparison itself rounds its argument, up to π, to 4e-16.
-            let exact = (core::f64::consts::TAU
-                * (phase.cast_signed() as f64 / 18_446_744_073_709_551_616.0))
-                .sin();
+            let exact =
+                (core::f64::consts::TAU * (phase.cast_signed() as f64 / 18_446_744_073_709_551_616.0)).sin();
             let double: f64 = Polynomial::sine_of_turns(phase);
             assert!((double - exact).abs() < 8e-16, "{phase} {double} {exact}");
             let single: f32 = Polynomial::sine_of_turns(phase);
-            assert!(
-                (f64::from(single) - exact).abs() < 1.8e-7,
-                "{phase} {single} {exact}"
-            );
+            assert!((f64::from(single) - exact).abs() < 1.8e-7, "{phase} {single} {exact}");
         }
     }
 
     #[test]
     fn sine_at_the_quarters_is_exact() {
-        for (phase, exact) in [
-            (0_u64, 0.0),
-            (1 << 62, 1.0),
-            (1 << 63, 0.0),
-            (3 << 62, -1.0),
-        ] {
+        for (phase, exact) in [(0_u64, 0.0), (1 << 62, 1.0), (1 << 63, 0.0), (3 << 62, -1.0)] {
             let double: f64 = Polynomial::sine_of_turns(phase);
             let single: f32 = Polynomial::sine_of_turns(phase);
             assert!((double - exact).abs() < 3e-16 && (f64::from(single) - exact).abs() < 1e-7);
@@ -197,16 +166,10 @@ mod tests {
             let double: f64 = Polynomial::exponential(x);
             assert!((double / exact - 1.0).abs() < 6e-16, "{x}");
             let single: f32 = Polynomial::exponential(x as f32);
-            assert!(
-                (f64::from(single) / f64::from(x as f32).exp() - 1.0).abs() < 3e-7,
-                "{x} {single}"
-            );
+            assert!((f64::from(single) / f64::from(x as f32).exp() - 1.0).abs() < 3e-7, "{x} {single}");
             x += 0.0137;
         }
-        let (low, high): (f32, f64) = (
-            Polynomial::exponential(-1e9_f32),
-            Polynomial::exponential(1e9_f64),
-        );
+        let (low, high): (f32, f64) = (Polynomial::exponential(-1e9_f32), Polynomial::exponential(1e9_f64));
         assert_eq!((low, high), (0.0, f64::INFINITY));
     }
 }

@@ -1,0 +1,9 @@
+//! What was harvested, and whether it adds up.
+
+mod event_log;
+mod ledger;
+mod meter;
+
+pub use event_log::{EventLog, LoggedEvent};
+pub use ledger::{Ledger, Residual};
+pub use meter::{Integrals, Peak, PowerMeter, RunMeter};

@@ -1,0 +1,339 @@
+//! The driver: flow, guard, jump, flow.
+
+use super::locate::{Attempts, MOST_ATTEMPTS};
+use super::{Automaton, Event, HybridState, Moment, Observer, Span};
+use crate::clock::{Instant, seconds_of_ticks};
+use crate::excitation::Excitation;
+use crate::integrate::step_control::{StepErrors, Verdict};
+use crate::integrate::{Method, Point, StepControl, Trial};
+use crate::scalar::Scalar;
+
+/// Attempts that [`Driver::advance`] may need to come to a point where it can pause: one step and
+/// the location of one event. A smaller budget is taken as this one.
+pub const LEAST_BUDGET: u32 = MOST_ATTEMPTS + 2;
+
+/// Events that may follow one another within [`CROWDED_TICKS`] before it is called a storm.
+const MOST_CROWDED_EVENTS: u8 = 64;
+/// A nanosecond, in ticks.
+const CROWDED_TICKS: u32 = 1_100;
+/// A step shorter than this (4 ps) has shrunk to nothing.
+const SHORTEST_TICKS: u32 = 4;
+
+/// What a driver is made of: a method and a rule for the length of its steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Driver<M, C> {
+    /// The method that takes the steps.
+    pub method: M,
+    /// The rule for their length.
+    pub control: C,
+    /// Whether [`Driver::advance`] returns after each event.
+    pub pause_at_events: bool,
+}
+
+/// Why [`Driver::advance`] returned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Ended {
+    /// The clock stands at the instant that was asked for.
+    Finished,
+    /// The budget is spent: call again, nothing is lost.
+    BudgetSpent,
+    /// An event happened, and the driver pauses at events.
+    Event,
+}
+
+/// Work done by one call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Work {
+    /// Steps kept.
+    pub steps: u32,
+    /// Steps taken and not kept: rejected by the step control or not converged.
+    pub rejected: u32,
+    /// Steps taken to locate events, beside those kept.
+    pub locating: u32,
+    /// Newton iterations.
+    pub iterations: u32,
+    /// Events.
+    pub events: u32,
+}
+
+impl Work {
+    fn attempts(&self) -> u32 {
+        self.steps + self.rejected + self.locating
+    }
+}
+
+/// What [`Driver::advance`] did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Advance {
+    /// Why it returned.
+    pub ended: Ended,
+    /// What it spent.
+    pub work: Work,
+}
+
+/// What went wrong in a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum StepFailure<S> {
+    /// The step shrank to nothing: the equations could not be solved or the tolerance not met.
+    StepVanished,
+    /// Events follow one another without end in no time.
+    EventStorm,
+    /// A quantity left the domain of the model.
+    OutsideDomain {
+        /// The quantity.
+        quantity: &'static str,
+        /// Its value, in SI units.
+        value: S,
+    },
+}
+
+/// A step that cannot be taken. The state is the last good one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct StepError<S> {
+    /// What went wrong.
+    pub failure: StepFailure<S>,
+    /// When.
+    pub at: Instant,
+}
+
+impl<S: Scalar> core::fmt::Display for StepError<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self.failure {
+            StepFailure::StepVanished => write!(f, "the step shrank to nothing"),
+            StepFailure::EventStorm => write!(f, "events follow one another without end"),
+            StepFailure::OutsideDomain { quantity, value } => {
+                write!(f, "{quantity} = {value} is outside the model's domain")
+            }
+        }?;
+        write!(f, " at {} s", self.at.seconds::<S>())
+    }
+}
+
+impl<S: Scalar> core::error::Error for StepError<S> {}
+
+/// One step that is to be kept.
+struct Kept<S, const N: usize, const P: usize> {
+    trial: Trial<S, N, P>,
+    ticks: u32,
+    /// The guard at which the step ends.
+    event: Option<usize>,
+}
+
+impl<M, C> Driver<M, C> {
+    /// A driver that does not pause at events.
+    #[must_use]
+    pub const fn new(method: M, control: C) -> Self {
+        Self { method, control, pause_at_events: false }
+    }
+
+    /// Advances `state` to `until`, in at most `budget` attempted steps.
+    ///
+    /// The same bits result however a run is divided by budgets and pauses; dividing it by
+    /// `until` cuts a step there.
+    ///
+    /// # Errors
+    /// [`StepError`]; the state is then the last good one, and `observer` has seen all before it.
+    #[inline]
+    pub fn advance<S, A, E, O, const N: usize, const P: usize>(
+        &self,
+        automaton: &A,
+        state: &mut HybridState<S, A::Mode, N, P>,
+        excitation: &E,
+        until: Instant,
+        budget: u32,
+        observer: &mut O,
+    ) -> Result<Advance, StepError<S>>
+    where
+        S: Scalar,
+        M: Method<S>,
+        C: StepControl<S>,
+        A: Automaton<S, N, P>,
+        E: Excitation<S>,
+        O: Observer<S, A::Mode, N, P>,
+    {
+        let mut work = Work::default();
+        let budget = budget.max(LEAST_BUDGET);
+        while state.clock < until {
+            if work.attempts() + work.events > 0 && budget.saturating_sub(work.attempts()) < LEAST_BUDGET {
+                return Ok(Advance { ended: Ended::BudgetSpent, work });
+            }
+            let at = state.clock;
+            let fail = |failure| StepError { failure, at };
+            let event = match due_event(automaton, state, excitation) {
+                Some(event) => Some(event),
+                None => {
+                    let Some(kept) =
+                        self.next_step(automaton, state, excitation, until, &mut work).map_err(fail)?
+                    else {
+                        // Rejected; the memory holds a shorter step.
+                        continue;
+                    };
+                    automaton
+                        .check(state.mode, &kept.trial.end.state)
+                        .map_err(|(quantity, value)| fail(StepFailure::OutsideDomain { quantity, value }))?;
+                    observer.step(&Span {
+                        mode: state.mode,
+                        from: state.clock,
+                        ticks: kept.ticks,
+                        step: seconds_of_ticks(kept.ticks),
+                        start: &state.point,
+                        end: &kept.trial.end,
+                        energies: &kept.trial.energies,
+                    });
+                    work.steps += 1;
+                    state.clock = state.clock.after(kept.ticks);
+                    state.since_event = state.since_event.saturating_add(kept.ticks);
+                    state.point = kept.trial.end;
+                    state.armed = state.armed || automaton.rearms(state.mode, &state.point);
+                    kept.event
+                }
+            };
+            if let Some(guard) = event {
+                take_jump(automaton, state, excitation, guard, observer)?;
+                work.events += 1;
+                if self.pause_at_events {
+                    return Ok(Advance { ended: Ended::Event, work });
+                }
+            }
+        }
+        Ok(Advance { ended: Ended::Finished, work })
+    }
+
+    /// Attempts a step; `None` if it was not good enough and the memory proposes a shorter one.
+    #[inline(always)]
+    fn next_step<S, A, E, const N: usize, const P: usize>(
+        &self,
+        automaton: &A,
+        state: &mut HybridState<S, A::Mode, N, P>,
+        excitation: &E,
+        until: Instant,
+        work: &mut Work,
+    ) -> Result<Option<Kept<S, N, P>>, StepFailure<S>>
+    where
+        S: Scalar,
+        M: Method<S>,
+        C: StepControl<S>,
+        A: Automaton<S, N, P>,
+        E: Excitation<S>,
+    {
+        let proposed = state.control.ticks;
+        let limit = state.clock.ticks_until(until, excitation.smooth_ticks(state.clock));
+        let ticks = proposed.min(limit);
+        let scale = automaton.error_scale();
+        let attempts = Attempts {
+            automaton,
+            mode: state.mode,
+            armed: state.armed,
+            start: &state.point,
+            clock: state.clock,
+            excitation,
+            method: &self.method,
+            accuracy: self.control.accuracy(ticks, &scale),
+        };
+        let shorten = |state_control: &mut _, work: &mut Work| {
+            work.rejected += 1;
+            self.control.shorten(state_control, ticks);
+            if ticks < SHORTEST_TICKS { Err(StepFailure::StepVanished) } else { Ok(None) }
+        };
+        let Ok(trial) = attempts.attempt(ticks) else {
+            return shorten(&mut state.control, work);
+        };
+        work.iterations += trial.iterations;
+        let errors = StepErrors {
+            ticks,
+            state: trial.error,
+            energy: trial.energy_error,
+            delivered: trial.energies.first().copied().unwrap_or(S::ZERO),
+        };
+        let mut control = state.control;
+        if self.control.judge(&mut control, &errors, &scale) == Verdict::Reject {
+            work.rejected += 1;
+            state.control = control;
+            return if ticks < SHORTEST_TICKS { Err(StepFailure::StepVanished) } else { Ok(None) };
+        }
+        if ticks < proposed {
+            control.keep_proposal(&state.control);
+        }
+        let kept = match attempts.first_fall(&trial, ticks) {
+            None => Kept { trial, ticks, event: None },
+            Some((guard, theta)) => {
+                let Ok(located) = attempts.locate(guard, theta, trial, ticks) else {
+                    return shorten(&mut state.control, work);
+                };
+                // The step that is kept is one of those attempted.
+                work.locating += located.attempts;
+                work.iterations += located.iterations;
+                Kept { trial: located.trial, ticks: located.ticks, event: located.fell.then_some(guard) }
+            }
+        };
+        state.control = control;
+        Ok(Some(kept))
+    }
+}
+
+/// A guard whose event is due where the state stands, without a step.
+#[inline(always)]
+fn due_event<S, A, E, const N: usize, const P: usize>(
+    automaton: &A,
+    state: &HybridState<S, A::Mode, N, P>,
+    excitation: &E,
+) -> Option<usize>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+    E: Excitation<S>,
+{
+    let moment = Moment::new(excitation, state.clock);
+    (0..automaton.guards(state.mode))
+        .find(|&index| automaton.guard(state.mode, index, state.armed, &state.point, &moment).is_due())
+}
+
+/// Carries out the jump of guard number `guard`.
+#[cold]
+#[inline(never)]
+fn take_jump<S, A, E, O, const N: usize, const P: usize>(
+    automaton: &A,
+    state: &mut HybridState<S, A::Mode, N, P>,
+    excitation: &E,
+    guard: usize,
+    observer: &mut O,
+) -> Result<(), StepError<S>>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+    E: Excitation<S>,
+    O: Observer<S, A::Mode, N, P>,
+{
+    let crowded = state.since_event < CROWDED_TICKS;
+    let crowded_events = if crowded { state.crowded_events + 1 } else { 0 };
+    if crowded_events > MOST_CROWDED_EVENTS {
+        return Err(StepError { failure: StepFailure::EventStorm, at: state.clock });
+    }
+    let moment = Moment::new(excitation, state.clock);
+    let step = seconds_of_ticks(state.control.ticks);
+    let jump = automaton.jump(state.mode, guard, &state.point, &moment, step);
+    let input = moment.acceleration();
+    let left = Point::with_derivative(&automaton.flow(jump.mode), jump.state, jump.derivative, input);
+    observer.event(&Event {
+        at: state.clock,
+        before: state.mode,
+        guard,
+        reached: &state.point,
+        after: jump.mode,
+        left: &left,
+        loss: jump.loss,
+    });
+    state.mode = jump.mode;
+    state.point = left;
+    state.armed = jump.armed;
+    state.since_event = 0;
+    state.crowded_events = crowded_events;
+    Ok(())
+}

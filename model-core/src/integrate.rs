@@ -1,0 +1,133 @@
+//! Integrating a small system of ordinary differential equations one step at a time.
+//!
+//! Nothing here knows physics, a clock or an event. A [`System`] gives its flow, its Jacobian (as
+//! a factored iteration matrix) and a short list of powers; a [`Method`] takes one step from one
+//! [`Point`] to the next and integrates the powers with its own stage weights; a [`StepControl`]
+//! judges the step and proposes the next.
+
+pub mod cubic;
+pub mod linear;
+mod runge_kutta;
+pub mod step_control;
+mod tr_bdf2;
+
+use crate::scalar::Scalar;
+
+pub use runge_kutta::RungeKutta4;
+pub use step_control::{Adaptive, AnyStepControl, FixedStep, StepControl};
+pub use tr_bdf2::TrBdf2;
+
+/// A system `y' = f(y, u)` of `N` states with one input `u`, and `P` powers to integrate along
+/// with it.
+///
+/// By convention `powers[0]` is the power delivered to the load: its error estimate steers the
+/// step beside that of the states.
+pub trait System<S: Scalar, const N: usize, const P: usize> {
+    /// `I − w J` in a form that [`System::solve`] can use.
+    type Factor;
+
+    /// `f(y, u)`.
+    fn flow(&self, state: &[S; N], input: S) -> [S; N];
+
+    /// Factors `I − weight · ∂f/∂y` at `state`; `None` if it is singular.
+    fn factor(&self, state: &[S; N], input: S, weight: S) -> Option<Self::Factor>;
+
+    /// Solves `(I − weight · ∂f/∂y) x = right`.
+    fn solve(&self, factor: &Self::Factor, right: [S; N]) -> [S; N];
+
+    /// Puts those entries of `increment` in order that have a closed form given the others.
+    ///
+    /// In an implicit stage `increment = weight · f(base + increment, u)` is solved by Newton's
+    /// iteration; an equation that is linear in its own unknown can be solved outright in each
+    /// pass. Where such an equation is stiff this is not a matter of speed: its rate is the small
+    /// difference of large terms, and must be consistent with the other entries to rounding.
+    #[inline(always)]
+    fn eliminate(&self, _base: &[S; N], _increment: &mut [S; N], _weight: S) {}
+
+    /// The powers in watts (or whatever is to be integrated) at a state and its derivative.
+    ///
+    /// The derivative is the method's own stage derivative: where the current of a stiff circuit
+    /// would be a small difference of large voltages, it is the accurate source.
+    fn powers(&self, state: &[S; N], derivative: &[S; N], input: S) -> [S; P];
+
+    /// The size of a small change of the state, relative to what the state is measured by.
+    fn weigh(&self, state: &[S; N], change: &[S; N]) -> S;
+}
+
+/// A state with what the next step needs of the one before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Point<S, const N: usize, const P: usize> {
+    /// The state.
+    pub state: [S; N],
+    /// What rounding took from the state: the true state is `state + remainder`.
+    pub remainder: [S; N],
+    /// The derivative of the state, as the method's last stage has it.
+    pub derivative: [S; N],
+    /// The powers at this point.
+    pub powers: [S; P],
+}
+
+impl<S: Scalar, const N: usize, const P: usize> Point<S, N, P> {
+    /// The point of `system` at a given state.
+    pub fn at<Y: System<S, N, P>>(system: &Y, state: [S; N], input: S) -> Self {
+        Self::with_derivative(system, state, system.flow(&state, input), input)
+    }
+
+    /// The point of `system` at a given state with a derivative that is known better than the
+    /// flow can tell it.
+    pub fn with_derivative<Y: System<S, N, P>>(
+        system: &Y,
+        state: [S; N],
+        derivative: [S; N],
+        input: S,
+    ) -> Self {
+        Self { state, remainder: [S::ZERO; N], derivative, powers: system.powers(&state, &derivative, input) }
+    }
+}
+
+/// What a method found at the end of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trial<S, const N: usize, const P: usize> {
+    /// The end of the step.
+    pub end: Point<S, N, P>,
+    /// The integral of each power over the step.
+    pub energies: [S; P],
+    /// Estimated local error of the state, as [`System::weigh`] measures it; 0 if the method has
+    /// no estimate.
+    pub error: S,
+    /// Estimated local error of `energies[0]`; 0 if there is none.
+    pub energy_error: S,
+    /// Newton iterations spent.
+    pub iterations: u32,
+}
+
+/// A step whose implicit equations were not solved, or whose result is not finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NotConverged;
+
+/// A one-step method.
+pub trait Method<S: Scalar> {
+    /// Takes one step of `ticks` clock ticks from `start`.
+    ///
+    /// `input` gives the input at a number of ticks into the step; `accuracy` is the size, as
+    /// [`System::weigh`] measures it, down to which implicit equations are to be solved.
+    ///
+    /// # Errors
+    /// [`NotConverged`]; the caller is to try a shorter step.
+    fn attempt<const N: usize, const P: usize, Y: System<S, N, P>>(
+        &self,
+        system: &Y,
+        start: &Point<S, N, P>,
+        input: impl Fn(u32) -> S,
+        ticks: u32,
+        accuracy: S,
+    ) -> Result<Trial<S, N, P>, NotConverged>;
+}
+
+/// `a + factor · b`, entry by entry.
+#[inline(always)]
+fn add_scaled<S: Scalar, const N: usize>(a: &[S; N], factor: S, b: &[S; N]) -> [S; N] {
+    core::array::from_fn(|i| a[i] + factor * b[i])
+}

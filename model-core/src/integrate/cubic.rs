@@ -1,0 +1,234 @@
+//! The dense output: a cubic through the values and slopes at both ends of a step.
+//!
+//! A one-step method that ends on its last stage has both slopes for nothing, the interpolant of
+//! neighbouring steps joins with a continuous first derivative, and its extrema, on which hidden
+//! crossings, grazes and peaks depend, are roots of a quadratic.
+
+use crate::scalar::Scalar;
+
+/// A cubic on θ ∈ [0, 1], given by its values and its slopes with respect to θ at the ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cubic<S> {
+    start: S,
+    start_slope: S,
+    end: S,
+    end_slope: S,
+}
+
+/// Iterations of a bracketed root search; bisection alone resolves 2⁻⁴⁰.
+const ROOT_ITERATIONS: usize = 40;
+
+impl<S: Scalar> Cubic<S> {
+    /// From values and time derivatives at both ends of a step of length `step`.
+    #[must_use]
+    #[inline(always)]
+    pub fn new(start: S, start_rate: S, end: S, end_rate: S, step: S) -> Self {
+        Self { start, start_slope: start_rate * step, end, end_slope: end_rate * step }
+    }
+
+    /// A parabola from its values at both ends and its mean over the step.
+    #[must_use]
+    #[inline(always)]
+    pub fn with_mean(start: S, end: S, mean: S) -> Self {
+        let sag = S::literal(3.0) * (start + end) - S::literal(6.0) * mean;
+        let rise = end - start;
+        Self { start, start_slope: rise - sag, end, end_slope: rise + sag }
+    }
+
+    /// The value at `theta`.
+    #[must_use]
+    pub fn value(&self, theta: S) -> S {
+        let [linear, quadratic, cubic] = self.powers();
+        self.start + theta * (linear + theta * (quadratic + theta * cubic))
+    }
+
+    /// The slope with respect to θ at `theta`.
+    #[must_use]
+    pub fn slope(&self, theta: S) -> S {
+        let [linear, quadratic, cubic] = self.powers();
+        linear + theta * (S::literal(2.0) * quadratic + theta * S::literal(3.0) * cubic)
+    }
+
+    /// Coefficients of θ, θ² and θ³.
+    #[inline(always)]
+    fn powers(&self) -> [S; 3] {
+        let rise = self.end - self.start;
+        let cubic = self.start_slope + self.end_slope - S::literal(2.0) * rise;
+        [self.start_slope, rise - self.start_slope - cubic, cubic]
+    }
+
+    /// The inner Bernstein coefficients: the cubic lies in the hull of these and its end values.
+    #[inline(always)]
+    fn inner_hull(&self) -> [S; 2] {
+        let third = S::literal(1.0 / 3.0);
+        [self.start + third * self.start_slope, self.end - third * self.end_slope]
+    }
+
+    /// The interior extrema in order of θ.
+    fn extrema(&self) -> [Option<S>; 2] {
+        let [linear, quadratic, cubic] = self.powers();
+        // 3 c θ² + 2 b θ + a = 0, solved without cancellation.
+        let discriminant = quadratic * quadratic - S::literal(3.0) * cubic * linear;
+        if !(discriminant >= S::ZERO) {
+            return [None, None];
+        }
+        let root = discriminant.square_root();
+        let q = -(quadratic + if quadratic < S::ZERO { -root } else { root });
+        let inside = |theta: S| (theta > S::ZERO && theta < S::ONE).then_some(theta);
+        let (first, second) = (inside(linear / q), inside(q / (S::literal(3.0) * cubic)));
+        match (first, second) {
+            (Some(a), Some(b)) if b < a => [Some(b), Some(a)],
+            _ => [first, second],
+        }
+    }
+
+    /// The largest value on the step, turning points inside included.
+    #[must_use]
+    pub fn largest(&self) -> S {
+        let ends = self.start.larger(self.end);
+        let [one, two] = self.inner_hull();
+        if one <= ends && two <= ends {
+            return ends;
+        }
+        self.extrema().into_iter().flatten().fold(ends, |largest, theta| largest.larger(self.value(theta)))
+    }
+
+    /// The smallest value on the step, turning points inside included.
+    #[must_use]
+    pub fn smallest(&self) -> S {
+        -self.negated().largest()
+    }
+
+    fn negated(&self) -> Self {
+        Self {
+            start: -self.start,
+            start_slope: -self.start_slope,
+            end: -self.end,
+            end_slope: -self.end_slope,
+        }
+    }
+
+    /// The first θ at which the cubic falls to zero, if it starts above zero (or at zero and
+    /// rising): a crossing at the end, one hidden before a return, or a graze.
+    ///
+    /// `None` is the common case and costs four multiplications: a cubic whose Bernstein
+    /// coefficients are all positive has no zero.
+    #[must_use]
+    #[inline(always)]
+    pub fn first_fall(&self) -> Option<S> {
+        let [one, two] = self.inner_hull();
+        if one > S::ZERO && two > S::ZERO && self.end > S::ZERO { None } else { self.search_fall() }
+    }
+
+    #[cold]
+    fn search_fall(&self) -> Option<S> {
+        let mut left = S::ZERO;
+        // A start at zero counts as above it only if the cubic then rises.
+        if self.start < S::ZERO || self.start == S::ZERO && !(self.start_slope > S::ZERO) {
+            return Some(S::ZERO);
+        }
+        let [first, second] = self.extrema();
+        for right in [first, second, Some(S::ONE)].into_iter().flatten() {
+            let value = if right == S::ONE { self.end } else { self.value(right) };
+            if value <= S::ZERO {
+                return Some(self.root_between(left, right));
+            }
+            left = right;
+        }
+        None
+    }
+
+    /// The zero between `above`, where the cubic is positive, and `below`, where it is not.
+    fn root_between(&self, mut above: S, mut below: S) -> S {
+        let half = S::literal(0.5);
+        // A start at zero would otherwise be found again: leave it behind.
+        let mut theta =
+            if above == S::ZERO && self.start == S::ZERO { half * below } else { half * (above + below) };
+        for _ in 0..ROOT_ITERATIONS {
+            let value = self.value(theta);
+            if value > S::ZERO {
+                above = theta;
+            } else {
+                below = theta;
+            }
+            let newton = theta - value / self.slope(theta);
+            let next = if newton > above && newton < below { newton } else { half * (above + below) };
+            if (next - theta).absolute() <= S::EPSILON * theta {
+                return next;
+            }
+            theta = next;
+        }
+        below
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn from_function(f: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64) -> Cubic<f64> {
+        Cubic::new(f(0.0), slope(0.0), f(1.0), slope(1.0), 1.0)
+    }
+
+    #[test]
+    fn reproduces_a_cubic() {
+        let (f, slope) =
+            (|t: f64| 1.0 - 2.0 * t + 0.5 * t * t + 3.0 * t * t * t, |t: f64| -2.0 + t + 9.0 * t * t);
+        let cubic = from_function(f, slope);
+        for k in 0..=10 {
+            let theta = f64::from(k) / 10.0;
+            assert!((cubic.value(theta) - f(theta)).abs() < 1e-14);
+            assert!((cubic.slope(theta) - slope(theta)).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn finds_the_first_of_two_hidden_crossings() {
+        // (θ − 0.4)(θ − 0.6) is positive at both ends.
+        let cubic = from_function(|t| (t - 0.4) * (t - 0.6), |t| 2.0 * t - 1.0);
+        assert!((cubic.first_fall().expect("hidden") - 0.4).abs() < 1e-15);
+        // Lifted so that it does not touch, there is nothing to find.
+        let lifted = from_function(|t| (t - 0.4) * (t - 0.6) + 0.0101, |t| 2.0 * t - 1.0);
+        assert_eq!(lifted.first_fall(), None);
+    }
+
+    #[test]
+    fn a_start_at_zero_is_not_a_fall_while_it_rises() {
+        let rises = from_function(|t| t * (1.3 - t), |t| 1.3 - 2.0 * t);
+        assert_eq!(rises.first_fall(), None);
+        let returns = from_function(|t| t * (0.7 - t), |t| 0.7 - 2.0 * t);
+        assert!((returns.first_fall().expect("falls") - 0.7).abs() < 1e-15);
+        let sinks = from_function(|t| -t, |_| -1.0);
+        assert_eq!(sinks.first_fall(), Some(0.0));
+    }
+
+    #[test]
+    fn roots_are_at_rounding_level_in_single_precision() {
+        for k in 1..100 {
+            let root = k as f32 / 100.0;
+            // Steep and curved: (root − θ)(1 + 30 θ²).
+            let f = |t: f64| (f64::from(root) - t) * (1.0 + 30.0 * t * t);
+            let slope = |t: f64| -(1.0 + 30.0 * t * t) + (f64::from(root) - t) * 60.0 * t;
+            let cubic = Cubic::new(f(0.0) as f32, slope(0.0) as f32, f(1.0) as f32, slope(1.0) as f32, 1.0);
+            let found = cubic.first_fall().expect("falls");
+            assert!((found - root).abs() < 2e-5, "{found} {root}");
+        }
+    }
+
+    #[test]
+    fn a_parabola_is_recovered_from_its_mean() {
+        // 1 + 4 θ (1 − θ): mean 5/3, largest value 2 at the middle.
+        let parabola = Cubic::with_mean(1.0_f64, 1.0, 5.0 / 3.0);
+        assert!((parabola.largest() - 2.0).abs() < 1e-15 && parabola.smallest() == 1.0);
+        assert!((parabola.value(0.25) - 1.75).abs() < 1e-15);
+    }
+
+    #[test]
+    fn extremes_inside_the_step_are_found() {
+        let cubic = from_function(|t| 4.0 * t * (1.0 - t), |t| 4.0 - 8.0 * t);
+        assert!((cubic.largest() - 1.0).abs() < 1e-15);
+        assert_eq!(cubic.smallest(), 0.0);
+        let flat = from_function(|_| 2.0, |_| 0.0);
+        assert_eq!((flat.largest(), flat.smallest()), (2.0, 2.0));
+    }
+}

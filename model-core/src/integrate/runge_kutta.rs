@@ -1,0 +1,58 @@
+//! The classical explicit method, for contrast with the implicit one.
+
+use super::{Method, NotConverged, Point, System, Trial, add_scaled};
+use crate::clock::seconds_of_ticks;
+use crate::scalar::{Scalar, add_increment};
+
+/// The classical fourth-order Runge–Kutta method (Kutta 1901), without error estimate.
+///
+/// Stable only while the step is below 2.78 over the largest rate of the system: with a small
+/// load resistance that is nanoseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RungeKutta4;
+
+impl<S: Scalar> Method<S> for RungeKutta4 {
+    #[inline]
+    fn attempt<const N: usize, const P: usize, Y: System<S, N, P>>(
+        &self,
+        system: &Y,
+        start: &Point<S, N, P>,
+        input: impl Fn(u32) -> S,
+        ticks: u32,
+        _accuracy: S,
+    ) -> Result<Trial<S, N, P>, NotConverged> {
+        let step = seconds_of_ticks::<S>(ticks);
+        let half = step * S::literal(0.5);
+        let (middle_input, end_input) = (input(ticks / 2), input(ticks));
+
+        let k1 = start.derivative;
+        let y2 = add_scaled(&start.state, half, &k1);
+        let k2 = system.flow(&y2, middle_input);
+        let y3 = add_scaled(&start.state, half, &k2);
+        let k3 = system.flow(&y3, middle_input);
+        let y4 = add_scaled(&start.state, step, &k3);
+        let k4 = system.flow(&y4, end_input);
+
+        let sixth = step * S::literal(1.0 / 6.0);
+        let two = S::literal(2.0);
+        let mut end = *start;
+        for i in 0..N {
+            let increment = sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]);
+            (end.state[i], end.remainder[i]) = add_increment(start.state[i], start.remainder[i], increment);
+        }
+        end.derivative = system.flow(&end.state, end_input);
+        let p2: [S; P] = system.powers(&y2, &k2, middle_input);
+        let p3: [S; P] = system.powers(&y3, &k3, middle_input);
+        let p4: [S; P] = system.powers(&y4, &k4, end_input);
+        end.powers = system.powers(&end.state, &end.derivative, end_input);
+        let energies = core::array::from_fn(|i| sixth * (start.powers[i] + two * (p2[i] + p3[i]) + p4[i]));
+
+        let finite =
+            end.state.iter().chain(&end.derivative).chain(&energies).all(|value: &S| value.is_finite());
+        if !finite {
+            return Err(NotConverged);
+        }
+        Ok(Trial { end, energies, error: S::ZERO, energy_error: S::ZERO, iterations: 0 })
+    }
+}

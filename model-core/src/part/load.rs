@@ -1,0 +1,80 @@
+//! The electrical load at the harvester's terminals.
+
+use crate::scalar::Scalar;
+
+/// A load resistance as the circuit's equations see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Resistance<S> {
+    /// 0 Ω: the charge follows the position without delay; there is no electrical state.
+    Short,
+    /// A resistance above zero, in ohms.
+    Finite(S),
+    /// Infinite: no current, the charge stays as it is.
+    Open,
+}
+
+/// A load.
+pub trait Load<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
+    /// Its resistance.
+    fn resistance(&self) -> Resistance<S>;
+}
+
+/// A resistor above 0 Ω and below infinity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Resistor<S> {
+    /// Load resistance in ohms.
+    pub ohms: S,
+}
+
+impl<S: Scalar> Load<S> for Resistor<S> {
+    #[inline(always)]
+    fn resistance(&self) -> Resistance<S> {
+        Resistance::Finite(self.ohms)
+    }
+}
+
+/// Terminals joined: 0 Ω.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShortCircuit;
+
+impl<S: Scalar> Load<S> for ShortCircuit {
+    #[inline(always)]
+    fn resistance(&self) -> Resistance<S> {
+        Resistance::Short
+    }
+}
+
+/// Terminals open: no current.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct OpenCircuit;
+
+impl<S: Scalar> Load<S> for OpenCircuit {
+    #[inline(always)]
+    fn resistance(&self) -> Resistance<S> {
+        Resistance::Open
+    }
+}
+
+/// Any resistance from 0 Ω to infinity, both included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AnyLoad<S> {
+    /// Load resistance in ohms; 0 is a short circuit, infinity an open one.
+    pub ohms: S,
+}
+
+impl<S: Scalar> Load<S> for AnyLoad<S> {
+    #[inline(always)]
+    fn resistance(&self) -> Resistance<S> {
+        if self.ohms == S::ZERO {
+            Resistance::Short
+        } else if self.ohms == S::INFINITY {
+            Resistance::Open
+        } else {
+            Resistance::Finite(self.ohms)
+        }
+    }
+}

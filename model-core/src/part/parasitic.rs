@@ -1,0 +1,43 @@
+//! The parasitic capacitance of leads and cables, in parallel with the load.
+
+use crate::scalar::Scalar;
+
+/// Whether there is a parasitic capacitance, and how large.
+pub trait Parasitic<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
+    /// Whether the equations contain the term at all.
+    const PRESENT: bool;
+
+    /// Capacitance in farads.
+    fn farads(&self) -> S;
+}
+
+/// No parasitic capacitance: the equations contain no such term, and a step no division for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NoParasitic;
+
+impl<S: Scalar> Parasitic<S> for NoParasitic {
+    const PRESENT: bool = false;
+
+    #[inline(always)]
+    fn farads(&self) -> S {
+        S::ZERO
+    }
+}
+
+/// A capacitance in parallel with the load; zero is allowed and gives the bits of [`NoParasitic`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ParasiticCapacitance<S> {
+    /// Capacitance in farads.
+    pub farads: S,
+}
+
+impl<S: Scalar> Parasitic<S> for ParasiticCapacitance<S> {
+    const PRESENT: bool = true;
+
+    #[inline(always)]
+    fn farads(&self) -> S {
+        self.farads
+    }
+}

@@ -1,0 +1,127 @@
+//! The coefficient of restitution of an impact.
+
+use core::marker::PhantomData;
+
+use crate::scalar::{Mathematics, Polynomial, Scalar};
+
+/// A law of restitution: the speed after an impact over the speed before it.
+pub trait Restitution<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
+    /// The coefficient at an impact speed in m/s, at or above zero.
+    fn coefficient(&self, speed: S) -> S;
+
+    /// The law's parameters, each with its name and its bounds, for the check at the build.
+    fn parameters(&self) -> [Option<RestitutionParameter<S>>; 3];
+}
+
+/// A parameter of a law of restitution, for the check at the build.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RestitutionParameter<S> {
+    /// Its name.
+    pub field: &'static str,
+    /// Its value.
+    pub value: S,
+    /// Its smallest and largest allowed values.
+    pub bounds: [f64; 2],
+}
+
+/// Newton's law: one coefficient for every speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ConstantRestitution<S> {
+    /// Coefficient of restitution, 0 (no rebound) to 1 (no loss).
+    pub coefficient: S,
+}
+
+impl<S: Scalar> Restitution<S> for ConstantRestitution<S> {
+    #[inline(always)]
+    fn coefficient(&self, _speed: S) -> S {
+        self.coefficient
+    }
+
+    fn parameters(&self) -> [Option<RestitutionParameter<S>>; 3] {
+        let coefficient = RestitutionParameter {
+            field: "restitution.coefficient",
+            value: self.coefficient,
+            bounds: [0.0, 1.0],
+        };
+        [Some(coefficient), None, None]
+    }
+}
+
+/// A coefficient that falls with the impact speed:
+/// `e(v) = e_∞ + (e_0 − e_∞) exp(−v / v_ref)`.
+///
+/// The measured law behind equation (21) of Fu, Ouyang and Davis (2020) did not survive; this form
+/// has its limits at rest and at high speed as parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct VelocityDependentRestitution<S, M = Polynomial> {
+    /// `e_0`, the coefficient at vanishing speed.
+    pub at_rest: S,
+    /// `e_∞`, the coefficient at high speed.
+    pub at_speed: S,
+    /// `v_ref` in m/s.
+    pub reference_speed: S,
+    /// The functions that evaluate the exponential.
+    pub mathematics: PhantomData<M>,
+}
+
+impl<S: Scalar, M: Mathematics<S>> Restitution<S> for VelocityDependentRestitution<S, M> {
+    #[inline]
+    fn coefficient(&self, speed: S) -> S {
+        self.at_speed + (self.at_rest - self.at_speed) * M::exponential(-speed / self.reference_speed)
+    }
+
+    fn parameters(&self) -> [Option<RestitutionParameter<S>>; 3] {
+        [
+            ("restitution.at_rest", self.at_rest, [0.0, 1.0]),
+            ("restitution.at_speed", self.at_speed, [0.0, 1.0]),
+            ("restitution.reference_speed", self.reference_speed, [1e-9, 1e3]),
+        ]
+        .map(|(field, value, bounds)| Some(RestitutionParameter { field, value, bounds }))
+    }
+}
+
+/// A law of restitution chosen at run time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AnyRestitution<S, M = Polynomial> {
+    /// One coefficient for every speed.
+    Constant(ConstantRestitution<S>),
+    /// A coefficient that falls with the speed.
+    VelocityDependent(VelocityDependentRestitution<S, M>),
+}
+
+impl<S: Scalar, M: Mathematics<S>> Restitution<S> for AnyRestitution<S, M> {
+    fn coefficient(&self, speed: S) -> S {
+        match self {
+            Self::Constant(law) => law.coefficient(speed),
+            Self::VelocityDependent(law) => law.coefficient(speed),
+        }
+    }
+
+    fn parameters(&self) -> [Option<RestitutionParameter<S>>; 3] {
+        match self {
+            Self::Constant(law) => law.parameters(),
+            Self::VelocityDependent(law) => law.parameters(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_velocity_dependent_law_has_its_limits() {
+        let law = VelocityDependentRestitution::<f64> {
+            at_rest: 0.8,
+            at_speed: 0.5,
+            reference_speed: 0.3,
+            mathematics: PhantomData,
+        };
+        assert!((law.coefficient(0.0) - 0.8).abs() < 1e-15);
+        assert!((law.coefficient(1e6) - 0.5).abs() < 1e-15);
+        assert!((law.coefficient(0.3) - (0.5 + 0.3 / core::f64::consts::E)).abs() < 1e-15);
+    }
+}

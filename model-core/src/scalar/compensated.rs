@@ -1,0 +1,89 @@
+//! Sums that keep the part a plain addition would round away.
+
+use super::Scalar;
+
+/// A running sum with a correction term: the error stays at one rounding of the result however
+/// many terms are added, so that a day of small energies adds up in `f32`.
+///
+/// Kahan's summation, right also where a term is larger than the sum so far; the correction is
+/// folded into the next term, so that it never grows beyond a rounding of the sum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct CompensatedSum<S> {
+    sum: S,
+    correction: S,
+}
+
+impl<S: Scalar> CompensatedSum<S> {
+    /// A sum of nothing.
+    pub const ZERO: Self = Self { sum: S::ZERO, correction: S::ZERO };
+
+    /// Adds `term`.
+    #[inline(always)]
+    pub fn add(&mut self, term: S) {
+        let moved = term + self.correction;
+        let total = self.sum + moved;
+        self.correction = if self.sum.absolute() >= moved.absolute() {
+            (self.sum - total) + moved
+        } else {
+            (moved - total) + self.sum
+        };
+        self.sum = total;
+    }
+
+    /// The sum, rounded once.
+    #[must_use]
+    #[inline(always)]
+    pub fn value(&self) -> S {
+        self.sum + self.correction
+    }
+}
+
+impl<S: Scalar> Default for CompensatedSum<S> {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
+
+/// `high + low + increment` as a new pair whose `low` is what rounding took from `high`.
+///
+/// For a state that moves by small increments. Three additions: the branch of
+/// [`CompensatedSum::add`] is not needed while an increment is smaller than the state, and where
+/// it is not the loss is that of a plain addition.
+#[inline(always)]
+pub(crate) fn add_increment<S: Scalar>(high: S, low: S, increment: S) -> (S, S) {
+    let moved = increment + low;
+    let sum = high + moved;
+    (sum, moved - (sum - high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_day_of_microjoules_does_not_drift_in_single_precision() {
+        let (mut compensated, mut plain) = (CompensatedSum::<f32>::ZERO, 0.0_f32);
+        let terms = 86_400_u32 * 100;
+        for k in 0..terms {
+            let term = 1e-8 * (1.0 + 0.5 * ((k % 7) as f32));
+            compensated.add(term);
+            plain += term;
+        }
+        let mut exact = 0.0_f64;
+        for k in 0..terms {
+            exact += f64::from(1e-8_f32 * (1.0 + 0.5 * ((k % 7) as f32)));
+        }
+        assert!((f64::from(compensated.value()) / exact - 1.0).abs() < 1e-7);
+        assert!((f64::from(plain) / exact - 1.0).abs() > 1e-4, "the plain sum is expected to drift");
+    }
+
+    #[test]
+    fn increments_below_a_unit_in_the_last_place_are_kept() {
+        let (mut high, mut low) = (3e-3_f32, 0.0_f32);
+        for _ in 0..1_000_000 {
+            (high, low) = add_increment(high, low, 1e-12);
+        }
+        assert!((high - 3.001e-3).abs() < 1e-9, "{high}");
+    }
+}

@@ -1,0 +1,71 @@
+//! Harvesters.
+//!
+//! A scene is parameters, checked once, and a handful of pure functions: see
+//! [`crate::hybrid::Automaton`]. What a meter needs of any of them is [`Harvester`].
+
+pub mod contact_separation;
+mod parameter_error;
+
+use crate::hybrid::{Automaton, Guard};
+use crate::integrate::Point;
+use crate::scalar::Scalar;
+
+pub use parameter_error::{Bounds, ParameterError};
+
+/// The powers that every scene can integrate along with its state, and their places in the list.
+///
+/// A scene offers two lists: the first entry alone, which is what a sensor node pays for, and the
+/// whole account, from which the energy ledger is drawn up.
+pub mod account {
+    /// Power delivered to the load, in watts.
+    pub const LOAD: usize = 0;
+    /// Square of the terminal voltage, in V².
+    pub const VOLTAGE_SQUARED: usize = 1;
+    /// Terminal voltage, in volts.
+    pub const VOLTAGE: usize = 2;
+    /// Magnitude of the load current, in amperes.
+    pub const CURRENT_MAGNITUDE: usize = 3;
+    /// Power that the moving base puts in, in watts.
+    pub const BASE: usize = 4;
+    /// Its magnitude.
+    pub const BASE_MAGNITUDE: usize = 5;
+    /// Power lost to damping and friction, in watts.
+    pub const DISSIPATION: usize = 6;
+    /// Power that the mechanics give up to the electrostatic force of the scene's force law.
+    pub const GIVEN_UP: usize = 7;
+    /// Power that the electrostatic field takes from the motion.
+    ///
+    /// The same as `GIVEN_UP` where the force law is the field's own; under an inferred force law
+    /// the difference is what that law creates or destroys.
+    pub const TAKEN_UP: usize = 8;
+    /// Number of entries in the whole account.
+    pub const WHOLE: usize = 9;
+}
+
+/// Energy stored in a harvester, in joules.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct StoredEnergy<S> {
+    /// Kinetic and elastic.
+    pub mechanical: S,
+    /// In the electric field and the capacitances.
+    pub electrical: S,
+}
+
+/// What a meter can read from a harvester, whatever it is.
+pub trait Harvester<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, P> {
+    /// The coordinate whose extremes are reported, with its rate: a gap, a displacement.
+    fn coordinate(&self, point: &Point<S, N, P>) -> Guard<S>;
+
+    /// Voltage at the terminals, in volts.
+    fn voltage(&self, mode: Self::Mode, point: &Point<S, N, P>) -> S;
+
+    /// Stored energy.
+    fn stored_energy(&self, mode: Self::Mode, point: &Point<S, N, P>) -> StoredEnergy<S>;
+
+    /// Whether the moving part is held in `mode`.
+    fn is_held(&self, mode: Self::Mode) -> bool;
+
+    /// Whether guard number `guard` of `mode` is an impact.
+    fn is_impact(&self, mode: Self::Mode, guard: usize) -> bool;
+}

@@ -1,0 +1,204 @@
+//! Modes, guards and jumps: impact, stick and release.
+
+use super::flow::Flow;
+use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
+use crate::excitation::Excitation;
+use crate::hybrid::{Automaton, Guard, Jump, Moment};
+use crate::integrate::step_control::ErrorScale;
+use crate::integrate::{Point, System};
+use crate::part::restitution::Restitution;
+use crate::scalar::Scalar;
+use crate::scene::{Harvester, StoredEnergy};
+
+/// The modes of motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Mode {
+    /// The gap is open, or just closing or opening.
+    Free,
+    /// The mass is held on the dielectric: gap and velocity are zero.
+    Stuck,
+}
+
+/// Roundings of the initial gap within which a release is not told from a contact.
+const RELEASE_ROUNDINGS: f64 = 64.0;
+
+impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
+    /// Contact force per mass while the mass is held, in m/s²: `a + (F_e − k d0) / m`.
+    ///
+    /// Equation (22) of the paper, derived; contact is kept while it is positive.
+    #[inline(always)]
+    pub(super) fn contact_force_per_mass(&self, charge: S, acceleration: S) -> S {
+        let attraction = self.attraction(&self.circuit(S::ZERO, charge));
+        acceleration + attraction - self.stiffness_per_mass * self.initial_gap
+    }
+
+    /// Contact force in newtons while the mass is held; 0 in flight. Equation (22).
+    pub fn contact_force<const POWERS: usize>(
+        &self,
+        mode: Mode,
+        point: &Point<S, STATES, POWERS>,
+        acceleration: S,
+    ) -> S {
+        match mode {
+            Mode::Free => S::ZERO,
+            Mode::Stuck => self.mass * self.contact_force_per_mass(point.state[CHARGE], acceleration),
+        }
+    }
+
+    /// Smallest gap that is told from contact after a release.
+    #[inline(always)]
+    fn release_margin(&self) -> S {
+        S::literal(RELEASE_ROUNDINGS) * S::EPSILON * self.initial_gap
+    }
+
+    /// The jump to `mode` at contact, leaving at `speed`.
+    #[inline(always)]
+    fn leave_contact<const POWERS: usize>(
+        &self,
+        mode: Mode,
+        speed: S,
+        point: &Point<S, STATES, POWERS>,
+        acceleration: S,
+        loss: S,
+    ) -> Jump<S, Mode, STATES> {
+        let state = [S::ZERO, speed, point.state[CHARGE]];
+        let flow = Flow { scene: self, mode };
+        let derivative = System::<S, STATES, POWERS>::flow(&flow, &state, acceleration);
+        Jump { mode, state, derivative, loss, armed: mode == Mode::Stuck || speed > S::ZERO }
+    }
+
+    /// The rate of the charge just after an impact, as a step of length `step` needs it.
+    ///
+    /// The rate itself is continuous, since it depends on gap and charge only, and the value of
+    /// the stage before is better than the difference that the flow computes. But where the
+    /// circuit is fast, the charge follows the gap, and its rate turns with the velocity within a
+    /// boundary layer of the circuit's time constant at contact, `τ = 1/Λ`. A step much longer than
+    /// that starts beyond the layer, at the rate `∂Q_eq/∂g · v` of a charge that follows. The
+    /// weight between the two is of third order in `h Λ / 10`, so that neither limit is disturbed.
+    #[inline(always)]
+    fn charge_rate_after_impact(&self, before: S, speed: S, charge: S, step: S) -> S {
+        let circuit = self.circuit(S::ZERO, charge);
+        let relaxation = -self.circuit_rate * circuit.voltage_by_charge;
+        let following = -circuit.voltage_by_gap / circuit.voltage_by_charge * speed;
+        let thickness = S::literal(0.1) * step * relaxation;
+        let weight = thickness * thickness * thickness;
+        // Beyond this the layer is not seen, and the weight might overflow.
+        if weight > S::literal(1e9) { following } else { (before + weight * following) / (S::ONE + weight) }
+    }
+}
+
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> for ContactSeparation<S, P> {
+    type Mode = Mode;
+    type Flow<'a>
+        = Flow<'a, S, P>
+    where
+        Self: 'a;
+
+    #[inline(always)]
+    fn flow(&self, mode: Mode) -> Flow<'_, S, P> {
+        // Where sticking is left out the compiler knows the mode, and drops the other.
+        Flow { scene: self, mode: if P::Sticking::POSSIBLE { mode } else { Mode::Free } }
+    }
+
+    #[inline(always)]
+    fn guards(&self, _mode: Mode) -> usize {
+        1
+    }
+
+    #[inline(always)]
+    fn guard<E: Excitation<S>>(
+        &self,
+        mode: Mode,
+        _index: usize,
+        armed: bool,
+        point: &Point<S, STATES, POWERS>,
+        moment: &Moment<'_, E>,
+    ) -> Guard<S> {
+        if P::Sticking::POSSIBLE && mode == Mode::Stuck {
+            let charge = point.state[CHARGE];
+            let circuit = self.circuit(S::ZERO, charge);
+            let [_, by_charge] = super::ForceLaw::derivatives(&self.force_law, &circuit, self.tribo_charge);
+            return Guard {
+                value: self.contact_force_per_mass(charge, moment.acceleration()),
+                rate: moment.jerk() + by_charge * point.derivative[CHARGE],
+            };
+        }
+        // After a release the gap starts at zero with no rate: it is let sink by the margin.
+        let lowered = if armed { S::ZERO } else { self.release_margin() };
+        Guard { value: point.state[GAP] + lowered, rate: point.state[VELOCITY] }
+    }
+
+    #[inline(always)]
+    fn rearms(&self, mode: Mode, point: &Point<S, STATES, POWERS>) -> bool {
+        mode == Mode::Stuck || point.state[VELOCITY] > S::ZERO && point.state[GAP] > self.release_margin()
+    }
+
+    fn jump<E: Excitation<S>>(
+        &self,
+        mode: Mode,
+        _index: usize,
+        point: &Point<S, STATES, POWERS>,
+        moment: &Moment<'_, E>,
+        step: S,
+    ) -> Jump<S, Mode, STATES> {
+        let acceleration = moment.acceleration();
+        if P::Sticking::POSSIBLE && mode == Mode::Stuck {
+            return self.leave_contact(Mode::Free, S::ZERO, point, acceleration, S::ZERO);
+        }
+        let impact_speed = point.state[VELOCITY].absolute();
+        let rebound = self.restitution.coefficient(impact_speed) * impact_speed;
+        let charge = point.state[CHARGE];
+        let held = P::Sticking::POSSIBLE
+            && rebound < self.stick_speed
+            && self.contact_force_per_mass(charge, acceleration) > S::ZERO;
+        let (mode, speed) = if held { (Mode::Stuck, S::ZERO) } else { (Mode::Free, rebound) };
+        let half_mass = S::literal(0.5) * self.mass;
+        let loss = half_mass * (impact_speed - speed) * (impact_speed + speed);
+        let mut jump = self.leave_contact(mode, speed, point, acceleration, loss);
+        if mode == Mode::Free || self.sticking.relaxes() {
+            jump.derivative[CHARGE] =
+                self.charge_rate_after_impact(point.derivative[CHARGE], speed, charge, step);
+        }
+        jump
+    }
+
+    #[inline(always)]
+    fn error_scale(&self) -> ErrorScale<S> {
+        ErrorScale { angular_frequency: self.angular_frequency, energy_floor: self.energy_floor }
+    }
+}
+
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> Harvester<S, STATES, POWERS> for ContactSeparation<S, P> {
+    fn coordinate(&self, point: &Point<S, STATES, POWERS>) -> Guard<S> {
+        Guard { value: point.state[GAP], rate: point.state[VELOCITY] }
+    }
+
+    fn voltage(&self, mode: Mode, point: &Point<S, STATES, POWERS>) -> S {
+        self.voltage_and_current(mode, &point.state, &point.derivative).0
+    }
+
+    fn stored_energy(&self, _mode: Mode, point: &Point<S, STATES, POWERS>) -> StoredEnergy<S> {
+        let [gap, velocity, charge] = point.state;
+        let half = S::literal(0.5);
+        let deflection = gap - self.initial_gap;
+        let circuit = self.circuit(gap, charge);
+        let opposite = self.tribo_charge - circuit.transferred;
+        // In charge units q²/(2 ε0 S) is m q²; the last term is C_p V²/2.
+        let electrical = opposite * opposite * gap
+            + circuit.transferred * circuit.transferred * self.dielectric
+            + self.parasitic * circuit.voltage * circuit.voltage;
+        StoredEnergy {
+            mechanical: half * (self.mass * velocity * velocity + self.stiffness * deflection * deflection),
+            electrical: self.mass * electrical,
+        }
+    }
+
+    fn is_held(&self, mode: Mode) -> bool {
+        mode == Mode::Stuck
+    }
+
+    fn is_impact(&self, mode: Mode, _guard: usize) -> bool {
+        mode == Mode::Free
+    }
+}

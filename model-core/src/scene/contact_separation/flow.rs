@@ -1,0 +1,243 @@
+//! The flow of each mode, its iteration matrix, and the powers along it.
+
+use super::automaton::Mode;
+use super::force_law::ForceLaw;
+use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
+use crate::integrate::System;
+use crate::part::load::{Load, Resistance};
+use crate::part::parasitic::Parasitic;
+use crate::scalar::Scalar;
+use crate::scene::account;
+
+/// The electrical quantities at a gap and a total charge; charges in units of `√(2 ε0 S m)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Circuit<S> {
+    /// Transferred charge `q = Q + C_p V`.
+    pub transferred: S,
+    /// Its derivative by the gap.
+    pub transferred_by_gap: S,
+    /// Its derivative by the total charge.
+    pub transferred_by_charge: S,
+    /// `1 / (1 + C_p/C)`: the part of a charge that the harvester's own capacitance takes.
+    pub sharing: S,
+    /// `C_p / (ε0 S)` in 1/m.
+    pub parasitic: S,
+    /// Voltage in units of one charge unit over `ε0 S`, in metres times charge units.
+    pub voltage: S,
+    /// Its derivative by the gap.
+    pub voltage_by_gap: S,
+    /// Its derivative by the total charge.
+    pub voltage_by_charge: S,
+}
+
+impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
+    /// The electrical quantities where the charge is a state of its own, or, in a short circuit,
+    /// where it follows the gap.
+    #[inline(always)]
+    pub(super) fn circuit(&self, gap: S, charge: S) -> Circuit<S> {
+        let distance = gap + self.dielectric;
+        let present = <P::Parasitic as Parasitic<S>>::PRESENT;
+        let parasitic = if present { self.parasitic } else { S::ZERO };
+        let sharing = if present { S::ONE / (S::ONE + parasitic * distance) } else { S::ONE };
+        if self.is_shorted() {
+            let relaxed = self.relaxed_charge(gap);
+            let by_gap = (self.tribo_charge - relaxed) / distance.larger(S::literal(0.5) * self.dielectric);
+            return Circuit {
+                transferred: relaxed,
+                transferred_by_gap: by_gap,
+                transferred_by_charge: S::ZERO,
+                sharing,
+                parasitic,
+                voltage: S::ZERO,
+                voltage_by_gap: S::ZERO,
+                voltage_by_charge: S::ZERO,
+            };
+        }
+        let voltage = (self.tribo_charge * gap - charge * distance) * sharing;
+        let transferred =
+            if present { (charge + parasitic * self.tribo_charge * gap) * sharing } else { charge };
+        let voltage_by_gap = (self.tribo_charge - transferred) * sharing;
+        Circuit {
+            transferred,
+            transferred_by_gap: parasitic * voltage_by_gap,
+            transferred_by_charge: sharing,
+            sharing,
+            parasitic,
+            voltage,
+            voltage_by_gap,
+            voltage_by_charge: -distance * sharing,
+        }
+    }
+
+    /// Attraction per mass, in m/s².
+    #[inline(always)]
+    pub(super) fn attraction(&self, circuit: &Circuit<S>) -> S {
+        self.force_law.attraction(circuit, self.tribo_charge)
+    }
+
+    /// Terminal voltage and load current, in volts and amperes.
+    ///
+    /// With a resistor both come from the rate of the charge: the voltage as a difference,
+    /// `V_oc − q/C`, is 17 kV less 17 kV where the resistance is small.
+    #[inline(always)]
+    pub(super) fn voltage_and_current(&self, mode: Mode, state: &[S; STATES], rate: &[S; STATES]) -> (S, S) {
+        if mode == Mode::Stuck && !self.sticking.relaxes() {
+            return (S::ZERO, S::ZERO);
+        }
+        match self.load.resistance() {
+            Resistance::Finite(ohms) => {
+                let current = self.charge_unit * rate[CHARGE];
+                (ohms * current, current)
+            }
+            Resistance::Short => {
+                let circuit = self.circuit(state[GAP], state[CHARGE]);
+                (S::ZERO, self.charge_unit * circuit.transferred_by_gap * state[VELOCITY])
+            }
+            Resistance::Open => (self.field * self.circuit(state[GAP], state[CHARGE]).voltage, S::ZERO),
+        }
+    }
+}
+
+/// The flow of one mode.
+#[derive(Debug, Clone, Copy)]
+pub struct Flow<'a, S: Scalar, P: Parts<S>> {
+    pub(super) scene: &'a ContactSeparation<S, P>,
+    pub(super) mode: Mode,
+}
+
+/// `I − w J`, eliminated by hand: the gap's row is `δg − w δv`, which leaves two equations for
+/// velocity and charge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModeFactor<S> {
+    /// `w`, or 0 where the gap is held.
+    gap_by_velocity: S,
+    /// `w ∂v'/∂g` and `w ∂Q'/∂g`.
+    by_gap: [S; 2],
+    /// Inverse of the remaining 2 × 2 matrix.
+    inverse: [[S; 2]; 2],
+}
+
+impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
+    /// Derivative of the charge's rate by gap and by charge, per unit of voltage: 0 unless a
+    /// resistor carries current in this mode.
+    #[inline(always)]
+    fn circuit_rate(&self) -> S {
+        let frozen = self.mode == Mode::Stuck && !self.scene.sticking.relaxes();
+        match self.scene.load.resistance() {
+            Resistance::Finite(_) if !frozen => self.scene.circuit_rate,
+            _ => S::ZERO,
+        }
+    }
+
+    /// The whole account of powers; see [`account`].
+    #[inline(always)]
+    fn account(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; account::WHOLE] {
+        let scene = self.scene;
+        let (voltage, current) = scene.voltage_and_current(self.mode, state, rate);
+        let velocity = state[VELOCITY];
+        let momentum = scene.mass * velocity;
+        let base = -momentum * acceleration;
+        let circuit = scene.circuit(state[GAP], state[CHARGE]);
+        let opposite = scene.tribo_charge - circuit.transferred;
+        let mut powers = [S::ZERO; account::WHOLE];
+        powers[account::LOAD] = voltage * current;
+        powers[account::VOLTAGE_SQUARED] = voltage * voltage;
+        powers[account::VOLTAGE] = voltage;
+        powers[account::CURRENT_MAGNITUDE] = current.absolute();
+        powers[account::BASE] = base;
+        powers[account::BASE_MAGNITUDE] = base.absolute();
+        powers[account::DISSIPATION] = scene.damping_per_mass * momentum * velocity;
+        powers[account::GIVEN_UP] = scene.attraction(&circuit) * momentum;
+        powers[account::TAKEN_UP] = opposite * opposite * momentum;
+        powers
+    }
+}
+
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for Flow<'_, S, P> {
+    type Factor = ModeFactor<S>;
+
+    #[inline(always)]
+    fn flow(&self, state: &[S; STATES], acceleration: S) -> [S; STATES] {
+        let scene = self.scene;
+        let [gap, velocity, charge] = *state;
+        let circuit = scene.circuit(gap, charge);
+        let charge_rate = self.circuit_rate() * circuit.voltage;
+        match self.mode {
+            Mode::Free => {
+                let restoring = scene.stiffness_per_mass * (gap - scene.initial_gap);
+                let force = scene.damping_per_mass * velocity + restoring + scene.attraction(&circuit);
+                [velocity, -force - acceleration, charge_rate]
+            }
+            Mode::Stuck => [S::ZERO, S::ZERO, charge_rate],
+        }
+    }
+
+    #[inline(always)]
+    fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
+        let scene = self.scene;
+        let circuit = scene.circuit(state[GAP], state[CHARGE]);
+        let rate = weight * self.circuit_rate();
+        let charge_by_charge = S::ONE - rate * circuit.voltage_by_charge;
+        let charge_by_gap = rate * circuit.voltage_by_gap;
+        if self.mode == Mode::Stuck {
+            let inverse = [[S::ONE, S::ZERO], [S::ZERO, S::ONE / charge_by_charge]];
+            return Some(ModeFactor { gap_by_velocity: S::ZERO, by_gap: [S::ZERO; 2], inverse });
+        }
+        let [by_gap, by_charge] = scene.force_law.derivatives(&circuit, scene.tribo_charge);
+        let velocity_by_gap = -weight * (scene.stiffness_per_mass + by_gap);
+        let velocity_by_velocity = S::ONE + weight * (scene.damping_per_mass - velocity_by_gap);
+        let velocity_by_charge = weight * by_charge;
+        let charge_by_velocity = -weight * charge_by_gap;
+        let determinant = velocity_by_velocity * charge_by_charge - velocity_by_charge * charge_by_velocity;
+        let reciprocal = S::ONE / determinant;
+        let inverse = [
+            [charge_by_charge * reciprocal, -velocity_by_charge * reciprocal],
+            [-charge_by_velocity * reciprocal, velocity_by_velocity * reciprocal],
+        ];
+        reciprocal.is_finite().then_some(ModeFactor {
+            gap_by_velocity: weight,
+            by_gap: [velocity_by_gap, charge_by_gap],
+            inverse,
+        })
+    }
+
+    #[inline(always)]
+    fn solve(&self, factor: &ModeFactor<S>, [gap, velocity, charge]: [S; STATES]) -> [S; STATES] {
+        let velocity = velocity + factor.by_gap[0] * gap;
+        let charge = charge + factor.by_gap[1] * gap;
+        let [[a, b], [c, d]] = factor.inverse;
+        let solved = a * velocity + b * charge;
+        [gap + factor.gap_by_velocity * solved, solved, c * velocity + d * charge]
+    }
+
+    /// The gap's row is linear, and the charge's is linear in the charge at a given gap.
+    #[inline(always)]
+    fn eliminate(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
+        if self.mode == Mode::Free {
+            increment[GAP] = weight * (base[VELOCITY] + increment[VELOCITY]);
+        }
+        let circuit = self.scene.circuit(base[GAP] + increment[GAP], base[CHARGE]);
+        let rate = weight * self.circuit_rate();
+        increment[CHARGE] = rate * circuit.voltage / (S::ONE - rate * circuit.voltage_by_charge);
+    }
+
+    #[inline(always)]
+    fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
+        // Entries beyond those asked for are not computed: the compiler drops what is not read.
+        let whole = self.account(state, rate, acceleration);
+        core::array::from_fn(|i| whole.get(i).copied().unwrap_or(S::ZERO))
+    }
+
+    /// Mechanical changes are relative to the present amplitude of the motion (at least a
+    /// thousandth of the initial gap), charges to the tribo-charge.
+    #[inline(always)]
+    fn weigh(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
+        let scene = self.scene;
+        let amplitude = (state[GAP] - scene.initial_gap)
+            .absolute()
+            .larger(state[VELOCITY].absolute() * scene.radian)
+            .larger(S::literal(1e-3) * scene.initial_gap);
+        let motion = change[GAP].absolute().larger(change[VELOCITY].absolute() * scene.radian);
+        (motion / amplitude).larger(change[CHARGE].absolute() * scene.per_tribo_charge)
+    }
+}

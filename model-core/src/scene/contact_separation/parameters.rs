@@ -1,0 +1,237 @@
+//! Parameters, what can be left out of them, and the coefficients made of them.
+
+use core::fmt::Debug;
+use core::marker::PhantomData;
+
+use super::ContactSeparation;
+use super::force_law::{AnyForceLaw, ForceLaw};
+use crate::part::load::{AnyLoad, Load, Resistance};
+use crate::part::parasitic::{Parasitic, ParasiticCapacitance};
+use crate::part::restitution::{AnyRestitution, Restitution};
+use crate::scalar::{Mathematics, Polynomial, Scalar};
+use crate::scene::parameter_error::{ParameterError, check};
+
+/// Vacuum permittivity `ε0`, in F/m.
+const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
+
+/// What becomes of a mass that comes to rest on the dielectric.
+pub trait Sticking: Copy + Debug + PartialEq {
+    /// Whether the mass can be held at all; if not, the code for it is not there.
+    const POSSIBLE: bool;
+
+    /// Whether the charge keeps flowing while the mass is held.
+    fn relaxes(&self) -> bool;
+}
+
+/// While the mass is held, charge transfer ceases (the paper's statement): the load is open and
+/// delivers nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FrozenCharge;
+
+impl Sticking for FrozenCharge {
+    const POSSIBLE: bool = true;
+
+    #[inline(always)]
+    fn relaxes(&self) -> bool {
+        false
+    }
+}
+
+/// While the mass is held, the charge relaxes through the load, as it physically must.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RelaxingCharge;
+
+impl Sticking for RelaxingCharge {
+    const POSSIBLE: bool = true;
+
+    #[inline(always)]
+    fn relaxes(&self) -> bool {
+        true
+    }
+}
+
+/// The mass always rebounds: for scenes that are known not to stick.
+///
+/// If it comes to rest all the same, the driver reports an event storm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NeverSticks;
+
+impl Sticking for NeverSticks {
+    const POSSIBLE: bool = false;
+
+    #[inline(always)]
+    fn relaxes(&self) -> bool {
+        false
+    }
+}
+
+/// What the charge does while the mass is held, chosen at run time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AnyStickCharge {
+    /// As [`FrozenCharge`].
+    Frozen,
+    /// As [`RelaxingCharge`].
+    Relaxing,
+}
+
+impl Sticking for AnyStickCharge {
+    const POSSIBLE: bool = true;
+
+    #[inline(always)]
+    fn relaxes(&self) -> bool {
+        *self == Self::Relaxing
+    }
+}
+
+/// The parts a contact-separation harvester is made of: one type for each choice.
+///
+/// Firmware names the types it needs and pays for nothing else; [`AnyParts`] leaves every choice
+/// to run time.
+pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
+    /// The electrostatic force law.
+    type ForceLaw: ForceLaw<S>;
+    /// The load.
+    type Load: Load<S>;
+    /// The parasitic capacitance.
+    type Parasitic: Parasitic<S>;
+    /// The coefficient of restitution.
+    type Restitution: Restitution<S>;
+    /// What happens on the dielectric.
+    type Sticking: Sticking;
+}
+
+/// Every choice at run time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AnyParts<M = Polynomial>(PhantomData<M>);
+
+impl<S: Scalar, M: Mathematics<S>> Parts<S> for AnyParts<M> {
+    type ForceLaw = AnyForceLaw;
+    type Load = AnyLoad<S>;
+    type Parasitic = ParasiticCapacitance<S>;
+    type Restitution = AnyRestitution<S, M>;
+    type Sticking = AnyStickCharge;
+}
+
+/// Parameters of a contact-separation harvester, in SI units. Table 2 of the paper.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters<S: Scalar, P: Parts<S>> {
+    /// Moving mass `m` in kg, 10⁻¹² to 10³.
+    pub mass: S,
+    /// Stiffness `k` in N/m, 10⁻⁹ to 10⁹; `√(k/m)/2π` must come out between 10⁻³ and 10⁴ Hz.
+    pub stiffness: S,
+    /// Damping ratio `ζ = c / (2 √(k m))`, 0 to 10.
+    pub damping_ratio: S,
+    /// Gap `d0` at rest in m, 10⁻⁹ to 1.
+    pub initial_gap: S,
+    /// Electrode area `S` in m², 10⁻¹² to 10.
+    pub electrode_area: S,
+    /// Thickness `d` of the dielectric in m, 10⁻⁹ to 0.1.
+    pub dielectric_thickness: S,
+    /// Relative permittivity `ε_r` of the dielectric, 1 to 10⁵.
+    pub relative_permittivity: S,
+    /// Magnitude of the tribo-charge surface density `σ` in C/m², 0 to 10⁻². Its sign would only
+    /// turn the signs of charge and voltage.
+    pub charge_density: S,
+    /// Parasitic capacitance `C_p` in parallel with the load, 0 to 10⁻³ F.
+    pub parasitic: P::Parasitic,
+    /// Load; a finite resistance must be from 10⁻⁹ to 10³⁰ Ω.
+    pub load: P::Load,
+    /// Electrostatic force law.
+    pub force_law: P::ForceLaw,
+    /// Coefficient of restitution.
+    pub restitution: P::Restitution,
+    /// What the charge does while the mass is held.
+    pub sticking: P::Sticking,
+}
+
+impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
+    /// Checks the parameters and makes the coefficients of them.
+    ///
+    /// No step of this cancels, so the coefficients are right to a few roundings in `f32` too.
+    ///
+    /// # Errors
+    /// The first field that is out of its bounds, with its value.
+    pub fn build(&self) -> Result<ContactSeparation<S, P>, ParameterError<S>> {
+        self.check()?;
+        let two = S::literal(2.0);
+        let stiffness_per_mass = self.stiffness / self.mass;
+        let angular_frequency = stiffness_per_mass.square_root();
+        let hertz = angular_frequency * S::literal(0.5 * core::f64::consts::FRAC_1_PI);
+        check("natural frequency sqrt(stiffness / mass) / (2 pi)", hertz, [1e-3, 1e4])?;
+        let permittivity_area = S::literal(VACUUM_PERMITTIVITY) * self.electrode_area;
+        let charge_unit = (two * permittivity_area * self.mass).square_root();
+        let tribo_charge = self.charge_density * self.electrode_area / charge_unit;
+        let dielectric = self.dielectric_thickness / self.relative_permittivity;
+        let circuit_rate = match self.load.resistance() {
+            Resistance::Finite(ohms) => S::ONE / ohms / permittivity_area,
+            Resistance::Short | Resistance::Open => S::ZERO,
+        };
+        // The most a cycle can deliver is the energy of the charged dielectric, (σS)² d_e / (2 ε0 S),
+        // and through a small resistance what the current pulse of a contact dissipates in it,
+        // R (σS)² ω0 d0 / d_e.
+        let square = tribo_charge * tribo_charge * self.mass;
+        let dielectric_energy = square * dielectric;
+        let pulse_energy = match self.load.resistance() {
+            Resistance::Finite(_) => {
+                two * square * angular_frequency * self.initial_gap / (circuit_rate * dielectric)
+            }
+            Resistance::Short | Resistance::Open => dielectric_energy,
+        };
+        let scene = ContactSeparation {
+            mass: self.mass,
+            stiffness: self.stiffness,
+            initial_gap: self.initial_gap,
+            stiffness_per_mass,
+            damping_per_mass: two * self.damping_ratio * angular_frequency,
+            angular_frequency,
+            radian: S::ONE / angular_frequency,
+            dielectric,
+            charge_unit,
+            permittivity_area,
+            tribo_charge,
+            per_tribo_charge: S::ONE / tribo_charge.larger(S::literal(1e-12)),
+            parasitic: self.parasitic.farads() / permittivity_area,
+            circuit_rate,
+            field: charge_unit / permittivity_area,
+            stick_speed: S::literal(1e-4) * angular_frequency * self.initial_gap,
+            energy_floor: (S::literal(1e-4) * dielectric_energy.smaller(pulse_energy)).larger(S::TINY),
+            load: self.load,
+            force_law: self.force_law,
+            restitution: self.restitution,
+            sticking: self.sticking,
+        };
+        // The bounds above leave combinations that no single precision can hold.
+        for (field, value) in [
+            ("1 / (permittivity * electrode area * resistance)", scene.circuit_rate),
+            ("parasitic capacitance / (permittivity * electrode area)", scene.parasitic),
+            ("charge density * sqrt(electrode area / (2 permittivity * mass))", scene.tribo_charge),
+        ] {
+            check(field, value, [0.0, 1e34])?;
+        }
+        Ok(scene)
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        check("mass", self.mass, [1e-12, 1e3])?;
+        check("stiffness", self.stiffness, [1e-9, 1e9])?;
+        check("damping_ratio", self.damping_ratio, [0.0, 10.0])?;
+        check("initial_gap", self.initial_gap, [1e-9, 1.0])?;
+        check("electrode_area", self.electrode_area, [1e-12, 10.0])?;
+        check("dielectric_thickness", self.dielectric_thickness, [1e-9, 0.1])?;
+        check("relative_permittivity", self.relative_permittivity, [1.0, 1e5])?;
+        check("charge_density", self.charge_density, [0.0, 1e-2])?;
+        check("parasitic_capacitance", self.parasitic.farads(), [0.0, 1e-3])?;
+        if let Resistance::Finite(ohms) = self.load.resistance() {
+            check("resistance", ohms, [1e-9, 1e30])?;
+        }
+        self.restitution
+            .parameters()
+            .into_iter()
+            .flatten()
+            .try_for_each(|parameter| check(parameter.field, parameter.value, parameter.bounds))
+    }
+}

@@ -1,0 +1,75 @@
+//! Where a run starts.
+
+use super::automaton::Mode;
+use super::{CHARGE, ContactSeparation, Parts, STATES, Sticking};
+use crate::clock::Instant;
+use crate::excitation::Excitation;
+use crate::hybrid::HybridState;
+use crate::integrate::StepControl;
+use crate::scalar::Scalar;
+use crate::scene::parameter_error::{ParameterError, check};
+
+/// Initial values; whatever is `None` is at rest at the initial gap, electrically relaxed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Start<S> {
+    /// Gap in metres, at or above zero; by default the initial gap `d0`.
+    pub gap: Option<S>,
+    /// Velocity in m/s, positive opens; by default 0.
+    pub velocity: Option<S>,
+    /// Transferred charge `q` in coulombs; by default that at which the voltage is zero.
+    pub charge: Option<S>,
+}
+
+impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
+    /// The state of this harvester at time zero.
+    ///
+    /// A start at contact without speed is held there if the contact force says so.
+    ///
+    /// # Errors
+    /// A start in penetration (gap below zero), or a value that is out of bounds.
+    pub fn start<E, C, const POWERS: usize>(
+        &self,
+        start: &Start<S>,
+        excitation: &E,
+        control: &C,
+    ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>>
+    where
+        E: Excitation<S>,
+        C: StepControl<S>,
+    {
+        let gap = start.gap.unwrap_or(self.initial_gap);
+        let velocity = start.velocity.unwrap_or(S::ZERO);
+        check("gap", gap, [0.0, 10.0])?;
+        check("velocity", velocity, [-1e3, 1e3])?;
+        let charge = match start.charge {
+            None => self.relaxed_charge(gap),
+            Some(coulombs) => {
+                check("charge", coulombs, [-1.0, 1.0])?;
+                // Q = q − C_p V with V at the charge q.
+                let transferred = coulombs / self.charge_unit;
+                let voltage = self.tribo_charge * gap - transferred * (gap + self.dielectric);
+                transferred - self.parasitic * voltage
+            }
+        };
+        let acceleration = excitation.acceleration(Instant::START);
+        let at_contact = gap == S::ZERO && velocity == S::ZERO;
+        let held = P::Sticking::POSSIBLE
+            && at_contact
+            && self.contact_force_per_mass(charge, acceleration) > S::ZERO;
+        let mode = if held { Mode::Stuck } else { Mode::Free };
+        let mut state = HybridState::start(self, mode, [gap, velocity, charge], excitation, control);
+        if start.charge.is_none() {
+            // The voltage is zero by construction; as a difference it would be a rounding error,
+            // which a small resistance turns into a current.
+            state.point.derivative[CHARGE] = S::ZERO;
+            state.point = crate::integrate::Point::with_derivative(
+                &crate::hybrid::Automaton::<S, STATES, POWERS>::flow(self, mode),
+                state.point.state,
+                state.point.derivative,
+                acceleration,
+            );
+        }
+        Ok(if at_contact && !held { state.disarmed() } else { state })
+    }
+}

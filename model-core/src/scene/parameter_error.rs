@@ -1,0 +1,50 @@
+//! Why parameters are refused.
+
+use core::fmt;
+
+use crate::scalar::Scalar;
+
+/// The values a parameter may have, ends included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Bounds<S> {
+    /// Smallest allowed value, in SI units.
+    pub lowest: S,
+    /// Largest allowed value, in SI units.
+    pub highest: S,
+}
+
+/// A parameter out of its bounds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ParameterError<S> {
+    /// The field.
+    pub field: &'static str,
+    /// Its value, in SI units.
+    pub value: S,
+    /// What it may be.
+    pub bounds: Bounds<S>,
+}
+
+impl<S: Scalar> fmt::Display for ParameterError<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { field, value, bounds: Bounds { lowest, highest } } = self;
+        write!(f, "{field} = {value:?} must be from {lowest:?} to {highest:?}")
+    }
+}
+
+impl<S: Scalar> core::error::Error for ParameterError<S> {}
+
+/// Refuses a value outside `lowest` to `highest`, not-a-number included.
+pub(crate) fn check<S: Scalar>(
+    field: &'static str,
+    value: S,
+    [lowest, highest]: [f64; 2],
+) -> Result<(), ParameterError<S>> {
+    let bounds = Bounds { lowest: S::literal(lowest), highest: S::literal(highest) };
+    if value >= bounds.lowest && value <= bounds.highest {
+        Ok(())
+    } else {
+        Err(ParameterError { field, value, bounds })
+    }
+}
