@@ -104,7 +104,7 @@ pub enum Error {
         source: image::Error,
     },
     /// Code is linked that the firmware promises to do without.
-    #[error("{core}: the firmware links code that can panic, or double arithmetic:\n  {}", symbols.join("\n  "))]
+    #[error("{core}: the firmware links code that can panic, or double arithmetic: {}", symbols.join(", "))]
     Symbols {
         /// The core.
         core: Core,

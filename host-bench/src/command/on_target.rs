@@ -24,7 +24,7 @@ pub struct OnTargetArguments {
 /// # Errors
 ///
 /// At the first core whose firmware cannot be built, run, or trusted.
-pub fn run(arguments: OnTargetArguments) -> Result<(), Error> {
+pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
     let cores = if arguments.core.is_empty() { Core::value_variants() } else { &arguments.core };
     qemu::find()?;
     let mut measurements = Vec::new();
