@@ -1,1 +1,3 @@
-//! Host side.
+//! The host side of `model-core`: scene files, the independent reference, and the command line.
+
+pub mod scene_file;

@@ -1,0 +1,55 @@
+//! Scene files: TOML with SI values in named fields, read into plain checked numbers.
+//!
+//! Every key must be known, every number within its bounds; what is wrong is told in one line with
+//! file, line, key, value and bound. Overrides (`--set a.b=c`) are put into the document before it is
+//! read, so they meet the same checks.
+
+mod bounds;
+mod contact_separation;
+mod document;
+mod excitation;
+mod load;
+mod run_span;
+mod scene;
+mod section;
+mod trace;
+
+use std::path::Path;
+
+use self::document::Document;
+pub use self::document::{Override, SceneError};
+pub use self::scene::*;
+use self::section::Section;
+
+/// Standard gravity of the papers in m/s²: what `amplitude_g` multiplies.
+pub const GRAVITY: f64 = 9.81;
+
+/// Reads and checks a scene file, with `overrides` put in first, in their order.
+///
+/// # Errors
+/// The first thing that is wrong, in one line.
+pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
+    let document = Document::read(file, overrides)?;
+    let mut root = Section::root(&document);
+    let kind =
+        root.choice("scene", &[("contact-separation", Some(())), ("sliding", None), ("bump-stop", None)])?;
+    if kind.is_none() {
+        return Err(root.refuse("scene", "this scene is not available in this version"));
+    }
+    let parameters = contact_separation::parameters(root.table("parameters")?)?;
+    let initial = match root.optional_table("initial")? {
+        Some(section) => contact_separation::start(section)?,
+        None => ContactSeparationStart::default(),
+    };
+    let load = load::load(root.table("load")?)?;
+    let excitation = excitation::excitation(root.table("excitation")?)?;
+    let run = run_span::run_span(root.table("run")?, &excitation)?;
+    root.finish()?;
+    Ok(Scene {
+        file: file.to_owned(),
+        model: Model::ContactSeparation(ContactSeparation { parameters, initial }),
+        load,
+        excitation,
+        run,
+    })
+}

@@ -1,0 +1,267 @@
+//! A TOML document as a tree that remembers the line of every value, and overrides put into it.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Keys of which a table has one: an override of one replaces the other.
+const ALTERNATIVES: [[&str; 2]; 3] = [
+    ["amplitude_g", "amplitude_m_per_s2"],
+    ["settle_s", "settle_periods"],
+    ["duration_s", "duration_periods"],
+];
+
+/// Longest value that a message repeats in full.
+const SHOWN: usize = 60;
+
+/// What is wrong with a scene, in one line.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub struct SceneError {
+    file: PathBuf,
+    origin: Option<Origin>,
+    key: Option<String>,
+    value: Option<String>,
+    reason: String,
+}
+
+impl SceneError {
+    /// Something wrong with the file as a whole, or at one of its lines.
+    pub(super) fn of_file(file: &Path, line: Option<usize>, reason: impl Into<String>) -> Self {
+        let origin = line.map(Origin::Line);
+        Self { file: file.to_owned(), origin, key: None, value: None, reason: reason.into() }
+    }
+
+    /// Something wrong with a key that is not there.
+    pub(super) fn of_absent(file: &Path, key: &str, reason: impl Into<String>) -> Self {
+        let key = Some(key.to_owned());
+        Self { file: file.to_owned(), origin: None, key, value: None, reason: reason.into() }
+    }
+
+    /// Something wrong with a value.
+    pub(super) fn of_value(file: &Path, key: &str, node: &Node, reason: impl Into<String>) -> Self {
+        Self {
+            file: file.to_owned(),
+            origin: Some(node.origin),
+            key: Some(key.to_owned()),
+            value: Some(node.content.to_string()),
+            reason: reason.into(),
+        }
+    }
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        match self.origin {
+            Some(Origin::Line(line)) => write!(f, ":{line}: ")?,
+            Some(Origin::Override) => write!(f, ": --set ")?,
+            None => write!(f, ": ")?,
+        }
+        if let Some(key) = &self.key {
+            write!(f, "{key}")?;
+            if let Some(value) = &self.value {
+                write!(f, " = {value}")?;
+            }
+            write!(f, ": ")?;
+        }
+        write!(f, "{}", self.reason)
+    }
+}
+
+/// Where a value was written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// A line of the file, from 1.
+    Line(usize),
+    /// An override.
+    Override,
+}
+
+/// A value and where it was written.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Node {
+    pub(super) content: Content,
+    pub(super) origin: Origin,
+}
+
+/// What a value is.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Content {
+    /// A number, integer or not; not-a-number if it is too large for one. And as it was written.
+    Number(f64, String),
+    Text(String),
+    Boolean(bool),
+    Date(String),
+    List(Vec<Node>),
+    Table(Vec<(String, Node)>),
+}
+
+impl fmt::Display for Content {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(_, text) | Self::Date(text) => write!(f, "{}", shortened(text)),
+            // Quoted, so that a line break in it does not break the line.
+            Self::Text(text) => write!(f, "{:?}", shortened(text)),
+            Self::Boolean(value) => write!(f, "{value}"),
+            Self::List(items) => write!(f, "[a list of {}]", items.len()),
+            Self::Table(entries) => write!(f, "{{a table of {}}}", entries.len()),
+        }
+    }
+}
+
+fn shortened(text: &str) -> String {
+    if text.chars().count() <= SHOWN {
+        return text.to_owned();
+    }
+    text.chars().take(SHOWN).chain("...".chars()).collect()
+}
+
+/// A value to put into the document before it is read: `a.b=c`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Override {
+    key: String,
+    value: String,
+}
+
+impl Override {
+    /// The value of `key` shall be `value`, written as in a scene file; quotes may be left out.
+    #[must_use]
+    pub fn new(key: &str, value: &str) -> Self {
+        Self { key: key.trim().to_owned(), value: value.trim().to_owned() }
+    }
+
+    fn content(&self) -> Content {
+        let parsed = DeTable::parse(&format!("value = {}", self.value)).ok().and_then(|table| {
+            let table = table.into_inner();
+            // A line break in the value must not smuggle in a second key.
+            let only = table.len() == 1;
+            let value = table.into_iter().next().filter(|_| only)?.1;
+            Some(convert(&value, &|_| Origin::Override).content)
+        });
+        parsed.unwrap_or_else(|| Content::Text(self.value.clone()))
+    }
+}
+
+impl std::str::FromStr for Override {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.split_once('=') {
+            Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
+                Ok(Self::new(key, value))
+            }
+            _ => Err("must be KEY=VALUE, for example run.duration_s=5".to_owned()),
+        }
+    }
+}
+
+/// A scene file as a tree.
+#[derive(Debug)]
+pub(super) struct Document {
+    pub(super) file: PathBuf,
+    /// The table at the top.
+    pub(super) content: Content,
+}
+
+impl Document {
+    /// Reads the file and puts in the overrides.
+    pub(super) fn read(file: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
+        let fault = |line, reason: String| SceneError::of_file(file, line, reason);
+        let bytes = std::fs::read(file).map_err(|error| fault(None, format!("cannot be read: {error}")))?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let valid = error.utf8_error().valid_up_to();
+            let line = line_of(&String::from_utf8_lossy(&error.as_bytes()[..valid]), valid);
+            fault(Some(line), "is not UTF-8 text".to_owned())
+        })?;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let table = DeTable::parse(text).map_err(|error| {
+            let line = error.span().map(|span| line_of(text, span.start));
+            fault(line, format!("is not TOML: {}", error.message().replace('\n', "; ")))
+        })?;
+        let origin = |start: usize| Origin::Line(line_of(text, start));
+        let content = Content::Table(convert_table(table.get_ref(), &origin));
+        let mut document = Self { file: file.to_owned(), content };
+        for change in overrides {
+            document.put(change)?;
+        }
+        Ok(document)
+    }
+
+    fn put(&mut self, change: &Override) -> Result<(), SceneError> {
+        let node = Node { content: change.content(), origin: Origin::Override };
+        let refuse = |reason: &str| SceneError::of_value(&self.file, &change.key, &node, reason);
+        let (tables, last) = match change.key.rsplit_once('.') {
+            Some((tables, last)) => (tables.split('.').collect(), last.trim()),
+            None => (Vec::new(), change.key.as_str()),
+        };
+        let mut content = &mut self.content;
+        for part in tables {
+            content = match inner(content, part.trim()) {
+                Some(node) => &mut node.content,
+                None => return Err(refuse(&format!("{part} leads to no table"))),
+            };
+        }
+        if let Content::Table(entries) = &mut *content {
+            let others = ALTERNATIVES.iter().filter(|pair| pair.contains(&last)).flatten();
+            for other in others.filter(|other| **other != last) {
+                entries.retain(|(key, _)| key != other);
+            }
+        }
+        match inner(content, last) {
+            Some(found) => *found = node,
+            None => return Err(refuse("leads to no table")),
+        }
+        Ok(())
+    }
+}
+
+/// What a key (or, in a list, a number from 0) leads to; a key that is not there is made, as an empty
+/// table. `None` if there are no keys here.
+fn inner<'a>(content: &'a mut Content, key: &str) -> Option<&'a mut Node> {
+    match content {
+        Content::Table(entries) => {
+            let index = entries.iter().position(|(name, _)| name == key).unwrap_or_else(|| {
+                let node = Node { content: Content::Table(Vec::new()), origin: Origin::Override };
+                entries.push((key.to_owned(), node));
+                entries.len() - 1
+            });
+            entries.get_mut(index).map(|(_, node)| node)
+        }
+        Content::List(items) => items.get_mut(key.parse::<usize>().ok()?),
+        _ => None,
+    }
+}
+
+/// The line, from 1, that holds the byte at `offset`.
+fn line_of(text: &str, offset: usize) -> usize {
+    text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
+}
+
+fn convert(value: &Spanned<DeValue<'_>>, origin: &dyn Fn(usize) -> Origin) -> Node {
+    let content = match value.get_ref() {
+        DeValue::String(text) => Content::Text(text.to_string()),
+        DeValue::Integer(integer) => {
+            // Signed and wide enough for every integer that TOML writes; larger ones are no number.
+            let number = i128::from_str_radix(integer.as_str(), integer.radix());
+            Content::Number(number.map_or(f64::NAN, |number| number as f64), integer.to_string())
+        }
+        DeValue::Float(float) => {
+            let text = float.as_str();
+            let number = text.parse().unwrap_or(f64::NAN);
+            let overflown = f64::is_infinite(number) && !text.contains("inf");
+            Content::Number(if overflown { f64::NAN } else { number }, text.to_owned())
+        }
+        DeValue::Boolean(value) => Content::Boolean(*value),
+        DeValue::Datetime(date) => Content::Date(date.to_string()),
+        DeValue::Array(items) => Content::List(items.iter().map(|item| convert(item, origin)).collect()),
+        DeValue::Table(table) => Content::Table(convert_table(table, origin)),
+    };
+    Node { content, origin: origin(value.span().start) }
+}
+
+fn convert_table(table: &DeTable<'_>, origin: &dyn Fn(usize) -> Origin) -> Vec<(String, Node)> {
+    let entries = table.iter();
+    entries.map(|(key, value)| (key.get_ref().to_string(), convert(value, origin))).collect()
+}

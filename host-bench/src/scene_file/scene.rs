@@ -1,0 +1,198 @@
+//! A scene as plain numbers in SI units: what a scene file says once it has been checked.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A checked scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The file it came from, for messages.
+    pub file: PathBuf,
+    /// The harvester and its start.
+    pub model: Model,
+    /// What is connected to the harvester.
+    pub load: Load,
+    /// What shakes the base.
+    pub excitation: Excitation,
+    /// How long, and what is measured.
+    pub run: RunSpan,
+}
+
+impl Scene {
+    /// The name that the file gives the scene: `contact-separation`.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self.model {
+            Model::ContactSeparation(_) => "contact-separation",
+        }
+    }
+}
+
+/// The harvester.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Model {
+    /// A mass over a dielectric.
+    ContactSeparation(ContactSeparation),
+}
+
+/// A contact-separation harvester and the state it starts in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactSeparation {
+    /// Table `[parameters]`.
+    pub parameters: ContactSeparationParameters,
+    /// Table `[initial]`.
+    pub initial: ContactSeparationStart,
+}
+
+/// `[parameters]` of a contact-separation scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactSeparationParameters {
+    /// Moving mass in kg.
+    pub mass_kg: f64,
+    /// Spring stiffness in N/m.
+    pub stiffness_n_per_m: f64,
+    /// Damping ratio, `c / (2 √(k m))`.
+    pub damping_ratio: f64,
+    /// Gap in m at which the spring is unstretched.
+    pub initial_gap_m: f64,
+    /// Electrode area in m².
+    pub electrode_area_m2: f64,
+    /// Dielectric thickness in m.
+    pub dielectric_thickness_m: f64,
+    /// Relative permittivity of the dielectric.
+    pub relative_permittivity: f64,
+    /// Tribo-charge density in C/m², not negative.
+    pub charge_density_c_per_m2: f64,
+    /// Capacitance in parallel with the load, in F.
+    pub parasitic_capacitance_f: f64,
+    /// Electrostatic force law.
+    pub force_law: ForceLaw,
+    /// What the charge does while the mass is held on the dielectric.
+    pub stick_charge: StickCharge,
+    /// Coefficient of restitution.
+    pub restitution: Restitution,
+}
+
+/// Electrostatic force law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForceLaw {
+    /// Equation (28) of Fu, Ouyang and Davis: the transferred charge on the total capacitance.
+    /// Gives the paper's trends; not passive.
+    TransferredCharge,
+    /// The field in the gap: the law that conserves energy.
+    GapField,
+}
+
+/// What the charge does while the mass is held on the dielectric.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StickCharge {
+    /// It stays as it was: the load is open.
+    Frozen,
+    /// It goes on flowing through the load.
+    Relaxing,
+}
+
+/// Coefficient of restitution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Restitution {
+    /// The same at every speed.
+    Constant {
+        /// The coefficient, 0 to 1.
+        coefficient: f64,
+    },
+    /// `e(v) = at_speed + (at_rest − at_speed) exp(−|v| / reference_speed)`.
+    VelocityDependent {
+        /// Coefficient in the limit of no speed, 0 to 1.
+        at_rest: f64,
+        /// Coefficient in the limit of high speed, 0 to 1.
+        at_speed: f64,
+        /// Speed in m/s over which it falls by a factor e.
+        reference_speed_m_per_s: f64,
+    },
+}
+
+/// `[initial]` of a contact-separation scene; what is `None` takes its default.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactSeparationStart {
+    /// Gap in m; by default the unstretched gap.
+    pub gap_m: Option<f64>,
+    /// Velocity in m/s, opening positive; by default 0.
+    pub velocity_m_per_s: Option<f64>,
+    /// Transferred charge in C; by default that of no voltage at the gap.
+    pub charge_c: Option<f64>,
+}
+
+/// What is connected to the harvester.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// A resistor.
+    Resistor {
+        /// Resistance in Ω: 0 is a short circuit, infinity an open one.
+        resistance_ohm: f64,
+    },
+}
+
+/// What shakes the base.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Excitation {
+    /// One sine.
+    Sine(Tone),
+    /// A sum of sines.
+    Sines(Vec<Tone>),
+    /// A recorded acceleration.
+    File(Trace),
+    /// A base at rest.
+    Silence,
+}
+
+impl Excitation {
+    /// Frequency in Hz if the excitation is one sine that is not constant.
+    #[must_use]
+    pub fn single_frequency(&self) -> Option<f64> {
+        match self {
+            Self::Sine(tone) if tone.frequency_hz > 0.0 => Some(tone.frequency_hz),
+            _ => None,
+        }
+    }
+}
+
+/// One sine: `a(t) = amplitude · sin(2π · frequency · t + phase)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tone {
+    /// Amplitude in m/s².
+    pub amplitude_m_per_s2: f64,
+    /// Frequency in Hz.
+    pub frequency_hz: f64,
+    /// Phase in rad.
+    pub phase_rad: f64,
+}
+
+/// A recorded base acceleration: samples at a fixed rate, the first at time zero, joined by
+/// straight lines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    /// Samples in m/s², scale applied; at least two.
+    pub samples_m_per_s2: Arc<[f64]>,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Whether it starts again one sample interval after its last sample; if not, it is at least as
+    /// long as the run.
+    pub repeat: bool,
+}
+
+/// How long to simulate, and from when to measure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunSpan {
+    /// End of the run in s.
+    pub duration_s: f64,
+    /// Start of the measuring window in s; the window ends at `duration_s`.
+    pub settle_s: f64,
+}
+
+impl RunSpan {
+    /// Length of the measuring window in s.
+    #[must_use]
+    pub fn window_s(&self) -> f64 {
+        self.duration_s - self.settle_s
+    }
+}

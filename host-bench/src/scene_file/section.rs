@@ -1,0 +1,166 @@
+//! One table of a scene file, read key by key; what nobody asked for is refused.
+
+use super::bounds::Bound;
+use super::document::{Content, Document, Node, Origin, SceneError};
+
+/// A table and the keys that were asked of it.
+#[derive(Debug)]
+pub(super) struct Section<'a> {
+    document: &'a Document,
+    /// Keys that lead here, each with its dot.
+    prefix: String,
+    entries: &'a [(String, Node)],
+    known: Vec<&'static str>,
+}
+
+impl<'a> Section<'a> {
+    /// The whole document.
+    pub(super) fn root(document: &'a Document) -> Self {
+        let entries: &[_] = match &document.content {
+            Content::Table(entries) => entries,
+            _ => &[],
+        };
+        Self { document, prefix: String::new(), entries, known: Vec::new() }
+    }
+
+    /// The full name of a key here.
+    fn name(&self, key: &str) -> String {
+        format!("{}{key}", self.prefix)
+    }
+
+    fn find(&mut self, key: &'static str) -> Option<&'a Node> {
+        if !self.known.contains(&key) {
+            self.known.push(key);
+        }
+        self.peek(key)
+    }
+
+    fn peek(&self, key: &str) -> Option<&'a Node> {
+        self.entries.iter().find(|(name, _)| name == key).map(|(_, node)| node)
+    }
+
+    /// Whether the key is there.
+    pub(super) fn has(&mut self, key: &'static str) -> bool {
+        self.find(key).is_some()
+    }
+
+    /// An error about the value of a key, or about its absence.
+    pub(super) fn refuse(&self, key: &str, reason: impl Into<String>) -> SceneError {
+        let name = self.name(key);
+        match self.peek(key) {
+            Some(node) => SceneError::of_value(&self.document.file, &name, node, reason),
+            None => SceneError::of_absent(&self.document.file, &name, reason),
+        }
+    }
+
+    fn missing(&self, key: &str, wanted: &str) -> SceneError {
+        self.refuse(key, format!("is missing; must be {wanted}"))
+    }
+
+    /// The file of the scene.
+    pub(super) fn file(&self) -> &'a std::path::Path {
+        &self.document.file
+    }
+
+    /// A number, if the key is there.
+    pub(super) fn optional_number(
+        &mut self,
+        key: &'static str,
+        bound: &Bound,
+    ) -> Result<Option<f64>, SceneError> {
+        match self.find(key).map(|node| &node.content) {
+            None => Ok(None),
+            Some(Content::Number(value, _)) if bound.contains(*value) => Ok(Some(*value)),
+            Some(_) => Err(self.refuse(key, format!("must be {bound}"))),
+        }
+    }
+
+    /// A number that must be there.
+    pub(super) fn number(&mut self, key: &'static str, bound: &Bound) -> Result<f64, SceneError> {
+        self.optional_number(key, bound)?.ok_or_else(|| self.missing(key, &bound.to_string()))
+    }
+
+    /// A text, if the value is one.
+    pub(super) fn text(&mut self, key: &'static str) -> Option<&'a str> {
+        match self.find(key).map(|node| &node.content) {
+            Some(Content::Text(text)) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// `true` or `false`; `default` if the key is not there.
+    pub(super) fn flag(&mut self, key: &'static str, default: bool) -> Result<bool, SceneError> {
+        match self.find(key).map(|node| &node.content) {
+            None => Ok(default),
+            Some(Content::Boolean(value)) => Ok(*value),
+            Some(_) => Err(self.refuse(key, "must be true or false")),
+        }
+    }
+
+    /// One of a few words.
+    pub(super) fn choice<T: Copy>(
+        &mut self,
+        key: &'static str,
+        choices: &[(&str, T)],
+    ) -> Result<T, SceneError> {
+        let words: Vec<String> = choices.iter().map(|(word, _)| format!("{word:?}")).collect();
+        let wanted = words.join(" or ");
+        if !self.has(key) {
+            return Err(self.missing(key, &wanted));
+        }
+        let word = self.text(key);
+        let found = choices.iter().find(|(name, _)| Some(*name) == word);
+        found.map(|(_, value)| *value).ok_or_else(|| self.refuse(key, format!("must be {wanted}")))
+    }
+
+    /// A table, if the key is there.
+    pub(super) fn optional_table(&mut self, key: &'static str) -> Result<Option<Section<'a>>, SceneError> {
+        match self.find(key).map(|node| &node.content) {
+            None => Ok(None),
+            Some(Content::Table(entries)) => Ok(Some(self.inner(&self.name(key), entries))),
+            Some(_) => Err(self.refuse(key, "must be a table")),
+        }
+    }
+
+    /// A table that must be there.
+    pub(super) fn table(&mut self, key: &'static str) -> Result<Section<'a>, SceneError> {
+        self.optional_table(key)?.ok_or_else(|| self.missing(key, "a table"))
+    }
+
+    /// A list of tables, not empty.
+    pub(super) fn tables(&mut self, key: &'static str) -> Result<Vec<Section<'a>>, SceneError> {
+        const WANTED: &str = "a list of tables, at least one";
+        let items = match self.find(key).map(|node| &node.content) {
+            None => return Err(self.missing(key, WANTED)),
+            Some(Content::List(items)) if !items.is_empty() => items,
+            Some(_) => return Err(self.refuse(key, format!("must be {WANTED}"))),
+        };
+        let inner = items.iter().enumerate().map(|(index, item)| match &item.content {
+            Content::Table(entries) => Ok(self.inner(&format!("{}[{index}]", self.name(key)), entries)),
+            _ => Err(self.refuse(key, format!("must be {WANTED}"))),
+        });
+        inner.collect()
+    }
+
+    fn inner(&self, name: &str, entries: &'a [(String, Node)]) -> Section<'a> {
+        Section { document: self.document, prefix: format!("{name}."), entries, known: Vec::new() }
+    }
+
+    /// Refuses what nobody asked for.
+    pub(super) fn finish(self) -> Result<(), SceneError> {
+        match self.entries.iter().find(|(key, _)| !self.known.contains(&key.as_str())) {
+            None => Ok(()),
+            Some((key, node)) => {
+                // An override makes the tables that lead to it: blame the key that was given.
+                let (mut name, mut node) = (self.name(key), node);
+                while let (Origin::Override, Content::Table(entries)) = (node.origin, &node.content) {
+                    let Some((key, inner)) = entries.first() else { break };
+                    name = format!("{name}.{key}");
+                    node = inner;
+                }
+                let reason = format!("unknown key; known here: {}", self.known.join(", "));
+                Err(SceneError::of_value(&self.document.file, &name, node, reason))
+            }
+        }
+    }
+}
