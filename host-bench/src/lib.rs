@@ -1,3 +1,5 @@
 //! The host side of `model-core`: scene files, the independent reference, and the command line.
 
+pub mod outcome;
+pub mod reference;
 pub mod scene_file;

@@ -1,0 +1,113 @@
+//! What a run found: the same numbers for every method, as the JSON object that `run` prints.
+
+mod format;
+
+use serde::Serialize;
+
+pub use self::format::{Format, cell, number};
+
+/// The result of one run.
+///
+/// Numbers that do not exist (a power of nothing measured, a ratio to zero) are `None`, `null` in
+/// JSON; so is everything that is not finite.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Name of the scene.
+    pub scene: &'static str,
+    /// Method used.
+    pub method: String,
+    /// Precision of the numbers: `f32` or `f64`.
+    pub precision: &'static str,
+    /// Elementary functions: `polynomial`, `libm`, `micromath`, or `std` for the reference.
+    pub math: &'static str,
+    /// End of the run in s.
+    pub duration_s: f64,
+    /// Start of the measuring window in s.
+    pub settle_s: f64,
+    /// Mean of `V²/R` over the window in W.
+    #[serde(serialize_with = "finite")]
+    pub mean_power_w: Option<f64>,
+    /// Root mean square of the terminal voltage over the window in V.
+    #[serde(serialize_with = "finite")]
+    pub rms_voltage_v: Option<f64>,
+    /// Largest magnitude of the terminal voltage in the window in V.
+    #[serde(serialize_with = "finite")]
+    pub peak_voltage_v: Option<f64>,
+    /// Mean of the terminal voltage over the window in V.
+    #[serde(serialize_with = "finite")]
+    pub mean_voltage_v: Option<f64>,
+    /// Energy delivered to the load in the window in J.
+    #[serde(serialize_with = "finite")]
+    pub delivered_energy_j: Option<f64>,
+    /// What is left over in the energy ledger of the whole run, over the larger of `∫ |base power| dt`
+    /// and the peak stored energy.
+    #[serde(serialize_with = "finite")]
+    pub energy_residual: Option<f64>,
+    /// Accepted steps, whole run.
+    pub steps: u64,
+    /// Rejected steps, whole run.
+    pub rejected_steps: u64,
+    /// Newton iterations, whole run.
+    pub newton_iterations: u64,
+    /// Events, whole run.
+    pub events: u64,
+    /// Time the run took in s.
+    pub wall_s: f64,
+    /// What only this kind of scene has.
+    #[serde(flatten)]
+    pub particular: Particular,
+    /// The motion over time, if it was asked for; not part of the JSON object.
+    #[serde(skip)]
+    pub trace: Option<Recording>,
+}
+
+/// The numbers of one kind of scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Particular {
+    /// Of a contact-separation scene.
+    ContactSeparation(ContactSeparationOutcome),
+}
+
+/// What a contact-separation run adds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ContactSeparationOutcome {
+    /// Largest gap in the window in m.
+    #[serde(serialize_with = "finite")]
+    pub peak_gap_m: Option<f64>,
+    /// Smallest gap in the window in m.
+    #[serde(serialize_with = "finite")]
+    pub min_gap_m: Option<f64>,
+    /// Impacts in the window, one that ends in sticking included.
+    pub impacts: u64,
+    /// Impacts over periods in the window; `None` unless the base moves in one sine.
+    #[serde(serialize_with = "finite")]
+    pub impacts_per_period: Option<f64>,
+    /// Largest impact speed in the window in m/s; `None` without impacts.
+    #[serde(serialize_with = "finite")]
+    pub max_impact_speed_m_per_s: Option<f64>,
+    /// Time of the first impact of the run in s; `None` without impacts.
+    #[serde(serialize_with = "finite")]
+    pub first_impact_s: Option<f64>,
+    /// Part of the window during which the mass is held.
+    #[serde(serialize_with = "finite")]
+    pub stuck_fraction: Option<f64>,
+}
+
+/// Columns of a recording of a contact-separation run.
+pub const CONTACT_SEPARATION_COLUMNS: [&str; 7] =
+    ["time_s", "gap_m", "velocity_m_per_s", "charge_c", "voltage_v", "base_acceleration_m_per_s2", "stuck"];
+
+/// Sampled motion: columns by name, one row for each instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// Name of each column, unit included.
+    pub columns: &'static [&'static str],
+    /// One value for each column.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// Writes `null` for what does not exist or is not finite.
+fn finite<S: serde::Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    value.filter(|value| value.is_finite()).serialize(serializer)
+}

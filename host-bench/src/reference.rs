@@ -1,0 +1,49 @@
+//! The independent reference: `std`, double precision, and no code of `model-core`.
+//!
+//! The physics is written again, in state variables of its own, and integrated by the crate `diffsol`
+//! at tolerances near rounding. Everything that is measured as an integral is carried by the
+//! integrator as a further state.
+
+mod base;
+mod contact_separation;
+mod root;
+
+use crate::outcome::Outcome;
+use crate::scene_file::{Model, Scene};
+
+/// How accurate, and what to record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReferenceOptions {
+    /// Relative tolerance of the integrator.
+    pub tolerance: f64,
+    /// Distance of recorded rows in s; `None`: no recording.
+    pub record_every: Option<f64>,
+}
+
+impl Default for ReferenceOptions {
+    fn default() -> Self {
+        Self { tolerance: 1e-13, record_every: None }
+    }
+}
+
+/// A run that could not be finished.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{reason} at {time_s} s ({state})")]
+pub struct StepFailure {
+    /// What went wrong.
+    pub reason: String,
+    /// Simulated time in s.
+    pub time_s: f64,
+    /// The last good state, in words.
+    pub state: String,
+}
+
+/// Runs a scene on the reference.
+///
+/// # Errors
+/// If the integrator cannot go on; the scene itself has been checked when it was read.
+pub fn run(scene: &Scene, options: &ReferenceOptions) -> Result<Outcome, StepFailure> {
+    match &scene.model {
+        Model::ContactSeparation(model) => contact_separation::run(scene, model, options),
+    }
+}

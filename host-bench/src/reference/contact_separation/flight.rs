@@ -1,0 +1,328 @@
+//! Free motion between events: diffsol's BDF, with impacts located on its dense output.
+//!
+//! Local time starts at zero with each flight. Impacts are not left to the crate's root finder, which
+//! cannot be told that a zero at the start of a flight is no impact: each accepted step is cut where
+//! the velocity changes sign, so that the gap is monotone in every piece, and a piece that ends at or
+//! below zero holds exactly one impact. So a short hop or a graze inside one step is found too.
+
+use std::cell::RefCell;
+
+use diffsol::error::DiffsolError;
+use diffsol::{
+    NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverStopReason, Vector,
+    ode_solver::OdeSolverStatistics,
+};
+
+use super::physics::{Motion, Physics};
+use crate::reference::base::LocalBase;
+use crate::reference::root::far_side;
+
+type Matrix = NalgebraMat<f64>;
+type Factors = NalgebraLU<f64>;
+
+/// Integrals over time that the integrator carries beside the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Integrals {
+    /// `∫ V² dt` in V² s.
+    pub(super) voltage_squared: f64,
+    /// `∫ V dt` in V s.
+    pub(super) voltage: f64,
+    /// `∫ −m a v dt` in J: work of the base on the mass.
+    pub(super) base_work: f64,
+    /// `∫ c v² dt` in J: loss in the damper.
+    pub(super) damper_loss: f64,
+    /// `∫ F_e v dt` in J: work against the electrostatic force.
+    pub(super) force_work: f64,
+    /// `∫ F_field v dt` in J: the same for the force that conserves energy.
+    pub(super) field_work: f64,
+}
+
+/// Number of [`Integrals`].
+const INTEGRALS: usize = 6;
+
+impl Integrals {
+    /// The integrands, in the order of the fields.
+    fn rates(physics: &Physics, motion: &Motion, base: f64) -> [f64; INTEGRALS] {
+        let voltage = physics.voltage(motion);
+        [
+            voltage * voltage,
+            voltage,
+            -physics.mass * base * motion.velocity,
+            physics.damper_power(motion),
+            physics.force(motion) * motion.velocity,
+            physics.field_force(motion) * motion.velocity,
+        ]
+    }
+
+    fn of(values: &[f64]) -> Self {
+        match *values {
+            [voltage_squared, voltage, base_work, damper_loss, force_work, field_work] => {
+                Self { voltage_squared, voltage, base_work, damper_loss, force_work, field_work }
+            }
+            _ => Self::default(),
+        }
+    }
+
+    /// Adds those of a later stretch.
+    pub(super) fn add(&mut self, later: &Self) {
+        self.voltage_squared += later.voltage_squared;
+        self.voltage += later.voltage;
+        self.base_work += later.base_work;
+        self.damper_loss += later.damper_loss;
+        self.force_work += later.force_work;
+        self.field_work += later.field_work;
+    }
+}
+
+/// How hard the integrator worked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Effort {
+    pub(super) steps: u64,
+    pub(super) rejected: u64,
+    pub(super) newton_iterations: u64,
+}
+
+impl Effort {
+    fn of(statistics: &OdeSolverStatistics) -> Self {
+        let rejected = statistics.number_of_error_test_failures + statistics.number_of_nonlinear_solver_fails;
+        Self {
+            steps: statistics.number_of_steps as u64,
+            rejected: rejected as u64,
+            newton_iterations: statistics.number_of_nonlinear_solver_iterations as u64,
+        }
+    }
+
+    fn add(&mut self, more: &Self) {
+        self.steps += more.steps;
+        self.rejected += more.rejected;
+        self.newton_iterations += more.newton_iterations;
+    }
+}
+
+/// Tolerances, and the sizes that they are relative to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Accuracy {
+    /// Relative tolerance of the integrator.
+    pub(super) relative: f64,
+    /// Gap in m, velocity in m/s, voltage in V that are of the size of the solution.
+    pub(super) scale: Motion,
+    /// A time in s over which the solution changes.
+    pub(super) time: f64,
+}
+
+impl Accuracy {
+    /// Absolute tolerances of the motion and of the integrals: far below the relative one on what is
+    /// of full size, because the voltage between its peaks and the speed of a small hop matter too.
+    fn absolute(&self, physics: &Physics) -> (Vec<f64>, Vec<f64>) {
+        let Self { relative, scale, time } = *self;
+        let energy = physics.mass * scale.velocity * scale.velocity;
+        let electric = scale.gap
+            * physics.field_force(&scale).max(physics.force(&scale)).max(1e-12 * energy / scale.gap);
+        let motion = [scale.gap, scale.velocity, scale.voltage];
+        let squared = scale.voltage * scale.voltage * time;
+        let integrals = [squared, scale.voltage * time, energy, energy, electric, electric];
+        let scaled = |sizes: &[f64]| sizes.iter().map(|size| 1e-2 * relative * size).collect();
+        (scaled(&motion), scaled(&integrals))
+    }
+}
+
+/// One accepted step or the part of it before an event, seen from outside.
+pub(super) struct Piece<'a> {
+    /// Local start in s.
+    pub(super) from: f64,
+    /// Local end in s.
+    pub(super) to: f64,
+    /// Local times between the ends at which the velocity changes sign.
+    pub(super) turns: &'a [f64],
+    /// Motion at any local time between the ends.
+    pub(super) motion: &'a dyn Fn(f64) -> Result<Motion, DiffsolError>,
+    /// Integrals since the start of the flight, at any local time between the ends.
+    pub(super) integrals: &'a dyn Fn(f64) -> Result<Integrals, DiffsolError>,
+}
+
+/// How a flight ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Landing {
+    /// Local time of the end in s.
+    pub(super) elapsed: f64,
+    /// The motion there; before the impact if there is one, with a gap of exactly zero.
+    pub(super) motion: Motion,
+    /// Integrals over the flight.
+    pub(super) integrals: Integrals,
+    /// Whether it ended in an impact; if not, the time was up.
+    pub(super) impact: bool,
+}
+
+/// A failure of the integrator, at a local time and motion.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FlightFailure {
+    pub(super) elapsed: f64,
+    pub(super) motion: Motion,
+    pub(super) reason: String,
+}
+
+fn motion_of(values: &[f64]) -> Motion {
+    match *values {
+        [gap, velocity, voltage] => Motion { gap, velocity, voltage },
+        _ => Motion { gap: f64::NAN, velocity: f64::NAN, voltage: f64::NAN },
+    }
+}
+
+/// Flies from `start` for `span` seconds or until the impact, and shows each step to `watch`.
+///
+/// A flight that starts at closed gap without velocity is a release: gap, velocity and acceleration
+/// are all zero, so no impact is looked for until the mass has left.
+pub(super) fn fly(
+    physics: &Physics,
+    base: &LocalBase,
+    start: Motion,
+    span: f64,
+    accuracy: &Accuracy,
+    effort: &mut Effort,
+    mut watch: impl FnMut(&Piece<'_>) -> Result<(), DiffsolError>,
+) -> Result<Landing, FlightFailure> {
+    let failure = |elapsed: f64, motion: Motion| {
+        move |error: DiffsolError| FlightFailure { elapsed, motion, reason: one_line(&error) }
+    };
+    let (absolute, out_absolute) = accuracy.absolute(physics);
+    let problem = OdeBuilder::<Matrix>::new()
+        .rtol(accuracy.relative)
+        .atol(absolute)
+        .out_rtol(accuracy.relative)
+        .out_atol(out_absolute)
+        .rhs_implicit(
+            |x: &[f64], _: &[f64], t: f64, rates: &mut [f64]| {
+                rates.copy_from_slice(&physics.rates(&motion_of(x), base.at(t)));
+            },
+            |x: &[f64], _: &[f64], _: f64, change: &[f64], rates: &mut [f64]| {
+                rates.copy_from_slice(&physics.rates_along(&motion_of(x), &motion_of(change)));
+            },
+        )
+        .init(
+            |_: &[f64], _: f64, x: &mut [f64]| {
+                x.copy_from_slice(&[start.gap, start.velocity, start.voltage]);
+            },
+            3,
+        )
+        .out_implicit(
+            |x: &[f64], _: &[f64], t: f64, powers: &mut [f64]| {
+                powers.copy_from_slice(&Integrals::rates(physics, &motion_of(x), base.at(t)));
+            },
+            // Asked for in sensitivity runs only.
+            |_: &[f64], _: &[f64], _: f64, _: &[f64], change: &mut [f64]| change.fill(0.0),
+            INTEGRALS,
+        )
+        .integrate_out(true)
+        .build()
+        .map_err(failure(0.0, start))?;
+    let mut solver = problem.bdf::<Factors>().map_err(failure(0.0, start))?;
+    solver.config_mut().minimum_timestep = 1e-30;
+    solver.set_stop_time(span).map_err(failure(0.0, start))?;
+
+    let clearance = 64.0 * f64::EPSILON * physics.initial_gap;
+    let mut armed = start.gap > 0.0 || start.velocity != 0.0;
+    let (mut from, mut last) = (0.0, start);
+    loop {
+        let stop = solver.step().map_err(failure(from, last));
+        let total = Effort::of(solver.get_statistics());
+        if stop.is_err() {
+            effort.add(&total);
+        }
+        let finished = matches!(stop?, OdeSolverStopReason::TstopReached);
+        let to = solver.state().t;
+        let scratch = RefCell::new(NalgebraVec::zeros(3, *problem.context()));
+        let motion = |t: f64| -> Result<Motion, DiffsolError> {
+            let mut scratch = scratch.borrow_mut();
+            solver.interpolate_inplace(t, &mut scratch)?;
+            Ok(motion_of(scratch.batch_as_slice(0)))
+        };
+        let integrals = |t: f64| -> Result<Integrals, DiffsolError> {
+            let mut values = NalgebraVec::zeros(INTEGRALS, *problem.context());
+            solver.interpolate_out_inplace(t, &mut values)?;
+            Ok(Integrals::of(values.batch_as_slice(0)))
+        };
+        let scan = Scan::new(&motion, from, to, &mut armed, clearance).map_err(failure(from, last))?;
+        let end = scan.impact.unwrap_or(to);
+        watch(&Piece { from, to: end, turns: &scan.turns, motion: &motion, integrals: &integrals })
+            .map_err(failure(from, last))?;
+        last = motion(end).map_err(failure(from, last))?;
+        if !last.gap.is_finite() || last.gap <= -physics.dielectric() {
+            effort.add(&total);
+            return Err(FlightFailure {
+                elapsed: end,
+                motion: last,
+                reason: "the motion left the model".into(),
+            });
+        }
+        from = end;
+        if scan.impact.is_some() || finished {
+            effort.add(&total);
+            let integrals = integrals(end).map_err(failure(from, last))?;
+            let impact = scan.impact.is_some();
+            if impact {
+                // Exactly on the dielectric, and not even by rounding on the way out.
+                last = Motion { gap: 0.0, velocity: last.velocity.min(0.0), ..last };
+            }
+            return Ok(Landing { elapsed: if impact { end } else { span }, motion: last, integrals, impact });
+        }
+    }
+}
+
+/// What the guards find in one accepted step.
+struct Scan {
+    /// Local time of the impact, if there is one.
+    impact: Option<f64>,
+    /// Local times at which the velocity changes sign, up to the impact.
+    turns: Vec<f64>,
+}
+
+impl Scan {
+    /// Looks through one accepted step; `armed` says whether the mass has left since its release.
+    fn new(
+        motion: &impl Fn(f64) -> Result<Motion, DiffsolError>,
+        from: f64,
+        to: f64,
+        armed: &mut bool,
+        clearance: f64,
+    ) -> Result<Self, DiffsolError> {
+        let mut scan = Self { impact: None, turns: Vec::new() };
+        let middle = from + 0.5 * (to - from);
+        let mut begin = (from, motion(from)?);
+        for next in [middle, to] {
+            let next = (next, motion(next)?);
+            let turned = (begin.1.velocity > 0.0) != (next.1.velocity > 0.0) && begin.1.velocity != 0.0;
+            let mut ends = [Some(next), None];
+            if turned {
+                let turn = far_side(|t| Ok::<_, DiffsolError>(motion(t)?.velocity), begin.0, next.0)?;
+                scan.turns.push(turn);
+                ends = [Some((turn, motion(turn)?)), Some(next)];
+            }
+            for end in ends.into_iter().flatten() {
+                if !*armed {
+                    *armed = end.1.velocity > 0.0 && end.1.gap > clearance;
+                    if !*armed && end.1.velocity < 0.0 {
+                        // Back before it had left.
+                        scan.impact = Some(end.0);
+                        return Ok(scan);
+                    }
+                } else if end.1.gap <= 0.0 && end.1.gap < begin.1.gap {
+                    let hit = if begin.1.gap > 0.0 {
+                        far_side(|t| Ok::<_, DiffsolError>(motion(t)?.gap), begin.0, end.0)?
+                    } else {
+                        begin.0
+                    };
+                    scan.turns.retain(|turn| *turn < hit);
+                    scan.impact = Some(hit);
+                    return Ok(scan);
+                }
+                begin = end;
+            }
+        }
+        Ok(scan)
+    }
+}
+
+/// The first line of an error of the crate: some of them are several lines long.
+fn one_line(error: &DiffsolError) -> String {
+    error.to_string().lines().next().unwrap_or("the integrator failed").to_owned()
+}
