@@ -1,5 +1,7 @@
 //! The host side of `model-core`: scene files, the independent reference, and the command line.
 
+pub mod command;
+pub mod method;
 pub mod outcome;
 pub mod reference;
 pub mod scene_file;

@@ -1,1 +1,63 @@
-fn main() {}
+//! The command line of the harvester models.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use clap::error::ErrorKind;
+use host_bench::command::{on_target, report, run, sweep};
+use host_bench::method::Failure;
+
+/// Vibration energy harvesters: scenes, reference, reports
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    /// Run one scene
+    Run(run::RunArguments),
+    /// Build the firmware for each core, run it under QEMU
+    OnTarget(on_target::OnTargetArguments),
+    /// Run a scene over a grid of values
+    Sweep(sweep::SweepArguments),
+}
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage(&error),
+    };
+    let done = match &arguments.command {
+        Command::Run(arguments) => run::run(arguments),
+        Command::OnTarget(arguments) => {
+            on_target::run(arguments).map_err(|error| Failure::Input(error.to_string()))
+        }
+        Command::Sweep(arguments) => sweep::run(arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => report(&failure),
+    }
+}
+
+/// Help as clap prints it; an error as one line, like all others.
+fn usage(error: &clap::Error) -> ExitCode {
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        // With no standard output left there is nobody to tell.
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return report(&Failure::Input(
+            "a command must be given: run or sweep; --help tells more".to_owned(),
+        ));
+    }
+    let text = error.to_string();
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let told: Vec<&str> =
+        lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")).collect();
+    report(&Failure::Input(told.join(" ").trim_start_matches("error: ").to_owned()))
+}

@@ -1,0 +1,122 @@
+//! The commands of the binary.
+
+pub mod on_target;
+pub mod run;
+pub mod sweep;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use crate::method::{Failure, Math, Method, Options, Precision};
+use crate::outcome::Format;
+use crate::scene_file::Override;
+
+/// What `run` and `sweep` have in common.
+#[derive(Debug, Clone, clap::Args)]
+pub struct SceneArguments {
+    /// Scene file
+    #[arg(value_name = "SCENE.toml")]
+    pub scene: PathBuf,
+    /// Integration method
+    #[arg(long, value_enum, default_value_t)]
+    pub method: Method,
+    /// Precision of the embedded core
+    #[arg(long, value_enum)]
+    pub precision: Option<Precision>,
+    /// Elementary functions of the embedded core
+    #[arg(long, value_enum)]
+    pub math: Option<Math>,
+    /// Fixed step in seconds
+    #[arg(long, value_name = "S", conflicts_with = "tolerance", allow_negative_numbers = true)]
+    pub step: Option<f64>,
+    /// Relative tolerance of the adaptive step
+    #[arg(long, value_name = "REL", allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+    /// Output format
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Another value for a key of the scene, such as run.duration_s=5; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<Override>,
+}
+
+impl SceneArguments {
+    /// The options of the run.
+    #[must_use]
+    pub fn options(&self) -> Options {
+        Options {
+            method: self.method,
+            precision: self.precision,
+            math: self.math,
+            step_s: self.step,
+            tolerance: self.tolerance,
+            trace_every_s: None,
+        }
+    }
+}
+
+/// Prints a failure as one line on standard error, and gives its exit code.
+#[must_use]
+pub fn report(failure: &Failure) -> ExitCode {
+    let line: String =
+        failure.to_string().chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
+    // With no standard error left there is nobody to tell.
+    let _ = writeln!(std::io::stderr(), "error: {line}");
+    ExitCode::from(match failure {
+        Failure::Input(_) => 2,
+        Failure::Step(_) => 3,
+    })
+}
+
+/// Prints the result on standard output.
+///
+/// # Errors
+/// If it cannot be written; a reader that has gone away is none.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut output = std::io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::Input(format!("standard output cannot be written: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a file that could not be written, before the work is done.
+///
+/// # Errors
+/// [`Failure::Input`] with option and path.
+pub(crate) fn writable(option: &str, file: &Path) -> Result<(), Failure> {
+    let folder = folder_of(file);
+    let reason = if file.is_dir() || file.file_name().is_none() {
+        "is a folder, must be a file".to_owned()
+    } else if !folder.is_dir() {
+        format!("{} must be a folder", folder.display())
+    } else {
+        return Ok(());
+    };
+    Err(Failure::Input(format!("{option} {}: {reason}", file.display())))
+}
+
+fn folder_of(file: &Path) -> &Path {
+    match file.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Writes a file whole or not at all: beside its place first, then into it.
+///
+/// # Errors
+/// [`Failure::Input`] with the path and the reason.
+pub(crate) fn write_whole(file: &Path, text: &str) -> Result<(), Failure> {
+    let mut name = file.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.part", std::process::id()));
+    let part = folder_of(file).join(name);
+    std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, file)).map_err(|error| {
+        // What is left of it, if anything.
+        let _ = std::fs::remove_file(&part);
+        Failure::Input(format!("{}: cannot be written: {error}", file.display()))
+    })
+}

@@ -1,0 +1,39 @@
+//! `host-bench run`: one scene.
+
+use std::path::PathBuf;
+
+use super::{SceneArguments, print, writable, write_whole};
+use crate::method::{Failure, run_scene};
+use crate::scene_file;
+
+/// Arguments of `run`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct RunArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Write the motion over time to this CSV file
+    #[arg(long, value_name = "FILE.csv", requires = "trace_every")]
+    trace: Option<PathBuf>,
+    /// Seconds between the rows of the trace
+    #[arg(long, value_name = "S", requires = "trace", allow_negative_numbers = true)]
+    trace_every: Option<f64>,
+}
+
+/// Runs the scene, writes the trace and prints the outcome; nothing of either if it fails.
+///
+/// # Errors
+/// Bad input or a step error.
+pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
+    let options =
+        crate::method::Options { trace_every_s: arguments.trace_every, ..arguments.scene.options() };
+    options.check()?;
+    if let Some(file) = &arguments.trace {
+        writable("--trace", file)?;
+    }
+    let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
+    let outcome = run_scene(&scene, &options)?;
+    if let (Some(file), Some(recording)) = (&arguments.trace, &outcome.trace) {
+        write_whole(file, &recording.csv())?;
+    }
+    print(&outcome.text(arguments.scene.format))
+}

@@ -1,0 +1,120 @@
+//! One axis of a sweep: `KEY=FROM:TO:COUNT[:log]`.
+
+use std::str::FromStr;
+
+/// Most points on one axis.
+const MOST: usize = 100_000;
+
+/// Values for one key of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// The key, such as `load.resistance_ohm`.
+    pub key: String,
+    from: f64,
+    to: f64,
+    count: usize,
+    /// Whether the values are spread evenly in their logarithm.
+    pub logarithmic: bool,
+}
+
+impl Axis {
+    /// Number of values.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The value with the given index; the first and the last are exactly those given.
+    #[must_use]
+    pub fn value(&self, index: usize) -> f64 {
+        if index == 0 {
+            return self.from;
+        }
+        if index + 1 >= self.count {
+            return self.to;
+        }
+        let part = index as f64 / (self.count - 1) as f64;
+        if self.logarithmic {
+            (self.from.ln() + part * (self.to.ln() - self.from.ln())).exp()
+        } else {
+            self.from + part * (self.to - self.from)
+        }
+    }
+}
+
+impl FromStr for Axis {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        const FORM: &str = "must be KEY=FROM:TO:COUNT or KEY=FROM:TO:COUNT:log";
+        let (key, range) = text.split_once('=').ok_or(FORM)?;
+        let key = key.trim();
+        let parts: Vec<&str> = range.split(':').map(str::trim).collect();
+        let (from, to, count, logarithmic) = match parts[..] {
+            [from, to, count] => (from, to, count, false),
+            [from, to, count, "log"] => (from, to, count, true),
+            _ => return Err(FORM.to_owned()),
+        };
+        if key.is_empty() {
+            return Err(FORM.to_owned());
+        }
+        let number = |name: &str, text: &str| match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            _ => Err(format!("{name} = {text:?} must be a finite number")),
+        };
+        let (from, to) = (number("FROM", from)?, number("TO", to)?);
+        let count = match count.parse() {
+            Ok(count) if (1..=MOST).contains(&count) => count,
+            _ => return Err(format!("COUNT = {count:?} must be a whole number from 1 to {MOST}")),
+        };
+        if logarithmic && !(from > 0.0 && to > 0.0) {
+            return Err("FROM and TO must be above 0 with log".to_owned());
+        }
+        if count == 1 && from != to {
+            return Err(format!("COUNT = 1 must be at least 2 to go from {from} to {to}"));
+        }
+        Ok(Self { key: key.to_owned(), from, to, count, logarithmic })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_spread_evenly_and_end_where_told() {
+        let axis: Axis = "run.duration_s=1:3:5".parse().expect("valid");
+        let values: Vec<f64> = (0..axis.count()).map(|index| axis.value(index)).collect();
+        assert_eq!(values, [1.0, 1.5, 2.0, 2.5, 3.0]);
+        let axis: Axis = "load.resistance_ohm=1e5:1e9:5:log".parse().expect("valid");
+        for index in 0..5 {
+            let expected = 10f64.powi(5 + i32::try_from(index).expect("small"));
+            assert!((axis.value(index) / expected - 1.0).abs() < 1e-13);
+        }
+        assert_eq!((axis.value(0), axis.value(4)), (1e5, 1e9));
+    }
+
+    #[test]
+    fn what_is_no_axis_is_refused() {
+        for text in [
+            "",
+            "a",
+            "a=",
+            "=1:2:3",
+            "a=1:2",
+            "a=1:2:3:lin",
+            "a=1:2:0",
+            "a=1:2:-1",
+            "a=1:2:1",
+            "a=1:2:2.5",
+            "a=x:2:3",
+            "a=1:nan:3",
+            "a=1:inf:3",
+            "a=0:2:3:log",
+            "a=-1:2:3:log",
+            "a=1:2:1000000",
+        ] {
+            assert!(text.parse::<Axis>().is_err(), "{text}");
+        }
+    }
+}

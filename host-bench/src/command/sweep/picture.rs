@@ -1,0 +1,189 @@
+//! The picture of a sweep: curves over one axis, a map over two.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use super::axis::Axis;
+
+/// Width and height of the picture.
+const SIZE: (u32, u32) = (900, 640);
+
+/// Font of the axes: whatever the viewer has for it.
+const LABEL: (&str, u32) = ("sans-serif", 15);
+
+/// A quantity to draw: its name and one value for each point, if there is one.
+#[derive(Debug, Clone)]
+pub(super) struct Quantity {
+    pub(super) name: &'static str,
+    pub(super) values: Vec<Option<f64>>,
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// An SVG picture; `None` where there is nothing to draw: no axis to go along, more axes than a
+/// picture has, or no values.
+pub(super) fn draw(title: &str, axes: &[Axis], quantities: &[Quantity]) -> Result<Option<String>, String> {
+    let shown: Vec<&Quantity> = quantities
+        .iter()
+        .filter(|quantity| quantity.values.iter().flatten().any(|value| value.is_finite()))
+        .collect();
+    let long: Vec<&Axis> = axes.iter().filter(|axis| axis.count() > 1).collect();
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+        area.fill(&WHITE).map_err(|error| error.to_string())?;
+        let area = area.titled(title, ("sans-serif", 18)).map_err(|error| error.to_string())?;
+        match (&long[..], &shown[..]) {
+            ([axis], [_, ..]) => {
+                for (part, quantity) in area.split_evenly((shown.len(), 1)).iter().zip(&shown) {
+                    curve(part, axis, quantity).map_err(|error| error.to_string())?;
+                }
+            }
+            ([across, up], [quantity, ..]) => {
+                // The last axis runs fastest.
+                map(&area, up, across, quantity).map_err(|error| error.to_string())?;
+            }
+            _ => return Ok(None),
+        }
+        area.present().map_err(|error| error.to_string())?;
+    }
+    Ok(Some(text))
+}
+
+/// Where a value stands on its axis: a logarithmic axis is drawn in decades.
+fn place(axis: &Axis, value: f64) -> f64 {
+    if axis.logarithmic { value.log10() } else { value }
+}
+
+fn label(axis: &Axis, place: f64) -> String {
+    tick(if axis.logarithmic { 10f64.powf(place) } else { place })
+}
+
+/// A number with three digits, as short as that can be written.
+fn tick(value: f64) -> String {
+    let plain = value == 0.0 || (1e-2..1e4).contains(&value.abs());
+    let text = if plain { format!("{value:.3}") } else { format!("{value:.2e}") };
+    match text.split_once('e') {
+        None => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        Some((digits, exponent)) => {
+            format!("{}e{exponent}", digits.trim_end_matches('0').trim_end_matches('.'))
+        }
+    }
+}
+
+/// The range of the values, widened where it has no width.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let margin = if high > low { 0.05 * (high - low) } else { low.abs().max(1e-300) };
+    (low - margin, high + margin)
+}
+
+type Drawn = Result<(), DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>>;
+
+fn curve(area: &Area<'_>, axis: &Axis, quantity: &Quantity) -> Drawn {
+    let points: Vec<(f64, f64)> = quantity
+        .values
+        .iter()
+        .enumerate()
+        .filter_map(|(index, value)| Some((place(axis, axis.value(index)), (*value)?)))
+        .filter(|(_, value)| value.is_finite())
+        .collect();
+    let (left, right) = range((0..axis.count()).map(|index| place(axis, axis.value(index))));
+    let (low, high) = range(points.iter().map(|(_, value)| *value));
+    let mut chart = ChartBuilder::on(area)
+        .margin(10)
+        .margin_right(30)
+        .x_label_area_size(40)
+        .y_label_area_size(80)
+        .build_cartesian_2d(left..right, low..high)?;
+    chart
+        .configure_mesh()
+        .x_desc(axis.key.as_str())
+        .y_desc(quantity.name)
+        .label_style(LABEL)
+        .x_label_formatter(&|x| label(axis, *x))
+        .y_label_formatter(&|y| tick(*y))
+        .draw()?;
+    chart.draw_series(LineSeries::new(points.iter().copied(), BLUE.stroke_width(2)))?;
+    chart.draw_series(points.iter().map(|point| Circle::new(*point, 3, BLUE.filled())))?;
+    Ok(())
+}
+
+/// Edges of the cell around the point with the given index.
+fn cell(axis: &Axis, index: usize) -> (f64, f64) {
+    let at = |index: usize| place(axis, axis.value(index));
+    let middle = |left: usize, right: usize| 0.5 * (at(left) + at(right));
+    let last = axis.count() - 1;
+    let low = if index == 0 { 2.0 * at(0) - middle(0, 1) } else { middle(index - 1, index) };
+    let high = if index == last { 2.0 * at(last) - middle(last - 1, last) } else { middle(index, index + 1) };
+    (low, high)
+}
+
+fn map(area: &Area<'_>, across: &Axis, up: &Axis, quantity: &Quantity) -> Drawn {
+    let values = || quantity.values.iter().flatten().copied().filter(|value| value.is_finite());
+    let (low, high) = values()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let (body, scale) = area.split_horizontally(i32::try_from(SIZE.0).unwrap_or(0) - 130);
+    let span = |axis: &Axis| cell(axis, 0).0..cell(axis, axis.count() - 1).1;
+    let mut chart = ChartBuilder::on(&body)
+        .margin(10)
+        .x_label_area_size(40)
+        .y_label_area_size(80)
+        .build_cartesian_2d(span(across), span(up))?;
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .x_desc(across.key.as_str())
+        .y_desc(up.key.as_str())
+        .label_style(LABEL)
+        .x_label_formatter(&|x| label(across, *x))
+        .y_label_formatter(&|y| label(up, *y))
+        .draw()?;
+    chart.draw_series(quantity.values.iter().enumerate().filter_map(|(index, value)| {
+        let value = value.filter(|value| value.is_finite())?;
+        let (left, right) = cell(across, index % across.count());
+        let (bottom, top) = cell(up, index / across.count());
+        Some(Rectangle::new([(left, bottom), (right, top)], shade(value, low, high).filled()))
+    }))?;
+    let (bottom, top) = range(std::iter::once(low).chain(std::iter::once(high)));
+    let mut bar = ChartBuilder::on(&scale)
+        .margin(10)
+        .margin_bottom(50)
+        .y_label_area_size(70)
+        .build_cartesian_2d(0.0..1.0, bottom..top)?;
+    bar.configure_mesh()
+        .disable_mesh()
+        .disable_x_axis()
+        .label_style(LABEL)
+        .y_desc(quantity.name)
+        .y_label_formatter(&|y| tick(*y))
+        .draw()?;
+    const SHADES: usize = 64;
+    bar.draw_series((0..SHADES).map(|index| {
+        let edge = |index: usize| bottom + (top - bottom) * index as f64 / SHADES as f64;
+        let colour = shade(0.5 * (edge(index) + edge(index + 1)), low, high);
+        Rectangle::new([(0.0, edge(index)), (1.0, edge(index + 1))], colour.filled())
+    }))?;
+    Ok(())
+}
+
+/// Dark blue to yellow over green: even in lightness, so that it reads in grey too.
+fn shade(value: f64, low: f64, high: f64) -> RGBColor {
+    const STOPS: [[f64; 3]; 5] = [
+        [68.0, 1.0, 84.0],
+        [59.0, 82.0, 139.0],
+        [33.0, 145.0, 140.0],
+        [94.0, 201.0, 98.0],
+        [253.0, 231.0, 37.0],
+    ];
+    let part = if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
+    let position = part * (STOPS.len() - 1) as f64;
+    let index = (position as usize).min(STOPS.len() - 2);
+    let rest = position - index as f64;
+    let channel = |which: usize| {
+        let [from, to] = [STOPS[index][which], STOPS[index + 1][which]];
+        (from + rest * (to - from)).round() as u8
+    };
+    RGBColor(channel(0), channel(1), channel(2))
+}

@@ -1,0 +1,137 @@
+//! How a scene is run: the one place where a method is chosen.
+
+use crate::outcome::Outcome;
+use crate::reference::{self, ReferenceOptions};
+use crate::scene_file::{Scene, SceneError};
+
+/// Integration method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Method {
+    /// The embedded core, with the method that suits the scene.
+    #[default]
+    Auto,
+    /// The embedded core with TR-BDF2: implicit, for stiff circuits.
+    TrBdf2,
+    /// The embedded core with the classical Runge-Kutta method of order 4.
+    Rk4,
+    /// The independent reference on the host, in double precision.
+    Reference,
+}
+
+/// Precision of the embedded core.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Precision {
+    /// Single precision.
+    F32,
+    /// Double precision.
+    F64,
+}
+
+/// Elementary functions of the embedded core.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Math {
+    /// Polynomials of our own.
+    Polynomial,
+    /// The crate `libm`: right to an ulp.
+    Libm,
+    /// The crate `micromath`: small and coarse, single precision only.
+    Micromath,
+}
+
+/// How to run a scene. What is `None` is left to the method.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Options {
+    /// Integration method.
+    pub method: Method,
+    /// Precision of the embedded core.
+    pub precision: Option<Precision>,
+    /// Elementary functions of the embedded core.
+    pub math: Option<Math>,
+    /// Fixed step in s.
+    pub step_s: Option<f64>,
+    /// Relative tolerance of an adaptive step.
+    pub tolerance: Option<f64>,
+    /// Distance in s of the rows of [`Outcome::trace`].
+    pub trace_every_s: Option<f64>,
+}
+
+/// Why there is no outcome.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Failure {
+    /// The input is bad: exit code 2.
+    #[error("{0}")]
+    Input(String),
+    /// The scene could not be stepped to its end: exit code 3. The error, the simulated time and the
+    /// state.
+    #[error("{0}")]
+    Step(String),
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+impl Options {
+    /// Checks what can be checked without a scene.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] that names the option, its value and its bound.
+    pub fn check(&self) -> Result<(), Failure> {
+        let within = |name: &str, value: Option<f64>, [lowest, highest]: [f64; 2]| match value {
+            Some(value) if !(lowest..=highest).contains(&value) => Err(Failure::Input(format!(
+                "{name} {value}: must be a number from {lowest:e} to {highest:e}"
+            ))),
+            _ => Ok(()),
+        };
+        within("--step", self.step_s, [1e-9, 1.0])?;
+        within("--tolerance", self.tolerance, [1e-13, 0.1])?;
+        within("--trace-every", self.trace_every_s, [1e-9, 1e7])?;
+        let refuse = |text: &str| Err(Failure::Input(text.to_owned()));
+        if self.math == Some(Math::Micromath) && self.precision == Some(Precision::F64) {
+            return refuse("--math micromath: must be with --precision f32, it has no double precision");
+        }
+        if self.method == Method::Reference {
+            if self.precision == Some(Precision::F32) {
+                return refuse("--precision f32: the reference must be in f64");
+            }
+            if self.math.is_some() {
+                return refuse("--math: must not be given for the reference, which uses that of the host");
+            }
+            if self.step_s.is_some() {
+                return refuse("--step: must not be given for the reference, which adapts its step");
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Runs a scene.
+///
+/// # Errors
+/// [`Failure::Input`] if the options do not fit together or to the scene, [`Failure::Step`] if the
+/// integration cannot go on.
+pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    options.check()?;
+    if let Some(every) = options.trace_every_s {
+        const ROWS: f64 = 2e7;
+        if scene.run.duration_s / every > ROWS {
+            let least = scene.run.duration_s / ROWS;
+            return Err(Failure::Input(format!(
+                "--trace-every {every}: must be at least {least:e} for at most {ROWS:e} rows"
+            )));
+        }
+    }
+    match options.method {
+        Method::Reference => {
+            let default = ReferenceOptions::default();
+            let tolerance = options.tolerance.unwrap_or(default.tolerance);
+            let options = ReferenceOptions { tolerance, record_every: options.trace_every_s };
+            reference::run(scene, &options).map_err(|failure| Failure::Step(failure.to_string()))
+        }
+        Method::Auto | Method::TrBdf2 | Method::Rk4 => Err(Failure::Input(
+            "--method: the embedded core is not connected yet; must be reference".to_owned(),
+        )),
+    }
+}
