@@ -3,7 +3,7 @@
 //! It shows whether the host knows what a tick is worth on this board. An instruction per step is
 //! the right answer, up to the reading of the counter and its resolution.
 
-use crate::measure::{Progress, Workload};
+use crate::workload::{Progress, Workload};
 use core::arch::asm;
 
 /// Few, because the branches of the M0 are short, and so are those that the compiler puts around

@@ -27,7 +27,6 @@ pub mod measure;
 mod stack;
 #[cfg(target_os = "none")]
 mod stop;
-#[cfg(target_os = "none")]
 pub mod workload;
 
 /// What a binary says when it was built for the host.

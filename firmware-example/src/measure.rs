@@ -16,40 +16,10 @@ use crate::calibration::Nops;
 use crate::counter::Counter;
 use crate::stack;
 use crate::stop::{Code, stop};
+use crate::workload::{Progress, Workload};
 use core::hint::black_box;
 use cortex_m::Peripherals;
 use defmt::info;
-
-/// Something to measure.
-///
-/// It is used as `dyn Workload`, so that the code around it is the same machine code in `empty`
-/// and in `bench`, and the difference of their sizes is the workload's own.
-pub trait Workload {
-    /// One word, for the log.
-    fn name(&self) -> &'static str;
-
-    /// Runs up to the next sample. This, and nothing else, is measured.
-    fn advance(&mut self) -> Progress;
-
-    /// The state as raw bits, for a comparison with the host that forgives nothing.
-    fn state(&self) -> &[u32];
-}
-
-/// What a call of [`Workload::advance`] did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Progress {
-    /// It got to the next sample.
-    Sample {
-        /// Steps taken since the last one.
-        steps: u32,
-        /// Simulated microseconds since the last one.
-        simulated_us: u32,
-    },
-    /// There was nothing left to do.
-    Finished,
-    /// It could not go on.
-    Failed,
-}
 
 /// Measures what costs a known number of instructions, then the workloads, and ends the run.
 pub fn run(workloads: &mut [&mut dyn Workload]) -> ! {
@@ -60,6 +30,11 @@ pub fn run(workloads: &mut [&mut dyn Workload]) -> ! {
         measure(&counter, *workload);
     }
     stop(Code::Done)
+}
+
+/// Ends the run of a firmware whose scene was refused.
+pub fn refused() -> ! {
+    stop(Code::WorkloadFailed)
 }
 
 #[inline(never)]

@@ -4,6 +4,7 @@
 //! contains what its scene needs and no more, and one `Any…` type that makes the choice at run
 //! time for a host that must serve any scene file. Both give the same bits.
 
+pub mod bounds;
 pub mod load;
 pub mod parasitic;
 pub mod restitution;

@@ -4,13 +4,12 @@
 //! [`crate::hybrid::Automaton`]. What a meter needs of any of them is [`Harvester`].
 
 pub mod contact_separation;
-mod parameter_error;
 
 use crate::hybrid::{Automaton, Guard};
 use crate::integrate::Point;
 use crate::scalar::Scalar;
 
-pub use parameter_error::{Bounds, ParameterError};
+pub use crate::part::bounds::{Bounds, ParameterError};
 
 /// The powers that every scene can integrate along with its state, and their places in the list.
 ///

@@ -22,9 +22,13 @@
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    use firmware_example::{measure, workload::Oscillator};
+    use firmware_example::measure;
+    use firmware_example::workload::ContactSeparationBench;
 
-    measure::run(&mut [&mut Oscillator::new()])
+    match ContactSeparationBench::new() {
+        Some(mut scene) => measure::run(&mut [&mut scene]),
+        None => measure::refused(),
+    }
 }
 
 #[cfg(not(target_os = "none"))]

@@ -96,9 +96,10 @@ where
         }
         // What rounding leaves undecided.
         let blur = (S::from_u32(full_ticks) * S::EPSILON * S::literal(8.0)).to_u32().max(1);
-        let mut ticks = (theta * S::from_u32(full_ticks)).to_u32().saturating_add(1).clamp(1, full_ticks);
+        let mut ticks = (theta * S::from_u32(full_ticks)).to_u32().saturating_add(1);
         while far - short > 1 && reached.attempts < MOST_ATTEMPTS {
-            ticks = ticks.clamp(short + 1, far - 1);
+            // Not `clamp`, which can panic: `far` stays above `short + 1` here.
+            ticks = ticks.max(short + 1).min(far - 1);
             let trial = self.attempt(ticks)?;
             reached.attempts += 1;
             reached.iterations += trial.iterations;

@@ -58,6 +58,26 @@ impl<S: Scalar, Mode, const N: usize, const P: usize> Observer<S, Mode, N, P> fo
     fn step(&mut self, _span: &Span<'_, S, Mode, N, P>) {}
 }
 
+/// An observer, or none.
+impl<S: Scalar, Mode, const N: usize, const P: usize, A> Observer<S, Mode, N, P> for Option<&mut A>
+where
+    A: Observer<S, Mode, N, P>,
+{
+    #[inline(always)]
+    fn step(&mut self, span: &Span<'_, S, Mode, N, P>) {
+        if let Some(observer) = self {
+            observer.step(span);
+        }
+    }
+
+    #[inline(always)]
+    fn event(&mut self, event: &Event<'_, S, Mode, N, P>) {
+        if let Some(observer) = self {
+            observer.event(event);
+        }
+    }
+}
+
 /// Two observers of the same run.
 impl<S: Scalar, Mode, const N: usize, const P: usize, A, B> Observer<S, Mode, N, P> for (&mut A, &mut B)
 where

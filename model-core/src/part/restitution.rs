@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 
+use crate::part::bounds::Bounds;
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 
 /// A law of restitution: the speed after an impact over the speed before it.
@@ -20,8 +21,8 @@ pub struct RestitutionParameter<S> {
     pub field: &'static str,
     /// Its value.
     pub value: S,
-    /// Its smallest and largest allowed values.
-    pub bounds: [f64; 2],
+    /// Its allowed values.
+    pub bounds: Bounds<S>,
 }
 
 /// Newton's law: one coefficient for every speed.
@@ -42,7 +43,7 @@ impl<S: Scalar> Restitution<S> for ConstantRestitution<S> {
         let coefficient = RestitutionParameter {
             field: "restitution.coefficient",
             value: self.coefficient,
-            bounds: [0.0, 1.0],
+            bounds: Bounds::new(0.0, 1.0),
         };
         [Some(coefficient), None, None]
     }
@@ -74,9 +75,9 @@ impl<S: Scalar, M: Mathematics<S>> Restitution<S> for VelocityDependentRestituti
 
     fn parameters(&self) -> [Option<RestitutionParameter<S>>; 3] {
         [
-            ("restitution.at_rest", self.at_rest, [0.0, 1.0]),
-            ("restitution.at_speed", self.at_speed, [0.0, 1.0]),
-            ("restitution.reference_speed", self.reference_speed, [1e-9, 1e3]),
+            ("restitution.at_rest", self.at_rest, Bounds::new(0.0, 1.0)),
+            ("restitution.at_speed", self.at_speed, Bounds::new(0.0, 1.0)),
+            ("restitution.reference_speed", self.reference_speed, Bounds::new(1e-9, 1e3)),
         ]
         .map(|(field, value, bounds)| Some(RestitutionParameter { field, value, bounds }))
     }

@@ -107,6 +107,13 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         self.charge_unit
     }
 
+    /// Transferred charge `q = Q + C_p V` in coulombs at a gap in metres and a total charge in
+    /// charge units.
+    #[must_use]
+    pub fn transferred_charge(&self, gap: S, charge: S) -> S {
+        self.charge_unit * self.circuit(gap, charge).transferred
+    }
+
     /// Total charge in charge units at which the voltage vanishes at `gap`: `σ S g / (g + d_e)`.
     #[must_use]
     #[inline(always)]

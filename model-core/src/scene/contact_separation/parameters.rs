@@ -5,11 +5,11 @@ use core::marker::PhantomData;
 
 use super::ContactSeparation;
 use super::force_law::{AnyForceLaw, ForceLaw};
+use crate::part::bounds::{Bounds, ParameterError};
 use crate::part::load::{AnyLoad, Load, Resistance};
 use crate::part::parasitic::{Parasitic, ParasiticCapacitance};
 use crate::part::restitution::{AnyRestitution, Restitution};
 use crate::scalar::{Mathematics, Polynomial, Scalar};
-use crate::scene::parameter_error::{ParameterError, check};
 
 /// Vacuum permittivity `ε0`, in F/m.
 const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
@@ -161,7 +161,7 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         let stiffness_per_mass = self.stiffness / self.mass;
         let angular_frequency = stiffness_per_mass.square_root();
         let hertz = angular_frequency * S::literal(0.5 * core::f64::consts::FRAC_1_PI);
-        check("natural frequency sqrt(stiffness / mass) / (2 pi)", hertz, [1e-3, 1e4])?;
+        Bounds::new(1e-3, 1e4).check("natural frequency sqrt(stiffness / mass) / (2 pi)", hertz)?;
         let permittivity_area = S::literal(VACUUM_PERMITTIVITY) * self.electrode_area;
         let charge_unit = (two * permittivity_area * self.mass).square_root();
         let tribo_charge = self.charge_density * self.electrode_area / charge_unit;
@@ -210,28 +210,28 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
             ("parasitic capacitance / (permittivity * electrode area)", scene.parasitic),
             ("charge density * sqrt(electrode area / (2 permittivity * mass))", scene.tribo_charge),
         ] {
-            check(field, value, [0.0, 1e34])?;
+            Bounds::new(0.0, 1e34).check(field, value)?;
         }
         Ok(scene)
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        check("mass", self.mass, [1e-12, 1e3])?;
-        check("stiffness", self.stiffness, [1e-9, 1e9])?;
-        check("damping_ratio", self.damping_ratio, [0.0, 10.0])?;
-        check("initial_gap", self.initial_gap, [1e-9, 1.0])?;
-        check("electrode_area", self.electrode_area, [1e-12, 10.0])?;
-        check("dielectric_thickness", self.dielectric_thickness, [1e-9, 0.1])?;
-        check("relative_permittivity", self.relative_permittivity, [1.0, 1e5])?;
-        check("charge_density", self.charge_density, [0.0, 1e-2])?;
-        check("parasitic_capacitance", self.parasitic.farads(), [0.0, 1e-3])?;
+        Bounds::new(1e-12, 1e3).check("mass", self.mass)?;
+        Bounds::new(1e-9, 1e9).check("stiffness", self.stiffness)?;
+        Bounds::new(0.0, 10.0).check("damping_ratio", self.damping_ratio)?;
+        Bounds::new(1e-9, 1.0).check("initial_gap", self.initial_gap)?;
+        Bounds::new(1e-12, 10.0).check("electrode_area", self.electrode_area)?;
+        Bounds::new(1e-9, 0.1).check("dielectric_thickness", self.dielectric_thickness)?;
+        Bounds::new(1.0, 1e5).check("relative_permittivity", self.relative_permittivity)?;
+        Bounds::new(0.0, 1e-2).check("charge_density", self.charge_density)?;
+        Bounds::new(0.0, 1e-3).check("parasitic_capacitance", self.parasitic.farads())?;
         if let Resistance::Finite(ohms) = self.load.resistance() {
-            check("resistance", ohms, [1e-9, 1e30])?;
+            Bounds::new(1e-9, 1e30).check("resistance", ohms)?;
         }
         self.restitution
             .parameters()
             .into_iter()
             .flatten()
-            .try_for_each(|parameter| check(parameter.field, parameter.value, parameter.bounds))
+            .try_for_each(|parameter| parameter.bounds.check(parameter.field, parameter.value))
     }
 }

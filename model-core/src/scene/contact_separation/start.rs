@@ -6,8 +6,8 @@ use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
 use crate::integrate::StepControl;
+use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
-use crate::scene::parameter_error::{ParameterError, check};
 
 /// Initial values; whatever is `None` is at rest at the initial gap, electrically relaxed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -40,12 +40,12 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     {
         let gap = start.gap.unwrap_or(self.initial_gap);
         let velocity = start.velocity.unwrap_or(S::ZERO);
-        check("gap", gap, [0.0, 10.0])?;
-        check("velocity", velocity, [-1e3, 1e3])?;
+        Bounds::new(0.0, 10.0).check("gap", gap)?;
+        Bounds::new(-1e3, 1e3).check("velocity", velocity)?;
         let charge = match start.charge {
             None => self.relaxed_charge(gap),
             Some(coulombs) => {
-                check("charge", coulombs, [-1.0, 1.0])?;
+                Bounds::new(-1.0, 1.0).check("charge", coulombs)?;
                 // Q = q − C_p V with V at the charge q.
                 let transferred = coulombs / self.charge_unit;
                 let voltage = self.tribo_charge * gap - transferred * (gap + self.dielectric);

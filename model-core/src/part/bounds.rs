@@ -35,16 +35,23 @@ impl<S: Scalar> fmt::Display for ParameterError<S> {
 
 impl<S: Scalar> core::error::Error for ParameterError<S> {}
 
-/// Refuses a value outside `lowest` to `highest`, not-a-number included.
-pub(crate) fn check<S: Scalar>(
-    field: &'static str,
-    value: S,
-    [lowest, highest]: [f64; 2],
-) -> Result<(), ParameterError<S>> {
-    let bounds = Bounds { lowest: S::literal(lowest), highest: S::literal(highest) };
-    if value >= bounds.lowest && value <= bounds.highest {
-        Ok(())
-    } else {
-        Err(ParameterError { field, value, bounds })
+impl<S: Scalar> Bounds<S> {
+    /// From `lowest` to `highest`, which are literals of the source.
+    #[must_use]
+    #[inline(always)]
+    pub fn new(lowest: f64, highest: f64) -> Self {
+        Self { lowest: S::literal(lowest), highest: S::literal(highest) }
+    }
+
+    /// Refuses a value outside, not-a-number included.
+    ///
+    /// # Errors
+    /// `field`, its value and these bounds.
+    pub fn check(self, field: &'static str, value: S) -> Result<(), ParameterError<S>> {
+        if value >= self.lowest && value <= self.highest {
+            Ok(())
+        } else {
+            Err(ParameterError { field, value, bounds: self })
+        }
     }
 }
