@@ -1,7 +1,9 @@
 //! The host side of `model-core`: scene files, the independent reference, and the command line.
 
 pub mod command;
+pub mod embedded;
 pub mod method;
+pub mod on_target;
 pub mod outcome;
 pub mod reference;
 pub mod scene_file;

@@ -1,5 +1,6 @@
 //! How a scene is run: the one place where a method is chosen.
 
+use crate::embedded;
 use crate::outcome::Outcome;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{Scene, SceneError};
@@ -130,8 +131,6 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
             let options = ReferenceOptions { tolerance, record_every: options.trace_every_s };
             reference::run(scene, &options).map_err(|failure| Failure::Step(failure.to_string()))
         }
-        Method::Auto | Method::TrBdf2 | Method::Rk4 => Err(Failure::Input(
-            "--method: the embedded core is not connected yet; must be reference".to_owned(),
-        )),
+        Method::Auto | Method::TrBdf2 | Method::Rk4 => embedded::run(scene, options),
     }
 }

@@ -49,7 +49,7 @@ pub fn build(core: Core) -> Result<Firmware, Error> {
     let target_directory = workspace.join(all).join("on-target");
     let status = toolchain
         .cargo("build", hardware.target)
-        .args(["--release", "--package", "firmware-example"])
+        .args(["--profile", "firmware", "--package", "firmware-example"])
         .arg("--target-dir")
         .arg(&target_directory)
         .env("HARVESTER_BOARD", hardware.board)
@@ -62,7 +62,7 @@ pub fn build(core: Core) -> Result<Firmware, Error> {
 
     // Two boards have the same target, and the second would overwrite the first. A directory for
     // each board to build in would compile `core` and all the macros once for each as well.
-    let built = target_directory.join(hardware.target).join("release");
+    let built = target_directory.join(hardware.target).join("firmware");
     let kept = target_directory.join(hardware.board);
     fs::create_dir_all(&kept).map_err(io_error)?;
     let keep = |name: &str| {

@@ -128,10 +128,11 @@ impl<S: Scalar> StepControl<S> for FixedStep {
 
 /// Steps as long as the tolerance allows.
 ///
-/// The allowed local error is the tolerance *per radian of the slow motion* (error per unit step),
-/// so that the global error is proportional to the tolerance whatever the step. It covers the
-/// state and the energy delivered to the load, whose spikes at contact are far shorter than the
-/// motion. To it come a few roundings per step, below which an estimate means nothing.
+/// The allowed local error of the delivered energy is the tolerance *per radian of the slow motion*
+/// (error per unit step), so that the global error is proportional to the tolerance whatever the
+/// step; the energy's spikes at contact are far shorter than the motion. A lightly damped motion
+/// remembers the errors of its state, so the state is allowed a twentieth of that. To both come a
+/// few roundings per step, below which an estimate means nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Adaptive<S> {
@@ -147,10 +148,13 @@ const ROUNDINGS: f64 = 4.0;
 /// The same for the energy of a radian: where the circuit is stiff, a rounding of the charge is a
 /// larger part of a step's current.
 const ENERGY_ROUNDINGS: f64 = 32.0;
+/// Radians for which a lightly damped motion is taken to remember an error made in its state:
+/// errors of the state add up over these, errors of the delivered energy do not add to the motion.
+const REMEMBERED_RADIANS: f64 = 20.0;
 /// Roundings of the state's scale below which Newton's corrections are noise.
 const NEWTON_ROUNDINGS: f64 = 16.0;
-/// Part of the allowed error that may remain of the implicit equations.
-const NEWTON_PART: f64 = 1e-2;
+/// Part of the tolerance that may remain of the implicit equations.
+const NEWTON_PART: f64 = 1.0 / REMEMBERED_RADIANS;
 /// Radians over which the delivered energy is averaged: two and a half periods.
 const MEMORY_RADIANS: f64 = 16.0;
 /// Rejections of one step after which it is asked whether they help.
@@ -221,7 +225,8 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         // In the beginning there is no sum yet: then the energy of a radian at the present power.
         let delivered = errors.delivered.absolute() / radians;
         let energy = errors.energy / recent.larger(delivered).larger(scale.energy_floor);
-        let state = errors.state / (target + S::EPSILON * S::literal(ROUNDINGS));
+        let state = errors.state
+            / (target * S::literal(1.0 / REMEMBERED_RADIANS) + S::EPSILON * S::literal(ROUNDINGS));
         let energy = energy / (target + S::EPSILON * S::literal(ENERGY_ROUNDINGS));
         let ratio = state.larger(energy).to_f32();
         let present = log2(ratio.larger(1e-8));

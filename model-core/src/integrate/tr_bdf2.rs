@@ -46,9 +46,9 @@ pub struct TrBdf2;
 const MOST_ITERATIONS: u32 = 10;
 
 /// How strongly the convergence rate of the first Newton correction is assumed to grow with the
-/// correction's size: Newton converges quadratically, and this is the constant in front, an upper
-/// guess for a nonlinearity a hundredth of the state's scale long.
-const ASSUMED_CURVATURE: f64 = 100.0;
+/// correction's size: Newton converges quadratically, and this is the constant in front. Measured on
+/// the contact-separation scene: at 10 to 100 the results agree to four digits, the iterations do not.
+const ASSUMED_CURVATURE: f64 = 10.0;
 
 /// Solves `z = weight · f(base + z)` from the guess in `z`, until a correction is of the size of
 /// `accuracy`; gives the number of iterations too.
