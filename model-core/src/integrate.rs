@@ -35,12 +35,32 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// Solves `(I − weight · ∂f/∂y) x = right`.
     fn solve(&self, factor: &Self::Factor, right: [S; N]) -> [S; N];
 
+    /// One Newton iteration on an implicit stage `z = weight · f(base + z, u)`: improves
+    /// `increment`, the `z` so far, and gives the correction made to it.
+    ///
+    /// A system of which some equations can be solved outright given the others overrides this and
+    /// [`System::eliminate`], and iterates on the others only.
+    #[inline(always)]
+    fn iterate(
+        &self,
+        factor: &Self::Factor,
+        base: &[S; N],
+        increment: &mut [S; N],
+        input: S,
+        weight: S,
+    ) -> [S; N] {
+        let flow = self.flow(&core::array::from_fn(|i| base[i] + increment[i]), input);
+        let residual = core::array::from_fn(|i| weight * flow[i] - increment[i]);
+        let correction = self.solve(factor, residual);
+        *increment = core::array::from_fn(|i| increment[i] + correction[i]);
+        correction
+    }
+
     /// Puts those entries of `increment` in order that have a closed form given the others.
     ///
-    /// In an implicit stage `increment = weight · f(base + increment, u)` is solved by Newton's
-    /// iteration; an equation that is linear in its own unknown can be solved outright in each
-    /// pass. Where such an equation is stiff this is not a matter of speed: its rate is the small
-    /// difference of large terms, and must be consistent with the other entries to rounding.
+    /// Called once after the last iteration. Where such an equation is stiff this is not a matter of
+    /// speed: its rate is the small difference of large terms, and must be consistent with the
+    /// other entries to rounding.
     #[inline(always)]
     fn eliminate(&self, _base: &[S; N], _increment: &mut [S; N], _weight: S) {}
 

@@ -1,1 +1,124 @@
-//! Helpers.
+//! What the tests across crates have in common: the shipped scene, changed and run.
+
+use std::path::Path;
+
+use host_bench::method::{Method, Options, Precision, run_scene};
+use host_bench::outcome::{ContactSeparationOutcome, Outcome, Particular};
+use host_bench::scene_file::{self, ContactSeparation, Excitation, Load, Model, RunSpan, Scene, Tone};
+
+/// Standard gravity of the papers, in m/s².
+pub const GRAVITY: f64 = 9.81;
+
+/// The shipped contact-separation scene (Table 2 of the paper), changed by `change`.
+#[must_use]
+pub fn contact_separation(change: impl FnOnce(&mut Scene, &mut ContactSeparation)) -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/contact-separation.toml");
+    let mut scene = scene_file::read(&file, &[]).expect("the shipped scene is valid");
+    let Model::ContactSeparation(mut model) = scene.model.clone();
+    change(&mut scene, &mut model);
+    scene.model = Model::ContactSeparation(model);
+    scene
+}
+
+/// One sine, with its amplitude in standard gravities.
+#[must_use]
+pub fn sine(gravities: f64, frequency_hz: f64) -> Excitation {
+    Excitation::Sine(Tone { amplitude_m_per_s2: gravities * GRAVITY, frequency_hz, phase_rad: 0.0 })
+}
+
+/// A resistor.
+#[must_use]
+pub fn resistor(resistance_ohm: f64) -> Load {
+    Load::Resistor { resistance_ohm }
+}
+
+/// A run of `periods` at `frequency_hz`, of which the last `measured` are measured.
+#[must_use]
+pub fn periods(frequency_hz: f64, periods: u32, measured: u32) -> RunSpan {
+    RunSpan {
+        duration_s: f64::from(periods) / frequency_hz,
+        settle_s: f64::from(periods - measured) / frequency_hz,
+    }
+}
+
+/// Options for the core with error control, in double precision.
+#[must_use]
+pub fn adaptive(tolerance: f64) -> Options {
+    Options { tolerance: Some(tolerance), ..Options::default() }
+}
+
+/// Options for the core with a fixed step in seconds, in double precision.
+#[must_use]
+pub fn fixed(step: f64) -> Options {
+    Options { step_s: Some(step), ..Options::default() }
+}
+
+/// The same options in single precision.
+#[must_use]
+pub fn single(options: Options) -> Options {
+    Options { precision: Some(Precision::F32), ..options }
+}
+
+/// Options for the independent reference.
+#[must_use]
+pub fn reference() -> Options {
+    Options { method: Method::Reference, ..Options::default() }
+}
+
+/// Runs a scene that must run.
+#[must_use]
+pub fn run(scene: &Scene, options: &Options) -> (Outcome, ContactSeparationOutcome) {
+    let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
+    let Particular::ContactSeparation(particular) = outcome.particular.clone();
+    (outcome, particular)
+}
+
+/// The number, or not-a-number, which fails every comparison.
+#[must_use]
+pub fn value(number: Option<f64>) -> f64 {
+    number.unwrap_or(f64::NAN)
+}
+
+/// Asserts that two numbers agree to a relative tolerance.
+#[track_caller]
+pub fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
+    let error = (found / expected - 1.0).abs();
+    assert!(
+        error <= tolerance,
+        "{what}: {found} instead of {expected}, off by {error:.2e}, allowed {tolerance:.0e}"
+    );
+}
+
+/// Slope of `ln error` over `ln step` by least squares: the order of convergence.
+#[must_use]
+pub fn order(points: &[(f64, f64)]) -> f64 {
+    let count = points.len() as f64;
+    let logs: Vec<(f64, f64)> = points.iter().map(|(step, error)| (step.ln(), error.ln())).collect();
+    let mean = |pick: fn(&(f64, f64)) -> f64| logs.iter().map(pick).sum::<f64>() / count;
+    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+    let covariance: f64 = logs.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
+    covariance / logs.iter().map(|point| (point.0 - x).powi(2)).sum::<f64>()
+}
+
+/// Calls `work` for each item, on all cores, and gives the results in the items' order.
+pub fn on_all_cores<I: Sync, R: Send>(items: &[I], work: impl Fn(&I) -> R + Sync) -> Vec<R> {
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut results: Vec<(usize, R)> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..cores)
+            .map(|_| {
+                scope.spawn(|| {
+                    let mut done = Vec::new();
+                    loop {
+                        let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                        let Some(item) = items.get(index) else { return done };
+                        done.push((index, work(item)));
+                    }
+                })
+            })
+            .collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("a test's work does not panic")).collect()
+    });
+    results.sort_by_key(|(index, _)| *index);
+    results.into_iter().map(|(_, result)| result).collect()
+}

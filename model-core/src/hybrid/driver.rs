@@ -160,13 +160,18 @@ impl<M, C> Driver<M, C> {
     {
         let mut work = Work::default();
         let budget = budget.max(LEAST_BUDGET);
+        // An event can be due where a run is taken up and after a jump; after a step, the search for
+        // a fall has just told that none is.
+        let mut may_be_due = true;
         while state.clock < until {
             if work.attempts() + work.events > 0 && budget.saturating_sub(work.attempts()) < LEAST_BUDGET {
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
             }
             let at = state.clock;
             let fail = |failure| StepError { failure, at };
-            let event = match due_event(automaton, state, excitation) {
+            let due = if may_be_due { due_event(automaton, state, excitation) } else { None };
+            may_be_due = false;
+            let event = match due {
                 Some(event) => Some(event),
                 None => {
                     let Some(kept) =
@@ -198,6 +203,7 @@ impl<M, C> Driver<M, C> {
             if let Some(guard) = event {
                 take_jump(automaton, state, excitation, guard, observer)?;
                 work.events += 1;
+                may_be_due = true;
                 if self.pause_at_events {
                     return Ok(Advance { ended: Ended::Event, work });
                 }

@@ -81,7 +81,7 @@ where
     #[cold]
     #[inline(never)]
     pub(super) fn locate(
-        &self,
+        self,
         index: usize,
         theta: S,
         full: Trial<S, N, P>,

@@ -159,18 +159,17 @@ const NEWTON_PART: f64 = 1.0 / REMEMBERED_RADIANS;
 const MEMORY_RADIANS: f64 = 16.0;
 /// Rejections of one step after which it is asked whether they help.
 const FUTILE_REJECTIONS: u8 = 3;
-/// Exponents of the present and the previous error, in units of 2⁻¹⁶. The error over the allowed
-/// one is of second order in the step, hence the halves: 0.7/2 and 0.4/2 (Gustafsson 1991).
-const PROPORTIONAL: i64 = 22_938;
-const INTEGRAL: i64 = 13_107;
+/// Exponents of the present and the previous error, in units of 2⁻⁸: 0.35 and 0.2. The error over the
+/// allowed one is of second order in the step, hence halves of 0.7 and 0.4 (Gustafsson 1991).
+const PROPORTIONAL: i32 = 90;
+const INTEGRAL: i32 = 51;
 /// log₂ of 0.97, in units of 2⁻²³: the controller settles at 0.8 of the allowed error.
-const SAFETY: i64 = -368_600;
+const SAFETY: i32 = -368_600;
 /// log₂ of 0.9, in units of 2⁻²³: the safety factor after a rejection.
-const SAFETY_AFTER_REJECTION: i64 = -1_275_068;
+const SAFETY_AFTER_REJECTION: i32 = -1_275_068;
 /// log₂ of the largest and the smallest change of the step from one to the next: 4 and 1/5.
-const LARGEST_CHANGE: i64 = 2 << 23;
-const SMALLEST_CHANGE: i64 = -19_477_731;
-
+const LARGEST_CHANGE: i32 = 2 << 23;
+const SMALLEST_CHANGE: i32 = -19_477_731;
 /// log₂ of the smallest error ratio remembered, 1/16, in units of 2⁻²³.
 const LEAST_REMEMBERED: i32 = -(4 << 23);
 
@@ -191,8 +190,8 @@ fn log2(ratio: f32) -> i32 {
 
 /// `ticks · 2^change`, with `change` in units of 2⁻²³ and the inverse of [`log2`].
 #[inline(always)]
-fn scaled(ticks: u32, change: i64) -> u32 {
-    let factor = f32::from_bits((change as i32).wrapping_add(0x3f80_0000).cast_unsigned());
+fn scaled(ticks: u32, change: i32) -> u32 {
+    let factor = f32::from_bits(change.wrapping_add(0x3f80_0000).cast_unsigned());
     f32::to_u32(f32::from_u32(ticks) * factor).max(1)
 }
 
@@ -235,14 +234,14 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         let inherited = memory.rejections >= FUTILE_REJECTIONS && ratio > 0.5 * memory.rejected_ratio;
         if ratio > 1.0 && !inherited {
             // The error is of third order in the step, of second against the allowed one.
-            let change = SAFETY_AFTER_REJECTION - i64::from(present) / 2;
+            let change = SAFETY_AFTER_REJECTION - present / 2;
             memory.ticks = scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, LARGEST_CHANGE));
             memory.rejections = memory.rejections.saturating_add(1);
             memory.rejected_ratio = ratio;
             return Verdict::Reject;
         }
-        let change =
-            SAFETY + ((i64::from(memory.previous) * INTEGRAL - i64::from(present) * PROPORTIONAL) >> 16);
+        // 32 bits hold this: a logarithm is at most 2⁷ in units of 2⁻²³.
+        let change = SAFETY + (memory.previous >> 8) * INTEGRAL - (present >> 8) * PROPORTIONAL;
         // No growth after a rejection.
         let largest = if memory.rejections > 0 { 0 } else { LARGEST_CHANGE };
         let longest = ticks_of_seconds(S::literal(LONGEST_RADIANS) / scale.angular_frequency);
@@ -297,7 +296,7 @@ mod tests {
         for ratio in [1e-6_f32, 0.3, 1.0, 7.5, 1e4] {
             let exact = ratio.log2();
             assert!((log2(ratio) as f32 / 8_388_608.0 - exact).abs() < 0.09, "{ratio}");
-            let change = i64::from(log2(ratio)).clamp(SMALLEST_CHANGE, LARGEST_CHANGE);
+            let change = log2(ratio).clamp(SMALLEST_CHANGE, LARGEST_CHANGE);
             let expected = ratio.clamp(0.2, 4.0) * 1e6;
             assert!((scaled(1_000_000, change) as f32 / expected - 1.0).abs() < 0.06, "{ratio}");
         }

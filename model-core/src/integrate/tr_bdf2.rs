@@ -50,39 +50,46 @@ const MOST_ITERATIONS: u32 = 10;
 /// the contact-separation scene: at 10 to 100 the results agree to four digits, the iterations do not.
 const ASSUMED_CURVATURE: f64 = 10.0;
 
-/// Solves `z = weight · f(base + z)` from the guess in `z`, until a correction is of the size of
-/// `accuracy`; gives the number of iterations too.
-#[inline(always)]
-fn solve_stage<S: Scalar, const N: usize, const P: usize, Y: System<S, N, P>>(
-    system: &Y,
-    factor: &Y::Factor,
-    base: &[S; N],
-    mut z: [S; N],
+/// One implicit stage, `z = weight · f(base + z, input)`.
+struct Stage<'a, S, Y, F, const N: usize> {
+    system: &'a Y,
+    factor: &'a F,
+    base: [S; N],
     input: S,
     weight: S,
-    accuracy: S,
-) -> Result<([S; N], u32), NotConverged> {
-    let mut previous = S::INFINITY;
-    system.eliminate(base, &mut z, weight);
-    for iteration in 1..=MOST_ITERATIONS {
-        let state = core::array::from_fn(|i| base[i] + z[i]);
-        let flow = system.flow(&state, input);
-        let residual = core::array::from_fn(|i| weight * flow[i] - z[i]);
-        let correction = system.solve(factor, residual);
-        z = core::array::from_fn(|i| z[i] + correction[i]);
-        system.eliminate(base, &mut z, weight);
-        let size = system.weigh(&state, &correction);
-        let rate = if iteration == 1 { S::literal(ASSUMED_CURVATURE) * size } else { size / previous };
-        if size <= accuracy || rate * size <= accuracy && rate < S::ONE {
-            return Ok((z, iteration));
+}
+
+impl<S: Scalar, Y, F, const N: usize> Stage<'_, S, Y, F, N> {
+    /// Solves the stage from the guess `z` until a correction, measured at `scale`, is of the size of
+    /// `accuracy`; gives the number of iterations too.
+    #[inline(always)]
+    fn solve<const P: usize>(
+        &self,
+        mut z: [S; N],
+        scale: &[S; N],
+        accuracy: S,
+    ) -> Result<([S; N], u32), NotConverged>
+    where
+        Y: System<S, N, P, Factor = F>,
+    {
+        let Self { system, factor, base, input, weight } = self;
+        let mut previous = S::INFINITY;
+        for iteration in 1..=MOST_ITERATIONS {
+            let correction = system.iterate(factor, base, &mut z, *input, *weight);
+            let size = system.weigh(scale, &correction);
+            let rate = if iteration == 1 { S::literal(ASSUMED_CURVATURE) * size } else { size / previous };
+            if size <= accuracy || rate * size <= accuracy && rate < S::ONE {
+                system.eliminate(base, &mut z, *weight);
+                return Ok((z, iteration));
+            }
+            // Written so that not-a-number ends here too.
+            if iteration > 1 && !(rate < S::literal(2.0)) || !size.is_finite() {
+                return Err(NotConverged);
+            }
+            previous = size;
         }
-        // Written so that not-a-number ends here too.
-        if iteration > 1 && !(rate < S::literal(2.0)) || !size.is_finite() {
-            return Err(NotConverged);
-        }
-        previous = size;
+        Err(NotConverged)
     }
-    Err(NotConverged)
 }
 
 impl<S: Scalar> Method<S> for TrBdf2 {
@@ -104,15 +111,15 @@ impl<S: Scalar> Method<S> for TrBdf2 {
         let middle_base: [S; N] = core::array::from_fn(|i| start.state[i] + z_start[i]);
         let predicted = core::array::from_fn(|i| middle_base[i] + z_start[i]);
         let factor = system.factor(&predicted, middle_input, weight).ok_or(NotConverged)?;
-        let (z_middle, middle_iterations) =
-            solve_stage(system, &factor, &middle_base, z_start, middle_input, weight, accuracy)?;
+        let middle = Stage { system, factor: &factor, base: middle_base, input: middle_input, weight };
+        let (z_middle, middle_iterations) = middle.solve::<P>(z_start, &start.state, accuracy)?;
 
         let carried: [S; N] = core::array::from_fn(|i| S::literal(W_OVER_D) * (z_start[i] + z_middle[i]));
         let end_base: [S; N] = core::array::from_fn(|i| start.state[i] + carried[i]);
         let extrapolated =
             core::array::from_fn(|i| z_start[i] + S::literal(ONE_OVER_GAMMA) * (z_middle[i] - z_start[i]));
-        let (z_end, end_iterations) =
-            solve_stage(system, &factor, &end_base, extrapolated, end_input, weight, accuracy)?;
+        let last = Stage { system, factor: &factor, base: end_base, input: end_input, weight };
+        let (z_end, end_iterations) = last.solve::<P>(extrapolated, &start.state, accuracy)?;
 
         let per_weight = S::ONE / weight;
         let derivative_of = |z: &[S; N]| -> [S; N] { core::array::from_fn(|i| z[i] * per_weight) };
@@ -136,7 +143,7 @@ impl<S: Scalar> Method<S> for TrBdf2 {
 
         let [e_start, e_middle, e_end] = ERROR_OVER_D.map(S::literal);
         let raw = core::array::from_fn(|i| e_start * z_start[i] + e_middle * z_middle[i] + e_end * z_end[i]);
-        let error = system.weigh(&end.state, &system.solve(&factor, raw));
+        let error = system.weigh(&start.state, &system.solve(&factor, raw));
         let energy_error = match (start.powers.first(), middle_powers.first(), end.powers.first()) {
             (Some(&first), Some(&second), Some(&third)) => {
                 (weight * (e_start * first + e_middle * second + e_end * third)).absolute()

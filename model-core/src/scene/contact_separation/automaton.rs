@@ -1,11 +1,13 @@
 //! Modes, guards and jumps: impact, stick and release.
 
 use super::flow::Flow;
+use super::force_law::ForceLaw;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, Jump, Moment};
 use crate::integrate::step_control::ErrorScale;
 use crate::integrate::{Point, System};
+use crate::part::load::{Load, Resistance};
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
 use crate::scene::{Harvester, StoredEnergy};
@@ -46,6 +48,25 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         }
     }
 
+    /// The contact force per mass while the mass is held, and its rate.
+    ///
+    /// Out of line, or the compiler would evaluate the excitation for it in flight too.
+    #[cold]
+    #[inline(never)]
+    fn release_guard<E: Excitation<S>, const POWERS: usize>(
+        &self,
+        point: &Point<S, STATES, POWERS>,
+        moment: &Moment<'_, E>,
+    ) -> Guard<S> {
+        let charge = point.state[CHARGE];
+        let circuit = self.circuit(S::ZERO, charge);
+        let [_, by_charge] = self.force_law.derivatives(&circuit, self.tribo_charge);
+        Guard {
+            value: self.contact_force_per_mass(charge, moment.acceleration()),
+            rate: moment.jerk() + by_charge * point.derivative[CHARGE],
+        }
+    }
+
     /// Smallest gap that is told from contact after a release.
     #[inline(always)]
     fn release_margin(&self) -> S {
@@ -78,6 +99,9 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// weight between the two is of third order in `h Λ / 10`, so that neither limit is disturbed.
     #[inline(always)]
     fn charge_rate_after_impact(&self, before: S, speed: S, charge: S, step: S) -> S {
+        if !matches!(self.load.resistance(), Resistance::Finite(_)) {
+            return before;
+        }
         let circuit = self.circuit(S::ZERO, charge);
         let relaxation = -self.circuit_rate * circuit.voltage_by_charge;
         let following = -circuit.voltage_by_gap / circuit.voltage_by_charge * speed;
@@ -116,13 +140,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         moment: &Moment<'_, E>,
     ) -> Guard<S> {
         if P::Sticking::POSSIBLE && mode == Mode::Stuck {
-            let charge = point.state[CHARGE];
-            let circuit = self.circuit(S::ZERO, charge);
-            let [_, by_charge] = super::ForceLaw::derivatives(&self.force_law, &circuit, self.tribo_charge);
-            return Guard {
-                value: self.contact_force_per_mass(charge, moment.acceleration()),
-                rate: moment.jerk() + by_charge * point.derivative[CHARGE],
-            };
+            return self.release_guard(point, moment);
         }
         // After a release the gap starts at zero with no rate: it is let sink by the margin.
         let lowered = if armed { S::ZERO } else { self.release_margin() };

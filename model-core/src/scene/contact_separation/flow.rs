@@ -210,7 +210,28 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         [gap + factor.gap_by_velocity * solved, solved, c * velocity + d * charge]
     }
 
-    /// The gap's row is linear, and the charge's is linear in the charge at a given gap.
+    /// Newton on the velocity alone: the gap's row is linear, and the charge's is linear in the charge
+    /// at a given gap, so both are solved outright in each pass. One evaluation of the circuit.
+    #[inline(always)]
+    fn iterate(
+        &self,
+        factor: &ModeFactor<S>,
+        base: &[S; STATES],
+        increment: &mut [S; STATES],
+        acceleration: S,
+        weight: S,
+    ) -> [S; STATES] {
+        System::<S, STATES, POWERS>::eliminate(self, base, increment, weight);
+        if self.mode == Mode::Stuck {
+            return [S::ZERO; STATES];
+        }
+        let state = core::array::from_fn(|i| base[i] + increment[i]);
+        let [_, rate, _] = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
+        let correction = factor.inverse[0][0] * (weight * rate - increment[VELOCITY]);
+        increment[VELOCITY] += correction;
+        [factor.gap_by_velocity * correction, correction, factor.inverse[1][0] * correction]
+    }
+
     #[inline(always)]
     fn eliminate(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
         if self.mode == Mode::Free {
@@ -238,6 +259,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
             .larger(state[VELOCITY].absolute() * scene.radian)
             .larger(S::literal(1e-3) * scene.initial_gap);
         let motion = change[GAP].absolute().larger(change[VELOCITY].absolute() * scene.radian);
-        (motion / amplitude).larger(change[CHARGE].absolute() * scene.per_tribo_charge)
+        // A reciprocal, because it is the same for every change that is weighed in a step.
+        let per_amplitude = S::ONE / amplitude;
+        (motion * per_amplitude).larger(change[CHARGE].absolute() * scene.per_tribo_charge)
     }
 }

@@ -1,0 +1,113 @@
+//! Order of convergence, tolerance and energy ledger on the contact-separation scene, measured
+//! against the independent reference.
+
+use cross_crate_tests::{
+    adaptive, assert_close, contact_separation, fixed, order, periods, reference, resistor, run, sine, value,
+};
+use host_bench::scene_file::{ForceLaw, Scene};
+
+/// The scene of the paper that impacts once a period.
+fn impacting(resistance: f64) -> Scene {
+    contact_separation(|scene, _| scene.load = resistor(resistance))
+}
+
+/// The same shaken so little that the mass stays off the dielectric, at a strong charge.
+fn smooth(resistance: f64) -> Scene {
+    contact_separation(|scene, _| {
+        scene.load = resistor(resistance);
+        scene.excitation = sine(0.05, 18.0);
+    })
+}
+
+/// Fixed steps from T/400 to T/3200, without any limit that depends on the gap.
+#[test]
+fn the_order_of_convergence_is_two() {
+    let divisions = [400.0, 565.685, 800.0, 1131.37, 1600.0, 2262.74, 3200.0];
+    for (name, scene, period) in [("smooth", smooth(1e8), 1.0 / 18.0), ("impacting", impacting(1e8), 0.05)] {
+        let (exact, exact_motion) = run(&scene, &reference());
+        let (mut power, mut impact, mut gap) = (Vec::new(), Vec::new(), Vec::new());
+        for division in divisions {
+            let step = period / division;
+            let (found, motion) = run(&scene, &fixed(step));
+            let error =
+                |found: Option<f64>, exact: Option<f64>| (step, (value(found) / value(exact) - 1.0).abs());
+            power.push(error(found.mean_power_w, exact.mean_power_w));
+            gap.push(error(motion.peak_gap_m, exact_motion.peak_gap_m));
+            impact.push(error(motion.first_impact_s, exact_motion.first_impact_s));
+        }
+        let (power, gap) = (order(&power), order(&gap));
+        println!("{name}: order {power:.3} in mean power, {gap:.3} in peak gap");
+        assert!((1.9..=2.1).contains(&power), "{name}: order {power} in mean power");
+        if exact_motion.impacts > 0 {
+            let impact = order(&impact);
+            println!("{name}: order {impact:.3} in the time of the first impact");
+            assert!((1.9..=2.1).contains(&impact), "{name}: order {impact} in the time of the first impact");
+        }
+    }
+}
+
+/// A tolerance of 1e-6 keeps every compared quantity within 1e-4 of the reference, the sharp
+/// current pulses at 1 MΩ included.
+#[test]
+fn the_tolerance_bounds_the_error() {
+    for (name, scene) in [
+        ("smooth, 100 MΩ", smooth(1e8)),
+        ("smooth, 1 MΩ", smooth(1e6)),
+        ("impacting, 100 MΩ", impacting(1e8)),
+        ("impacting, 1 MΩ", impacting(1e6)),
+    ] {
+        let (exact, exact_motion) = run(&scene, &reference());
+        let (found, motion) = run(&scene, &adaptive(1e-6));
+        for (what, found, exact) in [
+            ("mean power", found.mean_power_w, exact.mean_power_w),
+            ("RMS voltage", found.rms_voltage_v, exact.rms_voltage_v),
+            ("peak voltage", found.peak_voltage_v, exact.peak_voltage_v),
+            ("peak gap", motion.peak_gap_m, exact_motion.peak_gap_m),
+        ] {
+            println!("{name}: {what} off by {:.1e}", value(found) / value(exact) - 1.0);
+            assert_close(&format!("{name}: {what}"), value(found), value(exact), 1e-4);
+        }
+        assert_eq!(motion.impacts, exact_motion.impacts, "{name}");
+        if exact_motion.impacts > 0 {
+            let what = format!("{name}: impact speed");
+            let speeds = [&motion, &exact_motion].map(|motion| value(motion.max_impact_speed_m_per_s));
+            assert_close(&what, speeds[0], speeds[1], 1e-4);
+            let what = format!("{name}: first impact");
+            let times = [&motion, &exact_motion].map(|motion| value(motion.first_impact_s));
+            assert_close(&what, times[0], times[1], 1e-4);
+        }
+    }
+}
+
+/// Over 120 periods with impacts the ledger closes at second order in the step: the sum of both
+/// sides where the force is the field's own, each side by itself under the other law.
+#[test]
+fn the_energy_ledger_closes_at_second_order() {
+    for (name, force_law, density) in [
+        ("gap-field", ForceLaw::GapField, 100e-6),
+        ("transferred-charge", ForceLaw::TransferredCharge, 50e-6),
+    ] {
+        let frequency = if force_law == ForceLaw::GapField { 20.5 } else { 20.0 };
+        let scene = contact_separation(|scene, model| {
+            model.parameters.force_law = force_law;
+            model.parameters.charge_density_c_per_m2 = density;
+            scene.excitation = sine(0.2, frequency);
+            scene.run = periods(frequency, 120, 60);
+        });
+        let residual = |division: f64| {
+            let (outcome, motion) = run(&scene, &fixed(1.0 / (frequency * division)));
+            assert!(motion.impacts > 0, "{name}: the ledger must have impacts in it");
+            value(outcome.energy_residual)
+        };
+        let points =
+            [800.0, 1600.0, 3200.0, 6400.0, 40_000.0].map(|division| (1.0 / division, residual(division)));
+        for (step, residual) in points {
+            println!("{name}: residual {residual:.2e} at T/{:.0}", 1.0 / step);
+        }
+        let order = order(&points);
+        println!("{name}: order {order:.2}");
+        assert!(points[0].1 < 1e-5, "{name}: {:e} at T/800", points[0].1);
+        assert!(points[4].1 < 1e-8, "{name}: {:e} at T/40000", points[4].1);
+        assert!((1.8..=2.4).contains(&order), "{name}: order {order}");
+    }
+}

@@ -1,0 +1,262 @@
+//! Analytic limits of the contact-separation harvester: what must come out without any reference.
+
+use cross_crate_tests::{
+    adaptive, assert_close, contact_separation, fixed, on_all_cores, periods, resistor, run, sine, single,
+    value,
+};
+use host_bench::method::{Options, run_scene};
+use host_bench::scene_file::{Excitation, ForceLaw, Restitution, RunSpan, Scene};
+
+const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
+const MASS: f64 = 5e-3;
+const STIFFNESS: f64 = 80.0;
+const GAP: f64 = 3e-3;
+const AREA: f64 = 4e-4;
+/// `d / ε_r`.
+const DIELECTRIC: f64 = 25e-6;
+const PARASITIC: f64 = 1e-12;
+
+fn omega() -> f64 {
+    (STIFFNESS / MASS).sqrt()
+}
+
+fn seconds(duration_s: f64, settle_s: f64) -> RunSpan {
+    RunSpan { duration_s, settle_s }
+}
+
+/// Columns of a trace: time, gap, velocity, transferred charge, voltage.
+fn trace(scene: &Scene, options: Options, every: f64) -> Vec<Vec<f64>> {
+    let options = Options { trace_every_s: Some(every), ..options };
+    run_scene(scene, &options).expect("the scene runs").trace.expect("a trace was asked for").rows
+}
+
+/// Without charge the mass is a damped linear oscillator.
+#[test]
+fn without_charge_the_amplitude_is_the_linear_one() {
+    for frequency in [15.0, 19.0, 25.0] {
+        let scene = contact_separation(|scene, model| {
+            model.parameters.charge_density_c_per_m2 = 0.0;
+            scene.excitation = sine(0.005, frequency);
+            scene.run = seconds(30.0, 29.0);
+        });
+        let drive = std::f64::consts::TAU * frequency;
+        let expected = 0.005 * 9.81
+            / ((omega().powi(2) - drive.powi(2)).powi(2) + (2.0 * 0.005 * omega() * drive).powi(2)).sqrt();
+        let (_, found) = run(&scene, &adaptive(1e-5));
+        assert_close("amplitude", value(found.peak_gap_m) - GAP, expected, 2e-5);
+        let (_, found) = run(&scene, &single(adaptive(1e-4)));
+        assert_close("amplitude in f32", value(found.peak_gap_m) - GAP, expected, 1e-3);
+    }
+}
+
+/// At a gap that does not move, the capacitances discharge with the time constant R (C + C_p), and
+/// the load receives their energy.
+#[test]
+fn at_a_fixed_gap_the_load_receives_the_energy_of_the_capacitances() {
+    let resistance = 1e9;
+    let capacitance = VACUUM_PERMITTIVITY * AREA / (GAP + DIELECTRIC) + PARASITIC;
+    // So little charge that the force moves nothing.
+    let density = 1e-9;
+    let open_circuit = density * GAP / VACUUM_PERMITTIVITY;
+    let time_constant = resistance * capacitance;
+    for elapsed in [0.5, 1.0, 3.0] {
+        let scene = contact_separation(|scene, model| {
+            model.parameters.charge_density_c_per_m2 = density;
+            model.initial.charge_c = Some(0.0);
+            scene.load = resistor(resistance);
+            scene.excitation = Excitation::Silence;
+            scene.run = seconds(elapsed * time_constant, 0.0);
+        });
+        let expected = 0.5 * capacitance * open_circuit.powi(2) * (1.0 - (-2.0 * elapsed).exp());
+        let (outcome, _) = run(&scene, &adaptive(1e-6));
+        assert_close("delivered energy", value(outcome.delivered_energy_j), expected, 1e-6);
+        assert_close("peak voltage", value(outcome.peak_voltage_v), open_circuit, 1e-9);
+    }
+}
+
+/// With the load open all charge goes into the parasitic capacitance: q − C_p V is constant.
+#[test]
+fn with_the_load_open_the_charge_behind_the_load_is_constant() {
+    let scene = contact_separation(|scene, _| {
+        scene.load = resistor(f64::INFINITY);
+        scene.run = seconds(2.0, 0.0);
+    });
+    let rows = trace(&scene, fixed(2e-5), 1e-3);
+    let behind = |row: &Vec<f64>| row[3] - PARASITIC * row[4];
+    let start = behind(&rows[0]);
+    assert!(rows.len() == 2001 && start > 0.0);
+    // The trace interpolates gap and voltage each for itself.
+    for row in &rows {
+        assert_close("charge behind the load", behind(row), start, 1e-8);
+    }
+    let (outcome, _) = run(&scene, &adaptive(1e-4));
+    assert_eq!((outcome.mean_power_w, outcome.delivered_energy_j), (Some(0.0), Some(0.0)));
+    assert!(value(outcome.peak_voltage_v) > 10.0);
+}
+
+/// In a short circuit, and close to one, the charge follows the gap: q = σ S g / (g + d_e).
+#[test]
+fn a_small_resistance_lets_the_charge_follow_the_gap() {
+    for resistance in [0.0, 1.0, 1e3] {
+        let scene = contact_separation(|scene, _| {
+            scene.load = resistor(resistance);
+            scene.run = seconds(1.0, 0.0);
+        });
+        for row in trace(&scene, fixed(1e-5), 1.3e-3) {
+            let gap = row[1];
+            let expected = 50e-6 * AREA * gap / (gap + DIELECTRIC);
+            // It lags by C V: at most 142 pF and the voltage of some 1e-4 A, at contact. The trace
+            // interpolates gap and charge each for itself.
+            let lag = resistance * 142e-12 * 1e-4;
+            let error = (row[3] - expected).abs();
+            assert!(error < lag + 1e-9 * expected + 1e-20, "{resistance} Ω: off by {error:e} C at {gap:e} m");
+        }
+    }
+}
+
+/// A steady current through a resistor would need a source of charge.
+#[test]
+fn in_periodic_motion_the_mean_voltage_is_zero() {
+    for resistance in [1e6, 1e8] {
+        let scene = contact_separation(|scene, _| {
+            scene.load = resistor(resistance);
+            scene.run = periods(20.0, 300, 100);
+        });
+        let (outcome, _) = run(&scene, &adaptive(1e-4));
+        let mean = value(outcome.mean_voltage_v) / value(outcome.rms_voltage_v);
+        assert!(mean.abs() < 1e-7, "{mean}");
+    }
+}
+
+/// Undamped and unforced, the mass returns after (π + 2 ψ)/ω0 with the speed it left with, and each
+/// impact takes off a factor e.
+#[test]
+fn a_bounce_without_damping_returns_on_time() {
+    let restitution: f64 = 0.9;
+    let mut speed: f64 = 0.5;
+    let mut expected = 0.0;
+    let scene_for = |duration: f64| {
+        contact_separation(|scene, model| {
+            model.parameters.charge_density_c_per_m2 = 0.0;
+            model.parameters.damping_ratio = 0.0;
+            model.parameters.restitution = Restitution::Constant { coefficient: restitution };
+            model.initial.gap_m = Some(0.0);
+            model.initial.velocity_m_per_s = Some(0.5);
+            scene.excitation = Excitation::Silence;
+            scene.run = seconds(duration, 0.0);
+        })
+    };
+    let (_, first) = run(&scene_for(0.1), &adaptive(1e-6));
+    for impact in 1..=6_u64 {
+        let phase = GAP.atan2(speed / omega());
+        expected += (std::f64::consts::PI + 2.0 * phase) / omega();
+        // It has happened a microsecond after its time, and not a microsecond before.
+        for (offset, count) in [(-1e-6, impact - 1), (1e-6, impact)] {
+            let (_, found) = run(&scene_for(expected + offset), &adaptive(1e-5));
+            assert_eq!(found.impacts, count, "impact {impact}");
+        }
+        speed *= restitution;
+    }
+    let phase = GAP.atan2(0.5 / omega());
+    let return_time = (std::f64::consts::PI + 2.0 * phase) / omega();
+    assert_close("first return", value(first.first_impact_s), return_time, 1e-7);
+    assert_close("its speed", value(first.max_impact_speed_m_per_s), 0.5, 1e-7);
+}
+
+/// Static equilibrium and small-signal resonance under the transferred-charge law: the softening
+/// spring that shifts the paper's resonance to the left. Values of the closed form
+/// `k (d0 − g) = F_e(g)`, `√((k + dF_e/dg)/m)/2π`.
+#[test]
+fn the_transferred_charge_softens_the_spring() {
+    let cases = [
+        (5e-6, 2.99798e-3, 20.1256),
+        (20e-6, 2.96737e-3, 20.0328),
+        (50e-6, 2.78438e-3, 19.4506),
+        (80e-6, 2.37028e-3, 17.9320),
+    ];
+    for (density, gap, _) in cases {
+        let scene = contact_separation(|scene, model| {
+            model.parameters.charge_density_c_per_m2 = density;
+            model.parameters.damping_ratio = 0.1;
+            scene.load = resistor(1e6);
+            scene.excitation = Excitation::Silence;
+            scene.run = seconds(3.0, 2.9);
+        });
+        let (_, found) = run(&scene, &adaptive(1e-4));
+        assert_close("equilibrium gap", value(found.peak_gap_m), gap, 3e-6);
+        assert_close("equilibrium gap", value(found.min_gap_m), gap, 3e-6);
+    }
+    for (density, peak, frequency) in
+        [(5e-6, 20.1248, 20.1256), (20e-6, 20.0317, 20.0328), (50e-6, 19.4477, 19.4506)]
+    {
+        let found = small_signal_peak(ForceLaw::TransferredCharge, density, frequency);
+        assert!((found - peak).abs() < 1.5e-3, "σ = {density}: peak at {found} Hz instead of {peak}");
+    }
+    let exact = small_signal_peak(ForceLaw::GapField, 50e-6, 20.1314);
+    assert!((exact - 20.1314).abs() < 1.5e-3, "the field of the gap moves nothing: {exact} Hz");
+}
+
+/// Frequency of the largest response to 0.005 g, by a parabola through the highest of seven points.
+fn small_signal_peak(force_law: ForceLaw, density: f64, near: f64) -> f64 {
+    const SPACING: f64 = 0.02;
+    let frequencies: Vec<f64> = (-3..=3).map(|k| near + SPACING * f64::from(k)).collect();
+    let amplitudes = on_all_cores(&frequencies, |&frequency| {
+        let scene = contact_separation(|scene, model| {
+            model.parameters.charge_density_c_per_m2 = density;
+            model.parameters.force_law = force_law;
+            scene.load = resistor(1e6);
+            scene.excitation = sine(0.005, frequency);
+            scene.run = periods(frequency, 400, 4);
+        });
+        let (_, found) = run(&scene, &adaptive(1e-4));
+        0.5 * (value(found.peak_gap_m) - value(found.min_gap_m))
+    });
+    let highest = (1..6).max_by(|&a, &b| amplitudes[a].total_cmp(&amplitudes[b])).unwrap_or(3);
+    // The inverse square of a resonance is a parabola, its amplitude is not.
+    let [a, b, c] = [highest - 1, highest, highest + 1].map(|k| amplitudes[k].powi(-2));
+    frequencies[highest] + 0.5 * SPACING * (a - c) / (a - 2.0 * b + c)
+}
+
+/// With the field's own law and no charge transferred, the mass stays on the dielectric for ever
+/// above σ* = √(2 ε0 k d0 / S) = 103.08 µC/m²; under the other law it always leaves.
+#[test]
+fn permanent_adhesion_begins_at_the_charge_density_it_should() {
+    let stuck = |force_law: ForceLaw, density: f64| {
+        let scene = contact_separation(|scene, model| {
+            model.parameters.force_law = force_law;
+            model.parameters.charge_density_c_per_m2 = density;
+            model.initial.gap_m = Some(0.0);
+            model.initial.charge_c = Some(0.0);
+            scene.excitation = Excitation::Silence;
+            scene.run = seconds(0.02, 0.0);
+        });
+        value(run(&scene, &adaptive(1e-4)).1.stuck_fraction)
+    };
+    assert_eq!(stuck(ForceLaw::GapField, 103.2e-6), 1.0);
+    assert_eq!(stuck(ForceLaw::GapField, 103.0e-6), 0.0);
+    assert_eq!(stuck(ForceLaw::TransferredCharge, 150e-6), 0.0);
+}
+
+/// The mass leaves the dielectric when m a + F_e − k d0 falls through zero.
+#[test]
+fn a_held_mass_leaves_when_the_contact_force_vanishes() {
+    // From rest on the dielectric, without charge: a(t) = A sin Ωt starts at 0, so the mass would
+    // leave at once; a phase of a quarter turn holds it until A cos Ωt = k d0 / m.
+    let (amplitude, frequency) = (60.0, 2.0);
+    let scene = contact_separation(|scene, model| {
+        model.parameters.charge_density_c_per_m2 = 0.0;
+        model.initial.gap_m = Some(0.0);
+        scene.excitation = Excitation::Sine(host_bench::scene_file::Tone {
+            amplitude_m_per_s2: amplitude,
+            frequency_hz: frequency,
+            phase_rad: std::f64::consts::FRAC_PI_2,
+        });
+        scene.run = seconds(0.08, 0.0);
+    });
+    let release = (STIFFNESS * GAP / MASS / amplitude).acos() / (std::f64::consts::TAU * frequency);
+    let (outcome, found) = run(&scene, &adaptive(1e-4));
+    assert_eq!(outcome.events, 1);
+    assert_close("time of release", value(found.stuck_fraction) * 0.08, release, 1e-9);
+    let (_, found) = run(&scene, &single(adaptive(1e-4)));
+    assert_close("time of release in f32", value(found.stuck_fraction) * 0.08, release, 1e-5);
+}

@@ -1,0 +1,189 @@
+//! The reference results for the contact-separation scene: response over frequency for the charge
+//! densities and resistances of the paper's figures 8 to 11, computed once with another program.
+//!
+//! Every frequency starts anew from rest at the initial gap; 300 periods, of which the last 100 are
+//! measured. The right edge of the band depends on the start.
+
+use cross_crate_tests::{
+    adaptive, assert_close, contact_separation, on_all_cores, periods, reference, resistor, run, sine, value,
+};
+use host_bench::outcome::{ContactSeparationOutcome, Outcome};
+use host_bench::scene_file::{ForceLaw, Restitution, Scene, StickCharge};
+
+const SPACING: f64 = 0.05;
+
+fn scene(density: f64, resistance: f64, frequency: f64) -> Scene {
+    contact_separation(|scene, model| {
+        model.parameters.charge_density_c_per_m2 = density;
+        scene.load = resistor(resistance);
+        scene.excitation = sine(0.2, frequency);
+        scene.run = periods(frequency, 300, 100);
+    })
+}
+
+struct Row {
+    density: f64,
+    resistance: f64,
+    band: [f64; 2],
+    periodic_from: f64,
+    peak_gap: f64,
+    rms_voltage: f64,
+}
+
+const ROWS: [Row; 8] = [
+    row(5e-6, 1e6, [19.75, 20.75], 20.35, 6.018e-3, 0.2861),
+    row(20e-6, 1e6, [19.65, 20.65], 20.05, 5.945e-3, 1.139),
+    row(35e-6, 1e6, [19.45, 20.45], 19.90, 5.783e-3, 1.980),
+    row(50e-6, 1e6, [19.05, 20.10], 19.65, 5.522e-3, 2.791),
+    row(5e-6, 1e8, [19.75, 20.75], 20.35, 6.018e-3, 3.858),
+    row(20e-6, 1e8, [19.60, 20.65], 20.15, 5.945e-3, 15.38),
+    row(35e-6, 1e8, [19.35, 20.45], 19.85, 5.792e-3, 26.87),
+    row(50e-6, 1e8, [18.85, 20.15], 19.45, 5.537e-3, 37.66),
+];
+
+const fn row(
+    density: f64,
+    resistance: f64,
+    band: [f64; 2],
+    periodic_from: f64,
+    peak_gap: f64,
+    rms_voltage: f64,
+) -> Row {
+    Row { density, resistance, band, periodic_from, peak_gap, rms_voltage }
+}
+
+/// Band edges and the start of one impact a period within 0.05 Hz, largest gap and RMS voltage over
+/// the band within 3e-3 and 5e-3: the largest may fall in the non-periodic part.
+#[test]
+fn the_impacting_band_is_where_it_should_be() {
+    let frequencies: Vec<f64> = (0..=50).map(|k| 18.5 + SPACING * f64::from(k)).collect();
+    let points: Vec<(usize, f64)> =
+        (0..ROWS.len()).flat_map(|row| frequencies.iter().map(move |&frequency| (row, frequency))).collect();
+    let found = on_all_cores(&points, |&(row, frequency)| {
+        run(&scene(ROWS[row].density, ROWS[row].resistance, frequency), &adaptive(1e-3))
+    });
+    for (index, expected) in ROWS.iter().enumerate() {
+        let name = format!("σ = {} µC/m², R = {:e} Ω", expected.density * 1e6, expected.resistance);
+        let response: Vec<(f64, &Outcome, &ContactSeparationOutcome)> = points
+            .iter()
+            .zip(&found)
+            .filter(|((row, _), _)| *row == index)
+            .map(|((_, frequency), (outcome, motion))| (*frequency, outcome, motion))
+            .collect();
+        let impacting: Vec<f64> =
+            response.iter().filter(|point| point.2.impacts > 0).map(|point| point.0).collect();
+        let edges = [impacting[0], impacting[impacting.len() - 1]];
+        // Beside the orbit with one impact a period stands one of three periods with two.
+        let periodic = response
+            .iter()
+            .rev()
+            .skip_while(|point| point.2.impacts == 0)
+            .take_while(|point| matches!(point.2.impacts, 100 | 66 | 67))
+            .last()
+            .map_or(f64::NAN, |point| point.0);
+        let peak_gap = response.iter().map(|point| value(point.2.peak_gap_m)).fold(0.0, f64::max);
+        let rms_voltage = response.iter().map(|point| value(point.1.rms_voltage_v)).fold(0.0, f64::max);
+        println!(
+            "{name}: band {:.2} to {:.2} Hz, periodic from {periodic:.2} Hz, largest gap {:.3} mm, RMS voltage {rms_voltage:.4} V",
+            edges[0],
+            edges[1],
+            peak_gap * 1e3
+        );
+        for (edge, expected) in edges.iter().zip(expected.band) {
+            assert!(
+                (edge - expected).abs() < SPACING + 1e-9,
+                "{name}: band edge {edge} instead of {expected} Hz"
+            );
+        }
+        assert!(
+            (periodic - expected.periodic_from).abs() < SPACING + 1e-9,
+            "{name}: periodic from {periodic} instead of {} Hz",
+            expected.periodic_from
+        );
+        assert_close(&format!("{name}: largest gap"), peak_gap, expected.peak_gap, 3e-3);
+        assert_close(&format!("{name}: RMS voltage"), rms_voltage, expected.rms_voltage, 5e-3);
+    }
+}
+
+/// One impact a period: gap within 1e-3, RMS voltage within 3e-3, and the speed of impact.
+#[test]
+fn at_a_periodic_point_the_values_agree() {
+    for (name, options) in [("core", adaptive(1e-4)), ("reference", reference())] {
+        let (outcome, motion) = run(&scene(50e-6, 1e8, 20.0), &options);
+        assert_eq!(motion.impacts, 100);
+        assert_close(&format!("{name}: gap"), value(motion.peak_gap_m), 5.51344e-3, 1e-3);
+        assert_close(&format!("{name}: RMS voltage"), value(outcome.rms_voltage_v), 32.51, 3e-3);
+        assert_close(&format!("{name}: impact speed"), value(motion.max_impact_speed_m_per_s), 0.06378, 3e-3);
+    }
+    let exact_law = contact_separation(|scene, model| {
+        model.parameters.charge_density_c_per_m2 = 100e-6;
+        model.parameters.force_law = ForceLaw::GapField;
+        scene.excitation = sine(0.2, 20.5);
+        scene.run = periods(20.5, 300, 100);
+    });
+    let (outcome, motion) = run(&exact_law, &adaptive(1e-4));
+    assert_close("gap-field: gap", value(motion.peak_gap_m), 6.00485e-3, 1e-3);
+    assert_close("gap-field: RMS voltage", value(outcome.rms_voltage_v), 67.920, 3e-3);
+    assert_close("gap-field: impact speed", value(motion.max_impact_speed_m_per_s), 0.05396, 3e-3);
+}
+
+/// A hundredth of a hertz separates no impact at all from the first ones (figure 9), within 0.02 Hz.
+/// Beyond the first, windows with and without impacts alternate.
+#[test]
+fn impacts_set_in_suddenly() {
+    for (density, resistance, onset) in [(50e-6, 1e8, 18.84), (50e-6, 1e6, 18.97), (5e-6, 1e8, 19.72)] {
+        let offsets: Vec<i32> = (-6..=2).collect();
+        let first = on_all_cores(&offsets, |&offset| {
+            let frequency = onset + 0.01 * f64::from(offset);
+            run(&scene(density, resistance, frequency), &adaptive(1e-4)).1.impacts
+        })
+        .iter()
+        .position(|&impacts| impacts > 0)
+        .map(|index| offsets[index]);
+        println!("σ = {density}, R = {resistance:e}: first impacts {first:?} hundredths from {onset} Hz");
+        assert!(first.is_some_and(|offset| offset.abs() <= 2), "{first:?} hundredths of a hertz");
+    }
+    let impacts = |frequency: f64| run(&scene(50e-6, 1e8, frequency), &adaptive(1e-4)).1.impacts;
+    assert_eq!([impacts(20.15), impacts(20.20)], [100, 0], "the upper edge");
+}
+
+/// A mass shaken hard over a small gap sticks for a third of the time; both force laws, frozen and
+/// relaxing charge.
+#[test]
+fn the_sticking_reference_is_met() {
+    let cases = [
+        (ForceLaw::TransferredCharge, 1e6, StickCharge::Frozen, 0.82010e-3, 0.3713),
+        (ForceLaw::TransferredCharge, 1e6, StickCharge::Relaxing, 0.82010e-3, 0.3713),
+        (ForceLaw::GapField, 1e6, StickCharge::Frozen, 1.03460e-3, 0.3795),
+        (ForceLaw::TransferredCharge, 1e8, StickCharge::Frozen, 0.81435e-3, 0.3808),
+        (ForceLaw::TransferredCharge, 1e8, StickCharge::Relaxing, 0.79843e-3, 0.3760),
+    ];
+    for (force_law, resistance, stick_charge, gap, fraction) in cases {
+        let scene = contact_separation(|scene, model| {
+            let parameters = &mut model.parameters;
+            parameters.initial_gap_m = 0.1e-3;
+            parameters.charge_density_c_per_m2 = 20e-6;
+            parameters.force_law = force_law;
+            parameters.stick_charge = stick_charge;
+            parameters.restitution = Restitution::Constant { coefficient: 0.3 };
+            scene.load = resistor(resistance);
+            scene.excitation = sine(1.0, 6.0);
+            scene.run = periods(6.0, 40, 20);
+        });
+        let (_, core) = run(&scene, &adaptive(1e-5));
+        let (_, exact) = run(&scene, &reference());
+        println!(
+            "{force_law:?} {resistance:e} {stick_charge:?}: gap {:.5} mm, stuck {:.4}, {:?} impacts a period; reference {:.5} mm, {:.4}, {:?}",
+            value(core.peak_gap_m) * 1e3,
+            value(core.stuck_fraction),
+            core.impacts_per_period,
+            value(exact.peak_gap_m) * 1e3,
+            value(exact.stuck_fraction),
+            exact.impacts_per_period
+        );
+        assert_close("gap", value(core.peak_gap_m), gap, 1e-3);
+        assert_close("stuck fraction", value(core.stuck_fraction), fraction, 2e-3);
+        assert_close("gap of the reference", value(exact.peak_gap_m), gap, 1e-3);
+        assert_close("stuck fraction of the reference", value(exact.stuck_fraction), fraction, 2e-3);
+    }
+}
