@@ -13,9 +13,9 @@
 
 mod common;
 
-use common::{Given, Leap, Problem, Run, precision};
+use common::{Given, Leap, Problem, Run, precision, table};
 use model_core::excitation::Silence;
-use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, TrBdf2};
+use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::scalar::Scalar;
 
 /// `x'' = u − c x' − ω² x`.
@@ -81,7 +81,7 @@ fn assert_order<S: Scalar, M: Method<S> + Copy>(
         let steps = coarsest << halving;
         let errors = oscillator_errors::<S>(method, steps);
         let orders = before.map(|before| [0, 1].map(|i| (before[i] / errors[i]).log2()));
-        println!("{name} {} {steps:5} steps: {errors:.3e?}, orders {orders:.3?}", precision::<S>());
+        println!("{name} {} {steps:5} steps: {}, orders {orders:.3?}", precision::<S>(), table(&errors));
         for measured in orders.into_iter().flatten() {
             assert!((measured - order).abs() < slack, "{name} {}: order {measured}", precision::<S>());
         }
@@ -129,31 +129,55 @@ impl<S: Scalar> Problem<S, 2> for VanDerPol {
 }
 
 /// Error of `y1` at `t = 2`, from `(2, 0)`, with the steps it took.
-fn van_der_pol_error<S: Scalar>(epsilon: f64, tolerance: f64, reference: [f64; 2]) -> f64 {
-    let problem = VanDerPol { per_epsilon: 1.0 / epsilon, pace: 4.0 };
+fn van_der_pol_error<S: Scalar>(epsilon: f64, pace: f64, tolerance: f64, reference: [f64; 2]) -> (f64, u32) {
+    let problem = VanDerPol { per_epsilon: 1.0 / epsilon, pace };
     let control = Adaptive::new(S::literal(tolerance));
     let mut run = Run::start(problem, (), [S::literal(2.0), S::ZERO], Silence, TrBdf2, control);
     let work = run.to(2.0 / problem.pace).expect("smooth");
     let errors = [0, 1].map(|i| (run.entry(i) - reference[i]).abs());
     println!(
-        "VDPOL {epsilon:.0e} {} tolerance {tolerance:.0e}: {errors:.2e?}, {} steps, {} rejected, {} iterations",
-        precision::<S>(), work.steps, work.rejected, work.iterations
+        "VDPOL {epsilon:.0e} {} tolerance {tolerance:.0e}: {}, {} steps, {} rejected, {} iterations",
+        precision::<S>(),
+        table(&errors),
+        work.steps,
+        work.rejected,
+        work.iterations
     );
-    errors[0]
+    (errors[0].max(errors[1]), work.steps + work.rejected)
 }
 
 const VDPOL: [f64; 2] = [1.706_167_732_170_483, -0.892_809_701_024_797_5];
 const VDPOL_MILD: [f64; 2] = [1.763_234_540_203_46, -0.835_688_681_677_736];
 
 #[test]
-fn van_der_pol() {
-    for tolerance in [1e-2, 1e-3, 1e-4] {
-        van_der_pol_error::<f64>(1e-6, tolerance, VDPOL);
-        van_der_pol_error::<f32>(1e-6, tolerance, VDPOL);
+fn van_der_pol_through_two_jumps_a_million_times_faster() {
+    for (tolerance, bound) in [(1e-1, 5e-5), (1e-2, 2.5e-5)] {
+        for error in [
+            van_der_pol_error::<f64>(1e-6, 1.0, tolerance, VDPOL).0,
+            van_der_pol_error::<f32>(1e-6, 1.0, tolerance, VDPOL).0,
+        ] {
+            assert!(error < bound, "{error}");
+        }
     }
+}
+
+#[test]
+fn van_der_pol_error_is_in_proportion_to_the_tolerance() {
+    let mut before = None;
     for tolerance in [1e-2, 1e-3, 1e-4, 1e-5] {
-        van_der_pol_error::<f64>(1e-3, tolerance, VDPOL_MILD);
-        van_der_pol_error::<f32>(1e-3, tolerance, VDPOL_MILD);
+        let (error, _) = van_der_pol_error::<f64>(1e-3, 64.0, tolerance, VDPOL_MILD);
+        assert!(error < 0.08 * tolerance, "{error}");
+        if let Some(before) = before {
+            assert!(
+                (6.0..14.0).contains(&(before / error)),
+                "{before} to {error} for a tenth of the tolerance"
+            );
+        }
+        before = Some(error);
+        // In single precision the few roundings that a step is allowed take over.
+        let (error, attempts) = van_der_pol_error::<f32>(1e-3, 64.0, tolerance, VDPOL_MILD);
+        assert!(error < 0.08 * tolerance + 6e-5, "{error}");
+        assert!(attempts < 2_600, "{attempts} attempts");
     }
 }
 
@@ -185,8 +209,7 @@ impl<S: Scalar> Problem<S, 3> for Robertson {
     }
 
     fn jacobian(&self, _roots: usize, y: &[S; 3], input: S) -> [[S; 3]; 3] {
-        let (a, b, c) =
-            (S::literal(0.04), S::literal(1e4) * y[2], S::literal(1e4) * y[1]);
+        let (a, b, c) = (S::literal(0.04), S::literal(1e4) * y[2], S::literal(1e4) * y[1]);
         let d = S::literal(6e7) * y[1];
         [[-a, b, c], [a, -b - d, -c], [S::ZERO, d, S::ZERO]].map(|row| row.map(|entry| input * entry))
     }
@@ -222,8 +245,11 @@ fn robertson<S: Scalar>(tolerance: f64, until: f64, reference: [f64; 3]) -> ([f6
     let errors = [0, 1, 2].map(|i| (run.entry(i) / reference[i] - 1.0).abs());
     let roots: Vec<f64> = run.log.times().into_iter().map(reaction_time).collect();
     println!(
-        "ROBER {until:.0e} {} tolerance {tolerance:.0e}: relative {errors:.2e?}, roots {roots:.8?}, {} steps, {} rejected",
-        precision::<S>(), work.steps, work.rejected
+        "ROBER {until:.0e} {} tolerance {tolerance:.0e}: relative {}, roots {roots:.10?}, {} steps, {} rejected",
+        precision::<S>(),
+        table(&errors),
+        work.steps,
+        work.rejected
     );
     (errors, roots)
 }
@@ -231,12 +257,26 @@ fn robertson<S: Scalar>(tolerance: f64, until: f64, reference: [f64; 3]) -> ([f6
 const ROBER: [f64; 3] = [2.083_340_149_701_255e-8, 8.333_360_770_334_713e-14, 0.999_999_979_166_505_0];
 const ROBER_40: [f64; 3] = [7.158_270_687_2e-1, 9.185_534_764_6e-6, 2.841_637_457_5e-1];
 
+/// The roots, of which the second is known to nine digits.
+const ROOTS: [f64; 2] = [0.264_019_078_19, 2.079_549_69e7];
+
 #[test]
 fn robertson_to_the_end_and_its_roots() {
-    for tolerance in [1e-3, 1e-4, 1e-5, 1e-6] {
-        robertson::<f64>(tolerance, 1e11, ROBER);
-        robertson::<f32>(tolerance, 40.0, ROBER_40);
-        robertson::<f32>(tolerance, 1e11, ROBER);
+    let assert_near = |errors: [f64; 3], roots: &[f64], expected: usize, bound: f64| {
+        assert_eq!(roots.len(), expected);
+        let roots = roots.iter().zip(ROOTS).map(|(root, exact)| (root / exact - 1.0).abs());
+        for error in errors.into_iter().chain(roots) {
+            assert!(error < bound, "{error} is above {bound}");
+        }
+    };
+    for tolerance in [1e-3, 1e-4, 1e-5] {
+        let (errors, roots) = robertson::<f64>(tolerance, 1e11, ROBER);
+        assert_near(errors, &roots, 2, 0.06 * tolerance);
+        // In single precision y3 is a sum of steps whose roundings show at the end.
+        let (errors, roots) = robertson::<f32>(tolerance, 40.0, ROBER_40);
+        assert_near(errors, &roots, 1, 0.06 * tolerance + 3e-5);
+        let (errors, roots) = robertson::<f32>(tolerance, 1e11, ROBER);
+        assert_near(errors, &roots, 2, 0.06 * tolerance + 8e-5);
     }
 }
 
@@ -269,13 +309,14 @@ impl<S: Scalar> Problem<S, 1> for ProtheroRobinson {
     }
 }
 
-/// Error at `t = 10` and steps taken.
-fn prothero_robinson<S: Scalar, C: model_core::integrate::StepControl<S>>(lambda: f64, control: C) -> (f64, u32) {
+/// Error at `t = 10` from `1 + offset`, and attempted steps.
+fn prothero_robinson<S: Scalar>(lambda: f64, offset: f64, control: impl StepControl<S>) -> (f64, u32) {
     let input = Given(move |clock: f64| {
         let t = PACE * clock;
         PACE * (-lambda * t.cos() - t.sin())
     });
-    let mut run = Run::start(ProtheroRobinson { lambda }, (), [S::ONE], input, TrBdf2, control);
+    let start = [S::ONE + S::literal(offset)];
+    let mut run = Run::start(ProtheroRobinson { lambda }, (), start, input, TrBdf2, control);
     let work = run.to(10.0 / PACE).expect("smooth");
     ((run.entry(0) - 10f64.cos()).abs(), work.steps + work.rejected)
 }
@@ -284,10 +325,56 @@ fn prothero_robinson<S: Scalar, C: model_core::integrate::StepControl<S>>(lambda
 fn prothero_robinson_keeps_its_order_however_stiff() {
     for power in 0..=6 {
         let lambda = -10f64.powi(power);
-        let errors = [2e-3, 1e-3, 5e-4].map(|h| prothero_robinson::<f64, _>(lambda, FixedStep::of_seconds(h)).0);
-        let single = [2e-3, 1e-3, 5e-4].map(|h| prothero_robinson::<f32, _>(lambda, FixedStep::of_seconds(h)).0);
-        let adaptive = [1e-3, 1e-4, 1e-5].map(|t| prothero_robinson::<f64, _>(lambda, Adaptive::new(t)));
-        let ad32 = [1e-3, 1e-4, 1e-5].map(|t| prothero_robinson::<f32, _>(lambda, Adaptive::new(t as f32)));
-        println!("PR {lambda:.0e}: {errors:.2e?}, f32 {single:.2e?}, adaptive {adaptive:.2e?} f32 {ad32:.2e?}");
+        let steps = [128, 256, 512].map(|steps| 10.0 / PACE / f64::from(steps));
+        let double = steps.map(|h| prothero_robinson::<f64>(lambda, 0.0, FixedStep::of_seconds(h)).0);
+        let single = steps.map(|h| prothero_robinson::<f32>(lambda, 0.0, FixedStep::of_seconds(h)).0);
+        let orders = [0, 1].map(|i| (double[i] / double[i + 1]).log2());
+        println!(
+            "PR {lambda:.0e} fixed: f64 {}, orders {orders:.2?}, f32 {}",
+            table(&double),
+            table(&single)
+        );
+        // A tick is 5e-11 of the problem's time, and the middle stage stands at a whole one.
+        for (order, finer) in orders.iter().zip(&double[1..]) {
+            assert!(*finer < 1e-10 || (1.85..2.25).contains(order), "{lambda}: orders {orders:?}");
+        }
+        for (double, single) in double.iter().zip(single) {
+            assert!((double - single).abs() < 2e-7, "{lambda}: {double} in f64, {single} in f32");
+        }
     }
+}
+
+#[test]
+fn prothero_robinson_a_stiff_component_does_not_throttle_the_step() {
+    let attempts = |lambda: f64, tolerance: f64| {
+        let (double, attempts) = prothero_robinson::<f64>(lambda, 0.0, Adaptive::new(tolerance));
+        let (single, single_attempts) =
+            prothero_robinson::<f32>(lambda, 0.0, Adaptive::new(f32::literal(tolerance)));
+        println!(
+            "PR {lambda:.0e} tolerance {tolerance:.0e}: f64 {double:.2e} in {attempts}, f32 {single:.2e} in {single_attempts}"
+        );
+        assert!(double < tolerance && single < tolerance + 4e-6, "{lambda} {tolerance}");
+        assert!(single_attempts <= attempts);
+        attempts
+    };
+    for tolerance in [1e-3, 1e-4, 1e-5] {
+        let mild = attempts(-1.0, tolerance);
+        let mut before = mild;
+        for power in 1..=6 {
+            let stiff = attempts(-10f64.powi(power), tolerance);
+            // The stiffer, the nearer the solution is to its smooth limit, and the longer the steps.
+            assert!(stiff <= before, "{before} attempts, then {stiff}");
+            before = stiff;
+        }
+        // What remains is the longest step of the clock: 10 / (3.9 ms · PACE), and the start.
+        assert!(before < 60, "{before} attempts");
+    }
+}
+
+#[test]
+fn prothero_robinson_an_error_far_off_the_slow_motion_is_gone_within_steps() {
+    // |R(λ h)| is below 10⁻⁴ here; a method that is not L-stable would ring on.
+    let control = FixedStep::of_seconds(10.0 / PACE / 64.0);
+    let (error, _) = prothero_robinson::<f64>(-1e6, 1.0, control);
+    assert!(error < 1e-8, "{error}");
 }

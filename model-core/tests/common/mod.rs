@@ -300,3 +300,9 @@ impl Random {
         z ^ (z >> 31)
     }
 }
+
+/// Numbers for tables.
+pub(crate) fn table(numbers: &[f64]) -> String {
+    let texts: Vec<String> = numbers.iter().map(|number| format!("{number:9.2e}")).collect();
+    texts.join(" ")
+}
