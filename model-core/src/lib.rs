@@ -1,7 +1,80 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
-//! Vibration energy harvesters on a microcontroller.
+//! Vibration energy harvesters on a microcontroller: how much power is being harvested, estimated on
+//! the device.
+//!
+//! `no_std`, fixed allocation, no panics, generic over `f32` and `f64`. The same input gives the same
+//! bits on every core and on the host, so what the host tests is what the node runs.
+//!
+//! ```
+//! use model_core::clock::Instant;
+//! use model_core::energy::PowerMeter;
+//! use model_core::excitation::Sine;
+//! use model_core::hybrid::Driver;
+//! use model_core::integrate::{Adaptive, TrBdf2};
+//! use model_core::part::load::Resistor;
+//! use model_core::part::parasitic::ParasiticCapacitance;
+//! use model_core::part::restitution::ConstantRestitution;
+//! use model_core::scene::contact_separation::{FrozenCharge, Parameters, Parts, Start, TransferredCharge};
+//!
+//! // What the harvester is made of: one type for each choice, and no code for the others.
+//! #[derive(Debug, Clone, Copy, PartialEq)]
+//! struct MyHarvester;
+//! impl Parts<f32> for MyHarvester {
+//!     type ForceLaw = TransferredCharge;
+//!     type Load = Resistor<f32>;
+//!     type Parasitic = ParasiticCapacitance<f32>;
+//!     type Restitution = ConstantRestitution<f32>;
+//!     type Sticking = FrozenCharge;
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let scene = Parameters::<f32, MyHarvester> {
+//!     mass: 5e-3,
+//!     stiffness: 80.0,
+//!     damping_ratio: 0.005,
+//!     initial_gap: 3e-3,
+//!     electrode_area: 4e-4,
+//!     dielectric_thickness: 5e-5,
+//!     relative_permittivity: 2.0,
+//!     charge_density: 50e-6,
+//!     parasitic: ParasiticCapacitance { farads: 1e-12 },
+//!     load: Resistor { ohms: 1e8 },
+//!     force_law: TransferredCharge,
+//!     restitution: ConstantRestitution { coefficient: 0.75 },
+//!     sticking: FrozenCharge,
+//! }
+//! .build()?;
+//! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
+//! let driver = Driver::new(TrBdf2, Adaptive::new(5e-2));
+//! let mut state = scene.start(&Start::default(), &shaking, &driver.control)?;
+//! let mut meter = PowerMeter::<f32, 1>::new();
+//! driver.advance(&scene, &mut state, &shaking, Instant::from_whole_seconds(2), 10_000, &mut meter)?;
+//! assert!((5e-6..20e-6).contains(&meter.mean_power())); // watts
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Floors
+//!
+//! A module knows those below it and none above:
+//!
+//! | module | what it is for |
+//! | --- | --- |
+//! | [`energy`] | meters, the energy ledger, the event log |
+//! | [`scene`] | the harvesters: parameters, checked once, and pure functions |
+//! | [`part`] | what harvesters are put together from: loads, restitution |
+//! | [`hybrid`] | the driver: flow, guard, jump; event location |
+//! | [`integrate`] | TR-BDF2 and RK4, step control, dense output |
+//! | [`excitation`] | what shakes the base |
+//! | [`clock`] | time in integer ticks, phase that does not drift |
+//! | [`scalar`] | the number and its elementary functions |
+//!
+//! # Errors
+//!
+//! Parameters are refused by [`scene::ParameterError`] with field, value and bounds. A step that cannot
+//! be taken is a [`hybrid::StepError`], and the state is then the last good one. Nothing panics.
 
 pub mod clock;
 pub mod energy;

@@ -206,3 +206,26 @@ fn a_guard_that_starts_at_zero_with_no_rate_waits_for_the_fall() {
         assert!(single < 2.0 * sinks(f64::from(f32::EPSILON)) + 1e-6, "{single}");
     }
 }
+
+#[test]
+fn a_step_cut_short_by_the_end_of_a_call_does_not_slow_the_next_down() {
+    let machine = Machine(Latched);
+    let input = Given(|t: f64| 1400.0 * (88.0 * t).sin());
+    let control = Adaptive::new(1e-4);
+    let driver = Driver::new(TrBdf2, control);
+    let run = |pieces: u32| {
+        let mut state = HybridState::start(&machine, Mode::Free, [0.0_f64; 3], &input, &control);
+        let mut steps = 0;
+        for piece in 1..=pieces {
+            let until = Instant::from_seconds(END * f64::from(piece) / f64::from(pieces)).expect("in range");
+            let advance = driver.advance(&machine, &mut state, &input, until, u32::MAX, &mut ());
+            steps += advance.expect("a sound problem").work.steps;
+        }
+        steps
+    };
+    let (whole, pieces) = (run(1), 1000);
+    let divided = run(pieces);
+    println!("{whole} steps in one call, {divided} in {pieces}");
+    // Each end of a call costs the step that it cuts in two.
+    assert!(divided <= whole + pieces + whole / 20, "{whole} steps in one call, {divided} in {pieces}");
+}
