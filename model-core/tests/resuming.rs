@@ -211,7 +211,7 @@ fn a_guard_that_starts_at_zero_with_no_rate_waits_for_the_fall() {
 fn a_step_cut_short_by_the_end_of_a_call_does_not_slow_the_next_down() {
     let machine = Machine(Latched);
     let input = Given(|t: f64| 1400.0 * (88.0 * t).sin());
-    let control = Adaptive::new(1e-4);
+    let control = Adaptive::new(1e-2);
     let driver = Driver::new(TrBdf2, control);
     let run = |pieces: u32| {
         let mut state = HybridState::start(&machine, Mode::Free, [0.0_f64; 3], &input, &control);
