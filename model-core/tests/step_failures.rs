@@ -228,7 +228,6 @@ fn calling_again_after_a_storm_or_outside_the_domain_changes_nothing() {
 }
 
 #[test]
-#[ignore = "core: after a vanished step the memory holds a step of no ticks, which is then taken"]
 fn calling_again_after_a_vanished_step_changes_nothing() {
     for trouble in [Trouble::NotANumber, Trouble::Infinite, Trouble::NoMatrix] {
         assert_lasting::<f64>(trouble, &Driver::new(TrBdf2, Adaptive::new(1e-3)));
@@ -240,7 +239,6 @@ fn calling_again_after_a_vanished_step_changes_nothing() {
 }
 
 #[test]
-#[ignore = "core: an infinite pivot passes, and its reciprocal, 0, makes every solution 0"]
 fn a_matrix_that_is_not_finite_is_refused() {
     for pivot in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
         assert_eq!(Factored::new([[pivot]]), None, "{pivot}");

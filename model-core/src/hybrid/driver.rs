@@ -243,10 +243,13 @@ impl<M, C> Driver<M, C> {
             method: &self.method,
             accuracy: self.control.accuracy(ticks, &scale),
         };
-        let shorten = |state_control: &mut _, work: &mut Work| {
+        let shorten = |memory: &mut _, work: &mut Work| {
             work.rejected += 1;
-            self.control.shorten(state_control, ticks);
-            if ticks < SHORTEST_TICKS { Err(StepFailure::StepVanished) } else { Ok(None) }
+            if ticks < SHORTEST_TICKS {
+                return Err(StepFailure::StepVanished);
+            }
+            self.control.shorten(memory, ticks);
+            Ok(None)
         };
         let Ok(trial) = attempts.attempt(ticks) else {
             return shorten(&mut state.control, work);
@@ -261,24 +264,35 @@ impl<M, C> Driver<M, C> {
         let mut control = state.control;
         if self.control.judge(&mut control, &errors, &scale) == Verdict::Reject {
             work.rejected += 1;
+            if ticks < SHORTEST_TICKS {
+                return Err(StepFailure::StepVanished);
+            }
             state.control = control;
-            return if ticks < SHORTEST_TICKS { Err(StepFailure::StepVanished) } else { Ok(None) };
+            return Ok(None);
         }
         if ticks < proposed {
             control.keep_proposal(&state.control);
         }
-        let kept = match attempts.first_fall(&trial, ticks) {
-            None => Kept { trial, ticks, event: None },
-            Some((guard, theta)) => {
-                let Ok(located) = attempts.locate(guard, theta, trial, ticks) else {
-                    return shorten(&mut state.control, work);
-                };
-                // The step that is kept is one of those attempted.
-                work.locating += located.attempts;
-                work.iterations += located.iterations;
-                Kept { trial: located.trial, ticks: located.ticks, event: located.fell.then_some(guard) }
+        let mut kept = Kept { trial, ticks, event: None };
+        let mut located_guard = None;
+        let mut attempts_left = MOST_ATTEMPTS;
+        // Where one guard was located another may have fallen before it: the dense output of a long
+        // step puts them in the wrong order, or promises a graze that a step to it does not find.
+        for _ in 0..=automaton.guards(state.mode) {
+            if attempts_left == 0 {
+                break;
             }
-        };
+            let Some((guard, theta)) = attempts.first_fall(&kept.trial, kept.ticks, located_guard) else {
+                break;
+            };
+            let located = attempts.locate(guard, theta, kept.trial, kept.ticks, attempts_left);
+            let Ok(located) = located else { return shorten(&mut state.control, work) };
+            attempts_left -= located.attempts.min(attempts_left);
+            work.locating += located.attempts;
+            work.iterations += located.iterations;
+            kept = Kept { trial: located.trial, ticks: located.ticks, event: located.fell.then_some(guard) };
+            located_guard = Some(guard);
+        }
         state.control = control;
         Ok(Some(kept))
     }

@@ -6,7 +6,8 @@ use crate::excitation::Excitation;
 use crate::integrate::{Method, NotConverged, Point, Trial};
 use crate::scalar::Scalar;
 
-/// Attempts that one location may take. Newton needs two or three; bisection of 2³² ticks, 32.
+/// Attempts that the events of one step may take to locate. Newton needs two or three for one;
+/// bisection of 2³² ticks, 32.
 pub(super) const MOST_ATTEMPTS: u32 = 40;
 
 /// One mode of one automaton from one start: what every attempt of a location has in common.
@@ -23,6 +24,23 @@ where
     pub(super) excitation: &'a E,
     pub(super) method: &'a M,
     pub(super) accuracy: S,
+}
+
+impl<S, A, E, M, const N: usize, const P: usize> Clone for Attempts<'_, S, A, E, M, N, P>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+{
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S, A, E, M, const N: usize, const P: usize> Copy for Attempts<'_, S, A, E, M, N, P>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+{
 }
 
 /// The end of a search.
@@ -57,14 +75,20 @@ where
         self.automaton.guard(self.mode, index, self.armed, point, &moment)
     }
 
-    /// The guard that falls first in the step to `trial`, with the fraction of the step at which
-    /// the dense output has it.
+    /// The guard other than `except` that falls first in the step to `trial`, with the fraction of
+    /// the step at which the dense output has it.
     #[inline(always)]
-    pub(super) fn first_fall(&self, trial: &Trial<S, N, P>, ticks: u32) -> Option<(usize, S)> {
+    pub(super) fn first_fall(
+        &self,
+        trial: &Trial<S, N, P>,
+        ticks: u32,
+        except: Option<usize>,
+    ) -> Option<(usize, S)> {
         let mut first = None;
         for index in 0..self.automaton.guards(self.mode) {
             let (start, end) = (self.guard(index, self.start, 0), self.guard(index, &trial.end, ticks));
-            if let Some(theta) = start.until(&end, seconds_of_ticks(ticks)).first_fall()
+            if except != Some(index)
+                && let Some(theta) = start.until(&end, seconds_of_ticks(ticks)).first_fall()
                 && first.is_none_or(|(_, earliest)| theta < earliest)
             {
                 first = Some((index, theta));
@@ -86,6 +110,7 @@ where
         theta: S,
         full: Trial<S, N, P>,
         full_ticks: u32,
+        most_attempts: u32,
     ) -> Result<Located<S, N, P>, NotConverged> {
         let mut reached = Located { trial: full, ticks: full_ticks, fell: false, attempts: 0, iterations: 0 };
         // The largest number of ticks known to stop short, the smallest known to reach the far side.
@@ -97,7 +122,7 @@ where
         // What rounding leaves undecided.
         let blur = (S::from_u32(full_ticks) * S::EPSILON * S::literal(8.0)).to_u32().max(1);
         let mut ticks = (theta * S::from_u32(full_ticks)).to_u32().saturating_add(1);
-        while far - short > 1 && reached.attempts < MOST_ATTEMPTS {
+        while far - short > 1 && reached.attempts < most_attempts {
             // Not `clamp`, which can panic: `far` stays above `short + 1` here.
             ticks = ticks.max(short + 1).min(far - 1);
             let trial = self.attempt(ticks)?;

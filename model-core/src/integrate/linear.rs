@@ -37,7 +37,8 @@ impl<S: Scalar, const N: usize> Factored<S, N> {
             matrix.swap(k, pivot);
             order.swap(k, pivot);
             let reciprocal = S::ONE / matrix[k][k];
-            if !reciprocal.is_finite() {
+            // An infinite pivot would pass as a reciprocal of zero.
+            if !reciprocal.is_finite() || !matrix[k][k].is_finite() {
                 return None;
             }
             matrix[k][k] = reciprocal;
