@@ -1,12 +1,16 @@
 //! The commands of the binary.
 
 pub mod on_target;
+pub mod overview;
 pub mod run;
 pub mod sweep;
+pub mod work_precision;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::method::{Failure, Math, Method, Options, Precision};
 use crate::outcome::Format;
@@ -80,6 +84,16 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
             Err(Failure::Input(format!("standard output cannot be written: {error}")))
         }
         _ => Ok(()),
+    }
+}
+
+/// A bar on standard error, if that is a terminal.
+pub(crate) fn progress(count: usize) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr());
+    let template = ProgressStyle::with_template("{bar:40} {pos}/{len}  {elapsed} elapsed, {eta} to go");
+    match template {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
     }
 }
 

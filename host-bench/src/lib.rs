@@ -6,4 +6,6 @@ pub mod method;
 pub mod on_target;
 pub mod outcome;
 pub mod reference;
+pub mod report;
 pub mod scene_file;
+pub mod work_precision;

@@ -4,15 +4,16 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use host_bench::command::{on_target, report, run, sweep};
+use host_bench::command::{on_target, overview, report, run, sweep, work_precision};
 use host_bench::method::Failure;
 
 /// Vibration energy harvesters: scenes, reference, reports
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
+    /// Without one: error against run time in short, and a report in target/report
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Debug, clap::Subcommand)]
@@ -23,6 +24,8 @@ enum Command {
     OnTarget(on_target::OnTargetArguments),
     /// Run a scene over a grid of values
     Sweep(sweep::SweepArguments),
+    /// Error against run time: methods, steps, tolerances, precisions, math backends
+    WorkPrecision(work_precision::WorkPrecisionArguments),
 }
 
 fn main() -> ExitCode {
@@ -31,11 +34,13 @@ fn main() -> ExitCode {
         Err(error) => return usage(&error),
     };
     let done = match &arguments.command {
-        Command::Run(arguments) => run::run(arguments),
-        Command::OnTarget(arguments) => {
+        None => overview::run(),
+        Some(Command::Run(arguments)) => run::run(arguments),
+        Some(Command::OnTarget(arguments)) => {
             on_target::run(arguments).map_err(|error| Failure::Input(error.to_string()))
         }
-        Command::Sweep(arguments) => sweep::run(arguments),
+        Some(Command::Sweep(arguments)) => sweep::run(arguments),
+        Some(Command::WorkPrecision(arguments)) => work_precision::run(arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -49,11 +54,6 @@ fn usage(error: &clap::Error) -> ExitCode {
         // With no standard output left there is nobody to tell.
         let _ = error.print();
         return ExitCode::SUCCESS;
-    }
-    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return report(&Failure::Input(
-            "a command must be given: run or sweep; --help tells more".to_owned(),
-        ));
     }
     let text = error.to_string();
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());

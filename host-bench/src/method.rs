@@ -1,12 +1,15 @@
 //! How a scene is run: the one place where a method is chosen.
 
+use serde::Serialize;
+
 use crate::embedded;
 use crate::outcome::Outcome;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{Scene, SceneError};
 
 /// Integration method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// The embedded core, with the method that suits the scene.
     #[default]
@@ -20,7 +23,8 @@ pub enum Method {
 }
 
 /// Precision of the embedded core.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Precision {
     /// Single precision.
     F32,
@@ -29,7 +33,8 @@ pub enum Precision {
 }
 
 /// Elementary functions of the embedded core.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Math {
     /// Polynomials of our own.
     Polynomial,

@@ -6,13 +6,12 @@ mod picture;
 use std::path::PathBuf;
 
 use comfy_table::{Table, presets};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 pub use self::axis::Axis;
 use self::picture::Quantity;
-use super::{SceneArguments, print, write_whole};
+use super::{SceneArguments, print, progress, write_whole};
 use crate::method::{Failure, run_scene};
 use crate::outcome::{Format, Outcome, cell, number};
 use crate::scene_file::{self, Override, Scene, SceneError};
@@ -131,16 +130,6 @@ fn scene(arguments: &SweepArguments, values: &[f64]) -> Result<Scene, SceneError
     let axes = arguments.axes.iter().zip(values);
     overrides.extend(axes.map(|(axis, value)| Override::new(&axis.key, &number(*value))));
     scene_file::read(&arguments.scene.scene, &overrides)
-}
-
-/// A bar on standard error, if that is a terminal.
-fn progress(count: usize) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr());
-    let template = ProgressStyle::with_template("{bar:40} {pos}/{len}  {elapsed} elapsed, {eta} to go");
-    match template {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }
 
 fn named<'a>(axes: &'a [Axis], point: &'a Point) -> impl Iterator<Item = (&'a str, f64)> {

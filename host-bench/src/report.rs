@@ -1,0 +1,116 @@
+//! The report: one HTML page with its pictures in it.
+
+mod chart;
+
+use std::fmt::Write;
+
+use crate::work_precision::{Comparison, TARGET_ERROR, table};
+
+const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color:#1b1f24;background:#fff;max-width:72rem;\
+margin:2rem auto;padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.2rem;margin-top:2.5rem}\
+svg{max-width:100%;height:auto}.wide{overflow-x:auto}\
+table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums}\
+th{text-align:left;border-bottom:2px solid #57606a;padding:.3rem .7rem;vertical-align:bottom}\
+td{border-bottom:1px solid #d0d7de;padding:.2rem .7rem;white-space:nowrap}\
+td.number,th.number{text-align:right}tr.beyond td{color:#6e7781}\
+p.note{font-size:.85rem;color:#57606a;margin:.3rem 0}";
+
+/// The page.
+///
+/// # Errors
+/// If a picture cannot be drawn.
+pub fn page(comparisons: &[Comparison]) -> Result<String, String> {
+    let mut body = String::new();
+    body.push_str("<h1>Vibration energy harvesters: error against run time</h1>\n");
+    body.push_str(
+        "<p>The contact-separation triboelectric harvester on the embedded core, run on this host, against an \
+         independent reference in double precision. Lower and further left is better. The motion hits the \
+         dielectric in every period, and the power comes in a spike at each contact.</p>\n",
+    );
+    for comparison in comparisons {
+        let resistance = table::resistance(comparison.resistance_ohm);
+        let _ = writeln!(body, "<h2>Load: {resistance}</h2>");
+        let _ = writeln!(body, "<p>{}</p>", escaped(&summary(comparison)));
+        body.push_str(&chart::draw(comparison)?);
+        body.push('\n');
+        body.push_str(&html_table(comparison));
+        for note in comparison.notes() {
+            let _ = writeln!(body, "<p class=\"note\">{}</p>", escaped(&note));
+        }
+    }
+    Ok(format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>Error against run time</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
+    ))
+}
+
+/// What the picture shows, in the numbers of this run.
+fn summary(comparison: &Comparison) -> String {
+    let fastest = |embedded: bool, explicit: bool| {
+        comparison
+            .rows
+            .iter()
+            .filter_map(|row| {
+                let found = row.found?;
+                let own = row.variant.math.is_some();
+                let rk4 = row.variant.method == crate::method::Method::Rk4;
+                (own == embedded && rk4 == explicit && found.errors.mean_power_error? <= TARGET_ERROR).then(
+                    || {
+                        (
+                            found.ns_per_s,
+                            found.errors.mean_power_error,
+                            row.cells()[..table::WORDS].join(", "),
+                        )
+                    },
+                )
+            })
+            .min_by(|one, two| one.0.total_cmp(&two.0))
+    };
+    let told = |row: Option<(f64, Option<f64>, String)>| match row {
+        Some((ns, error, name)) => {
+            format!("{:.0} µs at an error of {:.1e} ({name})", ns / 1e3, error.unwrap_or(f64::NAN))
+        }
+        None => "no row reaches it".to_owned(),
+    };
+    let unstable = comparison.rows.iter().any(|row| {
+        let error = row.found.and_then(|found| found.errors.mean_power_error);
+        row.failure.is_some() || error.is_some_and(|error| error > 1.0)
+    });
+    format!(
+        "The fastest rows with an error of mean power of at most {TARGET_ERROR:.0e}, in host time per simulated \
+         second. TR-BDF2: {}. Explicit RK4: {}. The integrator of the reference at a loose tolerance: {}.{}",
+        told(fastest(true, false)),
+        told(fastest(true, true)),
+        told(fastest(false, false)),
+        if unstable { " Explicit steps too long to be stable are in the table and not drawn." } else { "" },
+    )
+}
+
+fn html_table(comparison: &Comparison) -> String {
+    let class = |index: usize| if index < table::WORDS { "" } else { " class=\"number\"" };
+    let mut text = String::from("<div class=\"wide\"><table>\n<thead><tr>");
+    for (index, heading) in table::HEADINGS.iter().enumerate() {
+        let _ = write!(text, "<th{}>{}</th>", class(index), escaped(heading));
+    }
+    text.push_str("</tr></thead>\n<tbody>\n");
+    for row in &comparison.rows {
+        let reached = row.found.and_then(|found| found.errors.mean_power_error);
+        let beyond = !reached.is_some_and(|error| error <= TARGET_ERROR) && row.variant.math.is_some();
+        text.push_str(if beyond { "<tr class=\"beyond\">" } else { "<tr>" });
+        for (index, cell) in row.cells().iter().enumerate() {
+            let _ = write!(text, "<td{}>{}</td>", class(index), escaped(cell));
+        }
+        text.push_str("</tr>\n");
+    }
+    text.push_str("</tbody>\n</table></div>\n");
+    let _ = writeln!(
+        text,
+        "<p class=\"note\">Grey: mean power not within {TARGET_ERROR:.0e} of the reference.</p>"
+    );
+    text
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}

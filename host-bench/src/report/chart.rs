@@ -1,0 +1,172 @@
+//! Error against run time as a picture.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use crate::method::{Math, Precision};
+use crate::work_precision::{Comparison, Row, table};
+
+/// Width and height of the picture.
+const SIZE: (u32, u32) = (980, 520);
+/// Width of the legend at the right.
+const LEGEND: i32 = 250;
+const FONT: &str = "sans-serif";
+
+/// One curve.
+struct Series {
+    name: String,
+    colour: RGBColor,
+    dashed: bool,
+    /// Host µs per simulated second, error of mean power.
+    points: Vec<(f64, f64)>,
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>>;
+
+/// The picture as SVG text.
+///
+/// # Errors
+/// What the drawing library says.
+pub(super) fn draw(comparison: &Comparison) -> Result<String, String> {
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+        area.fill(&WHITE).map_err(|error| error.to_string())?;
+        let series = series(comparison);
+        let (left, right) = area.split_horizontally(i32::try_from(SIZE.0).unwrap_or(0) - LEGEND);
+        curves(&left, &series, comparison).map_err(|error| error.to_string())?;
+        legend(&right, &series).map_err(|error| error.to_string())?;
+        area.present().map_err(|error| error.to_string())?;
+    }
+    Ok(text)
+}
+
+/// The curves: one for each method and precision. Rows of other math backends than the polynomials,
+/// and those that are all wrong, are in the table.
+fn series(comparison: &Comparison) -> Vec<Series> {
+    let mut series: Vec<Series> = Vec::new();
+    for row in &comparison.rows {
+        let Some(found) = &row.found else { continue };
+        let Some(error) = found.errors.mean_power_error else { continue };
+        if error > 1.0 || row.variant.math.is_some_and(|math| math != Math::Polynomial) {
+            continue;
+        }
+        let name = name(row);
+        let point = (found.ns_per_s / 1e3, error.max(1e-16));
+        match series.iter_mut().find(|series| series.name == name) {
+            Some(series) => series.points.push(point),
+            None => series.push(Series {
+                name,
+                colour: colour(row.variant.method_name()),
+                dashed: row.variant.precision == Precision::F32,
+                points: vec![point],
+            }),
+        }
+    }
+    for series in &mut series {
+        series.points.sort_by(|one, two| one.0.total_cmp(&two.0));
+    }
+    series
+}
+
+fn name(row: &Row) -> String {
+    let cells = row.cells();
+    match &cells[..] {
+        [method, precision, ..] => format!("{method}, {precision}"),
+        _ => String::new(),
+    }
+}
+
+/// Okabe and Ito's colours, which the colour-blind tell apart too.
+fn colour(method: &str) -> RGBColor {
+    match method {
+        "TR-BDF2, fixed step" => RGBColor(230, 159, 0),
+        "TR-BDF2, adaptive" => RGBColor(0, 114, 178),
+        "explicit RK4, fixed step" => RGBColor(213, 94, 0),
+        _ => RGBColor(0, 158, 115),
+    }
+}
+
+/// The whole decades that hold the values.
+fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) =
+        values.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
+    if !(high > 0.0) {
+        return (0.97e-1, 1.03);
+    }
+    let (low, high) = (low.log10().floor(), high.log10().ceil());
+    // A little more, so that the decades at both ends get their ticks.
+    (0.97 * 10f64.powf(low), 1.03 * 10f64.powf(if high > low { high } else { low + 1.0 }))
+}
+
+fn power_of_ten(value: f64) -> String {
+    let digits = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+    let exponent = value.log10().round();
+    let text: String = format!("{exponent:.0}")
+        .chars()
+        .map(|digit| digit.to_digit(10).and_then(|digit| digits.get(digit as usize)).copied().unwrap_or("⁻"))
+        .collect();
+    format!("10{text}")
+}
+
+fn curves(area: &Area<'_>, series: &[Series], comparison: &Comparison) -> Drawn {
+    let all = || series.iter().flat_map(|series| series.points.iter().copied());
+    let (left, right) = decades(all().map(|point| point.0));
+    let (low, high) = decades(all().map(|point| point.1));
+    let title = format!("R = {}", table::resistance(comparison.resistance_ohm));
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, (FONT, 18))
+        .margin(12)
+        .x_label_area_size(52)
+        .y_label_area_size(78)
+        .build_cartesian_2d((left..right).log_scale(), (low..high).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc("host time per simulated second [µs]")
+        .y_desc("relative error of mean power")
+        .x_labels(8)
+        .y_labels(10)
+        .label_style((FONT, 15))
+        .axis_desc_style((FONT, 16))
+        .bold_line_style(RGBColor(205, 210, 216))
+        .light_line_style(RGBColor(240, 242, 244))
+        .x_label_formatter(&|x| power_of_ten(*x))
+        .y_label_formatter(&|y| power_of_ten(*y))
+        .draw()?;
+    for series in series {
+        let points = series.points.iter().copied();
+        if series.dashed {
+            chart.draw_series(DashedLineSeries::new(points, 6, 4, series.colour.stroke_width(2)))?;
+        } else {
+            chart.draw_series(LineSeries::new(points, series.colour.stroke_width(2)))?;
+        }
+        let fill = if series.dashed { WHITE.filled() } else { series.colour.filled() };
+        chart.draw_series(series.points.iter().map(|point| Circle::new(*point, 4, fill)))?;
+        chart.draw_series(
+            series.points.iter().map(|point| Circle::new(*point, 4, series.colour.stroke_width(2))),
+        )?;
+    }
+    Ok(())
+}
+
+fn legend(area: &Area<'_>, series: &[Series]) -> Drawn {
+    let mut height = 60;
+    for series in series {
+        let line = |from: i32, to: i32| {
+            PathElement::new(vec![(from, height), (to, height)], series.colour.stroke_width(2))
+        };
+        if series.dashed {
+            area.draw(&line(4, 12))?;
+            area.draw(&line(24, 32))?;
+        } else {
+            area.draw(&line(4, 32))?;
+        }
+        let fill = if series.dashed { WHITE.filled() } else { series.colour.filled() };
+        area.draw(&Circle::new((18, height), 4, fill))?;
+        area.draw(&Circle::new((18, height), 4, series.colour.stroke_width(2)))?;
+        area.draw(&Text::new(series.name.clone(), (40, height - 8), (FONT, 15).into_font()))?;
+        height += 26;
+    }
+    Ok(())
+}

@@ -1,0 +1,59 @@
+//! A short table of the shipped scene.
+
+use std::path::Path;
+
+use super::*;
+use crate::scene_file::{self, Override};
+
+fn shipped(resistance_ohm: &str) -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/contact-separation.toml");
+    let overrides = [
+        Override::new("load.resistance_ohm", resistance_ohm),
+        Override::new("run.duration_s", "1"),
+        Override::new("run.settle_s", "0.5"),
+    ];
+    scene_file::read(&file, &overrides).expect("the shipped scene is valid")
+}
+
+#[test]
+fn the_error_falls_with_the_step_and_rows_that_do_not_differ_are_left_out() {
+    let scene = shipped("1e8");
+    let comparison = compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, whole: false }, |_| ())
+        .expect("the reference runs");
+    let power_error = |steps: u32| {
+        let row = comparison.rows.iter().find(|row| {
+            row.variant.method == Method::TrBdf2
+                && row.variant.precision == Precision::F64
+                && matches!(row.variant.control, Control::PerPeriod { steps: own, .. } if own == steps)
+        });
+        row.and_then(|row| row.found?.errors.mean_power_error).expect("the row is there")
+    };
+    assert!(power_error(3200) < 0.2 * power_error(800), "{} {}", power_error(3200), power_error(800));
+    assert!(power_error(3200) < 1e-3);
+    let double = comparison.omitted.iter().find(|entry| entry.precision == Precision::F64);
+    let double = double.expect("libm was tried in double precision");
+    assert_eq!((double.rows, double.of), (10, 10));
+    assert!(comparison.rows.iter().any(|row| row.variant.method_name() == "reference"));
+}
+
+#[test]
+fn the_explicit_method_is_shown_where_it_fails_and_where_it_does_not() {
+    let explicit = |resistance| {
+        variants(&shipped(resistance), &Extent::SHORT)
+            .into_iter()
+            .filter(|variant| variant.method == Method::Rk4 && variant.precision == Precision::F64)
+            .map(|variant| variant.control.to_string())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(explicit("1e8"), ["T/100", "T/200", "T/400", "T/800", "T/1600"]);
+    assert_eq!(explicit("1e6").len(), 5);
+    // Too stiff for any step worth trying: it fails at the implicit method's steps.
+    assert_eq!(explicit("1"), ["T/100", "T/200", "T/400", "T/800", "T/1600"]);
+}
+
+#[test]
+fn the_median_of_an_even_number_is_the_mean_of_the_middle_two() {
+    assert_eq!(median(vec![4.0, 1.0, 2.0, 8.0]), 3.0);
+    assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+    assert!(median(Vec::new()).is_nan());
+}
