@@ -7,15 +7,12 @@
 //!   clock holds no 10¹¹ s, so the problem runs in logarithmic time: `t = t₀ (e^s − 1)` with `s`
 //!   proportional to the clock, which turns `y' = f(y)` into `dy/ds = (dt/ds) f(y)`. `dt/ds` is a
 //!   known function of the clock and comes in as the input: no error is made in it.
-//! * The problem of Prothero and Robinson (Math. Comp. 28, 1974), `y' = λ (y − cos t) − sin t`, on
-//!   which an implicit method may lose order and an error estimate that is not filtered (Hosea and
-//!   Shampine, Appl. Numer. Math. 20, 1996) throttles the step.
 
 mod common;
 
 use common::{Given, Leap, Problem, Run, precision, table};
 use model_core::excitation::Silence;
-use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, TrBdf2};
 use model_core::scalar::Scalar;
 
 /// `x'' = u − c x' − ω² x`.
@@ -278,103 +275,4 @@ fn robertson_to_the_end_and_its_roots() {
         let (errors, roots) = robertson::<f32>(tolerance, 1e11, ROBER);
         assert_near(errors, &roots, 2, 0.06 * tolerance + 8e-5);
     }
-}
-
-/// `y' = λ y + u` with `u = −λ cos t − sin t`.
-#[derive(Debug, Clone, Copy)]
-struct ProtheroRobinson {
-    lambda: f64,
-}
-
-/// Units of the problem's time in a second of the clock.
-const PACE: f64 = 50.0;
-
-impl<S: Scalar> Problem<S, 1> for ProtheroRobinson {
-    type Mode = ();
-
-    fn rate(&self, (): (), y: &[S; 1], input: S) -> [S; 1] {
-        [S::literal(PACE * self.lambda) * y[0] + input]
-    }
-
-    fn jacobian(&self, (): (), _y: &[S; 1], _input: S) -> [[S; 1]; 1] {
-        [[S::literal(PACE * self.lambda)]]
-    }
-
-    fn angular_frequency(&self) -> S {
-        S::literal(PACE)
-    }
-
-    fn sizes(&self, (): (), _y: &[S; 1]) -> [S; 1] {
-        [S::ONE]
-    }
-}
-
-/// Error at `t = 10` from `1 + offset`, and attempted steps.
-fn prothero_robinson<S: Scalar>(lambda: f64, offset: f64, control: impl StepControl<S>) -> (f64, u32) {
-    let input = Given(move |clock: f64| {
-        let t = PACE * clock;
-        PACE * (-lambda * t.cos() - t.sin())
-    });
-    let start = [S::ONE + S::literal(offset)];
-    let mut run = Run::start(ProtheroRobinson { lambda }, (), start, input, TrBdf2, control);
-    let work = run.to(10.0 / PACE).expect("smooth");
-    ((run.entry(0) - 10f64.cos()).abs(), work.steps + work.rejected)
-}
-
-#[test]
-fn prothero_robinson_keeps_its_order_however_stiff() {
-    for power in 0..=6 {
-        let lambda = -10f64.powi(power);
-        let steps = [128, 256, 512].map(|steps| 10.0 / PACE / f64::from(steps));
-        let double = steps.map(|h| prothero_robinson::<f64>(lambda, 0.0, FixedStep::of_seconds(h)).0);
-        let single = steps.map(|h| prothero_robinson::<f32>(lambda, 0.0, FixedStep::of_seconds(h)).0);
-        let orders = [0, 1].map(|i| (double[i] / double[i + 1]).log2());
-        println!(
-            "PR {lambda:.0e} fixed: f64 {}, orders {orders:.2?}, f32 {}",
-            table(&double),
-            table(&single)
-        );
-        // A tick is 5e-11 of the problem's time, and the middle stage stands at a whole one.
-        for (order, finer) in orders.iter().zip(&double[1..]) {
-            assert!(*finer < 1e-10 || (1.85..2.25).contains(order), "{lambda}: orders {orders:?}");
-        }
-        for (double, single) in double.iter().zip(single) {
-            assert!((double - single).abs() < 2e-7, "{lambda}: {double} in f64, {single} in f32");
-        }
-    }
-}
-
-#[test]
-fn prothero_robinson_a_stiff_component_does_not_throttle_the_step() {
-    let attempts = |lambda: f64, tolerance: f64| {
-        let (double, attempts) = prothero_robinson::<f64>(lambda, 0.0, Adaptive::new(tolerance));
-        let (single, single_attempts) =
-            prothero_robinson::<f32>(lambda, 0.0, Adaptive::new(f32::literal(tolerance)));
-        println!(
-            "PR {lambda:.0e} tolerance {tolerance:.0e}: f64 {double:.2e} in {attempts}, f32 {single:.2e} in {single_attempts}"
-        );
-        assert!(double < tolerance && single < tolerance + 4e-6, "{lambda} {tolerance}");
-        assert!(single_attempts <= attempts);
-        attempts
-    };
-    for tolerance in [1e-3, 1e-4, 1e-5] {
-        let mild = attempts(-1.0, tolerance);
-        let mut before = mild;
-        for power in 1..=6 {
-            let stiff = attempts(-10f64.powi(power), tolerance);
-            // The stiffer, the nearer the solution is to its smooth limit, and the longer the steps.
-            assert!(stiff <= before, "{before} attempts, then {stiff}");
-            before = stiff;
-        }
-        // What remains is the longest step of the clock: 10 / (3.9 ms · PACE), and the start.
-        assert!(before < 60, "{before} attempts");
-    }
-}
-
-#[test]
-fn prothero_robinson_an_error_far_off_the_slow_motion_is_gone_within_steps() {
-    // |R(λ h)| is below 10⁻⁴ here; a method that is not L-stable would ring on.
-    let control = FixedStep::of_seconds(10.0 / PACE / 64.0);
-    let (error, _) = prothero_robinson::<f64>(-1e6, 1.0, control);
-    assert!(error < 1e-8, "{error}");
 }
