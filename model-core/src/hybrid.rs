@@ -107,7 +107,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     /// The flow of `mode`.
     fn flow(&self, mode: Self::Mode) -> Self::Flow<'_>;
 
-    /// Number of guards of `mode`.
+    /// Number of guards of `mode`, at most 32.
     fn guards(&self, mode: Self::Mode) -> usize;
 
     /// Guard number `index` of `mode`.

@@ -265,7 +265,6 @@ fn a_graze_that_the_dense_output_makes_up_does_not_delay_another_guard() {
 const STEEP: fn(f64) -> [f64; 2] = |s| [s.powi(8) + 0.01, 8.0 * s.powi(7)];
 
 #[test]
-#[ignore = "core: a guard already located is located again, and the event of another is put off"]
 fn a_graze_made_up_twice_neither_loses_an_event_nor_depends_on_the_budget() {
     let fences: [fn(f64) -> [f64; 2]; 2] = [STEEP, |s| [-0.3 - s, -1.0]];
     assert_order_of_time::<f64>(&fences, &[(1, -0.3)]);

@@ -274,7 +274,8 @@ impl<M, C> Driver<M, C> {
             control.keep_proposal(&state.control);
         }
         let mut kept = Kept { trial, ticks, event: None };
-        let mut located_guard = None;
+        // A bit for each guard that has been located in this step: each is, once at most.
+        let mut done = 0_u32;
         let mut attempts_left = MOST_ATTEMPTS;
         // Where one guard was located another may have fallen before it: the dense output of a long
         // step puts them in the wrong order, or promises a graze that a step to it does not find.
@@ -282,7 +283,7 @@ impl<M, C> Driver<M, C> {
             if attempts_left == 0 {
                 break;
             }
-            let Some((guard, theta)) = attempts.first_fall(&kept.trial, kept.ticks, located_guard) else {
+            let Some((guard, theta)) = attempts.first_fall(&kept.trial, kept.ticks, done) else {
                 break;
             };
             let located = attempts.locate(guard, theta, kept.trial, kept.ticks, attempts_left);
@@ -291,7 +292,7 @@ impl<M, C> Driver<M, C> {
             work.locating += located.attempts;
             work.iterations += located.iterations;
             kept = Kept { trial: located.trial, ticks: located.ticks, event: located.fell.then_some(guard) };
-            located_guard = Some(guard);
+            done |= 1 << guard;
         }
         state.control = control;
         Ok(Some(kept))

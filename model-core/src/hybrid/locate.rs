@@ -75,19 +75,14 @@ where
         self.automaton.guard(self.mode, index, self.armed, point, &moment)
     }
 
-    /// The guard other than `except` that falls first in the step to `trial`, with the fraction of
-    /// the step at which the dense output has it.
+    /// The guard, without those whose bit is in `done`, that falls first in the step to `trial`, with
+    /// the fraction of the step at which the dense output has it.
     #[inline(always)]
-    pub(super) fn first_fall(
-        &self,
-        trial: &Trial<S, N, P>,
-        ticks: u32,
-        except: Option<usize>,
-    ) -> Option<(usize, S)> {
+    pub(super) fn first_fall(&self, trial: &Trial<S, N, P>, ticks: u32, done: u32) -> Option<(usize, S)> {
         let mut first = None;
         for index in 0..self.automaton.guards(self.mode) {
             let (start, end) = (self.guard(index, self.start, 0), self.guard(index, &trial.end, ticks));
-            if except != Some(index)
+            if done & (1 << index) == 0
                 && let Some(theta) = start.until(&end, seconds_of_ticks(ticks)).first_fall()
                 && first.is_none_or(|(_, earliest)| theta < earliest)
             {
