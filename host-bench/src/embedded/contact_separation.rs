@@ -232,7 +232,8 @@ impl<S: Scalar, M: Mathematics<S>> Run<'_, S, M> {
             wall_s,
             particular: Particular::ContactSeparation(ContactSeparationOutcome {
                 peak_gap_m: number(meter.coordinate().highest),
-                min_gap_m: number(meter.coordinate().lowest),
+                // A step that ends in an impact ends up to a tick beyond contact.
+                min_gap_m: number(meter.coordinate().lowest.larger(S::ZERO)),
                 impacts,
                 impacts_per_period: periods.map(|periods| impacts as f64 / periods),
                 max_impact_speed_m_per_s: (impacts > 0).then(|| meter.fastest_impact().to_f64()),

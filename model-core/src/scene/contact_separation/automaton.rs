@@ -220,3 +220,85 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Harvester<S, STATES, POWERS> f
         mode == Mode::Free
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::Silence;
+    use crate::integrate::{Adaptive, FixedStep};
+    use crate::part::load::AnyLoad;
+    use crate::part::parasitic::ParasiticCapacitance;
+    use crate::part::restitution::{AnyRestitution, ConstantRestitution};
+    use crate::scene::contact_separation::{AnyForceLaw, AnyParts, AnyStickCharge, Parameters, Start};
+
+    fn parameters(charge_density: f64) -> Parameters<f64, AnyParts> {
+        Parameters {
+            mass: 5e-3,
+            stiffness: 80.0,
+            damping_ratio: 0.005,
+            initial_gap: 3e-3,
+            electrode_area: 4e-4,
+            dielectric_thickness: 5e-5,
+            relative_permittivity: 2.0,
+            charge_density,
+            parasitic: ParasiticCapacitance { farads: 1e-12 },
+            load: AnyLoad { ohms: 1e8 },
+            force_law: AnyForceLaw::GapField,
+            restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: 0.5 }),
+            sticking: AnyStickCharge::Frozen,
+        }
+    }
+
+    #[test]
+    fn the_contact_force_is_the_attraction_less_the_spring() {
+        let (density, area, permittivity) = (150e-6, 4e-4, 8.854_187_812_8e-12);
+        let scene = parameters(density).build().expect("in bounds");
+        let start = Start { gap: Some(0.0), velocity: None, charge: Some(0.0) };
+        let state =
+            scene.start::<_, _, 1>(&start, &Silence, &FixedStep::of_seconds(1e-5)).expect("in bounds");
+        assert_eq!(state.mode, Mode::Stuck);
+        let attraction = density * density * area / (2.0 * permittivity);
+        let expected = attraction + 5e-3 * 1.5 - 80.0 * 3e-3;
+        let force = scene.contact_force(state.mode, &state.point, 1.5);
+        assert!((force / expected - 1.0).abs() < 1e-12, "{force} {expected}");
+        assert_eq!(scene.contact_force(Mode::Free, &state.point, 1.5), 0.0);
+    }
+
+    #[test]
+    fn a_start_in_penetration_or_out_of_bounds_is_refused() {
+        let scene = parameters(50e-6).build().expect("in bounds");
+        let refused = |start: Start<f64>| {
+            scene.start::<_, _, 1>(&start, &Silence, &Adaptive::new(1e-3)).err().map(|error| error.field)
+        };
+        assert_eq!(refused(Start { gap: Some(-1e-9), ..Start::default() }), Some("gap"));
+        assert_eq!(refused(Start { velocity: Some(f64::NAN), ..Start::default() }), Some("velocity"));
+        assert_eq!(refused(Start { charge: Some(f64::INFINITY), ..Start::default() }), Some("charge"));
+        assert_eq!(refused(Start::default()), None);
+    }
+
+    #[test]
+    fn parameters_out_of_bounds_are_named() {
+        let refused = |change: fn(&mut Parameters<f64, AnyParts>)| {
+            let mut changed = parameters(50e-6);
+            change(&mut changed);
+            changed.build().err().map(|error| error.field)
+        };
+        assert_eq!(refused(|p| p.mass = 0.0), Some("mass"));
+        assert_eq!(refused(|p| p.stiffness = f64::NAN), Some("stiffness"));
+        assert_eq!(refused(|p| p.damping_ratio = -1e-9), Some("damping_ratio"));
+        assert_eq!(refused(|p| p.initial_gap = f64::INFINITY), Some("initial_gap"));
+        assert_eq!(refused(|p| p.electrode_area = -4e-4), Some("electrode_area"));
+        assert_eq!(refused(|p| p.dielectric_thickness = 1.0), Some("dielectric_thickness"));
+        assert_eq!(refused(|p| p.relative_permittivity = 0.5), Some("relative_permittivity"));
+        assert_eq!(refused(|p| p.charge_density = -5e-5), Some("charge_density"));
+        assert_eq!(refused(|p| p.parasitic.farads = -1e-12), Some("parasitic_capacitance"));
+        assert_eq!(refused(|p| p.load.ohms = -1.0), Some("resistance"));
+        let elastic = |p: &mut Parameters<f64, AnyParts>| {
+            p.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: 1.1 });
+        };
+        assert_eq!(refused(elastic), Some("restitution.coefficient"));
+        let slow = |p: &mut Parameters<f64, AnyParts>| (p.mass, p.stiffness) = (1e3, 1e-9);
+        assert_eq!(refused(slow), Some("natural frequency sqrt(stiffness / mass) / (2 pi)"));
+        assert_eq!(refused(|p| p.load.ohms = f64::INFINITY), None);
+    }
+}
