@@ -1,0 +1,111 @@
+//! The shipped contact-separation scene on the embedded core, for the benches.
+
+// Each bench uses a part of this.
+#![allow(dead_code)]
+
+use std::marker::PhantomData;
+use std::path::Path;
+
+use host_bench::embedded::contact_separation_parameters;
+use host_bench::scene_file::{self, Model, Override};
+use model_core::clock::Instant;
+use model_core::energy::PowerMeter;
+use model_core::excitation::Sine;
+use model_core::hybrid::{Driver, HybridState};
+use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::part::load::Resistor;
+use model_core::part::parasitic::ParasiticCapacitance;
+use model_core::part::restitution::{AnyRestitution, VelocityDependentRestitution};
+use model_core::scalar::{Mathematics, Scalar};
+use model_core::scene::contact_separation::{
+    AnyParts, ContactSeparation, FrozenCharge, Mode, Parameters, Parts, STATES, Start, TransferredCharge,
+};
+
+/// A state that carries the delivered energy only, as firmware does.
+pub(crate) type State<S> = HybridState<S, Mode, STATES, 1>;
+
+/// The parts of the shipped scene, chosen at compile time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ShippedParts<M>(PhantomData<M>);
+
+impl<S: Scalar, M: Mathematics<S>> Parts<S> for ShippedParts<M> {
+    type ForceLaw = TransferredCharge;
+    type Load = Resistor<S>;
+    type Parasitic = ParasiticCapacitance<S>;
+    type Restitution = VelocityDependentRestitution<S, M>;
+    type Sticking = FrozenCharge;
+}
+
+fn parameters<S: Scalar, M: Mathematics<S>>(resistance_ohm: f64) -> Parameters<S, AnyParts<M>> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/contact-separation.toml");
+    let load = Override::new("load.resistance_ohm", &resistance_ohm.to_string());
+    let scene = scene_file::read(&file, &[load]).expect("the shipped scene is valid");
+    let Model::ContactSeparation(model) = &scene.model;
+    contact_separation_parameters::<S, M>(model, scene.load)
+}
+
+/// The shipped scene, every choice at run time.
+pub(crate) fn any<S: Scalar, M: Mathematics<S>>(resistance_ohm: f64) -> ContactSeparation<S, AnyParts<M>> {
+    parameters(resistance_ohm).build().expect("the shipped scene is valid")
+}
+
+/// The same with the choices made at compile time.
+pub(crate) fn shipped<S: Scalar, M: Mathematics<S>>(
+    resistance_ohm: f64,
+) -> ContactSeparation<S, ShippedParts<M>> {
+    let any = parameters::<S, M>(resistance_ohm);
+    let AnyRestitution::VelocityDependent(restitution) = any.restitution else {
+        panic!("the shipped scene's restitution depends on the speed");
+    };
+    let parameters: Parameters<S, ShippedParts<M>> = Parameters {
+        mass: any.mass,
+        stiffness: any.stiffness,
+        damping_ratio: any.damping_ratio,
+        initial_gap: any.initial_gap,
+        electrode_area: any.electrode_area,
+        dielectric_thickness: any.dielectric_thickness,
+        relative_permittivity: any.relative_permittivity,
+        charge_density: any.charge_density,
+        parasitic: any.parasitic,
+        load: Resistor { ohms: any.load.ohms },
+        force_law: TransferredCharge,
+        restitution,
+        sticking: FrozenCharge,
+    };
+    parameters.build().expect("the shipped scene is valid")
+}
+
+/// Its excitation.
+pub(crate) fn excitation<S: Scalar, M: Mathematics<S>>() -> Sine<S, M> {
+    Sine::new(S::literal(0.2 * 9.81), S::literal(20.0), S::ZERO).expect("a sine")
+}
+
+/// An adaptive run of the scene with a meter of the delivered energy.
+pub(crate) struct Runner<S: Scalar, M, P: Parts<S>> {
+    pub(crate) scene: ContactSeparation<S, P>,
+    pub(crate) excitation: Sine<S, M>,
+    driver: Driver<TrBdf2, Adaptive<S>>,
+}
+
+impl<S: Scalar, M: Mathematics<S>, P: Parts<S>> Runner<S, M, P> {
+    pub(crate) fn new(scene: ContactSeparation<S, P>, tolerance: f64) -> Self {
+        let driver = Driver::new(TrBdf2, Adaptive::new(S::literal(tolerance)));
+        Self { scene, excitation: excitation(), driver }
+    }
+
+    /// At rest.
+    pub(crate) fn start(&self) -> State<S> {
+        self.scene.start(&Start::default(), &self.excitation, &self.driver.control).expect("a valid start")
+    }
+
+    /// Runs to a time in s; gives the energy delivered to the load in J and the number of steps.
+    pub(crate) fn run_to(&self, state: &mut State<S>, seconds: f64) -> (S, u32) {
+        let until = Instant::from_seconds(seconds).expect("a time");
+        let mut meter = PowerMeter::new();
+        let advance = self
+            .driver
+            .advance(&self.scene, state, &self.excitation, until, u32::MAX, &mut meter)
+            .expect("the scene runs");
+        (meter.delivered_energy(), advance.work.steps)
+    }
+}
