@@ -37,6 +37,12 @@ pub(super) struct Integrals {
     pub(super) field_work: f64,
 }
 
+/// Newton iterations of one step that may fail before the flight does.
+const MOST_FAILURES: usize = 50;
+
+/// Steps within which a flight must get on.
+const STALL: u64 = 100_000;
+
 /// Number of [`Integrals`].
 const INTEGRALS: usize = 6;
 
@@ -216,13 +222,18 @@ pub(super) fn fly(
         .build()
         .map_err(failure(0.0, start))?;
     let mut solver = problem.bdf::<Factors>().map_err(failure(0.0, start))?;
+    // The first step after an impact on a tiny load is tiny.
     solver.config_mut().minimum_timestep = 1e-30;
     solver.set_stop_time(span).map_err(failure(0.0, start))?;
 
     let clearance = 64.0 * f64::EPSILON * physics.initial_gap;
     let mut armed = start.gap > 0.0 || start.velocity != 0.0;
     let (mut from, mut last) = (0.0, start);
+    let mut checked = (0, 0.0);
     loop {
+        // The crate counts failures over a whole flight, however long; what counts is those of a step.
+        let failures = solver.get_statistics().number_of_nonlinear_solver_fails;
+        solver.config_mut().maximum_newton_fails = failures + MOST_FAILURES;
         let stop = solver.step().map_err(failure(from, last));
         let total = Effort::of(solver.get_statistics());
         if stop.is_err() {
@@ -255,6 +266,14 @@ pub(super) fn fly(
             });
         }
         from = end;
+        if total.steps > checked.0 + STALL {
+            if from - checked.1 < 1e-9 * accuracy.time {
+                effort.add(&total);
+                let reason = format!("stalled: {STALL} steps without progress");
+                return Err(FlightFailure { elapsed: from, motion: last, reason });
+            }
+            checked = (total.steps, from);
+        }
         if scan.impact.is_some() || finished {
             effort.add(&total);
             let integrals = integrals(end).map_err(failure(from, last))?;
@@ -300,8 +319,8 @@ impl Scan {
             for end in ends.into_iter().flatten() {
                 if !*armed {
                     *armed = end.1.velocity > 0.0 && end.1.gap > clearance;
-                    if !*armed && end.1.velocity < 0.0 {
-                        // Back before it had left.
+                    if end.1.gap < -clearance {
+                        // Pressed back before it had left.
                         scan.impact = Some(end.0);
                         return Ok(scan);
                     }
@@ -322,7 +341,9 @@ impl Scan {
     }
 }
 
-/// The first line of an error of the crate: some of them are several lines long.
+/// The first line of an error of the crate: some of them are several lines long. Times in it are those
+/// of the flight.
 fn one_line(error: &DiffsolError) -> String {
-    error.to_string().lines().next().unwrap_or("the integrator failed").to_owned()
+    let text = error.to_string();
+    format!("integrator, in the time of the flight: {}", text.lines().next().unwrap_or("failed"))
 }

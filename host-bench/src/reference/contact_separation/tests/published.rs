@@ -76,13 +76,12 @@ fn tightening_the_tolerance_changes_nothing_that_counts() {
     for resistance in [1e6, 1e8] {
         let scene = shipped(resistance);
         let usual = run(&scene);
-        let loose = ReferenceOptions { tolerance: 1e-11, ..ReferenceOptions::default() };
-        let loose = reference::run(&scene, &loose).expect("the reference gets to the end");
-        // A hundred times the tolerance makes about fifty times the error.
-        close(loose.mean_power_w, usual.mean_power_w.expect("a number"), 5e-9);
-        close(loose.peak_voltage_v, usual.peak_voltage_v.expect("a number"), 5e-9);
-        let first = particular(&usual).first_impact_s.expect("an impact");
-        close(particular(&loose).first_impact_s, first, 1e-9);
-        assert!(usual.energy_residual.expect("a number") < 5e-11);
+        let tight = ReferenceOptions { tolerance: 1e-13, ..ReferenceOptions::default() };
+        let tight = reference::run(&scene, &tight).expect("the reference gets to the end");
+        close(usual.mean_power_w, tight.mean_power_w.expect("a number"), 1e-9);
+        close(usual.peak_voltage_v, tight.peak_voltage_v.expect("a number"), 1e-9);
+        let first = particular(&tight).first_impact_s.expect("an impact");
+        close(particular(&usual).first_impact_s, first, 1e-10);
+        assert!(usual.energy_residual.expect("a number") < 5e-10);
     }
 }
