@@ -32,10 +32,10 @@ pub struct SceneArguments {
     #[arg(long, value_enum)]
     pub math: Option<Math>,
     /// Fixed step in seconds
-    #[arg(long, value_name = "S", conflicts_with = "tolerance", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
     pub step: Option<f64>,
     /// Relative tolerance of the adaptive step
-    #[arg(long, value_name = "REL", allow_negative_numbers = true)]
+    #[arg(long, value_name = "REL", allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
     /// Output format
     #[arg(long, value_enum, default_value_t)]

@@ -15,7 +15,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "FILE.csv", requires = "trace_every")]
     trace: Option<PathBuf>,
     /// Seconds between the rows of the trace
-    #[arg(long, value_name = "S", requires = "trace", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", requires = "trace", allow_hyphen_values = true)]
     trace_every: Option<f64>,
 }
 

@@ -57,7 +57,7 @@ pub(super) fn of(key: &str) -> Bound {
         "charge_density_c_per_m2" => [0.0, 1e-2],
         "parasitic_capacitance_f" => [0.0, 1e-3],
         "coefficient" | "at_rest" | "at_speed" => [0.0, 1.0],
-        "reference_speed_m_per_s" => [1e-9, 1e9],
+        "reference_speed_m_per_s" => [1e-9, 1e3],
         // A start inside the dielectric is refused.
         "gap_m" => [0.0, 1.0],
         "velocity_m_per_s" => [-1e3, 1e3],

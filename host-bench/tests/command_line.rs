@@ -1,0 +1,10 @@
+//! The command line through the real binary: what it refuses and how, and what a good run prints.
+
+mod command_line {
+    mod good_runs;
+    mod refused_options;
+    mod refused_scenes;
+    mod refused_traces;
+    mod sweep;
+    mod tool;
+}

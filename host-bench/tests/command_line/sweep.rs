@@ -1,0 +1,110 @@
+//! Grids.
+
+use super::tool::{SHIPPED, accepted, folder, outcome, refused};
+
+const SHORT: [&str; 4] = ["--set", "run.duration_s=0.5", "--set", "run.settle_s=0.3"];
+
+fn sweep<'a>(options: &[&'a str]) -> Vec<&'a str> {
+    [&["sweep", SHIPPED, "--method", "reference"], &SHORT[..], options].concat()
+}
+
+#[test]
+fn a_grid_has_a_row_for_each_point_and_a_picture() {
+    let folder = folder("grid");
+    let output = folder.join("made");
+    let path = output.to_str().expect("a plain path");
+    let text = accepted(&sweep(&[
+        "--over",
+        "load.resistance_ohm=1e6:1e8:3:log",
+        "--over",
+        "excitation.frequency_hz=19:20:2",
+        "--output",
+        path,
+        "--format",
+        "csv",
+    ]));
+    let written = std::fs::read_to_string(output.join("sweep.csv")).expect("the table");
+    let without_time = |text: &str| {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let time = reader.headers().expect("a heading").iter().position(|name| name == "wall_s");
+        let rows = reader.records().map(|row| {
+            let row = row.expect("a row");
+            let cells = row.iter().enumerate().filter(|(index, _)| Some(*index) != time);
+            cells.map(|(_, cell)| cell.to_owned()).collect::<Vec<_>>()
+        });
+        rows.collect::<Vec<_>>()
+    };
+    assert_eq!(without_time(&text), without_time(&written));
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let heading = reader.headers().expect("a heading").clone();
+    let column = |name: &str| heading.iter().position(|head| head == name).expect("a column");
+    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
+    let points: Vec<(&str, &str)> = rows.iter().map(|row| (&row[0], &row[1])).collect();
+    assert_eq!(points.len(), 6);
+    assert_eq!((points[0], points[1]), (("1000000.0", "19.0"), ("1000000.0", "20.0")));
+    assert_eq!(points[5], ("100000000.0", "20.0"));
+    // The last point is the run of that point.
+    let alone = outcome(SHIPPED, &["run.duration_s=0.5", "run.settle_s=0.3"]);
+    let power: f64 = rows[5][column("mean_power_w")].parse().expect("a number");
+    assert_eq!(Some(power), alone["mean_power_w"].as_f64());
+    let picture = std::fs::read_to_string(output.join("sweep.svg")).expect("the picture");
+    assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
+    for label in ["load.resistance_ohm", "excitation.frequency_hz", "mean power [W]", "1e7", "19.2"] {
+        assert!(picture.contains(label), "{label} is in the picture");
+    }
+    assert!(picture.matches("<rect").count() > 6);
+}
+
+#[test]
+fn one_axis_makes_curves() {
+    let folder = folder("curve");
+    let path = folder.to_str().expect("a plain path");
+    let over = "parameters.charge_density_c_per_m2=1e-5:3e-5:3";
+    let text = accepted(&sweep(&["--over", over, "--output", path, "--format", "json"]));
+    let points: serde_json::Value = serde_json::from_str(&text).expect("a JSON array");
+    let found: Vec<f64> = points
+        .as_array()
+        .expect("an array")
+        .iter()
+        .filter_map(|point| point["rms_voltage_v"].as_f64())
+        .collect();
+    assert_eq!(found.len(), 3);
+    assert!(found[0] < found[1] && found[1] < found[2]);
+    let middle = points[1]["parameters.charge_density_c_per_m2"].as_f64().expect("a number");
+    assert!((middle / 2e-5 - 1.0).abs() < 1e-14);
+    let picture = std::fs::read_to_string(folder.join("sweep.svg")).expect("the picture");
+    assert!(picture.matches("<polyline").count() > 2);
+    assert_eq!(picture.matches("<circle").count(), 6, "three points, two quantities");
+    assert!(accepted(&sweep(&["--over", over])).lines().count() == 4, "a heading and three rows");
+}
+
+#[test]
+fn a_bad_grid_is_refused_and_nothing_is_written() {
+    let folder = folder("bad-grid");
+    let output = folder.join("made");
+    let path = output.to_str().expect("a plain path");
+    for (over, parts) in [
+        (vec!["load.resistance_ohm"], vec!["--over", "KEY=FROM:TO:COUNT"]),
+        (vec!["load.resistance_ohm=1:2"], vec!["--over", "KEY=FROM:TO:COUNT"]),
+        (vec!["load.resistance_ohm=1:2:x"], vec!["--over", "COUNT = \"x\""]),
+        (vec!["load.resistance_ohm=1:2:0"], vec!["--over", "COUNT = \"0\""]),
+        (vec!["load.resistance_ohm=1:2:-3"], vec!["--over", "COUNT = \"-3\""]),
+        (vec!["load.resistance_ohm=nan:2:3"], vec!["--over", "FROM = \"nan\""]),
+        (vec!["load.resistance_ohm=1:3 mm:3"], vec!["--over", "TO = \"3 mm\""]),
+        (vec!["load.resistance_ohm=0:2:3:log"], vec!["--over", "above 0 with log"]),
+        (vec!["load.resistance=1:2:3"], vec!["load.resistance = 1", "unknown key"]),
+        (vec!["load.resistance_ohm=-1:1:3"], vec!["load.resistance_ohm = -1", "from 1e-9 to 1e30"]),
+        (vec!["run.settle_s=0:0.5:3"], vec!["run.settle_s = 0.5", "before the end"]),
+        (vec!["parameters.force_law=1:2:2"], vec!["parameters.force_law = 1", "transferred-charge"]),
+        (vec!["load.resistance_ohm=1:2:2", "load.resistance_ohm=3:4:2"], vec!["load.resistance_ohm", "once"]),
+        (vec!["load.resistance_ohm=1:2:100000", "run.settle_s=0:0.1:11"], vec!["--over", "at most 1000000"]),
+    ] {
+        let axes: Vec<&str> = over.iter().flat_map(|axis| ["--over", *axis]).collect();
+        refused(&sweep(&[&axes[..], &["--output", path]].concat()), &parts);
+        assert!(!output.exists(), "{over:?} wrote something");
+    }
+    refused(&sweep(&[]), &["--over"]);
+    let taken = super::tool::file(&folder, "taken", "");
+    let axis = ["--over", "load.resistance_ohm=1:2:2", "--output", &taken];
+    refused(&sweep(&axis), &["--output", "must be a folder"]);
+}
