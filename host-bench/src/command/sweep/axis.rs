@@ -35,7 +35,8 @@ impl Axis {
         }
         let part = index as f64 / (self.count - 1) as f64;
         if self.logarithmic {
-            (self.from.ln() + part * (self.to.ln() - self.from.ln())).exp()
+            // To base ten, so that decades come out as they are written.
+            10f64.powf(self.from.log10() + part * (self.to.log10() - self.from.log10()))
         } else {
             self.from + part * (self.to - self.from)
         }
@@ -87,11 +88,8 @@ mod tests {
         let values: Vec<f64> = (0..axis.count()).map(|index| axis.value(index)).collect();
         assert_eq!(values, [1.0, 1.5, 2.0, 2.5, 3.0]);
         let axis: Axis = "load.resistance_ohm=1e5:1e9:5:log".parse().expect("valid");
-        for index in 0..5 {
-            let expected = 10f64.powi(5 + i32::try_from(index).expect("small"));
-            assert!((axis.value(index) / expected - 1.0).abs() < 1e-13);
-        }
-        assert_eq!((axis.value(0), axis.value(4)), (1e5, 1e9));
+        let values: Vec<f64> = (0..axis.count()).map(|index| axis.value(index)).collect();
+        assert_eq!(values, [1e5, 1e6, 1e7, 1e8, 1e9]);
     }
 
     #[test]
