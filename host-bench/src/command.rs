@@ -1,5 +1,6 @@
 //! The commands of the binary.
 
+pub mod figures;
 pub mod on_target;
 pub mod overview;
 pub mod run;
@@ -95,6 +96,22 @@ pub(crate) fn progress(count: usize) -> ProgressBar {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
+}
+
+/// Where reports go.
+pub(crate) fn report_folder() -> PathBuf {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    // A binary that was moved away from its sources reports where it stands.
+    workspace.canonicalize().unwrap_or_default().join("target/report")
+}
+
+/// Makes a folder and those above it, where they do not exist.
+///
+/// # Errors
+/// [`Failure::Input`] with the path and the reason.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Failure::Input(format!("{}: cannot be made: {error}", folder.display())))
 }
 
 /// Refuses a file that could not be written, before the work is done.

@@ -2,6 +2,7 @@
 
 pub mod command;
 pub mod embedded;
+pub mod figures;
 pub mod method;
 pub mod on_target;
 pub mod outcome;

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use host_bench::command::{on_target, overview, report, run, sweep, work_precision};
+use host_bench::command::{figures, on_target, overview, report, run, sweep, work_precision};
 use host_bench::method::Failure;
 
 /// Vibration energy harvesters: scenes, reference, reports
@@ -18,6 +18,8 @@ struct Arguments {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
+    /// Rebuild the figures of the paper on the contact-separation harvester
+    Figures(figures::FiguresArguments),
     /// Run one scene
     Run(run::RunArguments),
     /// Build the firmware for each core, run it under QEMU
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
     };
     let done = match &arguments.command {
         None => overview::run(),
+        Some(Command::Figures(arguments)) => figures::run(arguments),
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::OnTarget(arguments)) => {
             on_target::run(arguments).map_err(|error| Failure::Input(error.to_string()))

@@ -1,19 +1,14 @@
 //! The report: one HTML page with its pictures in it.
 
 mod chart;
+pub(crate) mod html;
+pub(crate) mod plot;
+pub(crate) mod svg;
 
 use std::fmt::Write;
 
+use self::html::{document, escaped};
 use crate::work_precision::{Comparison, TARGET_ERROR, table};
-
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color:#1b1f24;background:#fff;max-width:72rem;\
-margin:2rem auto;padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.2rem;margin-top:2.5rem}\
-svg{max-width:100%;height:auto}.wide{overflow-x:auto}\
-table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums}\
-th{text-align:left;border-bottom:2px solid #57606a;padding:.3rem .7rem;vertical-align:bottom}\
-td{border-bottom:1px solid #d0d7de;padding:.2rem .7rem;white-space:nowrap}\
-td.number,th.number{text-align:right}tr.beyond td{color:#6e7781}\
-p.note{font-size:.85rem;color:#57606a;margin:.3rem 0}";
 
 /// The page.
 ///
@@ -38,11 +33,7 @@ pub fn page(comparisons: &[Comparison]) -> Result<String, String> {
             let _ = writeln!(body, "<p class=\"note\">{}</p>", escaped(&note));
         }
     }
-    Ok(format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>Error against run time</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
-    ))
+    Ok(document("Error against run time", &body))
 }
 
 /// What the picture shows, in the numbers of this run.
@@ -109,8 +100,4 @@ fn html_table(comparison: &Comparison) -> String {
         "<p class=\"note\">Grey: mean power not within {TARGET_ERROR:.0e} of the reference.</p>"
     );
     text
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

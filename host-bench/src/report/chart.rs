@@ -1,8 +1,8 @@
 //! Error against run time as a picture.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
+use super::svg::{self, Area, Drawn, FONT, svg};
 use crate::method::{Math, Precision};
 use crate::work_precision::{Comparison, Row, table};
 
@@ -10,7 +10,6 @@ use crate::work_precision::{Comparison, Row, table};
 const SIZE: (u32, u32) = (980, 520);
 /// Width of the legend at the right.
 const LEGEND: i32 = 250;
-const FONT: &str = "sans-serif";
 
 /// One curve.
 struct Series {
@@ -21,25 +20,17 @@ struct Series {
     points: Vec<(f64, f64)>,
 }
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>>;
-
 /// The picture as SVG text.
 ///
 /// # Errors
 /// What the drawing library says.
 pub(super) fn draw(comparison: &Comparison) -> Result<String, String> {
-    let mut text = String::new();
-    {
-        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        area.fill(&WHITE).map_err(|error| error.to_string())?;
-        let series = series(comparison);
+    let series = series(comparison);
+    svg(SIZE, |area| {
         let (left, right) = area.split_horizontally(i32::try_from(SIZE.0).unwrap_or(0) - LEGEND);
-        curves(&left, &series, comparison).map_err(|error| error.to_string())?;
-        legend(&right, &series).map_err(|error| error.to_string())?;
-        area.present().map_err(|error| error.to_string())?;
-    }
-    Ok(text)
+        curves(&left, &series, comparison)?;
+        legend(&right, &series)
+    })
 }
 
 /// The curves: one for each method and precision. Rows of other math backends than the polynomials,
@@ -78,13 +69,12 @@ fn name(row: &Row) -> String {
     }
 }
 
-/// Okabe and Ito's colours, which the colour-blind tell apart too.
 fn colour(method: &str) -> RGBColor {
     match method {
-        "TR-BDF2, fixed step" => RGBColor(230, 159, 0),
-        "TR-BDF2, adaptive" => RGBColor(0, 114, 178),
-        "explicit RK4, fixed step" => RGBColor(213, 94, 0),
-        _ => RGBColor(0, 158, 115),
+        "TR-BDF2, fixed step" => svg::ORANGE,
+        "TR-BDF2, adaptive" => svg::BLUE,
+        "explicit RK4, fixed step" => svg::VERMILION,
+        _ => svg::GREEN,
     }
 }
 

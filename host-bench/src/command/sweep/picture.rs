@@ -1,15 +1,15 @@
 //! The picture of a sweep: curves over one axis, a map over two.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::axis::Axis;
+use crate::report::svg::{Area, Drawn, FONT, range, svg, tick};
 
 /// Width and height of the picture.
 const SIZE: (u32, u32) = (900, 640);
 
 /// Font of the axes: whatever the viewer has for it.
-const LABEL: (&str, u32) = ("sans-serif", 15);
+const LABEL: (&str, u32) = (FONT, 15);
 
 /// A quantity to draw: its name and one value for each point, if there is one.
 #[derive(Debug, Clone)]
@@ -17,8 +17,6 @@ pub(super) struct Quantity {
     pub(super) name: &'static str,
     pub(super) values: Vec<Option<f64>>,
 }
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// An SVG picture; `None` where there is nothing to draw: no axis to go along, more axes than a
 /// picture has, or no values.
@@ -28,26 +26,23 @@ pub(super) fn draw(title: &str, axes: &[Axis], quantities: &[Quantity]) -> Resul
         .filter(|quantity| quantity.values.iter().flatten().any(|value| value.is_finite()))
         .collect();
     let long: Vec<&Axis> = axes.iter().filter(|axis| axis.count() > 1).collect();
-    let mut text = String::new();
-    {
-        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        area.fill(&WHITE).map_err(|error| error.to_string())?;
-        let area = area.titled(title, ("sans-serif", 18)).map_err(|error| error.to_string())?;
-        match (&long[..], &shown[..]) {
-            ([axis], [_, ..]) => {
-                for (part, quantity) in area.split_evenly((shown.len(), 1)).iter().zip(&shown) {
-                    curve(part, axis, quantity).map_err(|error| error.to_string())?;
-                }
-            }
-            ([across, up], [quantity, ..]) => {
-                // The last axis runs fastest.
-                map(&area, up, across, quantity).map_err(|error| error.to_string())?;
-            }
-            _ => return Ok(None),
-        }
-        area.present().map_err(|error| error.to_string())?;
+    if shown.is_empty() || !(1..=2).contains(&long.len()) {
+        return Ok(None);
     }
-    Ok(Some(text))
+    let picture = svg(SIZE, |area| {
+        let area = area.titled(title, (FONT, 18))?;
+        match (&long[..], &shown[..]) {
+            // The last axis runs fastest.
+            ([across, up], [quantity, ..]) => map(&area, up, across, quantity),
+            ([axis, ..], _) => area
+                .split_evenly((shown.len(), 1))
+                .iter()
+                .zip(&shown)
+                .try_for_each(|(part, quantity)| curve(part, axis, quantity)),
+            _ => Ok(()),
+        }
+    });
+    picture.map(Some)
 }
 
 /// Where a value stands on its axis: a logarithmic axis is drawn in decades.
@@ -58,28 +53,6 @@ fn place(axis: &Axis, value: f64) -> f64 {
 fn label(axis: &Axis, place: f64) -> String {
     tick(if axis.logarithmic { 10f64.powf(place) } else { place })
 }
-
-/// A number with three digits, as short as that can be written.
-fn tick(value: f64) -> String {
-    let plain = value == 0.0 || (1e-2..1e4).contains(&value.abs());
-    let text = if plain { format!("{value:.3}") } else { format!("{value:.2e}") };
-    match text.split_once('e') {
-        None => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        Some((digits, exponent)) => {
-            format!("{}e{exponent}", digits.trim_end_matches('0').trim_end_matches('.'))
-        }
-    }
-}
-
-/// The range of the values, widened where it has no width.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-    let margin = if high > low { 0.05 * (high - low) } else { low.abs().max(1e-300) };
-    (low - margin, high + margin)
-}
-
-type Drawn = Result<(), DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>>;
 
 fn curve(area: &Area<'_>, axis: &Axis, quantity: &Quantity) -> Drawn {
     let points: Vec<(f64, f64)> = quantity

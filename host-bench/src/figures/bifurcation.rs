@@ -1,0 +1,93 @@
+//! Figure 10: the bifurcation diagram.
+
+use std::fmt::Write;
+
+use rayon::prelude::*;
+
+use super::motion::{Case, Grid, WINDOW};
+use super::response::frequency_axis;
+use super::{DIAGRAM_SETTLE, Figure, Panel};
+use crate::method::Failure;
+use crate::outcome::number;
+use crate::report::plot::{self, Axis, Curve, Mark, Plot};
+use crate::report::svg::BLUE;
+use crate::scene_file::Scene;
+
+const SIZE: (u32, u32) = (900, 520);
+
+/// The gap in m at the start of each period of the measuring window, for each frequency.
+///
+/// # Errors
+/// If one of them cannot be run.
+pub fn diagram(
+    base: &Scene,
+    [charge_density, resistance]: [f64; 2],
+    grid: Grid,
+    tolerance: f64,
+    done: &(dyn Fn() + Sync),
+) -> Result<Vec<(f64, Vec<f64>)>, Failure> {
+    let frequencies: Vec<f64> = grid.frequencies().collect();
+    let point = |&frequency: &f64| {
+        let gaps = Case { charge_density, resistance, frequency, settle: DIAGRAM_SETTLE }
+            .stroboscopic(base, tolerance);
+        done();
+        Ok((frequency, gaps?))
+    };
+    frequencies.par_iter().map(point).collect()
+}
+
+/// Figure 10 from the diagram.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub(super) fn ten(
+    diagram: &[(f64, Vec<f64>)],
+    [charge_density, resistance]: [f64; 2],
+    grid: Grid,
+    start: &str,
+) -> Result<Figure, String> {
+    let all = || diagram.iter().flat_map(|(frequency, gaps)| gaps.iter().map(|gap| (*frequency, 1e3 * gap)));
+    let (low, high) =
+        all().fold((f64::INFINITY, 0.0_f64), |(low, high), (_, gap)| (low.min(gap), high.max(gap)));
+    let low = if low.is_finite() { low } else { 0.0 };
+    let plot = Plot {
+        title: format!("Figure 10: {charge_density} µC/m², {resistance} MΩ"),
+        across: frequency_axis(grid.span(), 11),
+        up: Axis {
+            title: "gap at the start of each period [mm]",
+            span: [(10.0 * low - 0.5).floor() / 10.0, (10.0 * high + 0.5).ceil() / 10.0],
+            ticks: 9,
+        },
+        curves: vec![Curve {
+            name: String::new(),
+            colour: BLUE,
+            mark: Mark::Dots(2.0),
+            points: all().collect(),
+        }],
+    };
+    Ok(Figure {
+        number: 10,
+        title: "Bifurcation diagram of the position of the mass",
+        caption: format!(
+            "Gap at the start of each of {WINDOW} excitation periods, where the base acceleration rises through 0, \
+             over frequency. One dot: the motion repeats itself in every period; a few dots: in so many periods; \
+             a column of scattered dots: not at all. The motion is periodic up to the first impact, hardly \
+             ever repeats itself for half a hertz above it, and then has one impact in every period, here and \
+             there beside a motion of three periods, until impacts end. The dots come after {DIAGRAM_SETTLE} \
+             periods: just below the first impact, what is left of the start fades slowly. {start}"
+        ),
+        panels: vec![Panel { name: "figure-10".to_owned(), svg: plot::draw(SIZE, &[plot])? }],
+        table: Vec::new(),
+        csv: csv(diagram),
+    })
+}
+
+fn csv(diagram: &[(f64, Vec<f64>)]) -> String {
+    let mut text = String::from("frequency_hz,period,gap_m\n");
+    for (frequency, gaps) in diagram {
+        for (period, gap) in (DIAGRAM_SETTLE..).zip(gaps) {
+            let _ = writeln!(text, "{},{period},{}", number(*frequency), number(*gap));
+        }
+    }
+    text
+}

@@ -1,0 +1,126 @@
+//! Figure 9: the gap over time, on both sides of where impacts begin and end.
+
+use std::fmt::Write;
+
+use plotters::style::RGBColor;
+use rayon::prelude::*;
+
+use super::motion::{Case, Motion, WINDOW};
+use super::{Figure, Panel, SETTLE};
+use crate::method::Failure;
+use crate::outcome::number;
+use crate::report::plot::{self, Axis, Curve, Mark, Plot};
+use crate::report::svg::{BLUE, VERMILION};
+use crate::scene_file::Scene;
+
+/// Frequencies in Hz: two at the onset of impacts, two at the upper edge of the band.
+pub const FREQUENCIES: [f64; 4] = [18.83, 18.84, 20.15, 20.20];
+
+/// A panel: two frequencies with their colours, and the periods that are shown.
+struct Pair {
+    letter: char,
+    title: &'static str,
+    strips: [(f64, RGBColor); 2],
+    periods: u32,
+}
+
+const PAIRS: [Pair; 2] = [
+    Pair {
+        letter: 'a',
+        title: "Figure 9 (a), onset of impacts",
+        strips: [(FREQUENCIES[0], BLUE), (FREQUENCIES[1], VERMILION)],
+        // At the onset the mass flies for some twenty periods between impacts.
+        periods: 60,
+    },
+    Pair {
+        letter: 'b',
+        title: "Figure 9 (b), upper edge",
+        strips: [(FREQUENCIES[2], VERMILION), (FREQUENCIES[3], BLUE)],
+        periods: 12,
+    },
+];
+
+/// Periods from the start to the end.
+const END: u32 = SETTLE + WINDOW;
+/// Points in each period.
+const PER_PERIOD: u32 = 60;
+const SIZE: (u32, u32) = (1130, 520);
+
+/// Runs the four cases and draws them.
+///
+/// # Errors
+/// If one of them cannot be run, or not drawn.
+pub(super) fn nine(
+    base: &Scene,
+    [charge_density, resistance]: [f64; 2],
+    tolerance: f64,
+    start: &str,
+    done: &(dyn Fn() + Sync),
+) -> Result<Figure, Failure> {
+    let mut strips = Vec::new();
+    for pair in &PAIRS {
+        strips.extend(pair.strips.map(|(frequency, _)| (frequency, END - pair.periods)));
+    }
+    let histories: Result<Vec<Motion>, Failure> = strips
+        .par_iter()
+        .map(|&(frequency, from)| {
+            let case = Case { charge_density, resistance, frequency, settle: SETTLE };
+            let motion = case.motion(base, tolerance, PER_PERIOD, from);
+            done();
+            motion
+        })
+        .collect();
+    let histories = histories?;
+    let panels: Result<Vec<Panel>, String> =
+        PAIRS.iter().zip(histories.chunks(2)).map(|(pair, histories)| panel(pair, histories)).collect();
+    let [onset, after, edge, beyond] = FREQUENCIES;
+    Ok(Figure {
+        number: 9,
+        title: "Time histories of the gap where impacts begin and end",
+        caption: format!(
+            "Gap over the last periods of four runs of {END} periods at {charge_density} µC/m² and {resistance} MΩ; \
+             at gap 0 the mass hits the dielectric. (a) At {onset:.2} Hz it comes close without touching, and the \
+             slow beat, left over from the start, fades. At {after:.2} Hz the beat stays: every so many periods the \
+             mass hits the dielectric, with a long free flight between. (b) At {edge:.2} Hz it hits in every \
+             period; at {beyond:.2} Hz impacts are gone and the motion is much smaller. {start}"
+        ),
+        panels: panels.map_err(Failure::Input)?,
+        table: Vec::new(),
+        csv: csv(&histories),
+    })
+}
+
+fn panel(pair: &Pair, histories: &[Motion]) -> Result<Panel, String> {
+    let plots = histories.iter().zip(pair.strips).map(|(motion, (_, colour))| Plot {
+        title: format!(
+            "{}: {:.2} Hz, {} impacts in the last {WINDOW} periods",
+            pair.title, motion.frequency, motion.impacts
+        ),
+        across: Axis {
+            title: "time since the start [excitation periods]",
+            span: [f64::from(END - pair.periods), f64::from(END)],
+            ticks: 13,
+        },
+        up: Axis { title: "gap [mm]", span: [0.0, 6.0], ticks: 7 },
+        curves: vec![Curve {
+            name: String::new(),
+            colour,
+            mark: Mark::Line(1.5),
+            points: motion.gaps.iter().map(|&(period, gap)| (period, 1e3 * gap)).collect(),
+        }],
+    });
+    let svg = plot::draw(SIZE, &plots.collect::<Vec<_>>())?;
+    Ok(Panel { name: format!("figure-9{}", pair.letter), svg })
+}
+
+fn csv(histories: &[Motion]) -> String {
+    let mut text = String::from("frequency_hz,period,time_s,gap_m\n");
+    for motion in histories {
+        for (period, gap) in &motion.gaps {
+            let time = period / motion.frequency;
+            let cells = [motion.frequency, *period, time, *gap].map(number);
+            let _ = writeln!(text, "{}", cells.join(","));
+        }
+    }
+    text
+}

@@ -1,0 +1,174 @@
+//! One run of a figure: the shipped scene at another charge density, load and frequency.
+
+use crate::method::{Failure, Options, Precision, run_scene};
+use crate::outcome::{Outcome, Particular};
+use crate::scene_file::{Excitation, Load, Model, RunSpan, Scene};
+
+/// Periods of the excitation that are measured.
+pub const WINDOW: u32 = 100;
+
+/// What is changed in the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Case {
+    /// Tribo-charge density in µC/m².
+    pub charge_density: f64,
+    /// Load resistance in MΩ.
+    pub resistance: f64,
+    /// Frequency of the excitation in Hz.
+    pub frequency: f64,
+    /// Periods of the excitation before those that are measured.
+    pub settle: u32,
+}
+
+impl Case {
+    /// Periods of the excitation from the start to the end.
+    #[must_use]
+    pub fn end(&self) -> u32 {
+        self.settle + WINDOW
+    }
+
+    /// The scene of this case. It starts as the scene file says, at rest at the initial gap.
+    ///
+    /// # Errors
+    /// If the scene is not shaken by one sine.
+    fn scene(&self, base: &Scene) -> Result<Scene, Failure> {
+        let mut scene = base.clone();
+        let Model::ContactSeparation(model) = &mut scene.model;
+        model.parameters.charge_density_c_per_m2 = self.charge_density * 1e-6;
+        scene.load = Load::Resistor { resistance_ohm: self.resistance * 1e6 };
+        let Excitation::Sine(tone) = &mut scene.excitation else {
+            return Err(Failure::Input(format!("{}: excitation.kind must be \"sine\"", base.file.display())));
+        };
+        tone.frequency_hz = self.frequency;
+        scene.run = RunSpan {
+            duration_s: f64::from(self.end()) / self.frequency,
+            settle_s: f64::from(self.settle) / self.frequency,
+        };
+        Ok(scene)
+    }
+
+    fn run(&self, base: &Scene, tolerance: f64, trace_every_s: Option<f64>) -> Result<Outcome, Failure> {
+        let options = Options {
+            precision: Some(Precision::F64),
+            tolerance: Some(tolerance),
+            trace_every_s,
+            ..Options::default()
+        };
+        run_scene(&self.scene(base)?, &options).map_err(|failure| match failure {
+            Failure::Step(error) => Failure::Step(format!(
+                "{} uC/m^2, {} megohm, {} Hz: {error}",
+                self.charge_density, self.resistance, self.frequency
+            )),
+            input @ Failure::Input(_) => input,
+        })
+    }
+
+    /// The run's numbers over the measuring window.
+    ///
+    /// # Errors
+    /// If the case cannot be run.
+    pub fn response(&self, base: &Scene, tolerance: f64) -> Result<Response, Failure> {
+        let outcome = self.run(base, tolerance, None)?;
+        let Particular::ContactSeparation(found) = &outcome.particular;
+        Ok(Response {
+            frequency: self.frequency,
+            peak_gap_m: found.peak_gap_m,
+            min_gap_m: found.min_gap_m,
+            impacts: found.impacts,
+            impacts_per_period: found.impacts_per_period,
+            rms_voltage_v: outcome.rms_voltage_v,
+            mean_power_w: outcome.mean_power_w,
+        })
+    }
+
+    /// The gap over time, `per_period` times a period, from period `from` on.
+    ///
+    /// # Errors
+    /// If the case cannot be run.
+    pub fn motion(
+        &self,
+        base: &Scene,
+        tolerance: f64,
+        per_period: u32,
+        from: u32,
+    ) -> Result<Motion, Failure> {
+        let every = 1.0 / (self.frequency * f64::from(per_period));
+        let outcome = self.run(base, tolerance, Some(every))?;
+        let Particular::ContactSeparation(found) = &outcome.particular;
+        let rows = outcome.trace.as_ref().map(|trace| trace.rows.as_slice()).unwrap_or_default();
+        // A row stands at its number times the distance of the rows. That at the very end may be
+        // missing, by a rounding of its time.
+        let periods = (0..self.end() * per_period).map(|row| f64::from(row) / f64::from(per_period));
+        let rows = periods.zip(rows).skip((from * per_period) as usize);
+        Ok(Motion {
+            frequency: self.frequency,
+            gaps: rows.filter_map(|(period, row)| Some((period, *row.get(1)?))).collect(),
+            impacts: found.impacts,
+        })
+    }
+
+    /// The gap in m at the start of each period of the measuring window.
+    ///
+    /// # Errors
+    /// If the case cannot be run.
+    pub fn stroboscopic(&self, base: &Scene, tolerance: f64) -> Result<Vec<f64>, Failure> {
+        Ok(self.motion(base, tolerance, 1, self.settle)?.gaps.into_iter().map(|(_, gap)| gap).collect())
+    }
+}
+
+/// The gap over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Frequency of the excitation in Hz.
+    pub frequency: f64,
+    /// Periods since the start, gap in m.
+    pub gaps: Vec<(f64, f64)>,
+    /// Number of impacts in the measuring window.
+    pub impacts: u64,
+}
+
+/// The numbers of a run, over its measuring window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    /// Frequency of the excitation in Hz.
+    pub frequency: f64,
+    /// Largest gap in m.
+    pub peak_gap_m: Option<f64>,
+    /// Smallest gap in m.
+    pub min_gap_m: Option<f64>,
+    /// Number of impacts.
+    pub impacts: u64,
+    /// Impacts over periods.
+    pub impacts_per_period: Option<f64>,
+    /// Root mean square of the voltage in V.
+    pub rms_voltage_v: Option<f64>,
+    /// Mean power in W.
+    pub mean_power_w: Option<f64>,
+}
+
+/// Frequencies at equal distances, in hundredths of a hertz so that each is the nearest number to
+/// what it is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Grid {
+    /// The first.
+    pub from: u16,
+    /// The last, if a whole number of steps leads there.
+    pub to: u16,
+    /// Their distance.
+    pub step: u16,
+}
+
+impl Grid {
+    /// The frequencies in Hz.
+    pub fn frequencies(self) -> impl Iterator<Item = f64> {
+        (self.from..=self.to)
+            .step_by(usize::from(self.step.max(1)))
+            .map(|hundredths| f64::from(hundredths) / 100.0)
+    }
+
+    /// First and last frequency in Hz.
+    #[must_use]
+    pub fn span(self) -> [f64; 2] {
+        [self.from, self.to].map(|hundredths| f64::from(hundredths) / 100.0)
+    }
+}

@@ -1,0 +1,255 @@
+//! Figures 8 and 11: the largest gap over frequency.
+
+use std::fmt::Write;
+
+use plotters::style::RGBColor;
+use rayon::prelude::*;
+
+use super::motion::{Case, Grid, Response, WINDOW};
+use super::{Figure, Panel, SETTLE};
+use crate::method::Failure;
+use crate::outcome::number;
+use crate::report::plot::{self, Axis, Curve, Mark, Plot};
+use crate::report::svg::{BLACK, BLUE, ORANGE, VERMILION};
+use crate::scene_file::Scene;
+
+/// Charge densities of figure 8 in µC/m².
+pub const CHARGE_DENSITIES: [f64; 4] = [5.0, 20.0, 35.0, 50.0];
+/// Load resistances of figure 11 in MΩ; figure 8 has the first and the last.
+pub const RESISTANCES: [f64; 3] = [1.0, 10.0, 100.0];
+
+const COLOURS: [RGBColor; 4] = [BLACK, BLUE, ORANGE, VERMILION];
+/// Where curves may lie on each other the first is the widest, so that all are seen.
+const NESTED: [(RGBColor, Mark); 3] =
+    [(ORANGE, Mark::Line(5.0)), (BLUE, Mark::Line(2.4)), (BLACK, Mark::Dashes(1.3))];
+
+/// Size of a panel: two stand beside each other on the page.
+const SIZE: (u32, u32) = (560, 430);
+
+/// The largest gap over frequency at one charge density and load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// Tribo-charge density in µC/m².
+    pub charge_density: f64,
+    /// Load resistance in MΩ.
+    pub resistance: f64,
+    /// One for each frequency, in rising order.
+    pub responses: Vec<Response>,
+}
+
+impl Sweep {
+    /// Frequency in Hz, largest gap in mm.
+    fn points(&self) -> Vec<(f64, f64)> {
+        let point = |response: &Response| Some((response.frequency, 1e3 * response.peak_gap_m?));
+        self.responses.iter().filter_map(point).collect()
+    }
+
+    /// First and last frequency in Hz at which the mass hits the dielectric.
+    #[must_use]
+    pub fn band(&self) -> Option<[f64; 2]> {
+        let mut hit = self.responses.iter().filter(|response| response.impacts > 0);
+        let first = hit.next()?;
+        Some([first.frequency, hit.next_back().unwrap_or(first).frequency])
+    }
+}
+
+/// The charge densities and loads that both figures need.
+#[must_use]
+pub fn pairs() -> Vec<(f64, f64)> {
+    let all = RESISTANCES.into_iter().flat_map(|load| CHARGE_DENSITIES.map(|density| (density, load)));
+    all.filter(|&(density, load)| in_eight(load) || in_eleven(density)).collect()
+}
+
+fn in_eight(resistance: f64) -> bool {
+    [RESISTANCES[0], RESISTANCES[2]].contains(&resistance)
+}
+
+fn in_eleven(charge_density: f64) -> bool {
+    [CHARGE_DENSITIES[0], CHARGE_DENSITIES[3]].contains(&charge_density)
+}
+
+/// Runs each pair at each frequency, on all cores.
+///
+/// # Errors
+/// If one of them cannot be run.
+pub fn sweeps(
+    base: &Scene,
+    pairs: &[(f64, f64)],
+    grid: Grid,
+    tolerance: f64,
+    done: &(dyn Fn() + Sync),
+) -> Result<Vec<Sweep>, Failure> {
+    let frequencies: Vec<f64> = grid.frequencies().collect();
+    let cases: Vec<Case> = pairs
+        .iter()
+        .flat_map(|&(charge_density, resistance)| {
+            frequencies.iter().map(move |&frequency| Case {
+                charge_density,
+                resistance,
+                frequency,
+                settle: SETTLE,
+            })
+        })
+        .collect();
+    let responses: Result<Vec<Response>, Failure> = cases
+        .par_iter()
+        .map(|case| {
+            let response = case.response(base, tolerance);
+            done();
+            response
+        })
+        .collect();
+    let responses = responses?;
+    let parts = responses.chunks(frequencies.len().max(1));
+    Ok(pairs
+        .iter()
+        .zip(parts)
+        .map(|(&(charge_density, resistance), responses)| Sweep {
+            charge_density,
+            resistance,
+            responses: responses.to_vec(),
+        })
+        .collect())
+}
+
+/// Figure 8 from the sweeps.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub(super) fn eight(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure, String> {
+    let wanted: Vec<&Sweep> = sweeps.iter().filter(|sweep| in_eight(sweep.resistance)).collect();
+    let up = gap_axis(&wanted);
+    let panel = |letter: char, resistance: f64| {
+        let sweeps = wanted.iter().filter(|sweep| sweep.resistance == resistance);
+        let curves = sweeps.zip(COLOURS).map(|(sweep, colour)| Curve {
+            name: format!("{} µC/m²", sweep.charge_density),
+            colour,
+            mark: Mark::Line(1.8),
+            points: sweep.points(),
+        });
+        let title = format!("Figure 8 ({letter}): load {resistance} MΩ");
+        drawn(8, letter, title, frequency_axis(grid.span(), 9), up.clone(), curves.collect())
+    };
+    Ok(Figure {
+        number: 8,
+        title: "Frequency responses of the gap for four charge densities",
+        caption: format!(
+            "Largest gap between mass and dielectric in {WINDOW} excitation periods, after {SETTLE}, over frequency, \
+             for four tribo-charge densities, with (a) a small and (b) a large load resistance. More charge pulls \
+             the mass towards the dielectric: the largest gap falls, and the band in which the mass hits the \
+             dielectric moves to the left and, most of all with the large resistance, becomes wider. Ripples at \
+             the left of a band are motions that do not repeat themselves; \
+             at single frequencies there the mass does not hit the dielectric. {start}"
+        ),
+        table: bands(&wanted),
+        panels: vec![panel('a', RESISTANCES[0])?, panel('b', RESISTANCES[2])?],
+        csv: csv(&wanted),
+    })
+}
+
+/// Figure 11 from the sweeps.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure, String> {
+    let [few, .., many] = CHARGE_DENSITIES;
+    let wanted: Vec<&Sweep> = sweeps.iter().filter(|sweep| in_eleven(sweep.charge_density)).collect();
+    let up = gap_axis(&wanted);
+    let panel = |letter: char, density: f64, title: String, span: [f64; 2], up: Axis| {
+        let sweeps = wanted.iter().filter(|sweep| sweep.charge_density == density);
+        let curves = sweeps.zip(NESTED).map(|(sweep, (colour, mark))| Curve {
+            name: format!("{} MΩ", sweep.resistance),
+            colour,
+            mark,
+            points: sweep.points(),
+        });
+        drawn(11, letter, title, frequency_axis(span, 9), up, curves.collect())
+    };
+    let near = Axis { span: LOCAL[1], ticks: 8, ..up.clone() };
+    Ok(Figure {
+        number: 11,
+        title: "Frequency responses of the gap for three load resistances",
+        caption: format!(
+            "Largest gap in {WINDOW} excitation periods, after {SETTLE}, over frequency, for three load resistances, \
+             at (a) a small and (b) a large charge density, and (c) the upper part of (b) again, larger. At the \
+             small charge density the load does nothing to the motion: the curves, drawn with different widths, \
+             lie on each other. At the large one impacts begin at a lower frequency as the resistance grows, and \
+             the band is a little wider. {start}"
+        ),
+        table: bands(&wanted),
+        panels: vec![
+            panel('a', few, format!("Figure 11 (a): charge density {few} µC/m²"), grid.span(), up.clone())?,
+            panel('b', many, format!("Figure 11 (b): charge density {many} µC/m²"), grid.span(), up)?,
+            panel('c', many, format!("Figure 11 (c): {many} µC/m², local view"), LOCAL[0], near)?,
+        ],
+        csv: csv(&wanted),
+    })
+}
+
+/// The local view: frequencies in Hz, gaps in mm.
+const LOCAL: [[f64; 2]; 2] = [[18.6, 20.4], [4.6, 5.6]];
+
+/// First and last frequency with impacts of each sweep.
+fn bands(sweeps: &[&Sweep]) -> Vec<Vec<String>> {
+    let heading = ["charge density [µC/m²]", "load [MΩ]", "impacts from [Hz]", "to [Hz]", "largest gap [mm]"];
+    let rows = sweeps.iter().map(|sweep| {
+        let [from, to] = match sweep.band() {
+            Some(band) => band.map(|frequency| format!("{frequency:.2}")),
+            None => ["-".to_owned(), "-".to_owned()],
+        };
+        let gap = sweep.points().iter().map(|point| point.1).fold(0.0, f64::max);
+        vec![sweep.charge_density.to_string(), sweep.resistance.to_string(), from, to, format!("{gap:.3}")]
+    });
+    std::iter::once(heading.map(str::to_owned).to_vec()).chain(rows).collect()
+}
+
+fn drawn(
+    number: u32,
+    letter: char,
+    title: String,
+    across: Axis,
+    up: Axis,
+    curves: Vec<Curve>,
+) -> Result<Panel, String> {
+    let svg = plot::draw(SIZE, &[Plot { title, across, up, curves }])?;
+    Ok(Panel { name: format!("figure-{number}{letter}"), svg })
+}
+
+pub(super) fn frequency_axis(span: [f64; 2], ticks: usize) -> Axis {
+    Axis { title: "excitation frequency [Hz]", span, ticks }
+}
+
+/// Half millimetres that hold all gaps, the same for the panels of a figure.
+fn gap_axis(sweeps: &[&Sweep]) -> Axis {
+    let gaps = sweeps.iter().flat_map(|sweep| sweep.points()).map(|point| point.1);
+    let (low, high) = gaps.fold((f64::INFINITY, 0.0_f64), |(low, high), gap| (low.min(gap), high.max(gap)));
+    let low = if low.is_finite() { low } else { 0.0 };
+    let span = [(2.0 * low).floor() / 2.0, ((2.0 * high).ceil() / 2.0).max(0.5)];
+    Axis { title: "largest gap [mm]", span, ticks: 8 }
+}
+
+fn csv(sweeps: &[&Sweep]) -> String {
+    let mut text = String::from(
+        "load_resistance_ohm,charge_density_c_per_m2,frequency_hz,peak_gap_m,min_gap_m,impacts,\
+         impacts_per_period,rms_voltage_v,mean_power_w\n",
+    );
+    let shown = |value: Option<f64>| value.map(number).unwrap_or_default();
+    for sweep in sweeps {
+        for response in &sweep.responses {
+            let _ = writeln!(
+                text,
+                "{},{},{},{},{},{},{},{},{}",
+                number(sweep.resistance * 1e6),
+                number(sweep.charge_density / 1e6),
+                number(response.frequency),
+                shown(response.peak_gap_m),
+                shown(response.min_gap_m),
+                response.impacts,
+                shown(response.impacts_per_period),
+                shown(response.rms_voltage_v),
+                shown(response.mean_power_w),
+            );
+        }
+    }
+    text
+}

@@ -1,0 +1,57 @@
+//! What all pictures share: the SVG text around a drawing, fonts, colours and ticks.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+/// The drawing library's area.
+pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// What drawing gives.
+pub(crate) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
+
+/// Whatever the viewer has.
+pub(crate) const FONT: &str = "sans-serif";
+
+/// Okabe and Ito's colours, which the colour-blind tell apart too.
+pub(crate) const BLACK: RGBColor = RGBColor(0, 0, 0);
+pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
+
+/// Lines of the grid.
+pub(crate) const GRID: RGBColor = RGBColor(224, 228, 232);
+
+/// The drawing on a white ground, as SVG text.
+///
+/// # Errors
+/// What the drawing library says.
+pub(crate) fn svg(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, String> {
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        let drawn = area.fill(&WHITE).and_then(|()| draw(&area)).and_then(|()| area.present());
+        drawn.map_err(|error| error.to_string())?;
+    }
+    Ok(text)
+}
+
+/// A number with three digits, as short as that can be written.
+pub(crate) fn tick(value: f64) -> String {
+    let plain = value == 0.0 || (1e-2..1e4).contains(&value.abs());
+    let text = if plain { format!("{value:.3}") } else { format!("{value:.2e}") };
+    match text.split_once('e') {
+        None => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        Some((digits, exponent)) => {
+            format!("{}e{exponent}", digits.trim_end_matches('0').trim_end_matches('.'))
+        }
+    }
+}
+
+/// The range of the values, widened where it has no width.
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let margin = if high > low { 0.05 * (high - low) } else { low.abs().max(1e-300) };
+    (low - margin, high + margin)
+}
