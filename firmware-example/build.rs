@@ -1,9 +1,11 @@
-//! Links the firmware for the board that the environment variable `HARVESTER_BOARD` names.
+//! Links the firmware for the board that the environment variable `HARVESTER_BOARD` names, and makes
+//! a table of the trace that the node plays.
 //!
 //! A variable and not a Cargo feature for each board: a firmware has exactly one memory map, and
 //! features are meant to be added together.
 
-use std::env;
+use std::path::Path;
+use std::{env, fs};
 
 /// What the linker must know about a board.
 struct Board {
@@ -50,12 +52,20 @@ const BOARDS: [Board; 5] = [
     },
 ];
 
+/// Raw counts of an accelerometer, one a line.
+const TRACE: &str = "trace/machine.csv";
+
 fn main() {
     println!("cargo::rerun-if-env-changed=HARVESTER_BOARD");
     println!("cargo::rerun-if-env-changed=DEFMT_LOG");
     println!("cargo::rerun-if-changed=../memory.x");
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed={TRACE}");
 
+    if let Err(reason) = write_trace() {
+        println!("cargo::error={reason}");
+        return;
+    }
     // On the host the binaries are stubs and the ordinary linker does the right thing.
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
@@ -102,4 +112,17 @@ fn chosen_board() -> Result<&'static Board, String> {
         ));
     }
     Ok(board)
+}
+
+/// Writes the samples of the trace as a Rust table.
+fn write_trace() -> Result<(), String> {
+    let text = fs::read_to_string(TRACE).map_err(|error| format!("{TRACE}: {error}"))?;
+    let mut counts = Vec::new();
+    let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    for line in lines {
+        counts.push(line.parse::<i16>().map_err(|error| format!("{TRACE}: {line:?}: {error}"))?);
+    }
+    let table = format!("static COUNTS: [i16; {}] = {counts:?};\n", counts.len());
+    let folder = env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
+    fs::write(Path::new(&folder).join("trace.rs"), table).map_err(|error| format!("trace.rs: {error}"))
 }

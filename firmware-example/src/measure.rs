@@ -3,10 +3,11 @@
 //! The log is read by a program. Its records, one frame each:
 //!
 //! ```text
-//! begin NAME                 a workload starts
-//! sample MICROSECONDS WORDS  simulated time, and the state as raw bits: "[3f800000, bf000000]"
-//! count NAME VALUE           what was counted over the whole workload
-//! end NAME                   it is complete
+//! begin NAME                     a workload starts
+//! sample TIME STEPS TICKS WORDS  simulated microseconds, steps and ticks so far, and the state as
+//!                                raw bits: "[3f800000, bf000000]"
+//! count NAME VALUE               what was counted over the whole workload
+//! end NAME                       it is complete
 //! ```
 //!
 //! Costs are in ticks of [`Counter`]; what a tick is worth depends on the board, and the host knows
@@ -54,15 +55,12 @@ fn measure(counter: &Counter, workload: &mut dyn Workload) {
                 simulated_us += u64::from(later);
                 ticks += elapsed;
                 deepest = deepest.max(stack::deepest());
-                info!("sample {=u64} {=[?]:08x}", simulated_us, workload.state());
+                info!("sample {=u64} {=u64} {=u64} {=[?]:08x}", simulated_us, steps, ticks, workload.state());
             }
             Progress::Finished => break,
             Progress::Failed => stop(Code::WorkloadFailed),
         }
     }
-    info!("count steps {=u64}", steps);
-    info!("count simulated_us {=u64}", simulated_us);
-    info!("count ticks {=u64}", ticks);
     info!("count stack_bytes {=u32}", deepest);
     info!("end {=str}", workload.name());
 }

@@ -8,17 +8,22 @@ use cortex_m_rt::{ExceptionFrame, exception};
 use semihosting::process::exit;
 
 /// How a run ended. `host-bench on-target` puts these in words.
-#[derive(Clone, Copy)]
-pub(crate) enum Code {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Code {
+    /// All is well.
     Done = 0,
+    /// A model refused its parameters, or could not go on.
     WorkloadFailed = 10,
+    /// Something panicked.
     Panicked = 11,
+    /// A fault, or an interrupt that nobody enabled.
     Faulted = 12,
+    /// A log call inside a log call.
     LoggerMisused = 13,
 }
 
 /// Ends the run.
-pub(crate) fn stop(code: Code) -> ! {
+pub fn stop(code: Code) -> ! {
     exit(code as i32)
 }
 

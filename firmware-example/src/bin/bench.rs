@@ -10,28 +10,13 @@
 //! through a debug probe that serves semihosting; the ticks are then cycles of the core:
 //!
 //! ```text
-//! cargo build --release -p firmware-example --target thumbv7em-none-eabihf
+//! cargo build --profile firmware -p firmware-example --target thumbv7em-none-eabihf
 //! openocd -f interface/stlink.cfg -f target/stm32f4x.cfg \
-//!     -c "program target/thumbv7em-none-eabihf/release/bench" \
+//!     -c "program target/thumbv7em-none-eabihf/firmware/bench" \
 //!     -c "arm semihosting enable" -c "reset run" \
-//!   | defmt-print -e target/thumbv7em-none-eabihf/release/bench
+//!   | defmt-print -e target/thumbv7em-none-eabihf/firmware/bench
 //! ```
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(target_os = "none")]
-#[cortex_m_rt::entry]
-fn main() -> ! {
-    use firmware_example::measure;
-    use firmware_example::workload::ContactSeparationBench;
-
-    match ContactSeparationBench::new() {
-        Some(mut scene) => measure::run(&mut [&mut scene]),
-        None => measure::refused(),
-    }
-}
-
-#[cfg(not(target_os = "none"))]
-fn main() {
-    println!("{}", firmware_example::HOW_TO_BUILD);
-}
+firmware_example::measuring_main!(firmware_example::workload::scenes::bench);

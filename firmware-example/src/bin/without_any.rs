@@ -1,0 +1,5 @@
+//! The bench without all that `on-target --leave-outs` leaves out.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+firmware_example::measuring_main!(firmware_example::workload::scenes::without_any);

@@ -1,0 +1,5 @@
+//! The bench with one coefficient of restitution for all speeds.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+firmware_example::measuring_main!(firmware_example::workload::scenes::without_law_of_speed);
