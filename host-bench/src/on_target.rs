@@ -4,21 +4,24 @@
 //! a nanosecond, so they are the same on every run and every machine. They are not cycles: on a
 //! Cortex-M4F a division takes 14 of those, a load up to 2 and a taken branch 2 to 4.
 
+pub mod accuracy;
 pub mod build;
 pub mod core;
 pub mod decode;
 pub mod image;
+pub mod native;
+pub mod node;
 pub mod qemu;
 pub mod size;
 pub mod symbols;
 pub mod toolchain;
 
+use self::build::Binary;
 use self::core::Core;
 use self::decode::{Sample, Section};
 use self::size::Size;
-use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 use thiserror::Error;
 
@@ -42,21 +45,52 @@ pub struct Measurement {
 pub struct Workload {
     /// Its name in the firmware.
     pub name: String,
+    /// Deepest stack in bytes, from the top of RAM.
+    pub stack: u64,
+    /// The states that it logged, as raw bits, and what it had cost to get there; at least one.
+    pub samples: Vec<Sample>,
+    /// Instructions in a tick of the board's counter.
+    instructions_per_tick: f64,
+}
+
+/// A stretch of a workload, between two samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
     /// Steps taken.
     pub steps: u64,
     /// Time simulated, in seconds.
-    pub simulated: f64,
-    /// Instructions executed between the samples.
+    pub seconds: f64,
+    /// Instructions executed.
     pub instructions: f64,
-    /// Deepest stack in bytes, from the top of RAM.
-    pub stack: u64,
-    /// The states that it logged, as raw bits.
-    pub samples: Vec<Sample>,
-    /// Everything that it counted, by name: the figures above and any other.
-    pub counts: BTreeMap<String, u64>,
 }
 
 impl Workload {
+    /// From the start to the last sample.
+    #[must_use]
+    pub fn whole(&self) -> Stretch {
+        self.stretch(None)
+    }
+
+    /// From sample number `first` to the last one.
+    #[must_use]
+    pub fn after(&self, first: usize) -> Stretch {
+        self.stretch(self.samples.get(first))
+    }
+
+    fn stretch(&self, from: Option<&Sample>) -> Stretch {
+        let counts = |sample: Option<&Sample>| {
+            sample.map_or((0, 0, 0), |sample| (sample.simulated_us, sample.steps, sample.ticks))
+        };
+        let (start, end) = (counts(from), counts(self.samples.last()));
+        Stretch {
+            seconds: (end.0 - start.0) as f64 * 1e-6,
+            steps: end.1 - start.1,
+            instructions: (end.2 - start.2) as f64 * self.instructions_per_tick,
+        }
+    }
+}
+
+impl Stretch {
     /// Instructions for a step.
     #[must_use]
     pub fn instructions_per_step(&self) -> f64 {
@@ -66,7 +100,7 @@ impl Workload {
     /// Instructions for a simulated second.
     #[must_use]
     pub fn instructions_per_second(&self) -> f64 {
-        self.instructions / self.simulated
+        self.instructions / self.seconds
     }
 }
 
@@ -111,6 +145,36 @@ pub enum Error {
         /// The names of that code.
         symbols: Vec<String>,
     },
+    /// The core comes to other bits than the host.
+    #[error(
+        "{core}: {workload}: sample {sample}, number {number}: the bits are {found:08x}, \
+         on the host {expected:08x}"
+    )]
+    Bits {
+        /// The core.
+        core: Core,
+        /// The workload's name.
+        workload: String,
+        /// Which sample, from 0.
+        sample: usize,
+        /// Which number of it, from 0.
+        number: usize,
+        /// What the core logged.
+        found: u32,
+        /// What the host computed.
+        expected: u32,
+    },
+    /// The core logs something that the host does not have to compare with.
+    #[error("{core}: {what}")]
+    Other {
+        /// The core.
+        core: Core,
+        /// What differs.
+        what: String,
+    },
+    /// The reference, or the host's own run, did not come about.
+    #[error("on the host: {0}")]
+    Host(String),
     /// The instructions of the calibration did not count as one each.
     #[error("{core}: an instruction counts as {instructions:.4}; the board's clock is not what it should be")]
     Calibration {
@@ -125,45 +189,63 @@ pub enum Error {
 /// 63 of a million.
 const CALIBRATED: RangeInclusive<f64> = 0.999..=1.001;
 
-/// Builds the firmware for `core`, checks it, runs it for at most `time_limit`, and reads its log.
+/// The firmware with no workload.
+const EMPTY: Binary = Binary::new("empty");
+
+/// Builds `binary` for `core`, checks it, runs it for at most `time_limit`, and reads its log.
 ///
 /// # Errors
 ///
 /// When something is missing, fails, or contradicts what the figures are supposed to mean.
-pub fn measure(core: Core, time_limit: Duration) -> Result<Measurement, Error> {
-    let firmware = build::build(core)?;
-    let bench = read(&firmware.bench)?;
-    let empty = read(&firmware.empty)?;
-    let bench_image = open(&bench, &firmware.bench, core)?;
-    let empty_image = open(&empty, &firmware.empty, core)?;
+pub fn measure(core: Core, binary: Binary, time_limit: Duration) -> Result<Measurement, Error> {
+    let firmware = Firmware::build(core, binary)?;
+    let size = firmware.check()?;
+    let empty = Firmware::build(core, EMPTY)?;
+    let flash = size.flash.saturating_sub(Size::of(&empty.image()?).flash);
 
-    let symbols = symbols::refused(&bench_image);
-    if !symbols.is_empty() {
-        return Err(Error::Symbols { core, symbols });
-    }
-    let size = Size::of(&bench_image);
-    let flash = size.flash.saturating_sub(Size::of(&empty_image).flash);
-
-    let log = qemu::run(core, &firmware.bench, time_limit)?;
-    let mut workloads = workloads(core, &bench, &log).map_err(|source| Error::Log { core, source })?;
+    let log = qemu::run(core, &firmware.path, time_limit)?;
+    let mut workloads =
+        workloads(core, &firmware.bytes, &log).map_err(|source| Error::Log { core, source })?;
     // The firmware calibrates before anything else.
     if workloads.first().is_none_or(|first| first.name != "calibration") {
-        let source = decode::Error::Incomplete;
-        return Err(Error::Log { core, source });
+        return Err(Error::Log { core, source: decode::Error::Incomplete });
     }
-    let calibration = workloads.remove(0).instructions_per_step();
+    let calibration = workloads.remove(0).whole().instructions_per_step();
     if !CALIBRATED.contains(&calibration) {
         return Err(Error::Calibration { core, instructions: calibration });
     }
     Ok(Measurement { core, calibration, flash, size, workloads })
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, Error> {
-    std::fs::read(path).map_err(|source| Error::Read { path: path.into(), source })
+/// A binary, built.
+struct Firmware {
+    core: Core,
+    binary: Binary,
+    path: PathBuf,
+    bytes: Vec<u8>,
 }
 
-fn open<'file>(file: &'file [u8], path: &Path, core: Core) -> Result<image::Image<'file>, Error> {
-    image::open(file, core).map_err(|source| Error::Image { path: path.into(), source })
+impl Firmware {
+    fn build(core: Core, binary: Binary) -> Result<Self, Error> {
+        let path = build::build(core, binary)?;
+        let bytes = std::fs::read(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+        Ok(Self { core, binary, path, bytes })
+    }
+
+    fn image(&self) -> Result<image::Image<'_>, Error> {
+        image::open(&self.bytes, self.core).map_err(|source| Error::Image { path: self.path.clone(), source })
+    }
+
+    /// Refuses code that should not be there, and gives the size of the rest.
+    fn check(&self) -> Result<Size, Error> {
+        let image = self.image()?;
+        let symbols = symbols::refused(&image);
+        // What is ours must be clean; a peer, which has a feature to itself, is as it is.
+        if !symbols.is_empty() && self.binary.feature.is_none() {
+            return Err(Error::Symbols { core: self.core, symbols });
+        }
+        Ok(Size::of(&image))
+    }
 }
 
 /// What the log says, each section for itself.
@@ -174,20 +256,17 @@ fn workloads(core: Core, firmware: &[u8], log: &[u8]) -> Result<Vec<Workload>, d
 
 /// What a section of the log means on `core`.
 fn workload(core: Core, section: Section) -> Result<Workload, decode::Error> {
-    let count = |name: &'static str| {
-        section
-            .counts
-            .get(name)
-            .copied()
-            .ok_or_else(|| decode::Error::Missing { section: section.name.clone(), count: name })
+    let count = "stack_bytes";
+    let Some(&stack) = section.counts.get(count) else {
+        return Err(decode::Error::Missing { section: section.name, count });
     };
+    if section.samples.is_empty() {
+        return Err(decode::Error::Incomplete);
+    }
     Ok(Workload {
-        steps: count("steps")?,
-        simulated: count("simulated_us")? as f64 * 1e-6,
-        instructions: count("ticks")? as f64 * core.hardware().instructions_per_tick(),
-        stack: count("stack_bytes")?,
+        stack,
         name: section.name,
         samples: section.samples,
-        counts: section.counts,
+        instructions_per_tick: core.hardware().instructions_per_tick(),
     })
 }

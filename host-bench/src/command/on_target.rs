@@ -1,22 +1,44 @@
 //! `on-target`: what the models cost on a microcontroller.
 
+mod cores;
+mod leave_outs;
+mod node;
+mod peer;
+mod work_precision;
+
 use crate::on_target::core::Core;
-use crate::on_target::{self, Error, Measurement, qemu};
+use crate::on_target::{Error, qemu};
 use clap::{Args, ValueEnum};
 use comfy_table::{CellAlignment, Table, presets};
 use std::time::Duration;
 
-/// Build the firmware for each core, run it under QEMU, and report instructions, flash, RAM and
-/// stack.
+/// Build the firmware for each core, run it under QEMU, check its bits against the host, and report
+/// instructions, flash, RAM and stack.
 #[derive(Debug, Clone, Args)]
 pub struct OnTargetArguments {
-    /// The cores, separated by commas [default: all]
+    /// The cores, separated by commas [default: all; M4F where one of the options below is given]
     #[arg(long, value_delimiter = ',', value_name = "CORE")]
     core: Vec<Core>,
 
     /// How long a run may take, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 120)]
     time_limit: u64,
+
+    /// Error against instructions, over tolerances, fixed steps and methods
+    #[arg(long, group = "report")]
+    work_precision: bool,
+
+    /// What each part of a scene costs: flash and instructions without it
+    #[arg(long, group = "report")]
+    leave_outs: bool,
+
+    /// The sensor node: its log compared with the host's
+    #[arg(long, group = "report")]
+    node: bool,
+
+    /// The smooth scene by the crate numeris beside ours
+    #[arg(long, group = "report")]
+    peer: bool,
 }
 
 /// Measures each core and prints one table.
@@ -25,47 +47,39 @@ pub struct OnTargetArguments {
 ///
 /// At the first core whose firmware cannot be built, run, or trusted.
 pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
-    let cores = if arguments.core.is_empty() { Core::value_variants() } else { &arguments.core };
     qemu::find()?;
-    let mut measurements = Vec::new();
-    for &core in cores {
-        eprintln!("{core}, on the board {}", core.hardware().board);
-        let limit = Duration::from_secs(arguments.time_limit);
-        measurements.push(on_target::measure(core, limit)?);
+    let limit = Duration::from_secs(arguments.time_limit);
+    let of_one = |report: fn(Core, Duration) -> Result<(), Error>| {
+        let cores = if arguments.core.is_empty() { &[Core::M4f][..] } else { &arguments.core };
+        cores.iter().try_for_each(|&core| {
+            announce(core);
+            report(core, limit)
+        })
+    };
+    if arguments.work_precision {
+        of_one(work_precision::report)
+    } else if arguments.leave_outs {
+        of_one(leave_outs::report)
+    } else if arguments.node {
+        of_one(node::report)
+    } else if arguments.peer {
+        of_one(peer::report)
+    } else {
+        let cores = if arguments.core.is_empty() { Core::value_variants() } else { &arguments.core };
+        cores::report(cores, limit)
     }
-    println!("{}", table(&measurements));
-    println!("Instructions as QEMU executes them, which are not cycles. Flash: what is added to an empty");
-    println!("firmware with the same runtime and logging. Stack: from the top of RAM. Sizes in bytes.");
-    Ok(())
 }
 
-fn table(measurements: &[Measurement]) -> Table {
+fn announce(core: Core) {
+    eprintln!("{core}, on the board {}", core.hardware().board);
+}
+
+/// A table with its first `text` columns to the left and the others, which are numbers, to the right.
+fn table<const N: usize>(header: [&str; N], rows: Vec<[String; N]>, text: usize) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::ASCII_MARKDOWN).set_header([
-        "core",
-        "workload",
-        "instructions per step",
-        "per simulated second",
-        "flash",
-        "static RAM",
-        "stack",
-        "per instruction",
-    ]);
-    for measurement in measurements {
-        for workload in &measurement.workloads {
-            table.add_row([
-                measurement.core.to_string(),
-                workload.name.clone(),
-                format!("{:.1}", workload.instructions_per_step()),
-                format!("{:.0}", workload.instructions_per_second()),
-                measurement.flash.to_string(),
-                measurement.size.static_ram.to_string(),
-                workload.stack.to_string(),
-                format!("{:.4}", measurement.calibration),
-            ]);
-        }
-    }
-    for column in table.column_iter_mut().skip(2) {
+    table.load_style(presets::ASCII_MARKDOWN).set_header(header);
+    table.add_rows(rows);
+    for column in table.column_iter_mut().skip(text) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     table

@@ -6,13 +6,21 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 use thiserror::Error;
 
-/// Where the binaries for one core are.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Firmware {
-    /// The one that measures the workloads.
-    pub bench: PathBuf,
-    /// The same with no workloads.
-    pub empty: PathBuf,
+/// A binary of the firmware.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Binary {
+    /// Its name.
+    pub name: &'static str,
+    /// The feature of the firmware without which it is not built, if there is one.
+    pub feature: Option<&'static str>,
+}
+
+impl Binary {
+    /// One that needs no feature.
+    #[must_use]
+    pub const fn new(name: &'static str) -> Self {
+        Self { name, feature: None }
+    }
 }
 
 /// Why there is no firmware.
@@ -34,12 +42,12 @@ pub enum Error {
     },
 }
 
-/// Builds the firmware for `core`, by itself: the features of host crates must not reach it.
+/// Builds `binary` for `core`, by itself: the features of host crates must not reach it.
 ///
 /// # Errors
 ///
 /// When there is no compiler for it, or it does not compile.
-pub fn build(core: Core) -> Result<Firmware, Error> {
+pub fn build(core: Core, binary: Binary) -> Result<PathBuf, Error> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let hardware = core.hardware();
     let toolchain = Toolchain::find(hardware.target)?;
@@ -49,7 +57,8 @@ pub fn build(core: Core) -> Result<Firmware, Error> {
     let target_directory = workspace.join(all).join("on-target");
     let status = toolchain
         .cargo("build", hardware.target)
-        .args(["--profile", "firmware", "--package", "firmware-example"])
+        .args(["--profile", "firmware", "--package", "firmware-example", "--bin", binary.name])
+        .args(binary.feature.into_iter().flat_map(|feature| ["--features", feature]))
         .arg("--target-dir")
         .arg(&target_directory)
         .env("HARVESTER_BOARD", hardware.board)
@@ -62,12 +71,9 @@ pub fn build(core: Core) -> Result<Firmware, Error> {
 
     // Two boards have the same target, and the second would overwrite the first. A directory for
     // each board to build in would compile `core` and all the macros once for each as well.
-    let built = target_directory.join(hardware.target).join("firmware");
+    let built = target_directory.join(hardware.target).join("firmware").join(binary.name);
     let kept = target_directory.join(hardware.board);
     fs::create_dir_all(&kept).map_err(io_error)?;
-    let keep = |name: &str| {
-        let to = kept.join(name);
-        fs::copy(built.join(name), &to).map(|_| to).map_err(io_error)
-    };
-    Ok(Firmware { bench: keep("bench")?, empty: keep("empty")? })
+    let to = kept.join(binary.name);
+    fs::copy(built, &to).map(|_| to).map_err(io_error)
 }

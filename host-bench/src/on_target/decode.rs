@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! begin NAME
-//! sample MICROSECONDS [WORD, …]
+//! sample MICROSECONDS STEPS TICKS [WORD, …]
 //! count NAME VALUE
 //! end NAME
 //! ```
@@ -33,6 +33,10 @@ pub struct Section {
 pub struct Sample {
     /// Simulated time in microseconds.
     pub simulated_us: u64,
+    /// Steps taken so far.
+    pub steps: u64,
+    /// Ticks of the board's counter spent so far.
+    pub ticks: u64,
     /// Each number of the state as its bits.
     pub bits: Vec<u32>,
 }
@@ -62,12 +66,21 @@ pub enum Error {
     },
 }
 
-/// Reads `log`, the bytes that the firmware in the ELF file `firmware` sent.
+/// Reads `log`, the bytes that the firmware in the ELF file `firmware` sent while it measured.
 ///
 /// # Errors
 ///
 /// At the first flaw.
 pub fn decode(firmware: &[u8], log: &[u8]) -> Result<Vec<Section>, Error> {
+    sections(&messages(firmware, log)?)
+}
+
+/// The messages of any log, one for each frame.
+///
+/// # Errors
+///
+/// If a frame is damaged, or the firmware does not have the strings.
+pub fn messages(firmware: &[u8], log: &[u8]) -> Result<Vec<String>, Error> {
     let table = Table::parse(firmware)
         .map_err(|error| Error::Strings(error.to_string()))?
         .ok_or_else(|| Error::Strings("no .defmt section".to_owned()))?;
@@ -77,7 +90,7 @@ pub fn decode(firmware: &[u8], log: &[u8]) -> Result<Vec<Section>, Error> {
     loop {
         match decoder.decode() {
             Ok(frame) => records.push(frame.display_message().to_string()),
-            Err(DecodeError::UnexpectedEof) => return sections(&records),
+            Err(DecodeError::UnexpectedEof) => return Ok(records),
             Err(DecodeError::Malformed) => return Err(Error::Frame(records.len())),
         }
     }
@@ -117,12 +130,14 @@ fn sections(records: &[String]) -> Result<Vec<Section>, Error> {
     }
 }
 
-/// `250000 [3f3a6b27, c05cca90]`
+/// `250000 200 23000 [3f3a6b27, c05cca90]`
 fn sample(text: &str) -> Option<Sample> {
-    let (time, words) = text.split_once(' ')?;
-    let words = words.strip_prefix('[')?.strip_suffix(']')?;
-    let bits = words.split(", ").map(|word| u32::from_str_radix(word, 16));
-    Some(Sample { simulated_us: time.parse().ok()?, bits: bits.collect::<Result<_, _>>().ok()? })
+    let (numbers, words) = text.split_once(" [")?;
+    let mut numbers = numbers.split(' ').map(|number| number.parse::<u64>().ok());
+    let mut number = || numbers.next().flatten();
+    let bits = words.strip_suffix(']')?.split(", ").map(|word| u32::from_str_radix(word, 16));
+    let (simulated_us, steps, ticks) = (number()?, number()?, number()?);
+    Some(Sample { simulated_us, steps, ticks, bits: bits.collect::<Result<_, _>>().ok()? })
 }
 
 #[cfg(test)]
@@ -135,13 +150,13 @@ mod tests {
 
     #[test]
     fn a_complete_log_is_read_to_the_last_bit() {
-        let log =
-            "begin a\nsample 250000 [3f3a6b27, c05cca90]\ncount steps 4294967296\nend a\nbegin b\nend b";
+        let log = "begin a\nsample 250000 200 4294967296 [3f3a6b27, c05cca90]\ncount stack_bytes 4294967296\nend a\nbegin b\nend b";
         let sections = read(log).expect("it is complete");
         assert_eq!(sections.len(), 2);
         assert_eq!(sections[0].samples[0].simulated_us, 250_000);
+        assert_eq!((sections[0].samples[0].steps, sections[0].samples[0].ticks), (200, 1 << 32));
         assert_eq!(sections[0].samples[0].bits, [0x3f3a_6b27, 0xc05c_ca90]);
-        assert_eq!(sections[0].counts["steps"], 1 << 32);
+        assert_eq!(sections[0].counts["stack_bytes"], 1 << 32);
     }
 
     #[test]
@@ -155,8 +170,9 @@ mod tests {
             "count steps 1",
             "begin a\nbegin b",
             "begin a\nend b",
-            "begin a\nsample 1 [xyz]",
-            "begin a\nsample 1 3f3a6b27",
+            "begin a\nsample 1 1 1 [xyz]",
+            "begin a\nsample 1 1 [3f3a6b27]",
+            "begin a\nsample 1 1 1 3f3a6b27",
             "begin a\ncount steps -1",
             "begin a\nnoise",
         ] {
