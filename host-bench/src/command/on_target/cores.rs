@@ -52,11 +52,7 @@ pub(super) fn report(cores: &[Core], limit: Duration) -> Result<(), Error> {
     println!(
         "{samples} sampled states, each bit-identical to the host's f32 run. Contact-separation, 20 Hz,"
     );
-    println!(
-        "0.2 g, {} s from rest, with impacts from 0.43 s on; tolerance {}.",
-        scene.run.duration_s,
-        scenes::TOLERANCE
-    );
+    println!("0.2 g, {} s from rest, with impacts; tolerance {}.", scene.run.duration_s, scenes::TOLERANCE);
     println!("Error: of this run's mean power against the independent reference over the same time.");
     println!("Instructions as QEMU executes them, which are not cycles. Flash: what is added to an empty");
     println!("firmware with the same runtime and logging. Stack: from the top of RAM. Sizes in bytes.");

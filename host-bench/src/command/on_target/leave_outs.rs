@@ -72,6 +72,7 @@ pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
         "{} ms. Error: of the mean power against the reference of the same variant.",
         scenes::FIXED_STEP * 1e3
     );
+    println!("The law of restitution works at impacts only, so a step without it costs the same.");
     println!(
         "Instructions as QEMU executes them, which are not cycles. Flash in bytes, over an empty firmware."
     );
