@@ -24,7 +24,7 @@ pub struct Sampled<'a, S> {
     /// Samples per second.
     samples_per_second: S,
     /// Ticks from one sample to the next.
-    ticks_per_sample: S,
+    ticks_per_sample: u64,
     after: AfterLastSample,
 }
 
@@ -44,8 +44,8 @@ impl<'a, S: Scalar> Sampled<'a, S> {
         if !(rate > S::ZERO) {
             return Err(ExcitationError::Frequency);
         }
-        let ticks_per_sample = S::power_of_two(40) / rate;
-        Ok(Self { samples, rate: fixed, samples_per_second: rate, ticks_per_sample, after })
+        let interval = Instant::from_seconds(S::ONE / rate).ok_or(ExcitationError::Frequency)?;
+        Ok(Self { samples, rate: fixed, samples_per_second: rate, ticks_per_sample: interval.ticks(), after })
     }
 
     /// The samples on either side of `at`, and how far it lies between them.
@@ -55,7 +55,8 @@ impl<'a, S: Scalar> Sampled<'a, S> {
         let theta = S::from_fraction((fraction >> 1).cast_signed());
         let count = self.samples.len() as u64;
         let first = match self.after {
-            AfterLastSample::Repeat => whole % count,
+            // There are at least two samples; the plain remainder would link a panic all the same.
+            AfterLastSample::Repeat => whole.checked_rem(count).unwrap_or(0),
             AfterLastSample::Silence => whole.min(count),
         } as usize;
         let wrapped = match self.after {
@@ -86,10 +87,14 @@ impl<S: Scalar> Excitation<S> for Sampled<'_, S> {
     }
 
     fn smooth_ticks(&self, at: Instant) -> u32 {
-        let fraction = self.rate.phase(at);
-        let rest = S::ONE - S::from_fraction((fraction >> 1).cast_signed());
-        // One tick beyond the sample, so that a rounded-down product cannot leave a sliver.
-        (rest * self.ticks_per_sample).to_u32().saturating_add(1)
+        // In integers: in `f32` the rest would vanish within a rounding of the sample, and the last
+        // ticks be taken one by one.
+        let rest = self.rate.phase(at).wrapping_neg() >> 32;
+        rest.checked_mul(self.ticks_per_sample).map_or(u32::MAX, |product| {
+            let ticks = product >> 32;
+            // A little beyond the sample, so that a rounding cannot leave a sliver.
+            u32::try_from(ticks + (ticks >> 22) + 1).unwrap_or(u32::MAX)
+        })
     }
 }
 
@@ -120,13 +125,29 @@ mod tests {
 
     #[test]
     fn steps_end_at_the_samples() {
-        let trace = Sampled::new(&TRACE, 400.0, AfterLastSample::Repeat).expect("valid");
-        let mut now = Instant::START;
-        for _ in 0..1000 {
-            now = now.after(trace.smooth_ticks(now));
+        for rate in [3.0, 100.0, 400.0, 1600.0] {
+            let double = Sampled::new(&TRACE, rate, AfterLastSample::Repeat).expect("valid");
+            let samples = TRACE.map(|sample| sample as f32);
+            let single = Sampled::new(&samples, rate as f32, AfterLastSample::Repeat).expect("valid");
+            // A step is at most 3.9 ms long: an interval may need several, and one more for what the
+            // first steps beyond a sample have taken off it.
+            let steps_per_sample = (1.0 / rate / crate::clock::LONGEST_STEP_S).ceil();
+            let walk = |next: &dyn Fn(Instant) -> u32| {
+                let (mut now, mut steps) = (Instant::START, 0.0);
+                while now.seconds::<f64>() < 300.0 / rate {
+                    let before = double.rate.cycles(now).whole;
+                    now = now.after(next(now));
+                    let after = double.rate.cycles(now);
+                    // No more than a millionth of an interval beyond the next sample.
+                    let beyond = after.fraction as f64 / 2f64.powi(64);
+                    assert!(after.whole == before || after.whole == before + 1 && beyond < 1e-6, "{rate} Hz");
+                    steps += 1.0;
+                }
+                assert!(steps <= 301.0 * steps_per_sample, "{rate} Hz: {steps} steps");
+            };
+            walk(&|at| double.smooth_ticks(at));
+            walk(&|at| single.smooth_ticks(at));
         }
-        // A thousand intervals of 2.5 ms, each at most two ticks long.
-        assert!((now.seconds::<f64>() - 2.5).abs() < 2e-9);
     }
 
     #[test]
