@@ -4,6 +4,7 @@ pub mod figures;
 pub mod on_target;
 pub mod overview;
 pub mod run;
+pub mod stability;
 pub mod sweep;
 pub mod work_precision;
 

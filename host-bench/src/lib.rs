@@ -9,4 +9,5 @@ pub mod outcome;
 pub mod reference;
 pub mod report;
 pub mod scene_file;
+pub mod stability;
 pub mod work_precision;

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use host_bench::command::{figures, on_target, overview, report, run, sweep, work_precision};
+use host_bench::command::{figures, on_target, overview, report, run, stability, sweep, work_precision};
 use host_bench::method::Failure;
 
 /// Vibration energy harvesters: scenes, reference, reports
@@ -24,6 +24,8 @@ enum Command {
     Run(run::RunArguments),
     /// Build the firmware for each core, run it under QEMU
     OnTarget(on_target::OnTargetArguments),
+    /// Stiff and extreme scenes: each right, refused, or a named error
+    Stability(stability::StabilityArguments),
     /// Run a scene over a grid of values
     Sweep(sweep::SweepArguments),
     /// Error against run time: methods, steps, tolerances, precisions, math backends
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
         Some(Command::OnTarget(arguments)) => {
             on_target::run(arguments).map_err(|error| Failure::Input(error.to_string()))
         }
+        Some(Command::Stability(arguments)) => stability::run(arguments),
         Some(Command::Sweep(arguments)) => sweep::run(arguments),
         Some(Command::WorkPrecision(arguments)) => work_precision::run(arguments),
     };
