@@ -62,7 +62,8 @@ pub enum Class {
     /// 3·10⁻⁵, the tighter run disagrees with itself. The case's mean power and peak gap are within four standard deviations of the
     /// mean of the shifted runs, and its energy ledger closes.
     Chaotic,
-    /// Off by more than [`AGREEMENT`], and less at tighter tolerances, which agree: a graze makes
+    /// Off by more than [`AGREEMENT`], no further than double precision at ten times the tolerance, and
+    /// in double precision the difference falls with the tolerance to runs that agree: a graze makes
     /// more of the tolerance.
     Converging,
     /// Does not agree, and its energy ledger says so.
@@ -269,11 +270,16 @@ impl Judge<'_> {
             return (Class::Chaotic, format!("differs from {against}, as shifted starts do"));
         }
         let finer = self.finer.get_or_init(|| {
-            first_of(self.scene, &FINER).map(|(_, finer)| finer).or_else(|| ask_reference(self.scene))
+            first_of(self.scene, &FINER).map(|(_, finer)| finer).or_else(|| {
+                // Not to be compared with itself where it stands in for the tighter run.
+                if *tolerance < TOLERANCE { ask_reference(self.scene) } else { None }
+            })
         });
-        let converging = finer.as_ref().is_some_and(|finer| Self::converges([own, tight, finer]))
-            || self.converges_to(own, tight);
-        if converging {
+        // The accurate runs must agree with each other, and with the reference where it was asked; that
+        // alone says nothing for the judged run, which must come close to them itself.
+        let settled =
+            finer.as_ref().is_some_and(|finer| finer.agree(tight)) && reference_agrees != Some(false);
+        if settled && self.converges_to(own, tight) {
             return (Class::Converging, format!("differs from {against}, to which tighter runs converge"));
         }
         // Not even the accurate runs agree among themselves.

@@ -47,3 +47,20 @@ fn agreement_is_relative_and_refuses_what_is_no_number() {
     assert!(statistics(1.35, 2.0).within(&runs) && !statistics(1.5, 2.0).within(&runs));
     assert!(!statistics(1.0, 2.1).within(&runs));
 }
+
+#[test]
+fn a_wrong_run_is_not_excused_by_accurate_runs_that_agree() {
+    let scene = setting(1e8).scene(&shipped());
+    let tight = first_of(&scene, &TIGHT).expect("the scene runs");
+    let wrong = Statistics { power: 2.0 * tight.1.power, gap: tight.1.gap };
+    let judge = Judge {
+        scene: &scene,
+        tight: Some(tight),
+        reference: None,
+        shifted: OnceCell::new(),
+        finer: OnceCell::new(),
+    };
+    assert_eq!(judge.class(&wrong, true, None).0, Class::Silent);
+    assert_eq!(judge.class(&tight.1, true, None).0, Class::Converged);
+    assert_eq!(judge.class(&wrong, false, None).0, Class::Flagged);
+}
