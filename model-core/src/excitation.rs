@@ -30,7 +30,15 @@ pub trait Excitation<S: Scalar> {
     /// a slider held by friction.
     fn jerk(&self, at: Instant) -> S;
 
-    /// Ticks until the acceleration next has a kink, at least 1: no step crosses one.
+    /// The longest step, in ticks, in which the acceleration is resolved: an eighth of the period of the
+    /// fastest sine. A mass that is held does not show its step control what shakes it.
+    #[inline(always)]
+    fn resolved_ticks(&self) -> u32 {
+        u32::MAX
+    }
+
+    /// Ticks until the acceleration next has a kink, at least 1: no step crosses one
+    /// by more than a millionth of the interval between two.
     #[inline(always)]
     fn smooth_ticks(&self, _at: Instant) -> u32 {
         u32::MAX

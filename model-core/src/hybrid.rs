@@ -33,7 +33,7 @@ pub struct Guard<S> {
 }
 
 impl<S: Scalar> Guard<S> {
-    /// Whether the event is already due: below zero, or at zero and not rising.
+    /// Whether the event is already due: below zero, or at zero and falling.
     #[inline(always)]
     fn is_due(&self) -> bool {
         self.value < S::ZERO || self.value == S::ZERO && self.rate < S::ZERO

@@ -38,6 +38,7 @@ fn the_order_of_convergence_is_two() {
         let (power, gap) = (order(&power), order(&gap));
         println!("{name}: order {power:.3} in mean power, {gap:.3} in peak gap");
         assert!((1.9..=2.1).contains(&power), "{name}: order {power} in mean power");
+        assert!((1.9..=2.1).contains(&gap), "{name}: order {gap} in peak gap");
         if exact_motion.impacts > 0 {
             let impact = order(&impact);
             println!("{name}: order {impact:.3} in the time of the first impact");

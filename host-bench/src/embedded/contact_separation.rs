@@ -122,6 +122,11 @@ fn step_control<S: Scalar>(
             }
             Ok(AnyStepControl::Fixed(FixedStep::of_seconds(S::literal(step))))
         }
+        (None, Some(tolerance), _) if S::literal(tolerance) < S::EPSILON => refuse(format!(
+            "--tolerance {tolerance:e}: must be at least {:e} in {}",
+            S::EPSILON.to_f64(),
+            precision_name::<S>()
+        )),
         (None, tolerance, _) => {
             Ok(AnyStepControl::Adaptive(Adaptive::new(S::literal(tolerance.unwrap_or(DEFAULT_TOLERANCE)))))
         }
@@ -157,6 +162,9 @@ impl<S: Scalar> Observer<S, Mode, STATES, { account::WHOLE }> for FirstImpact {
         }
     }
 }
+
+/// Attempts per call: the counts of a call fit in 32 bits.
+const BUDGET: u32 = 1 << 24;
 
 /// What a run needs.
 struct Run<'a, S: Scalar, M: Mathematics<S>> {
@@ -198,7 +206,7 @@ impl<S: Scalar, M: Mathematics<S>> Run<'_, S, M> {
             let mut observer = (&mut whole, &mut others);
             while state.clock < until {
                 let advance = driver
-                    .advance(*harvester, &mut state, *excitation, until, u32::MAX, &mut observer)
+                    .advance(*harvester, &mut state, *excitation, until, BUDGET, &mut observer)
                     .map_err(|error| step_failure(&error, harvester, &state))?;
                 total.add(&advance.work);
             }

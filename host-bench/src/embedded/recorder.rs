@@ -1,6 +1,7 @@
 //! Rows of a trace at equal distances in time, from the dense output: recording changes no bit of
 //! the run.
 
+use model_core::clock::Instant;
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Observer, Span};
 use model_core::integrate::cubic::Cubic;
@@ -27,8 +28,8 @@ impl<S: Scalar, P: Parts<S>, M: Mathematics<S>> Observer<S, Mode, STATES, { acco
         let end = span.from.after(span.ticks).seconds::<f64>();
         loop {
             let time = self.rows.len() as f64 * self.every;
-            // The last row may stand at the end of the last step.
-            if time > end {
+            // Compared in ticks: the last row may stand at the end of the last step.
+            if Instant::from_seconds(time).is_none_or(|row| row > span.from.after(span.ticks)) {
                 return;
             }
             let fraction = ((time - from) / (end - from)).clamp(0.0, 1.0);

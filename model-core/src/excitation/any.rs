@@ -36,6 +36,14 @@ impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExci
         }
     }
 
+    fn resolved_ticks(&self) -> u32 {
+        match self {
+            Self::Sine(sine) => sine.resolved_ticks(),
+            Self::Tones(tones) => tones.resolved_ticks(),
+            Self::Silence | Self::Sampled(_) => u32::MAX,
+        }
+    }
+
     fn smooth_ticks(&self, at: Instant) -> u32 {
         match self {
             Self::Sampled(trace) => trace.smooth_ticks(at),

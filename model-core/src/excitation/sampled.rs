@@ -16,7 +16,8 @@ pub enum AfterLastSample {
 
 /// Acceleration samples at a fixed rate, linearly interpolated; the first sample is at time zero.
 ///
-/// No step of an integrator crosses a sample, because the slope jumps there.
+/// A step of an integrator ends at the next sample (or a few millionths of the interval beyond it),
+/// because the slope jumps there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampled<'a, S> {
     samples: &'a [S],
@@ -89,7 +90,8 @@ impl<S: Scalar> Excitation<S> for Sampled<'_, S> {
     fn smooth_ticks(&self, at: Instant) -> u32 {
         // In integers: in `f32` the rest would vanish within a rounding of the sample, and the last
         // ticks be taken one by one.
-        let rest = self.rate.phase(at).wrapping_neg() >> 32;
+        // At a sample the rest is the whole interval, 2³².
+        let rest = (1 << 32) - (self.rate.phase(at) >> 32);
         rest.checked_mul(self.ticks_per_sample).map_or(u32::MAX, |product| {
             let ticks = product >> 32;
             // A little beyond the sample, so that a rounding cannot leave a sliver.

@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use super::{Excitation, ExcitationError};
-use crate::clock::{Frequency, Instant};
+use crate::clock::{Frequency, Instant, ticks_of_seconds};
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 
 /// `a(t) = A sin(2π f t + φ)`.
@@ -17,6 +17,8 @@ pub struct Sine<S, M = Polynomial> {
     /// `2π f`, in rad/s.
     angular_frequency: S,
     frequency: Frequency,
+    /// Ticks in an eighth of a period.
+    resolved: u32,
     start: u64,
     mathematics: PhantomData<M>,
 }
@@ -33,7 +35,8 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
         let fixed = Frequency::from_hertz(frequency).ok_or(ExcitationError::Frequency)?;
         let start = turns_of_radians(phase).ok_or(ExcitationError::Phase)?;
         let angular_frequency = frequency * S::literal(core::f64::consts::TAU);
-        Ok(Self { amplitude, angular_frequency, frequency: fixed, start, mathematics: PhantomData })
+        let resolved = ticks_of_seconds(S::literal(0.125) / frequency);
+        Ok(Self { amplitude, angular_frequency, frequency: fixed, resolved, start, mathematics: PhantomData })
     }
 
     #[inline(always)]
@@ -68,6 +71,11 @@ impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {
     #[inline(always)]
     fn jerk(&self, at: Instant) -> S {
         self.amplitude * self.angular_frequency * M::cosine_of_turns(self.phase(at))
+    }
+
+    #[inline(always)]
+    fn resolved_ticks(&self) -> u32 {
+        self.resolved
     }
 }
 

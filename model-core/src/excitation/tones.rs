@@ -43,6 +43,11 @@ impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Excitation<S> for Tone
     fn jerk(&self, at: Instant) -> S {
         self.tones.iter().fold(S::ZERO, |sum, tone| sum + tone.jerk(at))
     }
+
+    #[inline]
+    fn resolved_ticks(&self) -> u32 {
+        self.tones.iter().map(Excitation::<S>::resolved_ticks).min().unwrap_or(u32::MAX)
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The driver: flow, guard, jump, flow.
 
-use super::locate::{Attempts, MOST_ATTEMPTS};
+use super::locate::{Attempts, MOST_ATTEMPTS, MOST_GUARDS};
 use super::{Automaton, Event, HybridState, Moment, Observer, Span};
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
@@ -61,7 +61,7 @@ pub struct Work {
 
 impl Work {
     fn attempts(&self) -> u32 {
-        self.steps + self.rejected + self.locating
+        self.steps.saturating_add(self.rejected).saturating_add(self.locating)
     }
 }
 
@@ -124,6 +124,8 @@ struct Kept<S, const N: usize, const P: usize> {
     ticks: u32,
     /// The guard at which the step ends.
     event: Option<usize>,
+    /// Whether there was anything to search: then a guard may be due at the end all the same.
+    searched: bool,
 }
 
 impl<M, C> Driver<M, C> {
@@ -197,6 +199,7 @@ impl<M, C> Driver<M, C> {
                     state.since_event = state.since_event.saturating_add(kept.ticks);
                     state.point = kept.trial.end;
                     state.armed = state.armed || automaton.rearms(state.mode, &state.point);
+                    may_be_due = kept.searched;
                     kept.event
                 }
             };
@@ -230,7 +233,8 @@ impl<M, C> Driver<M, C> {
         E: Excitation<S>,
     {
         let proposed = state.control.ticks;
-        let limit = state.clock.ticks_until(until, excitation.smooth_ticks(state.clock));
+        let resolved = excitation.smooth_ticks(state.clock).min(excitation.resolved_ticks());
+        let limit = state.clock.ticks_until(until, resolved);
         let ticks = proposed.min(limit);
         let scale = automaton.error_scale();
         let attempts = Attempts {
@@ -254,7 +258,7 @@ impl<M, C> Driver<M, C> {
         let Ok(trial) = attempts.attempt(ticks) else {
             return shorten(&mut state.control, work);
         };
-        work.iterations += trial.iterations;
+        work.iterations = work.iterations.saturating_add(trial.iterations);
         let errors = StepErrors {
             ticks,
             state: trial.error,
@@ -273,25 +277,25 @@ impl<M, C> Driver<M, C> {
         if ticks < proposed {
             control.keep_proposal(&state.control);
         }
-        let mut kept = Kept { trial, ticks, event: None };
+        let mut kept = Kept { trial, ticks, event: None, searched: false };
         // A bit for each guard that has been located in this step: each is, once at most.
         let mut done = 0_u32;
         let mut attempts_left = MOST_ATTEMPTS;
         // Where one guard was located another may have fallen before it: the dense output of a long
         // step puts them in the wrong order, or promises a graze that a step to it does not find.
-        for _ in 0..=automaton.guards(state.mode) {
+        for _ in 0..=automaton.guards(state.mode).min(MOST_GUARDS) {
+            let Some((guard, theta)) = attempts.first_fall(&kept.trial, kept.ticks, done) else { break };
+            kept.searched = true;
             if attempts_left == 0 {
                 break;
             }
-            let Some((guard, theta)) = attempts.first_fall(&kept.trial, kept.ticks, done) else {
-                break;
-            };
-            let located = attempts.locate(guard, theta, kept.trial, kept.ticks, attempts_left);
+            let before = work.locating;
+            let located = attempts.locate(guard, theta, kept.trial, kept.ticks, attempts_left, work);
             let Ok(located) = located else { return shorten(&mut state.control, work) };
-            attempts_left -= located.attempts.min(attempts_left);
-            work.locating += located.attempts;
-            work.iterations += located.iterations;
-            kept = Kept { trial: located.trial, ticks: located.ticks, event: located.fell.then_some(guard) };
+            attempts_left -= (work.locating - before).min(attempts_left);
+            kept.trial = located.trial;
+            kept.ticks = located.ticks;
+            kept.event = located.fell.then_some(guard);
             done |= 1 << guard;
         }
         state.control = control;
@@ -312,7 +316,7 @@ where
     E: Excitation<S>,
 {
     let moment = Moment::new(excitation, state.clock);
-    (0..automaton.guards(state.mode))
+    (0..automaton.guards(state.mode).min(MOST_GUARDS))
         .find(|&index| automaton.guard(state.mode, index, state.armed, &state.point, &moment).is_due())
 }
 

@@ -1,11 +1,13 @@
 //! Finding the tick at which a guard falls through zero.
 
-use super::{Automaton, Guard, Moment};
+use super::{Automaton, Guard, Moment, Work};
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
 use crate::integrate::{Method, NotConverged, Point, Trial};
 use crate::scalar::Scalar;
 
+/// Guards that a mode may have: each has a bit in the set of those located in a step.
+pub(super) const MOST_GUARDS: usize = 32;
 /// Attempts that the events of one step may take to locate. Newton needs two or three for one;
 /// bisection of 2³² ticks, 32.
 pub(super) const MOST_ATTEMPTS: u32 = 40;
@@ -49,8 +51,6 @@ pub(super) struct Located<S, const N: usize, const P: usize> {
     pub(super) ticks: u32,
     /// Whether the guard did fall: the dense output may promise a graze that the step itself misses.
     pub(super) fell: bool,
-    pub(super) attempts: u32,
-    pub(super) iterations: u32,
 }
 
 impl<S, A, E, M, const N: usize, const P: usize> Attempts<'_, S, A, E, M, N, P>
@@ -80,7 +80,7 @@ where
     #[inline(always)]
     pub(super) fn first_fall(&self, trial: &Trial<S, N, P>, ticks: u32, done: u32) -> Option<(usize, S)> {
         let mut first = None;
-        for index in 0..self.automaton.guards(self.mode) {
+        for index in 0..self.automaton.guards(self.mode).min(MOST_GUARDS) {
             let (start, end) = (self.guard(index, self.start, 0), self.guard(index, &trial.end, ticks));
             if done & (1 << index) == 0
                 && let Some(theta) = start.until(&end, seconds_of_ticks(ticks)).first_fall()
@@ -92,8 +92,8 @@ where
         first
     }
 
-    /// Steps from the start to the tick at which guard `index` falls through zero: the first tick
-    /// on the far side, found by Newton's iteration on steps taken anew, in a bracket.
+    /// Steps from the start to the tick at which guard `index` falls through zero: a tick on the
+    /// far side, the first as far as rounding tells, found by Newton's iteration on steps taken anew, in a bracket.
     ///
     /// Positions in the step are whole ticks from its start, so nothing is lost to the size of
     /// absolute time.
@@ -106,8 +106,10 @@ where
         full: Trial<S, N, P>,
         full_ticks: u32,
         most_attempts: u32,
+        work: &mut Work,
     ) -> Result<Located<S, N, P>, NotConverged> {
-        let mut reached = Located { trial: full, ticks: full_ticks, fell: false, attempts: 0, iterations: 0 };
+        let mut reached = Located { trial: full, ticks: full_ticks, fell: false };
+        let mut attempts = 0;
         // The largest number of ticks known to stop short, the smallest known to reach the far side.
         let mut short = 0;
         let mut far = full_ticks.saturating_add(1);
@@ -117,12 +119,13 @@ where
         // What rounding leaves undecided.
         let blur = (S::from_u32(full_ticks) * S::EPSILON * S::literal(8.0)).to_u32().max(1);
         let mut ticks = (theta * S::from_u32(full_ticks)).to_u32().saturating_add(1);
-        while far - short > 1 && reached.attempts < most_attempts {
+        while far - short > 1 && attempts < most_attempts {
             // Not `clamp`, which can panic: `far` stays above `short + 1` here.
             ticks = ticks.max(short + 1).min(far - 1);
+            attempts += 1;
+            work.locating += 1;
             let trial = self.attempt(ticks)?;
-            reached.attempts += 1;
-            reached.iterations += trial.iterations;
+            work.iterations = work.iterations.saturating_add(trial.iterations);
             let guard = self.guard(index, &trial.end, ticks);
             let fallen = guard.value <= S::ZERO;
             if fallen || !reached.fell {

@@ -117,7 +117,11 @@ impl<S: Scalar> Cubic<S> {
     #[inline(always)]
     pub fn first_fall(&self) -> Option<S> {
         let [one, two] = self.inner_hull();
-        if one > S::ZERO && two > S::ZERO && self.end > S::ZERO { None } else { self.search_fall() }
+        if self.start >= S::ZERO && one > S::ZERO && two > S::ZERO && self.end > S::ZERO {
+            None
+        } else {
+            self.search_fall()
+        }
     }
 
     #[cold]

@@ -15,6 +15,8 @@ pub struct ControlMemory<S> {
     rejections: u8,
     /// Error over the allowed one of the last rejected attempt.
     rejected_ratio: f32,
+    /// Length in ticks of the first of these attempts.
+    rejected_ticks: u32,
     /// Energy delivered per radian, averaged over the last few periods: what the energy error is
     /// relative to.
     recent_energy: S,
@@ -103,6 +105,7 @@ impl<S: Scalar> StepControl<S> for FixedStep {
             previous: 0,
             rejections: 0,
             rejected_ratio: 0.0,
+            rejected_ticks: 0,
             recent_energy: S::ZERO,
         }
     }
@@ -161,8 +164,8 @@ const MEMORY_RADIANS: f64 = 16.0;
 const FUTILE_REJECTIONS: u8 = 3;
 /// Exponents of the present and the previous error, in units of 2⁻⁸: 0.35 and 0.2. The error over the
 /// allowed one is of second order in the step, hence halves of 0.7 and 0.4 (Gustafsson 1991).
-const PROPORTIONAL: i32 = 90;
-const INTEGRAL: i32 = 51;
+const PRESENT_EXPONENT: i32 = 90;
+const PREVIOUS_EXPONENT: i32 = 51;
 /// log₂ of 0.97, in units of 2⁻²³: the controller settles at 0.8 of the allowed error.
 const SAFETY: i32 = -368_600;
 /// log₂ of 0.9, in units of 2⁻²³: the safety factor after a rejection.
@@ -202,6 +205,7 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
             previous: 0,
             rejections: 0,
             rejected_ratio: 0.0,
+            rejected_ticks: 0,
             recent_energy: S::ZERO,
         }
     }
@@ -223,29 +227,44 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
             memory.recent_energy + part * (errors.delivered.absolute() - radians * memory.recent_energy);
         // In the beginning there is no sum yet: then the energy of a radian at the present power.
         let delivered = errors.delivered.absolute() / radians;
-        let energy = errors.energy / recent.larger(delivered).larger(scale.energy_floor);
-        let state = errors.state
-            / (target * S::literal(1.0 / REMEMBERED_RADIANS) + S::EPSILON * S::literal(ROUNDINGS));
-        let energy = energy / (target + S::EPSILON * S::literal(ENERGY_ROUNDINGS));
+        let energy_error = errors.energy / recent.larger(delivered).larger(scale.energy_floor);
+        let state_error = errors.state * S::literal(REMEMBERED_RADIANS);
+        let rounding = S::EPSILON * S::literal(ROUNDINGS * REMEMBERED_RADIANS);
+        let state = state_error / (target + rounding);
+        let energy = energy_error / (target + S::EPSILON * S::literal(ENERGY_ROUNDINGS));
         let ratio = state.larger(energy).to_f32();
         let present = log2(ratio.larger(1e-8));
         // An error that a shorter step does not lessen was not made by this step: the derivative at
-        // its start is inherited from a longer one, or rounding is all that is left.
-        let inherited = memory.rejections >= FUTILE_REJECTIONS && ratio > 0.5 * memory.rejected_ratio;
-        if ratio > 1.0 && !inherited {
+        // its start is inherited from a longer one, or a boundary layer is being left behind. Such a
+        // step is kept if the error by itself, not per radian, is within the tolerance.
+        let bearable = state_error.larger(energy_error) <= self.tolerance;
+        let inherited = bearable
+            && memory.rejections >= FUTILE_REJECTIONS
+            && ratio > 1.0
+            && ratio > 0.5 * memory.rejected_ratio;
+        // Written so that not-a-number is rejected too.
+        if !(ratio <= 1.0) && !inherited {
             // The error is of third order in the step, of second against the allowed one.
             let change = SAFETY_AFTER_REJECTION - present / 2;
             memory.ticks = scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, LARGEST_CHANGE));
+            if memory.rejections == 0 {
+                memory.rejected_ticks = errors.ticks;
+            }
             memory.rejections = memory.rejections.saturating_add(1);
             memory.rejected_ratio = ratio;
             return Verdict::Reject;
         }
         // 32 bits hold this: a logarithm is at most 2⁷ in units of 2⁻²³.
-        let change = SAFETY + (memory.previous >> 8) * INTEGRAL - (present >> 8) * PROPORTIONAL;
+        let change = SAFETY + (memory.previous >> 8) * PREVIOUS_EXPONENT - (present >> 8) * PRESENT_EXPONENT;
         // No growth after a rejection.
         let largest = if memory.rejections > 0 { 0 } else { LARGEST_CHANGE };
         let longest = ticks_of_seconds(S::literal(LONGEST_RADIANS) / scale.angular_frequency);
-        memory.ticks = scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, largest)).min(longest);
+        memory.ticks = if inherited {
+            // The short step has washed the inherited error out; it says nothing about the next.
+            memory.rejected_ticks.min(longest).max(1)
+        } else {
+            scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, largest)).min(longest)
+        };
         // One step without error must not make the next look like a sudden rise.
         memory.previous = present.clamp(LEAST_REMEMBERED, 0);
         memory.recent_energy = recent;

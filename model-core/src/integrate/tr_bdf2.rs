@@ -150,7 +150,8 @@ impl<S: Scalar> Method<S> for TrBdf2 {
             }
             _ => S::ZERO,
         };
-        if !error.is_finite() || !energy_error.is_finite() {
+        let finite = end.state.iter().chain(&end.derivative).all(|value| value.is_finite());
+        if !finite || !error.is_finite() || !energy_error.is_finite() {
             return Err(NotConverged);
         }
         Ok(Trial { end, energies, error, energy_error, iterations: middle_iterations + end_iterations })

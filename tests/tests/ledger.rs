@@ -1,0 +1,58 @@
+//! The work of the electrostatic force over a whole run, against the values of the derivation: under the
+//! transferred-charge law the force gives the mass energy, under the gap-field law it takes what the load
+//! receives.
+
+use cross_crate_tests::{contact_separation, value};
+use host_bench::embedded::contact_separation_parameters;
+use host_bench::scene_file::{ForceLaw, Model};
+use model_core::clock::Instant;
+use model_core::energy::{EventLog, Ledger, RunMeter};
+use model_core::excitation::Sine;
+use model_core::hybrid::Driver;
+use model_core::integrate::{FixedStep, TrBdf2};
+use model_core::scalar::Polynomial;
+use model_core::scene::account;
+use model_core::scene::contact_separation::{Mode, STATES, Start};
+
+/// Work given up, energy delivered, energy lost in contact over 120 periods at 20 Hz, 50 µC/m², 100 MΩ.
+fn works(force_law: ForceLaw) -> [f64; 3] {
+    let scene = contact_separation(|_, model| model.parameters.force_law = force_law);
+    let Model::ContactSeparation(model) = &scene.model;
+    let harvester =
+        contact_separation_parameters::<f64, Polynomial>(model, scene.load).build().expect("in bounds");
+    let shaking = Sine::<f64>::new(1.962, 20.0, 0.0).expect("in bounds");
+    let driver = Driver::new(TrBdf2, FixedStep::of_seconds(0.05 / 3200.0));
+    let mut state = harvester
+        .start::<_, _, { account::WHOLE }>(&Start::default(), &shaking, &driver.control)
+        .expect("in bounds");
+    let mut ledger = Ledger::open(&harvester, &state);
+    let mut meter = RunMeter::new(&harvester);
+    let mut log = EventLog::<f64, Mode, STATES, 64>::new();
+    let mut meters = (&mut ledger, &mut meter);
+    let mut observer = (&mut meters, &mut log);
+    let until = Instant::from_whole_seconds(6);
+    driver.advance(&harvester, &mut state, &shaking, until, u32::MAX, &mut observer).expect("runs");
+    // Every event is either in the log or counted as overflowed, and loses energy.
+    assert_eq!(log.events().len() as u32 + log.overflowed(), meter.impacts());
+    assert!(log.events().iter().all(|event| event.loss > 0.0 && event.after == Mode::Free));
+    assert!(meter.charge_moved() > 0.0 && value(ledger.residual().larger()) < 1e-6);
+    [ledger.given_up(), meter.delivered_energy(), ledger.lost_in_contact()]
+}
+
+#[test]
+fn the_transferred_charge_law_gives_the_mass_energy() {
+    let [given_up, delivered, lost] = works(ForceLaw::TransferredCharge);
+    println!("given up {given_up:e} J, delivered {delivered:e} J, lost in contact {lost:e} J");
+    assert!((given_up + 4.386e-4).abs() < 2e-6, "{given_up:e}");
+    assert!((delivered - 5.89e-5).abs() < 3e-7, "{delivered:e}");
+    assert!(lost > 0.0);
+}
+
+#[test]
+fn the_field_of_the_gap_takes_what_the_load_receives() {
+    let [given_up, delivered, lost] = works(ForceLaw::GapField);
+    println!("given up {given_up:e} J, delivered {delivered:e} J, lost in contact {lost:e} J");
+    // What is not delivered is stored in the field.
+    assert!((given_up / delivered - 1.0).abs() < 1e-2, "{given_up:e} {delivered:e}");
+    assert!(lost > 0.0);
+}
