@@ -160,6 +160,10 @@ const NEWTON_ROUNDINGS: f64 = 16.0;
 const NEWTON_PART: f64 = 1.0 / REMEMBERED_RADIANS;
 /// Radians over which the delivered energy is averaged: two and a half periods.
 const MEMORY_RADIANS: f64 = 16.0;
+/// The shortest step, in ticks, that is taken for the sake of the tolerance: 4 ns.
+const SHORTEST_CONTROLLED_TICKS: u32 = 4096;
+/// Relative error of a step that may be waived where shorter steps do not lessen it.
+const WAIVED: f64 = 1e-3;
 /// Rejections of one step after which it is asked whether they help.
 const FUTILE_REJECTIONS: u8 = 3;
 /// Exponents of the present and the previous error, in units of 2⁻⁸: 0.35 and 0.2. The error over the
@@ -236,12 +240,12 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         let present = log2(ratio.larger(1e-8));
         // An error that a shorter step does not lessen was not made by this step: the derivative at
         // its start is inherited from a longer one, or a boundary layer is being left behind. Such a
-        // step is kept if the error by itself, not per radian, is within the tolerance.
-        let bearable = state_error.larger(energy_error) <= self.tolerance;
-        let inherited = bearable
-            && memory.rejections >= FUTILE_REJECTIONS
-            && ratio > 1.0
-            && ratio > 0.5 * memory.rejected_ratio;
+        // step is kept if the error by itself, not per radian, is small; and so is a step of nanoseconds,
+        // with which an L-stable method passes the layer of a circuit that is faster still.
+        let bearable = errors.state.larger(energy_error) <= self.tolerance.larger(S::literal(WAIVED));
+        let futile = memory.rejections >= FUTILE_REJECTIONS && ratio > 0.5 * memory.rejected_ratio;
+        let shortest = errors.ticks <= SHORTEST_CONTROLLED_TICKS && ratio < f32::INFINITY;
+        let inherited = ratio > 1.0 && (bearable && futile || shortest);
         // Written so that not-a-number is rejected too.
         if !(ratio <= 1.0) && !inherited {
             // The error is of third order in the step, of second against the allowed one.
