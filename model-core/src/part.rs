@@ -4,7 +4,18 @@
 //! contains what its scene needs and no more, and one `Any…` type that makes the choice at run
 //! time for a host that must serve any scene file. Both give the same bits.
 
+pub mod beam;
 pub mod bounds;
+pub mod disc_overlap;
+pub mod force_law;
+pub mod friction;
 pub mod load;
 pub mod parasitic;
 pub mod restitution;
+pub mod stick_charge;
+
+/// Vacuum permittivity `ε0`, in F/m.
+pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
+
+/// Acceleration of gravity in m/s², as the papers round it.
+pub const GRAVITY: f64 = 9.81;

@@ -62,6 +62,9 @@ pub trait Scalar:
     + sealed::Sealed
     + 'static
 {
+    /// The elementary functions of which coefficients are built, whatever backend a step uses.
+    type Build: Mathematics<Self>;
+
     /// 0.
     const ZERO: Self;
     /// 1.
@@ -153,4 +156,27 @@ pub trait Mathematics<S: Scalar>: Copy + Debug + PartialEq + 'static {
     fn cosine_of_turns(phase: u64) -> S {
         Self::sine_of_turns(phase.wrapping_add(1 << 62))
     }
+}
+
+/// A polynomial by Horner's rule, coefficients from the constant one up.
+#[inline(always)]
+pub(crate) fn horner<S: Scalar, const N: usize>(coefficients: &[S; N], x: S) -> S {
+    coefficients.iter().rev().fold(S::ZERO, |sum, &coefficient| sum * x + coefficient)
+}
+
+/// An angle as a fraction of a turn in units of 2⁻⁶⁴; `None` unless finite and below 2²⁰ turns.
+pub(crate) fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
+    let turns = radians * S::literal(core::f64::consts::FRAC_1_PI * 0.5);
+    let magnitude = turns.absolute();
+    // Written so that not-a-number is refused too.
+    if !(magnitude < S::literal(1_048_576.0)) {
+        return None;
+    }
+    let fraction = magnitude - S::from_u32(magnitude.to_u32());
+    // 2³² · fraction is exact; its own fraction gives the lower word.
+    let scaled = fraction * S::power_of_two(32);
+    let upper = scaled.to_u32();
+    let lower = ((scaled - S::from_u32(upper)) * S::power_of_two(32)).to_u32();
+    let units = (u64::from(upper) << 32) | u64::from(lower);
+    Some(if turns < S::ZERO { units.wrapping_neg() } else { units })
 }

@@ -4,6 +4,8 @@
 //! [`crate::hybrid::Automaton`]. What a meter needs of any of them is [`Harvester`].
 
 pub mod contact_separation;
+mod coupled;
+pub mod sliding;
 
 use crate::hybrid::{Automaton, Guard};
 use crate::integrate::Point;

@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use super::{Excitation, ExcitationError};
 use crate::clock::{Frequency, Instant, ticks_of_seconds};
-use crate::scalar::{Mathematics, Polynomial, Scalar};
+use crate::scalar::{Mathematics, Polynomial, Scalar, turns_of_radians};
 
 /// `a(t) = A sin(2π f t + φ)`.
 ///
@@ -43,23 +43,6 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
     fn phase(&self, at: Instant) -> u64 {
         self.frequency.phase(at).wrapping_add(self.start)
     }
-}
-
-/// An angle as a fraction of a turn in units of 2⁻⁶⁴; `None` unless finite and below 2²⁰ turns.
-fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
-    let turns = radians * S::literal(core::f64::consts::FRAC_1_PI * 0.5);
-    let magnitude = turns.absolute();
-    // Written so that not-a-number is refused too.
-    if !(magnitude < S::literal(1_048_576.0)) {
-        return None;
-    }
-    let fraction = magnitude - S::from_u32(magnitude.to_u32());
-    // 2³² · fraction is exact; its own fraction gives the lower word.
-    let scaled = fraction * S::power_of_two(32);
-    let upper = scaled.to_u32();
-    let lower = ((scaled - S::from_u32(upper)) * S::power_of_two(32)).to_u32();
-    let units = (u64::from(upper) << 32) | u64::from(lower);
-    Some(if turns < S::ZERO { units.wrapping_neg() } else { units })
 }
 
 impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {

@@ -1,8 +1,10 @@
 //! [`Scalar`] for `f32` and `f64`.
 
-use super::{Decomposed, Scalar};
+use super::{Decomposed, Polynomial, Scalar};
 
 impl Scalar for f32 {
+    type Build = Polynomial;
+
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     const EPSILON: Self = f32::EPSILON;
@@ -92,6 +94,8 @@ impl Scalar for f32 {
 }
 
 impl Scalar for f64 {
+    type Build = Polynomial;
+
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     const EPSILON: Self = f64::EPSILON;

@@ -3,7 +3,7 @@
 //! Minimax polynomials by Remez exchange (error in the comments), evaluated by Horner's rule.
 //! On a Cortex-M4F they cost a few tens of instructions where an exact library takes a thousand.
 
-use super::{Mathematics, Scalar};
+use super::{Mathematics, Scalar, horner};
 
 /// Elementary functions by range reduction in integers and a polynomial.
 ///
@@ -51,11 +51,6 @@ const EXPONENTIAL_F64: [f64; 13] = [
     2.511_487_016_158_721_308_5e-8,
     2.092_848_395_652_304_162_4e-9,
 ];
-
-#[inline(always)]
-fn horner<S: Scalar, const N: usize>(coefficients: &[S; N], x: S) -> S {
-    coefficients.iter().rev().fold(S::ZERO, |sum, &coefficient| sum * x + coefficient)
-}
 
 /// Folds a phase in turns into [−1/4, 1/4] turn with the same sine; returned in units of half a
 /// turn per 2^63, so that the conversion to a float is exact to its last bit.

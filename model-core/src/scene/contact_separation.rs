@@ -33,25 +33,28 @@ mod force_law;
 mod parameters;
 mod start;
 
+pub use crate::scene::coupled::ModeFactor;
 pub use automaton::Mode;
-pub use flow::{Circuit, Flow, ModeFactor};
-pub use force_law::{AnyForceLaw, ForceLaw, GapField, TransferredCharge};
-pub use parameters::{
-    AnyParts, AnyStickCharge, FrozenCharge, NeverSticks, Parameters, Parts, RelaxingCharge, Sticking,
-};
+pub use flow::{Circuit, Flow};
+pub use force_law::ForceLaw;
+pub use parameters::{AnyParts, Parameters, Parts};
 pub use start::Start;
+
+pub use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
+pub use crate::part::stick_charge::{AnyStickCharge, FrozenCharge, NeverSticks, RelaxingCharge, Sticking};
 
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
+use crate::scene::coupled;
 
 /// Number of states: gap in metres, velocity in m/s, total charge in units of `√(2 ε0 S m)`.
-pub const STATES: usize = 3;
+pub const STATES: usize = coupled::STATES;
 /// Place of the gap in the state, in metres.
-pub const GAP: usize = 0;
+pub const GAP: usize = coupled::POSITION;
 /// Place of the velocity in the state, in m/s; positive opens.
-pub const VELOCITY: usize = 1;
+pub const VELOCITY: usize = coupled::VELOCITY;
 /// Place of the total charge in the state, in units of [`ContactSeparation::charge_unit`].
-pub const CHARGE: usize = 2;
+pub const CHARGE: usize = coupled::CHARGE;
 
 /// A harvester whose parameters have been checked: coefficients only, nothing that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]

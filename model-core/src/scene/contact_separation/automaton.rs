@@ -10,7 +10,7 @@ use crate::integrate::{Point, System};
 use crate::part::load::{Load, Resistance};
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
-use crate::scene::{Harvester, StoredEnergy};
+use crate::scene::{Harvester, StoredEnergy, coupled};
 
 /// The modes of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,11 +92,8 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// The rate of the charge just after an impact, as a step of length `step` needs it.
     ///
     /// The rate itself is continuous, since it depends on gap and charge only, and the value of
-    /// the stage before is better than the difference that the flow computes. But where the
-    /// circuit is fast, the charge follows the gap, and its rate turns with the velocity within a
-    /// boundary layer of the circuit's time constant at contact, `τ = 1/Λ`. A step much longer than
-    /// that starts beyond the layer, at the rate `∂Q_eq/∂g · v` of a charge that follows. The
-    /// weight between the two is of third order in `h Λ / 10`, so that neither limit is disturbed.
+    /// the stage before is better than the difference that the flow computes. But the rate
+    /// `∂Q_eq/∂g · v` of a charge that follows the gap turns with the velocity.
     #[inline(always)]
     fn charge_rate_after_impact(&self, before: S, speed: S, charge: S, step: S) -> S {
         if !matches!(self.load.resistance(), Resistance::Finite(_)) {
@@ -105,10 +102,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         let circuit = self.circuit(S::ZERO, charge);
         let relaxation = -self.circuit_rate * circuit.voltage_by_charge;
         let following = -circuit.voltage_by_gap / circuit.voltage_by_charge * speed;
-        let thickness = S::literal(0.1) * step * relaxation;
-        let weight = thickness * thickness * thickness;
-        // Beyond this the layer is not seen, and the weight might overflow.
-        if weight > S::literal(1e9) { following } else { (before + weight * following) / (S::ONE + weight) }
+        coupled::beyond_boundary_layer(before, following, relaxation, step)
     }
 }
 

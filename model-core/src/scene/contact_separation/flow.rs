@@ -8,6 +8,7 @@ use crate::part::load::{Load, Resistance};
 use crate::part::parasitic::Parasitic;
 use crate::scalar::Scalar;
 use crate::scene::account;
+use crate::scene::coupled::{self, Derivatives, ModeFactor};
 
 /// The electrical quantities at a gap and a total charge; charges in units of `√(2 ε0 S m)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,18 +106,6 @@ pub struct Flow<'a, S: Scalar, P: Parts<S>> {
     pub(super) mode: Mode,
 }
 
-/// `I − w J`, eliminated by hand: the gap's row is `δg − w δv`, which leaves two equations for
-/// velocity and charge.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ModeFactor<S> {
-    /// `w`, or 0 where the gap is held.
-    gap_by_velocity: S,
-    /// `w ∂v'/∂g` and `w ∂Q'/∂g`.
-    by_gap: [S; 2],
-    /// Inverse of the remaining 2 × 2 matrix.
-    inverse: [[S; 2]; 2],
-}
-
 impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
     /// Derivative of the charge's rate by gap and by charge, per unit of voltage: 0 unless a
     /// resistor carries current in this mode.
@@ -176,38 +165,27 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
         let scene = self.scene;
         let circuit = scene.circuit(state[GAP], state[CHARGE]);
-        let rate = weight * self.circuit_rate();
-        let charge_by_charge = S::ONE - rate * circuit.voltage_by_charge;
-        let charge_by_gap = rate * circuit.voltage_by_gap;
+        let rate = self.circuit_rate();
+        let current_by_charge = rate * circuit.voltage_by_charge;
         if self.mode == Mode::Stuck {
-            let inverse = [[S::ONE, S::ZERO], [S::ZERO, S::ONE / charge_by_charge]];
-            return Some(ModeFactor { gap_by_velocity: S::ZERO, by_gap: [S::ZERO; 2], inverse });
+            return Some(ModeFactor::held(weight, current_by_charge));
         }
-        let [by_gap, by_charge] = scene.force_law.derivatives(&circuit, scene.tribo_charge);
-        let velocity_by_gap = -weight * (scene.stiffness_per_mass + by_gap);
-        let velocity_by_velocity = S::ONE + weight * (scene.damping_per_mass - velocity_by_gap);
-        let velocity_by_charge = weight * by_charge;
-        let charge_by_velocity = -weight * charge_by_gap;
-        let determinant = velocity_by_velocity * charge_by_charge - velocity_by_charge * charge_by_velocity;
-        let reciprocal = S::ONE / determinant;
-        let inverse = [
-            [charge_by_charge * reciprocal, -velocity_by_charge * reciprocal],
-            [-charge_by_velocity * reciprocal, velocity_by_velocity * reciprocal],
-        ];
-        reciprocal.is_finite().then_some(ModeFactor {
-            gap_by_velocity: weight,
-            by_gap: [velocity_by_gap, charge_by_gap],
-            inverse,
-        })
+        let [by_gap, force_by_charge] = scene.force_law.derivatives(&circuit, scene.tribo_charge);
+        ModeFactor::moving(
+            weight,
+            &Derivatives {
+                stiffness: scene.stiffness_per_mass + by_gap,
+                damping: scene.damping_per_mass,
+                force_by_charge,
+                current_by_position: rate * circuit.voltage_by_gap,
+                current_by_charge,
+            },
+        )
     }
 
     #[inline(always)]
-    fn solve(&self, factor: &ModeFactor<S>, [gap, velocity, charge]: [S; STATES]) -> [S; STATES] {
-        let velocity = velocity + factor.by_gap[0] * gap;
-        let charge = charge + factor.by_gap[1] * gap;
-        let [[a, b], [c, d]] = factor.inverse;
-        let solved = a * velocity + b * charge;
-        [gap + factor.gap_by_velocity * solved, solved, c * velocity + d * charge]
+    fn solve(&self, factor: &ModeFactor<S>, right: [S; STATES]) -> [S; STATES] {
+        factor.solve(right)
     }
 
     /// Newton on the velocity alone: the gap's row is linear, and the charge's is linear in the charge
@@ -227,9 +205,9 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         }
         let state = core::array::from_fn(|i| base[i] + increment[i]);
         let [_, rate, _] = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
-        let correction = factor.inverse[0][0] * (weight * rate - increment[VELOCITY]);
-        increment[VELOCITY] += correction;
-        [factor.gap_by_velocity * correction, correction, factor.inverse[1][0] * correction]
+        let correction = factor.correction(weight * rate - increment[VELOCITY]);
+        increment[VELOCITY] += correction[VELOCITY];
+        correction
     }
 
     #[inline(always)]
@@ -254,13 +232,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     #[inline(always)]
     fn weigh(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let scene = self.scene;
-        let amplitude = (state[GAP] - scene.initial_gap)
-            .absolute()
-            .larger(state[VELOCITY].absolute() * scene.radian)
-            .larger(S::literal(1e-3) * scene.initial_gap);
-        let motion = change[GAP].absolute().larger(change[VELOCITY].absolute() * scene.radian);
-        // A reciprocal, because it is the same for every change that is weighed in a step.
-        let per_amplitude = S::ONE / amplitude;
-        (motion * per_amplitude).larger(change[CHARGE].absolute() * scene.per_tribo_charge)
+        let least = S::literal(1e-3) * scene.initial_gap;
+        let motion = [state[GAP] - scene.initial_gap, state[VELOCITY]];
+        coupled::weigh(motion, change, scene.radian, least, scene.per_tribo_charge)
     }
 }

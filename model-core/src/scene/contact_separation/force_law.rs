@@ -3,6 +3,7 @@
 use core::fmt::Debug;
 
 use super::flow::Circuit;
+use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
 use crate::scalar::Scalar;
 
 /// An electrostatic force law: attraction per mass, and its derivatives.
@@ -23,10 +24,6 @@ pub trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
 /// with the resistance. It is **not passive**: the charge lags the motion, so the force gives the
 /// mass more on approach than it takes on departure, and the sum of the mechanical and the
 /// electrical ledger does not close, though each does by itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct TransferredCharge;
-
 impl<S: Scalar> ForceLaw<S> for TransferredCharge {
     #[inline(always)]
     fn attraction(&self, circuit: &Circuit<S>, _tribo_charge: S) -> S {
@@ -47,10 +44,6 @@ impl<S: Scalar> ForceLaw<S> for TransferredCharge {
 /// `F_e = (σS − q)² / (2 ε0 S)`: the field in the gap, the energy-consistent electrostatics.
 ///
 /// With it the total energy ledger closes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct GapField;
-
 impl<S: Scalar> ForceLaw<S> for GapField {
     #[inline(always)]
     fn attraction(&self, circuit: &Circuit<S>, tribo_charge: S) -> S {
@@ -64,16 +57,6 @@ impl<S: Scalar> ForceLaw<S> for GapField {
         let twice = -(opposite + opposite);
         [twice * circuit.transferred_by_gap, twice * circuit.transferred_by_charge]
     }
-}
-
-/// A force law chosen at run time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum AnyForceLaw {
-    /// [`TransferredCharge`].
-    TransferredCharge,
-    /// [`GapField`].
-    GapField,
 }
 
 impl<S: Scalar> ForceLaw<S> for AnyForceLaw {

@@ -4,88 +4,15 @@ use core::fmt::Debug;
 use core::marker::PhantomData;
 
 use super::ContactSeparation;
-use super::force_law::{AnyForceLaw, ForceLaw};
+use super::force_law::ForceLaw;
+use crate::part::VACUUM_PERMITTIVITY;
 use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::force_law::AnyForceLaw;
 use crate::part::load::{AnyLoad, Load, Resistance};
 use crate::part::parasitic::{Parasitic, ParasiticCapacitance};
 use crate::part::restitution::{AnyRestitution, Restitution};
+use crate::part::stick_charge::{AnyStickCharge, Sticking};
 use crate::scalar::{Mathematics, Polynomial, Scalar};
-
-/// Vacuum permittivity `ε0`, in F/m.
-const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
-
-/// What becomes of a mass that comes to rest on the dielectric.
-pub trait Sticking: Copy + Debug + PartialEq {
-    /// Whether the mass can be held at all; if not, the code for it is not there.
-    const POSSIBLE: bool;
-
-    /// Whether the charge keeps flowing while the mass is held.
-    fn relaxes(&self) -> bool;
-}
-
-/// While the mass is held, charge transfer ceases (the paper's statement): the load is open and
-/// delivers nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct FrozenCharge;
-
-impl Sticking for FrozenCharge {
-    const POSSIBLE: bool = true;
-
-    #[inline(always)]
-    fn relaxes(&self) -> bool {
-        false
-    }
-}
-
-/// While the mass is held, the charge relaxes through the load, as it physically must.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RelaxingCharge;
-
-impl Sticking for RelaxingCharge {
-    const POSSIBLE: bool = true;
-
-    #[inline(always)]
-    fn relaxes(&self) -> bool {
-        true
-    }
-}
-
-/// The mass always rebounds: for scenes that are known not to stick.
-///
-/// If it comes to rest all the same, the driver reports an event storm.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct NeverSticks;
-
-impl Sticking for NeverSticks {
-    const POSSIBLE: bool = false;
-
-    #[inline(always)]
-    fn relaxes(&self) -> bool {
-        false
-    }
-}
-
-/// What the charge does while the mass is held, chosen at run time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum AnyStickCharge {
-    /// As [`FrozenCharge`].
-    Frozen,
-    /// As [`RelaxingCharge`].
-    Relaxing,
-}
-
-impl Sticking for AnyStickCharge {
-    const POSSIBLE: bool = true;
-
-    #[inline(always)]
-    fn relaxes(&self) -> bool {
-        *self == Self::Relaxing
-    }
-}
 
 /// The parts a contact-separation harvester is made of: one type for each choice.
 ///

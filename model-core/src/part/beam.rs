@@ -1,0 +1,368 @@
+//! Modes of a uniform cantilever with a tip mass.
+//!
+//! Euler–Bernoulli bending, clamped at one end, a point mass `m` without rotary inertia at the free
+//! one. With `s = z/L` along the beam, `m_b` the mass of the beam and `μ = m/m_b`, a mode has the
+//! shape `φ(s) = C [cosh λs − cos λs − σ (sinh λs − sin λs)]`, where `λ` is a root of
+//!
+//! ```text
+//! 1 + cos λ cosh λ + λ μ (cos λ sinh λ − sin λ cosh λ) = 0
+//! ```
+//!
+//! and `C` makes the modal mass one: `∫ m' φ² dz + m φ(L)² = 1`. Both integrals that are needed have
+//! a closed form, from `φ'''' = λ⁴ φ` and the conditions at the ends (primes by `s`):
+//!
+//! ```text
+//! ∫ φ² ds + μ φ(1)² = φ(1) [(1 + μ) φ(1) + 2 μ φ'(1)] / 4
+//! ∫ φ ds + μ φ(1)   = −φ'''(0) / λ⁴ = 2 C σ / λ
+//! ```
+//!
+//! The first is used with `μ φ(1) = −φ'''(1)/λ⁴`, the shear that the tip mass takes: under a heavy
+//! mass the tip of a higher mode hardly moves, and `φ(1)` is a small difference.
+//!
+//! Nothing cancels and nothing overflows: below `λ = 2` the differences of hyperbolic and circular
+//! functions are summed as series of one sign, above it the hyperbolic functions are written in
+//! exponentials that only decay. So `f32` is as good as its rounding, on the device too.
+
+use crate::scalar::{Mathematics, Scalar, turns_of_radians};
+
+/// A uniform cantilever with a tip mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Cantilever<S> {
+    /// Length `L` in m.
+    pub length: S,
+    /// Bending stiffness `EI` in N·m².
+    pub bending_stiffness: S,
+    /// Mass per length `m' = ρA` in kg/m.
+    pub mass_per_length: S,
+    /// Tip mass `m` in kg; 0 for a free end.
+    pub tip_mass: S,
+}
+
+/// One mode of a [`Cantilever`], normalised to a modal mass of one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BeamMode<S> {
+    /// Eigenvalue `λ`, the wave number times the length.
+    pub eigenvalue: S,
+    /// Undamped angular frequency `ω = λ² √(EI / (m' L⁴))` in rad/s.
+    pub angular_frequency: S,
+    /// `Γ = ∫ m' φ dz + m φ(L)` in √kg: the modal force per base acceleration, negated.
+    pub base_coupling: S,
+    /// `σ` of the shape.
+    sigma: S,
+    /// `(1 − σ) e^λ / 2`: the growing part of the shape at the tip.
+    growing: S,
+    /// `C` in 1/√kg.
+    scale: S,
+}
+
+/// A mode shape and its derivatives at one place, by the place in units of the length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shape<S> {
+    /// `φ` in 1/√kg; positive towards positive displacement.
+    pub value: S,
+    /// `dφ/ds` in 1/√kg.
+    pub slope: S,
+    /// `d²φ/ds²` in 1/√kg.
+    pub curvature: S,
+}
+
+/// Below this the functions are summed as series, above it they are made of exponentials.
+const SERIES_REACH: f64 = 2.0;
+/// Terms of a series within that reach: the last is below 2⁻⁵³ of the first.
+const SERIES_TERMS: u32 = 9;
+/// Halvings that bring a bracket of the width of a root's neighbourhood to neighbouring numbers.
+const MOST_HALVINGS: u32 = 120;
+
+impl<S: Scalar> Cantilever<S> {
+    /// Mode `number`, from 1, in order of frequency.
+    #[must_use]
+    pub fn mode(&self, number: u32) -> BeamMode<S> {
+        let beam_mass = self.mass_per_length * self.length;
+        let ratio = self.tip_mass / beam_mass;
+        let eigenvalue = eigenvalue(number.max(1), ratio);
+        let (sigma, growing) = shape_constants(eigenvalue, ratio);
+        let unscaled = BeamMode {
+            eigenvalue,
+            angular_frequency: S::ONE,
+            base_coupling: S::ONE,
+            sigma,
+            growing,
+            scale: S::ONE,
+        };
+        let [tip, slope, _, shear] = unscaled.derivatives(S::ONE);
+        let two = S::literal(2.0);
+        let slope = eigenvalue * slope;
+        let borne = if eigenvalue < S::literal(SERIES_REACH) { ratio * tip } else { -shear / eigenvalue };
+        let modal_mass = S::literal(0.25) * beam_mass * (tip * tip + borne * (tip + two * slope));
+        let scale = S::ONE / modal_mass.square_root();
+        let rate = (self.bending_stiffness / (beam_mass * self.length)).square_root() / self.length;
+        BeamMode {
+            angular_frequency: eigenvalue * eigenvalue * rate,
+            base_coupling: two * beam_mass * scale * sigma / eigenvalue,
+            scale,
+            ..unscaled
+        }
+    }
+}
+
+impl<S: Scalar> BeamMode<S> {
+    /// The shape at the place `s = z/L`, 0 at the clamp and 1 at the tip.
+    #[must_use]
+    pub fn shape(&self, s: S) -> Shape<S> {
+        let [value, slope, curvature, _] = self.derivatives(s);
+        let (scale, lambda) = (self.scale, self.eigenvalue);
+        Shape {
+            value: scale * value,
+            slope: scale * lambda * slope,
+            curvature: scale * lambda * lambda * curvature,
+        }
+    }
+
+    /// The shape without its scale, and its first three derivatives by `λs`.
+    fn derivatives(&self, s: S) -> [S; 4] {
+        let (lambda, sigma) = (self.eigenvalue, self.sigma);
+        let argument = lambda * s;
+        if lambda < S::literal(SERIES_REACH) {
+            // cosh + cos, sinh + sin, cosh − cos, sinh − sin.
+            let [a, b, c, d] =
+                [0, 1, 2, 3].map(|order| S::literal(2.0) * fourth_series(argument, order, S::ONE));
+            return [c - sigma * d, b - sigma * c, a - sigma * b, d - sigma * a];
+        }
+        let growing = self.growing * S::Build::exponential(argument - lambda);
+        let decaying = S::literal(0.5) * (S::ONE + sigma) * S::Build::exponential(-argument);
+        let (sine, cosine) = sine_and_cosine(argument);
+        [
+            growing + decaying - cosine + sigma * sine,
+            growing - decaying + sine + sigma * cosine,
+            growing + decaying + cosine - sigma * sine,
+            growing - decaying - sine - sigma * cosine,
+        ]
+    }
+}
+
+/// Root `number` of the characteristic equation, divided by `cosh λ`, for the mass ratio `ratio`.
+///
+/// Each root lies between that of a pinned end, to which an endless tip mass leads, and that of a
+/// free one; bisection to neighbouring numbers.
+fn eigenvalue<S: Scalar>(number: u32, ratio: S) -> S {
+    let pi = S::literal(core::f64::consts::PI);
+    let count = S::from_u32(number);
+    let (mut low, mut high) = if number == 1 {
+        (S::ZERO, S::literal(1.9))
+    } else {
+        (pi * (count - S::literal(0.76)), pi * (count - S::literal(0.48)))
+    };
+    let falls = characteristic(low, ratio) > S::ZERO;
+    for _ in 0..MOST_HALVINGS {
+        let middle = S::literal(0.5) * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if (characteristic(middle, ratio) > S::ZERO) == falls {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// `sech λ + cos λ + λ μ (cos λ tanh λ − sin λ)`.
+fn characteristic<S: Scalar>(lambda: S, ratio: S) -> S {
+    let decay = S::Build::exponential(-lambda);
+    let square = decay * decay;
+    let sech = S::literal(2.0) * decay / (S::ONE + square);
+    let (sine, cosine) = sine_and_cosine(lambda);
+    let bending = if lambda < S::literal(SERIES_REACH) {
+        // sin cosh − cos sinh = 4 Σ (−4)ᵏ x^(4k+3) / (4k+3)!
+        -S::literal(4.0) * fourth_series(lambda, 3, S::literal(-4.0)) * sech
+    } else {
+        cosine * (S::ONE - square) / (S::ONE + square) - sine
+    };
+    sech + cosine + lambda * ratio * bending
+}
+
+/// `σ`, from the conditions at the tip, and `(1 − σ) e^λ / 2`.
+fn shape_constants<S: Scalar>(lambda: S, ratio: S) -> (S, S) {
+    let two = S::literal(2.0);
+    let weight = lambda * ratio;
+    if lambda < S::literal(SERIES_REACH) {
+        let [sum, _, cosines, sines] = [0, 1, 2, 3].map(|order| two * fourth_series(lambda, order, S::ONE));
+        // The growing part is not told apart here: the shape is summed as series too.
+        return ((sines + weight * cosines) / (sum + weight * sines), S::ZERO);
+    }
+    let half = S::literal(0.5);
+    let decay = S::Build::exponential(-lambda);
+    let square = decay * decay;
+    let (sine, cosine) = sine_and_cosine(lambda);
+    // cosh + cos, cosh − cos and sinh − sin over e^λ.
+    let sum = half * (S::ONE + square) + cosine * decay;
+    let cosines = half * (S::ONE + square) - cosine * decay;
+    let sines = half * (S::ONE - square) - sine * decay;
+    let denominator = sum + weight * sines;
+    let rest = decay + cosine + sine + weight * (cosine - sine - decay);
+    ((sines + weight * cosines) / denominator, half * rest / denominator)
+}
+
+/// `Σ factorᵏ x^(4k+order) / (4k+order)!`.
+fn fourth_series<S: Scalar>(x: S, order: u32, factor: S) -> S {
+    let mut term = (1..=order).fold(S::ONE, |term, n| term * x / S::from_u32(n));
+    let fourth = x * x * x * x * factor;
+    let mut sum = term;
+    for k in 0..SERIES_TERMS {
+        let n = S::from_u32(4 * k + order);
+        let next = [1, 2, 3, 4].map(|i| n + S::from_u32(i));
+        term = term * fourth / (next[0] * next[1] * next[2] * next[3]);
+        sum += term;
+    }
+    sum
+}
+
+/// Sine and cosine of an angle in radians.
+fn sine_and_cosine<S: Scalar>(angle: S) -> (S, S) {
+    let phase = turns_of_radians(angle).unwrap_or(0);
+    (S::Build::sine_of_turns(phase), S::Build::cosine_of_turns(phase))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The beam of the sliding harvester: 100 × 20 × 0.5 mm of steel, 8 g at its tip.
+    fn slider(tip_mass: f64) -> Cantilever<f64> {
+        Cantilever {
+            length: 0.1,
+            bending_stiffness: 210e9 * 0.02 * 0.0005f64.powi(3) / 12.0,
+            mass_per_length: 7800.0 * 0.02 * 0.0005,
+            tip_mass,
+        }
+    }
+
+    fn single(beam: Cantilever<f64>) -> Cantilever<f32> {
+        Cantilever {
+            length: beam.length as f32,
+            bending_stiffness: beam.bending_stiffness as f32,
+            mass_per_length: beam.mass_per_length as f32,
+            tip_mass: beam.tip_mass as f32,
+        }
+    }
+
+    fn close(value: f64, expected: f64, relative: f64) {
+        assert!((value / expected - 1.0).abs() < relative, "{value} is not {expected} within {relative}");
+    }
+
+    /// The integral over the length by Simpson's rule.
+    fn integral(integrand: impl Fn(f64) -> f64) -> f64 {
+        let intervals = 2000;
+        (0..=intervals).fold(0.0, |sum, k| {
+            let weight = if k == 0 || k == intervals { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
+            sum + weight * integrand(f64::from(k) / f64::from(intervals))
+        }) / f64::from(3 * intervals)
+    }
+
+    #[test]
+    fn the_beam_of_the_sliding_harvester_has_its_known_mode() {
+        let mode = slider(8e-3).mode(1);
+        close(mode.eigenvalue, 1.241_539_786_9, 1e-10);
+        close(mode.angular_frequency, 115.441_779_0, 1e-9);
+        close(mode.shape(1.0).value, 10.071_422_2, 1e-8);
+        close(mode.base_coupling, 0.110_268_763_7, 1e-9);
+    }
+
+    #[test]
+    fn a_free_end_has_the_eigenvalues_of_the_textbook() {
+        let known = [1.875_104_07, 4.694_091_13, 7.854_757_44, 10.995_540_73, 14.137_168_39, 17.278_759_53];
+        for (number, known) in (1..).zip(known) {
+            let mode = slider(0.0).mode(number);
+            assert!((mode.eigenvalue - known).abs() < 6e-9, "{number}");
+            // The exact shortcut at a free tip: φ = ±2/√m_b.
+            let mass = slider(0.0).mass_per_length * 0.1;
+            let sign = if number % 2 == 1 { 2.0 } else { -2.0 };
+            close(mode.shape(1.0).value, sign / mass.sqrt(), 1e-12);
+        }
+        let high = slider(0.0).mode(20);
+        close(high.eigenvalue, 19.5 * core::f64::consts::PI, 1e-15);
+        assert!(high.shape(1.0).value.is_finite() && high.shape(0.37).curvature.is_finite());
+    }
+
+    #[test]
+    fn modes_are_orthonormal_and_carry_the_whole_mass() {
+        for tip_mass in [0.0, 1e-3, 8e-3, 0.5] {
+            let beam = slider(tip_mass);
+            let beam_mass = beam.mass_per_length * beam.length;
+            let mut coupled = 0.0;
+            for i in 1..=6 {
+                let one = beam.mode(i);
+                for j in 1..=i {
+                    let other = beam.mode(j);
+                    let product = beam_mass * integral(|s| one.shape(s).value * other.shape(s).value)
+                        + tip_mass * one.shape(1.0).value * other.shape(1.0).value;
+                    assert!(
+                        (product - f64::from(u8::from(i == j))).abs() < 2e-9,
+                        "{tip_mass} {i} {j} {product}"
+                    );
+                }
+                let moment = beam_mass * integral(|s| one.shape(s).value) + tip_mass * one.shape(1.0).value;
+                assert!((one.base_coupling - moment).abs() < 1e-10, "{tip_mass} {i}");
+                coupled += one.base_coupling.powi(2);
+            }
+            // Σ Γ² is the whole mass once all modes are in.
+            assert!(coupled < beam_mass + tip_mass && coupled > 0.93 * (beam_mass + tip_mass), "{tip_mass}");
+        }
+    }
+
+    #[test]
+    fn strain_energy_and_shear_at_the_tip_are_those_of_the_frequency() {
+        for tip_mass in [0.0, 8e-3, 0.5] {
+            let beam = slider(tip_mass);
+            for number in 1..=4 {
+                let mode = beam.mode(number);
+                let square = mode.angular_frequency.powi(2);
+                // EI ∫ φ''² dz = ω², with derivatives by s = z/L.
+                let stiffness = beam.bending_stiffness / beam.length.powi(3);
+                let strain = stiffness * integral(|s| mode.shape(s).curvature.powi(2));
+                close(strain, square, 1e-8);
+                // EI φ'''(L) = −ω² m φ(L); the third derivative by differences of the second.
+                let step = 1e-4;
+                let [a, b, c] = [1.0, 1.0 - step, 1.0 - 2.0 * step].map(|s| mode.shape(s).curvature);
+                let shear = stiffness * (1.5 * a - 2.0 * b + 0.5 * c) / step;
+                let tip = mode.shape(1.0).value;
+                let scale = stiffness * mode.eigenvalue.powi(3) * mode.scale;
+                let expected = -square * tip_mass * tip;
+                assert!((shear - expected).abs() < 1e-5 * scale, "{tip_mass} {number} {shear} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn rules_of_thumb_hold_for_the_first_mode() {
+        let beam = slider(8e-3);
+        let (mode, beam_mass) = (beam.mode(1), 7.8e-3);
+        let tip = mode.shape(1.0).value;
+        let modal_mass = 1.0 / (tip * tip);
+        close(modal_mass, 8e-3 + 33.0 / 140.0 * beam_mass, 3e-3);
+        close(mode.base_coupling / tip, 8e-3 + 0.375 * beam_mass, 3e-3);
+        close(mode.angular_frequency.powi(2) * modal_mass, 3.0 * beam.bending_stiffness / 1e-3, 2e-3);
+        // A tip mass a million times the beam's: a massless spring.
+        let heavy = slider(7.8e3).mode(1);
+        close(heavy.angular_frequency.powi(2), 3.0 * beam.bending_stiffness / 1e-3 / 7.8e3, 1e-6);
+        close(heavy.base_coupling, 7.8e3f64.sqrt(), 1e-6);
+    }
+
+    #[test]
+    fn single_precision_is_as_good_as_its_rounding() {
+        for tip_mass in [0.0, 8e-3, 0.5, 7.8e3] {
+            for number in 1..=10 {
+                let (fine, coarse) = (slider(tip_mass).mode(number), single(slider(tip_mass)).mode(number));
+                close(coarse.eigenvalue.into(), fine.eigenvalue, 5e-7);
+                close(coarse.angular_frequency.into(), fine.angular_frequency, 2e-6);
+                for s in [0.2, 0.5, 0.83, 1.0] {
+                    let difference = f64::from(coarse.shape(s as f32).value) - fine.shape(s).value;
+                    assert!(difference.abs() < 1e-5 * fine.scale, "{tip_mass} {number} {s} {difference}");
+                }
+            }
+        }
+    }
+}

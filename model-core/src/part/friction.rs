@@ -1,0 +1,138 @@
+//! Coulomb friction of a slider that lies on two patches at once.
+
+use core::fmt::Debug;
+
+use super::bounds::{Bounds, ParameterError};
+use crate::scalar::Scalar;
+
+/// A law of dry friction.
+///
+/// The slider rests with the share `active` of its face on one patch and with the rest on the
+/// other; each patch has its own coefficients, and the friction coefficient of the pair is their
+/// mean weighed by the shares (equations (5) and (11) of Fu, Ouyang and Davis 2020).
+pub trait Friction<S: Scalar>: Copy + Debug + PartialEq {
+    /// Whether there is friction at all; if not, the code for reversals and sticking is not there.
+    const PRESENT: bool;
+
+    /// Coefficient of static friction where the share `active` lies on the active patch.
+    fn static_coefficient(&self, active: S) -> S;
+
+    /// Coefficient of kinetic friction where the share `active` lies on the active patch.
+    fn kinetic_coefficient(&self, active: S) -> S;
+
+    /// Derivative of the kinetic coefficient by the share.
+    fn kinetic_by_share(&self) -> S;
+
+    /// Checks the law's parameters.
+    ///
+    /// # Errors
+    /// The first that is out of its bounds.
+    fn check(&self) -> Result<(), ParameterError<S>>;
+}
+
+/// Coulomb friction with static and kinetic coefficients on an active patch (the charged electrode)
+/// and an inert one.
+///
+/// On each patch the kinetic coefficient must not exceed the static one: a slider that static
+/// friction can no longer hold would be pushed back by the kinetic one, and no mode is consistent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PatchFriction<S> {
+    /// `μ_s1`, static, active patch, 0 to 10.
+    pub static_active: S,
+    /// `μ_s2`, static, inert patch, 0 to 10.
+    pub static_inert: S,
+    /// `μ_k1`, kinetic, active patch, 0 to `static_active`.
+    pub kinetic_active: S,
+    /// `μ_k2`, kinetic, inert patch, 0 to `static_inert`.
+    pub kinetic_inert: S,
+}
+
+impl<S: Scalar> Friction<S> for PatchFriction<S> {
+    const PRESENT: bool = true;
+
+    #[inline(always)]
+    fn static_coefficient(&self, active: S) -> S {
+        self.static_inert + (self.static_active - self.static_inert) * active
+    }
+
+    #[inline(always)]
+    fn kinetic_coefficient(&self, active: S) -> S {
+        self.kinetic_inert + self.kinetic_by_share() * active
+    }
+
+    #[inline(always)]
+    fn kinetic_by_share(&self) -> S {
+        self.kinetic_active - self.kinetic_inert
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        let all = Bounds::new(0.0, 10.0);
+        all.check("static_friction_active", self.static_active)?;
+        all.check("static_friction_inert", self.static_inert)?;
+        Bounds { highest: self.static_active, ..all }
+            .check("kinetic_friction_active", self.kinetic_active)?;
+        Bounds { highest: self.static_inert, ..all }.check("kinetic_friction_inert", self.kinetic_inert)
+    }
+}
+
+/// No friction: no reversal is an event and nothing sticks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Frictionless;
+
+impl<S: Scalar> Friction<S> for Frictionless {
+    const PRESENT: bool = false;
+
+    #[inline(always)]
+    fn static_coefficient(&self, _active: S) -> S {
+        S::ZERO
+    }
+
+    #[inline(always)]
+    fn kinetic_coefficient(&self, _active: S) -> S {
+        S::ZERO
+    }
+
+    #[inline(always)]
+    fn kinetic_by_share(&self) -> S {
+        S::ZERO
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PATCHES: PatchFriction<f64> =
+        PatchFriction { static_active: 0.35, static_inert: 0.25, kinetic_active: 0.30, kinetic_inert: 0.20 };
+
+    #[test]
+    fn coefficients_are_weighed_by_the_shares() {
+        assert_eq!(PATCHES.static_coefficient(1.0), 0.35);
+        assert_eq!(PATCHES.static_coefficient(0.0), 0.25);
+        assert!((PATCHES.kinetic_coefficient(0.25) - (0.25 * 0.30 + 0.75 * 0.20)).abs() < 1e-15);
+        let slope = (PATCHES.kinetic_coefficient(0.7) - PATCHES.kinetic_coefficient(0.6)) / 0.1;
+        assert!((slope - PATCHES.kinetic_by_share()).abs() < 1e-13);
+    }
+
+    #[test]
+    fn kinetic_friction_above_static_is_refused_on_each_patch() {
+        let refused = |friction: PatchFriction<f64>| friction.check().err().map(|error| error.field);
+        assert_eq!(refused(PATCHES), None);
+        assert_eq!(
+            refused(PatchFriction { kinetic_active: 0.36, ..PATCHES }),
+            Some("kinetic_friction_active")
+        );
+        assert_eq!(refused(PatchFriction { kinetic_inert: 0.26, ..PATCHES }), Some("kinetic_friction_inert"));
+        assert_eq!(refused(PatchFriction { static_inert: -0.1, ..PATCHES }), Some("static_friction_inert"));
+        assert_eq!(
+            refused(PatchFriction { static_active: f64::NAN, ..PATCHES }),
+            Some("static_friction_active")
+        );
+    }
+}

@@ -1,0 +1,365 @@
+//! The flow of each mode, its iteration matrix, and the powers along it.
+
+use super::automaton::Mode;
+use super::force_law::ForceLaw;
+use super::lateral_force::LateralForce;
+use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
+use crate::integrate::System;
+use crate::part::disc_overlap::DiscOverlap;
+use crate::part::load::{Load, Resistance};
+use crate::scalar::Scalar;
+use crate::scene::account;
+use crate::scene::coupled::{self, Derivatives, ModeFactor};
+
+/// The electrical quantities at a displacement and a charge, in units of the charge and of volts per
+/// charge unit at full overlap.
+pub(super) struct Circuit<S> {
+    overlap: DiscOverlap<S>,
+    /// `1/s1`.
+    per_active: S,
+    /// Transferred charge: the state, or in a short circuit what the displacement makes it.
+    transferred: S,
+    pub(super) voltage: S,
+}
+
+/// Derivatives of the circuit by the displacement.
+struct Slope<S> {
+    /// `ds1/dx` in 1/m.
+    active: S,
+    /// `∂V/∂x` at constant charge.
+    voltage: S,
+}
+
+impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
+    /// `x/2r` on the side `ahead` or the other.
+    #[inline(always)]
+    fn xi(&self, ahead: bool, displacement: S) -> S {
+        let xi = self.per_diameter * displacement;
+        if ahead { xi } else { -xi }
+    }
+
+    /// Shares of the slider's face on the patches, as of the side `ahead` or the other.
+    #[inline(always)]
+    pub(super) fn overlap(&self, ahead: bool, displacement: S) -> DiscOverlap<S> {
+        DiscOverlap::at(self.xi(ahead, displacement))
+    }
+
+    #[inline(always)]
+    pub(super) fn circuit(&self, ahead: bool, displacement: S, charge: S) -> Circuit<S> {
+        let overlap = self.overlap(ahead, displacement);
+        let per_active = S::ONE / overlap.active;
+        let relaxed = self.surface.tribo_charge * overlap.inert;
+        if self.is_shorted() {
+            return Circuit { overlap, per_active, transferred: relaxed, voltage: S::ZERO };
+        }
+        Circuit { overlap, per_active, transferred: charge, voltage: (relaxed - charge) * per_active }
+    }
+
+    /// `ds1/dx` in 1/m, as of the side `ahead` or the other.
+    #[inline(always)]
+    pub(super) fn active_by_displacement(&self, ahead: bool, displacement: S) -> S {
+        let by_xi = self.per_diameter * DiscOverlap::active_by_xi(self.xi(ahead, displacement));
+        if ahead { by_xi } else { -by_xi }
+    }
+
+    #[inline(always)]
+    fn slope(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> Slope<S> {
+        let active = self.active_by_displacement(ahead, displacement);
+        // V = (t s2 − q)/s1, and t s2 − q + t s1 = t − q.
+        let opposite = self.surface.tribo_charge - circuit.transferred;
+        let voltage = -active * opposite * circuit.per_active * circuit.per_active;
+        Slope { active, voltage: if self.is_shorted() { S::ZERO } else { voltage } }
+    }
+
+    /// The rate of a charge that follows the displacement, `dq/dt = −t (ds1/dx) v`.
+    #[inline(always)]
+    pub(super) fn following_current(&self, ahead: bool, displacement: S, velocity: S) -> S {
+        -self.surface.tribo_charge * self.active_by_displacement(ahead, displacement) * velocity
+    }
+
+    /// Rate in 1/s at which the charge relaxes at a displacement; 0 without a resistor.
+    #[inline(always)]
+    pub(super) fn relaxation(&self, circuit: &Circuit<S>) -> S {
+        self.circuit_rate * circuit.per_active
+    }
+
+    /// Normal force per modal mass `(m g + F_e)/M` in m/s², and its derivative by the charge.
+    #[inline(always)]
+    fn normal(&self, circuit: &Circuit<S>) -> [S; 2] {
+        let [acting, by_charge] = self.force_law.acting_charge(circuit.transferred, &self.surface);
+        let per_charge = acting * circuit.per_active;
+        let by_charge = if self.is_shorted() { S::ZERO } else { (per_charge + per_charge) * by_charge };
+        [self.weight_per_mass + acting * per_charge, by_charge]
+    }
+
+    /// Its derivative by the displacement.
+    #[inline(always)]
+    fn normal_by_displacement(&self, circuit: &Circuit<S>, slope: &Slope<S>) -> S {
+        let [acting, by_charge] = self.force_law.acting_charge(circuit.transferred, &self.surface);
+        let per_charge = acting * circuit.per_active;
+        let at_charge = -per_charge * per_charge * slope.active;
+        // In a short circuit the charge follows: dq/dx = −t ds1/dx.
+        let along = -self.surface.tribo_charge * slope.active * (per_charge + per_charge) * by_charge;
+        if self.is_shorted() { at_charge + along } else { at_charge }
+    }
+
+    /// The most that static friction can hold, per modal mass, and its derivative by the charge.
+    #[inline(always)]
+    pub(super) fn static_friction(&self, circuit: &Circuit<S>) -> [S; 2] {
+        let coefficient = self.friction.static_coefficient(circuit.overlap.active);
+        self.normal(circuit).map(|normal| coefficient * normal)
+    }
+
+    /// Lateral force of the field per modal mass, `d (ds1/dx) V (V + 2t)` in these units.
+    #[inline(always)]
+    fn field_force(&self, circuit: &Circuit<S>, active_by_displacement: S) -> S {
+        let tribo = self.surface.tribo_charge;
+        self.dielectric * active_by_displacement * circuit.voltage * (circuit.voltage + tribo + tribo)
+    }
+
+    /// Lateral force per modal mass that acts on the slider, and its derivative by the charge.
+    #[inline(always)]
+    pub(super) fn lateral(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> [S; 2] {
+        if !self.lateral_force.acts() {
+            return [S::ZERO; 2];
+        }
+        let slope = self.active_by_displacement(ahead, displacement);
+        let twice = S::literal(2.0) * (circuit.voltage + self.surface.tribo_charge);
+        let by_charge = -self.dielectric * slope * twice * circuit.per_active;
+        [self.field_force(circuit, slope), by_charge]
+    }
+
+    /// Its derivative by the displacement.
+    #[inline(always)]
+    fn lateral_by_displacement(
+        &self,
+        ahead: bool,
+        displacement: S,
+        circuit: &Circuit<S>,
+        slope: &Slope<S>,
+    ) -> S {
+        if !self.lateral_force.acts() {
+            return S::ZERO;
+        }
+        // d²s1/dξ² = (16/π²) ξ / −(ds1/dξ); at the rim of the domain it has a pole.
+        let xi = self.xi(ahead, displacement);
+        let by_xi = DiscOverlap::active_by_xi(xi).absolute().larger(S::literal(1e-3));
+        let curvature = S::literal(16.0 / (core::f64::consts::PI * core::f64::consts::PI)) * xi / by_xi
+            * self.per_diameter
+            * self.per_diameter;
+        let tribo = self.surface.tribo_charge;
+        let voltage = circuit.voltage;
+        self.dielectric
+            * (curvature * voltage * (voltage + tribo + tribo)
+                + S::literal(2.0) * slope.active * slope.voltage * (voltage + tribo))
+    }
+
+    /// Terminal voltage and load current, in volts and amperes.
+    ///
+    /// With a resistor both come from the rate of the charge: the voltage as a difference is a
+    /// small part of `V_oc` where the resistance is small.
+    #[inline(always)]
+    pub(super) fn voltage_and_current(&self, mode: Mode, state: &[S; STATES], rate: &[S; STATES]) -> (S, S) {
+        if Self::STICKS && mode == Mode::Stuck && !self.sticking.relaxes() {
+            return (S::ZERO, S::ZERO);
+        }
+        let [displacement, velocity, charge] = *state;
+        let ahead = mode.is_ahead(displacement);
+        match self.load.resistance() {
+            Resistance::Finite(ohms) => {
+                let current = self.charge_unit * rate[CHARGE];
+                (ohms * current, current)
+            }
+            Resistance::Short => {
+                (S::ZERO, self.charge_unit * self.following_current(ahead, displacement, velocity))
+            }
+            Resistance::Open => (self.field * self.circuit(ahead, displacement, charge).voltage, S::ZERO),
+        }
+    }
+
+    /// Elastic and kinetic, and electrical energy in joules.
+    #[inline(always)]
+    pub(super) fn energies(&self, mode: Mode, [displacement, velocity, charge]: [S; STATES]) -> [S; 2] {
+        let circuit = self.circuit(mode.is_ahead(displacement), displacement, charge);
+        let elastic = self.stiffness_per_mass * displacement * displacement;
+        let mechanical = S::literal(0.5) * self.modal_mass * (velocity * velocity + elastic);
+        // (q − σS2)² d / (2 ε0 ε_r S1) is M d V² s1 in these units.
+        let electrical =
+            self.modal_mass * self.dielectric * circuit.voltage * circuit.voltage * circuit.overlap.active;
+        [mechanical, electrical]
+    }
+}
+
+/// The flow of one mode.
+#[derive(Debug, Clone, Copy)]
+pub struct Flow<'a, S: Scalar, P: Parts<S>> {
+    pub(super) scene: &'a Sliding<S, P>,
+    pub(super) mode: Mode,
+}
+
+impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
+    /// Whether the slider is held; where it never is, the compiler drops the code for it.
+    #[inline(always)]
+    fn is_stuck(&self) -> bool {
+        Sliding::<S, P>::STICKS && self.mode == Mode::Stuck
+    }
+
+    /// Rate of the charge per unit of voltage: 0 unless a resistor carries current in this mode.
+    #[inline(always)]
+    fn circuit_rate(&self) -> S {
+        let frozen = self.is_stuck() && !self.scene.sticking.relaxes();
+        match self.scene.load.resistance() {
+            Resistance::Finite(_) if !frozen => self.scene.circuit_rate,
+            _ => S::ZERO,
+        }
+    }
+
+    /// The sign of the velocity in this mode.
+    #[inline(always)]
+    fn direction(&self) -> S {
+        match self.mode {
+            Mode::Sliding { forward: false, .. } => -S::ONE,
+            Mode::Sliding { forward: true, .. } | Mode::Stuck => S::ONE,
+        }
+    }
+
+    /// The whole account of powers; see [`account`].
+    #[inline(always)]
+    fn account(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; account::WHOLE] {
+        let scene = self.scene;
+        let [displacement, velocity, charge] = *state;
+        let (voltage, current) = scene.voltage_and_current(self.mode, state, rate);
+        let momentum = scene.modal_mass * velocity;
+        let base = -scene.base_coupling * momentum * acceleration;
+        let ahead = self.mode.is_ahead(displacement);
+        let circuit = scene.circuit(ahead, displacement, charge);
+        let coefficient = scene.friction.kinetic_coefficient(circuit.overlap.active);
+        let [normal, _] = scene.normal(&circuit);
+        let slope = scene.active_by_displacement(ahead, displacement);
+        let taken_up = -scene.field_force(&circuit, slope) * momentum;
+        let mut powers = [S::ZERO; account::WHOLE];
+        powers[account::LOAD] = voltage * current;
+        powers[account::VOLTAGE_SQUARED] = voltage * voltage;
+        powers[account::VOLTAGE] = voltage;
+        powers[account::CURRENT_MAGNITUDE] = current.absolute();
+        powers[account::BASE] = base;
+        powers[account::BASE_MAGNITUDE] = base.absolute();
+        powers[account::DISSIPATION] =
+            momentum * (scene.damping_per_mass * velocity + self.direction() * coefficient * normal);
+        powers[account::GIVEN_UP] = if scene.lateral_force.acts() { taken_up } else { S::ZERO };
+        powers[account::TAKEN_UP] = taken_up;
+        powers
+    }
+}
+
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for Flow<'_, S, P> {
+    type Factor = ModeFactor<S>;
+
+    #[inline(always)]
+    fn flow(&self, state: &[S; STATES], acceleration: S) -> [S; STATES] {
+        let scene = self.scene;
+        let [displacement, velocity, charge] = *state;
+        let ahead = self.mode.is_ahead(displacement);
+        let circuit = scene.circuit(ahead, displacement, charge);
+        let charge_rate = self.circuit_rate() * circuit.voltage;
+        if self.is_stuck() {
+            return [S::ZERO, S::ZERO, charge_rate];
+        }
+        let mut force = scene.damping_per_mass * velocity + scene.stiffness_per_mass * displacement;
+        if <P::Friction as Friction<S>>::PRESENT {
+            let coefficient = scene.friction.kinetic_coefficient(circuit.overlap.active);
+            let [normal, _] = scene.normal(&circuit);
+            force += self.direction() * coefficient * normal;
+        }
+        let [lateral, _] = scene.lateral(ahead, displacement, &circuit);
+        [velocity, lateral - force - scene.base_coupling * acceleration, charge_rate]
+    }
+
+    #[inline(always)]
+    fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
+        let scene = self.scene;
+        let [displacement, _, charge] = *state;
+        let ahead = self.mode.is_ahead(displacement);
+        let circuit = scene.circuit(ahead, displacement, charge);
+        let rate = self.circuit_rate();
+        let current_by_charge = -rate * circuit.per_active;
+        if self.is_stuck() {
+            return Some(ModeFactor::held(weight, current_by_charge));
+        }
+        let slope = scene.slope(ahead, displacement, &circuit);
+        let coefficient = self.direction() * scene.friction.kinetic_coefficient(circuit.overlap.active);
+        let by_share = self.direction() * scene.friction.kinetic_by_share();
+        let [normal, normal_by_charge] = scene.normal(&circuit);
+        let [_, lateral_by_charge] = scene.lateral(ahead, displacement, &circuit);
+        let friction_by_displacement =
+            by_share * slope.active * normal + coefficient * scene.normal_by_displacement(&circuit, &slope);
+        let lateral_by_displacement = scene.lateral_by_displacement(ahead, displacement, &circuit, &slope);
+        ModeFactor::moving(
+            weight,
+            &Derivatives {
+                stiffness: scene.stiffness_per_mass + friction_by_displacement - lateral_by_displacement,
+                damping: scene.damping_per_mass,
+                force_by_charge: coefficient * normal_by_charge - lateral_by_charge,
+                current_by_position: rate * slope.voltage,
+                current_by_charge,
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn solve(&self, factor: &ModeFactor<S>, right: [S; STATES]) -> [S; STATES] {
+        factor.solve(right)
+    }
+
+    /// Newton on the velocity alone: the displacement's row is linear, and the charge's is linear in
+    /// the charge at a given displacement, so both are solved outright in each pass.
+    #[inline(always)]
+    fn iterate(
+        &self,
+        factor: &ModeFactor<S>,
+        base: &[S; STATES],
+        increment: &mut [S; STATES],
+        acceleration: S,
+        weight: S,
+    ) -> [S; STATES] {
+        System::<S, STATES, POWERS>::eliminate(self, base, increment, weight);
+        if self.is_stuck() {
+            return [S::ZERO; STATES];
+        }
+        let state = core::array::from_fn(|i| base[i] + increment[i]);
+        let [_, rate, _] = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
+        let correction = factor.correction(weight * rate - increment[VELOCITY]);
+        increment[VELOCITY] += correction[VELOCITY];
+        correction
+    }
+
+    #[inline(always)]
+    fn eliminate(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
+        if !self.is_stuck() {
+            increment[DISPLACEMENT] = weight * (base[VELOCITY] + increment[VELOCITY]);
+        }
+        let displacement = base[DISPLACEMENT] + increment[DISPLACEMENT];
+        let overlap = self.scene.overlap(self.mode.is_ahead(displacement), displacement);
+        // (t s2 − q) = s1 V, so that the open end of the overlap divides nothing by nothing.
+        let excess = self.scene.surface.tribo_charge * overlap.inert - base[CHARGE];
+        let rate = weight * self.circuit_rate();
+        increment[CHARGE] = rate * excess / (overlap.active + rate);
+    }
+
+    #[inline(always)]
+    fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
+        // Entries beyond those asked for are not computed: the compiler drops what is not read.
+        let whole = self.account(state, rate, acceleration);
+        core::array::from_fn(|i| whole.get(i).copied().unwrap_or(S::ZERO))
+    }
+
+    /// Mechanical changes are relative to the present amplitude of the motion (at least a
+    /// ten-thousandth of the patch's diameter), charges to the tribo-charge.
+    #[inline(always)]
+    fn weigh(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
+        let scene = self.scene;
+        let least = S::literal(1e-4) * scene.diameter;
+        let motion = [state[DISPLACEMENT], state[VELOCITY]];
+        coupled::weigh(motion, change, scene.radian, least, scene.per_tribo_charge)
+    }
+}

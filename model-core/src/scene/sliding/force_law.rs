@@ -1,0 +1,56 @@
+//! The electrostatic force that adds to the slider's weight.
+
+use core::fmt::Debug;
+
+use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
+use crate::scalar::Scalar;
+
+/// The charged surface, in the units of the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Surface<S> {
+    /// Tribo-charge `σS` in charge units.
+    pub tribo_charge: S,
+    /// `√ε_r` of the dielectric.
+    pub root_permittivity: S,
+}
+
+/// A law for the attraction between slider and active patch.
+///
+/// Each is `F_e / M = e² / s1` with a charge `e` that is linear in the transferred one.
+pub trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
+    /// `e` in charge units, and its derivative by the transferred charge.
+    fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2];
+}
+
+/// `F_e = q² / (2 ε0 ε_r S1)`: equation (16) as inferred from the paper's findings.
+///
+/// Of the forms tried only this one, with or without the factor `ε_r`, gives the paper's fall of the
+/// amplitude and its shift of the peak to the left and back as the resistance grows.
+impl<S: Scalar> ForceLaw<S> for TransferredCharge {
+    #[inline(always)]
+    fn acting_charge(&self, transferred: S, _surface: &Surface<S>) -> [S; 2] {
+        [transferred, S::ONE]
+    }
+}
+
+/// `F_e = (σS − q)² / (2 ε0 S1)`: the field between slider and patch acts on the charge of the face.
+///
+/// Its trends with the resistance are opposite to the paper's.
+impl<S: Scalar> ForceLaw<S> for GapField {
+    #[inline(always)]
+    fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2] {
+        let root = surface.root_permittivity;
+        [root * (surface.tribo_charge - transferred), -root]
+    }
+}
+
+impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
+    #[inline(always)]
+    fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2] {
+        match self {
+            Self::TransferredCharge => TransferredCharge.acting_charge(transferred, surface),
+            Self::GapField => GapField.acting_charge(transferred, surface),
+        }
+    }
+}

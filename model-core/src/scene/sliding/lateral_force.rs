@@ -1,0 +1,54 @@
+//! The electrostatic force along the plane of sliding.
+
+use core::fmt::Debug;
+
+/// Whether the field pulls the slider along the plane too: `F_lat = −∂W/∂x` at constant charge, with
+/// `W = (q − σ S2)² d / (2 ε0 ε_r S1)` the energy of the overlap capacitor.
+///
+/// The paper leaves it out, as some 10⁻⁴ of the elastic force. Then what the load receives is taken
+/// from nowhere; with it the energy ledger closes as a whole.
+pub trait LateralForce: Copy + Debug + PartialEq {
+    /// Whether it acts.
+    fn acts(&self) -> bool;
+}
+
+/// No lateral force: the paper's model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NoLateralForce;
+
+impl LateralForce for NoLateralForce {
+    #[inline(always)]
+    fn acts(&self) -> bool {
+        false
+    }
+}
+
+/// The lateral force of the field: energy is conserved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FieldLateralForce;
+
+impl LateralForce for FieldLateralForce {
+    #[inline(always)]
+    fn acts(&self) -> bool {
+        true
+    }
+}
+
+/// A lateral force or none, chosen at run time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AnyLateralForce {
+    /// As [`NoLateralForce`].
+    None,
+    /// As [`FieldLateralForce`].
+    Field,
+}
+
+impl LateralForce for AnyLateralForce {
+    #[inline(always)]
+    fn acts(&self) -> bool {
+        *self == Self::Field
+    }
+}

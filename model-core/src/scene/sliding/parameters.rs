@@ -1,0 +1,181 @@
+//! Parameters, what can be left out of them, and the coefficients made of them.
+
+use core::fmt::Debug;
+
+use super::force_law::{ForceLaw, Surface};
+use super::lateral_force::{AnyLateralForce, LateralForce};
+use super::{Friction, PatchFriction, Sliding};
+use crate::part::beam::Cantilever;
+use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::force_law::AnyForceLaw;
+use crate::part::load::{AnyLoad, Load, Resistance};
+use crate::part::stick_charge::{AnyStickCharge, Sticking};
+use crate::part::{GRAVITY, VACUUM_PERMITTIVITY};
+use crate::scalar::Scalar;
+
+/// The parts a sliding harvester is made of: one type for each choice.
+///
+/// Firmware names the types it needs and pays for nothing else; [`AnyParts`] leaves every choice
+/// to run time.
+pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
+    /// The electrostatic force law.
+    type ForceLaw: ForceLaw<S>;
+    /// The load.
+    type Load: Load<S>;
+    /// The friction.
+    type Friction: Friction<S>;
+    /// What happens where the slider comes to rest.
+    type Sticking: Sticking;
+    /// Whether the field pulls along the plane.
+    type LateralForce: LateralForce;
+}
+
+/// Every choice at run time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AnyParts;
+
+impl<S: Scalar> Parts<S> for AnyParts {
+    type ForceLaw = AnyForceLaw;
+    type Load = AnyLoad<S>;
+    type Friction = PatchFriction<S>;
+    type Sticking = AnyStickCharge;
+    type LateralForce = AnyLateralForce;
+}
+
+/// Parameters of a sliding harvester, in SI units. Table 1 of the paper.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters<S: Scalar, P: Parts<S>> {
+    /// Length `L` of the beam in m, 10⁻⁴ to 10.
+    pub beam_length: S,
+    /// Width `b` of the beam in m, 10⁻⁵ to 10.
+    pub beam_width: S,
+    /// Thickness `h` of the beam, in the direction of bending, in m, 10⁻⁶ to 1; the natural frequency
+    /// must come out between 10⁻³ and 10⁴ Hz.
+    pub beam_thickness: S,
+    /// Young's modulus `E` in Pa, 10³ to 10¹³.
+    pub young_modulus: S,
+    /// Density `ρ` of the beam in kg/m³, 1 to 10⁵.
+    pub density: S,
+    /// Damping ratio `ζ` of the first mode, 0 to 10.
+    pub damping_ratio: S,
+    /// Mass `m` of the slider in kg, 10⁻⁹ to 10³.
+    pub slider_mass: S,
+    /// Radius `r` of the slider and the active patch in m, 10⁻⁶ to 1.
+    pub patch_radius: S,
+    /// Friction between slider and patches.
+    pub friction: P::Friction,
+    /// Thickness `d` of the dielectric in m, 10⁻⁹ to 0.1.
+    pub dielectric_thickness: S,
+    /// Relative permittivity `ε_r` of the dielectric, 1 to 10⁵.
+    pub relative_permittivity: S,
+    /// Magnitude of the tribo-charge surface density `σ` in C/m², 0 to 10⁻². Its sign would only
+    /// turn the signs of charge and voltage.
+    pub charge_density: S,
+    /// Load; a finite resistance must be from 10⁻⁹ to 10³⁰ Ω.
+    pub load: P::Load,
+    /// Electrostatic force law.
+    pub force_law: P::ForceLaw,
+    /// What the charge does while the slider is held.
+    pub sticking: P::Sticking,
+    /// Whether the field pulls the slider along the plane.
+    pub lateral_force: P::LateralForce,
+}
+
+/// Roundings within which a displacement or a velocity that starts at zero is not told from it.
+const START_ROUNDINGS: f64 = 64.0;
+
+impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
+    /// Checks the parameters and makes the coefficients of them.
+    ///
+    /// No step of this cancels, so the coefficients are right to some roundings in `f32` too.
+    ///
+    /// # Errors
+    /// The first field that is out of its bounds, with its value.
+    pub fn build(&self) -> Result<Sliding<S, P>, ParameterError<S>> {
+        self.check()?;
+        let two = S::literal(2.0);
+        let section = self.beam_width * self.beam_thickness;
+        let square = self.beam_thickness * self.beam_thickness;
+        let mode = Cantilever {
+            length: self.beam_length,
+            bending_stiffness: self.young_modulus * section * square * S::literal(1.0 / 12.0),
+            mass_per_length: self.density * section,
+            tip_mass: self.slider_mass,
+        }
+        .mode(1);
+        let angular_frequency = mode.angular_frequency;
+        let hertz = angular_frequency * S::literal(0.5 * core::f64::consts::FRAC_1_PI);
+        Bounds::new(1e-3, 1e4).check("natural frequency of the beam with the slider", hertz)?;
+        let tip = mode.shape(S::ONE).value;
+        let modal_mass = S::ONE / (tip * tip);
+        let area = S::literal(core::f64::consts::PI) * self.patch_radius * self.patch_radius;
+        let permittivity_area = S::literal(VACUUM_PERMITTIVITY) * self.relative_permittivity * area;
+        let charge_unit = (two * permittivity_area * modal_mass).square_root();
+        let tribo_charge = self.charge_density * area / charge_unit;
+        let elastance = self.dielectric_thickness / permittivity_area;
+        let circuit_rate = match self.load.resistance() {
+            Resistance::Finite(ohms) => elastance / ohms,
+            Resistance::Short | Resistance::Open => S::ZERO,
+        };
+        let diameter = two * self.patch_radius;
+        // Scale of the energy of a radian: that of the charge σS on the whole patch, (σS)²/2C = M d q²;
+        // or what its motion dissipates in a small resistance, 2 ω τ of that. Slow motion of a
+        // hundredth of the diameter moves a ten-thousandth of the energy.
+        let patch_energy = modal_mass * self.dielectric_thickness * tribo_charge * tribo_charge;
+        let share = match self.load.resistance() {
+            Resistance::Finite(_) => (two * angular_frequency / circuit_rate).smaller(S::ONE),
+            Resistance::Short | Resistance::Open => S::ONE,
+        };
+        let margin = S::literal(START_ROUNDINGS) * S::EPSILON * self.patch_radius;
+        let scene = Sliding {
+            modal_mass,
+            base_coupling: mode.base_coupling * tip,
+            angular_frequency,
+            stiffness_per_mass: angular_frequency * angular_frequency,
+            damping_per_mass: two * self.damping_ratio * angular_frequency,
+            radian: S::ONE / angular_frequency,
+            weight_per_mass: self.slider_mass * S::literal(GRAVITY) / modal_mass,
+            diameter,
+            per_diameter: S::ONE / diameter,
+            dielectric: self.dielectric_thickness,
+            charge_unit,
+            surface: Surface { tribo_charge, root_permittivity: self.relative_permittivity.square_root() },
+            per_tribo_charge: S::ONE / tribo_charge.larger(S::literal(1e-12)),
+            circuit_rate,
+            field: charge_unit * elastance,
+            displacement_margin: margin,
+            velocity_margin: margin * angular_frequency,
+            energy_floor: (S::literal(1e-8) * share * patch_energy).larger(S::TINY),
+            load: self.load,
+            force_law: self.force_law,
+            friction: self.friction,
+            sticking: self.sticking,
+            lateral_force: self.lateral_force,
+        };
+        // The bounds above leave combinations that no single precision can hold.
+        Bounds::new(0.0, 1e34)
+            .check("dielectric thickness / (permittivity * patch area * resistance)", scene.circuit_rate)?;
+        Bounds::new(0.0, 1e12)
+            .check("charge density * sqrt(patch area / (2 permittivity * modal mass))", tribo_charge)?;
+        Ok(scene)
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Bounds::new(1e-4, 10.0).check("beam_length", self.beam_length)?;
+        Bounds::new(1e-5, 10.0).check("beam_width", self.beam_width)?;
+        Bounds::new(1e-6, 1.0).check("beam_thickness", self.beam_thickness)?;
+        Bounds::new(1e3, 1e13).check("young_modulus", self.young_modulus)?;
+        Bounds::new(1.0, 1e5).check("density", self.density)?;
+        Bounds::new(0.0, 10.0).check("damping_ratio", self.damping_ratio)?;
+        Bounds::new(1e-9, 1e3).check("slider_mass", self.slider_mass)?;
+        Bounds::new(1e-6, 1.0).check("patch_radius", self.patch_radius)?;
+        self.friction.check()?;
+        Bounds::new(1e-9, 0.1).check("dielectric_thickness", self.dielectric_thickness)?;
+        Bounds::new(1.0, 1e5).check("relative_permittivity", self.relative_permittivity)?;
+        Bounds::new(0.0, 1e-2).check("charge_density", self.charge_density)?;
+        match self.load.resistance() {
+            Resistance::Finite(ohms) => Bounds::new(1e-9, 1e30).check("resistance", ohms),
+            Resistance::Short | Resistance::Open => Ok(()),
+        }
+    }
+}

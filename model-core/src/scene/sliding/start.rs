@@ -1,0 +1,72 @@
+//! Where a run starts.
+
+use super::automaton::Mode;
+use super::{CHARGE, Parts, STATES, Sliding};
+use crate::clock::Instant;
+use crate::excitation::Excitation;
+use crate::hybrid::HybridState;
+use crate::integrate::{Point, StepControl};
+use crate::part::bounds::{Bounds, ParameterError};
+use crate::scalar::Scalar;
+
+/// Initial values; whatever is `None` is at rest at the centre, electrically relaxed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Start<S> {
+    /// Displacement of the tip in metres, less than `2r` in magnitude; by default 0.
+    pub displacement: Option<S>,
+    /// Velocity of the tip relative to the base in m/s; by default 0.
+    pub velocity: Option<S>,
+    /// Transferred charge `q` in coulombs; by default that at which the voltage is zero.
+    pub charge: Option<S>,
+}
+
+impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
+    /// The state of this harvester at time zero.
+    ///
+    /// A start without speed is held by friction if that can.
+    ///
+    /// # Errors
+    /// A start where slider and active patch are apart, or a value that is out of bounds.
+    pub fn start<E, C, const POWERS: usize>(
+        &self,
+        start: &Start<S>,
+        excitation: &E,
+        control: &C,
+    ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>>
+    where
+        E: Excitation<S>,
+        C: StepControl<S>,
+    {
+        let displacement = start.displacement.unwrap_or(S::ZERO);
+        let velocity = start.velocity.unwrap_or(S::ZERO);
+        // The last number below 2r.
+        let highest = self.diameter * (S::ONE - S::EPSILON);
+        Bounds { lowest: -highest, highest }.check("displacement", displacement)?;
+        Bounds::new(-1e3, 1e3).check("velocity", velocity)?;
+        let charge = match start.charge {
+            None => self.relaxed_charge(displacement),
+            Some(coulombs) => {
+                Bounds::new(-1.0, 1.0).check("charge", coulombs)?;
+                coulombs / self.charge_unit
+            }
+        };
+        let state = [displacement, velocity, charge];
+        let acceleration = excitation.acceleration(Instant::START);
+        let mode = if velocity == S::ZERO {
+            self.mode_from_rest(&state, acceleration)
+        } else {
+            Mode::sliding(velocity > S::ZERO, displacement)
+        };
+        let mut start_state = HybridState::start(self, mode, state, excitation, control);
+        if start.charge.is_none() {
+            // The voltage is zero by construction; as a difference it would be a rounding error,
+            // which a small resistance turns into a current.
+            let mut derivative = start_state.point.derivative;
+            derivative[CHARGE] = S::ZERO;
+            let flow = crate::hybrid::Automaton::<S, STATES, POWERS>::flow(self, mode);
+            start_state.point = Point::with_derivative(&flow, state, derivative, acceleration);
+        }
+        Ok(if mode == Mode::Stuck { start_state } else { start_state.disarmed() })
+    }
+}
