@@ -14,7 +14,7 @@ pub use self::page::page;
 pub use self::response::{CHARGE_DENSITIES, RESISTANCES, Sweep, pairs, sweeps};
 
 use crate::method::Failure;
-use crate::scene_file::{Excitation, GRAVITY, Model, Scene};
+use crate::scene_file::{Excitation, GRAVITY, Scene};
 
 /// One picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,7 +95,7 @@ fn start(base: &Scene) -> Result<String, Failure> {
     let Excitation::Sine(tone) = &base.excitation else {
         return Err(Failure::Input(format!("{}: excitation.kind must be \"sine\"", base.file.display())));
     };
-    let Model::ContactSeparation(model) = &base.model;
+    let model = base.contact_separation()?;
     Ok(format!(
         "Base acceleration {} g. Every run starts anew, at rest at the initial gap of {} mm, without voltage; the \
          frequency at which impacts end depends on that.",

@@ -61,12 +61,25 @@ pub struct Outcome {
     pub trace: Option<Recording>,
 }
 
+impl Outcome {
+    /// The numbers of a contact-separation scene, if it is one.
+    #[must_use]
+    pub fn contact_separation(&self) -> Option<&ContactSeparationOutcome> {
+        match &self.particular {
+            Particular::ContactSeparation(found) => Some(found),
+            Particular::Sliding(_) => None,
+        }
+    }
+}
+
 /// The numbers of one kind of scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Particular {
     /// Of a contact-separation scene.
     ContactSeparation(ContactSeparationOutcome),
+    /// Of a sliding scene.
+    Sliding(SlidingOutcome),
 }
 
 /// What a contact-separation run adds.
@@ -97,6 +110,38 @@ pub struct ContactSeparationOutcome {
 /// Columns of a recording of a contact-separation run.
 pub const CONTACT_SEPARATION_COLUMNS: [&str; 7] =
     ["time_s", "gap_m", "velocity_m_per_s", "charge_c", "voltage_v", "base_acceleration_m_per_s2", "stuck"];
+
+/// What a sliding run adds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SlidingOutcome {
+    /// Natural frequency in Hz of the undamped beam with its slider, free of friction.
+    #[serde(serialize_with = "finite")]
+    pub natural_frequency_hz: Option<f64>,
+    /// Largest magnitude of the displacement in the window in m.
+    #[serde(serialize_with = "finite")]
+    pub peak_displacement_m: Option<f64>,
+    /// Half the distance in m between the largest and the smallest displacement in the window.
+    #[serde(serialize_with = "finite")]
+    pub amplitude_m: Option<f64>,
+    /// Part of the window during which the slider sticks.
+    #[serde(serialize_with = "finite")]
+    pub stick_fraction: Option<f64>,
+    /// Entries into stick in the window over the periods in it; `None` unless the base moves in one
+    /// sine.
+    #[serde(serialize_with = "finite")]
+    pub sticks_per_period: Option<f64>,
+}
+
+/// Columns of a recording of a sliding run.
+pub const SLIDING_COLUMNS: [&str; 7] = [
+    "time_s",
+    "displacement_m",
+    "velocity_m_per_s",
+    "charge_c",
+    "voltage_v",
+    "base_acceleration_m_per_s2",
+    "stuck",
+];
 
 /// Sampled motion: columns by name, one row for each instant.
 #[derive(Debug, Clone, PartialEq)]

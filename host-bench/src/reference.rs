@@ -5,8 +5,11 @@
 //! integrator as a further state.
 
 mod base;
+mod cantilever;
 mod contact_separation;
 mod root;
+
+pub(crate) use self::cantilever::Cantilever;
 
 use crate::outcome::Outcome;
 use crate::scene_file::{Model, Scene};
@@ -47,5 +50,10 @@ pub struct StepFailure {
 pub fn run(scene: &Scene, options: &ReferenceOptions) -> Result<Outcome, StepFailure> {
     match &scene.model {
         Model::ContactSeparation(model) => contact_separation::run(scene, model, options),
+        Model::Sliding(_) => Err(StepFailure {
+            reason: "the reference has no sliding scene yet".to_owned(),
+            time_s: 0.0,
+            state: "nothing has been run".to_owned(),
+        }),
     }
 }

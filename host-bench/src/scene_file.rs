@@ -12,6 +12,7 @@ mod load;
 mod run_span;
 mod scene;
 mod section;
+mod sliding;
 mod trace;
 
 use std::path::Path;
@@ -24,6 +25,13 @@ use self::section::Section;
 /// Standard gravity of the papers in m/s²: what `amplitude_g` multiplies.
 pub const GRAVITY: f64 = 9.81;
 
+/// The scenes that there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    ContactSeparation,
+    Sliding,
+}
+
 /// Reads and checks a scene file, with `overrides` put in first, in their order.
 ///
 /// # Errors
@@ -31,25 +39,35 @@ pub const GRAVITY: f64 = 9.81;
 pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
     let document = Document::read(file, overrides)?;
     let mut root = Section::root(&document);
-    let kind =
-        root.choice("scene", &[("contact-separation", Some(())), ("sliding", None), ("bump-stop", None)])?;
-    if kind.is_none() {
-        return Err(root.refuse("scene", "this scene is not available in this version"));
-    }
-    let parameters = contact_separation::parameters(root.table("parameters")?)?;
-    let initial = match root.optional_table("initial")? {
-        Some(section) => contact_separation::start(section)?,
-        None => ContactSeparationStart::default(),
+    let model = match root.choice(
+        "scene",
+        &[
+            ("contact-separation", Some(Kind::ContactSeparation)),
+            ("sliding", Some(Kind::Sliding)),
+            ("bump-stop", None),
+        ],
+    )? {
+        Some(Kind::ContactSeparation) => {
+            let parameters = contact_separation::parameters(root.table("parameters")?)?;
+            let initial = match root.optional_table("initial")? {
+                Some(section) => contact_separation::start(section)?,
+                None => ContactSeparationStart::default(),
+            };
+            Model::ContactSeparation(ContactSeparation { parameters, initial })
+        }
+        Some(Kind::Sliding) => {
+            let parameters = sliding::parameters(root.table("parameters")?)?;
+            let initial = match root.optional_table("initial")? {
+                Some(section) => sliding::start(section, &parameters)?,
+                None => SlidingStart::default(),
+            };
+            Model::Sliding(Sliding { parameters, initial })
+        }
+        None => return Err(root.refuse("scene", "this scene is not available in this version")),
     };
     let load = load::load(root.table("load")?)?;
     let excitation = excitation::excitation(root.table("excitation")?)?;
     let run = run_span::run_span(root.table("run")?, &excitation)?;
     root.finish()?;
-    Ok(Scene {
-        file: file.to_owned(),
-        model: Model::ContactSeparation(ContactSeparation { parameters, initial }),
-        load,
-        excitation,
-        run,
-    })
+    Ok(Scene { file: file.to_owned(), model, load, excitation, run })
 }

@@ -12,9 +12,9 @@ use std::cell::OnceCell;
 use serde::Serialize;
 
 use crate::method::{Failure, Method, Options, Precision, run_scene};
-use crate::outcome::{Outcome, Particular};
+use crate::outcome::Outcome;
 use crate::reference::{self, ReferenceOptions};
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::Scene;
 
 pub use self::grid::{Grid, Setting};
 
@@ -141,8 +141,8 @@ struct Statistics {
 
 impl Statistics {
     fn of(outcome: &Outcome) -> Self {
-        let Particular::ContactSeparation(particular) = &outcome.particular;
-        Self { power: outcome.mean_power_w.unwrap_or(0.0), gap: particular.peak_gap_m.unwrap_or(0.0) }
+        let gap = outcome.contact_separation().and_then(|found| found.peak_gap_m);
+        Self { power: outcome.mean_power_w.unwrap_or(0.0), gap: gap.unwrap_or(0.0) }
     }
 
     fn differences(&self, other: &Self) -> [f64; 2] {
@@ -314,13 +314,12 @@ impl Judge<'_> {
 
     /// The tight run from its own start, the reference, and the tight run from shifted starts.
     fn shifted(&self, tolerance: f64, tight: &Statistics) -> Vec<Statistics> {
-        let Model::ContactSeparation(model) = &self.scene.model;
-        let gap = model.initial.gap_m.unwrap_or(model.parameters.initial_gap_m);
         let mut runs = vec![*tight];
         runs.extend(self.reference);
         runs.extend(SHIFTS.iter().filter_map(|[gap_shift, stiffness_shift]| {
             let mut scene = self.scene.clone();
-            let Model::ContactSeparation(model) = &mut scene.model;
+            let model = scene.contact_separation_mut().ok()?;
+            let gap = model.initial.gap_m.unwrap_or(model.parameters.initial_gap_m);
             model.initial.gap_m = Some(gap * (1.0 + gap_shift));
             model.parameters.stiffness_n_per_m *= 1.0 + stiffness_shift;
             run(&scene, Precision::F64, tolerance).ok().map(|outcome| Statistics::of(&outcome))

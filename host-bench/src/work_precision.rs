@@ -7,8 +7,8 @@ pub mod table;
 use serde::Serialize;
 
 use crate::method::{Failure, Math, Method, Options, Precision, run_scene};
-use crate::outcome::{Outcome, Particular};
-use crate::scene_file::{Load, Model, Scene};
+use crate::outcome::Outcome;
+use crate::scene_file::{Load, Scene};
 
 pub use self::plan::{Control, Extent, Variant, variants};
 
@@ -56,8 +56,7 @@ impl Errors {
 }
 
 fn first_impact(outcome: &Outcome) -> Option<f64> {
-    let Particular::ContactSeparation(particular) = &outcome.particular;
-    particular.first_impact_s
+    outcome.contact_separation()?.first_impact_s
 }
 
 /// What a row found.
@@ -238,7 +237,6 @@ fn tabulate(scene: &Scene, reference: &Outcome, all: &[Timed]) -> Comparison {
         found.time_ratio = fastest.is_finite().then(|| found.ns_per_s / fastest);
     }
     let Load::Resistor { resistance_ohm } = scene.load;
-    let Model::ContactSeparation(_) = scene.model;
     Comparison {
         file: scene.file.display().to_string(),
         resistance_ohm,

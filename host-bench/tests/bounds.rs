@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use host_bench::embedded::contact_separation_parameters;
-use host_bench::scene_file::{self, ContactSeparationParameters, Load, Model, Override, Restitution};
+use host_bench::scene_file::{self, ContactSeparationParameters, Load, Override, Restitution};
 use model_core::scalar::Polynomial;
 
 type Field = fn(&mut ContactSeparationParameters) -> &mut f64;
@@ -58,7 +58,7 @@ fn around([lowest, highest]: [f64; 2]) -> [(f64, bool); 6] {
 #[test]
 fn parameters_have_the_bounds_of_the_core() {
     let base = read("run.settle_s", 0.0).expect("the shipped scene");
-    let Model::ContactSeparation(model) = &base.model;
+    let model = base.contact_separation().expect("the shipped scene");
     for (key, field, bounds) in FIELDS {
         for (value, inside) in around(bounds) {
             let mut changed = model.clone();
@@ -75,7 +75,7 @@ fn parameters_have_the_bounds_of_the_core() {
 #[test]
 fn loads_have_the_bounds_of_the_core() {
     let base = read("run.settle_s", 0.0).expect("the shipped scene");
-    let Model::ContactSeparation(model) = &base.model;
+    let model = base.contact_separation().expect("the shipped scene");
     let limits = [(0.0, true), (f64::INFINITY, true), (f64::NAN, false), (-1.0, false)];
     for (value, inside) in around([1e-9, 1e30]).into_iter().chain(limits) {
         let load = Load::Resistor { resistance_ohm: value };

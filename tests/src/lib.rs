@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use host_bench::method::{Method, Options, Precision, run_scene};
-use host_bench::outcome::{ContactSeparationOutcome, Outcome, Particular};
+use host_bench::outcome::{ContactSeparationOutcome, Outcome};
 use host_bench::scene_file::{self, ContactSeparation, Excitation, Load, Model, RunSpan, Scene, Tone};
 
 /// Standard gravity of the papers, in m/s².
@@ -14,7 +14,7 @@ pub const GRAVITY: f64 = 9.81;
 pub fn contact_separation(change: impl FnOnce(&mut Scene, &mut ContactSeparation)) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/contact-separation.toml");
     let mut scene = scene_file::read(&file, &[]).expect("the shipped scene is valid");
-    let Model::ContactSeparation(mut model) = scene.model.clone();
+    let mut model = scene.contact_separation().expect("a contact-separation scene").clone();
     change(&mut scene, &mut model);
     scene.model = Model::ContactSeparation(model);
     scene
@@ -69,7 +69,7 @@ pub fn reference() -> Options {
 #[must_use]
 pub fn run(scene: &Scene, options: &Options) -> (Outcome, ContactSeparationOutcome) {
     let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
-    let Particular::ContactSeparation(particular) = outcome.particular.clone();
+    let particular = outcome.contact_separation().expect("a contact-separation run").clone();
     (outcome, particular)
 }
 

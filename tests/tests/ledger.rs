@@ -4,7 +4,7 @@
 
 use cross_crate_tests::{contact_separation, value};
 use host_bench::embedded::contact_separation_parameters;
-use host_bench::scene_file::{ForceLaw, Model};
+use host_bench::scene_file::ForceLaw;
 use model_core::clock::Instant;
 use model_core::energy::{EventLog, Ledger, RunMeter};
 use model_core::excitation::Sine;
@@ -17,7 +17,7 @@ use model_core::scene::contact_separation::{Mode, STATES, Start};
 /// Work given up, energy delivered, energy lost in contact over 120 periods at 20 Hz, 50 µC/m², 100 MΩ.
 fn works(force_law: ForceLaw) -> [f64; 3] {
     let scene = contact_separation(|_, model| model.parameters.force_law = force_law);
-    let Model::ContactSeparation(model) = &scene.model;
+    let model = scene.contact_separation().expect("a contact-separation scene");
     let harvester =
         contact_separation_parameters::<f64, Polynomial>(model, scene.load).build().expect("in bounds");
     let shaking = Sine::<f64>::new(1.962, 20.0, 0.0).expect("in bounds");

@@ -9,7 +9,7 @@ use firmware_example::node::{FlashTrace, Node};
 use firmware_example::workload::contact_separation::ContactSeparationRun;
 use firmware_example::workload::{Progress, Workload, scenes};
 use host_bench::embedded::contact_separation_parameters;
-use host_bench::scene_file::{self, Model};
+use host_bench::scene_file;
 use model_core::integrate::{Adaptive, AnyStepControl, TrBdf2};
 use model_core::scalar::Polynomial;
 
@@ -26,7 +26,7 @@ fn states(mut workload: impl Workload) -> Vec<Vec<u32>> {
 fn parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/contact-separation.toml");
     let scene = scene_file::read(&file, &[]).expect("the shipped scene is valid");
-    let Model::ContactSeparation(model) = &scene.model;
+    let model = scene.contact_separation().expect("a contact-separation scene");
     let parameters = contact_separation_parameters::<f32, Polynomial>(model, scene.load);
     let control = AnyStepControl::Adaptive(Adaptive::new(scenes::TOLERANCE));
     let any = ContactSeparationRun::new(scenes::IMPACTING, parameters, TrBdf2, control).expect("valid");

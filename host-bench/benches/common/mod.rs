@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 use std::path::Path;
 
 use host_bench::embedded::contact_separation_parameters;
-use host_bench::scene_file::{self, Model, Override};
+use host_bench::scene_file::{self, Override};
 use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
 use model_core::excitation::Sine;
@@ -40,7 +40,7 @@ fn parameters<S: Scalar, M: Mathematics<S>>(resistance_ohm: f64) -> Parameters<S
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/contact-separation.toml");
     let load = Override::new("load.resistance_ohm", &resistance_ohm.to_string());
     let scene = scene_file::read(&file, &[load]).expect("the shipped scene is valid");
-    let Model::ContactSeparation(model) = &scene.model;
+    let model = scene.contact_separation().expect("the shipped scene");
     contact_separation_parameters::<S, M>(model, scene.load)
 }
 

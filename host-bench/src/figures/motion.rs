@@ -1,8 +1,8 @@
 //! One run of a figure: the shipped scene at another charge density, load and frequency.
 
 use crate::method::{Failure, Options, Precision, run_scene};
-use crate::outcome::{Outcome, Particular};
-use crate::scene_file::{Excitation, Load, Model, RunSpan, Scene};
+use crate::outcome::{ContactSeparationOutcome, Outcome};
+use crate::scene_file::{Excitation, Load, RunSpan, Scene};
 
 /// Periods of the excitation that are measured.
 pub const WINDOW: u32 = 100;
@@ -20,6 +20,12 @@ pub struct Case {
     pub settle: u32,
 }
 
+/// The numbers of a contact-separation run of `base`.
+fn found<'a>(base: &Scene, outcome: &'a Outcome) -> Result<&'a ContactSeparationOutcome, Failure> {
+    base.contact_separation()?;
+    outcome.contact_separation().ok_or_else(|| Failure::Input("another scene was run".to_owned()))
+}
+
 impl Case {
     /// Periods of the excitation from the start to the end.
     #[must_use]
@@ -30,11 +36,10 @@ impl Case {
     /// The scene of this case. It starts as the scene file says, at rest at the initial gap.
     ///
     /// # Errors
-    /// If the scene is not shaken by one sine.
+    /// If the scene is another one or not shaken by one sine.
     fn scene(&self, base: &Scene) -> Result<Scene, Failure> {
         let mut scene = base.clone();
-        let Model::ContactSeparation(model) = &mut scene.model;
-        model.parameters.charge_density_c_per_m2 = self.charge_density * 1e-6;
+        scene.contact_separation_mut()?.parameters.charge_density_c_per_m2 = self.charge_density * 1e-6;
         scene.load = Load::Resistor { resistance_ohm: self.resistance * 1e6 };
         let Excitation::Sine(tone) = &mut scene.excitation else {
             return Err(Failure::Input(format!("{}: excitation.kind must be \"sine\"", base.file.display())));
@@ -69,7 +74,7 @@ impl Case {
     /// If the case cannot be run.
     pub fn response(&self, base: &Scene, tolerance: f64) -> Result<Response, Failure> {
         let outcome = self.run(base, tolerance, None)?;
-        let Particular::ContactSeparation(found) = &outcome.particular;
+        let found = found(base, &outcome)?;
         Ok(Response {
             frequency: self.frequency,
             peak_gap_m: found.peak_gap_m,
@@ -94,7 +99,7 @@ impl Case {
     ) -> Result<Motion, Failure> {
         let every = 1.0 / (self.frequency * f64::from(per_period));
         let outcome = self.run(base, tolerance, Some(every))?;
-        let Particular::ContactSeparation(found) = &outcome.particular;
+        let found = found(base, &outcome)?;
         let rows = outcome.trace.as_ref().map(|trace| trace.rows.as_slice()).unwrap_or_default();
         // A row stands at its number times the distance of the rows. That at the very end may be
         // missing, by a rounding of its time.

@@ -6,7 +6,7 @@ use firmware_example::workload::contact_separation::{ENERGY, Plan};
 
 use super::{Error, Workload};
 use crate::reference::{self, ReferenceOptions};
-use crate::scene_file::{self, ContactSeparationParameters, Excitation, Model, RunSpan, Scene, Tone};
+use crate::scene_file::{self, ContactSeparationParameters, Excitation, RunSpan, Scene, Tone};
 
 /// The shipped scene shaken as `plan` says, measured from `settle_s` to the plan's end, with other
 /// parameters where `change` says so.
@@ -21,7 +21,7 @@ pub fn scene(
 ) -> Result<Scene, Error> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/contact-separation.toml");
     let mut scene = scene_file::read(&file, &[]).map_err(|error| Error::Host(error.to_string()))?;
-    let Model::ContactSeparation(model) = &mut scene.model;
+    let model = scene.contact_separation_mut().map_err(|error| Error::Host(error.to_string()))?;
     change(&mut model.parameters);
     scene.excitation = Excitation::Sine(Tone {
         amplitude_m_per_s2: f64::from(plan.amplitude),

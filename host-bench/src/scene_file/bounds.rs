@@ -56,10 +56,23 @@ pub(super) fn of(key: &str) -> Bound {
         "relative_permittivity" => [1.0, 1e5],
         "charge_density_c_per_m2" => [0.0, 1e-2],
         "parasitic_capacitance_f" => [0.0, 1e-3],
+        "beam_length_m" => [1e-4, 10.0],
+        "beam_width_m" => [1e-5, 10.0],
+        "beam_thickness_m" => [1e-7, 1.0],
+        "young_modulus_pa" => [1e5, 1e13],
+        "density_kg_per_m3" => [1.0, 1e5],
+        "slider_mass_kg" => [1e-12, 1e3],
+        "patch_radius_m" => [1e-6, 1.0],
+        "static_friction_active"
+        | "static_friction_inert"
+        | "kinetic_friction_active"
+        | "kinetic_friction_inert" => [0.0, 10.0],
         "coefficient" | "at_rest" | "at_speed" => [0.0, 1.0],
         "reference_speed_m_per_s" => [1e-9, 1e3],
         // A start inside the dielectric is refused.
         "gap_m" => [0.0, 1.0],
+        // Twice the largest patch radius; what the scene's own radius allows is checked beside it.
+        "displacement_m" => [-2.0, 2.0],
         "velocity_m_per_s" => [-1e3, 1e3],
         "charge_c" => [-1.0, 1.0],
         "resistance_ohm" => return Bound { lowest: 1e-9, highest: 1e30, or_limits: true },
@@ -83,16 +96,17 @@ pub(super) fn of(key: &str) -> Bound {
 /// Returns the key to blame and the reason.
 pub(super) fn together(parameters: &ContactSeparationParameters) -> Result<(), (&'static str, String)> {
     let angular = (parameters.stiffness_n_per_m / parameters.mass_kg).sqrt();
-    let hertz = angular / std::f64::consts::TAU;
+    let with = format!("mass_kg = {}", Short(parameters.mass_kg));
+    natural_frequency(angular / std::f64::consts::TAU, &with).map_err(|reason| ("stiffness_n_per_m", reason))
+}
+
+/// Whether a natural frequency is one of a harvester; `with` names what makes it beside the key that is
+/// blamed. Returns the reason.
+pub(super) fn natural_frequency(hertz: f64, with: &str) -> Result<(), String> {
     let bound = Bound::new(1e-3, 1e4);
-    if !bound.contains(hertz) {
-        return Err((
-            "stiffness_n_per_m",
-            format!(
-                "the natural frequency with mass_kg = {} is {hertz:.3e} Hz, must be {bound}",
-                Short(parameters.mass_kg)
-            ),
-        ));
+    if bound.contains(hertz) {
+        Ok(())
+    } else {
+        Err(format!("the natural frequency with {with} is {hertz:.3e} Hz, must be {bound}"))
     }
-    Ok(())
 }

@@ -25,12 +25,8 @@ pub(super) fn parameters(mut section: Section<'_>) -> Result<ContactSeparationPa
     let parasitic = "parasitic_capacitance_f";
     parameters.parasitic_capacitance_f =
         section.optional_number(parasitic, &bounds::of(parasitic))?.unwrap_or(0.0);
-    parameters.force_law = section.choice(
-        "force_law",
-        &[("transferred-charge", ForceLaw::TransferredCharge), ("gap-field", ForceLaw::GapField)],
-    )?;
-    parameters.stick_charge = section
-        .choice("stick_charge", &[("frozen", StickCharge::Frozen), ("relaxing", StickCharge::Relaxing)])?;
+    parameters.force_law = section.force_law()?;
+    parameters.stick_charge = section.stick_charge()?;
     parameters.restitution = restitution(section.table("restitution")?)?;
     bounds::together(&parameters).map_err(|(key, reason)| section.refuse(key, reason))?;
     section.finish()?;

@@ -1,7 +1,12 @@
 //! A scene as plain numbers in SI units: what a scene file says once it has been checked.
 
+mod sliding;
+
 use std::path::PathBuf;
 use std::sync::Arc;
+
+pub use self::sliding::{Sliding, SlidingParameters, SlidingStart};
+use super::document::SceneError;
 
 /// A checked scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,12 +24,42 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The name that the file gives the scene: `contact-separation`.
+    /// The name that the file gives the scene: `contact-separation` or `sliding`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self.model {
             Model::ContactSeparation(_) => "contact-separation",
+            Model::Sliding(_) => "sliding",
         }
+    }
+
+    /// The contact-separation harvester, for what is about that one only.
+    ///
+    /// # Errors
+    /// If the scene is another one.
+    pub fn contact_separation(&self) -> Result<&ContactSeparation, SceneError> {
+        match &self.model {
+            Model::ContactSeparation(model) => Ok(model),
+            Model::Sliding(_) => Err(self.another()),
+        }
+    }
+
+    /// The same, to change it.
+    ///
+    /// # Errors
+    /// If the scene is another one.
+    pub fn contact_separation_mut(&mut self) -> Result<&mut ContactSeparation, SceneError> {
+        // The error holds a copy of the name: it is made before the model is lent out.
+        let another = self.another();
+        match &mut self.model {
+            Model::ContactSeparation(model) => Ok(model),
+            Model::Sliding(_) => Err(another),
+        }
+    }
+
+    fn another(&self) -> SceneError {
+        let reason = format!("is {:?}, must be \"contact-separation\" here", self.name());
+        SceneError::of_absent(&self.file, "scene", reason)
     }
 }
 
@@ -33,6 +68,8 @@ impl Scene {
 pub enum Model {
     /// A mass over a dielectric.
     ContactSeparation(ContactSeparation),
+    /// A slider at the tip of a cantilever, rubbing over two patches.
+    Sliding(Sliding),
 }
 
 /// A contact-separation harvester and the state it starts in.
@@ -76,14 +113,15 @@ pub struct ContactSeparationParameters {
 /// Electrostatic force law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForceLaw {
-    /// Equation (28) of Fu, Ouyang and Davis: the transferred charge on the total capacitance.
-    /// Gives the paper's trends; not passive.
+    /// The transferred charge as that of a capacitor, equations (16) and (28) of Fu, Ouyang and Davis:
+    /// on the overlap in sliding, on the total capacitance in contact-separation. Gives the paper's
+    /// trends; not passive in contact-separation.
     TransferredCharge,
-    /// The field in the gap: the law that conserves energy.
+    /// The field in the gap between the surfaces: the law that conserves energy.
     GapField,
 }
 
-/// What the charge does while the mass is held on the dielectric.
+/// What the charge does while the mass is held on the dielectric, or the slider sticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StickCharge {
     /// It stays as it was: the load is open.

@@ -2,6 +2,7 @@
 
 use super::bounds::Bound;
 use super::document::{Content, Document, Node, Origin, SceneError};
+use super::scene::{ForceLaw, StickCharge};
 
 /// A table and the keys that were asked of it.
 #[derive(Debug)]
@@ -95,6 +96,26 @@ impl<'a> Section<'a> {
             Some(Content::Boolean(value)) => Ok(*value),
             Some(_) => Err(self.refuse(key, "must be true or false")),
         }
+    }
+
+    /// `true` or `false`, which must be there.
+    pub(super) fn required_flag(&mut self, key: &'static str) -> Result<bool, SceneError> {
+        if !self.has(key) {
+            return Err(self.missing(key, "true or false"));
+        }
+        self.flag(key, false)
+    }
+
+    /// The electrostatic force law of a triboelectric harvester.
+    pub(super) fn force_law(&mut self) -> Result<ForceLaw, SceneError> {
+        let laws = [("transferred-charge", ForceLaw::TransferredCharge), ("gap-field", ForceLaw::GapField)];
+        self.choice("force_law", &laws)
+    }
+
+    /// What the charge of a triboelectric harvester does in stick.
+    pub(super) fn stick_charge(&mut self) -> Result<StickCharge, SceneError> {
+        let choices = [("frozen", StickCharge::Frozen), ("relaxing", StickCharge::Relaxing)];
+        self.choice("stick_charge", &choices)
     }
 
     /// One of a few words.

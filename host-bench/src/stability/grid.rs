@@ -48,16 +48,17 @@ pub(super) fn law_name(law: ForceLaw) -> &'static str {
 }
 
 impl Setting {
-    /// The scene of this case: `base` with these parameters, for 60 periods of its sine of which the
-    /// last 20 are measured.
+    /// The scene of this case: the contact-separation scene `base` with these parameters, for 60 periods
+    /// of its sine of which the last 20 are measured.
     #[must_use]
     pub fn scene(&self, base: &Scene) -> Scene {
         let mut scene = base.clone();
-        let Model::ContactSeparation(model) = &mut scene.model;
-        model.parameters.charge_density_c_per_m2 = self.charge_density_c_per_m2;
-        model.parameters.force_law = self.force_law;
-        model.parameters.parasitic_capacitance_f = self.parasitic_capacitance_f;
-        model.parameters.restitution = Restitution::Constant { coefficient: self.restitution };
+        if let Model::ContactSeparation(model) = &mut scene.model {
+            model.parameters.charge_density_c_per_m2 = self.charge_density_c_per_m2;
+            model.parameters.force_law = self.force_law;
+            model.parameters.parasitic_capacitance_f = self.parasitic_capacitance_f;
+            model.parameters.restitution = Restitution::Constant { coefficient: self.restitution };
+        }
         scene.load = Load::Resistor { resistance_ohm: self.resistance_ohm };
         let period = base.excitation.single_frequency().map_or(0.05, f64::recip);
         scene.run = RunSpan { duration_s: PERIODS * period, settle_s: SETTLED * period };

@@ -157,9 +157,12 @@ pub fn variants(scene: &Scene, extent: &Extent) -> Vec<Variant> {
 
 /// The period of the excitation in s, or of the free motion where it has none.
 fn period(scene: &Scene) -> f64 {
-    let Model::ContactSeparation(model) = &scene.model;
-    let natural =
-        std::f64::consts::TAU * (model.parameters.mass_kg / model.parameters.stiffness_n_per_m).sqrt();
+    let natural = match &scene.model {
+        Model::ContactSeparation(model) => {
+            std::f64::consts::TAU * (model.parameters.mass_kg / model.parameters.stiffness_n_per_m).sqrt()
+        }
+        Model::Sliding(model) => model.parameters.natural_frequency_hz().recip(),
+    };
     scene.excitation.single_frequency().map_or(natural, f64::recip)
 }
 
@@ -170,17 +173,29 @@ const NOT_STIFF: [u32; 5] = [100, 200, 400, 800, 1600];
 const MOST_EXPLICIT: f64 = 1e5;
 
 /// Steps per period of the explicit method: those of the implicit one, which show where it is
-/// unstable, and from there doubled until it is stable at the widest gap and once more.
+/// unstable, and from there doubled until it is stable at the least capacitance and once more.
 fn explicit_steps(scene: &Scene, period_s: f64) -> Vec<u32> {
     const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
     /// Where the method's stability ends on the negative real axis.
     const STABLE: f64 = 2.785;
-    let Model::ContactSeparation(model) = &scene.model;
     let Load::Resistor { resistance_ohm } = scene.load;
-    let from = &model.parameters;
-    // The gap of a motion that touches the dielectric.
-    let distance = 2.0 * from.initial_gap_m + from.dielectric_thickness_m / from.relative_permittivity;
-    let capacitance = VACUUM_PERMITTIVITY * from.electrode_area_m2 / distance + from.parasitic_capacitance_f;
+    let capacitance = match &scene.model {
+        Model::ContactSeparation(model) => {
+            let from = &model.parameters;
+            // The gap of a motion that touches the dielectric.
+            let distance =
+                2.0 * from.initial_gap_m + from.dielectric_thickness_m / from.relative_permittivity;
+            VACUUM_PERMITTIVITY * from.electrode_area_m2 / distance + from.parasitic_capacitance_f
+        }
+        Model::Sliding(model) => {
+            /// Part of the active patch that a wide motion still covers, 1.4 radii off its middle.
+            const COVERED: f64 = 0.19;
+            let from = &model.parameters;
+            let area = std::f64::consts::PI * from.patch_radius_m * from.patch_radius_m;
+            let distance = from.dielectric_thickness_m / from.relative_permittivity;
+            VACUUM_PERMITTIVITY * area * COVERED / distance
+        }
+    };
     let stable = period_s / (STABLE * resistance_ohm * capacitance);
     if stable < f64::from(FIXED[2]) || !(stable < MOST_EXPLICIT) {
         return NOT_STIFF.to_vec();

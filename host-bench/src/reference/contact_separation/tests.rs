@@ -3,7 +3,7 @@
 mod limits;
 mod published;
 
-use crate::outcome::{ContactSeparationOutcome, Outcome, Particular};
+use crate::outcome::{ContactSeparationOutcome, Outcome};
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{
     ContactSeparation, ContactSeparationParameters, ContactSeparationStart, Excitation, ForceLaw, Load,
@@ -65,8 +65,7 @@ fn run(scene: &Scene) -> Outcome {
 }
 
 fn particular(outcome: &Outcome) -> &ContactSeparationOutcome {
-    let Particular::ContactSeparation(particular) = &outcome.particular;
-    particular
+    outcome.contact_separation().expect("a contact-separation run")
 }
 
 /// Asserts that a number is there and within `relative` of what is expected.
