@@ -5,7 +5,9 @@
 
 mod contact_separation;
 mod excitation;
+mod hybrid_run;
 mod recorder;
+mod sliding;
 
 use model_core::scalar::{Libm, Mathematics, Micromath, Polynomial, Scalar};
 
@@ -14,6 +16,7 @@ use crate::outcome::Outcome;
 use crate::scene_file::{Model, Scene};
 
 pub use contact_separation::parameters as contact_separation_parameters;
+pub use sliding::parameters as sliding_parameters;
 
 /// Relative tolerance per radian where neither step nor tolerance is given.
 pub const DEFAULT_TOLERANCE: f64 = 1e-5;
@@ -43,11 +46,7 @@ pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     match &scene.model {
         Model::ContactSeparation(model) => contact_separation::run::<S, M>(scene, model, options),
-        Model::Sliding(_) => Err(Failure::Input(format!(
-            "{}: scene = {:?}: must be run with --method reference in this version",
-            scene.file.display(),
-            scene.name()
-        ))),
+        Model::Sliding(model) => sliding::run::<S, M>(scene, model, options),
     }
 }
 

@@ -4,7 +4,7 @@ use super::locate::{Attempts, MOST_ATTEMPTS, MOST_GUARDS};
 use super::{Automaton, Event, HybridState, Moment, Observer, Span};
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
-use crate::integrate::step_control::{StepErrors, Verdict};
+use crate::integrate::step_control::{ErrorScale, StepErrors, Verdict};
 use crate::integrate::{Method, Point, StepControl, Trial};
 use crate::scalar::Scalar;
 
@@ -161,6 +161,7 @@ impl<M, C> Driver<M, C> {
         O: Observer<S, A::Mode, N, P>,
     {
         let mut work = Work::default();
+        let scale = automaton.error_scale().of_the_faster(excitation.resolved_ticks());
         let budget = budget.max(LEAST_BUDGET);
         // An event can be due where a run is taken up and after a jump; after a step, the search for
         // a fall has just told that none is.
@@ -176,8 +177,9 @@ impl<M, C> Driver<M, C> {
             let event = match due {
                 Some(event) => Some(event),
                 None => {
-                    let Some(kept) =
-                        self.next_step(automaton, state, excitation, until, &mut work).map_err(fail)?
+                    let Some(kept) = self
+                        .next_step(automaton, state, excitation, until, &scale, &mut work)
+                        .map_err(fail)?
                     else {
                         // Rejected; the memory holds a shorter step.
                         continue;
@@ -223,6 +225,7 @@ impl<M, C> Driver<M, C> {
         state: &mut HybridState<S, A::Mode, N, P>,
         excitation: &E,
         until: Instant,
+        scale: &ErrorScale<S>,
         work: &mut Work,
     ) -> Result<Option<Kept<S, N, P>>, StepFailure<S>>
     where
@@ -236,7 +239,6 @@ impl<M, C> Driver<M, C> {
         let resolved = excitation.smooth_ticks(state.clock).min(excitation.resolved_ticks());
         let limit = state.clock.ticks_until(until, resolved);
         let ticks = proposed.min(limit);
-        let scale = automaton.error_scale();
         let attempts = Attempts {
             automaton,
             mode: state.mode,
@@ -245,7 +247,7 @@ impl<M, C> Driver<M, C> {
             clock: state.clock,
             excitation,
             method: &self.method,
-            accuracy: self.control.accuracy(ticks, &scale),
+            accuracy: self.control.accuracy(ticks, scale),
         };
         let shorten = |memory: &mut _, work: &mut Work| {
             work.rejected += 1;
@@ -266,7 +268,7 @@ impl<M, C> Driver<M, C> {
             delivered: trial.energies.first().copied().unwrap_or(S::ZERO),
         };
         let mut control = state.control;
-        if self.control.judge(&mut control, &errors, &scale) == Verdict::Reject {
+        if self.control.judge(&mut control, &errors, scale) == Verdict::Reject {
             work.rejected += 1;
             if ticks < SHORTEST_TICKS {
                 return Err(StepFailure::StepVanished);

@@ -23,6 +23,18 @@ pub struct ControlMemory<S> {
 }
 
 impl<S: Scalar> ControlMemory<S> {
+    /// The memory before a first step of `ticks`.
+    const fn starting_with(ticks: u32) -> Self {
+        Self {
+            ticks,
+            previous: 0,
+            rejections: 0,
+            rejected_ratio: 0.0,
+            rejected_ticks: 0,
+            recent_energy: S::ZERO,
+        }
+    }
+
     /// Takes back the proposal made after a step that was cut short from outside (an end of the
     /// run, a kink of the excitation): its small error says little about a whole step.
     #[inline(always)]
@@ -53,6 +65,18 @@ pub struct ErrorScale<S> {
     pub energy_floor: S,
 }
 
+impl<S: Scalar> ErrorScale<S> {
+    /// The same where the system is shaken faster than it moves by itself: then the unit of time is
+    /// the radian of the excitation, `resolved_ticks` being an eighth of its period.
+    pub(crate) fn of_the_faster(self, resolved_ticks: u32) -> Self {
+        if resolved_ticks == u32::MAX {
+            return self;
+        }
+        let excitation = S::literal(core::f64::consts::FRAC_PI_4) / seconds_of_ticks(resolved_ticks);
+        Self { angular_frequency: self.angular_frequency.larger(excitation), ..self }
+    }
+}
+
 /// Whether a step is to be kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
@@ -77,6 +101,9 @@ pub trait StepControl<S: Scalar> {
     /// Shortens the step after an attempt that did not converge.
     #[inline]
     fn shorten(&self, memory: &mut ControlMemory<S>, ticks: u32) {
+        if memory.rejections == 0 {
+            memory.rejected_ticks = ticks;
+        }
         memory.ticks = ticks / 4;
         memory.rejections = memory.rejections.saturating_add(1);
         memory.rejected_ratio = f32::INFINITY;
@@ -100,14 +127,7 @@ impl FixedStep {
 
 impl<S: Scalar> StepControl<S> for FixedStep {
     fn start(&self, _scale: &ErrorScale<S>) -> ControlMemory<S> {
-        ControlMemory {
-            ticks: self.ticks,
-            previous: 0,
-            rejections: 0,
-            rejected_ratio: 0.0,
-            rejected_ticks: 0,
-            recent_energy: S::ZERO,
-        }
+        ControlMemory::starting_with(self.ticks)
     }
 
     #[inline(always)]
@@ -204,14 +224,7 @@ fn scaled(ticks: u32, change: i32) -> u32 {
 
 impl<S: Scalar> StepControl<S> for Adaptive<S> {
     fn start(&self, scale: &ErrorScale<S>) -> ControlMemory<S> {
-        ControlMemory {
-            ticks: ticks_of_seconds(S::literal(FIRST_RADIANS) / scale.angular_frequency),
-            previous: 0,
-            rejections: 0,
-            rejected_ratio: 0.0,
-            rejected_ticks: 0,
-            recent_energy: S::ZERO,
-        }
+        ControlMemory::starting_with(ticks_of_seconds(S::literal(FIRST_RADIANS) / scale.angular_frequency))
     }
 
     #[inline(always)]
@@ -264,8 +277,10 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         let largest = if memory.rejections > 0 { 0 } else { LARGEST_CHANGE };
         let longest = ticks_of_seconds(S::literal(LONGEST_RADIANS) / scale.angular_frequency);
         memory.ticks = if inherited {
-            // The short step has washed the inherited error out; it says nothing about the next.
-            memory.rejected_ticks.min(longest).max(1)
+            // The short step has washed the inherited error out; it says nothing about the next. Where
+            // none was rejected before it, as after an event, the next is somewhat longer.
+            let rejected = if memory.rejections > 0 { memory.rejected_ticks } else { 0 };
+            rejected.max(errors.ticks.saturating_mul(4)).min(longest)
         } else {
             scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, largest)).min(longest)
         };

@@ -101,9 +101,7 @@ pub struct Sliding<S: Scalar, P: Parts<S>> {
     circuit_rate: S,
     /// Volts per charge unit at full overlap.
     field: S,
-    /// Below this a displacement is not told from zero.
-    displacement_margin: S,
-    /// Below this a velocity is not told from zero.
+    /// Below this a velocity is not told from rest.
     velocity_margin: S,
     /// Joules below which the energy of a radian is not resolved.
     energy_floor: S,

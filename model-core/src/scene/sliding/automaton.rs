@@ -181,11 +181,12 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         };
         let [displacement, velocity, _] = point.state;
         let (value, rate, positive, margin) = if index == CORNER {
-            (displacement, velocity, ahead, self.displacement_margin)
+            (displacement, velocity, ahead, S::TINY)
         } else {
             (velocity, point.derivative[VELOCITY], forward, self.velocity_margin)
         };
-        // After a rest the velocity starts at zero: it is let sink by the margin.
+        // After a rest the velocity starts at zero, and perhaps the displacement: they are let sink by
+        // the margin.
         let lowered = if armed { S::ZERO } else { margin };
         if positive {
             Guard { value: value + lowered, rate }
@@ -196,12 +197,11 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
 
     #[inline(always)]
     fn rearms(&self, mode: Mode, point: &Point<S, STATES, POWERS>) -> bool {
-        let Mode::Sliding { forward, ahead } = mode else { return true };
-        let [displacement, velocity, _] = point.state;
-        let speed = if forward { velocity } else { -velocity };
-        let distance = if ahead { displacement } else { -displacement };
-        (speed > self.velocity_margin || !<P::Friction as Friction<S>>::PRESENT)
-            && distance > self.displacement_margin
+        match mode {
+            Mode::Sliding { forward: true, .. } => point.state[VELOCITY] > self.velocity_margin,
+            Mode::Sliding { forward: false, .. } => point.state[VELOCITY] < -self.velocity_margin,
+            Mode::Stuck => true,
+        }
     }
 
     fn jump<E: Excitation<S>>(

@@ -353,12 +353,12 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         core::array::from_fn(|i| whole.get(i).copied().unwrap_or(S::ZERO))
     }
 
-    /// Mechanical changes are relative to the present amplitude of the motion (at least a
-    /// ten-thousandth of the patch's diameter), charges to the tribo-charge.
+    /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the
+    /// patch's diameter), charges to the tribo-charge.
     #[inline(always)]
     fn weigh(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let scene = self.scene;
-        let least = S::literal(1e-4) * scene.diameter;
+        let least = S::literal(1e-9) * scene.diameter;
         let motion = [state[DISPLACEMENT], state[VELOCITY]];
         coupled::weigh(motion, change, scene.radian, least, scene.per_tribo_charge)
     }

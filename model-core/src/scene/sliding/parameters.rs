@@ -81,9 +81,6 @@ pub struct Parameters<S: Scalar, P: Parts<S>> {
     pub lateral_force: P::LateralForce,
 }
 
-/// Roundings within which a displacement or a velocity that starts at zero is not told from it.
-const START_ROUNDINGS: f64 = 64.0;
-
 impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
     /// Checks the parameters and makes the coefficients of them.
     ///
@@ -126,7 +123,6 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
             Resistance::Finite(_) => (two * angular_frequency / circuit_rate).smaller(S::ONE),
             Resistance::Short | Resistance::Open => S::ONE,
         };
-        let margin = S::literal(START_ROUNDINGS) * S::EPSILON * self.patch_radius;
         let scene = Sliding {
             modal_mass,
             base_coupling: mode.base_coupling * tip,
@@ -143,8 +139,9 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
             per_tribo_charge: S::ONE / tribo_charge.larger(S::literal(1e-12)),
             circuit_rate,
             field: charge_unit * elastance,
-            displacement_margin: margin,
-            velocity_margin: margin * angular_frequency,
+            // The acceleration of a release may be off by a rounding, and so point the wrong way until the
+            // pull has grown: for much less than a hundredth of a radian.
+            velocity_margin: S::literal(0.01 * GRAVITY) * S::EPSILON / angular_frequency,
             energy_floor: (S::literal(1e-8) * share * patch_energy).larger(S::TINY),
             load: self.load,
             force_law: self.force_law,

@@ -1,0 +1,243 @@
+//! A run of any scene that advances by the core's hybrid driver: a position, a velocity and a charge.
+
+use std::fmt::Display;
+use std::time::Instant as Stopwatch;
+
+use model_core::clock::{Instant, LONGEST_STEP_S};
+use model_core::energy::{Ledger, Residual, RunMeter};
+use model_core::hybrid::{Automaton, Driver, Event, HybridState, Observer, Span, StepError, Work};
+use model_core::integrate::{Adaptive, AnyStepControl, FixedStep, Method as Integrator, RungeKutta4, TrBdf2};
+use model_core::scalar::{Mathematics, Scalar};
+use model_core::scene::{Harvester, account};
+
+use super::excitation::HostExcitation;
+use super::recorder::Recorder;
+use super::{DEFAULT_TOLERANCE, method_name, precision_name};
+use crate::method::{Failure, Method, Options};
+use crate::outcome::{Outcome, Particular, Recording};
+use crate::scene_file::Scene;
+
+/// States of every such scene: position in m, velocity in m/s, charge in units of the scene.
+pub(super) const STATES: usize = 3;
+/// Entries of the account that a run integrates: all.
+pub(super) const WHOLE: usize = account::WHOLE;
+
+/// The modes of a hosted scene.
+pub(super) type ModeOf<S, H> = <<H as HostedScene<S>>::Core as Automaton<S, STATES, WHOLE>>::Mode;
+
+/// A scene of the core, with what a report asks beside.
+pub(super) trait HostedScene<S: Scalar> {
+    /// The harvester of the core.
+    type Core: Harvester<S, STATES, WHOLE>;
+
+    /// The harvester.
+    fn core(&self) -> &Self::Core;
+
+    /// Columns of a trace: time, position, velocity, charge, voltage, base acceleration, held.
+    fn columns(&self) -> &'static [&'static str];
+
+    /// The transferred charge of a state in coulombs.
+    fn coulombs(&self, state: [S; STATES]) -> S;
+
+    /// The relative residual of the energy ledger that holds for this scene.
+    fn residual(&self, residual: &Residual<S>) -> Option<S>;
+
+    /// The numbers that only this kind of scene has.
+    fn particular(&self, found: &Found<'_, S, Self::Core>) -> Particular;
+}
+
+/// What a run found, for the scene to make its own numbers of.
+pub(super) struct Found<'a, S: Scalar, H> {
+    pub(super) meter: &'a RunMeter<'a, S, H, WHOLE>,
+    /// Time of the first impact of the whole run.
+    pub(super) first_impact: Option<Instant>,
+    /// Periods of the base in the window, where it moves in one sine.
+    pub(super) periods: Option<f64>,
+}
+
+/// The refusal of a parameter by the core.
+pub(super) fn refuse_parameter(scene: &Scene, error: &dyn Display) -> Failure {
+    Failure::Input(format!("{}: parameters.{error}", scene.file.display()))
+}
+
+/// The refusal of a start by the core.
+pub(super) fn refuse_start(scene: &Scene, error: &dyn Display) -> Failure {
+    Failure::Input(format!("{}: initial.{error}", scene.file.display()))
+}
+
+/// The shortest step for which the explicit method is run without being told to.
+const SHORTEST_EXPLICIT_STEP_S: f64 = 1e-7;
+
+/// The rule for the length of steps that the options ask for; `explicit` is the step at which an
+/// explicit method is stable and accurate, in s.
+pub(super) fn step_control<S: Scalar>(
+    scene: &Scene,
+    options: &Options,
+    explicit: f64,
+) -> Result<AnyStepControl<S>, Failure> {
+    let refuse = |text: String| Err(Failure::Input(text));
+    match (options.step_s, options.tolerance, options.method) {
+        (Some(step), _, _) if step > LONGEST_STEP_S => {
+            refuse(format!("--step {step}: must be at most {LONGEST_STEP_S:.6} s"))
+        }
+        (Some(step), _, _) => Ok(AnyStepControl::Fixed(FixedStep::of_seconds(S::literal(step)))),
+        (None, Some(_), Method::Rk4) => refuse(
+            "--tolerance: must not be given with rk4, which has no error estimate; give --step".to_owned(),
+        ),
+        (None, None, Method::Rk4) if explicit < SHORTEST_EXPLICIT_STEP_S => refuse(format!(
+            "--method rk4: {} needs steps of {explicit:.1e} s to be stable, must be at least \
+             {SHORTEST_EXPLICIT_STEP_S:e} s; use tr-bdf2",
+            scene.file.display()
+        )),
+        (None, None, Method::Rk4) => {
+            let step = explicit.min(LONGEST_STEP_S);
+            Ok(AnyStepControl::Fixed(FixedStep::of_seconds(S::literal(step))))
+        }
+        (None, Some(tolerance), _) if S::literal(tolerance) < S::EPSILON => refuse(format!(
+            "--tolerance {tolerance:e}: must be at least {:e} in {}",
+            S::EPSILON.to_f64(),
+            precision_name::<S>()
+        )),
+        (None, tolerance, _) => {
+            Ok(AnyStepControl::Adaptive(Adaptive::new(S::literal(tolerance.unwrap_or(DEFAULT_TOLERANCE)))))
+        }
+    }
+}
+
+/// The time of the first impact.
+struct FirstImpact<'a, H> {
+    harvester: &'a H,
+    at: Option<Instant>,
+}
+
+impl<S: Scalar, H: Harvester<S, STATES, WHOLE>> Observer<S, H::Mode, STATES, WHOLE> for FirstImpact<'_, H> {
+    fn step(&mut self, _span: &Span<'_, S, H::Mode, STATES, WHOLE>) {}
+
+    fn event(&mut self, event: &Event<'_, S, H::Mode, STATES, WHOLE>) {
+        if self.at.is_none() && self.harvester.is_impact(event.before, event.guard) {
+            self.at = Some(event.at);
+        }
+    }
+}
+
+/// Attempts per call: the counts of a call fit in 32 bits.
+const BUDGET: u32 = 1 << 24;
+
+/// What a run needs.
+pub(super) struct Run<'a, S: Scalar, M, H> {
+    pub(super) scene: &'a Scene,
+    pub(super) options: &'a Options,
+    pub(super) hosted: &'a H,
+    pub(super) excitation: &'a HostExcitation<'a, S, M>,
+    pub(super) control: AnyStepControl<S>,
+}
+
+impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
+    /// Runs from `state` to the end of the scene by the method of the options.
+    pub(super) fn to_end(
+        &self,
+        state: HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
+    ) -> Result<Outcome, Failure> {
+        match self.options.method {
+            Method::Rk4 => self.with(RungeKutta4, state),
+            Method::Auto | Method::TrBdf2 | Method::Reference => self.with(TrBdf2, state),
+        }
+    }
+
+    fn with<I: Integrator<S>>(
+        &self,
+        integrator: I,
+        mut state: HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
+    ) -> Result<Outcome, Failure> {
+        let Self { scene, options, hosted, excitation, control } = self;
+        let harvester = hosted.core();
+        let instant = |seconds: f64| {
+            Instant::from_seconds(seconds).ok_or_else(|| {
+                Failure::Input(format!("{}: run: {seconds} s, must be below 16777216", scene.file.display()))
+            })
+        };
+        let (settled, end) = (instant(scene.run.settle_s)?, instant(scene.run.duration_s)?);
+        let driver = Driver::new(integrator, *control);
+        let mut ledger = Ledger::open(harvester, &state);
+        let mut first_impact = FirstImpact { harvester, at: None };
+        let mut meter = RunMeter::new(harvester);
+        let every = options.trace_every_s.unwrap_or(f64::INFINITY);
+        let mut recorder = Recorder { hosted: *hosted, excitation, every, rows: Vec::new() };
+        let mut total = Total::default();
+        let began = Stopwatch::now();
+        // One pass over each stretch; the recorder joins in only if a trace was asked for.
+        for (until, measured) in [(settled, false), (end, true)] {
+            let mut whole = (&mut ledger, &mut first_impact);
+            let mut recording = options.trace_every_s.map(|_| &mut recorder);
+            let mut measuring = measured.then_some(&mut meter);
+            let mut others = (&mut recording, &mut measuring);
+            let mut observer = (&mut whole, &mut others);
+            while state.clock < until {
+                let advance = driver
+                    .advance(harvester, &mut state, *excitation, until, BUDGET, &mut observer)
+                    .map_err(|error| self.step_failure(&error, &state))?;
+                total.add(&advance.work);
+            }
+        }
+        let wall_s = began.elapsed().as_secs_f64();
+        let number = |value: S| Some(value.to_f64());
+        let periods = scene.excitation.single_frequency().map(|frequency| frequency * scene.run.window_s());
+        Ok(Outcome {
+            scene: scene.name(),
+            method: method_name(options.method).to_owned(),
+            precision: precision_name::<S>(),
+            math: M::NAME,
+            duration_s: scene.run.duration_s,
+            settle_s: scene.run.settle_s,
+            mean_power_w: number(meter.mean_power()),
+            rms_voltage_v: number(meter.rms_voltage()),
+            peak_voltage_v: number(meter.voltage().magnitude()),
+            mean_voltage_v: number(meter.mean_voltage()),
+            delivered_energy_j: number(meter.delivered_energy()),
+            energy_residual: hosted.residual(&ledger.residual()).map(S::to_f64),
+            steps: total.steps,
+            rejected_steps: total.rejected,
+            newton_iterations: total.iterations,
+            events: total.events,
+            wall_s,
+            particular: hosted.particular(&Found { meter: &meter, first_impact: first_impact.at, periods }),
+            trace: options
+                .trace_every_s
+                .map(|_| Recording { columns: hosted.columns(), rows: std::mem::take(&mut recorder.rows) }),
+        })
+    }
+
+    fn step_failure(
+        &self,
+        error: &StepError<S>,
+        state: &HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
+    ) -> Failure {
+        let [position, velocity, _] = state.point.state;
+        Failure::Step(format!(
+            "{error}: {} {:e}, velocity {:e} m/s, charge {:e} C, {:?}",
+            self.hosted.columns()[1],
+            position.to_f64(),
+            velocity.to_f64(),
+            self.hosted.coulombs(state.point.state).to_f64(),
+            state.mode
+        ))
+    }
+}
+
+/// Work of a whole run: a long one has more steps than fit in 32 bits.
+#[derive(Default)]
+struct Total {
+    steps: u64,
+    rejected: u64,
+    iterations: u64,
+    events: u64,
+}
+
+impl Total {
+    fn add(&mut self, work: &Work) {
+        self.steps += u64::from(work.steps);
+        self.rejected += u64::from(work.rejected);
+        self.iterations += u64::from(work.iterations);
+        self.events += u64::from(work.events);
+    }
+}

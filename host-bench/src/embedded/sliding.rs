@@ -1,0 +1,124 @@
+//! A sliding run on the embedded core.
+
+use model_core::energy::Residual;
+use model_core::part::load::AnyLoad;
+use model_core::scalar::{Mathematics, Scalar};
+use model_core::scene::sliding::{
+    AnyLateralForce, AnyParts, Parameters, PatchFriction, STATES, Sliding as Harvester, Start,
+};
+
+use super::contact_separation::{force_law, sticking};
+use super::excitation::with_excitation;
+use super::hybrid_run::{Found, HostedScene, Run, refuse_parameter, refuse_start, step_control};
+use crate::method::{Failure, Options};
+use crate::outcome::{Outcome, Particular, SLIDING_COLUMNS, SlidingOutcome};
+use crate::scene_file::{Load, Scene, Sliding};
+
+/// The core's parameters of a scene.
+#[must_use]
+pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyParts> {
+    let from = &model.parameters;
+    let number = S::literal;
+    let Load::Resistor { resistance_ohm } = load;
+    Parameters {
+        beam_length: number(from.beam_length_m),
+        beam_width: number(from.beam_width_m),
+        beam_thickness: number(from.beam_thickness_m),
+        young_modulus: number(from.young_modulus_pa),
+        density: number(from.density_kg_per_m3),
+        damping_ratio: number(from.damping_ratio),
+        slider_mass: number(from.slider_mass_kg),
+        patch_radius: number(from.patch_radius_m),
+        friction: PatchFriction {
+            static_active: number(from.static_friction_active),
+            static_inert: number(from.static_friction_inert),
+            kinetic_active: number(from.kinetic_friction_active),
+            kinetic_inert: number(from.kinetic_friction_inert),
+        },
+        dielectric_thickness: number(from.dielectric_thickness_m),
+        relative_permittivity: number(from.relative_permittivity),
+        charge_density: number(from.charge_density_c_per_m2),
+        load: AnyLoad { ohms: number(resistance_ohm) },
+        force_law: force_law(from.force_law),
+        sticking: sticking(from.stick_charge),
+        lateral_force: if from.lateral_force { AnyLateralForce::Field } else { AnyLateralForce::None },
+    }
+}
+
+/// Runs the scene from its start to its end.
+pub(super) fn run<S: Scalar, M: Mathematics<S>>(
+    scene: &Scene,
+    model: &Sliding,
+    options: &Options,
+) -> Result<Outcome, Failure> {
+    let harvester =
+        parameters::<S>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))?;
+    let start = Start {
+        displacement: model.initial.displacement_m.map(S::literal),
+        velocity: model.initial.velocity_m_per_s.map(S::literal),
+        charge: model.initial.charge_c.map(S::literal),
+    };
+    let control = step_control(scene, options, explicit_step(&harvester, model, scene.load))?;
+    with_excitation::<S, M, _>(scene, |excitation| {
+        let state =
+            harvester.start(&start, excitation, &control).map_err(|error| refuse_start(scene, &error))?;
+        let hosted = Hosted { harvester, lateral_force: model.parameters.lateral_force };
+        Run { scene, options, hosted: &hosted, excitation, control }.to_end(state)
+    })
+}
+
+/// A step at which the explicit method is stable and accurate: an 800th of the natural period, and
+/// 2 over the circuit's rate, 1/(R C), at a fiftieth of the overlap.
+fn explicit_step<S: Scalar>(harvester: &Harvester<S, AnyParts>, model: &Sliding, load: Load) -> f64 {
+    const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
+    let from = &model.parameters;
+    let Load::Resistor { resistance_ohm } = load;
+    let period = std::f64::consts::TAU / harvester.angular_frequency().to_f64();
+    let area = std::f64::consts::PI * from.patch_radius_m.powi(2);
+    let permittivity = VACUUM_PERMITTIVITY * from.relative_permittivity;
+    let capacitance = permittivity * 0.02 * area / from.dielectric_thickness_m;
+    let circuit = if resistance_ohm == 0.0 { f64::INFINITY } else { 2.0 * resistance_ohm * capacitance };
+    (period / 800.0).min(circuit)
+}
+
+/// The core's harvester with what a report asks beside.
+struct Hosted<S: Scalar> {
+    harvester: Harvester<S, AnyParts>,
+    lateral_force: bool,
+}
+
+impl<S: Scalar> HostedScene<S> for Hosted<S> {
+    type Core = Harvester<S, AnyParts>;
+
+    fn core(&self) -> &Self::Core {
+        &self.harvester
+    }
+
+    fn columns(&self) -> &'static [&'static str] {
+        &SLIDING_COLUMNS
+    }
+
+    fn coulombs(&self, [_, _, charge]: [S; STATES]) -> S {
+        self.harvester.charge_unit() * charge
+    }
+
+    /// Without the lateral force what the field takes from the motion is not debited there: each
+    /// ledger closes by itself only.
+    fn residual(&self, residual: &Residual<S>) -> Option<S> {
+        if self.lateral_force { residual.total() } else { residual.larger() }
+    }
+
+    fn particular(&self, found: &Found<'_, S, Self::Core>) -> Particular {
+        let number = |value: S| Some(value.to_f64());
+        let displacement = found.meter.coordinate();
+        let half = S::literal(0.5);
+        let hertz = self.harvester.angular_frequency().to_f64() / std::f64::consts::TAU;
+        Particular::Sliding(SlidingOutcome {
+            natural_frequency_hz: Some(hertz),
+            peak_displacement_m: number(displacement.magnitude()),
+            amplitude_m: number(half * (displacement.highest - displacement.lowest)),
+            stick_fraction: number(found.meter.held_fraction()),
+            sticks_per_period: found.periods.map(|periods| f64::from(found.meter.sticks()) / periods),
+        })
+    }
+}
