@@ -41,7 +41,13 @@ pub(super) struct Integrals {
 /// Newton iterations of one step that may fail before the slip does.
 const MOST_FAILURES: usize = 50;
 
-/// Steps within which a slip must get on.
+/// Part of two patch radii that a displacement must not reach. A ten-millionth before its end the overlap
+/// is 4e-11 of a disc, and with it the time constant of the circuit: nothing of a device is left there,
+/// and the rates of what is left of the model are beyond any integrator.
+pub(super) const REACH: f64 = 1.0 - 1e-7;
+
+/// Steps within which a slip must get on by a millionth of a radian of the beam: a slider that is caught
+/// where the overlap ends may be slowed to less.
 const STALL: u64 = 100_000;
 
 /// Number of [`Integrals`].
@@ -127,7 +133,7 @@ pub(super) enum Event {
     Stop,
     /// The slider passes the middle.
     Middle,
-    /// The discs do not overlap any more.
+    /// The discs do not overlap any more, to [`REACH`].
     End,
 }
 
@@ -260,7 +266,7 @@ impl Slip<'_> {
             }
             from = end;
             if total.steps > checked.0 + STALL {
-                if from - checked.1 < 1e-9 * accuracy.time {
+                if from - checked.1 < 1e-6 * accuracy.time {
                     effort.add(&total);
                     let reason = format!("stalled: {STALL} steps without progress");
                     return Err(SlipFailure { elapsed: from, motion: last, reason });
@@ -290,7 +296,7 @@ struct Found {
 struct Guards {
     direction: f64,
     side: f64,
-    /// Twice the radius in m.
+    /// Displacement in m at which the overlap ends.
     reach: f64,
     clearance: [f64; 2],
     has_left_middle: bool,
@@ -301,7 +307,7 @@ type Dense<'a> = dyn Fn(f64) -> Result<Motion, DiffsolError> + 'a;
 
 impl Guards {
     fn new(physics: &Physics, direction: f64, start: &Motion, clearance: [f64; 2]) -> Self {
-        let reach = 2.0 * physics.radius;
+        let reach = REACH * 2.0 * physics.radius;
         let mut guards = Self {
             direction,
             side: start.side,

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::super::overlap::Overlap;
 use super::super::physics::Physics;
+use super::super::slip::REACH;
 use super::*;
 
 /// Angular frequency in rad/s, modal mass in kg and participation of Table 1.
@@ -170,7 +171,7 @@ fn a_slider_that_leaves_the_patch_is_an_error_with_its_time() {
         let start = SlidingStart { velocity_m_per_s: Some(sign * 25e-3 * omega), ..Default::default() };
         let swing = scene(parameters, start, 1e8, Excitation::Silence, [0.0, 1.0]);
         let failure = reference::run(&swing, &ReferenceOptions::default()).expect_err("it leaves");
-        close(Some(failure.time_s), 0.8f64.asin() / omega, 1e-9);
+        close(Some(failure.time_s), (0.8 * REACH).asin() / omega, 1e-9);
         assert!(failure.reason.contains("displacement") && failure.reason.contains("two patch radii"));
         let (physics, _) = Physics::new(&parameters, Load::Resistor { resistance_ohm: 1e8 }, &start);
         assert!(failure.reason.contains(&format!("{:e} m (two", 2.0 * physics.radius)), "{failure}");
