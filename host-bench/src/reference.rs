@@ -7,7 +7,9 @@
 mod base;
 mod cantilever;
 mod contact_separation;
+mod effort;
 mod root;
+mod sliding;
 
 pub(crate) use self::cantilever::Cantilever;
 
@@ -50,10 +52,6 @@ pub struct StepFailure {
 pub fn run(scene: &Scene, options: &ReferenceOptions) -> Result<Outcome, StepFailure> {
     match &scene.model {
         Model::ContactSeparation(model) => contact_separation::run(scene, model, options),
-        Model::Sliding(_) => Err(StepFailure {
-            reason: "the reference has no sliding scene yet".to_owned(),
-            time_s: 0.0,
-            state: "nothing has been run".to_owned(),
-        }),
+        Model::Sliding(model) => sliding::run(scene, model, options),
     }
 }

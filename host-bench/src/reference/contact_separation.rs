@@ -7,11 +7,12 @@ mod physics;
 
 use std::time::Instant;
 
-use self::flight::{Accuracy, Effort, fly};
+use self::flight::{Accuracy, fly};
 use self::hold::Hold;
 use self::measure::Meters;
 use self::physics::{Motion, Physics};
 use super::base::Base;
+use super::effort::Effort;
 use super::{ReferenceOptions, StepFailure};
 use crate::outcome::{Outcome, Particular};
 use crate::scene_file::{ContactSeparation, Scene};

@@ -10,11 +10,11 @@ use std::cell::RefCell;
 use diffsol::error::DiffsolError;
 use diffsol::{
     NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverStopReason, Vector,
-    ode_solver::OdeSolverStatistics,
 };
 
 use super::physics::{Motion, Physics};
 use crate::reference::base::LocalBase;
+use crate::reference::effort::{Effort, one_line};
 use crate::reference::root::far_side;
 
 type Matrix = NalgebraMat<f64>;
@@ -77,31 +77,6 @@ impl Integrals {
         self.damper_loss += later.damper_loss;
         self.force_work += later.force_work;
         self.field_work += later.field_work;
-    }
-}
-
-/// How hard the integrator worked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Effort {
-    pub(super) steps: u64,
-    pub(super) rejected: u64,
-    pub(super) newton_iterations: u64,
-}
-
-impl Effort {
-    fn of(statistics: &OdeSolverStatistics) -> Self {
-        let rejected = statistics.number_of_error_test_failures + statistics.number_of_nonlinear_solver_fails;
-        Self {
-            steps: statistics.number_of_steps as u64,
-            rejected: rejected as u64,
-            newton_iterations: statistics.number_of_nonlinear_solver_iterations as u64,
-        }
-    }
-
-    fn add(&mut self, more: &Self) {
-        self.steps += more.steps;
-        self.rejected += more.rejected;
-        self.newton_iterations += more.newton_iterations;
     }
 }
 
@@ -339,11 +314,4 @@ impl Scan {
         }
         Ok(scan)
     }
-}
-
-/// The first line of an error of the crate: some of them are several lines long. Times in it are those
-/// of the flight.
-fn one_line(error: &DiffsolError) -> String {
-    let text = error.to_string();
-    format!("integrator, in the time of the flight: {}", text.lines().next().unwrap_or("failed"))
 }

@@ -1,0 +1,233 @@
+//! Meters and energy ledgers of a reference run.
+
+use std::f64::consts::TAU;
+
+use diffsol::error::DiffsolError;
+
+use super::physics::{Motion, Physics};
+use super::slip::{Integrals, Piece, Slip};
+use super::stick::Stick;
+use crate::outcome::{Recording, SLIDING_COLUMNS, SlidingOutcome};
+use crate::reference::root::far_side;
+use crate::scene_file::{ForceLaw, Scene, SlidingParameters};
+
+/// Rows at equal distances in time.
+#[derive(Debug)]
+struct Recorder {
+    every: f64,
+    next: u64,
+    rows: Vec<Vec<f64>>,
+}
+
+/// Everything that is summed or compared along a run.
+#[derive(Debug)]
+pub(super) struct Meters<'a> {
+    physics: &'a Physics,
+    recorder: Option<Recorder>,
+    /// Whole run.
+    total: Integrals,
+    /// Measuring window.
+    window: Integrals,
+    base_work_magnitude: f64,
+    start_energy: [f64; 2],
+    peak_stored_energy: f64,
+    in_window: bool,
+    highest: f64,
+    lowest: f64,
+    highest_voltage: f64,
+    sticks: u64,
+    stuck: f64,
+}
+
+impl<'a> Meters<'a> {
+    pub(super) fn new(physics: &'a Physics, start: &Motion, record_every: Option<f64>) -> Self {
+        let start_energy = [physics.mechanical_energy(start), physics.electrical_energy(start)];
+        Self {
+            physics,
+            recorder: record_every.map(|every| Recorder { every, next: 0, rows: Vec::new() }),
+            total: Integrals::default(),
+            window: Integrals::default(),
+            base_work_magnitude: 0.0,
+            start_energy,
+            peak_stored_energy: start_energy[0] + start_energy[1],
+            in_window: false,
+            highest: f64::NEG_INFINITY,
+            lowest: f64::INFINITY,
+            highest_voltage: 0.0,
+            sticks: 0,
+            stuck: 0.0,
+        }
+    }
+
+    /// Whether what follows lies in the measuring window.
+    pub(super) fn set_in_window(&mut self, in_window: bool) {
+        self.in_window = in_window;
+    }
+
+    /// Looks at one step of a slip that began at `start` seconds.
+    pub(super) fn watch(
+        &mut self,
+        start: f64,
+        slip: &Slip<'_>,
+        piece: &Piece<'_>,
+    ) -> Result<(), DiffsolError> {
+        let ends = [(piece.from, (piece.motion)(piece.from)?), (piece.to, (piece.motion)(piece.to)?)];
+        let stored = self.physics.mechanical_energy(&ends[1].1) + self.physics.electrical_energy(&ends[1].1);
+        self.peak_stored_energy = self.peak_stored_energy.max(stored);
+        // The base's power changes sign twice a period; what one step around that loses is far below
+        // what the denominator of a residual asks for.
+        let before = (piece.integrals)(piece.from)?.base_work;
+        self.base_work_magnitude += ((piece.integrals)(piece.to)?.base_work - before).abs();
+        if self.in_window {
+            for (_, motion) in &ends {
+                self.compare(motion);
+            }
+            for turn in piece.turns {
+                self.compare(&(piece.motion)(*turn)?);
+            }
+            let slope = |t: f64| -> Result<f64, DiffsolError> {
+                Ok(self.physics.voltage_slope(&(piece.motion)(t)?, slip.direction, slip.base.at(t)))
+            };
+            if (slope(piece.from)? > 0.0) != (slope(piece.to)? > 0.0) {
+                let peak = far_side(slope, piece.from, piece.to)?;
+                self.compare(&(piece.motion)(peak)?);
+            }
+        }
+        self.record_until(start + piece.to, |time| {
+            let local = (time - start).clamp(piece.from, piece.to);
+            let motion = (piece.motion)(local)?;
+            Ok((motion, self.physics.voltage(&motion), slip.base.at(local), 0.0))
+        })
+    }
+
+    /// Looks at the first `elapsed` seconds of a stick that began at `start` seconds.
+    pub(super) fn watch_stick(
+        &mut self,
+        start: f64,
+        elapsed: f64,
+        stick: &Stick<'_>,
+    ) -> Result<(), DiffsolError> {
+        self.add(&stick.integrals(elapsed));
+        if self.in_window {
+            self.stuck += elapsed;
+            let displacement = stick.start.displacement;
+            self.highest = self.highest.max(displacement);
+            self.lowest = self.lowest.min(displacement);
+            // The voltage only falls.
+            self.highest_voltage = self.highest_voltage.max(stick.load_voltage(0.0).abs());
+        }
+        self.record_until(start + elapsed, |time| {
+            let local = (time - start).clamp(0.0, elapsed);
+            Ok((stick.motion(local), stick.load_voltage(local), stick.base.at(local), 1.0))
+        })
+    }
+
+    /// Adds the integrals over a stretch.
+    pub(super) fn add(&mut self, stretch: &Integrals) {
+        self.total.add(stretch);
+        if self.in_window {
+            self.window.add(stretch);
+        }
+    }
+
+    /// An entry into stick.
+    pub(super) fn stick(&mut self) {
+        self.sticks += u64::from(self.in_window);
+    }
+
+    fn compare(&mut self, motion: &Motion) {
+        self.highest = self.highest.max(motion.displacement);
+        self.lowest = self.lowest.min(motion.displacement);
+        self.highest_voltage = self.highest_voltage.max(self.physics.voltage(motion).abs());
+    }
+
+    fn record_until(
+        &mut self,
+        time: f64,
+        at: impl Fn(f64) -> Result<(Motion, f64, f64, f64), DiffsolError>,
+    ) -> Result<(), DiffsolError> {
+        let mut recorder = self.recorder.take();
+        if let Some(recorder) = &mut recorder {
+            loop {
+                let due = recorder.next as f64 * recorder.every;
+                // A sample due at the end of the run may be computed as just after it.
+                if due > time * (1.0 + 4.0 * f64::EPSILON) {
+                    break;
+                }
+                let (motion, voltage, base, stuck) = at(due)?;
+                let charge = self.physics.charge(&motion);
+                let Motion { displacement, velocity, .. } = motion;
+                recorder.rows.push(vec![due, displacement, velocity, charge, voltage, base, stuck]);
+                recorder.next += 1;
+            }
+        }
+        self.recorder = recorder;
+        Ok(())
+    }
+
+    /// What is left over in the ledgers of the whole run in J, mechanical and electrical.
+    ///
+    /// Mechanical: energy of mass and spring against the work of the base, the damper, friction and, if
+    /// it acts, the force along the patches. Electrical: `d/dt W = (dW/dx) v − V²/R`, true for any
+    /// motion. Normal forces do no work.
+    fn left_over(&self, end: &Motion) -> [f64; 2] {
+        let (total, physics) = (&self.total, self.physics);
+        let lateral_work = if physics.has_lateral_force() { total.field_work } else { 0.0 };
+        let work = total.base_work - total.damper_loss - total.friction_loss + lateral_work;
+        let mechanical = physics.mechanical_energy(end) - self.start_energy[0] - work;
+        let given = -total.field_work - physics.load_power(total.voltage_squared);
+        let electrical = physics.electrical_energy(end) - self.start_energy[1] - given;
+        [mechanical, electrical]
+    }
+
+    /// The remainder over the larger of `∫ |base power| dt` and the peak stored energy: that of both
+    /// ledgers together where the laws conserve energy, else the larger one.
+    fn energy_residual(&self, end: &Motion, parameters: &SlidingParameters) -> Option<f64> {
+        let [mechanical, electrical] = self.left_over(end);
+        let left = if parameters.force_law == ForceLaw::GapField && parameters.lateral_force {
+            (mechanical + electrical).abs()
+        } else {
+            mechanical.abs().max(electrical.abs())
+        };
+        let scale = self.base_work_magnitude.max(self.peak_stored_energy);
+        (scale > 0.0).then(|| left / scale)
+    }
+
+    /// Closes the books at the motion at the end of the run.
+    pub(super) fn close(self, scene: &Scene, parameters: &SlidingParameters, end: &Motion) -> Totals {
+        let window = scene.run.window_s();
+        let delivered = self.physics.load_power(self.window.voltage_squared);
+        let periods = scene.excitation.single_frequency().map(|frequency| frequency * window);
+        Totals {
+            energy_residual: self.energy_residual(end, parameters),
+            delivered_energy: delivered,
+            mean_power: delivered / window,
+            rms_voltage: (self.window.voltage_squared / window).sqrt(),
+            mean_voltage: self.window.voltage / window,
+            peak_voltage: self.highest_voltage,
+            particular: SlidingOutcome {
+                natural_frequency_hz: Some(self.physics.beam.angular_frequency / TAU),
+                peak_displacement_m: Some(self.highest.max(-self.lowest)),
+                amplitude_m: Some(0.5 * (self.highest - self.lowest)),
+                stick_fraction: Some(self.stuck / window),
+                sticks_per_period: periods.map(|periods| self.sticks as f64 / periods),
+            },
+            recording: self
+                .recorder
+                .map(|recorder| Recording { columns: &SLIDING_COLUMNS, rows: recorder.rows }),
+        }
+    }
+}
+
+/// The sums at the end of a run, in SI units.
+#[derive(Debug)]
+pub(super) struct Totals {
+    pub(super) energy_residual: Option<f64>,
+    pub(super) delivered_energy: f64,
+    pub(super) mean_power: f64,
+    pub(super) rms_voltage: f64,
+    pub(super) mean_voltage: f64,
+    pub(super) peak_voltage: f64,
+    pub(super) particular: SlidingOutcome,
+    pub(super) recording: Option<Recording>,
+}
