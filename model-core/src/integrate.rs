@@ -6,7 +6,9 @@
 //! judges the step and proposes the next.
 
 pub mod cubic;
+pub mod discrete_gradient;
 pub mod linear;
+pub mod modal;
 mod runge_kutta;
 pub mod step_control;
 mod tr_bdf2;

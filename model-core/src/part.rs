@@ -6,12 +6,15 @@
 
 pub mod beam;
 pub mod bounds;
+pub mod circuit;
 pub mod disc_overlap;
 pub mod force_law;
 pub mod friction;
 pub mod load;
+pub mod monomorph;
 pub mod parasitic;
 pub mod restitution;
+pub mod rod;
 pub mod stick_charge;
 
 /// Vacuum permittivity `ε0`, in F/m.

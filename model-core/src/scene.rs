@@ -3,6 +3,7 @@
 //! A scene is parameters, checked once, and a handful of pure functions: see
 //! [`crate::hybrid::Automaton`]. What a meter needs of any of them is [`Harvester`].
 
+pub mod bump_stop;
 pub mod contact_separation;
 mod coupled;
 pub mod sliding;

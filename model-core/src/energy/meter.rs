@@ -26,7 +26,7 @@ impl<S: Scalar, const P: usize> Integrals<S, P> {
 
     /// Adds the integrals over one step.
     #[inline(always)]
-    pub(super) fn add(&mut self, energies: &[S; P], ticks: u32) {
+    pub(crate) fn add(&mut self, energies: &[S; P], ticks: u32) {
         for (sum, &energy) in self.sums.iter_mut().zip(energies) {
             sum.add(energy);
         }
@@ -67,6 +67,16 @@ impl<S: Scalar, const P: usize> PowerMeter<S, P> {
     #[must_use]
     pub const fn new() -> Self {
         Self(Integrals::new())
+    }
+
+    /// Adds a step that delivered an energy.
+    #[inline(always)]
+    pub(crate) fn add_delivered(&mut self, energy: S, ticks: u32) {
+        let mut energies = [S::ZERO; P];
+        if let Some(first) = energies.first_mut() {
+            *first = energy;
+        }
+        self.0.add(&energies, ticks);
     }
 
     /// Energy delivered to the load, in joules.
@@ -119,7 +129,7 @@ impl<S: Scalar> Peak<S> {
 
     /// Takes in a step, turning points inside it included.
     #[inline]
-    fn include(&mut self, cubic: &Cubic<S>) {
+    pub(crate) fn include(&mut self, cubic: &Cubic<S>) {
         self.lowest = cubic.smallest().smaller(self.lowest);
         self.highest = cubic.largest().larger(self.highest);
     }

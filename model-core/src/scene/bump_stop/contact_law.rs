@@ -1,0 +1,140 @@
+//! How beam and rod touch.
+
+use core::fmt::Debug;
+
+use crate::part::bounds::{Bounds, ParameterError};
+use crate::scalar::Scalar;
+
+/// What a contact law comes to in a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ContactKind<S> {
+    /// No stop.
+    None,
+    /// A massless spring between the modes: the discrete gradient of its potential.
+    Compliant,
+    /// The gap is made zero at the end of each step.
+    Constrained,
+    /// Impacts between the modes with a coefficient of restitution.
+    Impulsive {
+        /// The coefficient, 0 to 1.
+        restitution: S,
+    },
+}
+
+/// A law of contact.
+pub trait ContactLaw<S: Scalar>: Copy + Debug + PartialEq {
+    /// Whether there is a stop at all; if not, the code for it is not there.
+    const POSSIBLE: bool;
+
+    /// What it comes to.
+    fn kind(&self) -> ContactKind<S>;
+
+    /// Checks the law's own parameters.
+    ///
+    /// # Errors
+    /// The first that is out of its bounds.
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        match self.kind() {
+            ContactKind::Impulsive { restitution } => Bounds::new(0.0, 1.0).check("restitution", restitution),
+            ContactKind::None | ContactKind::Compliant | ContactKind::Constrained => Ok(()),
+        }
+    }
+}
+
+/// No stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NoStop;
+
+impl<S: Scalar> ContactLaw<S> for NoStop {
+    const POSSIBLE: bool = false;
+
+    #[inline(always)]
+    fn kind(&self) -> ContactKind<S> {
+        ContactKind::None
+    }
+}
+
+/// The modes left out respond statically: their compliance is the contact's, in series with any
+/// contact compliance of its own (MacNeal's residual flexibility).
+///
+/// Beam and rod touch through a boundary without mass, so there is no impulse and no coefficient of
+/// restitution, and the static stiffness is right for every number of modes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ResidualFlexibility;
+
+impl<S: Scalar> ContactLaw<S> for ResidualFlexibility {
+    const POSSIBLE: bool = true;
+
+    #[inline(always)]
+    fn kind(&self) -> ContactKind<S> {
+        ContactKind::Compliant
+    }
+}
+
+/// Impacts between the modes that are kept: `ġ⁺ = −e ġ⁻`.
+///
+/// The coefficient multiplies a mass that falls with the number of modes and is not a property of the
+/// materials. A rebound slower than 10⁻⁵ m/s closes the contact; it then stays closed while it takes a
+/// compressive force to keep it so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Restitution<S> {
+    /// Coefficient of restitution `e`, 0 to 1.
+    pub coefficient: S,
+}
+
+impl<S: Scalar> ContactLaw<S> for Restitution<S> {
+    const POSSIBLE: bool = true;
+
+    #[inline(always)]
+    fn kind(&self) -> ContactKind<S> {
+        ContactKind::Impulsive { restitution: self.coefficient }
+    }
+}
+
+/// The paper's method: the force that makes the gap zero at the end of each step, where that is
+/// compressive; equations (8) and (9) with one constant force per step.
+///
+/// Stable, but the force is an artefact of the step: its peaks grow as one over it, and so does the
+/// number of contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DisplacementConstraint;
+
+impl<S: Scalar> ContactLaw<S> for DisplacementConstraint {
+    const POSSIBLE: bool = true;
+
+    #[inline(always)]
+    fn kind(&self) -> ContactKind<S> {
+        ContactKind::Constrained
+    }
+}
+
+/// A contact law chosen at run time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AnyContact<S> {
+    /// As [`NoStop`].
+    NoStop,
+    /// As [`ResidualFlexibility`].
+    ResidualFlexibility,
+    /// As [`Restitution`].
+    Restitution(Restitution<S>),
+    /// As [`DisplacementConstraint`].
+    DisplacementConstraint,
+}
+
+impl<S: Scalar> ContactLaw<S> for AnyContact<S> {
+    const POSSIBLE: bool = true;
+
+    fn kind(&self) -> ContactKind<S> {
+        match self {
+            Self::NoStop => ContactKind::None,
+            Self::ResidualFlexibility => ContactKind::Compliant,
+            Self::Restitution(law) => law.kind(),
+            Self::DisplacementConstraint => ContactKind::Constrained,
+        }
+    }
+}

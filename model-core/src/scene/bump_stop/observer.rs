@@ -1,0 +1,94 @@
+//! What a meter sees of a run by modal steps.
+
+use super::State;
+use crate::clock::Instant;
+use crate::scalar::Scalar;
+
+/// One step.
+#[derive(Debug, Clone, Copy)]
+pub struct ModalSpan<'a, S, const B: usize, const R: usize> {
+    /// Length in ticks.
+    pub ticks: u32,
+    /// Length in seconds.
+    pub step: S,
+    /// Where the step started.
+    pub start: &'a State<S, B, R>,
+    /// Where it ended.
+    pub end: &'a State<S, B, R>,
+    /// Contact force, constant over the step, in N.
+    pub force: S,
+    /// Mean terminal voltage in V.
+    pub mean_voltage: S,
+    /// Mean of the square of the terminal voltage in V².
+    pub mean_square_voltage: S,
+    /// Energy delivered to the load in J.
+    pub delivered: S,
+}
+
+/// One impact under [`super::Restitution`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModalImpact<S> {
+    /// When.
+    pub at: Instant,
+    /// Closing speed in m/s, above zero.
+    pub speed: S,
+    /// Impulse between beam and rod in N·s.
+    pub impulse: S,
+    /// Energy lost in J.
+    pub loss: S,
+}
+
+/// Sees every step and every impact of a run, in order of time.
+pub trait ModalObserver<S: Scalar, const B: usize, const R: usize> {
+    /// A step was taken.
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R>);
+
+    /// Beam and rod collided.
+    #[inline(always)]
+    fn impact(&mut self, _impact: &ModalImpact<S>) {}
+}
+
+/// Sees nothing.
+impl<S: Scalar, const B: usize, const R: usize> ModalObserver<S, B, R> for () {
+    #[inline(always)]
+    fn step(&mut self, _span: &ModalSpan<'_, S, B, R>) {}
+}
+
+/// An observer, or none.
+impl<S: Scalar, O: ModalObserver<S, B, R>, const B: usize, const R: usize> ModalObserver<S, B, R>
+    for Option<&mut O>
+{
+    #[inline(always)]
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
+        if let Some(observer) = self {
+            observer.step(span);
+        }
+    }
+
+    #[inline(always)]
+    fn impact(&mut self, impact: &ModalImpact<S>) {
+        if let Some(observer) = self {
+            observer.impact(impact);
+        }
+    }
+}
+
+/// Two observers of the same run.
+impl<S, A, C, const B: usize, const R: usize> ModalObserver<S, B, R> for (&mut A, &mut C)
+where
+    S: Scalar,
+    A: ModalObserver<S, B, R>,
+    C: ModalObserver<S, B, R>,
+{
+    #[inline(always)]
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
+        self.0.step(span);
+        self.1.step(span);
+    }
+
+    #[inline(always)]
+    fn impact(&mut self, impact: &ModalImpact<S>) {
+        self.0.impact(impact);
+        self.1.impact(impact);
+    }
+}

@@ -1,0 +1,275 @@
+//! Advancing: short steps near contact, long ones where none can be, and impacts where they are located.
+
+use super::contact_law::{ContactKind, ContactLaw};
+use super::observer::{ModalImpact, ModalObserver};
+use super::parameters::Coupling;
+use super::step_set::StepSet;
+use super::trial::Trial;
+use super::{BumpStop, Parts, State};
+use crate::clock::ticks_of_seconds;
+use crate::excitation::Excitation;
+use crate::hybrid::{Advance, Ended, StepError, StepFailure, Work};
+use crate::scalar::Scalar;
+
+/// Attempts that one step may take, the location of an impact included: a smaller budget is taken as
+/// this one.
+const LEAST_BUDGET: u32 = 44;
+/// Attempts to locate an impact: bisection of 2³² ticks.
+const MOST_LOCATING: u32 = 40;
+/// A rebound slower than this, in m/s, closes the contact.
+const CLOSING_SPEED: f64 = 1e-5;
+
+/// A harvester with its two lengths of step, and what a bound on the gap's curvature is made of.
+///
+/// The gap cannot come to zero within a step of `h` if `max(g, g⁺) + M h²/8 < 0`, where `M` bounds
+/// `|g̈|`. A free mode keeps its energy or loses it, so that
+/// `|r̈| ≤ √(1 + 4ζ²) ω √(ω² r² + ṙ²) + 3 (|γ| a + χ |θ| v)`, with `a` and `v` the largest
+/// magnitudes over the step: of the base's acceleration and of the voltage, the first linear, the second
+/// constant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
+    scene: BumpStop<S, P, B, R>,
+    short: StepSet<S, B, R>,
+    long: StepSet<S, B, R>,
+    /// Short steps in a long one.
+    ratio: u16,
+    /// `|φ| √(1 + 4ζ²) ω` of each beam mode, and of each rod mode.
+    beam_curvature: [S; B],
+    rod_curvature: [S; R],
+    /// `3 Σ |φ γ| + 3 Σ |ψ g|` and `3 χ Σ |φ θ|`.
+    curvature_by_base: S,
+    curvature_by_voltage: S,
+    /// `h²/8` of the long step.
+    sagitta: S,
+}
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R> {
+    /// With steps of the ticks nearest to `short` seconds near contact and `long` in free flight, both up to
+    /// 3.9 ms; a `long` that is not longer than `short` leaves one length for all.
+    #[must_use]
+    pub fn new(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Self {
+        let (short, long) = (scene.step_set(ticks_of_seconds(short)), scene.step_set(ticks_of_seconds(long)));
+        let three = S::literal(3.0);
+        let damping = S::literal(2.0) * scene.damping_ratio;
+        let factor = (S::ONE + damping * damping).square_root();
+        let two_way = scene.coupling.is_two_way();
+        let (mut by_base, mut by_voltage) = (S::ZERO, S::ZERO);
+        for mode in &scene.beam {
+            by_base += three * (mode.contact * mode.base).absolute();
+            by_voltage += three * (mode.contact * mode.voltage).absolute();
+        }
+        for mode in &scene.rod {
+            by_base += three * (mode.contact * mode.base).absolute();
+        }
+        let ratio = u16::try_from(long.ticks / short.ticks.max(1)).unwrap_or(u16::MAX);
+        Self {
+            beam_curvature: scene.beam.map(|mode| mode.contact.absolute() * factor * mode.angular_frequency),
+            rod_curvature: scene.rod.map(|mode| mode.contact.absolute() * factor * mode.angular_frequency),
+            curvature_by_base: by_base,
+            curvature_by_voltage: if two_way { by_voltage } else { S::ZERO },
+            sagitta: S::literal(0.125) * long.step * long.step,
+            scene,
+            short,
+            long,
+            ratio,
+        }
+    }
+
+    /// The harvester.
+    #[must_use]
+    pub fn scene(&self) -> &BumpStop<S, P, B, R> {
+        &self.scene
+    }
+
+    /// Advances `state` to `until`, in at most `budget` attempted steps.
+    ///
+    /// The same bits result however a run is divided by budgets; dividing it by `until` cuts a step
+    /// there. The base acceleration is taken as linear over each step: kinks of a sampled excitation
+    /// within a long step are rounded off.
+    ///
+    /// # Errors
+    /// [`StepError`] where the state is no longer finite; `state` is then the last good one.
+    pub fn advance<E, O>(
+        &self,
+        state: &mut State<S, B, R>,
+        excitation: &E,
+        until: crate::clock::Instant,
+        budget: u32,
+        observer: &mut O,
+    ) -> Result<Advance, StepError<S>>
+    where
+        E: Excitation<S>,
+        O: ModalObserver<S, B, R>,
+    {
+        let mut work = Work::default();
+        let budget = budget.max(LEAST_BUDGET);
+        let long_is_of_use =
+            self.long.ticks > self.short.ticks && self.long.ticks <= excitation.resolved_ticks();
+        while state.clock < until {
+            let spent = work.steps + work.rejected + work.locating;
+            if spent > 0 && budget.saturating_sub(spent) < LEAST_BUDGET {
+                return Ok(Advance { ended: Ended::BudgetSpent, work });
+            }
+            let left = state.clock.ticks_until(until, u32::MAX);
+            let open = state.short_steps == 0 && !state.closed;
+            if long_is_of_use && left >= self.long.ticks && open {
+                let trial = self.attempt(&self.long, state, excitation);
+                if self.cannot_touch(state, &trial) {
+                    take(state, &trial, &self.long, observer, &mut work)?;
+                    continue;
+                }
+                work.rejected += 1;
+                state.short_steps = self.ratio;
+            }
+            state.short_steps = state.short_steps.saturating_sub(1);
+            if left >= self.short.ticks {
+                self.short_step(&self.short, state, excitation, observer, &mut work)?;
+            } else {
+                let cut = self.scene.step_set(left);
+                self.short_step(&cut, state, excitation, observer, &mut work)?;
+            }
+        }
+        Ok(Advance { ended: Ended::Finished, work })
+    }
+
+    #[inline(always)]
+    fn attempt<E: Excitation<S>>(
+        &self,
+        set: &StepSet<S, B, R>,
+        state: &State<S, B, R>,
+        excitation: &E,
+    ) -> Trial<S, B, R> {
+        self.scene.trial(set, state, excitation.acceleration(state.clock.after(set.ticks)))
+    }
+
+    /// Whether no contact can have been in the long step to `trial`.
+    #[inline(always)]
+    fn cannot_touch(&self, start: &State<S, B, R>, trial: &Trial<S, B, R>) -> bool {
+        if !P::Contact::POSSIBLE || matches!(self.scene.contact.kind(), ContactKind::None) {
+            return true;
+        }
+        let nearest = start.gap.larger(trial.end.gap);
+        // Written so that not-a-number is no flight.
+        nearest + self.curvature(start, trial) * self.sagitta < S::ZERO
+    }
+
+    /// A bound on `|g̈|` over the free step from `start` to `trial`, in m/s².
+    #[inline(always)]
+    fn curvature(&self, start: &State<S, B, R>, trial: &Trial<S, B, R>) -> S {
+        let base = start.acceleration.absolute().larger(trial.end.acceleration.absolute());
+        let mut bound =
+            self.curvature_by_base * base + self.curvature_by_voltage * trial.mean_voltage.absolute();
+        for ((weight, mode), coordinate) in self.beam_curvature.iter().zip(&self.scene.beam).zip(&start.beam) {
+            bound += *weight * at_least_norm(mode.angular_frequency * coordinate[0], coordinate[1]);
+        }
+        for ((weight, mode), coordinate) in self.rod_curvature.iter().zip(&self.scene.rod).zip(&start.rod) {
+            bound += *weight * at_least_norm(mode.angular_frequency * coordinate[0], coordinate[1]);
+        }
+        bound
+    }
+
+    /// A step near contact, up to the first impact in it.
+    #[inline(always)]
+    fn short_step<E: Excitation<S>, O: ModalObserver<S, B, R>>(
+        &self,
+        set: &StepSet<S, B, R>,
+        state: &mut State<S, B, R>,
+        excitation: &E,
+        observer: &mut O,
+        work: &mut Work,
+    ) -> Result<(), StepError<S>> {
+        let trial = self.attempt(set, state, excitation);
+        if P::Contact::POSSIBLE
+            && let ContactKind::Impulsive { restitution } = self.scene.contact.kind()
+            && !state.closed
+        {
+            if trial.end.gap > S::ZERO {
+                return self.to_impact(set.ticks, restitution, state, excitation, observer, work);
+            }
+        }
+        take(state, &trial, set, observer, work)
+    }
+
+    /// Steps to the tick at which the gap closes, and through the impact.
+    ///
+    /// The gap is at or below zero at the start and above it `ticks` on.
+    #[cold]
+    #[inline(never)]
+    fn to_impact<E: Excitation<S>, O: ModalObserver<S, B, R>>(
+        &self,
+        ticks: u32,
+        restitution: S,
+        state: &mut State<S, B, R>,
+        excitation: &E,
+        observer: &mut O,
+        work: &mut Work,
+    ) -> Result<(), StepError<S>> {
+        let (mut open, mut closed) = (0, ticks);
+        let mut set = self.scene.step_set(closed);
+        let mut reached = self.attempt(&set, state, excitation);
+        let mut attempts = 0;
+        while closed - open > 1 && attempts < MOST_LOCATING {
+            attempts += 1;
+            // Newton from the far side; where that leaves the bracket, its middle.
+            let back = (reached.end.gap / reached.gap_rate) / crate::clock::seconds_of_ticks(1);
+            let back = if reached.gap_rate > S::ZERO { back.to_u32() } else { u32::MAX };
+            let newton = closed.saturating_sub(back.max(1));
+            let next = if newton > open { newton } else { open + (closed - open) / 2 };
+            let shorter = self.scene.step_set(next);
+            let trial = self.attempt(&shorter, state, excitation);
+            if trial.end.gap > S::ZERO {
+                (closed, set, reached) = (next, shorter, trial);
+            } else {
+                open = next;
+            }
+        }
+        work.locating += attempts;
+        take(state, &reached, &set, observer, work)?;
+        work.events += 1;
+        state.gap = S::ZERO;
+        let speed = reached.gap_rate;
+        if !(speed > S::ZERO) {
+            return Ok(());
+        }
+        let holds = restitution * speed < S::literal(CLOSING_SPEED);
+        let rebound = if holds { S::ZERO } else { restitution };
+        let impulse = (S::ONE + rebound) * speed / self.scene.inverse_mass;
+        for (coordinate, mode) in state.beam.iter_mut().zip(&self.scene.beam) {
+            coordinate[1] -= mode.contact * impulse;
+        }
+        for (coordinate, mode) in state.rod.iter_mut().zip(&self.scene.rod) {
+            coordinate[1] += mode.contact * impulse;
+        }
+        state.closed = holds;
+        let half = S::literal(0.5);
+        let loss = half * (S::ONE - rebound * rebound) * speed * speed / self.scene.inverse_mass;
+        observer.impact(&ModalImpact { at: state.clock, speed, impulse, loss });
+        Ok(())
+    }
+}
+
+/// Keeps a step.
+#[inline(always)]
+fn take<S: Scalar, O: ModalObserver<S, B, R>, const B: usize, const R: usize>(
+    state: &mut State<S, B, R>,
+    trial: &Trial<S, B, R>,
+    set: &StepSet<S, B, R>,
+    observer: &mut O,
+    work: &mut Work,
+) -> Result<(), StepError<S>> {
+    if !(trial.end.gap.is_finite() && trial.end.strain_charge.is_finite()) {
+        let failure = StepFailure::OutsideDomain { quantity: "gap coordinate", value: trial.end.gap };
+        return Err(StepError { failure, at: state.clock });
+    }
+    observer.step(&trial.span(state, set));
+    *state = State { short_steps: state.short_steps, ..trial.end };
+    work.steps += 1;
+    Ok(())
+}
+
+/// At least `√(a² + b²)`, at most 8 % above it, without a root.
+#[inline(always)]
+fn at_least_norm<S: Scalar>(a: S, b: S) -> S {
+    let (a, b) = (a.absolute(), b.absolute());
+    a.larger(b) + S::literal(core::f64::consts::SQRT_2 - 1.0) * a.smaller(b)
+}
