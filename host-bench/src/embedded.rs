@@ -43,7 +43,7 @@ pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     match &scene.model {
         Model::ContactSeparation(model) => contact_separation::run::<S, M>(scene, model, options),
-        Model::Sliding(_) => Err(Failure::Input(format!(
+        Model::Sliding(_) | Model::BumpStop(_) => Err(Failure::Input(format!(
             "{}: scene = {:?}: must be run with --method reference in this version",
             scene.file.display(),
             scene.name()

@@ -5,10 +5,12 @@
 //! integrator as a further state.
 
 mod base;
+mod bump_stop;
 mod cantilever;
 mod contact_separation;
 mod root;
 
+pub(crate) use self::bump_stop::BumpStopModes;
 pub(crate) use self::cantilever::Cantilever;
 
 use crate::outcome::Outcome;
@@ -50,8 +52,8 @@ pub struct StepFailure {
 pub fn run(scene: &Scene, options: &ReferenceOptions) -> Result<Outcome, StepFailure> {
     match &scene.model {
         Model::ContactSeparation(model) => contact_separation::run(scene, model, options),
-        Model::Sliding(_) => Err(StepFailure {
-            reason: "the reference has no sliding scene yet".to_owned(),
+        Model::Sliding(_) | Model::BumpStop(_) => Err(StepFailure {
+            reason: "the reference has no such scene yet".to_owned(),
             time_s: 0.0,
             state: "nothing has been run".to_owned(),
         }),
