@@ -131,6 +131,9 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     }
     match options.method {
         Method::Reference => {
+            if let Some(refusal) = reference::refusal(scene) {
+                return Err(Failure::Input(refusal));
+            }
             let default = ReferenceOptions::default();
             let tolerance = options.tolerance.unwrap_or(default.tolerance);
             let options = ReferenceOptions { tolerance, record_every: options.trace_every_s };
