@@ -36,6 +36,9 @@ pub struct SceneArguments {
     /// Fixed step in seconds
     #[arg(long, value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
     pub step: Option<f64>,
+    /// Step in seconds of a bump-stop scene in free flight; --step is then that near contact
+    #[arg(long, value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
+    pub long_step: Option<f64>,
     /// Relative tolerance of the adaptive step
     #[arg(long, value_name = "REL", allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
@@ -56,6 +59,7 @@ impl SceneArguments {
             precision: self.precision,
             math: self.math,
             step_s: self.step,
+            long_step_s: self.long_step,
             tolerance: self.tolerance,
             trace_every_s: None,
         }

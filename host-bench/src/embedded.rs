@@ -3,6 +3,7 @@
 //! Every choice that firmware makes at compile time is made here at run time, by the core's `Any…`
 //! types; precision and elementary functions are type parameters and dispatched below.
 
+mod bump_stop;
 mod contact_separation;
 mod excitation;
 mod hybrid_run;
@@ -15,6 +16,7 @@ use crate::method::{Failure, Math, Method, Options, Precision};
 use crate::outcome::Outcome;
 use crate::scene_file::{Model, Scene};
 
+pub use bump_stop::parameters as bump_stop_parameters;
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use sliding::parameters as sliding_parameters;
 
@@ -47,6 +49,7 @@ fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Res
     match &scene.model {
         Model::ContactSeparation(model) => contact_separation::run::<S, M>(scene, model, options),
         Model::Sliding(model) => sliding::run::<S, M>(scene, model, options),
+        Model::BumpStop(model) => bump_stop::run::<S, M>(scene, model, options),
     }
 }
 
@@ -61,6 +64,7 @@ fn method_name(method: Method) -> &'static str {
     match method {
         Method::Auto | Method::TrBdf2 => "tr-bdf2",
         Method::Rk4 => "rk4",
+        Method::DiscreteGradient => "discrete-gradient",
         Method::Reference => "reference",
     }
 }

@@ -18,6 +18,8 @@ pub enum Method {
     TrBdf2,
     /// The embedded core with the classical Runge-Kutta method of order 4.
     Rk4,
+    /// The embedded core by exact modal steps and a discrete-gradient contact: bump-stop scenes only.
+    DiscreteGradient,
     /// The independent reference on the host, in double precision.
     Reference,
 }
@@ -53,8 +55,10 @@ pub struct Options {
     pub precision: Option<Precision>,
     /// Elementary functions of the embedded core.
     pub math: Option<Math>,
-    /// Fixed step in s.
+    /// Fixed step in s; of a bump-stop scene, the step near contact.
     pub step_s: Option<f64>,
+    /// Step in s of a bump-stop scene in free flight.
+    pub long_step_s: Option<f64>,
     /// Relative tolerance of an adaptive step.
     pub tolerance: Option<f64>,
     /// Distance in s of the rows of [`Outcome::trace`].
@@ -92,6 +96,7 @@ impl Options {
             _ => Ok(()),
         };
         within("--step", self.step_s, [1e-9, 1.0])?;
+        within("--long-step", self.long_step_s, [1e-9, 1.0])?;
         within("--tolerance", self.tolerance, [1e-13, 0.1])?;
         within("--trace-every", self.trace_every_s, [1e-9, 1e7])?;
         let refuse = |text: &str| Err(Failure::Input(text.to_owned()));
@@ -131,11 +136,16 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     }
     match options.method {
         Method::Reference => {
+            if let Some(refusal) = reference::refusal(scene) {
+                return Err(Failure::Input(refusal));
+            }
             let default = ReferenceOptions::default();
             let tolerance = options.tolerance.unwrap_or(default.tolerance);
             let options = ReferenceOptions { tolerance, record_every: options.trace_every_s };
             reference::run(scene, &options).map_err(|failure| Failure::Step(failure.to_string()))
         }
-        Method::Auto | Method::TrBdf2 | Method::Rk4 => embedded::run(scene, options),
+        Method::Auto | Method::TrBdf2 | Method::Rk4 | Method::DiscreteGradient => {
+            embedded::run(scene, options)
+        }
     }
 }

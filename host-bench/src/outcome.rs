@@ -1,9 +1,11 @@
 //! What a run found: the same numbers for every method, as the JSON object that `run` prints.
 
+mod bump_stop;
 mod format;
 
 use serde::Serialize;
 
+pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome};
 pub use self::format::{Format, cell, number};
 
 /// The result of one run.
@@ -67,7 +69,7 @@ impl Outcome {
     pub fn contact_separation(&self) -> Option<&ContactSeparationOutcome> {
         match &self.particular {
             Particular::ContactSeparation(found) => Some(found),
-            Particular::Sliding(_) => None,
+            Particular::Sliding(_) | Particular::BumpStop(_) => None,
         }
     }
 }
@@ -80,6 +82,8 @@ pub enum Particular {
     ContactSeparation(ContactSeparationOutcome),
     /// Of a sliding scene.
     Sliding(SlidingOutcome),
+    /// Of a bump-stop scene.
+    BumpStop(BumpStopOutcome),
 }
 
 /// What a contact-separation run adds.

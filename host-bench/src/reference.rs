@@ -2,24 +2,27 @@
 //!
 //! The physics is written again, in state variables of its own, and integrated by the crate `diffsol`
 //! at tolerances near rounding. Everything that is measured as an integral is carried by the
-//! integrator as a further state.
+//! integrator as a further state. The bump-stop harvester is linear between its events and is propagated
+//! exactly instead.
 
 mod base;
+mod bump_stop;
 mod cantilever;
 mod contact_separation;
 mod effort;
 mod root;
 mod sliding;
 
+pub(crate) use self::bump_stop::BumpStopModes;
 pub(crate) use self::cantilever::Cantilever;
 
 use crate::outcome::Outcome;
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::{BumpStop, Contact, Model, Scene};
 
 /// How accurate, and what to record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReferenceOptions {
-    /// Relative tolerance of the integrator.
+    /// Relative tolerance of the integrator; what is propagated exactly meets any.
     pub tolerance: f64,
     /// Distance of recorded rows in s; `None`: no recording.
     pub record_every: Option<f64>,
@@ -45,6 +48,19 @@ pub struct StepFailure {
     pub state: String,
 }
 
+/// Why the reference has nothing to say about a scene, if so.
+#[must_use]
+pub fn refusal(scene: &Scene) -> Option<String> {
+    let Model::BumpStop(BumpStop { stop: Some(stop), .. }) = &scene.model else { return None };
+    (stop.contact == Contact::DisplacementConstraint).then(|| {
+        format!(
+            "{}: stop.contact = \"displacement-constraint\": must be another one with --method reference; its \
+             forces are those of a time step and have no limit as it shrinks, so there is nothing to refer to",
+            scene.file.display()
+        )
+    })
+}
+
 /// Runs a scene on the reference.
 ///
 /// # Errors
@@ -53,5 +69,6 @@ pub fn run(scene: &Scene, options: &ReferenceOptions) -> Result<Outcome, StepFai
     match &scene.model {
         Model::ContactSeparation(model) => contact_separation::run(scene, model, options),
         Model::Sliding(model) => sliding::run(scene, model, options),
+        Model::BumpStop(model) => bump_stop::run(scene, model, options),
     }
 }

@@ -5,6 +5,7 @@
 //! read, so they meet the same checks.
 
 mod bounds;
+mod bump_stop;
 mod contact_separation;
 mod document;
 mod excitation;
@@ -30,6 +31,7 @@ pub const GRAVITY: f64 = 9.81;
 enum Kind {
     ContactSeparation,
     Sliding,
+    BumpStop,
 }
 
 /// Reads and checks a scene file, with `overrides` put in first, in their order.
@@ -42,12 +44,12 @@ pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
     let model = match root.choice(
         "scene",
         &[
-            ("contact-separation", Some(Kind::ContactSeparation)),
-            ("sliding", Some(Kind::Sliding)),
-            ("bump-stop", None),
+            ("contact-separation", Kind::ContactSeparation),
+            ("sliding", Kind::Sliding),
+            ("bump-stop", Kind::BumpStop),
         ],
     )? {
-        Some(Kind::ContactSeparation) => {
+        Kind::ContactSeparation => {
             let parameters = contact_separation::parameters(root.table("parameters")?)?;
             let initial = match root.optional_table("initial")? {
                 Some(section) => contact_separation::start(section)?,
@@ -55,7 +57,7 @@ pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
             };
             Model::ContactSeparation(ContactSeparation { parameters, initial })
         }
-        Some(Kind::Sliding) => {
+        Kind::Sliding => {
             let parameters = sliding::parameters(root.table("parameters")?)?;
             let initial = match root.optional_table("initial")? {
                 Some(section) => sliding::start(section, &parameters)?,
@@ -63,7 +65,7 @@ pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
             };
             Model::Sliding(Sliding { parameters, initial })
         }
-        None => return Err(root.refuse("scene", "this scene is not available in this version")),
+        Kind::BumpStop => Model::BumpStop(bump_stop::model(&mut root)?),
     };
     let load = load::load(root.table("load")?)?;
     let excitation = excitation::excitation(root.table("excitation")?)?;

@@ -76,6 +76,12 @@ pub(super) fn step_control<S: Scalar>(
     explicit: f64,
 ) -> Result<AnyStepControl<S>, Failure> {
     let refuse = |text: String| Err(Failure::Input(text));
+    if options.method == Method::DiscreteGradient {
+        return refuse("--method discrete-gradient: must be with a bump-stop scene".to_owned());
+    }
+    if options.long_step_s.is_some() {
+        return refuse("--long-step: must be with a bump-stop scene".to_owned());
+    }
     match (options.step_s, options.tolerance, options.method) {
         (Some(step), _, _) if step > LONGEST_STEP_S => {
             refuse(format!("--step {step}: must be at most {LONGEST_STEP_S:.6} s"))
@@ -140,7 +146,9 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
     ) -> Result<Outcome, Failure> {
         match self.options.method {
             Method::Rk4 => self.with(RungeKutta4, state),
-            Method::Auto | Method::TrBdf2 | Method::Reference => self.with(TrBdf2, state),
+            Method::Auto | Method::TrBdf2 | Method::DiscreteGradient | Method::Reference => {
+                self.with(TrBdf2, state)
+            }
         }
     }
 
@@ -226,15 +234,15 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
 
 /// Work of a whole run: a long one has more steps than fit in 32 bits.
 #[derive(Default)]
-struct Total {
-    steps: u64,
-    rejected: u64,
-    iterations: u64,
-    events: u64,
+pub(super) struct Total {
+    pub(super) steps: u64,
+    pub(super) rejected: u64,
+    pub(super) iterations: u64,
+    pub(super) events: u64,
 }
 
 impl Total {
-    fn add(&mut self, work: &Work) {
+    pub(super) fn add(&mut self, work: &Work) {
         self.steps += u64::from(work.steps);
         self.rejected += u64::from(work.rejected);
         self.iterations += u64::from(work.iterations);

@@ -92,6 +92,16 @@ impl LocalBase {
         sum + self.value + self.slope * t
     }
 
+    /// Amplitude in m/s², angular frequency in rad/s and phase in rad at the local origin of each sine.
+    pub(crate) fn sines(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.tones.iter().map(|tone| [tone.amplitude, tone.angular_frequency, tone.phase])
+    }
+
+    /// The straight line beside the sines: value in m/s² at the local origin, and slope in m/s³.
+    pub(crate) fn line(&self) -> [f64; 2] {
+        [self.value, self.slope]
+    }
+
     /// Seconds from the local origin to the next kink; infinite if there is none.
     pub(crate) fn smooth_for(&self) -> f64 {
         self.smooth_for

@@ -1,10 +1,12 @@
 //! A scene as plain numbers in SI units: what a scene file says once it has been checked.
 
+mod bump_stop;
 mod sliding;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
+pub use self::bump_stop::{BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters};
 pub use self::sliding::{Sliding, SlidingParameters, SlidingStart};
 use super::document::SceneError;
 
@@ -24,12 +26,13 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The name that the file gives the scene: `contact-separation` or `sliding`.
+    /// The name that the file gives the scene: `contact-separation`, `sliding` or `bump-stop`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self.model {
             Model::ContactSeparation(_) => "contact-separation",
             Model::Sliding(_) => "sliding",
+            Model::BumpStop(_) => "bump-stop",
         }
     }
 
@@ -40,7 +43,7 @@ impl Scene {
     pub fn contact_separation(&self) -> Result<&ContactSeparation, SceneError> {
         match &self.model {
             Model::ContactSeparation(model) => Ok(model),
-            Model::Sliding(_) => Err(self.another()),
+            Model::Sliding(_) | Model::BumpStop(_) => Err(self.another()),
         }
     }
 
@@ -53,7 +56,7 @@ impl Scene {
         let another = self.another();
         match &mut self.model {
             Model::ContactSeparation(model) => Ok(model),
-            Model::Sliding(_) => Err(another),
+            Model::Sliding(_) | Model::BumpStop(_) => Err(another),
         }
     }
 
@@ -70,6 +73,8 @@ pub enum Model {
     ContactSeparation(ContactSeparation),
     /// A slider at the tip of a cantilever, rubbing over two patches.
     Sliding(Sliding),
+    /// A piezoelectric cantilever that hits a rod.
+    BumpStop(BumpStop),
 }
 
 /// A contact-separation harvester and the state it starts in.

@@ -1,6 +1,6 @@
 //! One table of a scene file, read key by key; what nobody asked for is refused.
 
-use super::bounds::Bound;
+use super::bounds::{Bound, Short};
 use super::document::{Content, Document, Node, Origin, SceneError};
 use super::scene::{ForceLaw, StickCharge};
 
@@ -79,6 +79,49 @@ impl<'a> Section<'a> {
     /// A number that must be there.
     pub(super) fn number(&mut self, key: &'static str, bound: &Bound) -> Result<f64, SceneError> {
         self.optional_number(key, bound)?.ok_or_else(|| self.missing(key, &bound.to_string()))
+    }
+
+    /// A whole number that must be there.
+    pub(super) fn whole_number(&mut self, key: &'static str, bound: &Bound) -> Result<usize, SceneError> {
+        let Bound { lowest, highest, .. } = bound;
+        let wanted = format!("a whole number from {lowest} to {highest}");
+        match self.find(key).map(|node| &node.content) {
+            None => Err(self.missing(key, &wanted)),
+            Some(Content::Number(value, _)) if bound.contains(*value) && value.fract() == 0.0 => {
+                Ok(*value as usize)
+            }
+            Some(_) => Err(self.refuse(key, format!("must be {wanted}"))),
+        }
+    }
+
+    /// A list of `count` numbers, if the key is there.
+    pub(super) fn optional_numbers(
+        &mut self,
+        key: &'static str,
+        bound: &Bound,
+        count: usize,
+    ) -> Result<Option<Vec<f64>>, SceneError> {
+        let Bound { lowest, highest, .. } = *bound;
+        let between = format!("each from {} to {}", Short(lowest), Short(highest));
+        let items = match self.find(key).map(|node| &node.content) {
+            None => return Ok(None),
+            Some(Content::List(items)) => items,
+            Some(_) => return Err(self.refuse(key, format!("must be a list of {count} numbers, {between}"))),
+        };
+        let value = |item: &Node| match &item.content {
+            Content::Number(value, _) if bound.contains(*value) => Some(*value),
+            _ => None,
+        };
+        let values: Vec<f64> = items.iter().map_while(value).collect();
+        if values.len() < items.len() {
+            let (at, bad) = (values.len(), &items[values.len()].content);
+            return Err(self.refuse(key, format!("item {at} is {bad}: must be {count} numbers, {between}")));
+        }
+        if values.len() != count {
+            let found = values.len();
+            return Err(self.refuse(key, format!("must be {count} numbers, one for each mode; are {found}")));
+        }
+        Ok(Some(values))
     }
 
     /// A text, if the value is one.

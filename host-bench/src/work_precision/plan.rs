@@ -72,6 +72,7 @@ impl Variant {
             precision: embedded.then_some(self.precision),
             math: self.math,
             step_s,
+            long_step_s: None,
             tolerance,
             trace_every_s: None,
         }
@@ -85,6 +86,7 @@ impl Variant {
             (Method::Auto | Method::TrBdf2, Control::PerPeriod { .. }) => "TR-BDF2, fixed step",
             (Method::Auto | Method::TrBdf2, _) => "TR-BDF2, adaptive",
             (Method::Rk4, _) => "explicit RK4, fixed step",
+            (Method::DiscreteGradient, _) => "discrete gradient",
             (Method::Reference, Control::Default) => "reference",
             (Method::Reference, _) => "diffsol BDF (std)",
         }
@@ -162,6 +164,7 @@ fn period(scene: &Scene) -> f64 {
             std::f64::consts::TAU * (model.parameters.mass_kg / model.parameters.stiffness_n_per_m).sqrt()
         }
         Model::Sliding(model) => model.parameters.natural_frequency_hz().recip(),
+        Model::BumpStop(model) => model.natural_frequencies_hz().first().map_or(1.0, |lowest| lowest.recip()),
     };
     scene.excitation.single_frequency().map_or(natural, f64::recip)
 }
@@ -194,6 +197,10 @@ fn explicit_steps(scene: &Scene, period_s: f64) -> Vec<u32> {
             let area = std::f64::consts::PI * from.patch_radius_m * from.patch_radius_m;
             let distance = from.dielectric_thickness_m / from.relative_permittivity;
             VACUUM_PERMITTIVITY * area * COVERED / distance
+        }
+        Model::BumpStop(model) => {
+            let from = &model.parameters;
+            from.piezo_permittivity_f_per_m * from.beam_width_m * from.beam_length_m / from.piezo_thickness_m
         }
     };
     let stable = period_s / (STABLE * resistance_ohm * capacitance);

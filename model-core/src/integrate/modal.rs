@@ -64,12 +64,11 @@ impl<S: Scalar> ModalStep<S> {
         }
     }
 
-    /// The increments of displacement and velocity without a force but `p`, linear from `from` to
-    /// `to`.
+    /// The increments of displacement and velocity under a force that is `from` at the start and
+    /// `rise` more at the end.
     #[must_use]
     #[inline(always)]
-    pub fn increments(&self, displacement: S, velocity: S, from: S, to: S) -> [S; 2] {
-        let rise = to - from;
+    pub fn increments(&self, displacement: S, velocity: S, from: S, rise: S) -> [S; 2] {
         [
             self.displacement_by_displacement * displacement
                 + self.displacement_by_velocity * velocity

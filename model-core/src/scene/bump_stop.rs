@@ -148,11 +148,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         (state.strain_charge - state.moved_charge) / self.capacitance
     }
 
-    fn along_beam(
-        &self,
-        state: &State<S, B, R>,
-        weight: impl Fn(&BeamCoefficients<S>) -> S,
-    ) -> [S; 2] {
+    fn along_beam(&self, state: &State<S, B, R>, weight: impl Fn(&BeamCoefficients<S>) -> S) -> [S; 2] {
         let mut sums = [S::ZERO; 2];
         for (mode, coordinate) in self.beam.iter().zip(&state.beam) {
             sums[0] += weight(mode) * coordinate[0];

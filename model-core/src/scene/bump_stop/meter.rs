@@ -158,8 +158,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
         self.peak_force = self.peak_force.larger(span.force).larger(self.scene.stiffness * to);
         // Before touch-down and after lift-off the step is open.
         let before = if from < S::ZERO && to > S::ZERO { Self::crossing(from, to) } else { S::ZERO };
-        let after =
-            if to < S::ZERO && from > S::ZERO { S::ONE - Self::crossing(from, to) } else { S::ZERO };
+        let after = if to < S::ZERO && from > S::ZERO { S::ONE - Self::crossing(from, to) } else { S::ZERO };
         self.in_contact.add(step * (S::ONE - before - after));
         if !self.touching {
             self.contacts = self.contacts.saturating_add(1);

@@ -25,6 +25,14 @@ pub struct ModalSpan<'a, S, const B: usize, const R: usize> {
     pub delivered: S,
 }
 
+impl<S: Scalar, const B: usize, const R: usize> ModalSpan<'_, S, B, R> {
+    /// Base acceleration in m/s² at both ends; linear between them.
+    #[must_use]
+    pub fn accelerations(&self) -> [S; 2] {
+        [self.start.acceleration, self.end.acceleration]
+    }
+}
+
 /// One impact under [`super::Restitution`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModalImpact<S> {

@@ -39,8 +39,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let ticks = ticks.max(1);
         let step = seconds_of_ticks::<S>(ticks);
         let of = |angular_frequency| ModalStep::new(angular_frequency, self.damping_ratio, step);
-        let (beam, rod) =
-            (self.beam.map(|mode| of(mode.angular_frequency)), self.rod.map(|mode| of(mode.angular_frequency)));
+        let (beam, rod) = (
+            self.beam.map(|mode| of(mode.angular_frequency)),
+            self.rod.map(|mode| of(mode.angular_frequency)),
+        );
         let circuit = CircuitStep::new(self.capacitance, self.load.resistance(), step);
         let (mut flexibility, mut rate_by_force) = (S::ZERO, S::ZERO);
         let (mut gap_by_voltage, mut rate_by_voltage, mut charge_by_voltage) = (S::ZERO, S::ZERO, S::ZERO);

@@ -159,7 +159,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         let base = start.acceleration.absolute().larger(trial.end.acceleration.absolute());
         let mut bound =
             self.curvature_by_base * base + self.curvature_by_voltage * trial.mean_voltage.absolute();
-        for ((weight, mode), coordinate) in self.beam_curvature.iter().zip(&self.scene.beam).zip(&start.beam) {
+        for ((weight, mode), coordinate) in self.beam_curvature.iter().zip(&self.scene.beam).zip(&start.beam)
+        {
             bound += *weight * at_least_norm(mode.angular_frequency * coordinate[0], coordinate[1]);
         }
         for ((weight, mode), coordinate) in self.rod_curvature.iter().zip(&self.scene.rod).zip(&start.rod) {

@@ -22,7 +22,11 @@ pub(super) struct Trial<S, const B: usize, const R: usize> {
 
 impl<S: Scalar, const B: usize, const R: usize> Trial<S, B, R> {
     /// What a meter sees of it.
-    pub(super) fn span<'a>(&'a self, start: &'a State<S, B, R>, set: &StepSet<S, B, R>) -> ModalSpan<'a, S, B, R> {
+    pub(super) fn span<'a>(
+        &'a self,
+        start: &'a State<S, B, R>,
+        set: &StepSet<S, B, R>,
+    ) -> ModalSpan<'a, S, B, R> {
         ModalSpan {
             ticks: set.ticks,
             step: set.step,
@@ -56,7 +60,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let (mut strain, mut gap, mut rate) = (S::ZERO, -self.gap, S::ZERO);
         for ((coordinate, mode), modal) in end.beam.iter_mut().zip(&self.beam).zip(&set.beam) {
             let [displacement, velocity] = *coordinate;
-            let [by, at] = modal.increments(displacement, velocity, -mode.base * start.acceleration, -mode.base * rise);
+            let [by, at] =
+                modal.increments(displacement, velocity, -mode.base * start.acceleration, -mode.base * rise);
             *coordinate = [displacement + by, velocity + at];
             strain += mode.voltage * coordinate[0];
             gap += mode.contact * coordinate[0];
@@ -65,7 +70,12 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         if P::Contact::POSSIBLE {
             for ((coordinate, mode), modal) in end.rod.iter_mut().zip(&self.rod).zip(&set.rod) {
                 let [displacement, velocity] = *coordinate;
-                let [by, at] = modal.increments(displacement, velocity, -mode.base * start.acceleration, -mode.base * rise);
+                let [by, at] = modal.increments(
+                    displacement,
+                    velocity,
+                    -mode.base * start.acceleration,
+                    -mode.base * rise,
+                );
                 *coordinate = [displacement + by, velocity + at];
                 gap -= mode.contact * coordinate[0];
                 rate -= mode.contact * coordinate[1];
@@ -116,8 +126,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         if matches!(self.load.resistance(), Resistance::Short) {
             end.moved_charge = strain;
         } else {
-            (end.moved_charge, end.charge_remainder) =
-                add_increment(start.moved_charge, start.charge_remainder, circuit.charge_by_mean * mean_voltage);
+            (end.moved_charge, end.charge_remainder) = add_increment(
+                start.moved_charge,
+                start.charge_remainder,
+                circuit.charge_by_mean * mean_voltage,
+            );
         }
         let change = self.voltage(&end) - start_voltage;
         let mean_square_voltage = mean_voltage * mean_voltage + circuit.square_by_change * change * change;

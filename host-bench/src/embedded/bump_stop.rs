@@ -1,0 +1,298 @@
+//! A bump-stop run on the embedded core.
+
+use std::time::Instant as Stopwatch;
+
+use model_core::clock::{Instant, LONGEST_STEP_S};
+use model_core::hybrid::StepError;
+use model_core::integrate::cubic::Cubic;
+use model_core::part::load::AnyLoad;
+use model_core::part::monomorph::Layer;
+use model_core::scalar::{Mathematics, Scalar};
+use model_core::scene::bump_stop::{
+    AnyContact, AnyCoupling, AnyParts, BumpStop as Harvester, ModalLedger, ModalMeter, ModalObserver,
+    ModalSpan, Parameters, Restitution, Start, State, Stepper, Stop,
+};
+
+use super::excitation::{HostExcitation, with_excitation};
+use super::hybrid_run::{Total, refuse_parameter, refuse_start};
+use super::precision_name;
+use crate::method::{Failure, Method, Options};
+use crate::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, Recording};
+use crate::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
+
+/// Step near contact where none is given, in s.
+const DEFAULT_SHORT_STEP_S: f64 = 1e-6;
+/// Step in free flight where none is given, in s.
+const DEFAULT_LONG_STEP_S: f64 = 5e-5;
+
+/// The core's parameters of a scene.
+#[must_use]
+pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyParts> {
+    let from = &model.parameters;
+    let number = S::literal;
+    let Load::Resistor { resistance_ohm } = load;
+    let absent = Stop {
+        length: S::ONE,
+        section: S::ONE,
+        young_modulus: number(1e9),
+        density: S::ONE,
+        position: number(from.beam_length_m),
+        gap: S::ZERO,
+        contact_compliance: S::ZERO,
+    };
+    let stop = model.stop.as_ref().map_or(absent, |stop| Stop {
+        length: number(stop.length_m),
+        section: number(stop.width_m * stop.thickness_m),
+        young_modulus: number(stop.young_modulus_pa),
+        density: number(stop.density_kg_per_m3),
+        position: number(stop.position_m),
+        gap: number(stop.gap_m),
+        contact_compliance: number(stop.contact_compliance_m_per_n),
+    });
+    let contact = model.stop.as_ref().map_or(AnyContact::NoStop, |stop| match stop.contact {
+        Contact::ResidualFlexibility => AnyContact::ResidualFlexibility,
+        Contact::DisplacementConstraint => AnyContact::DisplacementConstraint,
+        Contact::Restitution => {
+            AnyContact::Restitution(Restitution { coefficient: number(stop.restitution.unwrap_or(1.0)) })
+        }
+    });
+    Parameters {
+        beam_length: number(from.beam_length_m),
+        beam_width: number(from.beam_width_m),
+        substrate: Layer {
+            thickness: number(from.substrate_thickness_m),
+            young_modulus: number(from.substrate_young_modulus_pa),
+            density: number(from.substrate_density_kg_per_m3),
+        },
+        piezo: Layer {
+            thickness: number(from.piezo_thickness_m),
+            young_modulus: number(from.piezo_young_modulus_pa),
+            density: number(from.piezo_density_kg_per_m3),
+        },
+        piezo_d31: number(from.piezo_d31_m_per_v),
+        piezo_permittivity: number(from.piezo_permittivity_f_per_m),
+        damping_ratio: number(from.damping_ratio),
+        stop,
+        load: AnyLoad { ohms: number(resistance_ohm) },
+        coupling: match from.coupling {
+            Coupling::TwoWay => AnyCoupling::TwoWay,
+            Coupling::OneWay => AnyCoupling::OneWay,
+        },
+        contact,
+    }
+}
+
+/// Runs the scene from its start to its end.
+///
+/// The mode counts are type parameters of the core. A mode beyond the scene's own stays at rest and
+/// leaves every bit as it is, so a few capacities serve all scenes.
+pub(super) fn run<S: Scalar, M: Mathematics<S>>(
+    scene: &Scene,
+    model: &BumpStop,
+    options: &Options,
+) -> Result<Outcome, Failure> {
+    let modes = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
+    match modes {
+        (..=4, ..=2) => run_within::<S, M, 4, 2>(scene, model, options),
+        (..=10, ..=10) => run_within::<S, M, 10, 10>(scene, model, options),
+        _ => run_within::<S, M, 20, 20>(scene, model, options),
+    }
+}
+
+/// The lengths of step near contact and in free flight that the options ask for.
+fn steps(options: &Options) -> Result<[f64; 2], Failure> {
+    if !matches!(options.method, Method::Auto | Method::DiscreteGradient) {
+        return Err(Failure::Input(
+            "--method: a bump-stop scene must be run with auto, discrete-gradient or reference".to_owned(),
+        ));
+    }
+    if options.tolerance.is_some() {
+        return Err(Failure::Input(
+            "--tolerance: must not be given for a bump-stop scene, whose steps have no error estimate; \
+             give --step"
+                .to_owned(),
+        ));
+    }
+    let short = options.step_s.unwrap_or(DEFAULT_SHORT_STEP_S);
+    // A step that is given alone is that of the whole run.
+    let long = options.long_step_s.or(options.step_s).unwrap_or(DEFAULT_LONG_STEP_S);
+    for (name, step) in [("--step", short), ("--long-step", long)] {
+        if step > LONGEST_STEP_S {
+            return Err(Failure::Input(format!("{name} {step}: must be at most {LONGEST_STEP_S:.6} s")));
+        }
+    }
+    Ok([short, long])
+}
+
+fn run_within<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize>(
+    scene: &Scene,
+    model: &BumpStop,
+    options: &Options,
+) -> Result<Outcome, Failure> {
+    let [short, long] = steps(options)?;
+    let (beam_modes, rod_modes) =
+        (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
+    let harvester = parameters::<S>(model, scene.load)
+        .build_first::<B, R>(beam_modes, rod_modes)
+        .map_err(|error| refuse_parameter(scene, &error))?;
+    let mut start = Start { voltage: S::literal(model.initial.voltage_v), ..Start::default() };
+    let initial = &model.initial;
+    let put = |coordinates: &mut [[S; 2]], displacements: &[f64], velocities: &[f64]| {
+        for ((coordinate, &displacement), &velocity) in
+            coordinates.iter_mut().zip(displacements).zip(velocities)
+        {
+            *coordinate = [S::literal(displacement), S::literal(velocity)];
+        }
+    };
+    put(&mut start.beam, &initial.modal_displacement, &initial.modal_velocity);
+    put(&mut start.rod, &initial.rod_modal_displacement, &initial.rod_modal_velocity);
+    let stepper = Stepper::new(harvester, S::literal(short), S::literal(long));
+    with_excitation::<S, M, _>(scene, |excitation| {
+        let state = stepper.scene().start(&start, excitation).map_err(|error| refuse_start(scene, &error))?;
+        Run { scene, model, options, stepper: &stepper, excitation }.to_end(state)
+    })
+}
+
+/// Attempts per call: the counts of a call fit in 32 bits.
+const BUDGET: u32 = 1 << 24;
+
+/// What a run needs.
+struct Run<'a, S: Scalar, M, const B: usize, const R: usize> {
+    scene: &'a Scene,
+    model: &'a BumpStop,
+    options: &'a Options,
+    stepper: &'a Stepper<S, AnyParts, B, R>,
+    excitation: &'a HostExcitation<'a, S, M>,
+}
+
+impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M, B, R> {
+    fn to_end(&self, mut state: State<S, B, R>) -> Result<Outcome, Failure> {
+        let Self { scene, model, options, stepper, excitation } = self;
+        let harvester = stepper.scene();
+        let instant = |seconds: f64| {
+            Instant::from_seconds(seconds).ok_or_else(|| {
+                Failure::Input(format!("{}: run: {seconds} s, must be below 16777216", scene.file.display()))
+            })
+        };
+        let (settled, end) = (instant(scene.run.settle_s)?, instant(scene.run.duration_s)?);
+        let mut ledger = ModalLedger::open(harvester, &state);
+        let (mut whole_run, mut window) = (ModalMeter::new(harvester), ModalMeter::new(harvester));
+        let every = options.trace_every_s.unwrap_or(f64::INFINITY);
+        let mut recorder = Recorder { harvester, every, rows: Vec::new() };
+        let mut total = Total::default();
+        let began = Stopwatch::now();
+        for (until, measured) in [(settled, false), (end, true)] {
+            let mut whole = (&mut ledger, &mut whole_run);
+            let mut recording = options.trace_every_s.map(|_| &mut recorder);
+            let mut measuring = measured.then_some(&mut window);
+            let mut others = (&mut recording, &mut measuring);
+            let mut observer = (&mut whole, &mut others);
+            while state.clock < until {
+                let advance = stepper
+                    .advance(&mut state, *excitation, until, BUDGET, &mut observer)
+                    .map_err(|error| step_failure(&error, harvester, &state))?;
+                total.add(&advance.work);
+            }
+        }
+        let wall_s = began.elapsed().as_secs_f64();
+        let residual = match model.parameters.coupling {
+            Coupling::TwoWay => ledger.residual().total(),
+            Coupling::OneWay => ledger.residual().larger(),
+        };
+        let number = |value: S| Some(value.to_f64());
+        let periods = scene.excitation.single_frequency().map(|frequency| frequency * scene.run.window_s());
+        let with_stop = |value: S| model.stop.as_ref().map(|_| value.to_f64());
+        let contacts = u64::from(window.contacts());
+        Ok(Outcome {
+            scene: scene.name(),
+            method: "discrete-gradient".to_owned(),
+            precision: precision_name::<S>(),
+            math: M::NAME,
+            duration_s: scene.run.duration_s,
+            settle_s: scene.run.settle_s,
+            mean_power_w: number(window.mean_power()),
+            rms_voltage_v: number(window.rms_voltage()),
+            peak_voltage_v: number(window.voltage().magnitude()),
+            mean_voltage_v: number(window.mean_voltage()),
+            delivered_energy_j: number(window.delivered_energy()),
+            energy_residual: residual.map(S::to_f64),
+            steps: total.steps,
+            rejected_steps: total.rejected,
+            newton_iterations: total.iterations,
+            events: total.events,
+            wall_s,
+            particular: Particular::BumpStop(BumpStopOutcome {
+                natural_frequencies_hz: self.natural_frequencies_hz(),
+                peak_tip_displacement_m: number(window.tip().magnitude()),
+                peak_stop_point_displacement_m: with_stop(window.stop_point().magnitude()),
+                contacts,
+                contacts_per_period: periods.map(|periods| contacts as f64 / periods),
+                contact_fraction: number(window.contact_fraction()),
+                first_contact_s: whole_run.first_contact().map(Instant::seconds),
+                peak_force_n: with_stop(window.peak_force()),
+                mean_force_n: with_stop(window.mean_force()),
+            }),
+            trace: options
+                .trace_every_s
+                .map(|_| Recording { columns: &BUMP_STOP_COLUMNS, rows: std::mem::take(&mut recorder.rows) }),
+        })
+    }
+
+    /// Of the modes that the scene keeps, the beam's first.
+    fn natural_frequencies_hz(&self) -> Vec<f64> {
+        let harvester = self.stepper.scene();
+        let beam = (0..self.model.parameters.beam_modes).filter_map(|i| harvester.beam_angular_frequency(i));
+        let rod_modes = self.model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
+        let rod = (0..rod_modes).filter_map(|j| harvester.rod_angular_frequency(j));
+        beam.chain(rod).map(|omega| omega.to_f64() / std::f64::consts::TAU).collect()
+    }
+}
+
+fn step_failure<S: Scalar, const B: usize, const R: usize>(
+    error: &StepError<S>,
+    harvester: &Harvester<S, AnyParts, B, R>,
+    state: &State<S, B, R>,
+) -> Failure {
+    Failure::Step(format!(
+        "{error}: tip {:e} m, gap {:e} m, voltage {:e} V",
+        harvester.tip(state)[0].to_f64(),
+        state.gap().to_f64(),
+        harvester.voltage(state).to_f64()
+    ))
+}
+
+/// Rows of a trace at equal distances in time: the columns of [`BUMP_STOP_COLUMNS`].
+struct Recorder<'a, S: Scalar, const B: usize, const R: usize> {
+    harvester: &'a Harvester<S, AnyParts, B, R>,
+    every: f64,
+    rows: Vec<Vec<f64>>,
+}
+
+impl<S: Scalar, const B: usize, const R: usize> ModalObserver<S, B, R> for Recorder<'_, S, B, R> {
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
+        let (from, end) = (span.start.clock.seconds::<f64>(), span.end.clock.seconds::<f64>());
+        loop {
+            let time = self.rows.len() as f64 * self.every;
+            if Instant::from_seconds(time).is_none_or(|row| row > span.end.clock) {
+                return;
+            }
+            let theta = S::literal(((time - from) / (end - from)).clamp(0.0, 1.0));
+            let dense = |of: fn(&Harvester<S, AnyParts, B, R>, &State<S, B, R>) -> [S; 2]| {
+                let [start, end] = [span.start, span.end].map(|state| of(self.harvester, state));
+                Cubic::new(start[0], start[1], end[0], end[1], span.step).value(theta).to_f64()
+            };
+            let voltages = [span.start, span.end].map(|state| self.harvester.voltage(state));
+            let voltage = Cubic::with_mean(voltages[0], voltages[1], span.mean_voltage).value(theta);
+            let [before, after] = span.accelerations().map(S::to_f64);
+            self.rows.push(vec![
+                time,
+                dense(Harvester::tip),
+                dense(Harvester::stop_point),
+                dense(Harvester::rod_tip),
+                voltage.to_f64(),
+                span.force.to_f64(),
+                before + (after - before) * theta.to_f64(),
+            ]);
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! What a bump-stop run adds to an outcome.
+
+use serde::Serialize;
+
+use super::finite;
+
+/// What a bump-stop run adds.
+///
+/// Without a stop there are no contacts, and what would be about the stop is `None`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BumpStopOutcome {
+    /// Natural frequencies in Hz of the modes kept, short-circuit and undamped: those of the beam,
+    /// rising, then those of the rod, rising.
+    pub natural_frequencies_hz: Vec<f64>,
+    /// Largest magnitude in the window of the displacement of the beam's tip relative to the base, in m.
+    #[serde(serialize_with = "finite")]
+    pub peak_tip_displacement_m: Option<f64>,
+    /// The same of the point of the beam that meets the stop; `None` without a stop.
+    #[serde(serialize_with = "finite")]
+    pub peak_stop_point_displacement_m: Option<f64>,
+    /// Contacts that begin in the window: intervals with a force, and impacts.
+    pub contacts: u64,
+    /// Contacts over periods in the window; `None` unless the base moves in one sine.
+    #[serde(serialize_with = "finite")]
+    pub contacts_per_period: Option<f64>,
+    /// Part of the window during which beam and stop are in contact.
+    #[serde(serialize_with = "finite")]
+    pub contact_fraction: Option<f64>,
+    /// Time of the first contact of the run in s; `None` without contacts.
+    #[serde(serialize_with = "finite")]
+    pub first_contact_s: Option<f64>,
+    /// Largest contact force in the window in N, impacts aside, which have none; `None` without a stop.
+    #[serde(serialize_with = "finite")]
+    pub peak_force_n: Option<f64>,
+    /// Mean contact force over the window in N, the momentum of impacts included; `None` without a
+    /// stop.
+    #[serde(serialize_with = "finite")]
+    pub mean_force_n: Option<f64>,
+}
+
+/// Columns of a recording of a bump-stop run. Without a stop, the two about it are not-a-number.
+pub const BUMP_STOP_COLUMNS: [&str; 7] = [
+    "time_s",
+    "tip_displacement_m",
+    "stop_point_displacement_m",
+    "rod_tip_displacement_m",
+    "voltage_v",
+    "contact_force_n",
+    "base_acceleration_m_per_s2",
+];
