@@ -3,6 +3,7 @@
 pub mod figures;
 pub mod on_target;
 pub mod overview;
+pub mod resonance;
 pub mod run;
 pub mod stability;
 pub mod sweep;
@@ -58,6 +59,7 @@ impl SceneArguments {
             step_s: self.step,
             tolerance: self.tolerance,
             trace_every_s: None,
+            steady_state: false,
         }
     }
 }

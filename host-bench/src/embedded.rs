@@ -12,6 +12,7 @@ use model_core::scalar::{Libm, Mathematics, Micromath, Polynomial, Scalar};
 use crate::method::{Failure, Math, Method, Options, Precision};
 use crate::outcome::Outcome;
 use crate::scene_file::{Model, Scene};
+use crate::steady_state::Resonance;
 
 pub use contact_separation::parameters as contact_separation_parameters;
 
@@ -43,6 +44,49 @@ pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     match &scene.model {
         Model::ContactSeparation(model) => contact_separation::run::<S, M>(scene, model, options),
+    }
+}
+
+/// The periodic steady state of a scene under one sine, by shooting; the scene's own run where it has no
+/// stable orbit of one period.
+///
+/// # Errors
+/// As [`run`].
+pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    options.check()?;
+    options.check_scene(scene)?;
+    match (&scene.model, options.math) {
+        (Model::ContactSeparation(model), Some(Math::Libm)) => {
+            contact_separation::steady_state::<Libm>(scene, model, options)
+        }
+        (Model::ContactSeparation(model), _) => {
+            contact_separation::steady_state::<Polynomial>(scene, model, options)
+        }
+    }
+}
+
+/// The frequencies of a range in Hz at which the steady state of a scene responds most, by following
+/// its orbit over `points` frequencies and then to the peaks; and the simulated periods it took. `None`
+/// if the steady state is a stable orbit at no frequency.
+///
+/// # Errors
+/// As [`run`].
+pub fn resonance_peak(
+    scene: &Scene,
+    range: [f64; 2],
+    points: usize,
+    options: &Options,
+) -> Result<(Option<Resonance>, f64), Failure> {
+    let options = &Options { steady_state: true, ..*options };
+    options.check()?;
+    options.check_scene(scene)?;
+    match (&scene.model, options.math) {
+        (Model::ContactSeparation(model), Some(Math::Libm)) => {
+            contact_separation::resonance_peak::<Libm>(scene, model, range, points, options)
+        }
+        (Model::ContactSeparation(model), _) => {
+            contact_separation::resonance_peak::<Polynomial>(scene, model, range, points, options)
+        }
     }
 }
 

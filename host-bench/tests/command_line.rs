@@ -5,6 +5,7 @@ mod command_line {
     mod refused_options;
     mod refused_scenes;
     mod refused_traces;
+    mod steady_state;
     mod step_errors;
     mod sweep;
     mod tool;

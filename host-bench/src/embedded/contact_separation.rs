@@ -21,7 +21,11 @@ use super::recorder::Recorder;
 use super::{DEFAULT_TOLERANCE, method_name, precision_name};
 use crate::method::{Failure, Method, Options};
 use crate::outcome::{CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Outcome, Particular, Recording};
-use crate::scene_file::{ContactSeparation, ForceLaw, Load, Restitution, Scene, StickCharge};
+use crate::scene_file::{ContactSeparation, ForceLaw, Load, Restitution, RunSpan, Scene, StickCharge};
+
+mod shooting;
+
+pub(super) use shooting::{resonance_peak, steady_state};
 
 type State<S> = HybridState<S, Mode, STATES, { account::WHOLE }>;
 
@@ -75,6 +79,19 @@ pub(super) fn run<S: Scalar, M: Mathematics<S>>(
     model: &ContactSeparation,
     options: &Options,
 ) -> Result<Outcome, Failure> {
+    prepared::<S, M, _>(scene, model, options, |run, state| match options.method {
+        Method::Rk4 => run.with(RungeKutta4, state),
+        Method::Auto | Method::TrBdf2 | Method::Reference => run.with(TrBdf2, state),
+    })
+}
+
+/// Calls `with` with all that a run of the scene needs, and the state it starts in.
+fn prepared<S: Scalar, M: Mathematics<S>, R>(
+    scene: &Scene,
+    model: &ContactSeparation,
+    options: &Options,
+    with: impl FnOnce(&Run<'_, S, M>, State<S>) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     let refuse = |error: &dyn std::fmt::Display| {
         Failure::Input(format!("{}: parameters.{error}", scene.file.display()))
     };
@@ -90,10 +107,7 @@ pub(super) fn run<S: Scalar, M: Mathematics<S>>(
             .start(&start, excitation, &control)
             .map_err(|error| Failure::Input(format!("{}: initial.{error}", scene.file.display())))?;
         let run = Run { scene, model, options, harvester: &harvester, excitation, control };
-        match options.method {
-            Method::Rk4 => run.with(RungeKutta4, state),
-            Method::Auto | Method::TrBdf2 | Method::Reference => run.with(TrBdf2, state),
-        }
+        with(&run, state)
     })
 }
 
@@ -177,15 +191,24 @@ struct Run<'a, S: Scalar, M: Mathematics<S>> {
 }
 
 impl<S: Scalar, M: Mathematics<S>> Run<'_, S, M> {
-    fn with<I: Integrator<S>>(&self, integrator: I, mut state: State<S>) -> Result<Outcome, Failure> {
-        let Self { scene, model, options, harvester, excitation, control } = self;
+    fn with<I: Integrator<S>>(&self, integrator: I, state: State<S>) -> Result<Outcome, Failure> {
+        self.measured(&Driver::new(integrator, self.control), state, &self.scene.run)
+    }
+
+    /// The outcome of a run from `state` to the end of `span`.
+    fn measured<I: Integrator<S>>(
+        &self,
+        driver: &Driver<I, AnyStepControl<S>>,
+        mut state: State<S>,
+        span: &RunSpan,
+    ) -> Result<Outcome, Failure> {
+        let Self { scene, model, options, harvester, excitation, .. } = self;
         let instant = |seconds: f64| {
             Instant::from_seconds(seconds).ok_or_else(|| {
                 Failure::Input(format!("{}: run: {seconds} s, must be below 16777216", scene.file.display()))
             })
         };
-        let (settled, end) = (instant(scene.run.settle_s)?, instant(scene.run.duration_s)?);
-        let driver = Driver::new(integrator, *control);
+        let (settled, end) = (instant(span.settle_s)?, instant(span.duration_s)?);
         let mut ledger = Ledger::open(*harvester, &state);
         let mut first_impact = FirstImpact::default();
         let mut meter = RunMeter::new(*harvester);
@@ -219,14 +242,14 @@ impl<S: Scalar, M: Mathematics<S>> Run<'_, S, M> {
         };
         let number = |value: S| Some(value.to_f64());
         let impacts = u64::from(meter.impacts());
-        let periods = scene.excitation.single_frequency().map(|frequency| frequency * scene.run.window_s());
+        let periods = scene.excitation.single_frequency().map(|frequency| frequency * span.window_s());
         Ok(Outcome {
             scene: scene.name(),
             method: method_name(options.method).to_owned(),
             precision: precision_name::<S>(),
             math: M::NAME,
-            duration_s: scene.run.duration_s,
-            settle_s: scene.run.settle_s,
+            duration_s: span.duration_s,
+            settle_s: span.settle_s,
             mean_power_w: number(meter.mean_power()),
             rms_voltage_v: number(meter.rms_voltage()),
             peak_voltage_v: number(meter.voltage().magnitude()),
@@ -248,6 +271,7 @@ impl<S: Scalar, M: Mathematics<S>> Run<'_, S, M> {
                 first_impact_s: first_impact.0.map(Instant::seconds),
                 stuck_fraction: number(meter.held_fraction()),
             }),
+            steady_state: None,
             trace: options.trace_every_s.map(|_| Recording {
                 columns: &CONTACT_SEPARATION_COLUMNS,
                 rows: std::mem::take(&mut recorder.rows),

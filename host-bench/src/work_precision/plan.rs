@@ -74,6 +74,7 @@ impl Variant {
             step_s,
             tolerance,
             trace_every_s: None,
+            steady_state: false,
         }
     }
 
