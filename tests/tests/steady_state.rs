@@ -66,7 +66,8 @@ fn a_linear_motion_has_its_amplitude_and_its_multipliers() {
         let angular = std::f64::consts::TAU * frequency;
         let bottom = (natural * natural - angular * angular).hypot(2.0 * damping * natural * angular);
         let amplitude = 0.5 * (value(motion.peak_gap_m) - value(motion.min_gap_m));
-        assert_close("amplitude", amplitude, 0.02 * 9.81 / bottom, 2e-5);
+        // The period error of the steps, 2e-7, is enlarged by ω0² / |ω0² − Ω²| / 2 or so: 60 at 20.3 Hz.
+        assert_close("amplitude", amplitude, 0.02 * 9.81 / bottom, 5e-5);
         let expected = (-damping * natural / frequency).exp();
         assert_close("multiplier", value(found.largest_multiplier), expected, 1e-6);
     }
@@ -78,7 +79,7 @@ fn a_linear_motion_has_its_amplitude_and_its_multipliers() {
         let expected = (-1.0 / (30.0 * resistance * capacitance)).exp();
         let found = value(found.largest_multiplier);
         assert!(
-            ((1.0 - found) / (1.0 - expected) - 1.0).abs() < 2e-2 && expected > 0.98,
+            ((1.0 - found) / (1.0 - expected) - 1.0).abs() < 1e-3 && expected > 0.98,
             "{found} instead of {expected}"
         );
     }

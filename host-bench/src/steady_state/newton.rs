@@ -5,12 +5,13 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// Size of the finite differences, relative to the scale of each entry. Measured on an impacting motion,
 /// the noise that the rounding of events and the choice of steps leave in the map is 1e-11 of the scale
 /// at tolerances from 1e-3 down, and its curvature is of the order of 10: the entries of the Jacobian
-/// are good to some 1e-5.
-const DIFFERENCE: f64 = 1e-6;
+/// are good to some 1e-4. Below 1 Ω, where a change of the gap alone starts a transient much faster than
+/// any step, the noise is 1e-7 to 1e-6: a smaller difference would be lost in it.
+const DIFFERENCE: f64 = 1e-5;
 /// Iterations after which a start is given up.
-const MOST_ITERATIONS: usize = 16;
+const MOST_ITERATIONS: usize = 10;
 /// Smallest part of a step that is tried.
-const SMALLEST_PART: f64 = 1.0 / 16.0;
+const SMALLEST_PART: f64 = 1.0 / 8.0;
 /// A step that leaves more than this part of the residual is a sign that the Jacobian has changed.
 const POOR: f64 = 0.2;
 
