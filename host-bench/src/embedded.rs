@@ -66,8 +66,11 @@ pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure
 }
 
 /// The frequencies of a range in Hz at which the steady state of a scene responds most, by following
-/// its orbit over `points` frequencies and then to the peaks; and the simulated periods it took. `None`
-/// if the steady state is a stable orbit at no frequency.
+/// its orbit upwards over `points` frequencies and then to the peaks; and the simulated periods it
+/// took. `None` if the steady state is a stable orbit at no frequency.
+///
+/// Where two orbits are stable the one is followed on which the path came. Where it ends, or loses its
+/// stability, the steady state from the scene's start takes its place.
 ///
 /// # Errors
 /// As [`run`].

@@ -39,8 +39,9 @@ impl<const N: usize> Search<N> {
     /// The search by default.
     ///
     /// Twenty periods are enough for a lightly damped start to have overshot: measured on 568 points of
-    /// the contact-separation scene, 10 periods miss the impacts that are to come at 7 points at the
-    /// upper edge of the band, 20 at none.
+    /// the contact-separation scene, 10 periods miss the impacts that are to come at 7 points, most at the
+    /// upper edge of the band, 20 at none. With five attempts four points are left at which a run of 300
+    /// periods is on another motion than the orbit that was named.
     #[must_use]
     pub const fn new(typical: [f64; N]) -> Self {
         Self { typical, patience: 20, attempts: 5 }
