@@ -6,6 +6,7 @@
 mod contact_separation;
 mod excitation;
 mod recorder;
+mod steady_state;
 
 use model_core::scalar::{Libm, Mathematics, Micromath, Polynomial, Scalar};
 

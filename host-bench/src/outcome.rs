@@ -64,6 +64,17 @@ pub struct Outcome {
     pub trace: Option<Recording>,
 }
 
+impl Outcome {
+    /// Whether the numbers are those of a stable orbit, found by shooting.
+    #[must_use]
+    pub fn is_of_an_orbit(&self) -> bool {
+        self.steady_state.as_ref().is_some_and(|found| found.steady_state == STABLE)
+    }
+}
+
+/// The verdict with which the numbers are those of an orbit.
+pub const STABLE: &str = "stable-period-1";
+
 /// What a search for the periodic steady state adds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SteadyState {

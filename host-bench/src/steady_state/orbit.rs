@@ -94,7 +94,7 @@ impl<Mode, const N: usize, const P: usize> Verdict<Mode, N, P> {
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::StablePeriodOne(_) => "stable-period-1",
+            Self::StablePeriodOne(_) => crate::outcome::STABLE,
             Self::NotReached(_) => "stable-period-1-not-reached",
             Self::UnstablePeriodOne(_) => "unstable-period-1",
             Self::NotFound => "none",
@@ -183,6 +183,35 @@ impl<A, E, I> Shaken<'_, A, E, I> {
         let mut pattern = other.start;
         pattern.clock = self.instant(other.phase);
         self.orbit(&pattern, other.phase, other.scale, Some(other.linearisation.clone()), spent)
+    }
+
+    /// The response of the stable orbit that `known` becomes at this frequency, or else of the steady state
+    /// of the motion from `start`; its orbit is the known one from then on.
+    ///
+    /// # Errors
+    /// If the transient meets a step that cannot be taken.
+    pub fn followed<Mode, const N: usize, const P: usize>(
+        &self,
+        known: &mut Option<Orbit<Mode, N, P>>,
+        start: HybridState<f64, Mode, N, P>,
+        search: &Search<N>,
+        spent: &mut Spent,
+    ) -> Result<Option<Response>, StepError<f64>>
+    where
+        Mode: Copy + Debug + PartialEq,
+        A: Harvester<f64, N, P, Mode = Mode>,
+        E: Excitation<f64>,
+        I: Method<f64>,
+    {
+        let continued = known.as_ref().and_then(|orbit| self.continued(orbit, spent));
+        *known = match continued.filter(Orbit::is_stable) {
+            Some(orbit) => Some(orbit),
+            None => match self.steady_state(start, search, spent)? {
+                Verdict::StablePeriodOne(orbit) => Some(orbit),
+                Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound => None,
+            },
+        };
+        Ok(known.as_ref().and_then(|orbit| self.response(orbit, spent)))
     }
 
     /// What the meters show of one period of an orbit; `None` if a step cannot be taken.

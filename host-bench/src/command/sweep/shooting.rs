@@ -41,7 +41,7 @@ pub(super) fn compared(
     Ok(Some(Compared {
         periods: [steady.simulated_periods, frequency * scene.run.duration_s],
         seconds,
-        is_stable: steady.steady_state == "stable-period-1",
+        is_stable: outcome.is_of_an_orbit(),
     }))
 }
 

@@ -1,7 +1,5 @@
 //! The periodic steady state of a contact-separation scene, and its resonance, by shooting.
 
-use std::time::Instant as Stopwatch;
-
 use model_core::hybrid::Driver;
 use model_core::integrate::{AnyStepControl, Method as Integrator, RungeKutta4, TrBdf2};
 use model_core::scalar::Mathematics;
@@ -10,10 +8,11 @@ use model_core::scene::contact_separation::{AnyParts, ContactSeparation as Harve
 
 use super::{Run, State, prepared, step_failure};
 use crate::embedded::excitation::HostExcitation;
+use crate::embedded::steady_state::sought;
 use crate::method::{Failure, Method, Options};
-use crate::outcome::{Outcome, Particular, SteadyState};
-use crate::scene_file::{ContactSeparation, Excitation, RunSpan, Scene};
-use crate::steady_state::{Orbit, Resonance, Response, Search, Shaken, Spent, Verdict, resonance};
+use crate::outcome::{Outcome, Particular};
+use crate::scene_file::{ContactSeparation, Excitation, Scene};
+use crate::steady_state::{Orbit, Resonance, Response, Search, Shaken, Spent, resonance};
 
 /// The steady state by shooting; the scene's own run where it has no stable orbit of one period.
 pub(in crate::embedded) fn steady_state<M: Mathematics<f64>>(
@@ -79,68 +78,32 @@ impl<M: Mathematics<f64>> Run<'_, f64, M> {
         ])
     }
 
-    fn steady<I: Integrator<f64>>(&self, integrator: I, state: State<f64>) -> Result<Outcome, Failure> {
-        let began = Stopwatch::now();
+    fn steady<I: Integrator<f64>>(&self, integrator: I, start: State<f64>) -> Result<Outcome, Failure> {
         let driver = Driver::new(integrator, self.control);
-        let shaken = self.shaken(&driver);
-        let mut spent = Spent::default();
-        let verdict = shaken
-            .steady_state(state, &self.search(), &mut spent)
-            .map_err(|error| step_failure(&error, self.harvester, &state))?;
-        let (start, span) = match &verdict {
-            Verdict::StablePeriodOne(orbit) => {
-                let settle_s = orbit.start.clock.seconds::<f64>();
-                let duration_s = settle_s + 1.0 / shaken.frequency_hz;
-                (orbit.start, RunSpan { duration_s, settle_s })
-            }
-            Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound => {
-                (state, self.scene.run)
-            }
-        };
-        let mut outcome = self.measured(&driver, start, &span)?;
-        let from = start.clock.seconds::<f64>();
-        outcome.steady_state = Some(SteadyState {
-            steady_state: verdict.name(),
-            largest_multiplier: verdict.orbit().map(Orbit::largest_multiplier),
-            simulated_periods: spent.periods + (span.duration_s - from) * shaken.frequency_hz,
-        });
-        outcome.steps += spent.steps;
-        outcome.rejected_steps += spent.rejected;
-        outcome.newton_iterations += spent.iterations;
-        outcome.events += spent.events;
-        outcome.wall_s = began.elapsed().as_secs_f64();
-        if let (Verdict::StablePeriodOne(_), Particular::ContactSeparation(motion)) =
-            (&verdict, &mut outcome.particular)
-        {
+        let mut outcome = sought(
+            &self.shaken(&driver),
+            start,
+            &self.search(),
+            &self.scene.run,
+            |error| step_failure(&error, self.harvester, &start),
+            |from, span| self.measured(&driver, from, span),
+        )?;
+        if outcome.is_of_an_orbit() {
+            let Particular::ContactSeparation(motion) = &mut outcome.particular;
             motion.first_impact_s = None;
         }
         Ok(outcome)
     }
 
-    /// The response of the stable orbit that `known` becomes here, or else of the steady state from the
-    /// scene's start; the orbit is the known one from then on.
     fn response<I: Integrator<f64>>(
         &self,
         integrator: I,
-        state: State<f64>,
+        start: State<f64>,
         known: &mut Option<KnownOrbit>,
         spent: &mut Spent,
     ) -> Result<Option<Response>, Failure> {
         let driver = Driver::new(integrator, self.control);
-        let shaken = self.shaken(&driver);
-        let followed = known.as_ref().and_then(|orbit| shaken.continued(orbit, spent));
-        let orbit = match followed.filter(Orbit::is_stable) {
-            Some(orbit) => Some(orbit),
-            None => match shaken
-                .steady_state(state, &self.search(), spent)
-                .map_err(|error| step_failure(&error, self.harvester, &state))?
-            {
-                Verdict::StablePeriodOne(orbit) => Some(orbit),
-                Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound => None,
-            },
-        };
-        let response = orbit.as_ref().and_then(|orbit| shaken.response(orbit, spent));
-        *known = orbit;
-        Ok(response)
+        let found = self.shaken(&driver).followed(known, start, &self.search(), spent);
+        found.map_err(|error| step_failure(&error, self.harvester, &start))
     }
 }
