@@ -3,6 +3,7 @@
 pub mod figures;
 pub mod on_target;
 pub mod overview;
+pub mod resonance;
 pub mod run;
 pub mod stability;
 pub mod sweep;
@@ -62,6 +63,7 @@ impl SceneArguments {
             long_step_s: self.long_step,
             tolerance: self.tolerance,
             trace_every_s: None,
+            steady_state: false,
         }
     }
 }

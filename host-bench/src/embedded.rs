@@ -8,13 +8,16 @@ mod contact_separation;
 mod excitation;
 mod hybrid_run;
 mod recorder;
+mod shooting;
 mod sliding;
+mod steady_state;
 
 use model_core::scalar::{Libm, Mathematics, Micromath, Polynomial, Scalar};
 
 use crate::method::{Failure, Math, Method, Options, Precision};
 use crate::outcome::Outcome;
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::{Excitation, Model, Scene};
+use crate::steady_state::{Resonance, Spent, resonance};
 
 pub use bump_stop::parameters as bump_stop_parameters;
 pub use contact_separation::parameters as contact_separation_parameters;
@@ -47,10 +50,111 @@ pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 
 fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     match &scene.model {
-        Model::ContactSeparation(model) => contact_separation::run::<S, M>(scene, model, options),
-        Model::Sliding(model) => sliding::run::<S, M>(scene, model, options),
+        Model::ContactSeparation(model) => {
+            contact_separation::prepared::<S, M, _>(scene, model, options, |run, state| run.to_end(state))
+        }
+        Model::Sliding(model) => {
+            sliding::prepared::<S, M, _>(scene, model, options, |run, state| run.to_end(state))
+        }
         Model::BumpStop(model) => bump_stop::run::<S, M>(scene, model, options),
     }
+}
+
+/// The periodic steady state of a scene under one sine, by shooting; the scene's own run where it has no
+/// stable orbit of one period.
+///
+/// # Errors
+/// As [`run`].
+pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    options.check()?;
+    options.check_scene(scene)?;
+    match options.math {
+        Some(Math::Libm) => steady_state_as::<Libm>(scene, options),
+        _ => steady_state_as::<Polynomial>(scene, options),
+    }
+}
+
+fn steady_state_as<M: Mathematics<f64>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    match &scene.model {
+        Model::ContactSeparation(model) => {
+            contact_separation::prepared::<f64, M, _>(scene, model, options, |run, state| {
+                run.steady_state(state)
+            })
+        }
+        Model::Sliding(model) => {
+            sliding::prepared::<f64, M, _>(scene, model, options, |run, state| run.steady_state(state))
+        }
+        Model::BumpStop(_) => Err(no_steady_state(scene)),
+    }
+}
+
+/// The refusal of a scene whose motion is not sought by shooting.
+fn no_steady_state(scene: &Scene) -> Failure {
+    Failure::Input(format!(
+        "{}: scene = {:?}: must be \"contact-separation\" or \"sliding\" for a periodic steady state",
+        scene.file.display(),
+        scene.name()
+    ))
+}
+
+/// The frequencies of a range in Hz at which the steady state of a scene responds most, by following
+/// its orbit upwards over `points` frequencies and then to the peaks; and the simulated periods it
+/// took. `None` if the steady state is a stable orbit at no frequency.
+///
+/// Where two orbits are stable the one is followed on which the path came. Where it ends, or loses its
+/// stability, the steady state from the scene's start takes its place.
+///
+/// # Errors
+/// As [`run`].
+pub fn resonance_peak(
+    scene: &Scene,
+    range: [f64; 2],
+    points: usize,
+    options: &Options,
+) -> Result<(Option<Resonance>, f64), Failure> {
+    let options = &Options { steady_state: true, ..*options };
+    options.check()?;
+    options.check_scene(scene)?;
+    match options.math {
+        Some(Math::Libm) => resonance_peak_as::<Libm>(scene, range, points, options),
+        _ => resonance_peak_as::<Polynomial>(scene, range, points, options),
+    }
+}
+
+fn resonance_peak_as<M: Mathematics<f64>>(
+    scene: &Scene,
+    range: [f64; 2],
+    points: usize,
+    options: &Options,
+) -> Result<(Option<Resonance>, f64), Failure> {
+    let mut spent = Spent::default();
+    let at = |frequency_hz: f64| {
+        let mut scene = scene.clone();
+        if let Excitation::Sine(tone) = &mut scene.excitation {
+            tone.frequency_hz = frequency_hz;
+        }
+        scene
+    };
+    let found = match &scene.model {
+        Model::ContactSeparation(model) => {
+            let mut known = None;
+            resonance(range, points, |frequency_hz| {
+                contact_separation::prepared::<f64, M, _>(&at(frequency_hz), model, options, |run, state| {
+                    run.response(state, &mut known, &mut spent)
+                })
+            })?
+        }
+        Model::Sliding(model) => {
+            let mut known = None;
+            resonance(range, points, |frequency_hz| {
+                sliding::prepared::<f64, M, _>(&at(frequency_hz), model, options, |run, state| {
+                    run.response(state, &mut known, &mut spent)
+                })
+            })?
+        }
+        Model::BumpStop(_) => return Err(no_steady_state(scene)),
+    };
+    Ok((found, spent.periods))
 }
 
 /// The name of a precision, as the command line writes it.

@@ -10,4 +10,5 @@ pub mod reference;
 pub mod report;
 pub mod scene_file;
 pub mod stability;
+pub mod steady_state;
 pub mod work_precision;

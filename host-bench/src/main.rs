@@ -4,7 +4,9 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use host_bench::command::{figures, on_target, overview, report, run, stability, sweep, work_precision};
+use host_bench::command::{
+    figures, on_target, overview, report, resonance, run, stability, sweep, work_precision,
+};
 use host_bench::method::Failure;
 
 /// Vibration energy harvesters: scenes, reference, reports
@@ -20,6 +22,8 @@ struct Arguments {
 enum Command {
     /// Rebuild the figures of the paper on the contact-separation harvester
     Figures(figures::FiguresArguments),
+    /// The frequency at which the steady state of a scene responds most
+    Resonance(resonance::ResonanceArguments),
     /// Run one scene
     Run(run::RunArguments),
     /// Build the firmware for each core, run it under QEMU
@@ -40,6 +44,7 @@ fn main() -> ExitCode {
     let done = match &arguments.command {
         None => overview::run(),
         Some(Command::Figures(arguments)) => figures::run(arguments),
+        Some(Command::Resonance(arguments)) => resonance::run(arguments),
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::OnTarget(arguments)) => {
             on_target::run(arguments).map_err(|error| Failure::Input(error.to_string()))

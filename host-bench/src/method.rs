@@ -63,6 +63,8 @@ pub struct Options {
     pub tolerance: Option<f64>,
     /// Distance in s of the rows of [`Outcome::trace`].
     pub trace_every_s: Option<f64>,
+    /// Whether the periodic steady state is sought by shooting, in place of the run.
+    pub steady_state: bool,
 }
 
 /// Why there is no outcome.
@@ -114,6 +116,34 @@ impl Options {
                 return refuse("--step: must not be given for the reference, which adapts its step");
             }
         }
+        if self.steady_state {
+            if self.method == Method::Reference {
+                return refuse("--method reference: must be of the core for a steady state, such as tr-bdf2");
+            }
+            if self.precision == Some(Precision::F32) {
+                return refuse("--precision f32: a steady state must be in f64");
+            }
+            if self.math == Some(Math::Micromath) {
+                return refuse("--math micromath: a steady state must be in f64, which it does not have");
+            }
+            if self.trace_every_s.is_some() {
+                return refuse("--trace-every: must not be given for a steady state");
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks what depends on the kind of the scene.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] that names the file, the key and what it must be.
+    pub fn check_scene(&self, scene: &Scene) -> Result<(), Failure> {
+        if self.steady_state && scene.excitation.single_frequency().is_none() {
+            return Err(Failure::Input(format!(
+                "{}: excitation.kind: must be \"sine\" with a frequency_hz above 0 for a periodic steady state",
+                scene.file.display()
+            )));
+        }
         Ok(())
     }
 }
@@ -125,6 +155,7 @@ impl Options {
 /// integration cannot go on.
 pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     options.check()?;
+    options.check_scene(scene)?;
     if let Some(every) = options.trace_every_s {
         const ROWS: f64 = 2e7;
         if scene.run.duration_s / every > ROWS {
@@ -143,6 +174,9 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
             let tolerance = options.tolerance.unwrap_or(default.tolerance);
             let options = ReferenceOptions { tolerance, record_every: options.trace_every_s };
             reference::run(scene, &options).map_err(|failure| Failure::Step(failure.to_string()))
+        }
+        Method::Auto | Method::TrBdf2 | Method::Rk4 | Method::DiscreteGradient if options.steady_state => {
+            embedded::steady_state(scene, options)
         }
         Method::Auto | Method::TrBdf2 | Method::Rk4 | Method::DiscreteGradient => {
             embedded::run(scene, options)

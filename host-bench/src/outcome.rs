@@ -6,7 +6,7 @@ mod format;
 use serde::Serialize;
 
 pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome};
-pub use self::format::{Format, cell, number};
+pub use self::format::{Format, cell, number, text};
 
 /// The result of one run.
 ///
@@ -58,6 +58,9 @@ pub struct Outcome {
     /// What only this kind of scene has.
     #[serde(flatten)]
     pub particular: Particular,
+    /// How the steady state was found, if it was sought by shooting.
+    #[serde(flatten)]
+    pub steady_state: Option<SteadyState>,
     /// The motion over time, if it was asked for; not part of the JSON object.
     #[serde(skip)]
     pub trace: Option<Recording>,
@@ -72,6 +75,30 @@ impl Outcome {
             Particular::Sliding(_) | Particular::BumpStop(_) => None,
         }
     }
+
+    /// Whether the numbers are those of a stable orbit, found by shooting.
+    #[must_use]
+    pub fn is_of_an_orbit(&self) -> bool {
+        self.steady_state.as_ref().is_some_and(|found| found.steady_state == STABLE)
+    }
+}
+
+/// The verdict with which the numbers are those of an orbit.
+pub const STABLE: &str = "stable-period-1";
+
+/// What a search for the periodic steady state adds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SteadyState {
+    /// `stable-period-1`: the numbers are those of one period of a stable orbit, from `settle_s` to
+    /// `duration_s`. Otherwise they are those of the run as the scene has it, because there is an
+    /// `unstable-period-1` orbit only, or a `stable-period-1-not-reached` from the scene's start, or
+    /// `none`.
+    pub steady_state: &'static str,
+    /// Magnitude of the orbit's largest Floquet multiplier; `None` without an orbit.
+    #[serde(serialize_with = "finite")]
+    pub largest_multiplier: Option<f64>,
+    /// Simulated periods, whole search, the run included where there was one.
+    pub simulated_periods: f64,
 }
 
 /// The numbers of one kind of scene.
@@ -103,7 +130,8 @@ pub struct ContactSeparationOutcome {
     /// Largest impact speed in the window in m/s; `None` without impacts.
     #[serde(serialize_with = "finite")]
     pub max_impact_speed_m_per_s: Option<f64>,
-    /// Time of the first impact of the run in s; `None` without impacts.
+    /// Time of the first impact of the run in s; `None` without impacts, and for an orbit that was found
+    /// by shooting, which has no beginning.
     #[serde(serialize_with = "finite")]
     pub first_impact_s: Option<f64>,
     /// Part of the window during which the mass is held.

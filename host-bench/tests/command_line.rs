@@ -6,6 +6,7 @@ mod command_line {
     mod refused_scenes;
     mod refused_traces;
     mod sliding;
+    mod steady_state;
     mod step_errors;
     mod sweep;
     mod tool;

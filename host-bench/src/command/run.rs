@@ -17,6 +17,10 @@ pub struct RunArguments {
     /// Seconds between the rows of the trace
     #[arg(long, value_name = "S", requires = "trace", allow_hyphen_values = true)]
     trace_every: Option<f64>,
+    /// Seek the periodic steady state under one sine by shooting, in place of the run; the run where
+    /// there is none that is stable
+    #[arg(long)]
+    steady_state: bool,
 }
 
 /// Runs the scene, writes the trace and prints the outcome; nothing of either if it fails.
@@ -24,8 +28,11 @@ pub struct RunArguments {
 /// # Errors
 /// Bad input or a step error.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let options =
-        crate::method::Options { trace_every_s: arguments.trace_every, ..arguments.scene.options() };
+    let options = crate::method::Options {
+        trace_every_s: arguments.trace_every,
+        steady_state: arguments.steady_state,
+        ..arguments.scene.options()
+    };
     options.check()?;
     if let Some(file) = &arguments.trace {
         writable("--trace", file)?;

@@ -2,7 +2,9 @@
 
 mod axis;
 mod picture;
+mod shooting;
 
+use std::io::Write;
 use std::path::PathBuf;
 
 use comfy_table::{Table, presets};
@@ -11,8 +13,9 @@ use serde_json::{Map, Value};
 
 pub use self::axis::Axis;
 use self::picture::Quantity;
+use self::shooting::{Compared, compared};
 use super::{SceneArguments, print, progress, write_whole};
-use crate::method::{Failure, run_scene};
+use crate::method::{Failure, Options, run_scene};
 use crate::outcome::{Format, Outcome, cell, number};
 use crate::scene_file::{self, Override, Scene, SceneError};
 
@@ -30,12 +33,21 @@ pub struct SweepArguments {
     /// Write sweep.csv and sweep.svg into this folder
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Seek the periodic steady state under one sine by shooting at each point, in place of the run; the
+    /// run where there is none that is stable
+    #[arg(long)]
+    steady_state: bool,
+    /// Make the runs as well, and tell on standard error how much longer they take
+    #[arg(long, requires = "steady_state")]
+    compare: bool,
 }
 
 /// One point of the grid and what came of it.
 struct Point {
     values: Vec<f64>,
     found: Result<Outcome, String>,
+    /// What the steady state took against the run, where it was sought.
+    compared: Option<Compared>,
 }
 
 /// Runs the grid, writes the files and prints the points.
@@ -46,7 +58,7 @@ struct Point {
 /// # Errors
 /// Bad input, or a step error at one of the points.
 pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
-    let options = arguments.scene.options();
+    let options = Options { steady_state: arguments.steady_state, ..arguments.scene.options() };
     options.check()?;
     let axes = &arguments.axes;
     let count = axes.iter().try_fold(1usize, |count, axis| count.checked_mul(axis.count()));
@@ -68,21 +80,32 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     {
         return Err(Failure::Input(format!("--output {}: must be a folder", folder.display())));
     }
-    (0..count).into_par_iter().try_for_each(|index| scene(arguments, &values(axes, index)).map(drop))?;
+    (0..count)
+        .into_par_iter()
+        .try_for_each(|index| options.check_scene(&scene(arguments, &values(axes, index))?))?;
     let bar = progress(count);
     let points = (0..count).into_par_iter().map(|index| {
         let values = values(axes, index);
-        let found = match run_scene(&scene(arguments, &values)?, &options) {
+        let scene = scene(arguments, &values)?;
+        let found = match run_scene(&scene, &options) {
             Ok(outcome) => Ok(outcome),
             Err(Failure::Step(error)) => Err(error),
             Err(error @ Failure::Input(_)) => return Err(error),
         };
+        let compared = match &found {
+            Ok(outcome) => compared(&scene, outcome, arguments)?,
+            Err(_) => None,
+        };
         bar.inc(1);
-        Ok(Point { values, found })
+        Ok(Point { values, found, compared })
     });
     let points: Result<Vec<Point>, Failure> = points.collect();
     bar.finish_and_clear();
     let points = points?;
+    if let Some(costs) = shooting::Costs::of(points.iter().filter_map(|point| point.compared.as_ref())) {
+        // With no standard error left there is nobody to tell.
+        let _ = writeln!(std::io::stderr(), "{costs}");
+    }
     if let Some(folder) = &arguments.output {
         let title = format!("{}, {:?}", arguments.scene.scene.display(), options.method);
         let picture = picture::draw(&title, axes, &quantities(&points)).map_err(Failure::Input)?;
@@ -184,18 +207,24 @@ fn table(axes: &[Axis], points: &[Point]) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     let keys = axes.iter().map(|axis| axis.key.as_str());
-    table.set_header(keys.chain(["mean_power_w", "rms_voltage_v", "steps", "error"]));
+    let steady = points.iter().any(|point| point.compared.is_some());
+    let names = ["mean_power_w", "rms_voltage_v", "steps"].into_iter();
+    let verdict = steady.then_some("steady_state");
+    table.set_header(keys.chain(names).chain(verdict).chain(["error"]));
     for point in points {
-        let found = match &point.found {
-            Ok(outcome) => [
-                shown(outcome.mean_power_w),
-                shown(outcome.rms_voltage_v),
-                outcome.steps.to_string(),
+        let values = point.values.iter().map(|value| shown(Some(*value)));
+        let (found, error) = match &point.found {
+            Ok(outcome) => (
+                [shown(outcome.mean_power_w), shown(outcome.rms_voltage_v), outcome.steps.to_string()],
                 String::new(),
-            ],
-            Err(error) => [shown(None), shown(None), shown(None), error.clone()],
+            ),
+            Err(error) => ([shown(None), shown(None), shown(None)], error.clone()),
         };
-        table.add_row(point.values.iter().map(|value| shown(Some(*value))).chain(found));
+        let verdict = steady.then(|| match point.found.as_ref().map(|outcome| &outcome.steady_state) {
+            Ok(Some(found)) => found.steady_state.to_owned(),
+            _ => shown(None),
+        });
+        table.add_row(values.chain(found).chain(verdict).chain([error]));
     }
     table.trim_fmt() + "\n"
 }

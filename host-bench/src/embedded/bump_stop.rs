@@ -23,7 +23,7 @@ use crate::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
 /// Step near contact where none is given, in s.
 const DEFAULT_SHORT_STEP_S: f64 = 1e-6;
 /// Step in free flight where none is given, in s.
-const DEFAULT_LONG_STEP_S: f64 = 5e-5;
+const DEFAULT_LONG_STEP_S: f64 = 2e-5;
 
 /// The core's parameters of a scene.
 #[must_use]
@@ -232,6 +232,7 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
                 peak_force_n: with_stop(window.peak_force()),
                 mean_force_n: with_stop(window.mean_force()),
             }),
+            steady_state: None,
             trace: options
                 .trace_every_s
                 .map(|_| Recording { columns: &BUMP_STOP_COLUMNS, rows: std::mem::take(&mut recorder.rows) }),

@@ -4,18 +4,21 @@ use std::marker::PhantomData;
 
 use model_core::clock::Instant;
 use model_core::energy::Residual;
+use model_core::hybrid::HybridState;
 use model_core::part::load::AnyLoad;
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution, VelocityDependentRestitution};
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::contact_separation::{
-    AnyForceLaw, AnyParts, AnyStickCharge, ContactSeparation as Harvester, Parameters, STATES, Start,
+    AnyForceLaw, AnyParts, AnyStickCharge, ContactSeparation as Harvester, Mode, Parameters, STATES, Start,
 };
 
 use super::excitation::with_excitation;
-use super::hybrid_run::{Found, HostedScene, Run, refuse_parameter, refuse_start, step_control};
+use super::hybrid_run::{
+    Found, HostedScene, Run, WHOLE, refuse_parameter, refuse_start, step_control, unit_of_charge,
+};
 use crate::method::{Failure, Options};
-use crate::outcome::{CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Outcome, Particular};
+use crate::outcome::{CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Particular};
 use crate::scene_file::{ContactSeparation, ForceLaw, Load, Restitution, Scene, StickCharge};
 
 /// The core's parameters of a scene.
@@ -72,12 +75,13 @@ pub(super) fn sticking(charge: StickCharge) -> AnyStickCharge {
     }
 }
 
-/// Runs the scene from its start to its end.
-pub(super) fn run<S: Scalar, M: Mathematics<S>>(
+/// Calls `with` with all that a run of the scene needs, and the state it starts in.
+pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
     scene: &Scene,
     model: &ContactSeparation,
     options: &Options,
-) -> Result<Outcome, Failure> {
+    with: impl FnOnce(&Run<'_, S, M, Hosted<'_, S, M>>, HybridState<S, Mode, STATES, WHOLE>) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     let harvester =
         parameters::<S, M>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))?;
     let start = Start {
@@ -89,8 +93,8 @@ pub(super) fn run<S: Scalar, M: Mathematics<S>>(
     with_excitation::<S, M, _>(scene, |excitation| {
         let state =
             harvester.start(&start, excitation, &control).map_err(|error| refuse_start(scene, &error))?;
-        let hosted = Hosted { harvester, force_law: model.parameters.force_law };
-        Run { scene, options, hosted: &hosted, excitation, control }.to_end(state)
+        let hosted = Hosted { harvester, model };
+        with(&Run { scene, options, hosted: &hosted, excitation, control }, state)
     })
 }
 
@@ -108,12 +112,12 @@ fn explicit_step(model: &ContactSeparation, load: Load) -> f64 {
 }
 
 /// The core's harvester with what a report asks beside.
-struct Hosted<S: Scalar, M: Mathematics<S>> {
+pub(super) struct Hosted<'a, S: Scalar, M: Mathematics<S>> {
     harvester: Harvester<S, AnyParts<M>>,
-    force_law: ForceLaw,
+    model: &'a ContactSeparation,
 }
 
-impl<S: Scalar, M: Mathematics<S>> HostedScene<S> for Hosted<S, M> {
+impl<S: Scalar, M: Mathematics<S>> HostedScene<S> for Hosted<'_, S, M> {
     type Core = Harvester<S, AnyParts<M>>;
 
     fn core(&self) -> &Self::Core {
@@ -128,8 +132,19 @@ impl<S: Scalar, M: Mathematics<S>> HostedScene<S> for Hosted<S, M> {
         self.harvester.transferred_charge(gap, charge)
     }
 
+    /// Gap, velocity and charge as large as they are in a motion that uses the whole gap.
+    fn typical(&self) -> [f64; STATES] {
+        let from = &self.model.parameters;
+        let tribo_charge = from.charge_density_c_per_m2 * from.electrode_area_m2;
+        [
+            from.initial_gap_m,
+            from.initial_gap_m * self.harvester.angular_frequency().to_f64(),
+            unit_of_charge(tribo_charge, self.harvester.charge_unit().to_f64()),
+        ]
+    }
+
     fn residual(&self, residual: &Residual<S>) -> Option<S> {
-        match self.force_law {
+        match self.model.parameters.force_law {
             ForceLaw::GapField => residual.total(),
             ForceLaw::TransferredCharge => residual.larger(),
         }

@@ -15,7 +15,7 @@ use super::recorder::Recorder;
 use super::{DEFAULT_TOLERANCE, method_name, precision_name};
 use crate::method::{Failure, Method, Options};
 use crate::outcome::{Outcome, Particular, Recording};
-use crate::scene_file::Scene;
+use crate::scene_file::{RunSpan, Scene};
 
 /// States of every such scene: position in m, velocity in m/s, charge in units of the scene.
 pub(super) const STATES: usize = 3;
@@ -39,6 +39,9 @@ pub(super) trait HostedScene<S: Scalar> {
     /// The transferred charge of a state in coulombs.
     fn coulombs(&self, state: [S; STATES]) -> S;
 
+    /// How large position, velocity and charge of the state typically are.
+    fn typical(&self) -> [f64; STATES];
+
     /// The relative residual of the energy ledger that holds for this scene.
     fn residual(&self, residual: &Residual<S>) -> Option<S>;
 
@@ -53,6 +56,12 @@ pub(super) struct Found<'a, S: Scalar, H> {
     pub(super) first_impact: Option<Instant>,
     /// Periods of the base in the window, where it moves in one sine.
     pub(super) periods: Option<f64>,
+}
+
+/// A tribo-charge in units of the state; one without charge has no electrical motion, and its unit is as
+/// good as any.
+pub(super) fn unit_of_charge(tribo_charge: f64, charge_unit: f64) -> f64 {
+    if tribo_charge > 0.0 { tribo_charge / charge_unit } else { 1.0 }
 }
 
 /// The refusal of a parameter by the core.
@@ -155,17 +164,26 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
     fn with<I: Integrator<S>>(
         &self,
         integrator: I,
-        mut state: HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
+        state: HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
     ) -> Result<Outcome, Failure> {
-        let Self { scene, options, hosted, excitation, control } = self;
+        self.measured(&Driver::new(integrator, self.control), state, &self.scene.run)
+    }
+
+    /// The outcome of a run from `state` to the end of `span`.
+    pub(super) fn measured<I: Integrator<S>>(
+        &self,
+        driver: &Driver<I, AnyStepControl<S>>,
+        mut state: HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
+        span: &RunSpan,
+    ) -> Result<Outcome, Failure> {
+        let Self { scene, options, hosted, excitation, .. } = self;
         let harvester = hosted.core();
         let instant = |seconds: f64| {
             Instant::from_seconds(seconds).ok_or_else(|| {
                 Failure::Input(format!("{}: run: {seconds} s, must be below 16777216", scene.file.display()))
             })
         };
-        let (settled, end) = (instant(scene.run.settle_s)?, instant(scene.run.duration_s)?);
-        let driver = Driver::new(integrator, *control);
+        let (settled, end) = (instant(span.settle_s)?, instant(span.duration_s)?);
         let mut ledger = Ledger::open(harvester, &state);
         let mut first_impact = FirstImpact { harvester, at: None };
         let mut meter = RunMeter::new(harvester);
@@ -189,14 +207,14 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
         }
         let wall_s = began.elapsed().as_secs_f64();
         let number = |value: S| Some(value.to_f64());
-        let periods = scene.excitation.single_frequency().map(|frequency| frequency * scene.run.window_s());
+        let periods = scene.excitation.single_frequency().map(|frequency| frequency * span.window_s());
         Ok(Outcome {
             scene: scene.name(),
             method: method_name(options.method).to_owned(),
             precision: precision_name::<S>(),
             math: M::NAME,
-            duration_s: scene.run.duration_s,
-            settle_s: scene.run.settle_s,
+            duration_s: span.duration_s,
+            settle_s: span.settle_s,
             mean_power_w: number(meter.mean_power()),
             rms_voltage_v: number(meter.rms_voltage()),
             peak_voltage_v: number(meter.voltage().magnitude()),
@@ -209,13 +227,14 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
             events: total.events,
             wall_s,
             particular: hosted.particular(&Found { meter: &meter, first_impact: first_impact.at, periods }),
+            steady_state: None,
             trace: options
                 .trace_every_s
                 .map(|_| Recording { columns: hosted.columns(), rows: std::mem::take(&mut recorder.rows) }),
         })
     }
 
-    fn step_failure(
+    pub(super) fn step_failure(
         &self,
         error: &StepError<S>,
         state: &HybridState<S, ModeOf<S, H>, STATES, WHOLE>,

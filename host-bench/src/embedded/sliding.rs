@@ -1,17 +1,20 @@
 //! A sliding run on the embedded core.
 
 use model_core::energy::Residual;
+use model_core::hybrid::HybridState;
 use model_core::part::load::AnyLoad;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::sliding::{
-    AnyLateralForce, AnyParts, Parameters, PatchFriction, STATES, Sliding as Harvester, Start,
+    AnyLateralForce, AnyParts, Mode, Parameters, PatchFriction, STATES, Sliding as Harvester, Start,
 };
 
 use super::contact_separation::{force_law, sticking};
 use super::excitation::with_excitation;
-use super::hybrid_run::{Found, HostedScene, Run, refuse_parameter, refuse_start, step_control};
+use super::hybrid_run::{
+    Found, HostedScene, Run, WHOLE, refuse_parameter, refuse_start, step_control, unit_of_charge,
+};
 use crate::method::{Failure, Options};
-use crate::outcome::{Outcome, Particular, SLIDING_COLUMNS, SlidingOutcome};
+use crate::outcome::{Particular, SLIDING_COLUMNS, SlidingOutcome};
 use crate::scene_file::{Load, Scene, Sliding};
 
 /// The core's parameters of a scene.
@@ -45,12 +48,13 @@ pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyPa
     }
 }
 
-/// Runs the scene from its start to its end.
-pub(super) fn run<S: Scalar, M: Mathematics<S>>(
+/// Calls `with` with all that a run of the scene needs, and the state it starts in.
+pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
     scene: &Scene,
     model: &Sliding,
     options: &Options,
-) -> Result<Outcome, Failure> {
+    with: impl FnOnce(&Run<'_, S, M, Hosted<'_, S>>, HybridState<S, Mode, STATES, WHOLE>) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     let harvester =
         parameters::<S>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))?;
     let start = Start {
@@ -62,8 +66,8 @@ pub(super) fn run<S: Scalar, M: Mathematics<S>>(
     with_excitation::<S, M, _>(scene, |excitation| {
         let state =
             harvester.start(&start, excitation, &control).map_err(|error| refuse_start(scene, &error))?;
-        let hosted = Hosted { harvester, lateral_force: model.parameters.lateral_force };
-        Run { scene, options, hosted: &hosted, excitation, control }.to_end(state)
+        let hosted = Hosted { harvester, model };
+        with(&Run { scene, options, hosted: &hosted, excitation, control }, state)
     })
 }
 
@@ -82,12 +86,12 @@ fn explicit_step<S: Scalar>(harvester: &Harvester<S, AnyParts>, model: &Sliding,
 }
 
 /// The core's harvester with what a report asks beside.
-struct Hosted<S: Scalar> {
+pub(super) struct Hosted<'a, S: Scalar> {
     harvester: Harvester<S, AnyParts>,
-    lateral_force: bool,
+    model: &'a Sliding,
 }
 
-impl<S: Scalar> HostedScene<S> for Hosted<S> {
+impl<S: Scalar> HostedScene<S> for Hosted<'_, S> {
     type Core = Harvester<S, AnyParts>;
 
     fn core(&self) -> &Self::Core {
@@ -102,10 +106,22 @@ impl<S: Scalar> HostedScene<S> for Hosted<S> {
         self.harvester.charge_unit() * charge
     }
 
+    /// Displacement, velocity and charge as large as they are in a motion over half the patch.
+    fn typical(&self) -> [f64; STATES] {
+        let from = &self.model.parameters;
+        let tribo_charge =
+            from.charge_density_c_per_m2 * std::f64::consts::PI * from.patch_radius_m * from.patch_radius_m;
+        [
+            from.patch_radius_m,
+            from.patch_radius_m * self.harvester.angular_frequency().to_f64(),
+            unit_of_charge(tribo_charge, self.harvester.charge_unit().to_f64()),
+        ]
+    }
+
     /// Without the lateral force what the field takes from the motion is not debited there: each
     /// ledger closes by itself only.
     fn residual(&self, residual: &Residual<S>) -> Option<S> {
-        if self.lateral_force { residual.total() } else { residual.larger() }
+        if self.model.parameters.lateral_force { residual.total() } else { residual.larger() }
     }
 
     fn particular(&self, found: &Found<'_, S, Self::Core>) -> Particular {

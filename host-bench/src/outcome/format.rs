@@ -30,22 +30,27 @@ impl Outcome {
     /// The whole text, line break at its end included.
     #[must_use]
     pub fn text(&self, format: Format) -> String {
-        let fields = self.fields();
-        match format {
-            Format::Json => {
-                let object: serde_json::Map<_, _> = fields.into_iter().collect();
-                format!("{:#}\n", Value::Object(object))
-            }
-            Format::Csv => {
-                let names: Vec<&str> = fields.iter().map(|(name, _)| name.as_str()).collect();
-                let values: Vec<String> = fields.iter().map(|(_, value)| cell(value)).collect();
-                format!("{}\n{}\n", names.join(","), values.join(","))
-            }
-            Format::Table => {
-                let width = fields.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-                let line = |(name, value): &(String, Value)| format!("{name:<width$}  {}\n", shown(value));
-                fields.iter().map(line).collect()
-            }
+        text(self.fields(), format)
+    }
+}
+
+/// Names and values as text, line break at its end included.
+#[must_use]
+pub fn text(fields: Vec<(String, Value)>, format: Format) -> String {
+    match format {
+        Format::Json => {
+            let object: serde_json::Map<_, _> = fields.into_iter().collect();
+            format!("{:#}\n", Value::Object(object))
+        }
+        Format::Csv => {
+            let names: Vec<&str> = fields.iter().map(|(name, _)| name.as_str()).collect();
+            let values: Vec<String> = fields.iter().map(|(_, value)| cell(value)).collect();
+            format!("{}\n{}\n", names.join(","), values.join(","))
+        }
+        Format::Table => {
+            let width = fields.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+            let line = |(name, value): &(String, Value)| format!("{name:<width$}  {}\n", shown(value));
+            fields.iter().map(line).collect()
         }
     }
 }

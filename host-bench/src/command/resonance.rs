@@ -1,0 +1,71 @@
+//! `host-bench resonance`: where the steady state of a scene responds most.
+
+use serde_json::Value;
+
+use super::{SceneArguments, print};
+use crate::embedded::resonance_peak;
+use crate::method::Failure;
+use crate::outcome::text;
+use crate::scene_file;
+use crate::steady_state::DEFAULT_POINTS;
+
+/// Most frequencies of a scan.
+const MOST_POINTS: usize = 100_000;
+
+/// Arguments of `resonance`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct ResonanceArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Lowest frequency
+    #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
+    from: f64,
+    /// Highest frequency
+    #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
+    to: f64,
+    /// Frequencies of the scan from which the peaks are narrowed down
+    #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_POINTS)]
+    points: usize,
+}
+
+/// Follows the steady state over the range and prints its peaks.
+///
+/// # Errors
+/// Bad input, a step error, or a range without a stable orbit.
+pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
+    let ResonanceArguments { from, to, points, .. } = *arguments;
+    let refuse = |text: String| Err(Failure::Input(text));
+    for (name, value) in [("--from", from), ("--to", to)] {
+        if !(value > 0.0 && value <= 1e6) {
+            return refuse(format!("{name} {value}: must be a number above 0, to 1e6"));
+        }
+    }
+    if !(from < to) {
+        return refuse(format!("--from {from}: must be below --to {to}"));
+    }
+    if !(3..=MOST_POINTS).contains(&points) {
+        return refuse(format!("--points {points}: must be from 3 to {MOST_POINTS}"));
+    }
+    let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
+    let (found, periods) = resonance_peak(&scene, [from, to], points, &arguments.scene.options())?;
+    let Some(found) = found else {
+        return Err(Failure::Step(format!("no stable orbit of one period from {from} to {to} Hz")));
+    };
+    let without = found.responses.iter().filter(|(_, response)| response.is_none()).count();
+    let fields: [(&str, Value); 12] = [
+        ("scene", scene.name().into()),
+        ("peak_frequency_hz", found.amplitude.frequency_hz.into()),
+        ("peak_amplitude_m", found.amplitude.value.into()),
+        ("peak_within_hz", found.amplitude.within_hz.into()),
+        ("peak_at_edge", found.amplitude.at_edge.into()),
+        ("max_rms_voltage_frequency_hz", found.rms_voltage.frequency_hz.into()),
+        ("max_rms_voltage_v", found.rms_voltage.value.into()),
+        ("max_rms_voltage_within_hz", found.rms_voltage.within_hz.into()),
+        ("max_rms_voltage_at_edge", found.rms_voltage.at_edge.into()),
+        ("frequencies", found.responses.len().into()),
+        ("frequencies_without_stable_orbit", without.into()),
+        ("simulated_periods", periods.into()),
+    ];
+    let fields = fields.map(|(name, value)| (name.to_owned(), value)).to_vec();
+    print(&text(fields, arguments.scene.format))
+}

@@ -1,0 +1,178 @@
+//! Fixed points of a map: a damped quasi-Newton iteration with Jacobians by finite differences.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+/// Size of the finite differences, relative to the scale of each entry. Measured on an impacting motion,
+/// the noise that the rounding of events and the choice of steps leave in the map is 1e-11 of the scale
+/// at tolerances from 1e-3 down, and its curvature is of the order of 10: the entries of the Jacobian
+/// are good to some 1e-4. Below 1 Ω, where a change of the gap alone starts a transient much faster than
+/// any step, the noise is 1e-7 to 1e-6: a smaller difference would be lost in it.
+const DIFFERENCE: f64 = 1e-5;
+/// Iterations after which a start is given up.
+const MOST_ITERATIONS: usize = 10;
+/// Smallest part of a step that is tried.
+const SMALLEST_PART: f64 = 1.0 / 8.0;
+/// A step that leaves more than this part of the residual is a sign that the Jacobian has changed.
+const POOR: f64 = 0.2;
+
+/// A map linearised at a point, in units of the scale of each entry.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Linearisation {
+    /// Derivative of entry `i` of the image by entry `j` of the point.
+    jacobian: DMatrix<f64>,
+    /// The entries that the map changes: one that it hands on to the last bit is no unknown.
+    unknowns: Vec<usize>,
+}
+
+impl Linearisation {
+    /// Eigenvalues among the unknowns, the largest magnitude first.
+    pub(super) fn multipliers(&self) -> Vec<Complex<f64>> {
+        if self.unknowns.is_empty() {
+            return Vec::new();
+        }
+        let part = self.jacobian.select_rows(&self.unknowns).select_columns(&self.unknowns);
+        let mut values: Vec<Complex<f64>> = part.complex_eigenvalues().iter().copied().collect();
+        values.sort_by(|one, other| other.norm().total_cmp(&one.norm()));
+        values
+    }
+
+    /// The image of a small change.
+    pub(super) fn image<const N: usize>(&self, change: &[f64; N]) -> [f64; N] {
+        let image = &self.jacobian * DVector::from_column_slice(change);
+        std::array::from_fn(|index| image[index])
+    }
+
+    /// The solution of `(I − J) step = residual` among the unknowns; `None` if there is none.
+    fn step(&self, residual: &DVector<f64>) -> Option<DVector<f64>> {
+        let mut step = DVector::zeros(residual.len());
+        if self.unknowns.is_empty() {
+            return Some(step);
+        }
+        let size = self.unknowns.len();
+        let matrix = DMatrix::identity(size, size)
+            - self.jacobian.select_rows(&self.unknowns).select_columns(&self.unknowns);
+        let solved = matrix.lu().solve(&residual.select_rows(&self.unknowns))?;
+        for (&index, &value) in self.unknowns.iter().zip(solved.iter()) {
+            step[index] = value;
+        }
+        step.iter().all(|value| value.is_finite()).then_some(step)
+    }
+
+    /// Broyden's update: the least change with which `step` has the image that was seen.
+    fn update(&mut self, step: &DVector<f64>, change: &DVector<f64>) {
+        let square = step.norm_squared();
+        if square > 0.0 {
+            self.jacobian += (change - &self.jacobian * step) * step.transpose() / square;
+        }
+    }
+}
+
+/// A fixed point.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FixedPoint<const N: usize> {
+    /// The point.
+    pub(super) point: [f64; N],
+    /// The map there.
+    pub(super) linearisation: Linearisation,
+}
+
+/// A map of a vector, which fails where it returns `None`, and the scale of each entry.
+pub(super) struct Map<'a, const N: usize> {
+    pub(super) apply: &'a mut dyn FnMut(&[f64; N]) -> Option<[f64; N]>,
+    pub(super) scale: [f64; N],
+    /// Step, in units of the scale, below which a point counts as found.
+    pub(super) accuracy: f64,
+}
+
+impl<const N: usize> Map<'_, N> {
+    /// The fixed point that the iteration finds from `start`; `None` if it finds none.
+    ///
+    /// `known` is the map linearised nearby, if that is known.
+    pub(super) fn fixed_point(
+        &mut self,
+        start: [f64; N],
+        known: Option<Linearisation>,
+    ) -> Option<FixedPoint<N>> {
+        let mut point = start;
+        let mut image = (self.apply)(&point)?;
+        let mut fresh = known.is_none();
+        let mut linear = match known {
+            Some(linear) => linear,
+            None => self.linearise(&point, &image)?,
+        };
+        for _ in 0..MOST_ITERATIONS {
+            let residual = self.scaled(&image, &point);
+            let step = linear.step(&residual);
+            if let Some(step) = step.as_ref().filter(|step| fresh && step.amax() < self.accuracy) {
+                return Some(FixedPoint { point: self.moved(&point, step), linearisation: linear });
+            }
+            let next = step.as_ref().and_then(|step| self.descend(&point, step, residual.norm()));
+            let Some((next, next_image)) = next else {
+                if fresh {
+                    return None;
+                }
+                linear = self.linearise(&point, &image)?;
+                fresh = true;
+                continue;
+            };
+            let remaining = self.scaled(&next_image, &next).norm();
+            linear.update(&self.scaled(&next, &point), &self.scaled(&next_image, &image));
+            (point, image) = (next, next_image);
+            let small = step.is_some_and(|step| step.amax() < self.accuracy);
+            fresh = small || remaining > POOR * residual.norm();
+            if fresh {
+                linear = self.linearise(&point, &image)?;
+            }
+        }
+        None
+    }
+
+    /// The farthest point along `step` at which the residual is less, with its image. Within the
+    /// accuracy asked for, the residual may be noise, and the whole step is taken.
+    fn descend(
+        &mut self,
+        point: &[f64; N],
+        step: &DVector<f64>,
+        residual: f64,
+    ) -> Option<([f64; N], [f64; N])> {
+        let mut part = 1.0;
+        while part >= SMALLEST_PART {
+            let next = self.moved(point, &(step * part));
+            if let Some(image) = (self.apply)(&next)
+                && (self.scaled(&image, &next).norm() < (1.0 - 0.1 * part) * residual
+                    || step.amax() < self.accuracy)
+            {
+                return Some((next, image));
+            }
+            part *= 0.5;
+        }
+        None
+    }
+
+    fn linearise(&mut self, point: &[f64; N], image: &[f64; N]) -> Option<Linearisation> {
+        let mut jacobian = DMatrix::zeros(N, N);
+        let mut handed_on: [bool; N] = std::array::from_fn(|index| image[index] == point[index]);
+        for column in 0..N {
+            let mut beside = *point;
+            beside[column] += DIFFERENCE * self.scale[column];
+            // What was added once it is rounded.
+            let difference = (beside[column] - point[column]) / self.scale[column];
+            let beside_image = (self.apply)(&beside)?;
+            jacobian.set_column(column, &(self.scaled(&beside_image, image) / difference));
+            for index in 0..N {
+                handed_on[index] &= beside_image[index] == beside[index];
+            }
+        }
+        let unknowns = (0..N).filter(|&index| !handed_on[index]).collect();
+        Some(Linearisation { jacobian, unknowns })
+    }
+
+    /// `(one − other) / scale`.
+    fn scaled(&self, one: &[f64; N], other: &[f64; N]) -> DVector<f64> {
+        DVector::from_fn(N, |index, _| (one[index] - other[index]) / self.scale[index])
+    }
+
+    fn moved(&self, point: &[f64; N], step: &DVector<f64>) -> [f64; N] {
+        std::array::from_fn(|index| point[index] + self.scale[index] * step[index])
+    }
+}

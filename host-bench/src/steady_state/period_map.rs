@@ -1,0 +1,205 @@
+//! The period map: a state at one phase of the excitation, and the state one period later.
+
+use std::fmt::Debug;
+
+use model_core::clock::Instant;
+use model_core::excitation::Excitation;
+use model_core::hybrid::{Automaton, Driver, Event, HybridState, Observer, Span, StepError, Work};
+use model_core::integrate::{AnyStepControl, Method, Point};
+use model_core::scene::Harvester;
+
+/// Attempts per call of the driver: the counts of a call fit in 32 bits.
+const BUDGET: u32 = 1 << 24;
+
+/// A harvester shaken by one sine.
+#[derive(Debug)]
+pub struct Shaken<'a, A, E, I> {
+    /// The harvester.
+    pub harvester: &'a A,
+    /// What shakes it: one sine.
+    pub excitation: &'a E,
+    /// Frequency of the sine in Hz.
+    pub frequency_hz: f64,
+    /// How steps are taken.
+    pub driver: &'a Driver<I, AnyStepControl<f64>>,
+}
+
+// Not derived: what it refers to need not be `Copy`.
+impl<A, E, I> Clone for Shaken<'_, A, E, I> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<A, E, I> Copy for Shaken<'_, A, E, I> {}
+
+/// Work done so far.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spent {
+    /// Simulated periods of the excitation, parts included.
+    pub periods: f64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+    /// Newton iterations within steps.
+    pub iterations: u64,
+    /// Events.
+    pub events: u64,
+}
+
+impl Spent {
+    fn add(&mut self, work: &Work) {
+        self.steps += u64::from(work.steps);
+        self.rejected += u64::from(work.rejected);
+        self.iterations += u64::from(work.iterations);
+        self.events += u64::from(work.events);
+    }
+}
+
+impl<A, E, I> Shaken<'_, A, E, I> {
+    /// The instant `periods` periods after the start; the last there is if that is beyond.
+    pub(super) fn instant(&self, periods: f64) -> Instant {
+        Instant::from_seconds(periods / self.frequency_hz).unwrap_or(Instant::from_ticks(u64::MAX))
+    }
+
+    /// Advances `state` to `until`.
+    pub(super) fn advance<Mode, O, const N: usize, const P: usize>(
+        &self,
+        state: &mut HybridState<f64, Mode, N, P>,
+        until: Instant,
+        observer: &mut O,
+        spent: &mut Spent,
+    ) -> Result<(), StepError<f64>>
+    where
+        Mode: Copy + Debug + PartialEq,
+        A: Automaton<f64, N, P, Mode = Mode>,
+        E: Excitation<f64>,
+        I: Method<f64>,
+        O: Observer<f64, Mode, N, P>,
+    {
+        let from = state.clock;
+        while state.clock < until {
+            let advance =
+                self.driver.advance(self.harvester, state, self.excitation, until, BUDGET, observer)?;
+            spent.add(&advance.work);
+        }
+        let ticks = state.clock.ticks().saturating_sub(from.ticks());
+        spent.periods += Instant::from_ticks(ticks).seconds::<f64>() * self.frequency_hz;
+        Ok(())
+    }
+
+    /// `pattern` at another state vector: its clock, its mode and its memory are kept.
+    pub(super) fn at<Mode, const N: usize, const P: usize>(
+        &self,
+        pattern: &HybridState<f64, Mode, N, P>,
+        vector: &[f64; N],
+    ) -> HybridState<f64, Mode, N, P>
+    where
+        Mode: Copy + Debug + PartialEq,
+        A: Automaton<f64, N, P, Mode = Mode>,
+        E: Excitation<f64>,
+    {
+        let input = self.excitation.acceleration(pattern.clock);
+        let mut state = *pattern;
+        state.point = Point::at(&self.harvester.flow(pattern.mode), *vector, input);
+        state
+    }
+
+    /// The state vector one period after `vector`, which has the clock and the mode of `pattern`; `None`
+    /// if the mode is another then, or a step could not be taken.
+    pub(super) fn period<Mode, O, const N: usize, const P: usize>(
+        &self,
+        pattern: &HybridState<f64, Mode, N, P>,
+        vector: &[f64; N],
+        observer: &mut O,
+        spent: &mut Spent,
+    ) -> Option<[f64; N]>
+    where
+        Mode: Copy + Debug + PartialEq,
+        A: Automaton<f64, N, P, Mode = Mode>,
+        E: Excitation<f64>,
+        I: Method<f64>,
+        O: Observer<f64, Mode, N, P>,
+    {
+        let mut state = self.at(pattern, vector);
+        let until = Instant::from_ticks(state.clock.ticks().saturating_add(self.instant(1.0).ticks()));
+        self.advance(&mut state, until, observer, spent).ok()?;
+        (state.mode == pattern.mode).then_some(state.point.state)
+    }
+}
+
+/// The smooth stretches of a motion, and how far each state went.
+#[derive(Debug)]
+pub(super) struct Watch<'a, A, Mode, const N: usize> {
+    harvester: &'a A,
+    stretches: Vec<Stretch<Mode>>,
+    event: bool,
+    lowest: [f64; N],
+    highest: [f64; N],
+}
+
+#[derive(Debug)]
+struct Stretch<Mode> {
+    mode: Mode,
+    from: u64,
+    to: u64,
+}
+
+impl<'a, A, Mode, const N: usize> Watch<'a, A, Mode, N> {
+    pub(super) fn new(harvester: &'a A) -> Self {
+        Self {
+            harvester,
+            stretches: Vec::new(),
+            event: true,
+            lowest: [f64::INFINITY; N],
+            highest: [f64::NEG_INFINITY; N],
+        }
+    }
+
+    /// Half the distance that each state went, but no less than a thousandth of its typical size.
+    pub(super) fn scale(&self, typical: &[f64; N]) -> [f64; N] {
+        std::array::from_fn(|index| {
+            let half = 0.5 * (self.highest[index] - self.lowest[index]);
+            half.max(1e-3 * typical[index])
+        })
+    }
+
+    /// Ticks from the start of the watch to the middle of the longest smooth stretch, one in which
+    /// the moving part is not held if there is one; 0 where nothing ever happened.
+    pub(super) fn calmest<const P: usize>(&self) -> u64
+    where
+        A: Harvester<f64, N, P, Mode = Mode>,
+        Mode: Copy,
+    {
+        let [first, _, ..] = &self.stretches[..] else { return 0 };
+        let longest = self
+            .stretches
+            .iter()
+            .max_by_key(|stretch| (!self.harvester.is_held(stretch.mode), stretch.to - stretch.from));
+        longest.map_or(0, |stretch| stretch.from.midpoint(stretch.to) - first.from)
+    }
+}
+
+impl<A, Mode, const N: usize, const P: usize> Observer<f64, Mode, N, P> for Watch<'_, A, Mode, N>
+where
+    Mode: Copy,
+{
+    fn step(&mut self, span: &Span<'_, f64, Mode, N, P>) {
+        let (from, to) = (span.from.ticks(), span.from.after(span.ticks).ticks());
+        match self.stretches.last_mut() {
+            Some(stretch) if !self.event => stretch.to = to,
+            _ => self.stretches.push(Stretch { mode: span.mode, from, to }),
+        }
+        self.event = false;
+        for index in 0..N {
+            let ends = [span.start.state[index], span.end.state[index]];
+            self.lowest[index] = self.lowest[index].min(ends[0]).min(ends[1]);
+            self.highest[index] = self.highest[index].max(ends[0]).max(ends[1]);
+        }
+    }
+
+    fn event(&mut self, _event: &Event<'_, f64, Mode, N, P>) {
+        self.event = true;
+    }
+}

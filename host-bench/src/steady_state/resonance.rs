@@ -1,0 +1,144 @@
+//! The frequency at which a steady state responds most.
+
+use serde::Serialize;
+
+use super::orbit::Response;
+
+/// Frequencies of the scan that comes first, by default.
+pub const DEFAULT_POINTS: usize = 41;
+/// Distance in Hz to which a peak is narrowed down.
+const WITHIN_HZ: f64 = 2e-5;
+/// Evaluations after which it is as good as it gets.
+const MOST_EVALUATIONS: usize = 60;
+
+/// A largest response.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Peak {
+    /// Where it is, in Hz.
+    pub frequency_hz: f64,
+    /// What it is, in the unit of the response.
+    pub value: f64,
+    /// Half the width in Hz of the interval that is known to hold it, if the response has one peak
+    /// between the points of the scan.
+    pub within_hz: f64,
+    /// Whether it stands at an end of the range, so that more may lie beyond.
+    pub at_edge: bool,
+}
+
+/// The peaks of a steady state over frequency.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resonance {
+    /// Of the amplitude in m.
+    pub amplitude: Peak,
+    /// Of the RMS voltage in V.
+    pub rms_voltage: Peak,
+    /// All responses that were computed, in rising order of frequency; `None` where there is no stable
+    /// orbit.
+    pub responses: Vec<(f64, Option<Response>)>,
+}
+
+/// Scans `points` frequencies from `from` to `to` in rising order, then narrows down both peaks.
+///
+/// `respond` gives the response at a frequency. It is asked along a path, so that it can follow an
+/// orbit. The result is `None` if there is no response at any frequency of the scan.
+///
+/// # Errors
+/// Whatever `respond` gives.
+pub fn resonance<F>(
+    [from, to]: [f64; 2],
+    points: usize,
+    mut respond: impl FnMut(f64) -> Result<Option<Response>, F>,
+) -> Result<Option<Resonance>, F> {
+    let last = points.max(3) - 1;
+    let frequency = |index: usize| from + (to - from) * index as f64 / last as f64;
+    let mut responses = Vec::new();
+    for index in 0..=last {
+        responses.push((frequency(index), respond(frequency(index))?));
+    }
+    let mut peaks = Vec::new();
+    for measure in [amplitude, voltage] {
+        responses.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let Some(peak) = narrowed(&mut responses, measure, &mut respond)? else { return Ok(None) };
+        peaks.push(peak);
+    }
+    responses.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let [amplitude, rms_voltage] = peaks[..] else { return Ok(None) };
+    Ok(Some(Resonance { amplitude, rms_voltage, responses }))
+}
+
+fn amplitude(response: &Response) -> f64 {
+    response.amplitude_m
+}
+
+fn voltage(response: &Response) -> f64 {
+    response.rms_voltage_v
+}
+
+/// The peak between the neighbours of the largest response so far, by Brent's method: a parabola
+/// through the three best points where that converges, a golden section where it does not
+/// (R. P. Brent, *Algorithms for Minimization without Derivatives*, 1973, chapter 5).
+fn narrowed<F>(
+    responses: &mut Vec<(f64, Option<Response>)>,
+    measure: fn(&Response) -> f64,
+    respond: &mut impl FnMut(f64) -> Result<Option<Response>, F>,
+) -> Result<Option<Peak>, F> {
+    // 2 − (1 + √5)/2, the smaller part of a golden section.
+    const SECTION: f64 = 0.381_966_011_250_105_1;
+    let value = |response: &Option<Response>| response.as_ref().map_or(f64::NEG_INFINITY, measure);
+    let best = (0..responses.len())
+        .max_by(|&one, &other| value(&responses[one].1).total_cmp(&value(&responses[other].1)));
+    let Some(best) = best.filter(|&best| responses[best].1.is_some()) else { return Ok(None) };
+    let last = responses.len() - 1;
+    let ends = [responses[0].0, responses[last].0];
+    let (mut low, mut high) = (responses[best.saturating_sub(1)].0, responses[(best + 1).min(last)].0);
+    // The best point, the second best and the one before, each with its value.
+    let mut first = (responses[best].0, value(&responses[best].1));
+    let (mut second, mut third) = (first, first);
+    let (mut step, mut before) = (0.0_f64, 0.0_f64);
+    for _ in 0..MOST_EVALUATIONS {
+        let middle = 0.5 * (low + high);
+        if (first.0 - middle).abs() + 0.5 * (high - low) <= 2.0 * WITHIN_HZ {
+            break;
+        }
+        let parabola = vertex(first, second, third)
+            .filter(|change| change.abs() < 0.5 * before.abs())
+            .filter(|change| (low + WITHIN_HZ..high - WITHIN_HZ).contains(&(first.0 + change)));
+        (before, step) = match parabola {
+            Some(change) => (step, change),
+            None => {
+                let longer = if first.0 < middle { high - first.0 } else { low - first.0 };
+                (longer, SECTION * longer)
+            }
+        };
+        if step.abs() < WITHIN_HZ {
+            step = WITHIN_HZ.copysign(step);
+        }
+        let frequency = first.0 + step;
+        let response = respond(frequency)?;
+        let found = (frequency, value(&response));
+        responses.push((frequency, response));
+        if found.1 >= first.1 {
+            *(if frequency < first.0 { &mut high } else { &mut low }) = first.0;
+            (third, second, first) = (second, first, found);
+        } else {
+            *(if frequency < first.0 { &mut low } else { &mut high }) = frequency;
+            if found.1 >= second.1 || second.0 == first.0 {
+                (third, second) = (second, found);
+            } else if found.1 >= third.1 || third.0 == first.0 || third.0 == second.0 {
+                third = found;
+            }
+        }
+    }
+    let within_hz = (high - first.0).max(first.0 - low);
+    let at_edge = ends.iter().any(|end| (end - first.0).abs() <= 2.0 * WITHIN_HZ);
+    Ok(Some(Peak { frequency_hz: first.0, value: first.1, within_hz, at_edge }))
+}
+
+/// Where the parabola through three points has its vertex, from the first; `None` if it has none.
+fn vertex(first: (f64, f64), second: (f64, f64), third: (f64, f64)) -> Option<f64> {
+    let (left, right) = (second.0 - first.0, third.0 - first.0);
+    let (fall_left, fall_right) = (second.1 - first.1, third.1 - first.1);
+    let bottom = 2.0 * (right * fall_left - left * fall_right);
+    let change = (right * right * fall_left - left * left * fall_right) / bottom;
+    change.is_finite().then_some(change)
+}

@@ -1,0 +1,81 @@
+//! The steady state by shooting: `--steady-state` and `resonance`.
+
+use super::tool::{SHIPPED, accepted, file, folder, host_bench, refused};
+
+/// A fast core, and a short run for where there is no orbit.
+const FAST: [&str; 6] = ["--tolerance", "1e-3", "--set", "run.duration_s=1", "--set", "run.settle_s=0.5"];
+
+#[test]
+fn a_run_tells_how_its_steady_state_was_found() {
+    let arguments = [&["run", SHIPPED, "--steady-state", "--format", "json"], &FAST[..]].concat();
+    let found: serde_json::Value = serde_json::from_str(&accepted(&arguments)).expect("one JSON object");
+    assert_eq!(found["steady_state"], "stable-period-1");
+    assert_eq!(found["impacts_per_period"].as_f64().map(f64::round), Some(1.0));
+    let window =
+        found["duration_s"].as_f64().expect("a number") - found["settle_s"].as_f64().expect("a number");
+    assert!((window * 20.0 - 1.0).abs() < 1e-9, "one period of 20 Hz, not {window} s");
+    let plain = [&["run", SHIPPED, "--format", "json"], &FAST[..]].concat();
+    let plain: serde_json::Value = serde_json::from_str(&accepted(&plain)).expect("one JSON object");
+    assert!(plain.get("steady_state").is_none());
+}
+
+#[test]
+fn a_sweep_has_the_verdict_as_a_column_and_tells_its_price() {
+    let grid = ["sweep", SHIPPED, "--over", "excitation.frequency_hz=19.1:20.1:2", "--steady-state"];
+    let output = host_bench(&[&grid[..], &FAST[..], &["--compare", "--format", "csv"]].concat());
+    let told = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    assert!(told.contains("1 of 2 points") && told.contains("times as long"), "{told}");
+    let mut reader = csv::Reader::from_reader(&output.stdout[..]);
+    let column = |name: &str, heading: &csv::StringRecord| {
+        heading.iter().position(|head| head == name).unwrap_or_else(|| panic!("no column {name}"))
+    };
+    let heading = reader.headers().expect("a heading").clone();
+    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
+    let verdicts: Vec<&str> = rows.iter().map(|row| &row[column("steady_state", &heading)]).collect();
+    assert!(["unstable-period-1", "none"].contains(&verdicts[0]), "{verdicts:?}");
+    assert_eq!(verdicts[1], "stable-period-1");
+    // Without an orbit the window is that of the scene.
+    assert_eq!(&rows[0][column("settle_s", &heading)], "0.5");
+    let table = accepted(&[&grid[..], &FAST[..]].concat());
+    assert!(table.lines().next().is_some_and(|heading| heading.contains("steady_state")), "{table}");
+}
+
+#[test]
+fn the_resonance_is_printed() {
+    let range = ["resonance", SHIPPED, "--from", "19.3", "--to", "19.6", "--points", "7"];
+    let small = ["--set", "excitation.amplitude_g=0.005", "--set", "load.resistance_ohm=1e6"];
+    let text = accepted(&[&range[..], &small[..], &["--tolerance", "1e-3", "--format", "json"]].concat());
+    let found: serde_json::Value = serde_json::from_str(&text).expect("one JSON object");
+    let frequency = found["peak_frequency_hz"].as_f64().expect("a number");
+    assert!((frequency - 19.4477).abs() < 2e-3, "{frequency}");
+    assert_eq!(found["peak_at_edge"], false);
+    assert!(found["max_rms_voltage_v"].as_f64().is_some_and(|voltage| voltage > 0.0));
+}
+
+#[test]
+fn what_has_no_period_map_is_refused() {
+    let run = |options: &[&'static str]| [&["run", SHIPPED, "--steady-state"], options].concat();
+    refused(&run(&["--method", "reference"]), &["--method reference", "steady state"]);
+    refused(&run(&["--precision", "f32"]), &["--precision f32", "f64"]);
+    refused(&run(&["--math", "micromath"]), &["--math micromath", "f64"]);
+    refused(&run(&["--trace", "x.csv", "--trace-every", "1"]), &["--trace-every", "steady state"]);
+    refused(&run(&["--set", "excitation.frequency_hz=0"]), &["excitation.kind", "frequency_hz above 0"]);
+    let grid = ["sweep", SHIPPED, "--over", "excitation.frequency_hz=0:20:2", "--steady-state"];
+    refused(&grid, &["excitation.kind", "frequency_hz above 0"]);
+    refused(&[&grid[..4], &["--compare"]].concat(), &["--steady-state"]);
+    let folder = folder("no-sine");
+    let shipped = std::fs::read_to_string(SHIPPED).expect("the shipped scene");
+    let (before, after) = shipped.split_once("[excitation]").expect("a table");
+    let (_, after) = after.split_once("[run]").expect("a table");
+    let silent = format!("{before}[excitation]\nkind = \"silence\"\n\n[run]{after}");
+    let silent = file(&folder, "silent.toml", silent);
+    refused(&["run", &silent, "--steady-state"], &["silent.toml", "excitation.kind", "sine"]);
+    refused(&["resonance", &silent, "--from", "19", "--to", "20"], &["excitation.kind", "sine"]);
+    let range = |from: &'static str, to: &'static str| ["resonance", SHIPPED, "--from", from, "--to", to];
+    refused(&range("0", "20"), &["--from 0", "above 0"]);
+    refused(&range("19", "nan"), &["--to NaN"]);
+    refused(&range("20", "19"), &["--from 20", "--to 19"]);
+    refused(&[&range("19", "20")[..], &["--points", "2"]].concat(), &["--points 2", "from 3"]);
+    refused(&[&range("19", "20")[..], &["--method", "reference"]].concat(), &["--method reference"]);
+}
