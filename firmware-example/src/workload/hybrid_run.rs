@@ -25,9 +25,11 @@ pub trait Parameters {
     /// The harvester; `None` if the parameters are refused.
     fn build(&self) -> Option<Self::Harvester>;
 
-    /// The harvester at rest at time zero; `None` if the start is refused.
-    fn at_rest<C: StepControl<f32>>(
+    /// The harvester at time zero, with `velocity` in m/s where it is when at rest; `None` if the start
+    /// is refused.
+    fn start<C: StepControl<f32>>(
         harvester: &Self::Harvester,
+        velocity: f32,
         excitation: &Sine<f32>,
         control: &C,
     ) -> Option<State<Self::Harvester>>;
@@ -42,6 +44,8 @@ pub struct Plan {
     pub amplitude: f32,
     /// Its frequency, in hertz.
     pub frequency: f32,
+    /// Velocity at the start, in m/s.
+    pub velocity: f32,
     /// Quarters of a simulated second from one sample to the next.
     pub quarters: u32,
     /// Number of samples.
@@ -85,7 +89,7 @@ impl<P: Parameters, M: Method<f32>, C: StepControl<f32>> HybridRun<P, M, C> {
         let harvester = black_box(parameters).build()?;
         let excitation = Sine::new(black_box(plan.amplitude), black_box(plan.frequency), 0.0).ok()?;
         let control = black_box(control);
-        let state = P::at_rest(&harvester, &excitation, &control)?;
+        let state = P::start(&harvester, black_box(plan.velocity), &excitation, &control)?;
         let driver = Driver::new(method, control);
         let meter = PowerMeter::new();
         Some(Self { plan, harvester, driver, excitation, state, meter, samples: 0, bits: [0; 5] })

@@ -19,11 +19,13 @@ impl<P: Parts<f32>> hybrid_run::Parameters for Parameters<f32, P> {
     }
 
     #[inline]
-    fn at_rest<C: StepControl<f32>>(
+    fn start<C: StepControl<f32>>(
         harvester: &Self::Harvester,
+        velocity: f32,
         excitation: &Sine<f32>,
         control: &C,
     ) -> Option<State<Self::Harvester>> {
-        harvester.start(&Start::default(), excitation, control).ok()
+        let start = Start { velocity: Some(velocity), ..Start::default() };
+        harvester.start(&start, excitation, control).ok()
     }
 }

@@ -55,6 +55,11 @@ fn shipped(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
         frequency_hz: f64::from(plan.frequency),
         phase_rad: 0.0,
     });
+    let velocity = Some(f64::from(plan.velocity));
+    match &mut scene.model {
+        Model::ContactSeparation(model) => model.initial.velocity_m_per_s = velocity,
+        Model::Sliding(model) => model.initial.velocity_m_per_s = velocity,
+    }
     scene.run = RunSpan { duration_s: plan.seconds(), settle_s };
     Ok(scene)
 }

@@ -11,8 +11,14 @@ use crate::workload::Workload;
 use crate::workload::hybrid_run::{HybridRun, Plan};
 
 /// 0.2 g at 20 Hz, just below the natural frequency: impacts from 0.43 s on. Three seconds.
-pub const IMPACTING: Plan =
-    Plan { name: "contact-separation", amplitude: 1.962, frequency: 20.0, quarters: 1, samples: 12 };
+pub const IMPACTING: Plan = Plan {
+    name: "contact-separation",
+    amplitude: 1.962,
+    frequency: 20.0,
+    velocity: 0.0,
+    quarters: 1,
+    samples: 12,
+};
 /// The same for fifteen seconds, of which the last five are settled.
 pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..IMPACTING };
 /// 0.2 g at 22 Hz, above the natural frequency: the mass never reaches the dielectric.

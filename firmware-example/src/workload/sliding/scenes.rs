@@ -20,11 +20,15 @@ type ExplicitRun<P> = HybridRun<Parameters<f32, P>, RungeKutta4, FixedStep>;
 /// 0.36 g at 18.373 Hz, the natural frequency: the slider lets go in the first period and slides from
 /// then on. Three seconds.
 pub const SLIDING: Plan =
-    Plan { name: "sliding", amplitude: 3.5316, frequency: 18.373, quarters: 1, samples: 12 };
+    Plan { name: "sliding", amplitude: 3.5316, frequency: 18.373, velocity: 0.0, quarters: 1, samples: 12 };
 /// 0.30 g at 6 Hz: the slider sticks twice a period, for half of the time.
 pub const STICK_SLIP: Plan = Plan { name: "stick-slip", amplitude: 2.943, frequency: 6.0, ..SLIDING };
 /// 0.1 g: without friction 0.36 g would part the discs.
 pub const GENTLE: Plan = Plan { name: "gentle", amplitude: 0.981, ..SLIDING };
+/// 0.8 g at 16 Hz: the force of the field presses a slider at the centre on so that 0.36 g cannot move it.
+pub const STRONG: Plan = Plan { name: "strong", amplitude: 7.848, frequency: 16.0, ..SLIDING };
+/// In motion from the start, for a slider that cannot be held.
+pub const MOVING: Plan = Plan { name: "moving", velocity: -0.8, ..SLIDING };
 /// Fifteen seconds at resonance, of which the last five are settled.
 pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..SLIDING };
 /// The same a little below and a little above: on the flanks an error of the frequency shows.
@@ -53,10 +57,11 @@ pub fn without_friction() -> Option<impl Workload> {
     explicit_of(GENTLE, parameters)
 }
 
-/// The default scene without sticking.
+/// The default scene without sticking, from the start of [`MOVING`].
 #[must_use]
 pub fn without_sticking() -> Option<impl Workload> {
-    explicit::<WithoutSticking>(parts::parameters(TransferredCharge, LOAD, FRICTION, NeverSticks))
+    let parameters = parts::parameters::<WithoutSticking>(TransferredCharge, LOAD, FRICTION, NeverSticks);
+    explicit_of(MOVING, parameters)
 }
 
 /// The default scene with the load open.
@@ -71,10 +76,10 @@ pub fn shorted() -> Option<impl Workload> {
     explicit::<Shorted>(parts::parameters(TransferredCharge, ShortCircuit, FRICTION, FrozenCharge))
 }
 
-/// The default scene with the force of the field.
+/// The default scene with the force of the field, shaken by [`STRONG`].
 #[must_use]
 pub fn gap_field() -> Option<impl Workload> {
-    explicit::<OfTheField>(parts::parameters(GapField, LOAD, FRICTION, FrozenCharge))
+    explicit_of(STRONG, parts::parameters::<OfTheField>(GapField, LOAD, FRICTION, FrozenCharge))
 }
 
 /// The default scene by TR-BDF2 with a fixed step.

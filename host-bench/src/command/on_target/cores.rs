@@ -84,16 +84,20 @@ pub(super) fn report(cores: &[Core], limit: Duration) -> Result<(), Error> {
     ];
     println!("{}", table(header, others, 1));
     println!("{samples} sampled states, each bit-identical to the host's f32 run.");
-    println!("Contact-separation: TR-BDF2, 20 Hz, 0.2 g, 3 s from rest, with impacts; tolerance");
-    println!("{}. Sliding: Runge-Kutta 4 with a step", contact_separation::TOLERANCE);
     println!(
-        "of {} ms, 18.373 Hz, 0.36 g, 3 s from rest; by TR-BDF2 with tolerance {}.",
+        "Contact-separation: TR-BDF2 with tolerance {}, 20 Hz, 0.2 g, 3 s from rest, with impacts.",
+        contact_separation::TOLERANCE
+    );
+    println!(
+        "Sliding: Runge-Kutta 4 with a step of {} ms, TR-BDF2 with tolerance {}; 18.373 Hz, 0.36 g,",
         sliding::STEP * 1e3,
         sliding::TOLERANCE
     );
-    println!("Stick-slip: the same at 6 Hz, 0.30 g. In the second table instructions per simulated second,");
+    println!(
+        "3 s from rest; stick-slip at 6 Hz, 0.30 g. The second table has instructions per simulated second,"
+    );
     println!("and for one build of the coefficients from the parameters, the beam's eigenvalue included.");
-    println!("Error: of this run's mean power over the same time, against the independent reference, in");
+    println!("Error: of this run's mean power over the same time, against the independent reference; in");
     println!("sliding against the converged run in f64. Instructions as QEMU executes them, which are not");
     println!("cycles. Flash: what is added to an empty firmware with the same runtime and logging. Stack:");
     println!("from the top of RAM. Sizes in bytes.");
