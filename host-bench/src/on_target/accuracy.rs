@@ -5,8 +5,6 @@ use std::path::Path;
 use firmware_example::workload::hybrid_run::{ENERGY, Plan};
 
 use super::{Error, Workload};
-use crate::embedded;
-use crate::method::Options;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{
     self, ContactSeparationParameters, Excitation, Load, Model, RunSpan, Scene, SlidingParameters, Tone,
@@ -59,31 +57,21 @@ fn shipped(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
     match &mut scene.model {
         Model::ContactSeparation(model) => model.initial.velocity_m_per_s = velocity,
         Model::Sliding(model) => model.initial.velocity_m_per_s = velocity,
+        Model::BumpStop(_) => {}
     }
     scene.run = RunSpan { duration_s: plan.seconds(), settle_s };
     Ok(scene)
 }
 
-/// Tolerance of the core's own run in double precision that is taken as converged: its errors are in
-/// proportion to the tolerance, and at 10⁻⁵ already below 10⁻⁴.
-const CONVERGED: f64 = 1e-7;
-
-/// Mean power of `scene` in watts: of the reference, and where that has no such scene, of the core's
-/// converged run in double precision.
+/// Mean power of `scene` in watts, of the reference.
 ///
 /// # Errors
 ///
 /// When the run cannot be finished.
 pub fn reference_power(scene: &Scene) -> Result<f64, Error> {
-    let outcome = match scene.model {
-        Model::ContactSeparation(_) => reference::run(scene, &ReferenceOptions::default())
-            .map_err(|failure| Error::Host(failure.to_string())),
-        Model::Sliding(_) => {
-            let options = Options { tolerance: Some(CONVERGED), ..Options::default() };
-            embedded::run(scene, &options).map_err(|failure| Error::Host(failure.to_string()))
-        }
-    };
-    outcome?.mean_power_w.ok_or_else(|| Error::Host("the reference has no mean power".to_owned()))
+    let outcome = reference::run(scene, &ReferenceOptions::default())
+        .map_err(|failure| Error::Host(failure.to_string()))?;
+    outcome.mean_power_w.ok_or_else(|| Error::Host("the reference has no mean power".to_owned()))
 }
 
 /// Mean power of a workload from sample `after` (or the start) to its last sample, in watts.

@@ -97,8 +97,8 @@ pub(super) fn report(cores: &[Core], limit: Duration) -> Result<(), Error> {
         "3 s from rest; stick-slip at 6 Hz, 0.30 g. The second table has instructions per simulated second,"
     );
     println!("and for one build of the coefficients from the parameters, the beam's eigenvalue included.");
-    println!("Error: of this run's mean power over the same time, against the independent reference; in");
-    println!("sliding against the converged run in f64. Instructions as QEMU executes them, which are not");
+    println!("Error: of this run's mean power over the same time, against the independent reference.");
+    println!("Instructions as QEMU executes them, which are not");
     println!("cycles. Flash: what is added to an empty firmware with the same runtime and logging. Stack:");
     println!("from the top of RAM. Sizes in bytes.");
     Ok(())
