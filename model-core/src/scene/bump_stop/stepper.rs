@@ -189,7 +189,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         {
             // Where the gap is above zero and opening, the impact lies behind.
             if trial.end.gap > S::ZERO && trial.gap_rate > S::ZERO {
-                return self.to_impact(set.ticks, restitution, state, excitation, observer, work);
+                return self.locate_impact(set.ticks, restitution, state, excitation, observer, work);
             }
         }
         let was_closed = state.closed;
@@ -205,7 +205,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// The gap is at or below zero at the start and above it `ticks` on.
     #[cold]
     #[inline(never)]
-    fn to_impact<E: Excitation<S>, O: ModalObserver<S, B, R>>(
+    fn locate_impact<E: Excitation<S>, O: ModalObserver<S, B, R>>(
         &self,
         ticks: u32,
         restitution: S,
