@@ -70,6 +70,15 @@ impl Outcome {
             Particular::Sliding(_) => None,
         }
     }
+
+    /// The numbers of a sliding scene, if it is one.
+    #[must_use]
+    pub fn sliding(&self) -> Option<&SlidingOutcome> {
+        match &self.particular {
+            Particular::Sliding(found) => Some(found),
+            Particular::ContactSeparation(_) => None,
+        }
+    }
 }
 
 /// The numbers of one kind of scene.
