@@ -10,9 +10,9 @@ use crate::work_precision::Extent;
 /// Runs the short comparison, prints it and writes the report.
 ///
 /// # Errors
-/// If the shipped scene cannot be run or the report not written.
+/// If a shipped scene cannot be run or the report not written.
 pub fn run() -> Result<(), Failure> {
-    let scenes = work_precision::shipped(&[])?;
+    let scenes = work_precision::shipped(&[], 2)?;
     let comparisons = work_precision::compare(&scenes, &Extent::SHORT)?;
     print(&work_precision::text(&comparisons))?;
     let folder = report_folder();
