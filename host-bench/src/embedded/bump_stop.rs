@@ -176,14 +176,19 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
         };
         let (settled, end) = (instant(scene.run.settle_s)?, instant(scene.run.duration_s)?);
         let mut ledger = ModalLedger::open(harvester, &state);
-        let (mut whole_run, mut window) = (ModalMeter::new(harvester), ModalMeter::new(harvester));
+        let mut whole_run = ModalMeter::new(harvester);
+        let mut window = ModalMeter::new(harvester);
         let every = options.trace_every_s.unwrap_or(f64::INFINITY);
-        let mut recorder = Recorder { harvester, every, rows: Vec::new() };
+        let has_stop = model.stop.is_some();
+        let mut recorder = Recorder { harvester, has_stop, every, rows: Vec::new() };
         let mut total = Total::default();
         let began = Stopwatch::now();
         for (until, measured) in [(settled, false), (end, true)] {
             let mut whole = (&mut ledger, &mut whole_run);
             let mut recording = options.trace_every_s.map(|_| &mut recorder);
+            if measured {
+                window = ModalMeter::from(harvester, &state);
+            }
             let mut measuring = measured.then_some(&mut window);
             let mut others = (&mut recording, &mut measuring);
             let mut observer = (&mut whole, &mut others);
@@ -265,6 +270,8 @@ fn step_failure<S: Scalar, const B: usize, const R: usize>(
 /// Rows of a trace at equal distances in time: the columns of [`BUMP_STOP_COLUMNS`].
 struct Recorder<'a, S: Scalar, const B: usize, const R: usize> {
     harvester: &'a Harvester<S, AnyParts, B, R>,
+    /// Without one there is no stop point, no rod and no force.
+    has_stop: bool,
     every: f64,
     rows: Vec<Vec<f64>>,
 }
@@ -284,14 +291,15 @@ impl<S: Scalar, const B: usize, const R: usize> ModalObserver<S, B, R> for Recor
             };
             let voltages = [span.start, span.end].map(|state| self.harvester.voltage(state));
             let voltage = Cubic::with_mean(voltages[0], voltages[1], span.mean_voltage).value(theta);
+            let of_stop = |value: f64| if self.has_stop { value } else { f64::NAN };
             let [before, after] = span.accelerations().map(S::to_f64);
             self.rows.push(vec![
                 time,
                 dense(Harvester::tip),
-                dense(Harvester::stop_point),
-                dense(Harvester::rod_tip),
+                of_stop(dense(Harvester::stop_point)),
+                of_stop(dense(Harvester::rod_tip)),
                 voltage.to_f64(),
-                span.force.to_f64(),
+                of_stop(span.force.to_f64()),
                 before + (after - before) * theta.to_f64(),
             ]);
         }

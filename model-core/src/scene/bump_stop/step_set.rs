@@ -27,8 +27,7 @@ pub struct StepSet<S, const B: usize, const R: usize> {
     pub(super) per_circuit: S,
     /// Mean voltage per unit force, negated.
     pub(super) voltage_by_force: S,
-    /// How much a unit force changes the rate of the gap, and a unit voltage.
-    pub(super) rate_by_force: S,
+    /// How much a unit voltage changes the rate of the gap.
     pub(super) rate_by_voltage: S,
 }
 
@@ -44,18 +43,16 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             self.rod.map(|mode| of(mode.angular_frequency)),
         );
         let circuit = CircuitStep::new(self.capacitance, self.load.resistance(), step);
-        let (mut flexibility, mut rate_by_force) = (S::ZERO, S::ZERO);
+        let mut flexibility = S::ZERO;
         let (mut gap_by_voltage, mut rate_by_voltage, mut charge_by_voltage) = (S::ZERO, S::ZERO, S::ZERO);
         for (mode, modal) in self.beam.iter().zip(&beam) {
             flexibility += mode.contact * mode.contact * modal.response;
-            rate_by_force += mode.contact * mode.contact * modal.displacement_by_velocity;
             gap_by_voltage += mode.contact * mode.voltage * modal.response;
             rate_by_voltage += mode.contact * mode.voltage * modal.displacement_by_velocity;
             charge_by_voltage += mode.voltage * mode.voltage * modal.response;
         }
         for (mode, modal) in self.rod.iter().zip(&rod) {
             flexibility += mode.contact * mode.contact * modal.response;
-            rate_by_force += mode.contact * mode.contact * modal.displacement_by_velocity;
         }
         let two_way = self.coupling.is_two_way();
         let back = if two_way { circuit.mean_by_charge * charge_by_voltage } else { S::ZERO };
@@ -63,7 +60,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let voltage_by_force = circuit.mean_by_charge * gap_by_voltage * per_circuit;
         if two_way {
             flexibility -= gap_by_voltage * voltage_by_force;
-            rate_by_force -= rate_by_voltage * voltage_by_force;
         }
         StepSet {
             ticks,
@@ -76,7 +72,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             charge_by_voltage,
             per_circuit,
             voltage_by_force,
-            rate_by_force,
             rate_by_voltage,
         }
     }
