@@ -2,7 +2,10 @@
 //! densities and resistances of the first paper's figures 3 to 6, computed once with another program, by
 //! long transients and a fit of the peak.
 //!
-//! That program took steps of a fixed part of a period, so its frequencies are good to half a millihertz.
+//! That program went upwards in frequency with 160 periods at each, in which a disturbance of a motion with
+//! little friction fades to a thirtieth. With little charge its peaks stand up to a millihertz higher and
+//! are up to 6e-4 lower than those of the steady states here; with much charge, and more friction, they agree
+//! to 5e-5 Hz. The reference, below, agrees with the steady states.
 
 use std::path::Path;
 
@@ -86,8 +89,8 @@ fn peak(density: f64, resistance: f64) -> [f64; 3] {
     [shift, 1e3 * found.amplitude.value, found.rms_voltage.value]
 }
 
-/// Within a millihertz, 10⁻³ of the amplitude and 2·10⁻³ of the RMS voltage, or half the last digit that is
-/// given of it.
+/// Within a millihertz, 10⁻³ of the amplitude and 2·10⁻³ of the RMS voltage, and half the last digit that is
+/// given of the first and of the last.
 fn compare(rows: &[Row]) {
     let found = on_all_cores(rows, |&(density, resistance, ..)| peak(density, resistance));
     let mut misses = Vec::new();
@@ -104,7 +107,7 @@ fn compare(rows: &[Row]) {
             off[2]
         );
         println!("{line}");
-        let allowed = [1e-3, 1e-3, (2e-3 * voltage).max(5e-4)];
+        let allowed = [1e-3 + 5e-5, 1e-3, 2e-3 * voltage + 5e-4];
         // Written so that not-a-number is a miss.
         if !off.iter().zip(allowed).all(|(off, allowed)| off.abs() <= allowed) {
             misses.push(line);
@@ -140,17 +143,17 @@ fn all_peaks_are_where_they_should_be() {
     compare(&ROWS);
 }
 
-/// Periods after which the core's transient has faded: e^(-7) is left of it, were there no friction.
-const SETTLED: u32 = 320;
+/// Periods after which the core's transient has faded: e^(-5) is left of it, were there no friction.
+const SETTLED: u32 = 240;
 
-/// Amplitude in m at a frequency in Hz, by a method that starts from the state of the core's run after its
-/// transient, where a period of the sine begins.
-fn amplitude(scene: &Scene, frequency: f64, method: Method) -> f64 {
+/// Amplitudes in m at a frequency in Hz, of the core and of the reference, both started from the state of the
+/// core's run after its transient, where a period of the sine begins.
+fn amplitudes(scene: &Scene, frequency: f64) -> [f64; 2] {
     let mut scene = scene.clone();
     let period = 1.0 / frequency;
     scene.excitation = sine(0.36, frequency);
     scene.run = RunSpan { duration_s: (f64::from(SETTLED) + 0.5) * period, settle_s: 0.0 };
-    let transient = Options { trace_every_s: Some(period), ..adaptive(1e-6) };
+    let transient = Options { trace_every_s: Some(period), ..adaptive(1e-5) };
     let outcome = run_scene(&scene, &transient).unwrap_or_else(|failure| panic!("{failure}"));
     let rows = outcome.trace.expect("a trace was asked for").rows;
     let [_, displacement, velocity, charge, ..] = rows[SETTLED as usize][..] else { panic!("short rows") };
@@ -160,11 +163,13 @@ fn amplitude(scene: &Scene, frequency: f64, method: Method) -> f64 {
         velocity_m_per_s: Some(velocity),
         charge_c: Some(charge),
     };
-    scene.run = periods(frequency, 10, 2);
-    let options = Options { method, tolerance: Some(1e-8), ..Options::default() };
-    let outcome = run_scene(&scene, &options).unwrap_or_else(|failure| panic!("{failure}"));
-    let Particular::Sliding(motion) = &outcome.particular else { panic!("a sliding run") };
-    value(motion.amplitude_m)
+    scene.run = periods(frequency, 6, 2);
+    [Method::Auto, Method::Reference].map(|method| {
+        let options = Options { method, tolerance: Some(1e-7), ..Options::default() };
+        let outcome = run_scene(&scene, &options).unwrap_or_else(|failure| panic!("{failure}"));
+        let Particular::Sliding(motion) = &outcome.particular else { panic!("a sliding run") };
+        value(motion.amplitude_m)
+    })
 }
 
 /// Where the parabola through three points at `[-step, 0, step]` has its vertex.
@@ -181,22 +186,20 @@ fn vertex([_, _, step]: [f64; 3], [left, middle, right]: [f64; 3]) -> f64 {
 /// amplitudes takes that away.
 #[test]
 fn the_peak_of_the_reference_is_that_of_the_core() {
-    let cases = [(20e-6, 1e8), (120e-6, 5e7)];
+    let cases = [(10e-6, 1e7), (120e-6, 5e7)];
     let found = on_all_cores(&cases, |&(density, resistance)| {
         let scene = scene(density, resistance);
-        let natural = natural_frequency_hz(&scene);
-        let near = natural + peak(density, resistance)[0];
+        let near = natural_frequency_hz(&scene) + peak(density, resistance)[0];
         let offsets = [-0.015, 0.0, 0.015];
-        let vertices = [Method::Auto, Method::Reference].map(|method| {
-            let amplitudes = offsets.map(|offset| amplitude(&scene, near + offset, method));
-            println!("{density:e} C/m², {resistance:e} Ω, {method:?}: {amplitudes:?}");
-            near + vertex(offsets, amplitudes)
-        });
+        let pairs = offsets.map(|offset| amplitudes(&scene, near + offset));
+        println!("{density:e} C/m², {resistance:e} Ω: {pairs:?} m by core and reference");
+        let vertices = [0, 1].map(|which| near + vertex(offsets, pairs.map(|pair| pair[which])));
         (near, vertices)
     });
     for ((density, _), (near, [core, reference])) in cases.iter().zip(found) {
         println!("{density:e} C/m²: by shooting {near:.5}, parabolas {core:.5} and {reference:.5} Hz");
-        assert!((core - near).abs() < 1e-3, "{core} and {near} Hz");
+        assert!((core - near).abs() < 5e-4, "{core} and {near} Hz");
         assert!((reference - core).abs() < 5e-4, "{reference} instead of {core} Hz");
+        assert!((reference - near).abs() < 5e-4, "{reference} instead of {near} Hz");
     }
 }

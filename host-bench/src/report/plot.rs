@@ -41,6 +41,8 @@ impl Axis {
 
     /// The number at a place.
     fn label(&self, place: f64) -> String {
+        // A sum of steps that should be 0 is it but for its rounding.
+        let place = if place.abs() < 1e-9 * (self.span[1] - self.span[0]).abs() { 0.0 } else { place };
         match (self.logarithmic, (place - place.round()).abs() < 1e-9) {
             (false, _) => tick(place),
             (true, true) => power_of_ten(place),
@@ -82,10 +84,10 @@ pub(crate) struct Plot {
 /// Height of the row above a plot that names its curves.
 const LEGEND: i32 = 26;
 /// Room at the left for the numbers and the title of the axis.
-const LEFT: i32 = 60;
+const LEFT: i32 = 72;
 /// Room around it.
 const MARGIN: i32 = 10;
-const RIGHT: i32 = 22;
+const RIGHT: i32 = 26;
 /// Text; the library's size is 1.24 times what an SVG calls it.
 const TITLE: (&str, u32) = (FONT, 20);
 const TEXT: (&str, u32) = (FONT, 18);
@@ -168,7 +170,11 @@ fn legend(area: &Area<'_>, curves: &[Curve], paths: &mut String) -> Drawn {
     let middle = LEGEND / 2;
     for (curve, left) in named.iter().zip((MARGIN + LEFT..).step_by(usize::try_from(width).unwrap_or(1))) {
         let ends = [left, left + 26].map(|x| [f64::from(columns.start + x), f64::from(rows.start + middle)]);
-        path(paths, curve.colour, curve.mark, ends.into_iter());
+        let between = [0.5 * (ends[0][0] + ends[1][0]), ends[0][1]];
+        match curve.mark {
+            Mark::Dots(_) => path(paths, curve.colour, curve.mark, std::iter::once(between)),
+            Mark::Line(_) | Mark::Dashes(_) => path(paths, curve.colour, curve.mark, ends.into_iter()),
+        }
         area.draw(&Text::new(curve.name.as_str(), (left + 33, middle - 8), TEXT.into_font()))?;
     }
     Ok(())

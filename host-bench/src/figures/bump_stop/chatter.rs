@@ -58,8 +58,9 @@ pub(super) fn seven(tip: &Motion, note: &str) -> Result<Figure, String> {
         caption: format!(
             "One of the clusters of figure 6: displacement of the beam's tip and of the rod's face, and the force \
              between them. {contacts} contacts in {:.0} µs, of a few microseconds each; in between the beam leaves \
-             the rod by a tenth of a micrometre, where it moves by eighteen in a period, and the rod rings on. The \
-             beam enters the rod's displacement by the compliance of the modes left out. The force is ours: \
+             the rod by a tenth of a micrometre to one, where it moves by eighteen in a period, and the rod rings on. \
+             Where the force is not 0 the tip is a little beyond the rod's face, by the compliance of the modes left \
+             out. The force is ours: \
              the paper shows the displacements. {note}",
             1e6 * (last - first)
         ),

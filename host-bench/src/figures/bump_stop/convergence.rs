@@ -9,7 +9,7 @@ use super::{Figure, Panel};
 use crate::method::{Failure, Options, run_scene};
 use crate::outcome::{Particular, number};
 use crate::report::plot::{self, Axis, Curve, Mark, Plot};
-use crate::report::svg::{BLACK, BLUE, ORANGE, VERMILION, range};
+use crate::report::svg::{BLACK, BLUE, ORANGE, VERMILION, range, tick};
 use crate::scene_file::{BumpStopStart, Contact, Model, RunSpan, Scene};
 
 /// Modes of the beam and of the rod.
@@ -193,9 +193,9 @@ pub(super) fn modes_figure(points: &[ModesPoint], note: &str) -> Result<Figure, 
         caption: format!(
             "RMS voltage over {:.1} s after {:.1} s, over the number of beam modes, for three numbers of rod modes, with \
              the stop (a) at the tip and (b) at mid-span. The modes left out keep their static compliance. From four \
-             modes of the beam on the voltage is within a tenth or so with the stop at the tip, where part of the \
-             motions are not quite periodic, and within a hundredth with the stop at mid-span; the peak force goes on \
-             changing. {note}",
+             modes of the beam on the voltage stays within an eighth with the stop at the tip, where it depends on the \
+             kind of motion that a truncation settles on, and within two hundredths with the stop at mid-span; the mean \
+             force stays within 5 %, the peak force goes on changing. {note}",
             MODES_RUN.window_s(),
             MODES_RUN.settle_s
         ),
@@ -266,7 +266,7 @@ pub(super) fn step_figure(points: &[StepPoint], note: &str) -> Result<Figure, St
         let found = &point.found;
         [
             LAWS[point.law].1.to_owned(),
-            format!("{}", 1e6 * point.step_s),
+            tick(1e6 * point.step_s),
             format!("{:.4}", found.rms_voltage),
             format!("{:.2}", 1e3 * found.mean_force),
             format!("{:.2}", found.peak_force),

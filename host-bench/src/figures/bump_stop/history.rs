@@ -59,7 +59,7 @@ pub(super) fn six(tip: &Motion, note: &str) -> Result<Figure, String> {
         ),
         panels: vec![Panel { name: "figure-6".to_owned(), svg: plot::draw(THREE_HIGH, &plots)? }],
         table: Vec::new(),
-        csv: csv(&[("tip", tip)]),
+        csv: whole(tip),
     })
 }
 
@@ -82,7 +82,7 @@ pub(super) fn eight([tip, none]: [&Motion; 2], note: &str) -> Result<Figure, Str
         ),
         panels: vec![Panel { name: "figure-8".to_owned(), svg: plot::draw(WIDE, &[plot])? }],
         table: Vec::new(),
-        csv: csv(&[("tip", tip), ("none", none)]),
+        csv: voltages(&[("tip", tip), ("none", none)]),
     })
 }
 
@@ -115,24 +115,35 @@ pub(super) fn nine([tip, mid, none]: [&Motion; 3], note: &str) -> Result<Figure,
         caption: format!(
             "{SHOWN} periods after {SETTLE}, with the stop at the tip, at mid-span, and without one. With the stop \
              at mid-span the voltage has higher peaks than with the stop at the tip: it goes with the slope of the \
-             tip, which a stop at the tip holds down. {note}"
+             tip, which a stop at the tip holds down. At mid-span the motion does not repeat itself in every period. {note}"
         ),
         panels: vec![Panel { name: "figure-9".to_owned(), svg: plot::draw(WIDE, &[plot])? }],
-        table: crate::figures::table(["stop", "RMS voltage [V]", "peak voltage [V]"], rows.into_iter()),
-        csv: csv(&[("tip", tip), ("mid-span", mid), ("none", none)]),
+        table: crate::figures::table(
+            ["stop", "RMS voltage over these periods [V]", "peak voltage [V]"],
+            rows.into_iter(),
+        ),
+        csv: voltages(&[("tip", tip), ("mid-span", mid), ("none", none)]),
     })
 }
 
-fn csv(motions: &[(&str, &Motion)]) -> String {
+/// All columns of one motion.
+fn whole(motion: &Motion) -> String {
     let mut text = String::from(
-        "stop,time_s,tip_displacement_m,stop_point_displacement_m,rod_tip_displacement_m,voltage_v,\
-         contact_force_n\n",
+        "time_s,tip_displacement_m,stop_point_displacement_m,rod_tip_displacement_m,voltage_v,contact_force_n\n",
     );
+    for row in &motion.rows {
+        let cell = |column: usize| row.get(column).copied().map(number).unwrap_or_default();
+        let _ = writeln!(text, "{}", [0, TIP, STOP_POINT, ROD, VOLTAGE, CONTACT_FORCE].map(cell).join(","));
+    }
+    text
+}
+
+/// The voltages of several, as they are drawn.
+fn voltages(motions: &[(&str, &Motion)]) -> String {
+    let mut text = String::from("stop,time_s,voltage_v\n");
     for (name, motion) in motions {
-        for row in &motion.rows {
-            let cell = |column: usize| row.get(column).copied().map(number).unwrap_or_default();
-            let cells = [0, TIP, STOP_POINT, ROD, VOLTAGE, CONTACT_FORCE].map(cell);
-            let _ = writeln!(text, "{name},{}", cells.join(","));
+        for (period, voltage) in motion.over_periods(VOLTAGE, 1.0, THIN) {
+            let _ = writeln!(text, "{name},{},{}", number(period / motion.frequency), number(voltage));
         }
     }
     text

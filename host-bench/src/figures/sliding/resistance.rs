@@ -11,7 +11,7 @@ use crate::report::plot::{self, Axis, Curve, Mark, Plot};
 use crate::report::svg::{BLACK, BLUE, VERMILION, range};
 
 /// Resistances within a decade, and the decades in Ω.
-const WITHIN: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0];
+const WITHIN: [f64; 11] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.5];
 const DECADES: [f64; 5] = [1e5, 1e6, 1e7, 1e8, 1e9];
 /// The first and the last resistance above 0, in Ω.
 const SPAN: [f64; 2] = [1e5, 1e10];
