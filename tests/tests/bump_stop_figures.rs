@@ -30,7 +30,7 @@ fn a_deflected_shape_ends_at_the_tip_of_the_trace() {
         let row = &trace.rows[(shape.time_s / step).round() as usize];
         let [first, second, .., last] = shape.points[..] else { panic!("stations") };
         assert_close("tip", last[1], row[TIP], 1e-4);
-        assert_eq!(first, [0.0, 0.0]);
+        assert!(first[0] == 0.0 && first[1].abs() < 1e-9 * last[1].abs(), "{first:?}");
         // Clamped: displacement grows with the square of the distance, curvature at most ten times the mean.
         assert!(second[1].abs() < 10.0 * last[1].abs() / 200.0_f64.powi(2) * 10.0, "{second:?} and {last:?}");
     }
