@@ -1,5 +1,7 @@
 //! A bump-stop run on the embedded core.
 
+mod shapes;
+
 use std::time::Instant as Stopwatch;
 
 use model_core::clock::{Instant, LONGEST_STEP_S};
@@ -13,6 +15,7 @@ use model_core::scene::bump_stop::{
     ModalSpan, Parameters, Restitution, Start, State, Stepper, Stop,
 };
 
+pub use self::shapes::{DeflectedShape, deflected_shapes};
 use super::excitation::{HostExcitation, with_excitation};
 use super::hybrid_run::{Total, refuse_parameter, refuse_start};
 use super::precision_name;
@@ -93,9 +96,9 @@ pub(super) fn run<S: Scalar, M: Mathematics<S>>(
 ) -> Result<Outcome, Failure> {
     let modes = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
     match modes {
-        (..=4, ..=2) => run_within::<S, M, 4, 2>(scene, model, options),
-        (..=10, ..=10) => run_within::<S, M, 10, 10>(scene, model, options),
-        _ => run_within::<S, M, 20, 20>(scene, model, options),
+        (..=4, ..=2) => prepared::<S, M, 4, 2, _>(scene, model, options, |run, state| run.to_end(state)),
+        (..=10, ..=10) => prepared::<S, M, 10, 10, _>(scene, model, options, |run, state| run.to_end(state)),
+        _ => prepared::<S, M, 20, 20, _>(scene, model, options, |run, state| run.to_end(state)),
     }
 }
 
@@ -124,11 +127,13 @@ fn steps(options: &Options) -> Result<[f64; 2], Failure> {
     Ok([short, long])
 }
 
-fn run_within<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize>(
+/// Calls `with` with all that a run of the scene needs, and the state it starts in.
+fn prepared<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize, T>(
     scene: &Scene,
     model: &BumpStop,
     options: &Options,
-) -> Result<Outcome, Failure> {
+    with: impl FnOnce(&Run<'_, S, M, B, R>, State<S, B, R>) -> Result<T, Failure>,
+) -> Result<T, Failure> {
     let [short, long] = steps(options)?;
     let (beam_modes, rod_modes) =
         (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
@@ -149,7 +154,7 @@ fn run_within<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize>(
     let stepper = Stepper::new(harvester, S::literal(short), S::literal(long));
     with_excitation::<S, M, _>(scene, |excitation| {
         let state = stepper.scene().start(&start, excitation).map_err(|error| refuse_start(scene, &error))?;
-        Run { scene, model, options, stepper: &stepper, excitation }.to_end(state)
+        with(&Run { scene, model, options, stepper: &stepper, excitation }, state)
     })
 }
 
