@@ -16,7 +16,7 @@ use model_core::scene::bump_stop::{
 use super::excitation::{HostExcitation, with_excitation};
 use super::hybrid_run::{Total, refuse_parameter, refuse_start};
 use super::precision_name;
-use crate::method::{Failure, Method, Options};
+use crate::method::{Failure, Options};
 use crate::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, Recording};
 use crate::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
 
@@ -101,11 +101,6 @@ pub(super) fn run<S: Scalar, M: Mathematics<S>>(
 
 /// The lengths of step near contact and in free flight that the options ask for.
 fn steps(options: &Options) -> Result<[f64; 2], Failure> {
-    if !matches!(options.method, Method::Auto | Method::DiscreteGradient) {
-        return Err(Failure::Input(
-            "--method: a bump-stop scene must be run with auto, discrete-gradient or reference".to_owned(),
-        ));
-    }
     if options.tolerance.is_some() {
         return Err(Failure::Input(
             "--tolerance: must not be given for a bump-stop scene, whose steps have no error estimate; \
