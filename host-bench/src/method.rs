@@ -66,6 +66,9 @@ pub struct Options {
     pub tolerance: Option<f64>,
     /// Distance in s of the rows of [`Outcome::trace`].
     pub trace_every_s: Option<f64>,
+    /// Whether a bump-stop run on the core keeps no energy ledger and looks at the measuring window only:
+    /// for its run time, as firmware would have it.
+    pub bare: bool,
     /// Whether the periodic steady state is sought by shooting, in place of the run.
     pub steady_state: bool,
 }

@@ -170,14 +170,15 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
             })
         };
         let (settled, end) = (instant(scene.run.settle_s)?, instant(scene.run.duration_s)?);
-        let mut ledger = ModalLedger::open(harvester, &state);
+        let mut ledger = (!options.bare).then(|| ModalLedger::open(harvester, &state));
         let (mut whole_run, mut window) = (ModalMeter::new(harvester), ModalMeter::new(harvester));
         let every = options.trace_every_s.unwrap_or(f64::INFINITY);
         let mut recorder = Recorder { harvester, every, rows: Vec::new() };
         let mut total = Total::default();
         let began = Stopwatch::now();
         for (until, measured) in [(settled, false), (end, true)] {
-            let mut whole = (&mut ledger, &mut whole_run);
+            let mut of_run = ledger.as_mut().map(|ledger| (ledger, &mut whole_run));
+            let mut whole = of_run.as_mut();
             let mut recording = options.trace_every_s.map(|_| &mut recorder);
             let mut measuring = measured.then_some(&mut window);
             let mut others = (&mut recording, &mut measuring);
@@ -190,10 +191,10 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
             }
         }
         let wall_s = began.elapsed().as_secs_f64();
-        let residual = match model.parameters.coupling {
+        let residual = ledger.and_then(|ledger| match model.parameters.coupling {
             Coupling::TwoWay => ledger.residual().total(),
             Coupling::OneWay => ledger.residual().larger(),
-        };
+        });
         let number = |value: S| Some(value.to_f64());
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * scene.run.window_s());
         let with_stop = |value: S| model.stop.as_ref().map(|_| value.to_f64());
@@ -226,12 +227,28 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
                 first_contact_s: whole_run.first_contact().map(Instant::seconds),
                 peak_force_n: with_stop(window.peak_force()),
                 mean_force_n: with_stop(window.mean_force()),
+                end_state: self.scaled(&state),
             }),
             steady_state: None,
             trace: options
                 .trace_every_s
                 .map(|_| Recording { columns: &BUMP_STOP_COLUMNS, rows: std::mem::take(&mut recorder.rows) }),
         })
+    }
+
+    /// The state with half the sum of its squares the energy in J of motion and charge.
+    fn scaled(&self, state: &State<S, B, R>) -> Vec<f64> {
+        let harvester = self.stepper.scene();
+        let rod_modes = self.model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
+        let beam = state.beam.iter().enumerate().take(self.model.parameters.beam_modes);
+        let beam = beam.filter_map(|(i, motion)| Some((harvester.beam_angular_frequency(i)?, motion)));
+        let rod = state.rod.iter().enumerate().take(rod_modes);
+        let rod = rod.filter_map(|(j, motion)| Some((harvester.rod_angular_frequency(j)?, motion)));
+        let charge = harvester.capacitance().to_f64().sqrt() * harvester.voltage(state).to_f64();
+        beam.chain(rod)
+            .flat_map(|(omega, [at, rate])| [omega.to_f64() * at.to_f64(), rate.to_f64()])
+            .chain([charge])
+            .collect()
     }
 
     /// Of the modes that the scene keeps, the beam's first.

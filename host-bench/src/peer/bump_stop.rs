@@ -68,7 +68,7 @@ pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<
         }
     }
     let wall_s = began.elapsed().as_secs_f64();
-    let totals = meter.close(scene, march.has_stop);
+    let totals = meter.close(scene, march.has_stop, &march.state);
     Ok(Outcome {
         scene: scene.name(),
         method: match options.method {

@@ -18,7 +18,7 @@ const STEPS: [f64; 9] = [2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2.5e-7, 1e-7, 5e-8]
 /// Those of the short table.
 const FEW_STEPS: [f64; 4] = [5e-6, 1e-6, 2.5e-7, 5e-8];
 /// Step in free flight of the rows with two rates, in s.
-const LONG_STEP: f64 = 5e-5;
+const LONG_STEP: f64 = 2e-5;
 /// Fewest and most steps of a run: fewer would not resolve it, more take too long.
 const STEP_COUNT: std::ops::RangeInclusive<f64> = 1e3..=3e6;
 
@@ -54,8 +54,7 @@ impl Variant {
 /// What a row found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Found {
-    /// Error of tip displacement and voltage at the end of the run over their largest magnitudes: the
-    /// larger of the two.
+    /// Error of the state at the end of the run in the energy norm, over the state's own norm.
     pub end_error: f64,
     /// Relative error of the time of the first contact; `None` if there is none.
     pub first_contact_error: Option<f64>,
@@ -146,21 +145,15 @@ pub fn length(scene: &Scene, extent: &Extent) -> usize {
 struct Numbers {
     outcome: Outcome,
     particular: BumpStopOutcome,
-    /// Tip displacement in m and voltage in V at the end.
-    end: [f64; 2],
 }
 
 impl Numbers {
-    /// Runs a scene, its end recorded.
     fn of(scene: &Scene, options: Options) -> Result<Self, Failure> {
-        let outcome = run_scene(scene, &Options { trace_every_s: Some(scene.run.duration_s), ..options })?;
+        let outcome = run_scene(scene, &options)?;
         let Particular::BumpStop(particular) = outcome.particular.clone() else {
             return Err(Failure::Input(format!("{}: scene: must be \"bump-stop\"", scene.file.display())));
         };
-        let last = outcome.trace.as_ref().and_then(|recording| recording.rows.last());
-        let column = |index: usize| last.and_then(|row| row.get(index).copied()).unwrap_or(f64::NAN);
-        let end = [column(TIP), column(VOLTAGE)];
-        Ok(Self { outcome, particular, end })
+        Ok(Self { outcome, particular })
     }
 
     fn found(&self, exact: &Self, ns_per_s: f64) -> Found {
@@ -168,14 +161,12 @@ impl Numbers {
             (Some(ours), Some(theirs)) if theirs != 0.0 => Some(((ours - theirs) / theirs).abs()),
             _ => None,
         };
-        let scales = [exact.particular.peak_tip_displacement_m, exact.outcome.peak_voltage_v];
-        let errors = self.end.into_iter().zip(exact.end).zip(scales).filter_map(|((ours, theirs), scale)| {
-            // A short circuit has no voltage to compare.
-            scale.filter(|scale| *scale > 0.0).map(|scale| (ours - theirs).abs() / scale)
-        });
+        let ends = self.particular.end_state.iter().zip(&exact.particular.end_state);
+        let error: f64 = ends.map(|(ours, theirs)| (ours - theirs).powi(2)).sum();
+        let whole: f64 = exact.particular.end_state.iter().map(|entry| entry * entry).sum();
         let outcome = &self.outcome;
         Found {
-            end_error: errors.fold(0.0, f64::max),
+            end_error: if whole > 0.0 { (error / whole).sqrt() } else { 0.0 },
             first_contact_error: relative(self.particular.first_contact_s, exact.particular.first_contact_s),
             rms_voltage_error: relative(outcome.rms_voltage_v, exact.outcome.rms_voltage_v),
             mean_force_error: relative(self.particular.mean_force_n, exact.particular.mean_force_n),
@@ -187,10 +178,6 @@ impl Numbers {
         }
     }
 }
-
-/// Columns of a recording.
-const TIP: usize = 1;
-const VOLTAGE: usize = 4;
 
 /// Runs all variants on a bump-stop scene, on the calling thread, one after another; `advance` is told how
 /// many steps of [`length`] are done.
@@ -234,16 +221,17 @@ pub fn compare(
     })
 }
 
-/// Runs a variant: once recorded, for its errors, and then for its run time.
+/// Runs a variant: once with its ledger, for its errors, and then bare, for its run time.
 fn row(scene: &Scene, variant: Variant, extent: &Extent, exact: &Numbers) -> Result<Row, Failure> {
     let numbers = match Numbers::of(scene, variant.options()) {
         Ok(numbers) => numbers,
         Err(Failure::Step(error)) => return Ok(Row { variant, found: None, failure: Some(error) }),
         Err(error @ Failure::Input(_)) => return Err(error),
     };
+    let bare = Options { bare: true, ..variant.options() };
     let mut times = Vec::new();
     while times.len() < extent.runs && times.iter().sum::<f64>() < extent.seconds_per_row {
-        times.push(run_scene(scene, &variant.options())?.wall_s);
+        times.push(run_scene(scene, &bare)?.wall_s);
     }
     let found = numbers.found(exact, 1e9 * median(times) / scene.run.duration_s);
     Ok(Row { variant, found: Some(found), failure: None })

@@ -75,6 +75,7 @@ impl Variant {
             long_step_s: None,
             tolerance,
             trace_every_s: None,
+            bare: false,
             steady_state: false,
         }
     }

@@ -111,7 +111,7 @@ impl<'a> Meter<'a> {
     }
 
     /// Closes the books.
-    pub(super) fn close(self, scene: &Scene, has_stop: bool) -> Totals {
+    pub(super) fn close(self, scene: &Scene, has_stop: bool, end: &State) -> Totals {
         let length = scene.run.window_s();
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * length);
         let frequencies = self.system.modes.iter().map(|mode| mode.stiffness.sqrt() / std::f64::consts::TAU);
@@ -130,6 +130,7 @@ impl<'a> Meter<'a> {
                 first_contact_s: self.first_contact,
                 peak_force_n: has_stop.then_some(self.peak_force),
                 mean_force_n: has_stop.then_some(self.impulse / length),
+                end_state: self.system.scaled(end),
             },
         }
     }

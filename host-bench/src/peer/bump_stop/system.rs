@@ -117,6 +117,15 @@ impl System {
         (free + self.stiffness * mobility).sqrt()
     }
 
+    /// The state with half the sum of its squares the energy in J of motion and charge.
+    pub(super) fn scaled(&self, state: &State) -> Vec<f64> {
+        let motion = self.modes.iter().zip(&state.motion);
+        motion
+            .flat_map(|(mode, [at, rate])| [mode.stiffness.sqrt() * at, *rate])
+            .chain([self.capacitance.sqrt() * state.voltage])
+            .collect()
+    }
+
     /// Sum over the modes of beam and rod of a weight times displacement, and times velocity.
     fn sums(state: &State, weighted: impl Iterator<Item = f64>) -> [f64; 2] {
         let mut sums = [0.0; 2];

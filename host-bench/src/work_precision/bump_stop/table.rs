@@ -111,8 +111,8 @@ impl BumpStopComparison {
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![format!(
-            "Errors are relative to the reference; at the end: of tip displacement and voltage over their largest \
-             magnitudes. Two rates: {:.0} us in free flight. Time ratio is to the fastest row whose error of RMS \
+            "Errors are relative to the reference; at the end: of the state, in the energy norm. Run times are those \
+             of stepping and of the meters shown, without energy ledger. Two rates: {:.0} us in free flight. Time ratio is to the fastest row whose error of RMS \
              voltage is at most {TARGET_ERROR:.0e}. Where the motion is chaotic only statistics can agree.",
             LONG_STEP * 1e6
         )];
