@@ -13,8 +13,8 @@ use model_core::hybrid::{Driver, HybridState};
 use model_core::integrate::{Adaptive, TrBdf2};
 use model_core::scene::contact_separation::{ContactSeparation, Mode, STATES, Start};
 
-use crate::workload::parts::{self, Whole};
-use crate::workload::scenes::TOLERANCE;
+use crate::workload::contact_separation::parts::{self, Whole};
+use crate::workload::contact_separation::scenes::TOLERANCE;
 
 pub use trace::FlashTrace;
 

@@ -1,10 +1,10 @@
 //! What the firmware measures, and the host runs beside it to compare the bits.
 
 pub mod contact_separation;
-pub mod parts;
+pub mod hybrid_run;
 #[cfg(all(target_os = "none", feature = "peer"))]
 pub mod peer;
-pub mod scenes;
+pub mod sliding;
 
 /// Something to measure.
 ///

@@ -20,13 +20,14 @@ pub fn page(comparisons: &[Comparison], bump_stop: &[BumpStopComparison]) -> Res
     let mut body = String::new();
     body.push_str("<h1>Vibration energy harvesters: error against run time</h1>\n");
     body.push_str(
-        "<p>The contact-separation triboelectric harvester on the embedded core, run on this host, against an \
-         independent reference in double precision. Lower and further left is better. The motion hits the \
-         dielectric in every period, and the power comes in a spike at each contact.</p>\n",
+        "<p>The triboelectric harvesters on the embedded core, run on this host, against an independent \
+         reference in double precision. Lower and further left is better. In contact-separation the motion \
+         hits the dielectric in every period, and the power comes in a spike at each contact; in sliding, \
+         friction turns round at every reversal and the overlap has a corner in the middle.</p>\n",
     );
     for comparison in comparisons {
         let resistance = table::resistance(comparison.resistance_ohm);
-        let _ = writeln!(body, "<h2>Load: {resistance}</h2>");
+        let _ = writeln!(body, "<h2>{}, load: {resistance}</h2>", escaped(&comparison.file));
         let _ = writeln!(body, "<p>{}</p>", escaped(&summary(comparison)));
         body.push_str(&chart::draw(comparison)?);
         body.push('\n');

@@ -180,3 +180,31 @@ pub(crate) fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
     let units = (u64::from(upper) << 32) | u64::from(lower);
     Some(if turns < S::ZERO { units.wrapping_neg() } else { units })
 }
+
+/// Terms of the arcsine's series: 4⁻ⁿ falls below a rounding of `f64`.
+const ARCSINE_TERMS: u32 = 28;
+
+/// `arcsin x` in radians for −1 ≤ x ≤ 1, by its series up to 1/2 and by that of the half angle beyond; a
+/// few roundings.
+pub(crate) fn arcsine<S: Scalar>(x: S) -> S {
+    let half = S::literal(0.5);
+    let magnitude = x.absolute();
+    let value = if magnitude > half {
+        let rest = (half * (S::ONE - magnitude)).square_root();
+        S::literal(core::f64::consts::FRAC_PI_2) - S::literal(2.0) * arcsine_series(rest)
+    } else {
+        arcsine_series(magnitude)
+    };
+    if x < S::ZERO { -value } else { value }
+}
+
+fn arcsine_series<S: Scalar>(x: S) -> S {
+    let square = x * x;
+    let (mut term, mut sum) = (x, x);
+    for n in 1..ARCSINE_TERMS {
+        let odd = 2 * n - 1;
+        term = term * square * S::from_u32(odd) / S::from_u32(2 * n);
+        sum += term / S::from_u32(2 * n + 1);
+    }
+    sum
+}

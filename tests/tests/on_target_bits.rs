@@ -6,14 +6,14 @@
 use std::path::Path;
 
 use firmware_example::node::{FlashTrace, Node};
-use firmware_example::workload::contact_separation::ContactSeparationRun;
-use firmware_example::workload::{Progress, Workload, scenes};
-use host_bench::embedded::contact_separation_parameters;
-use host_bench::scene_file;
-use model_core::integrate::{Adaptive, AnyStepControl, TrBdf2};
+use firmware_example::workload::hybrid_run::HybridRun;
+use firmware_example::workload::{Progress, Workload, contact_separation, sliding};
+use host_bench::embedded::{contact_separation_parameters, sliding_parameters};
+use host_bench::scene_file::{self, Model, Scene};
+use model_core::integrate::{Adaptive, AnyStepControl, FixedStep, RungeKutta4, TrBdf2};
 use model_core::scalar::Polynomial;
 
-fn states(mut workload: impl Workload) -> Vec<Vec<u32>> {
+fn states(workload: &mut dyn Workload) -> Vec<Vec<u32>> {
     let mut states = Vec::new();
     while let Progress::Sample { steps, .. } = workload.advance() {
         assert!(steps > 0);
@@ -22,18 +22,47 @@ fn states(mut workload: impl Workload) -> Vec<Vec<u32>> {
     states
 }
 
+fn shipped(name: &str) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes");
+    scene_file::read(&folder.join(name), &[]).expect("the shipped scene is valid")
+}
+
 #[test]
 fn parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/contact-separation.toml");
-    let scene = scene_file::read(&file, &[]).expect("the shipped scene is valid");
+    let scene = shipped("contact-separation.toml");
     let model = scene.contact_separation().expect("a contact-separation scene");
     let parameters = contact_separation_parameters::<f32, Polynomial>(model, scene.load);
-    let control = AnyStepControl::Adaptive(Adaptive::new(scenes::TOLERANCE));
-    let any = ContactSeparationRun::new(scenes::IMPACTING, parameters, TrBdf2, control).expect("valid");
+    let control = AnyStepControl::Adaptive(Adaptive::new(contact_separation::scenes::TOLERANCE));
+    let plan = contact_separation::scenes::IMPACTING;
+    let mut any = HybridRun::new(plan, parameters, TrBdf2, control).expect("valid");
 
-    let firmware = states(scenes::bench().expect("valid"));
+    let firmware = states(&mut contact_separation::scenes::bench().expect("valid"));
     assert_eq!(firmware.len(), 12);
-    assert_eq!(states(any), firmware);
+    assert_eq!(states(&mut any), firmware);
+}
+
+#[test]
+fn sliding_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
+    let scene = shipped("sliding.toml");
+    let Model::Sliding(model) = &scene.model else { panic!("a sliding scene") };
+    let parameters = sliding_parameters::<f32>(model, scene.load);
+    let step = AnyStepControl::Fixed(FixedStep::of_seconds(sliding::scenes::STEP));
+    let adaptive = AnyStepControl::Adaptive(Adaptive::new(sliding::scenes::TOLERANCE));
+    let (slide, stick_slip) = (sliding::scenes::SLIDING, sliding::scenes::STICK_SLIP);
+    let any = [
+        states(&mut HybridRun::new(slide, parameters, RungeKutta4, step).expect("valid")),
+        states(&mut HybridRun::new(stick_slip, parameters, RungeKutta4, step).expect("valid")),
+        states(&mut HybridRun::new(slide, parameters, TrBdf2, adaptive).expect("valid")),
+        states(&mut HybridRun::new(stick_slip, parameters, TrBdf2, adaptive).expect("valid")),
+    ];
+
+    let mut firmware = vec![states(&mut sliding::scenes::bench().expect("valid"))];
+    sliding::scenes::with_others(|workloads| {
+        let workloads = workloads.expect("valid");
+        firmware.extend(workloads.iter_mut().take(3).map(|workload| states(*workload)));
+    });
+    assert_eq!(firmware, any);
+    assert!(firmware.iter().all(|states| states.len() == 12));
 }
 
 #[test]

@@ -19,4 +19,4 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-firmware_example::measuring_main!(firmware_example::workload::scenes::bench);
+firmware_example::measuring_main!(firmware_example::workload::contact_separation::scenes::bench);

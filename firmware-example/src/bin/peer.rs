@@ -6,7 +6,8 @@
 #[cortex_m_rt::entry]
 fn main() -> ! {
     use firmware_example::measure;
-    use firmware_example::workload::{Workload, peer::Rodas4, scenes};
+    use firmware_example::workload::contact_separation::scenes;
+    use firmware_example::workload::{Workload, peer::Rodas4};
 
     scenes::with_smooth(|ours| {
         let Some([a, b, c, d]) = ours else { measure::refused() };

@@ -2,4 +2,6 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-firmware_example::measuring_several_main!(firmware_example::workload::scenes::with_precision);
+firmware_example::measuring_several_main!(
+    firmware_example::workload::contact_separation::scenes::with_precision
+);

@@ -2,4 +2,4 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-firmware_example::measuring_main!(firmware_example::workload::scenes::without_any);
+firmware_example::measuring_main!(firmware_example::workload::contact_separation::scenes::without_any);

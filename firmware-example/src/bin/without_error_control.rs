@@ -2,4 +2,6 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-firmware_example::measuring_main!(firmware_example::workload::scenes::without_error_control);
+firmware_example::measuring_main!(
+    firmware_example::workload::contact_separation::scenes::without_error_control
+);

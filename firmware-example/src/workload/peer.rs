@@ -9,9 +9,9 @@ use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use numeris::ode::{AdaptiveSettings, RODAS4, Rosenbrock};
 use numeris::{Matrix, Vector};
 
-use super::contact_separation::Plan;
-use super::parts;
-use super::scenes::SMOOTH;
+use super::contact_separation::parts;
+use super::contact_separation::scenes::SMOOTH;
+use super::hybrid_run::Plan;
 use super::{Progress, Workload};
 
 /// States: gap over `d0`, velocity over `ω0 d0`, charge over `σS`, energy in microjoules, time in

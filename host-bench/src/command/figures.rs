@@ -24,7 +24,7 @@ pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
     let folder = arguments.output.clone().unwrap_or_else(|| report_folder().join("figures"));
     // Before the work, so that a bad path is told at once.
     make_folder(&folder)?;
-    let base = scene_file::read(&work_precision::shipped_file(), &[])?;
+    let base = scene_file::read(&work_precision::shipped_file("contact-separation.toml"), &[])?;
     let bar = progress(figures::runs());
     let figures = figures::build(&base, &|| bar.inc(1));
     bar.finish_and_clear();

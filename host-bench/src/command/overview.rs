@@ -10,9 +10,9 @@ use crate::work_precision::Extent;
 /// Runs the short comparison, prints it and writes the report.
 ///
 /// # Errors
-/// If the shipped scene cannot be run or the report not written.
+/// If a shipped scene cannot be run or the report not written.
 pub fn run() -> Result<(), Failure> {
-    let scenes = work_precision::shipped(&[])?;
+    let scenes = work_precision::shipped(&[], 2)?;
     let comparisons = work_precision::compare(&scenes, &Extent::SHORT)?;
     let scenes = work_precision::bump_stop::shipped(&[], 1)?;
     let bump_stop = work_precision::bump_stop::compare(&scenes, &Extent::SHORT)?;

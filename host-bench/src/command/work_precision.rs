@@ -16,7 +16,7 @@ use crate::work_precision::{self, Comparison, Extent, table};
 /// Arguments of `work-precision`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct WorkPrecisionArguments {
-    /// Scene files; without any, the shipped scene at 100 and at 1 megohm
+    /// Scene files; without any, the shipped scenes at several loads
     #[arg(value_name = "SCENE.toml")]
     scenes: Vec<PathBuf>,
     /// Output format
@@ -27,9 +27,13 @@ pub struct WorkPrecisionArguments {
     overrides: Vec<Override>,
 }
 
-/// Load resistances in Ω at which the shipped scene is compared: one at which the circuit is as slow
-/// as the motion, one at which it is stiff.
-const RESISTANCES: [&str; 2] = ["1e8", "1e6"];
+/// The shipped scenes, with the load resistances in Ω at which each is compared: one at which the circuit
+/// is as slow as the motion, one at which it is stiff, and for the sliding one a stiffer.
+const SHIPPED: [(&str, &[&str]); 2] =
+    [("contact-separation.toml", &["1e8", "1e6"]), ("sliding.toml", &["1e8", "1e6", "1e4"])];
+/// Instead of the long run of the sliding scene to its steady motion: from rest to most of it, through all
+/// that the methods differ in.
+const SLIDING_SPAN: [(&str, &str); 2] = [("run.duration_periods", "60"), ("run.settle_periods", "40")];
 
 /// Runs the comparison and prints it.
 ///
@@ -37,7 +41,7 @@ const RESISTANCES: [&str; 2] = ["1e8", "1e6"];
 /// A scene that is refused, or that the reference cannot run.
 pub fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
     let scenes = if arguments.scenes.is_empty() {
-        let mut scenes = shipped(&arguments.overrides)?;
+        let mut scenes = shipped(&arguments.overrides, usize::MAX)?;
         scenes.extend(bump_stop::shipped(&arguments.overrides, usize::MAX)?);
         scenes
     } else {
@@ -84,22 +88,28 @@ enum AnyTable<'a> {
     BumpStop(&'a BumpStopComparison),
 }
 
-/// The shipped scene at the resistances of the report.
-pub(super) fn shipped(overrides: &[Override]) -> Result<Vec<Scene>, Failure> {
-    let file = shipped_file();
-    let read = |resistance: &str| {
-        let first = [Override::new("load.resistance_ohm", resistance)];
-        let mut scene = scene_file::read(&file, &[&first, overrides].concat())?;
-        // Its name without the place where it was built.
-        scene.file = PathBuf::from("contact-separation.toml");
-        Ok(scene)
-    };
-    RESISTANCES.iter().map(|resistance| read(resistance)).collect()
+/// The shipped scenes at the resistances of the report, of each scene at most so many.
+pub(super) fn shipped(overrides: &[Override], most: usize) -> Result<Vec<Scene>, Failure> {
+    let mut scenes = Vec::new();
+    for (name, resistances) in SHIPPED {
+        for resistance in resistances.iter().take(most) {
+            let mut first = vec![Override::new("load.resistance_ohm", resistance)];
+            if name == "sliding.toml" {
+                first.extend(SLIDING_SPAN.map(|(key, value)| Override::new(key, value)));
+            }
+            first.extend_from_slice(overrides);
+            let mut scene = scene_file::read(&shipped_file(name), &first)?;
+            // Its name without the place where it was built.
+            scene.file = PathBuf::from(name);
+            scenes.push(scene);
+        }
+    }
+    Ok(scenes)
 }
 
-/// The contact-separation scene that is shipped with this crate.
-pub(super) fn shipped_file() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/contact-separation.toml")
+/// A scene that is shipped with this crate.
+pub(super) fn shipped_file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name)
 }
 
 /// Runs the comparison on each scene, with a progress bar.

@@ -1,42 +1,73 @@
-//! How far a workload's mean power is from the independent reference.
+//! How far a workload's mean power is from what it should be.
 
 use std::path::Path;
 
-use firmware_example::workload::contact_separation::{ENERGY, Plan};
+use firmware_example::workload::hybrid_run::{ENERGY, Plan};
 
 use super::{Error, Workload};
 use crate::reference::{self, ReferenceOptions};
-use crate::scene_file::{self, ContactSeparationParameters, Excitation, RunSpan, Scene, Tone};
+use crate::scene_file::{
+    self, ContactSeparationParameters, Excitation, Load, Model, RunSpan, Scene, SlidingParameters, Tone,
+};
 
-/// The shipped scene shaken as `plan` says, measured from `settle_s` to the plan's end, with other
-/// parameters where `change` says so.
+/// The shipped contact-separation scene shaken as `plan` says, measured from `settle_s` to the plan's
+/// end, with other parameters where `change` says so.
 ///
 /// # Errors
 ///
 /// When the shipped scene cannot be read.
-pub fn scene(
+pub fn contact_separation(
     plan: &Plan,
     settle_s: f64,
     change: impl FnOnce(&mut ContactSeparationParameters),
 ) -> Result<Scene, Error> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/contact-separation.toml");
+    let mut scene = shipped("contact-separation.toml", plan, settle_s)?;
+    if let Model::ContactSeparation(model) = &mut scene.model {
+        change(&mut model.parameters);
+    }
+    Ok(scene)
+}
+
+/// The same of the shipped sliding scene, whose load may be another one too.
+///
+/// # Errors
+///
+/// When the shipped scene cannot be read.
+pub fn sliding(
+    plan: &Plan,
+    settle_s: f64,
+    change: impl FnOnce(&mut SlidingParameters, &mut Load),
+) -> Result<Scene, Error> {
+    let mut scene = shipped("sliding.toml", plan, settle_s)?;
+    if let Model::Sliding(model) = &mut scene.model {
+        change(&mut model.parameters, &mut scene.load);
+    }
+    Ok(scene)
+}
+
+fn shipped(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
     let mut scene = scene_file::read(&file, &[]).map_err(|error| Error::Host(error.to_string()))?;
-    let model = scene.contact_separation_mut().map_err(|error| Error::Host(error.to_string()))?;
-    change(&mut model.parameters);
     scene.excitation = Excitation::Sine(Tone {
         amplitude_m_per_s2: f64::from(plan.amplitude),
         frequency_hz: f64::from(plan.frequency),
         phase_rad: 0.0,
     });
-    scene.run = RunSpan { duration_s: f64::from(plan.quarters * plan.samples) * 0.25, settle_s };
+    let velocity = Some(f64::from(plan.velocity));
+    match &mut scene.model {
+        Model::ContactSeparation(model) => model.initial.velocity_m_per_s = velocity,
+        Model::Sliding(model) => model.initial.velocity_m_per_s = velocity,
+        Model::BumpStop(_) => {}
+    }
+    scene.run = RunSpan { duration_s: plan.seconds(), settle_s };
     Ok(scene)
 }
 
-/// Mean power of `scene` by the reference, in watts.
+/// Mean power of `scene` in watts, of the reference.
 ///
 /// # Errors
 ///
-/// When the reference cannot finish.
+/// When the run cannot be finished.
 pub fn reference_power(scene: &Scene) -> Result<f64, Error> {
     let outcome = reference::run(scene, &ReferenceOptions::default())
         .map_err(|failure| Error::Host(failure.to_string()))?;
@@ -57,8 +88,24 @@ pub fn mean_power(workload: &Workload, after: Option<usize>) -> f64 {
     }
 }
 
-/// Relative error of a power, as a table shows it.
+/// Mean power from the states that the host logs, from sample `after` to the last one, for a plan.
+///
+/// On a core they are the same: each bit is compared.
+#[must_use]
+pub fn native_power(states: &[Vec<u32>], after: usize, plan: &Plan) -> f64 {
+    let energy = |state: Option<&Vec<u32>>| {
+        let bits = state.and_then(|state| state.get(ENERGY));
+        bits.map_or(f64::NAN, |&bits| f64::from(f32::from_bits(bits)))
+    };
+    let seconds = (states.len().saturating_sub(1 + after)) as f64 * f64::from(plan.quarters) * 0.25;
+    (energy(states.last()) - energy(states.get(after))) / seconds
+}
+
+/// Relative error of a power, as a table shows it; nothing where no power is delivered.
 #[must_use]
 pub fn error(power: f64, reference: f64) -> String {
+    if reference == 0.0 && power == 0.0 {
+        return "-".to_owned();
+    }
     format!("{:.3} %", (power / reference - 1.0).abs() * 100.0)
 }

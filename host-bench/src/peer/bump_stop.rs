@@ -24,9 +24,6 @@ const DEFAULT_STEP_S: f64 = 1e-6;
 /// is stable up to 2.78.
 const DEFAULT_RADIANS: f64 = 2.0;
 
-/// Fewest steps of a stretch of the run.
-const LEAST_STEPS: f64 = 1.0;
-
 /// Runs the scene from its start to its end.
 ///
 /// # Errors
@@ -56,8 +53,8 @@ pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<
             continue;
         }
         meter.measure(measured);
-        // Equal steps that end where the stretch ends.
-        let count = ((to - from) / step).ceil().max(LEAST_STEPS);
+        // Equal steps that end where the stretch ends; one that divides it stays as it is.
+        let count = ((to - from) / step * (1.0 - 4.0 * f64::EPSILON)).ceil().max(1.0);
         let span = Span { from, step: (to - from) / count, count: count as u64 };
         match options.method {
             Method::Rk4 => march.through(&span, &mut RungeKutta4::new(&system), &mut meter)?,

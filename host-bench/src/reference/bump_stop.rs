@@ -35,6 +35,15 @@ const CLOSING_SPEED: f64 = 1e-5;
 /// Events that may happen within one grid step.
 const STORM: u32 = 10_000;
 
+/// The contact closes or opens, or there is an impact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Event {
+    /// Time in s.
+    time: f64,
+    /// Speed of approach in m/s just before; negative where beam and stop part.
+    speed: f64,
+}
+
 /// Where the run is.
 struct March<'a> {
     system: &'a System,
@@ -55,6 +64,16 @@ pub(super) fn run(
     scene: &Scene,
     model: &BumpStop,
     options: &ReferenceOptions,
+) -> Result<Outcome, StepFailure> {
+    run_watched(scene, model, options, |_| {})
+}
+
+/// The same, and shows each event to `watch`.
+fn run_watched(
+    scene: &Scene,
+    model: &BumpStop,
+    options: &ReferenceOptions,
+    mut watch: impl FnMut(&Event),
 ) -> Result<Outcome, StepFailure> {
     let began = Instant::now();
     let base = Base(&scene.excitation);
@@ -113,7 +132,9 @@ pub(super) fn run(
             continue;
         };
         time = (time + elapsed).min(whole);
-        march.change(time);
+        let [_, speed] = march.regimes[0].guard(&march.vector);
+        watch(&Event { time, speed });
+        march.change(time, speed);
         if time > storm_began + step {
             (storm, storm_began) = (0, time);
         }
@@ -165,8 +186,8 @@ impl March<'_> {
         None
     }
 
-    /// The event at `time`: the contact closes or opens, or there is an impact.
-    fn change(&mut self, time: f64) {
+    /// The event at `time` with this speed of approach: the contact closes or opens, or there is an impact.
+    fn change(&mut self, time: f64, speed: f64) {
         self.events += 1;
         if self.in_contact {
             self.in_contact = false;
@@ -177,7 +198,7 @@ impl March<'_> {
         self.meters.contact(time);
         match self.restitution() {
             None => self.in_contact = true,
-            Some(coefficient) => self.rebound(coefficient),
+            Some(coefficient) => self.rebound(coefficient, speed),
         }
     }
 
@@ -187,9 +208,8 @@ impl March<'_> {
 
     /// An impact between the modes that are kept: Newton's law for the rate of the gap. The contact stays
     /// closed if it is slow and beam and rod are pressed together.
-    fn rebound(&mut self, coefficient: f64) {
+    fn rebound(&mut self, coefficient: f64, speed: f64) {
         let mobility = self.system.mobility;
-        let [_, speed] = self.regimes[0].guard(&self.vector);
         let closing = speed < CLOSING_SPEED;
         let kept = if closing { 0.0 } else { coefficient };
         let momentum = (1.0 + kept) * speed / mobility;
@@ -236,3 +256,6 @@ impl March<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

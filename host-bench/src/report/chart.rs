@@ -104,7 +104,7 @@ fn curves(area: &Area<'_>, series: &[Series], comparison: &Comparison) -> Drawn 
     let all = || series.iter().flat_map(|series| series.points.iter().copied());
     let (left, right) = decades(all().map(|point| point.0));
     let (low, high) = decades(all().map(|point| point.1));
-    let title = format!("R = {}", table::resistance(comparison.resistance_ohm));
+    let title = format!("{}, R = {}", comparison.file, table::resistance(comparison.resistance_ohm));
     let mut chart = ChartBuilder::on(area)
         .caption(title, (FONT, 18))
         .margin(12)

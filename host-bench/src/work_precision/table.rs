@@ -14,7 +14,7 @@ pub const HEADINGS: [&str; 11] = [
     "step or tolerance",
     "error of mean power",
     "of RMS voltage",
-    "of first impact",
+    "of first impact or amplitude",
     "steps per simulated s",
     "host ns per simulated s",
     "time ratio",
@@ -75,7 +75,7 @@ impl Row {
             Some(found) => cells.extend([
                 small(found.errors.mean_power_error),
                 small(found.errors.rms_voltage_error),
-                small(found.errors.first_impact_error),
+                small(found.errors.first_impact_error.or(found.errors.amplitude_error)),
                 grouped(found.steps_per_s),
                 grouped(found.ns_per_s),
                 ratio(found.time_ratio),
@@ -97,14 +97,17 @@ impl Comparison {
         let shown = |value: Option<f64>, unit: &str| {
             value.map_or_else(|| "none".to_owned(), |value| format!("{value:.6e} {unit}"))
         };
+        let motion = match self.amplitude_m {
+            Some(amplitude) => format!("amplitude {}", shown(Some(amplitude), "m")),
+            None => format!("first impact {}", shown(self.first_impact_s, "s")),
+        };
         format!(
-            "{}, R = {}, {} s simulated; by the reference: mean power {}, RMS voltage {}, first impact {}",
+            "{}, R = {}, {} s simulated; by the reference: mean power {}, RMS voltage {}, {motion}",
             self.file,
             resistance(self.resistance_ohm),
-            self.duration_s,
+            (self.duration_s * 1e3).round() / 1e3,
             shown(self.mean_power_w, "W"),
             shown(self.rms_voltage_v, "V"),
-            shown(self.first_impact_s, "s"),
         )
     }
 
@@ -164,6 +167,7 @@ impl Comparison {
                     optional(found.errors.mean_power_error),
                     optional(found.errors.rms_voltage_error),
                     optional(found.errors.first_impact_error),
+                    optional(found.errors.amplitude_error),
                     number(found.steps_per_s),
                     number(found.ns_per_s),
                     optional(found.time_ratio),
@@ -172,7 +176,7 @@ impl Comparison {
                     String::new(),
                 ]),
                 None => {
-                    cells.extend(std::iter::repeat_n(String::new(), 8));
+                    cells.extend(std::iter::repeat_n(String::new(), 9));
                     cells.push(format!("\"{}\"", row.failure.clone().unwrap_or_default().replace('"', "'")));
                 }
             }
@@ -188,7 +192,7 @@ impl Comparison {
 
 /// Heading of [`Comparison::csv`].
 pub const CSV_HEADING: &str = "scene,resistance_ohm,method,precision,math,step_or_tolerance,\
-    mean_power_error,rms_voltage_error,first_impact_error,steps_per_s,ns_per_s,time_ratio,\
+    mean_power_error,rms_voltage_error,first_impact_error,amplitude_error,steps_per_s,ns_per_s,time_ratio,\
     energy_residual,runs,failure\n";
 
 /// A resistance with its unit.

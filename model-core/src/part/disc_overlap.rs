@@ -12,7 +12,7 @@
 //! The area has a corner at `x = 0`. Each side by itself is analytic through it: `s2` is odd in `ξ`,
 //! so a step that ends a little on the other side sees no corner.
 
-use crate::scalar::{Scalar, horner};
+use crate::scalar::{Scalar, arcsine, horner};
 
 /// Shares of a disc's face on the active disc under it and beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,9 +77,6 @@ const OUTER_F64: [f64; 12] = [
     1.226_160_428_708_894_293_2e-6,
     -2.166_779_630_309_654_658_8e-6,
 ];
-
-/// Terms of the arcsine's series: 4⁻ⁿ falls below a rounding of `f64`.
-const SERIES_TERMS: u32 = 28;
 
 impl<S: Scalar> DiscOverlap<S> {
     /// The form that a step uses: `s2` to 1.5e-7 relative in `f32` up to `ξ = 0.8` and `s1` to 3e-7
@@ -152,18 +149,6 @@ impl<S: Scalar> DiscOverlap<S> {
     pub fn active_by_xi(xi: S) -> S {
         S::literal(-2.0 * core::f64::consts::FRAC_2_PI) * ((S::ONE - xi) * (S::ONE + xi)).square_root()
     }
-}
-
-/// `arcsin x` for 0 ≤ x ≤ 1/2 by its series.
-fn arcsine<S: Scalar>(x: S) -> S {
-    let square = x * x;
-    let (mut term, mut sum) = (x, x);
-    for n in 1..SERIES_TERMS {
-        let odd = 2 * n - 1;
-        term = term * square * S::from_u32(odd) / S::from_u32(2 * n);
-        sum += term / S::from_u32(2 * n + 1);
-    }
-    sum
 }
 
 #[cfg(test)]

@@ -1,24 +1,30 @@
-//! What each part of the scene costs: the bench without it.
+//! What each part of a scene costs: the bench without it.
 
 use std::time::Duration;
 
-use firmware_example::workload::{Workload, parts, scenes};
+use firmware_example::workload::Workload;
+use firmware_example::workload::contact_separation::{parts, scenes as contact_separation};
+use firmware_example::workload::sliding::scenes as sliding;
 
 use super::table;
 use crate::on_target::build::Binary;
 use crate::on_target::core::Core;
 use crate::on_target::{self, Error, accuracy, native};
-use crate::scene_file::{ContactSeparationParameters, Restitution};
+use crate::scene_file::{ContactSeparationParameters, ForceLaw, Load, Restitution, Scene, SlidingParameters};
 
-/// A change of the scene.
-type Change = fn(&mut ContactSeparationParameters);
-
-/// Measures each variant and prints one table.
+/// Measures each variant of each scene and prints a table of each.
 ///
 /// # Errors
 ///
 /// If a firmware cannot be built, run, or trusted.
 pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
+    report_contact_separation(core, limit)?;
+    println!();
+    report_sliding(core, limit)
+}
+
+fn report_contact_separation(core: Core, limit: Duration) -> Result<(), Error> {
+    type Change = fn(&mut ContactSeparationParameters);
     let no_capacitance: Change = |parameters| parameters.parasitic_capacitance_f = 0.0;
     let one_coefficient: Change = |parameters| {
         let coefficient = f64::from(parts::CONSTANT.coefficient);
@@ -30,22 +36,12 @@ pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
         parameters.restitution = Restitution::Constant { coefficient };
     };
     let same: Change = |_| {};
-    let mut rows = Vec::new();
-    let mut whole = None;
-    let mut add = |left_out: &str, binary, native: Box<dyn Workload>, change: Change| {
-        let row = measure(core, limit, binary, native, change)?;
-        let base = *whole.get_or_insert(row.flash);
-        rows.push([
-            left_out.to_owned(),
-            row.flash.to_string(),
-            format!("{:+}", row.flash.cast_signed() - base.cast_signed()),
-            row.steps.to_string(),
-            format!("{:.0}", row.per_step),
-            format!("{:.0}", row.per_second),
-            row.error,
-        ]);
-        Ok::<_, Error>(())
+    let mut variants = Variants { core, limit, whole: None, rows: Vec::new() };
+    let mut add = |left_out, binary, native, change: Change| {
+        let scene = accuracy::contact_separation(&contact_separation::IMPACTING, 0.0, change)?;
+        variants.add(left_out, binary, native, &scene)
     };
+    use contact_separation as scenes;
     add("nothing", "bench", boxed(scenes::bench())?, same)?;
     add("parasitic capacitance", "without_parasitic", boxed(scenes::without_parasitic())?, no_capacitance)?;
     add("sticking", "without_sticking", boxed(scenes::without_sticking())?, same)?;
@@ -57,19 +53,10 @@ pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
     )?;
     add("error control", "without_error_control", boxed(scenes::without_error_control())?, same)?;
     add("all of these", "without_any", boxed(scenes::without_any())?, both)?;
-    let header = [
-        "left out",
-        "flash",
-        "difference",
-        "steps",
-        "instructions per step",
-        "per simulated second",
-        "error",
-    ];
-    println!("{}", table(header, rows, 1));
-    println!("{core}. The bench's run, 3 s with impacts; without error control a fixed step of");
+    variants.print("left out");
+    println!("{core}. Contact-separation, the bench's run, 3 s with impacts; without error control a fixed");
     println!(
-        "{} ms. Error: of the mean power against the reference of the same variant.",
+        "step of {} ms. Error: of the mean power against the reference of the same variant.",
         scenes::FIXED_STEP * 1e3
     );
     println!("The law of restitution works at impacts only, so a step without it costs the same.");
@@ -79,36 +66,126 @@ pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
     Ok(())
 }
 
-/// One row of the table.
-struct Row {
-    flash: u64,
-    steps: u64,
-    per_step: f64,
-    per_second: f64,
-    error: String,
+fn report_sliding(core: Core, limit: Duration) -> Result<(), Error> {
+    type Change = fn(&mut SlidingParameters, &mut Load);
+    let same: Change = |_, _| {};
+    let frictionless: Change = |parameters, _| {
+        parameters.static_friction_active = 0.0;
+        parameters.static_friction_inert = 0.0;
+        parameters.kinetic_friction_active = 0.0;
+        parameters.kinetic_friction_inert = 0.0;
+    };
+    let open: Change = |_, load| *load = Load::Resistor { resistance_ohm: f64::INFINITY };
+    let shorted: Change = |_, load| *load = Load::Resistor { resistance_ohm: 0.0 };
+    let gap_field: Change = |parameters, _| parameters.force_law = ForceLaw::GapField;
+    let mut variants = Variants { core, limit, whole: None, rows: Vec::new() };
+    let mut add = |variant, binary, native, plan, change: Change| {
+        let scene = accuracy::sliding(plan, 0.0, change)?;
+        variants.add(variant, binary, native, &scene)
+    };
+    use sliding as scenes;
+    let plan = &scenes::SLIDING;
+    add("whole", "sliding", boxed(scenes::bench())?, plan, same)?;
+    add(
+        "without friction",
+        "sliding_without_friction",
+        boxed(scenes::without_friction())?,
+        &scenes::GENTLE,
+        frictionless,
+    )?;
+    add(
+        "without sticking",
+        "sliding_without_sticking",
+        boxed(scenes::without_sticking())?,
+        &scenes::MOVING,
+        same,
+    )?;
+    add("load open", "sliding_open", boxed(scenes::open())?, plan, open)?;
+    add("load shorted", "sliding_shorted", boxed(scenes::shorted())?, plan, shorted)?;
+    add("force of the field", "sliding_gap_field", boxed(scenes::gap_field())?, &scenes::STRONG, gap_field)?;
+    add("TR-BDF2, fixed step", "sliding_implicit", boxed(scenes::implicit())?, plan, same)?;
+    add(
+        "TR-BDF2 with error control",
+        "sliding_with_error_control",
+        boxed(scenes::with_error_control())?,
+        plan,
+        same,
+    )?;
+    variants.print("variant");
+    println!(
+        "{core}. Sliding, 0.36 g at 18.373 Hz, 3 s from rest; without friction 0.1 g, or the discs would"
+    );
+    println!(
+        "part; without sticking in motion from the start; with the force of the field 0.8 g at 16 Hz, or the"
+    );
+    println!(
+        "slider would not let go. Runge-Kutta 4 with a step of {} ms; TR-BDF2 with one of {} ms, or with a",
+        scenes::STEP * 1e3,
+        scenes::IMPLICIT_STEP * 1e3
+    );
+    println!(
+        "tolerance of {}. Error: of the mean power, against the independent reference of",
+        scenes::TOLERANCE
+    );
+    println!(
+        "the same variant; an open or a shorted load has none. Instructions as QEMU executes them, which"
+    );
+    println!("are not cycles. Flash and stack in bytes, flash over an empty firmware.");
+    Ok(())
 }
 
-fn measure(
+/// The rows of a table.
+struct Variants {
     core: Core,
     limit: Duration,
-    binary: &'static str,
-    mut native: Box<dyn Workload>,
-    change: Change,
-) -> Result<Row, Error> {
-    let reference = accuracy::reference_power(&accuracy::scene(&scenes::IMPACTING, 0.0, change)?)?;
-    let measurement = on_target::measure(core, Binary::new(binary), limit)?;
-    native::compare_all(core, &measurement.workloads, &mut [&mut *native])?;
-    let Some(workload) = measurement.workloads.first() else {
-        return Err(Error::Other { core, what: format!("{binary} has no workload") });
-    };
-    let whole = workload.whole();
-    Ok(Row {
-        flash: measurement.flash,
-        steps: whole.steps,
-        per_step: whole.instructions_per_step(),
-        per_second: whole.instructions_per_second(),
-        error: accuracy::error(accuracy::mean_power(workload, None), reference),
-    })
+    /// Flash of the first one.
+    whole: Option<u64>,
+    rows: Vec<[String; 8]>,
+}
+
+impl Variants {
+    /// Measures `binary`, whose workload the host has too, beside the reference of `scene`.
+    fn add(
+        &mut self,
+        name: &str,
+        binary: &'static str,
+        mut native: Box<dyn Workload>,
+        scene: &Scene,
+    ) -> Result<(), Error> {
+        let reference = accuracy::reference_power(scene)?;
+        let measurement = on_target::measure(self.core, Binary::new(binary), self.limit)?;
+        native::compare_all(self.core, &measurement.workloads, &mut [&mut *native])?;
+        let Some(workload) = measurement.workloads.first() else {
+            return Err(Error::Other { core: self.core, what: format!("{binary} has no workload") });
+        };
+        let whole = workload.whole();
+        let base = *self.whole.get_or_insert(measurement.flash);
+        self.rows.push([
+            name.to_owned(),
+            measurement.flash.to_string(),
+            format!("{:+}", measurement.flash.cast_signed() - base.cast_signed()),
+            workload.stack.to_string(),
+            whole.steps.to_string(),
+            format!("{:.0}", whole.instructions_per_step()),
+            format!("{:.0}", whole.instructions_per_second()),
+            accuracy::error(accuracy::mean_power(workload, None), reference),
+        ]);
+        Ok(())
+    }
+
+    fn print(self, first: &str) {
+        let header = [
+            first,
+            "flash",
+            "difference",
+            "stack",
+            "steps",
+            "instructions per step",
+            "per simulated second",
+            "error",
+        ];
+        println!("{}", table(header, self.rows, 1));
+    }
 }
 
 fn boxed(workload: Option<impl Workload + 'static>) -> Result<Box<dyn Workload>, Error> {

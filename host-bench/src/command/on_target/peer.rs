@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use firmware_example::workload::scenes;
+use firmware_example::workload::contact_separation::scenes;
 
 use super::table;
 use crate::on_target::build::Binary;
@@ -15,7 +15,7 @@ use crate::on_target::{self, Error, accuracy, native};
 ///
 /// If the firmware cannot be built, run, or trusted.
 pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
-    let scene = accuracy::scene(&scenes::SMOOTH, 0.0, |_| {})?;
+    let scene = accuracy::contact_separation(&scenes::SMOOTH, 0.0, |_| {})?;
     let reference = accuracy::reference_power(&scene)?;
     let binary = Binary { name: "peer", feature: Some("peer") };
     let measurement = on_target::measure(core, binary, limit)?;

@@ -1,6 +1,6 @@
 //! The bump-stop scenes of `work-precision`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::super::progress;
 use crate::method::Failure;
@@ -37,7 +37,7 @@ const CASES: [&[(&str, &str)]; 4] = [
 
 /// The first `most` cases of the shipped scene.
 pub(crate) fn shipped(overrides: &[Override], most: usize) -> Result<Vec<Scene>, Failure> {
-    let file = shipped_file();
+    let file = super::shipped_file("bump-stop.toml");
     let read = |case: &&[(&str, &str)]| {
         let mut all: Vec<Override> = case.iter().map(|(key, value)| Override::new(key, value)).collect();
         all.extend_from_slice(overrides);
@@ -47,11 +47,6 @@ pub(crate) fn shipped(overrides: &[Override], most: usize) -> Result<Vec<Scene>,
         Ok(scene)
     };
     CASES.iter().take(most).map(read).collect()
-}
-
-/// The bump-stop scene that is shipped with this crate.
-pub(crate) fn shipped_file() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/bump-stop.toml")
 }
 
 /// Runs the comparison on each scene, with a progress bar.

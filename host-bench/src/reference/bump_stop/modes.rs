@@ -203,3 +203,6 @@ fn rod(stop: &StopParameters) -> (Vec<RodMode>, f64) {
     let whole = stop.length_m / (stop.young_modulus_pa * area);
     (modes, whole - kept)
 }
+
+#[cfg(test)]
+mod tests;

@@ -224,3 +224,6 @@ impl Moments {
         std::mem::take(&mut self.integrals)
     }
 }
+
+#[cfg(test)]
+mod tests;

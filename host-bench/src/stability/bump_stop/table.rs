@@ -48,7 +48,7 @@ pub fn text(findings: &[BumpStopFinding]) -> String {
     }
     let [double, single] = LEDGER;
     let mut text = format!(
-        "{}\n\nBump-stop: every run has finite numbers and no pulling force; under residual-flexibility the energy \
+        "{}\n\nEvery run has finite numbers and no pulling force; under residual-flexibility the energy \
          ledger closes to {double:.0e} in f64 and {single:.0e} in f32. Agrees: the RMS voltage from rest is within \
          {AGREEMENT} of the reference, asked at steps up to {RESOLVING_STEP:.0e} s. Sensitive: the reference's \
          changes by more than a hundredth when the gap is shifted by a thousandth.\n",

@@ -26,6 +26,8 @@ pub struct State<S, const B: usize, const R: usize> {
     pub(super) charge_remainder: S,
     /// Gap coordinate `g` in m: above zero in contact.
     pub(super) gap: S,
+    /// How much further than at `Δ` the rod's face is taken to stand, in m, since an impact.
+    pub(super) drift: S,
     /// Base acceleration at `clock`.
     pub(super) acceleration: S,
     /// Whether an impact has closed the contact for a while.
@@ -83,6 +85,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             moved_charge: S::ZERO,
             charge_remainder: S::ZERO,
             gap: S::ZERO,
+            drift: S::ZERO,
             acceleration: excitation.acceleration(Instant::START),
             closed: false,
             short_steps: 0,

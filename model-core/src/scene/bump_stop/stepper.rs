@@ -6,7 +6,7 @@ use super::parameters::Coupling;
 use super::step_set::StepSet;
 use super::trial::Trial;
 use super::{BumpStop, Parts, State};
-use crate::clock::ticks_of_seconds;
+use crate::clock::{Instant, seconds_of_ticks, ticks_of_seconds};
 use crate::excitation::Excitation;
 use crate::hybrid::{Advance, Ended, StepError, StepFailure, Work};
 use crate::scalar::Scalar;
@@ -18,6 +18,9 @@ const LEAST_BUDGET: u32 = 44;
 const MOST_LOCATING: u32 = 40;
 /// A rebound slower than this, in m/s, closes the contact.
 const CLOSING_SPEED: f64 = 1e-5;
+
+/// A gap this many times as wide as what has drifted is open.
+const OPENED: f64 = 16.0;
 
 /// A harvester with its two lengths of step, and what a bound on the gap's curvature is made of.
 ///
@@ -93,7 +96,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         &self,
         state: &mut State<S, B, R>,
         excitation: &E,
-        until: crate::clock::Instant,
+        until: Instant,
         budget: u32,
         observer: &mut O,
     ) -> Result<Advance, StepError<S>>
@@ -184,11 +187,17 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             && let ContactKind::Impulsive { restitution } = self.scene.contact.kind()
             && !state.closed
         {
-            if trial.end.gap > S::ZERO {
-                return self.to_impact(set.ticks, restitution, state, excitation, observer, work);
+            // Where the gap is above zero and opening, the impact lies behind.
+            if trial.end.gap > S::ZERO && trial.gap_rate > S::ZERO {
+                return self.locate_impact(set.ticks, restitution, state, excitation, observer, work);
             }
         }
-        take(state, &trial, set, observer, work)
+        let was_closed = state.closed;
+        take(state, &trial, set, observer, work)?;
+        if P::Contact::POSSIBLE && was_closed && !state.closed {
+            BumpStop::<S, P, B, R>::close_gap(state);
+        }
+        Ok(())
     }
 
     /// Steps to the tick at which the gap closes, and through the impact.
@@ -196,7 +205,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// The gap is at or below zero at the start and above it `ticks` on.
     #[cold]
     #[inline(never)]
-    fn to_impact<E: Excitation<S>, O: ModalObserver<S, B, R>>(
+    fn locate_impact<E: Excitation<S>, O: ModalObserver<S, B, R>>(
         &self,
         ticks: u32,
         restitution: S,
@@ -208,31 +217,39 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         let (mut open, mut closed) = (0, ticks);
         let mut set = self.scene.step_set(closed);
         let mut reached = self.attempt(&set, state, excitation);
+        let (mut latest, mut gap, mut rate) = (closed, reached.end.gap, reached.gap_rate);
         let mut attempts = 0;
         while closed - open > 1 && attempts < MOST_LOCATING {
+            // Newton's iteration from the last attempt, to the far side; where that leaves the bracket, its
+            // middle.
+            let distance = ((gap / rate).absolute() / seconds_of_ticks(1)).to_u32();
+            let next = match (rate > S::ZERO, gap > S::ZERO) {
+                (true, true) if distance == 0 => break,
+                (true, true) => latest.saturating_sub(distance),
+                (true, false) => latest.saturating_add(distance).saturating_add(1),
+                (false, _) => open,
+            };
+            latest = if next > open && next < closed { next } else { open + (closed - open) / 2 };
             attempts += 1;
-            // Newton from the far side; where that leaves the bracket, its middle.
-            let back = (reached.end.gap / reached.gap_rate) / crate::clock::seconds_of_ticks(1);
-            let back = if reached.gap_rate > S::ZERO { back.to_u32() } else { u32::MAX };
-            let newton = closed.saturating_sub(back.max(1));
-            let next = if newton > open { newton } else { open + (closed - open) / 2 };
-            let shorter = self.scene.step_set(next);
+            let shorter = self.scene.step_set(latest);
             let trial = self.attempt(&shorter, state, excitation);
-            if trial.end.gap > S::ZERO {
-                (closed, set, reached) = (next, shorter, trial);
+            (gap, rate) = (trial.end.gap, trial.gap_rate);
+            if gap > S::ZERO {
+                (closed, set, reached) = (latest, shorter, trial);
             } else {
-                open = next;
+                open = latest;
             }
         }
         work.locating += attempts;
         take(state, &reached, &set, observer, work)?;
         work.events += 1;
-        state.gap = S::ZERO;
+        BumpStop::<S, P, B, R>::close_gap(state);
         let speed = reached.gap_rate;
         if !(speed > S::ZERO) {
             return Ok(());
         }
-        let holds = restitution * speed < S::literal(CLOSING_SPEED);
+        // An impact right at the start of the step follows the one before without a flight between.
+        let holds = restitution * speed < S::literal(CLOSING_SPEED) || closed <= 1;
         let rebound = if holds { S::ZERO } else { restitution };
         let impulse = (S::ONE + rebound) * speed / self.scene.inverse_mass;
         for (coordinate, mode) in state.beam.iter_mut().zip(&self.scene.beam) {
@@ -246,6 +263,17 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         let loss = half * (S::ONE - rebound * rebound) * speed * speed / self.scene.inverse_mass;
         observer.impact(&ModalImpact { at: state.clock, speed, impulse, loss });
         Ok(())
+    }
+}
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
+    /// Calls a gap coordinate zero that is above it by the rounding of an impact's time or the drift of a
+    /// closed contact: the rod's face is taken to stand that much further, until the gap has opened.
+    fn close_gap(state: &mut State<S, B, R>) {
+        if state.gap > S::ZERO {
+            state.drift += state.gap;
+            state.gap = S::ZERO;
+        }
     }
 }
 
@@ -264,6 +292,10 @@ fn take<S: Scalar, O: ModalObserver<S, B, R>, const B: usize, const R: usize>(
     }
     observer.step(&trial.span(state, set));
     *state = State { short_steps: state.short_steps, ..trial.end };
+    if state.drift > S::ZERO && state.gap < -S::literal(OPENED) * state.drift {
+        state.gap += state.drift;
+        state.drift = S::ZERO;
+    }
     work.steps += 1;
     Ok(())
 }

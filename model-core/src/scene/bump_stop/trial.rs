@@ -57,7 +57,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         end.acceleration = acceleration;
         // The modes without contact force and voltage.
         let rise = acceleration - start.acceleration;
-        let (mut strain, mut gap, mut rate) = (S::ZERO, -self.gap, S::ZERO);
+        let (mut strain, mut gap, mut rate) = (S::ZERO, -self.gap - start.drift, S::ZERO);
         for ((coordinate, mode), modal) in end.beam.iter_mut().zip(&self.beam).zip(&set.beam) {
             let [displacement, velocity] = *coordinate;
             let [by, at] =

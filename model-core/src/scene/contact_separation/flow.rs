@@ -129,7 +129,11 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         let circuit = scene.circuit(state[GAP], state[CHARGE]);
         let opposite = scene.tribo_charge - circuit.transferred;
         let mut powers = [S::ZERO; account::WHOLE];
-        powers[account::LOAD] = voltage * current;
+        // Written out: the compiler cannot know that nothing times a current is nothing.
+        powers[account::LOAD] = match scene.load.resistance() {
+            Resistance::Finite(_) => voltage * current,
+            Resistance::Short | Resistance::Open => S::ZERO,
+        };
         powers[account::VOLTAGE_SQUARED] = voltage * voltage;
         powers[account::VOLTAGE] = voltage;
         powers[account::CURRENT_MAGNITUDE] = current.absolute();

@@ -2,12 +2,13 @@
 
 use super::flow::Flow;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
-use crate::excitation::Excitation;
-use crate::hybrid::{Automaton, Guard, Jump, Moment};
+use crate::excitation::{Excitation, Sine};
+use crate::hybrid::{Automaton, Guard, HybridState, Jump, Moment};
 use crate::integrate::step_control::ErrorScale;
 use crate::integrate::{Point, System};
+use crate::part::friction::turns_until_release;
 use crate::part::load::{Load, Resistance};
-use crate::scalar::Scalar;
+use crate::scalar::{Mathematics, Scalar};
 use crate::scene::{Harvester, StoredEnergy, coupled};
 
 /// The modes of motion.
@@ -58,7 +59,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
 
     /// What pulls a slider at rest back, per modal mass: `ω² x + κ a − F_lat/M`; with the most that
     /// static friction can hold, and the derivatives of both by the charge.
-    #[inline(always)]
+    #[inline(never)]
     fn balance(&self, [displacement, _, charge]: &[S; STATES], acceleration: S) -> [[S; 2]; 2] {
         let ahead = *displacement >= S::ZERO;
         let circuit = self.circuit(ahead, *displacement, *charge);
@@ -88,6 +89,26 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     ) -> S {
         let [[pull, _], _] = self.balance(&point.state, acceleration);
         if mode == Mode::Stuck { self.modal_mass * pull } else { S::ZERO }
+    }
+
+    /// Seconds until a held slider is released, where a single sine shakes the base and the charge is
+    /// frozen: the closed form of the event that the driver locates. `None` if it is not held, if
+    /// friction holds it for ever, or if the charge flows.
+    ///
+    /// A node may sleep until then.
+    pub fn release_in<M: Mathematics<S>, const POWERS: usize>(
+        &self,
+        state: &HybridState<S, Mode, STATES, POWERS>,
+        sine: &Sine<S, M>,
+    ) -> Option<S> {
+        let flows = self.sticking.relaxes() && matches!(self.load.resistance(), Resistance::Finite(_));
+        if state.mode != Mode::Stuck || flows {
+            return None;
+        }
+        let [[constant, _], [hold, _]] = self.balance(&state.point.state, S::ZERO);
+        let amplitude = self.base_coupling * sine.amplitude();
+        let turns = turns_until_release(constant, amplitude, hold, sine.phase(state.clock))?;
+        Some(turns / sine.hertz())
     }
 
     /// What friction can hold beyond what it must, towards either side, and its rate.
@@ -135,7 +156,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
 
     /// The rate of the charge after an event, as a step of length `step` needs it, where it was
     /// `before`.
-    #[inline(always)]
+    #[inline(never)]
     fn charge_rate_from(&self, before: S, mode: Mode, state: &[S; STATES], step: S) -> S {
         if !matches!(self.load.resistance(), Resistance::Finite(_)) {
             return S::ZERO;
@@ -272,5 +293,121 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Harvester<S, STATES, POWERS> f
 
     fn is_impact(&self, _mode: Mode, _guard: usize) -> bool {
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::Instant;
+    use crate::hybrid::{Driver, Ended};
+    use crate::integrate::{Adaptive, TrBdf2};
+    use crate::part::load::AnyLoad;
+    use crate::scene::sliding::{
+        AnyForceLaw, AnyLateralForce, AnyParts, AnyStickCharge, Parameters, PatchFriction, Start,
+    };
+
+    fn parameters() -> Parameters<f64, AnyParts> {
+        Parameters {
+            beam_length: 0.1,
+            beam_width: 0.02,
+            beam_thickness: 5e-4,
+            young_modulus: 210e9,
+            density: 7800.0,
+            damping_ratio: 0.0035,
+            slider_mass: 8e-3,
+            patch_radius: 0.01,
+            friction: PatchFriction {
+                static_active: 0.35,
+                static_inert: 0.25,
+                kinetic_active: 0.30,
+                kinetic_inert: 0.20,
+            },
+            dielectric_thickness: 5e-5,
+            relative_permittivity: 2.0,
+            charge_density: 80e-6,
+            load: AnyLoad { ohms: 1e8 },
+            force_law: AnyForceLaw::TransferredCharge,
+            sticking: AnyStickCharge::Frozen,
+            lateral_force: AnyLateralForce::Field,
+        }
+    }
+
+    #[test]
+    fn coefficients_are_those_of_the_published_beam() {
+        let scene = parameters().build().expect("in bounds");
+        assert!((scene.modal_mass() / 9.858_671_590e-3 - 1.0).abs() < 1e-9);
+        assert!((scene.base_coupling() / 1.110_563_269_8 - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_driver_locates_releases_where_the_closed_form_has_them() {
+        let scene = parameters().build().expect("in bounds");
+        let sine = Sine::<f64>::new(0.30 * 9.81, 6.0, 0.0).expect("valid");
+        let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, Adaptive::new(1e-6)) };
+        let mut state = scene.start::<_, _, 1>(&Start::default(), &sine, &driver.control).expect("in bounds");
+        let mut releases = 0;
+        let end = Instant::from_whole_seconds(3);
+        loop {
+            let expected =
+                scene.release_in(&state, &sine).map(|seconds| state.clock.seconds::<f64>() + seconds);
+            let before = state.mode;
+            let advance = driver.advance(&scene, &mut state, &sine, end, u32::MAX, &mut ()).expect("runs");
+            if advance.ended == Ended::Finished {
+                break;
+            }
+            if before == Mode::Stuck {
+                let expected = expected.expect("friction fails");
+                let error = state.clock.seconds::<f64>() - expected;
+                assert!(error.abs() < 1e-9, "{error}");
+                releases += 1;
+            }
+        }
+        assert!(releases > 30, "{releases}");
+    }
+
+    #[test]
+    fn after_every_event_the_slider_accelerates_the_way_it_goes() {
+        for (amplitude, hertz) in [(0.30, 6.0), (0.28, 14.0), (0.36, 18.373), (0.26, 3.0)] {
+            let scene = parameters().build().expect("in bounds");
+            let sine = Sine::<f64>::new(amplitude * 9.81, hertz, 0.0).expect("valid");
+            let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, Adaptive::new(1e-4)) };
+            let mut state =
+                scene.start::<_, _, 1>(&Start::default(), &sine, &driver.control).expect("in bounds");
+            let end = Instant::from_whole_seconds(2);
+            while state.clock < end {
+                driver.advance(&scene, &mut state, &sine, end, u32::MAX, &mut ()).expect("runs");
+                let [_, velocity, _] = state.point.state;
+                if velocity == 0.0
+                    && let Mode::Sliding { forward, .. } = state.mode
+                {
+                    let along = if forward { 1.0 } else { -1.0 };
+                    let pull = 0.01 * 9.81;
+                    assert!(along * state.point.derivative[VELOCITY] > -1e-9 * pull, "{amplitude} {hertz}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn parameters_out_of_bounds_and_starts_apart_are_named() {
+        let refused = |change: fn(&mut Parameters<f64, AnyParts>)| {
+            let mut changed = parameters();
+            change(&mut changed);
+            changed.build().err().map(|error| error.field)
+        };
+        assert_eq!(refused(|_| ()), None);
+        assert_eq!(refused(|p| p.beam_length = f64::NAN), Some("beam_length"));
+        assert_eq!(refused(|p| p.slider_mass = 0.0), Some("slider_mass"));
+        assert_eq!(refused(|p| p.friction.kinetic_inert = 0.3), Some("kinetic_friction_inert"));
+        assert_eq!(refused(|p| p.charge_density = -1e-6), Some("charge_density"));
+        assert_eq!(refused(|p| p.load.ohms = -1.0), Some("resistance"));
+        let stiff = |p: &mut Parameters<f64, AnyParts>| (p.beam_length, p.beam_thickness) = (1e-3, 1e-2);
+        assert_eq!(refused(stiff), Some("natural frequency of the beam with the slider"));
+        let scene = parameters().build().expect("in bounds");
+        let sine = Sine::<f64>::new(1.0, 6.0, 0.0).expect("valid");
+        let apart = Start { displacement: Some(-0.02), ..Start::default() };
+        let error = scene.start::<_, _, 1>(&apart, &sine, &Adaptive::new(1e-4)).expect_err("apart");
+        assert_eq!((error.field, error.value), ("displacement", -0.02));
     }
 }

@@ -238,7 +238,11 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         let slope = scene.active_by_displacement(ahead, displacement);
         let taken_up = -scene.field_force(&circuit, slope) * momentum;
         let mut powers = [S::ZERO; account::WHOLE];
-        powers[account::LOAD] = voltage * current;
+        // Written out: the compiler cannot know that nothing times a current is nothing.
+        powers[account::LOAD] = match scene.load.resistance() {
+            Resistance::Finite(_) => voltage * current,
+            Resistance::Short | Resistance::Open => S::ZERO,
+        };
         powers[account::VOLTAGE_SQUARED] = voltage * voltage;
         powers[account::VOLTAGE] = voltage;
         powers[account::CURRENT_MAGNITUDE] = current.absolute();

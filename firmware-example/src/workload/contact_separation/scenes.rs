@@ -4,19 +4,21 @@ use model_core::integrate::{Adaptive, FixedStep, RungeKutta4, TrBdf2};
 use model_core::part::parasitic::NoParasitic;
 use model_core::scene::contact_separation::{FrozenCharge, NeverSticks};
 
-use super::Workload;
-use super::contact_separation::{ContactSeparationRun, Plan};
 use super::parts::{
-    self, Bare, CONSTANT, LAW_OF_SPEED, PARASITIC, Whole, WithoutLawOfSpeed, WithoutParasitic,
-    WithoutSticking,
+    self, Bare, CONSTANT, LAW_OF_SPEED, PARASITIC, WithoutLawOfSpeed, WithoutParasitic, WithoutSticking,
 };
-
-/// The workload of most binaries: error control by the default method.
-type AdaptiveRun<P> = ContactSeparationRun<P, TrBdf2, Adaptive<f32>>;
+use crate::workload::Workload;
+use crate::workload::hybrid_run::{HybridRun, Plan};
 
 /// 0.2 g at 20 Hz, just below the natural frequency: impacts from 0.43 s on. Three seconds.
-pub const IMPACTING: Plan =
-    Plan { name: "contact-separation", amplitude: 1.962, frequency: 20.0, quarters: 1, samples: 12 };
+pub const IMPACTING: Plan = Plan {
+    name: "contact-separation",
+    amplitude: 1.962,
+    frequency: 20.0,
+    velocity: 0.0,
+    quarters: 1,
+    samples: 12,
+};
 /// The same for fifteen seconds, of which the last five are settled.
 pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..IMPACTING };
 /// 0.2 g at 22 Hz, above the natural frequency: the mass never reaches the dielectric.
@@ -30,42 +32,42 @@ pub const FIXED_STEP: f32 = 1.25e-3;
 /// The default scene, as `bench` runs it.
 #[must_use]
 pub fn bench() -> Option<impl Workload> {
-    AdaptiveRun::new(IMPACTING, parts::whole(), TrBdf2, Adaptive::new(TOLERANCE))
+    HybridRun::new(IMPACTING, parts::whole(), TrBdf2, Adaptive::new(TOLERANCE))
 }
 
 /// The default scene without its parasitic capacitance.
 #[must_use]
 pub fn without_parasitic() -> Option<impl Workload> {
     let parameters = parts::parameters::<WithoutParasitic>(NoParasitic, LAW_OF_SPEED, FrozenCharge);
-    AdaptiveRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
+    HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
 }
 
 /// The default scene without sticking.
 #[must_use]
 pub fn without_sticking() -> Option<impl Workload> {
     let parameters = parts::parameters::<WithoutSticking>(PARASITIC, LAW_OF_SPEED, NeverSticks);
-    AdaptiveRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
+    HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
 }
 
 /// The default scene with one coefficient of restitution for all speeds.
 #[must_use]
 pub fn without_law_of_speed() -> Option<impl Workload> {
     let parameters = parts::parameters::<WithoutLawOfSpeed>(PARASITIC, CONSTANT, FrozenCharge);
-    AdaptiveRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
+    HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
 }
 
 /// The default scene without error control.
 #[must_use]
 pub fn without_error_control() -> Option<impl Workload> {
     let control = FixedStep::of_seconds(FIXED_STEP);
-    ContactSeparationRun::<Whole, _, _>::new(IMPACTING, parts::whole(), TrBdf2, control)
+    HybridRun::new(IMPACTING, parts::whole(), TrBdf2, control)
 }
 
 /// The default scene without all of these.
 #[must_use]
 pub fn without_any() -> Option<impl Workload> {
     let parameters = parts::parameters::<Bare>(NoParasitic, CONSTANT, NeverSticks);
-    ContactSeparationRun::new(IMPACTING, parameters, TrBdf2, FixedStep::of_seconds(FIXED_STEP))
+    HybridRun::new(IMPACTING, parameters, TrBdf2, FixedStep::of_seconds(FIXED_STEP))
 }
 
 /// Tolerances of [`with_precision`].
@@ -79,12 +81,11 @@ pub const EXPLICIT_STEPS: [f32; 2] = [5e-4, 2.5e-4];
 /// order; `None` if one is refused.
 pub fn with_precision<R>(work: impl FnOnce(Option<&mut [&mut dyn Workload]>) -> R) -> R {
     let adaptive = TOLERANCES
-        .map(|tolerance| AdaptiveRun::new(SETTLING, parts::whole(), TrBdf2, Adaptive::new(tolerance)));
-    let fixed = STEPS
-        .map(|step| ContactSeparationRun::new(SETTLING, parts::whole(), TrBdf2, FixedStep::of_seconds(step)));
-    let explicit = EXPLICIT_STEPS.map(|step| {
-        ContactSeparationRun::new(SETTLING, parts::whole(), RungeKutta4, FixedStep::of_seconds(step))
-    });
+        .map(|tolerance| HybridRun::new(SETTLING, parts::whole(), TrBdf2, Adaptive::new(tolerance)));
+    let fixed =
+        STEPS.map(|step| HybridRun::new(SETTLING, parts::whole(), TrBdf2, FixedStep::of_seconds(step)));
+    let explicit = EXPLICIT_STEPS
+        .map(|step| HybridRun::new(SETTLING, parts::whole(), RungeKutta4, FixedStep::of_seconds(step)));
     let (
         [Some(mut a), Some(mut b), Some(mut c), Some(mut d)],
         [Some(mut e), Some(mut f)],
@@ -107,9 +108,9 @@ pub const PEER_TOLERANCES: [f32; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 /// `None` if one is refused.
 pub fn with_smooth<R>(work: impl FnOnce(Option<&mut [&mut dyn Workload]>) -> R) -> R {
     let adaptive = SMOOTH_TOLERANCES
-        .map(|tolerance| AdaptiveRun::new(SMOOTH, parts::whole(), TrBdf2, Adaptive::new(tolerance)));
+        .map(|tolerance| HybridRun::new(SMOOTH, parts::whole(), TrBdf2, Adaptive::new(tolerance)));
     let step = FixedStep::of_seconds(SMOOTH_STEP);
-    let explicit = ContactSeparationRun::new(SMOOTH, parts::whole(), RungeKutta4, step);
+    let explicit = HybridRun::new(SMOOTH, parts::whole(), RungeKutta4, step);
     let ([Some(mut a), Some(mut b), Some(mut c)], Some(mut d)) = (adaptive, explicit) else {
         return work(None);
     };

@@ -1,0 +1,263 @@
+//! Bump-stop scenes: what is refused, and what a good run prints and writes.
+
+use super::tool::{accepted, file, folder, outcome, refused};
+
+const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
+const TIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-tip.toml");
+const MID_SPAN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-mid-span.toml");
+const NONE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
+
+/// Six milliseconds with six modes of the beam and two of the rod, with the first contacts in them.
+const SHORT: [&str; 4] =
+    ["parameters.beam_modes=6", "stop.rod_modes=2", "run.duration_s=6e-3", "run.settle_s=1e-3"];
+
+#[track_caller]
+fn refused_with(overrides: &[&str], parts: &[&str]) {
+    let mut arguments = vec!["run", SHIPPED, "--method", "reference"];
+    arguments.extend(overrides.iter().flat_map(|change| ["--set", change]));
+    refused(&arguments, parts);
+}
+
+fn number(outcome: &serde_json::Value, key: &str) -> f64 {
+    outcome[key].as_f64().unwrap_or_else(|| panic!("{key} is a number in {outcome}"))
+}
+
+#[test]
+fn json_has_every_key_of_the_contract() {
+    let found = outcome(SHIPPED, &SHORT);
+    let keys: Vec<&str> = found.as_object().expect("an object").keys().map(String::as_str).collect();
+    let wanted = "scene method precision math duration_s settle_s mean_power_w rms_voltage_v \
+                  peak_voltage_v mean_voltage_v delivered_energy_j energy_residual steps rejected_steps \
+                  newton_iterations events wall_s natural_frequencies_hz peak_tip_displacement_m \
+                  peak_stop_point_displacement_m contacts contacts_per_period contact_fraction \
+                  first_contact_s peak_force_n mean_force_n";
+    assert_eq!(keys, wanted.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(found["scene"], "bump-stop");
+    let frequencies = found["natural_frequencies_hz"].as_array().expect("a list");
+    assert_eq!(frequencies.len(), 8);
+    assert!((frequencies[0].as_f64().expect("a number") - 239.705_436).abs() < 1e-6);
+    assert!((number(&found, "first_contact_s") - 3.306_469_272e-3).abs() < 1e-12);
+    assert_eq!(number(&found, "contacts"), 8.0);
+    assert!((number(&found, "contacts_per_period") * 220.0 * 5e-3 - 8.0).abs() < 1e-9);
+    let power = number(&found, "mean_power_w");
+    assert!((number(&found, "delivered_energy_j") / (power * 5e-3) - 1.0).abs() < 1e-12);
+    assert!((number(&found, "rms_voltage_v").powi(2) / 1e6 / power - 1.0).abs() < 1e-12);
+    // Mean force times window is less than the peak times the time in contact.
+    let most = number(&found, "peak_force_n") * number(&found, "contact_fraction");
+    let mean = number(&found, "mean_force_n");
+    assert!(mean > 0.3 * most && mean < most);
+    assert!(number(&found, "energy_residual") < 1e-12);
+}
+
+#[test]
+fn the_shipped_cases_rank_as_in_the_paper() {
+    let short = ["parameters.beam_modes=4", "run.settle_s=0.1", "run.duration_s=0.2"];
+    let with_stop = [&short[..], &["stop.rod_modes=1"]].concat();
+    let none = outcome(NONE, &short);
+    let [tip, middle] = [TIP, MID_SPAN].map(|scene| outcome(scene, &with_stop));
+    let peak = |found: &serde_json::Value| number(found, "peak_voltage_v");
+    assert!(peak(&none) > peak(&middle) && peak(&middle) > peak(&tip));
+    assert_eq!(number(&none, "contacts"), 0.0);
+    for absent in ["first_contact_s", "peak_force_n", "mean_force_n", "peak_stop_point_displacement_m"] {
+        assert!(none[absent].is_null(), "{absent}");
+    }
+    assert!(number(&tip, "contacts") > 100.0 && number(&middle, "contacts") > 100.0);
+}
+
+#[test]
+fn the_start_may_be_chosen() {
+    let start = "initial={modal_displacement=[-1e-7,0,0,0,0,0],rod_modal_velocity=[1e-6,0],voltage_v=2.5}";
+    let still = "excitation={kind=\"silence\"}";
+    let found = outcome(SHIPPED, &[&SHORT[..], &[start, still, "run.settle_s=0"]].concat());
+    assert!(number(&found, "peak_voltage_v") >= 2.5);
+    assert!((number(&found, "peak_tip_displacement_m") / 31.974_430_7e-7 - 1.0).abs() < 0.5);
+    assert!(found["contacts_per_period"].is_null());
+    let rest = outcome(SHIPPED, &[&SHORT[..], &[still]].concat());
+    assert!(rest["energy_residual"].is_null() && rest["first_contact_s"].is_null());
+    assert_eq!(number(&rest, "peak_force_n"), 0.0);
+    for resistance in ["load.resistance_ohm=0", "load.resistance_ohm=inf"] {
+        let found = outcome(SHIPPED, &[&SHORT[..], &[resistance]].concat());
+        assert_eq!(number(&found, "mean_power_w"), 0.0);
+        assert_eq!(number(&found, "peak_voltage_v") == 0.0, resistance.ends_with('0'));
+    }
+}
+
+#[test]
+fn a_trace_of_the_motion_is_written_whole() {
+    let folder = folder("bump-stop-motion");
+    for (scene, changes, has_stop) in [(SHIPPED, &SHORT[..], true), (NONE, &SHORT[2..], false)] {
+        let trace = folder.join("motion.csv");
+        let path = trace.to_str().expect("a plain path");
+        let mut arguments =
+            vec!["run", scene, "--method", "reference", "--trace", path, "--trace-every", "1e-5"];
+        arguments.extend(changes.iter().flat_map(|change| ["--set", change]));
+        accepted(&arguments);
+        let mut reader = csv::Reader::from_path(&trace).expect("the trace");
+        let heading: Vec<String> = reader.headers().expect("a heading").iter().map(str::to_owned).collect();
+        assert_eq!(
+            heading.join(" "),
+            "time_s tip_displacement_m stop_point_displacement_m rod_tip_displacement_m voltage_v \
+             contact_force_n base_acceleration_m_per_s2"
+        );
+        let rows: Vec<csv::StringRecord> = reader.records().map(|record| record.expect("a row")).collect();
+        assert_eq!(rows.len(), 601);
+        let cell = |row: &csv::StringRecord, column: usize| row[column].parse::<f64>().expect("a number");
+        for (index, row) in rows.iter().enumerate() {
+            let time = 1e-5 * index as f64;
+            assert!((cell(row, 0) - time).abs() < 1e-12);
+            let base = 20.0 * (2.0 * std::f64::consts::PI * 220.0 * time).sin();
+            assert!((cell(row, 6) - base).abs() < 1e-9);
+            if has_stop {
+                // A force only where the gap is closed.
+                let closed = cell(row, 2) - cell(row, 3) >= 10e-6 * (1.0 - 1e-9);
+                assert_eq!(cell(row, 5) > 0.0, closed, "{row:?}");
+            } else {
+                assert_eq!((&row[2], &row[3], &row[5]), ("", "", ""));
+            }
+        }
+        assert_eq!(has_stop && rows.iter().any(|row| cell(row, 5) > 0.5), has_stop);
+    }
+}
+
+/// Each number: its key, values out of its bounds, and the bounds.
+#[test]
+fn a_number_out_of_its_bounds() {
+    let modulus = "from 1e5 to 1e15";
+    let density = "from 1 to 1e5";
+    let thickness = "from 1e-7 to 1";
+    for (key, values, bound) in [
+        ("parameters.beam_length_m", &["0", "-1", "11"][..], "from 1e-4 to 10"),
+        ("parameters.beam_width_m", &["0", "11"], "from 1e-5 to 10"),
+        ("parameters.substrate_thickness_m", &["0", "1.1"], thickness),
+        ("parameters.substrate_young_modulus_pa", &["0", "1e16"], modulus),
+        ("parameters.substrate_density_kg_per_m3", &["0", "1e6"], density),
+        ("parameters.piezo_thickness_m", &["0", "1.1"], thickness),
+        ("parameters.piezo_young_modulus_pa", &["0", "1e16"], modulus),
+        ("parameters.piezo_density_kg_per_m3", &["0", "1e6"], density),
+        ("parameters.piezo_d31_m_per_v", &["1e-7", "-1e-7"], "from -1e-8 to 1e-8"),
+        ("parameters.piezo_permittivity_f_per_m", &["0", "-1e-9"], "from 1e-12 to 1e-6"),
+        ("parameters.damping_ratio", &["-0.01", "1"], "from 0 to 0.9"),
+        ("parameters.beam_modes", &["0", "21", "2.5", "-1"], "a whole number from 1 to 20"),
+        ("stop.length_m", &["0", "11"], "from 1e-4 to 10"),
+        ("stop.width_m", &["0", "11"], "from 1e-5 to 10"),
+        ("stop.thickness_m", &["0", "1.1"], thickness),
+        ("stop.young_modulus_pa", &["0", "1e16"], modulus),
+        ("stop.density_kg_per_m3", &["0", "1e6"], density),
+        ("stop.position_m", &["0", "-1e-3", "11"], "from 1e-4 to 10"),
+        ("stop.gap_m", &["-1e-6", "1.1"], "from 0 to 1"),
+        ("stop.rod_modes", &["-1", "21", "0.5"], "a whole number from 0 to 20"),
+        ("stop.contact_compliance_m_per_n", &["-1e-9", "1.1"], "from 0 to 1"),
+        ("stop.restitution", &["-0.1", "1.001"], "from 0 to 1"),
+        ("initial.voltage_v", &["1e7", "-1e7"], "from -1e6 to 1e6"),
+    ] {
+        for value in values.iter().copied().chain(["nan", "inf", "-inf", "1e999", "true", "\"1\"", "{}"]) {
+            let shown = if value == "{}" { "a " } else { value };
+            refused_with(&[&format!("{key}={value}")], &[SHIPPED, key, shown, bound]);
+        }
+    }
+    for value in ["-1", "nan", "1e31", "true"] {
+        refused_with(
+            &[&format!("load.resistance_ohm={value}")],
+            &["load.resistance_ohm", value, "0, inf, or"],
+        );
+    }
+}
+
+#[test]
+fn lists_have_a_number_for_each_mode() {
+    for (key, count, bound) in [
+        ("modal_displacement", 10, "from -1e3 to 1e3"),
+        ("modal_velocity", 10, "from -1e6 to 1e6"),
+        ("rod_modal_displacement", 10, "from -1e3 to 1e3"),
+        ("rod_modal_velocity", 10, "from -1e6 to 1e6"),
+    ] {
+        let name = format!("initial.{key}");
+        refused_with(&[&format!("{name}=[1e-9,0]")], &[&name, "must be 10 numbers", "are 2"]);
+        refused_with(&[&format!("{name}=[]")], &[&name, "must be 10 numbers", "are 0"]);
+        refused_with(&[&format!("{name}=1")], &[&name, "= 1", "a list of 10 numbers", bound]);
+        for bad in ["nan", "1e9", "true", "[1]", "\"a\""] {
+            let list = vec!["0"; count - 1].join(",");
+            refused_with(&[&format!("{name}=[{list},{bad}]")], &[&name, "item 9 is", bound]);
+        }
+    }
+    // Without a stop there is no rod.
+    let arguments = ["run", NONE, "--method", "reference", "--set", "initial.rod_modal_velocity=[0.0]"];
+    refused(&arguments, &["initial.rod_modal_velocity", "must be 0 numbers", "are 1"]);
+}
+
+#[test]
+fn a_word_that_is_not_one_of_the_choices() {
+    for (key, choice) in [
+        ("parameters.coupling", "\"two-way\" or \"one-way\""),
+        ("stop.contact", "\"residual-flexibility\" or \"restitution\" or \"displacement-constraint\""),
+    ] {
+        for (value, shown) in [("rigid", "\"rigid\""), ("3", "3"), ("true", "true")] {
+            refused_with(&[&format!("{key}={value}")], &[key, shown, choice]);
+        }
+    }
+}
+
+#[test]
+fn an_unknown_or_missing_key() {
+    for key in ["parameters.extra", "parameters.position_m", "stop.extra", "stop.beam_modes", "initial.gap_m"]
+    {
+        refused_with(&[&format!("{key}=1")], &[SHIPPED, key, "unknown key"]);
+    }
+    refused_with(&["stop=1"], &["stop = 1", "must be a table"]);
+    let shipped = std::fs::read_to_string(SHIPPED).expect("the shipped scene");
+    let folder = folder("bump-stop-missing");
+    let start = shipped.find("[parameters]").expect("the table is there");
+    let end = shipped.find("[load]").expect("the table is there");
+    let lines = shipped[start..end].lines().filter(|line| line.contains(" = "));
+    let keys: Vec<&str> = lines.filter_map(|line| line.split(" = ").next()).map(str::trim).collect();
+    assert_eq!(keys.len(), 22);
+    for key in keys {
+        let without: String = shipped
+            .lines()
+            .filter(|line| !line.starts_with(&format!("{key} ")))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        let scene = file(&folder, "scene.toml", without);
+        refused(&["run", &scene, "--method", "reference"], &[&scene, key, "is missing"]);
+    }
+}
+
+#[test]
+fn numbers_that_do_not_fit_together() {
+    refused_with(
+        &["stop.position_m=51e-3"],
+        &["stop.position_m = 51e-3", "must not be above parameters.beam_length_m = 0.05"],
+    );
+    refused_with(&["stop.contact=restitution"], &["stop.restitution", "is missing", "from 0 to 1"]);
+    refused_with(
+        &["stop.restitution=0.5"],
+        &["stop.restitution = 0.5", "only with contact = \"restitution\""],
+    );
+    refused_with(
+        &["stop.contact=restitution", "stop.restitution=0.5", "stop.contact_compliance_m_per_n=1e-9"],
+        &["stop.contact_compliance_m_per_n = 1e-9", "must be 0 unless"],
+    );
+    let start = "modal_displacement=[4e-7,0,0,0,0,0,0,0,0,0]";
+    refused_with(
+        &[&format!("initial={{{start}}}")],
+        &["initial.modal_displacement", "starts in penetration"],
+    );
+    let rod = "initial={rod_modal_displacement=[-2e-7,0,0,0,0,0,0,0,0,0]}";
+    refused_with(&[rod], &["initial.rod_modal_displacement", "starts in penetration", "1e-5"]);
+    refused_with(
+        &["parameters.beam_length_m=1e-4", "stop.position_m=1e-4", "parameters.substrate_thickness_m=1"],
+        &["parameters.beam_length_m = 1e-4", "the frequency of bending mode", "from 0.01 to 1e8"],
+    );
+    refused_with(&["stop.length_m=1e-4", "stop.young_modulus_pa=1e15"], &["stop.length_m", "of rod mode 1"]);
+}
+
+#[test]
+fn the_reference_refuses_what_has_no_limit_and_the_core_the_scene() {
+    refused_with(
+        &["stop.contact=displacement-constraint"],
+        &["stop.contact = \"displacement-constraint\"", "--method reference", "time step"],
+    );
+    for method in ["auto", "tr-bdf2", "rk4"] {
+        refused(&["run", SHIPPED, "--method", method], &["bump-stop", "--method reference"]);
+    }
+}
