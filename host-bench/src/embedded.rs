@@ -169,6 +169,7 @@ fn method_name(method: Method) -> &'static str {
         Method::Auto | Method::TrBdf2 => "tr-bdf2",
         Method::Rk4 => "rk4",
         Method::DiscreteGradient => "discrete-gradient",
+        Method::Newmark => "newmark",
         Method::Reference => "reference",
     }
 }

@@ -1,5 +1,6 @@
 //! The report: one HTML page with its pictures in it.
 
+mod bump_stop;
 mod chart;
 pub(crate) mod html;
 pub(crate) mod plot;
@@ -8,13 +9,14 @@ pub(crate) mod svg;
 use std::fmt::Write;
 
 use self::html::{document, escaped};
+use crate::work_precision::bump_stop::BumpStopComparison;
 use crate::work_precision::{Comparison, TARGET_ERROR, table};
 
 /// The page.
 ///
 /// # Errors
 /// If a picture cannot be drawn.
-pub fn page(comparisons: &[Comparison]) -> Result<String, String> {
+pub fn page(comparisons: &[Comparison], bump_stop: &[BumpStopComparison]) -> Result<String, String> {
     let mut body = String::new();
     body.push_str("<h1>Vibration energy harvesters: error against run time</h1>\n");
     body.push_str(
@@ -34,6 +36,7 @@ pub fn page(comparisons: &[Comparison]) -> Result<String, String> {
             let _ = writeln!(body, "<p class=\"note\">{}</p>", escaped(&note));
         }
     }
+    bump_stop.iter().for_each(|comparison| body.push_str(&bump_stop::section(comparison)));
     Ok(document("Error against run time", &body))
 }
 

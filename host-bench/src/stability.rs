@@ -4,6 +4,7 @@
 //! Each case is run in single and in double precision and judged by runs that are more accurate, by
 //! the independent reference where that is asked for, and by its own energy ledger.
 
+pub mod bump_stop;
 mod grid;
 pub mod table;
 

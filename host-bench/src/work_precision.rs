@@ -1,6 +1,7 @@
 //! Error against run time: every method, step or tolerance, precision and math backend on one scene,
 //! against the independent reference.
 
+pub mod bump_stop;
 mod plan;
 pub mod table;
 

@@ -1,5 +1,8 @@
 //! What a scene file may say and what the core accepts must be the same.
 
+#[path = "bounds/bump_stop.rs"]
+mod bump_stop;
+
 use std::path::Path;
 
 use host_bench::embedded::{contact_separation_parameters, sliding_parameters};

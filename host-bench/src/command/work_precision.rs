@@ -1,5 +1,7 @@
 //! `work-precision`: error against run time.
 
+pub(super) mod bump_stop;
+
 use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
@@ -7,7 +9,8 @@ use indicatif::ProgressBar;
 use super::{print, progress};
 use crate::method::Failure;
 use crate::outcome::Format;
-use crate::scene_file::{self, Override, Scene};
+use crate::scene_file::{self, Model, Override, Scene};
+use crate::work_precision::bump_stop::{BumpStopComparison, table as bump_stop_table};
 use crate::work_precision::{self, Comparison, Extent, table};
 
 /// Arguments of `work-precision`.
@@ -38,23 +41,51 @@ const SLIDING_SPAN: [(&str, &str); 2] = [("run.duration_periods", "60"), ("run.s
 /// A scene that is refused, or that the reference cannot run.
 pub fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
     let scenes = if arguments.scenes.is_empty() {
-        shipped(&arguments.overrides, usize::MAX)?
+        let mut scenes = shipped(&arguments.overrides, usize::MAX)?;
+        scenes.extend(bump_stop::shipped(&arguments.overrides, usize::MAX)?);
+        scenes
     } else {
         let read = |file: &PathBuf| scene_file::read(file, &arguments.overrides).map_err(Failure::from);
         arguments.scenes.iter().map(read).collect::<Result<Vec<_>, _>>()?
     };
+    let (with_stop, scenes): (Vec<Scene>, Vec<Scene>) =
+        scenes.into_iter().partition(|scene| matches!(scene.model, Model::BumpStop(_)));
     let comparisons = compare(&scenes, &Extent::WHOLE)?;
+    let with_stop = bump_stop::compare(&with_stop, &Extent::WHOLE)?;
+    // Of what there is: the two kinds have columns of their own.
+    let joined = |one: String, other: String| {
+        let both = [one, other];
+        both.iter().filter(|text| !text.is_empty()).cloned().collect::<Vec<_>>().join("\n")
+    };
     print(&match arguments.format {
-        Format::Table => text(&comparisons),
+        Format::Table => joined(text(&comparisons), bump_stop::text(&with_stop)),
         Format::Csv => {
-            let rows: String = comparisons.iter().map(Comparison::csv).collect();
-            format!("{}{rows}", table::CSV_HEADING)
+            let headed = |heading: &str, rows: String| {
+                if rows.is_empty() { rows } else { heading.to_owned() + &rows }
+            };
+            joined(
+                headed(table::CSV_HEADING, comparisons.iter().map(Comparison::csv).collect()),
+                headed(bump_stop_table::CSV_HEADING, with_stop.iter().map(BumpStopComparison::csv).collect()),
+            )
         }
-        Format::Json => match serde_json::to_string_pretty(&comparisons) {
+        Format::Json => match serde_json::to_string_pretty(&all(&comparisons, &with_stop)) {
             Ok(text) => text + "\n",
             Err(error) => return Err(Failure::Input(format!("--format json: {error}"))),
         },
     })
+}
+
+/// The tables of all kinds, in one list.
+fn all<'a>(comparisons: &'a [Comparison], with_stop: &'a [BumpStopComparison]) -> Vec<AnyTable<'a>> {
+    comparisons.iter().map(AnyTable::Other).chain(with_stop.iter().map(AnyTable::BumpStop)).collect()
+}
+
+/// A table of either kind.
+#[derive(serde::Serialize)]
+#[serde(untagged)]
+enum AnyTable<'a> {
+    Other(&'a Comparison),
+    BumpStop(&'a BumpStopComparison),
 }
 
 /// The shipped scenes at the resistances of the report, of each scene at most so many.

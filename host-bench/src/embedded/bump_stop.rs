@@ -19,7 +19,7 @@ pub use self::shapes::{DeflectedShape, deflected_shapes};
 use super::excitation::{HostExcitation, with_excitation};
 use super::hybrid_run::{Total, refuse_parameter, refuse_start};
 use super::precision_name;
-use crate::method::{Failure, Method, Options};
+use crate::method::{Failure, Options};
 use crate::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, Recording};
 use crate::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
 
@@ -104,11 +104,6 @@ pub(super) fn run<S: Scalar, M: Mathematics<S>>(
 
 /// The lengths of step near contact and in free flight that the options ask for.
 fn steps(options: &Options) -> Result<[f64; 2], Failure> {
-    if !matches!(options.method, Method::Auto | Method::DiscreteGradient) {
-        return Err(Failure::Input(
-            "--method: a bump-stop scene must be run with auto, discrete-gradient or reference".to_owned(),
-        ));
-    }
     if options.tolerance.is_some() {
         return Err(Failure::Input(
             "--tolerance: must not be given for a bump-stop scene, whose steps have no error estimate; \
@@ -180,7 +175,7 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
             })
         };
         let (settled, end) = (instant(scene.run.settle_s)?, instant(scene.run.duration_s)?);
-        let mut ledger = ModalLedger::open(harvester, &state);
+        let mut ledger = (!options.bare).then(|| ModalLedger::open(harvester, &state));
         let mut whole_run = ModalMeter::new(harvester);
         let mut window = ModalMeter::new(harvester);
         let every = options.trace_every_s.unwrap_or(f64::INFINITY);
@@ -189,7 +184,8 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
         let mut total = Total::default();
         let began = Stopwatch::now();
         for (until, measured) in [(settled, false), (end, true)] {
-            let mut whole = (&mut ledger, &mut whole_run);
+            let mut of_run = ledger.as_mut().map(|ledger| (ledger, &mut whole_run));
+            let mut whole = of_run.as_mut();
             let mut recording = options.trace_every_s.map(|_| &mut recorder);
             if measured {
                 window = ModalMeter::from(harvester, &state);
@@ -205,10 +201,10 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
             }
         }
         let wall_s = began.elapsed().as_secs_f64();
-        let residual = match model.parameters.coupling {
+        let residual = ledger.and_then(|ledger| match model.parameters.coupling {
             Coupling::TwoWay => ledger.residual().total(),
             Coupling::OneWay => ledger.residual().larger(),
-        };
+        });
         let number = |value: S| Some(value.to_f64());
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * scene.run.window_s());
         let with_stop = |value: S| model.stop.as_ref().map(|_| value.to_f64());
@@ -241,12 +237,28 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
                 first_contact_s: whole_run.first_contact().map(Instant::seconds),
                 peak_force_n: with_stop(window.peak_force()),
                 mean_force_n: with_stop(window.mean_force()),
+                end_state: self.scaled(&state),
             }),
             steady_state: None,
             trace: options
                 .trace_every_s
                 .map(|_| Recording { columns: &BUMP_STOP_COLUMNS, rows: std::mem::take(&mut recorder.rows) }),
         })
+    }
+
+    /// The state with half the sum of its squares the energy in J of motion and charge.
+    fn scaled(&self, state: &State<S, B, R>) -> Vec<f64> {
+        let harvester = self.stepper.scene();
+        let rod_modes = self.model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
+        let beam = state.beam.iter().enumerate().take(self.model.parameters.beam_modes);
+        let beam = beam.filter_map(|(i, motion)| Some((harvester.beam_angular_frequency(i)?, motion)));
+        let rod = state.rod.iter().enumerate().take(rod_modes);
+        let rod = rod.filter_map(|(j, motion)| Some((harvester.rod_angular_frequency(j)?, motion)));
+        let charge = harvester.capacitance().to_f64().sqrt() * harvester.voltage(state).to_f64();
+        beam.chain(rod)
+            .flat_map(|(omega, [at, rate])| [omega.to_f64() * at.to_f64(), rate.to_f64()])
+            .chain([charge])
+            .collect()
     }
 
     /// Of the modes that the scene keeps, the beam's first.

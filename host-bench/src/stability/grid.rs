@@ -88,6 +88,8 @@ pub enum Kind {
     ContactSeparation,
     /// Sliding.
     Sliding,
+    /// Bump-stop, whose cases are those of [`super::bump_stop::settings`].
+    BumpStop,
 }
 
 impl Grid {
@@ -101,6 +103,7 @@ impl Grid {
                 .map(Setting::ContactSeparation)
                 .collect(),
             Kind::Sliding => sliding::settings(whole).into_iter().map(Setting::Sliding).collect(),
+            Kind::BumpStop => Vec::new(),
         }
     }
 }

@@ -9,19 +9,19 @@ use crate::outcome::number;
 use crate::scene_file::ForceLaw;
 use crate::work_precision::table::resistance;
 
-fn precision_name(precision: Precision) -> &'static str {
+pub(super) fn precision_name(precision: Precision) -> &'static str {
     match precision {
         Precision::F32 => "f32",
         Precision::F64 => "f64",
     }
 }
 
-fn small(value: Option<f64>) -> String {
+pub(super) fn small(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1e}"))
 }
 
 /// The largest of what there is.
-fn largest(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+pub(super) fn largest(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     values.flatten().fold(None, |largest: Option<f64>, value| Some(largest.map_or(value, |l| l.max(value))))
 }
 

@@ -25,16 +25,16 @@ pub const HEADINGS: [&str; 11] = [
 pub const WORDS: usize = 4;
 
 /// The name that the command line has for a value.
-fn name(value: &impl ValueEnum) -> String {
+pub(super) fn name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-fn small(value: Option<f64>) -> String {
+pub(super) fn small(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1e}"))
 }
 
 /// An integer in groups of three digits.
-fn grouped(value: f64) -> String {
+pub(super) fn grouped(value: f64) -> String {
     let digits = format!("{value:.0}");
     let first = digits.len() % 3;
     let mut text = digits.get(..first).unwrap_or_default().to_owned();
@@ -48,7 +48,7 @@ fn grouped(value: f64) -> String {
 }
 
 /// Three significant digits below a hundred, none after the point above.
-fn ratio(value: Option<f64>) -> String {
+pub(super) fn ratio(value: Option<f64>) -> String {
     value.map_or_else(
         || "-".to_owned(),
         |value| if value < 100.0 { format!("{value:.2}") } else { format!("{value:.0}") },
@@ -56,7 +56,7 @@ fn ratio(value: Option<f64>) -> String {
 }
 
 /// What went wrong, without the state in which it did.
-fn reason(failure: &str) -> String {
+pub(super) fn reason(failure: &str) -> String {
     failure.split(": ").next().unwrap_or(failure).to_owned()
 }
 
