@@ -2,15 +2,13 @@
 
 use std::path::Path;
 
-use firmware_example::workload::bump_stop::modal_run::{self, SQUARE};
+use firmware_example::workload::bump_stop::modal_run;
 use firmware_example::workload::bump_stop::scenes::{BEAM_MODES, ROD_MODES};
 use firmware_example::workload::hybrid_run::{ENERGY, Plan};
 
-use super::decode::Sample;
 use super::{Error, Workload};
 use crate::embedded;
-use crate::method::{Failure, Options};
-use crate::outcome::Outcome;
+use crate::method::Options;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{
     self, BumpStop, ContactSeparationParameters, Excitation, Load, Model, RunSpan, Scene, SlidingParameters,
@@ -113,15 +111,17 @@ impl Yardstick {
         Ok(Self { of: |workload| mean_power(workload, None), reference: reference_power(scene)? })
     }
 
-    /// The RMS voltage of `scene` from its first sample on.
+    /// The RMS voltage of `scene` from the first sample of a workload on, per root of the load's resistance:
+    /// the root of the mean power.
     ///
     /// # Errors
     ///
     /// When the reference run cannot be finished.
     pub fn rms_voltage(scene: &Scene) -> Result<Self, Error> {
-        let voltage = referred(scene)?.rms_voltage_v;
-        let reference = voltage.ok_or_else(|| Error::Host("the reference has no RMS voltage".to_owned()))?;
-        Ok(Self { of: rms_voltage, reference })
+        Ok(Self {
+            of: |workload| mean_power(workload, Some(0)).sqrt(),
+            reference: reference_power(scene)?.sqrt(),
+        })
     }
 
     /// The relative error of `workload`, as a table shows it.
@@ -143,27 +143,16 @@ const CONVERGED: f64 = 1e-7;
 /// When the run cannot be finished.
 pub fn reference_power(scene: &Scene) -> Result<f64, Error> {
     let outcome = match scene.model {
-        Model::ContactSeparation(_) | Model::BumpStop(_) => referred(scene)?,
+        Model::ContactSeparation(_) | Model::BumpStop(_) => {
+            reference::run(scene, &ReferenceOptions::default())
+                .map_err(|failure| Error::Host(failure.to_string()))?
+        }
         Model::Sliding(_) => {
             let options = Options { tolerance: Some(CONVERGED), ..Options::default() };
-            embedded::run(scene, &options).map_err(|failure: Failure| Error::Host(failure.to_string()))?
+            embedded::run(scene, &options).map_err(|failure| Error::Host(failure.to_string()))?
         }
     };
     outcome.mean_power_w.ok_or_else(|| Error::Host("the reference has no mean power".to_owned()))
-}
-
-fn referred(scene: &Scene) -> Result<Outcome, Error> {
-    reference::run(scene, &ReferenceOptions::default()).map_err(|failure| Error::Host(failure.to_string()))
-}
-
-/// RMS voltage of a bump-stop workload from its first sample to its last, in volts.
-fn rms_voltage(workload: &Workload) -> f64 {
-    let square = |sample: Option<&Sample>| {
-        let bits = sample.and_then(|sample| sample.bits.get(SQUARE));
-        bits.map_or(f64::NAN, |&bits| f64::from(f32::from_bits(bits)))
-    };
-    let brought = square(workload.samples.last()) - square(workload.samples.first());
-    (brought / workload.after(0).seconds).sqrt()
 }
 
 /// Mean power of a workload from sample `after` (or the start) to its last sample, in watts.

@@ -5,8 +5,7 @@ use core::hint::black_box;
 use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
 use model_core::excitation::Sine;
-use model_core::scalar::CompensatedSum;
-use model_core::scene::bump_stop::{ModalObserver, ModalSpan, Parameters, Parts, Start, State, Stepper};
+use model_core::scene::bump_stop::{Parameters, Parts, Start, State, Stepper};
 
 use crate::workload::{Progress, Workload};
 
@@ -41,27 +40,10 @@ const HALF_US: u32 = 500_000;
 
 /// Place of the delivered energy in the logged state, in joules.
 pub const ENERGY: usize = 4;
-/// Place of the time integral of the squared voltage, in V²s.
-pub const SQUARE: usize = 5;
 /// Place of the number of long steps that were tried and not taken.
-pub const REJECTED: usize = 8;
+pub const REJECTED: usize = 7;
 /// Words of the logged state.
-const WORDS: usize = 9;
-
-/// What a node integrates, and the square of the voltage for its RMS value.
-#[derive(Debug)]
-struct Meters {
-    power: PowerMeter<f32, 1>,
-    square: CompensatedSum<f32>,
-}
-
-impl<const B: usize, const R: usize> ModalObserver<f32, B, R> for Meters {
-    #[inline(always)]
-    fn step(&mut self, span: &ModalSpan<'_, f32, B, R>) {
-        self.power.step(span);
-        self.square.add(span.mean_square_voltage * span.step);
-    }
-}
+const WORDS: usize = 8;
 
 /// A scene that is stepped from sample to sample.
 #[derive(Debug)]
@@ -70,7 +52,7 @@ pub struct ModalRun<P: Parts<f32>, const B: usize, const R: usize> {
     stepper: Stepper<f32, P, B, R>,
     excitation: Sine<f32>,
     state: State<f32, B, R>,
-    meters: Meters,
+    meter: PowerMeter<f32, 1>,
     samples: u32,
     rejected: u32,
     bits: [u32; WORDS],
@@ -86,8 +68,8 @@ impl<P: Parts<f32>, const B: usize, const R: usize> ModalRun<P, B, R> {
         let excitation = Sine::new(black_box(plan.amplitude), black_box(plan.frequency), 0.0).ok()?;
         let state = harvester.start(&Start::default(), &excitation).ok()?;
         let stepper = Stepper::new(harvester, black_box(plan.short), black_box(plan.long));
-        let meters = Meters { power: PowerMeter::new(), square: CompensatedSum::ZERO };
-        Some(Self { plan, stepper, excitation, state, meters, samples: 0, rejected: 0, bits: [0; WORDS] })
+        let meter = PowerMeter::new();
+        Some(Self { plan, stepper, excitation, state, meter, samples: 0, rejected: 0, bits: [0; WORDS] })
     }
 }
 
@@ -103,7 +85,7 @@ impl<P: Parts<f32>, const B: usize, const R: usize> Workload for ModalRun<P, B, 
         self.samples += 1;
         let until = Instant::from_ticks(u64::from(self.samples) * HALF_TICKS);
         let advance =
-            self.stepper.advance(&mut self.state, &self.excitation, until, u32::MAX, &mut self.meters);
+            self.stepper.advance(&mut self.state, &self.excitation, until, u32::MAX, &mut self.meter);
         let Ok(advance) = advance else { return Progress::Failed };
         self.rejected += advance.work.rejected;
         let state = &self.state;
@@ -117,8 +99,7 @@ impl<P: Parts<f32>, const B: usize, const R: usize> Workload for ModalRun<P, B, 
             velocity.to_bits(),
             self.stepper.scene().voltage(state).to_bits(),
             state.gap().to_bits(),
-            self.meters.power.delivered_energy().to_bits(),
-            self.meters.square.value().to_bits(),
+            self.meter.delivered_energy().to_bits(),
             of_the_last.to_bits(),
             of_the_rod.to_bits(),
             self.rejected,

@@ -27,7 +27,7 @@ pub const SETTLING: Plan = Plan { name: "settling", halves: 8, ..IMPACTING };
 /// Step near contact in seconds: a contact lasts some 20 µs.
 pub const SHORT: f32 = 9e-6;
 /// Step in free flight in seconds.
-pub const LONG: f32 = 60e-6;
+pub const LONG: f32 = 80e-6;
 
 /// The workload of most binaries.
 type Run<P> = ModalRun<P, BEAM_MODES, ROD_MODES>;
@@ -81,8 +81,8 @@ pub const STEPS: [[f32; 2]; 7] = [
     [6e-6, 60e-6],
     [8e-6, 50e-6],
     [9e-6, 50e-6],
+    [9e-6, 60e-6],
     [SHORT, LONG],
-    [9e-6, 80e-6],
     [12e-6, 60e-6],
     [SHORT, SHORT],
 ];
