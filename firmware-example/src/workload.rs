@@ -1,5 +1,6 @@
 //! What the firmware measures, and the host runs beside it to compare the bits.
 
+pub mod bump_stop;
 pub mod contact_separation;
 pub mod hybrid_run;
 #[cfg(all(target_os = "none", feature = "peer"))]

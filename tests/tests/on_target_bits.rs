@@ -6,12 +6,14 @@
 use std::path::Path;
 
 use firmware_example::node::{FlashTrace, Node};
+use firmware_example::workload::bump_stop::modal_run::ModalRun;
 use firmware_example::workload::hybrid_run::HybridRun;
-use firmware_example::workload::{Progress, Workload, contact_separation, sliding};
-use host_bench::embedded::{contact_separation_parameters, sliding_parameters};
+use firmware_example::workload::{Progress, Workload, bump_stop, contact_separation, sliding};
+use host_bench::embedded::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
 use host_bench::scene_file::{self, Model, Scene};
 use model_core::integrate::{Adaptive, AnyStepControl, FixedStep, RungeKutta4, TrBdf2};
 use model_core::scalar::Polynomial;
+use model_core::scene::bump_stop::AnyParts;
 
 fn states(workload: &mut dyn Workload) -> Vec<Vec<u32>> {
     let mut states = Vec::new();
@@ -63,6 +65,26 @@ fn sliding_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
     });
     assert_eq!(firmware, any);
     assert!(firmware.iter().all(|states| states.len() == 12));
+}
+
+#[test]
+fn bump_stop_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
+    use bump_stop::scenes::{BEAM_MODES, IMPACTING, ROD_MODES, TOUCHING, bench, with_others};
+    let scene = shipped("bump-stop.toml");
+    let Model::BumpStop(model) = &scene.model else { panic!("a bump-stop scene") };
+    let mut parameters = bump_stop_parameters::<f32>(model, scene.load);
+    let mut any = |plan, gap| {
+        parameters.stop.gap = gap;
+        states(&mut ModalRun::<AnyParts, BEAM_MODES, ROD_MODES>::new(plan, parameters).expect("valid"))
+    };
+
+    let firmware = states(&mut bench().expect("valid"));
+    assert_eq!(firmware.len(), 4);
+    assert_eq!(any(IMPACTING, bump_stop::parts::GAP), firmware);
+    with_others(|workloads| {
+        let touching = &mut workloads.expect("valid")[0];
+        assert_eq!(any(TOUCHING, 0.0), states(*touching));
+    });
 }
 
 #[test]

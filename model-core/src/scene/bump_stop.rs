@@ -81,8 +81,9 @@ pub struct BumpStop<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
     beam: [BeamCoefficients<S>; B],
     rod: [RodCoefficients<S>; R],
     damping_ratio: S,
-    /// `C_p`.
+    /// `C_p`, and its inverse.
     capacitance: S,
+    elastance: S,
     /// `Δ`.
     gap: S,
     /// Contact stiffness `k`: the inverse of residual and contact compliance.
@@ -145,7 +146,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     /// Voltage at the terminals in V.
     #[must_use]
     pub fn voltage(&self, state: &State<S, B, R>) -> S {
-        (state.strain_charge - state.moved_charge) / self.capacitance
+        (state.strain_charge - state.moved_charge) * self.elastance
     }
 
     fn along_beam(&self, state: &State<S, B, R>, weight: impl Fn(&BeamCoefficients<S>) -> S) -> [S; 2] {

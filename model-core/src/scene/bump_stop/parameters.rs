@@ -213,11 +213,13 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
             .map(|mode| mode.contact)
             .chain(rod_coefficients.iter().map(|mode| mode.contact))
             .fold(S::ZERO, |sum, shape| sum + shape * shape);
+        let capacitance = section.capacitance_per_length * self.beam_length;
         Ok(BumpStop {
             beam: beam_coefficients,
             rod: rod_coefficients,
             damping_ratio: self.damping_ratio,
-            capacitance: section.capacitance_per_length * self.beam_length,
+            capacitance,
+            elastance: S::ONE / capacitance,
             gap,
             stiffness,
             inverse_mass,

@@ -8,14 +8,60 @@ use crate::part::circuit::CircuitStep;
 use crate::part::load::Load;
 use crate::scalar::Scalar;
 
+/// What a step does to one mode, on its displacement and on its velocity: increments, so that in `f32` a
+/// short step keeps what it adds.
+///
+/// The coefficients of [`ModalStep`], with what the mode's own factors make of the base's acceleration and
+/// of the voltage multiplied in: a step multiplies by them once for each of its modes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ModeStep<S> {
+    by_displacement: [S; 2],
+    by_velocity: [S; 2],
+    /// Per base acceleration at the start, and per its rise over the step.
+    by_base: [S; 2],
+    by_rise: [S; 2],
+    /// Per modal force of the whole step.
+    pub(super) by_force: [S; 2],
+    /// Per voltage of the whole step, negated.
+    pub(super) by_voltage: [S; 2],
+}
+
+impl<S: Scalar> ModeStep<S> {
+    /// For a mode with the modal force `base` per base acceleration and `voltage` per voltage, both negated.
+    fn new(modal: &ModalStep<S>, base: S, voltage: S) -> Self {
+        let by_force = [modal.response, modal.displacement_by_velocity];
+        Self {
+            by_displacement: [modal.displacement_by_displacement, modal.velocity_by_displacement],
+            by_velocity: [modal.displacement_by_velocity, modal.velocity_by_velocity],
+            by_base: by_force.map(|per_force| -base * per_force),
+            by_rise: [-base * modal.response_to_end, -base * modal.velocity_to_end],
+            by_force,
+            by_voltage: by_force.map(|per_force| voltage * per_force),
+        }
+    }
+
+    /// The end without contact force and voltage, where the base's acceleration is `from` at the start and
+    /// `rise` more at the end.
+    #[inline(always)]
+    pub(super) fn free(&self, [displacement, velocity]: [S; 2], from: S, rise: S) -> [S; 2] {
+        let increment = |row: usize| {
+            self.by_displacement[row] * displacement
+                + self.by_velocity[row] * velocity
+                + self.by_base[row] * from
+                + self.by_rise[row] * rise
+        };
+        [displacement + increment(0), velocity + increment(1)]
+    }
+}
+
 /// Everything about a step that depends on its length and the parameters only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepSet<S, const B: usize, const R: usize> {
     pub(super) ticks: u32,
     /// Its length in s.
     pub(super) step: S,
-    pub(super) beam: [ModalStep<S>; B],
-    pub(super) rod: [ModalStep<S>; R],
+    pub(super) beam: [ModeStep<S>; B],
+    pub(super) rod: [ModeStep<S>; R],
     pub(super) circuit: CircuitStep<S>,
     /// `H`: how far a unit force moves the gap, the circuit's answer included, in m/N.
     pub(super) flexibility: S,
@@ -37,22 +83,24 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     pub fn step_set(&self, ticks: u32) -> StepSet<S, B, R> {
         let ticks = ticks.max(1);
         let step = seconds_of_ticks::<S>(ticks);
-        let of = |angular_frequency| ModalStep::new(angular_frequency, self.damping_ratio, step);
+        let of = |angular_frequency, base, voltage| {
+            ModeStep::new(&ModalStep::new(angular_frequency, self.damping_ratio, step), base, voltage)
+        };
         let (beam, rod) = (
-            self.beam.map(|mode| of(mode.angular_frequency)),
-            self.rod.map(|mode| of(mode.angular_frequency)),
+            self.beam.map(|mode| of(mode.angular_frequency, mode.base, mode.voltage)),
+            self.rod.map(|mode| of(mode.angular_frequency, mode.base, S::ZERO)),
         );
         let circuit = CircuitStep::new(self.capacitance, self.load.resistance(), step);
         let mut flexibility = S::ZERO;
         let (mut gap_by_voltage, mut rate_by_voltage, mut charge_by_voltage) = (S::ZERO, S::ZERO, S::ZERO);
         for (mode, modal) in self.beam.iter().zip(&beam) {
-            flexibility += mode.contact * mode.contact * modal.response;
-            gap_by_voltage += mode.contact * mode.voltage * modal.response;
-            rate_by_voltage += mode.contact * mode.voltage * modal.displacement_by_velocity;
-            charge_by_voltage += mode.voltage * mode.voltage * modal.response;
+            flexibility += mode.contact * mode.contact * modal.by_force[0];
+            gap_by_voltage += mode.contact * mode.voltage * modal.by_force[0];
+            rate_by_voltage += mode.contact * mode.voltage * modal.by_force[1];
+            charge_by_voltage += mode.voltage * mode.voltage * modal.by_force[0];
         }
         for (mode, modal) in self.rod.iter().zip(&rod) {
-            flexibility += mode.contact * mode.contact * modal.response;
+            flexibility += mode.contact * mode.contact * modal.by_force[0];
         }
         let two_way = self.coupling.is_two_way();
         let back = if two_way { circuit.mean_by_charge * charge_by_voltage } else { S::ZERO };

@@ -116,10 +116,15 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             let left = state.clock.ticks_until(until, excitation.resolved_ticks());
             let open = state.short_steps == 0 && !state.closed;
             if long_is_of_use && left >= self.long.ticks && open {
-                let trial = self.attempt(&self.long, state, excitation);
-                if self.cannot_touch(state, &trial) {
-                    take(state, &trial, &self.long, observer, &mut work)?;
-                    continue;
+                // Most of the long steps that are refused start too near to contact: seen before they are
+                // computed.
+                let modes = self.curvature_of_modes(state);
+                if self.is_clear(state.gap + modes * self.sagitta) {
+                    let trial = self.attempt(&self.long, state, excitation);
+                    if self.cannot_touch(state, &trial, modes) {
+                        take(state, &trial, &self.long, observer, &mut work)?;
+                        continue;
+                    }
                 }
                 work.rejected += 1;
                 state.short_steps = self.ratio;
@@ -128,8 +133,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             if left >= self.short.ticks {
                 self.short_step(&self.short, state, excitation, observer, &mut work)?;
             } else {
-                let cut = self.scene.step_set(left);
-                self.short_step(&cut, state, excitation, observer, &mut work)?;
+                self.cut_step(left, state, excitation, observer, &mut work)?;
             }
         }
         Ok(Advance { ended: Ended::Finished, work })
@@ -145,23 +149,31 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         self.scene.trial(set, state, excitation.acceleration(state.clock.after(set.ticks)))
     }
 
-    /// Whether no contact can have been in the long step to `trial`.
+    /// Whether a gap coordinate leaves room, or there is nothing to touch.
     #[inline(always)]
-    fn cannot_touch(&self, start: &State<S, B, R>, trial: &Trial<S, B, R>) -> bool {
+    fn is_clear(&self, highest: S) -> bool {
         if !P::Contact::POSSIBLE || matches!(self.scene.contact.kind(), ContactKind::None) {
             return true;
         }
-        let nearest = start.gap.larger(trial.end.gap);
         // Written so that not-a-number is no flight.
-        nearest + self.curvature(start, trial) * self.sagitta < S::ZERO
+        highest < S::ZERO
     }
 
-    /// A bound on `|g̈|` over the free step from `start` to `trial`, in m/s².
+    /// Whether no contact can have been in the long step to `trial`; `modes` is the start's
+    /// [`Self::curvature_of_modes`].
     #[inline(always)]
-    fn curvature(&self, start: &State<S, B, R>, trial: &Trial<S, B, R>) -> S {
+    fn cannot_touch(&self, start: &State<S, B, R>, trial: &Trial<S, B, R>, modes: S) -> bool {
+        let nearest = start.gap.larger(trial.end.gap);
         let base = start.acceleration.absolute().larger(trial.end.acceleration.absolute());
-        let mut bound =
-            self.curvature_by_base * base + self.curvature_by_voltage * trial.mean_voltage.absolute();
+        let curvature =
+            modes + self.curvature_by_base * base + self.curvature_by_voltage * trial.mean_voltage.absolute();
+        self.is_clear(nearest + curvature * self.sagitta)
+    }
+
+    /// What the modes as they are contribute to a bound on `|g̈|` over a free step, in m/s².
+    #[inline(always)]
+    fn curvature_of_modes(&self, start: &State<S, B, R>) -> S {
+        let mut bound = S::ZERO;
         for ((weight, mode), coordinate) in self.beam_curvature.iter().zip(&self.scene.beam).zip(&start.beam)
         {
             bound += *weight * at_least_norm(mode.angular_frequency * coordinate[0], coordinate[1]);
@@ -170,6 +182,21 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             bound += *weight * at_least_norm(mode.angular_frequency * coordinate[0], coordinate[1]);
         }
         bound
+    }
+
+    /// A step of `ticks`, to where the run is divided: coefficients of its own, once.
+    #[cold]
+    #[inline(never)]
+    fn cut_step<E: Excitation<S>, O: ModalObserver<S, B, R>>(
+        &self,
+        ticks: u32,
+        state: &mut State<S, B, R>,
+        excitation: &E,
+        observer: &mut O,
+        work: &mut Work,
+    ) -> Result<(), StepError<S>> {
+        let cut = self.scene.step_set(ticks);
+        self.short_step(&cut, state, excitation, observer, work)
     }
 
     /// A step near contact, up to the first impact in it.

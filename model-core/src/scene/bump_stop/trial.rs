@@ -56,24 +56,14 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let rise = acceleration - start.acceleration;
         let (mut strain, mut gap, mut rate) = (S::ZERO, -self.gap - start.drift, S::ZERO);
         for ((coordinate, mode), modal) in end.beam.iter_mut().zip(&self.beam).zip(&set.beam) {
-            let [displacement, velocity] = *coordinate;
-            let [by, at] =
-                modal.increments(displacement, velocity, -mode.base * start.acceleration, -mode.base * rise);
-            *coordinate = [displacement + by, velocity + at];
+            *coordinate = modal.free(*coordinate, start.acceleration, rise);
             strain += mode.voltage * coordinate[0];
             gap += mode.contact * coordinate[0];
             rate += mode.contact * coordinate[1];
         }
         if P::Contact::POSSIBLE {
             for ((coordinate, mode), modal) in end.rod.iter_mut().zip(&self.rod).zip(&set.rod) {
-                let [displacement, velocity] = *coordinate;
-                let [by, at] = modal.increments(
-                    displacement,
-                    velocity,
-                    -mode.base * start.acceleration,
-                    -mode.base * rise,
-                );
-                *coordinate = [displacement + by, velocity + at];
+                *coordinate = modal.free(*coordinate, start.acceleration, rise);
                 gap -= mode.contact * coordinate[0];
                 rate -= mode.contact * coordinate[1];
             }
@@ -104,18 +94,19 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             }
             for ((coordinate, mode), modal) in end.rod.iter_mut().zip(&self.rod).zip(&set.rod) {
                 let push = mode.contact * force;
-                coordinate[0] += modal.response * push;
-                coordinate[1] += modal.displacement_by_velocity * push;
+                coordinate[0] += modal.by_force[0] * push;
+                coordinate[1] += modal.by_force[1] * push;
+            }
+            for ((coordinate, mode), modal) in end.beam.iter_mut().zip(&self.beam).zip(&set.beam) {
+                let push = mode.contact * force;
+                coordinate[0] -= modal.by_force[0] * push;
+                coordinate[1] -= modal.by_force[1] * push;
             }
         }
-        if two_way || P::Contact::POSSIBLE && force != S::ZERO {
-            for ((coordinate, mode), modal) in end.beam.iter_mut().zip(&self.beam).zip(&set.beam) {
-                let mut push = if two_way { mode.voltage * mean_voltage } else { S::ZERO };
-                if P::Contact::POSSIBLE {
-                    push += mode.contact * force;
-                }
-                coordinate[0] -= modal.response * push;
-                coordinate[1] -= modal.displacement_by_velocity * push;
+        if two_way {
+            for (coordinate, modal) in end.beam.iter_mut().zip(&set.beam) {
+                coordinate[0] -= modal.by_voltage[0] * mean_voltage;
+                coordinate[1] -= modal.by_voltage[1] * mean_voltage;
             }
         }
         end.strain_charge = strain;
