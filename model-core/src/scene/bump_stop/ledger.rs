@@ -69,6 +69,14 @@ impl<S: Scalar> Gramian<S> {
     }
 }
 
+/// The Gramians of all modes for one length of step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct GramianSet<S, const B: usize, const R: usize> {
+    ticks: u32,
+    beam: [Gramian<S>; B],
+    rod: [Gramian<S>; R],
+}
+
 /// What one oscillator did in one step.
 struct Oscillator<S> {
     angular_frequency: S,
@@ -106,10 +114,8 @@ impl<S: Scalar> Oscillator<S> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModalLedger<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
     scene: &'a BumpStop<S, P, B, R>,
-    /// The length of step that the Gramians are of.
-    ticks: u32,
-    beam: [Option<Gramian<S>>; B],
-    rod: [Option<Gramian<S>>; R],
+    /// The Gramians of the first two lengths of step that came, and of the last other one.
+    sets: [Option<GramianSet<S, B, R>>; 3],
     base: CompensatedSum<S>,
     base_magnitude: CompensatedSum<S>,
     damped: CompensatedSum<S>,
@@ -129,9 +135,7 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a,
         let start = scene.stored_energy(state);
         Self {
             scene,
-            ticks: 0,
-            beam: [None; B],
-            rod: [None; R],
+            sets: [None; 3],
             base: CompensatedSum::ZERO,
             base_magnitude: CompensatedSum::ZERO,
             damped: CompensatedSum::ZERO,
@@ -176,14 +180,29 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a,
         self.lost.value()
     }
 
-    fn prepare(&mut self, ticks: u32, step: S) {
-        if self.ticks == ticks {
-            return;
+    /// The Gramians of a length of step, made where they are not at hand.
+    fn prepared(&mut self, ticks: u32, step: S) -> GramianSet<S, B, R> {
+        if let Some(known) = self.sets.iter().flatten().find(|set| set.ticks == ticks) {
+            return *known;
         }
-        self.ticks = ticks;
-        let of = |omega| Some(Gramian::new(omega, self.scene.damping_ratio, step));
-        self.beam = self.scene.beam.map(|mode| of(mode.angular_frequency));
-        self.rod = self.scene.rod.map(|mode| of(mode.angular_frequency));
+        let scene = self.scene;
+        let of = |omega| Gramian::new(omega, scene.damping_ratio, step);
+        let made = GramianSet {
+            ticks,
+            beam: scene.beam.map(|mode| of(mode.angular_frequency)),
+            rod: scene.rod.map(|mode| of(mode.angular_frequency)),
+        };
+        let [first, second, other] = &mut self.sets;
+        // A run has two lengths of step, and others only where one is cut.
+        let place = if first.is_none() {
+            first
+        } else if second.is_none() {
+            second
+        } else {
+            other
+        };
+        *place = Some(made);
+        made
     }
 
     fn look(&mut self, state: &State<S, B, R>) {
@@ -227,15 +246,14 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
     for ModalLedger<'_, S, P, B, R>
 {
     fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
-        self.prepare(span.ticks, span.step);
+        let gramians = self.prepared(span.ticks, span.step);
         let scene = self.scene;
         let voltage = if scene.coupling.is_two_way() { span.mean_voltage } else { S::ZERO };
         let acceleration = span.start.acceleration;
         let rise = span.end.acceleration - acceleration;
         let (mut worked, mut damped, mut contact) = (S::ZERO, S::ZERO, S::ZERO);
         let damping_ratio = scene.damping_ratio;
-        let mut add = |angular_frequency, gramian: &Option<Gramian<S>>, start, base: S, constant: S| {
-            let Some(gramian) = gramian else { return };
+        let mut add = |angular_frequency, gramian: &Gramian<S>, start, base: S, constant: S| {
             let force = [constant - base * acceleration, -base * rise];
             let oscillator = Oscillator { angular_frequency, damping_ratio, start, force };
             let (loss, [moved, moment]) = oscillator.integrals(gramian, span.step);
@@ -243,14 +261,14 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
             worked -= base * (acceleration * moved + rise * moment / span.step);
         };
         for (((mode, gramian), start), end) in
-            scene.beam.iter().zip(&self.beam).zip(&span.start.beam).zip(&span.end.beam)
+            scene.beam.iter().zip(&gramians.beam).zip(&span.start.beam).zip(&span.end.beam)
         {
             let constant = -mode.contact * span.force - mode.voltage * voltage;
             add(mode.angular_frequency, gramian, *start, mode.base, constant);
             contact += mode.contact * (end[0] - start[0]);
         }
         for (((mode, gramian), start), end) in
-            scene.rod.iter().zip(&self.rod).zip(&span.start.rod).zip(&span.end.rod)
+            scene.rod.iter().zip(&gramians.rod).zip(&span.start.rod).zip(&span.end.rod)
         {
             add(mode.angular_frequency, gramian, *start, mode.base, mode.contact * span.force);
             contact -= mode.contact * (end[0] - start[0]);
