@@ -63,6 +63,7 @@ impl SceneArguments {
             long_step_s: self.long_step,
             tolerance: self.tolerance,
             trace_every_s: None,
+            bare: false,
             steady_state: false,
         }
     }

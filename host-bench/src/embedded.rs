@@ -19,7 +19,7 @@ use crate::outcome::Outcome;
 use crate::scene_file::{Excitation, Model, Scene};
 use crate::steady_state::{Resonance, Spent, resonance};
 
-pub use bump_stop::parameters as bump_stop_parameters;
+pub use bump_stop::{DeflectedShape, deflected_shapes, parameters as bump_stop_parameters};
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use sliding::parameters as sliding_parameters;
 
@@ -169,6 +169,7 @@ fn method_name(method: Method) -> &'static str {
         Method::Auto | Method::TrBdf2 => "tr-bdf2",
         Method::Rk4 => "rk4",
         Method::DiscreteGradient => "discrete-gradient",
+        Method::Newmark => "newmark",
         Method::Reference => "reference",
     }
 }

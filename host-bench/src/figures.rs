@@ -1,20 +1,27 @@
-//! Figures 8 to 11 of Fu, Ouyang and Davis (J. Phys. D 53, 2020), rebuilt on the embedded core: the
-//! second half of the paper, on the contact-separation harvester.
+//! The figures of the two papers, rebuilt on the embedded core: one chapter for each harvester.
 
-mod bifurcation;
-mod history;
-mod motion;
+pub mod bump_stop;
+pub mod contact_separation;
 mod page;
-mod response;
+pub mod sliding;
 
-pub use self::bifurcation::diagram;
-pub use self::history::FREQUENCIES;
-pub use self::motion::{Case, Grid, Motion, Response, WINDOW};
+use std::path::Path;
+
 pub use self::page::page;
-pub use self::response::{CHARGE_DENSITIES, RESISTANCES, Sweep, pairs, sweeps};
 
 use crate::method::Failure;
-use crate::scene_file::{Excitation, GRAVITY, Scene};
+use crate::scene_file::{self, Scene};
+
+/// A harvester whose figures are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Subject {
+    /// Figures 3 to 6 of Fu, Ouyang and Davis (2020), and both sweeps as tables.
+    Sliding,
+    /// Figures 8 to 11 of Fu, Ouyang and Davis (2020).
+    ContactSeparation,
+    /// Figures 6 to 10 of Mak, McWilliam, Popov and Fox (2010), and the convergence in modes and step.
+    BumpStop,
+}
 
 /// One picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,11 +32,11 @@ pub struct Panel {
     pub svg: String,
 }
 
-/// One figure.
+/// One figure, or a table without pictures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Number in the paper.
-    pub number: u32,
+    /// Its number in the paper, such as `Figure 8`; a name where the paper has none.
+    pub label: &'static str,
     /// What it is.
     pub title: &'static str,
     /// What it shows, and for which values.
@@ -42,67 +49,69 @@ pub struct Figure {
     pub csv: String,
 }
 
-/// Relative tolerance of the frequency responses: against 1e-7 the largest gap of a periodic motion
-/// moves by less than 1e-4, far less than the width of a curve, and a run takes 40 ms.
-pub const RESPONSE_TOLERANCE: f64 = 1e-3;
-
-/// Relative tolerance where single motions are shown. Between the two frequencies at the onset of
-/// impacts the gap that is missed is 70 µm: at 1e-3 of it 9 µm are left, at 1e-4 64 µm.
-pub const MOTION_TOLERANCE: f64 = 1e-4;
-
-/// Periods before those that are measured, as in the paper's kind of response: far from the
-/// onset of impacts 5 µm of the start are left.
-pub const SETTLE: u32 = 200;
-/// The same for figure 10, where the start must not be seen: just below the onset of impacts it fades
-/// over hundreds of periods, while the softening spring lets it come and go.
-pub const DIAGRAM_SETTLE: u32 = 800;
-
-/// Frequencies of figures 8 and 11.
-const RESPONSES: Grid = Grid { from: 1800, to: 2200, step: 2 };
-/// Frequencies of figure 10.
-const DIAGRAM: Grid = Grid { from: 1850, to: 2050, step: 1 };
-/// Charge density in µC/m² and load in MΩ of figures 9 and 10.
-pub const STRONG: [f64; 2] = [50.0, 100.0];
-
-/// Number of runs that [`build`] makes.
-#[must_use]
-pub fn runs() -> usize {
-    pairs().len() * RESPONSES.frequencies().count() + DIAGRAM.frequencies().count() + FREQUENCIES.len()
+impl Figure {
+    /// Name of the file with its numbers, without the ending.
+    #[must_use]
+    pub fn stem(&self) -> String {
+        self.label.to_lowercase().replace(' ', "-")
+    }
 }
 
-/// Makes all figures on all cores; `done` is called after each run.
-///
-/// # Errors
-/// If a run fails or a picture cannot be drawn.
-pub fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Vec<Figure>, Failure> {
-    let start = start(base)?;
-    let sweeps = sweeps(base, &pairs(), RESPONSES, RESPONSE_TOLERANCE, done)?;
-    let nine = history::nine(base, STRONG, MOTION_TOLERANCE, &start, done)?;
-    let diagram = diagram(base, STRONG, DIAGRAM, MOTION_TOLERANCE, done)?;
-    let rest = || -> Result<[Figure; 3], String> {
-        Ok([
-            response::eight(&sweeps, RESPONSES, &start)?,
-            bifurcation::ten(&diagram, STRONG, DIAGRAM, &start)?,
-            response::eleven(&sweeps, RESPONSES, &start)?,
-        ])
-    };
-    let [eight, ten, eleven] = rest().map_err(Failure::Input)?;
-    Ok(vec![eight, nine, ten, eleven])
+/// The figures of one harvester.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chapter {
+    /// Its heading.
+    pub title: &'static str,
+    /// What holds for all of its figures, in HTML paragraphs.
+    pub introduction: String,
+    /// The figures.
+    pub figures: Vec<Figure>,
 }
 
-/// What every caption says of the runs.
-fn start(base: &Scene) -> Result<String, Failure> {
-    let Excitation::Sine(tone) = &base.excitation else {
-        return Err(Failure::Input(format!("{}: excitation.kind must be \"sine\"", base.file.display())));
-    };
-    let model = base.contact_separation()?;
-    Ok(format!(
-        "Base acceleration {} g. Every run starts anew, at rest at the initial gap of {} mm, without voltage; the \
-         frequency at which impacts end depends on that.",
-        tone.amplitude_m_per_s2 / GRAVITY,
-        1e3 * model.parameters.initial_gap_m,
-    ))
+impl Subject {
+    /// All of them, in the order of the papers.
+    pub const ALL: [Self; 3] = [Self::Sliding, Self::ContactSeparation, Self::BumpStop];
+
+    /// Its name, which is that of its folder.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sliding => "sliding",
+            Self::ContactSeparation => "contact-separation",
+            Self::BumpStop => "bump-stop",
+        }
+    }
+
+    /// How often [`Subject::build`] calls `done`.
+    #[must_use]
+    pub fn runs(self) -> usize {
+        match self {
+            Self::Sliding => sliding::runs(),
+            Self::ContactSeparation => contact_separation::runs(),
+            Self::BumpStop => bump_stop::runs(),
+        }
+    }
+
+    /// Makes its figures from the shipped scenes, on all cores; `done` is called after each run.
+    ///
+    /// # Errors
+    /// If a run fails or a picture cannot be drawn.
+    pub fn build(self, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
+        match self {
+            Self::Sliding => sliding::build(&shipped("sliding")?, done),
+            Self::ContactSeparation => contact_separation::build(&shipped("contact-separation")?, done),
+            Self::BumpStop => bump_stop::build(done),
+        }
+    }
 }
 
-#[cfg(test)]
-mod tests;
+/// A shipped scene by the name of its file.
+fn shipped(name: &str) -> Result<Scene, Failure> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
+    Ok(scene_file::read(&file, &[])?)
+}
+
+/// Headings before rows.
+fn table<const N: usize>(headings: [&str; N], rows: impl Iterator<Item = [String; N]>) -> Vec<Vec<String>> {
+    std::iter::once(headings.map(str::to_owned)).chain(rows).map(Vec::from).collect()
+}

@@ -6,6 +6,7 @@ pub mod figures;
 pub mod method;
 pub mod on_target;
 pub mod outcome;
+mod peer;
 pub mod reference;
 pub mod report;
 pub mod scene_file;

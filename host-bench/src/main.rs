@@ -20,7 +20,7 @@ struct Arguments {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
-    /// Rebuild the figures of the paper on the contact-separation harvester
+    /// Rebuild the figures of the two papers: sliding 3 to 6, contact-separation 8 to 11, bump-stop 6 to 10
     Figures(figures::FiguresArguments),
     /// The frequency at which the steady state of a scene responds most
     Resonance(resonance::ResonanceArguments),

@@ -4,8 +4,9 @@ use serde::Serialize;
 
 use crate::embedded;
 use crate::outcome::Outcome;
+use crate::peer;
 use crate::reference::{self, ReferenceOptions};
-use crate::scene_file::{Scene, SceneError};
+use crate::scene_file::{Model, Scene, SceneError};
 
 /// Integration method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, Serialize)]
@@ -14,12 +15,14 @@ pub enum Method {
     /// The embedded core, with the method that suits the scene.
     #[default]
     Auto,
-    /// The embedded core with TR-BDF2: implicit, for stiff circuits.
+    /// TR-BDF2, implicit, for stiff circuits: the embedded core; of a bump-stop scene, the host.
     TrBdf2,
-    /// The embedded core with the classical Runge-Kutta method of order 4.
+    /// The classical Runge-Kutta method of order 4: the embedded core; of a bump-stop scene, the host.
     Rk4,
     /// The embedded core by exact modal steps and a discrete-gradient contact: bump-stop scenes only.
     DiscreteGradient,
+    /// Newmark's method of average acceleration on the host, in double precision: bump-stop scenes only.
+    Newmark,
     /// The independent reference on the host, in double precision.
     Reference,
 }
@@ -63,6 +66,9 @@ pub struct Options {
     pub tolerance: Option<f64>,
     /// Distance in s of the rows of [`Outcome::trace`].
     pub trace_every_s: Option<f64>,
+    /// Whether a bump-stop run on the core keeps no energy ledger and looks at the measuring window only:
+    /// for its run time, as firmware would have it.
+    pub bare: bool,
     /// Whether the periodic steady state is sought by shooting, in place of the run.
     pub steady_state: bool,
 }
@@ -175,11 +181,13 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
             let options = ReferenceOptions { tolerance, record_every: options.trace_every_s };
             reference::run(scene, &options).map_err(|failure| Failure::Step(failure.to_string()))
         }
-        Method::Auto | Method::TrBdf2 | Method::Rk4 | Method::DiscreteGradient if options.steady_state => {
-            embedded::steady_state(scene, options)
-        }
-        Method::Auto | Method::TrBdf2 | Method::Rk4 | Method::DiscreteGradient => {
-            embedded::run(scene, options)
-        }
+        _ if options.steady_state => embedded::steady_state(scene, options),
+        method => match &scene.model {
+            // The core has no such method for this scene.
+            Model::BumpStop(model) if !matches!(method, Method::Auto | Method::DiscreteGradient) => {
+                peer::bump_stop(scene, model, options)
+            }
+            _ => embedded::run(scene, options),
+        },
     }
 }

@@ -76,6 +76,15 @@ impl Outcome {
         }
     }
 
+    /// The numbers of a sliding scene, if it is one.
+    #[must_use]
+    pub fn sliding(&self) -> Option<&SlidingOutcome> {
+        match &self.particular {
+            Particular::Sliding(found) => Some(found),
+            Particular::ContactSeparation(_) | Particular::BumpStop(_) => None,
+        }
+    }
+
     /// Whether the numbers are those of a stable orbit, found by shooting.
     #[must_use]
     pub fn is_of_an_orbit(&self) -> bool {

@@ -13,6 +13,7 @@ mod effort;
 mod root;
 mod sliding;
 
+pub(crate) use self::base::{Base, LocalBase};
 pub(crate) use self::bump_stop::BumpStopModes;
 pub(crate) use self::cantilever::Cantilever;
 

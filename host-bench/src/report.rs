@@ -1,5 +1,6 @@
 //! The report: one HTML page with its pictures in it.
 
+mod bump_stop;
 mod chart;
 pub(crate) mod html;
 pub(crate) mod plot;
@@ -8,23 +9,25 @@ pub(crate) mod svg;
 use std::fmt::Write;
 
 use self::html::{document, escaped};
+use crate::work_precision::bump_stop::BumpStopComparison;
 use crate::work_precision::{Comparison, TARGET_ERROR, table};
 
 /// The page.
 ///
 /// # Errors
 /// If a picture cannot be drawn.
-pub fn page(comparisons: &[Comparison]) -> Result<String, String> {
+pub fn page(comparisons: &[Comparison], bump_stop: &[BumpStopComparison]) -> Result<String, String> {
     let mut body = String::new();
     body.push_str("<h1>Vibration energy harvesters: error against run time</h1>\n");
     body.push_str(
-        "<p>The contact-separation triboelectric harvester on the embedded core, run on this host, against an \
-         independent reference in double precision. Lower and further left is better. The motion hits the \
-         dielectric in every period, and the power comes in a spike at each contact.</p>\n",
+        "<p>The triboelectric harvesters on the embedded core, run on this host, against an independent \
+         reference in double precision. Lower and further left is better. In contact-separation the motion \
+         hits the dielectric in every period, and the power comes in a spike at each contact; in sliding, \
+         friction turns round at every reversal and the overlap has a corner in the middle.</p>\n",
     );
     for comparison in comparisons {
         let resistance = table::resistance(comparison.resistance_ohm);
-        let _ = writeln!(body, "<h2>Load: {resistance}</h2>");
+        let _ = writeln!(body, "<h2>{}, load: {resistance}</h2>", escaped(&comparison.file));
         let _ = writeln!(body, "<p>{}</p>", escaped(&summary(comparison)));
         body.push_str(&chart::draw(comparison)?);
         body.push('\n');
@@ -33,6 +36,7 @@ pub fn page(comparisons: &[Comparison]) -> Result<String, String> {
             let _ = writeln!(body, "<p class=\"note\">{}</p>", escaped(&note));
         }
     }
+    bump_stop.iter().for_each(|comparison| body.push_str(&bump_stop::section(comparison)));
     Ok(document("Error against run time", &body))
 }
 

@@ -1,9 +1,10 @@
 //! Whether the embedded core gives a right answer, or says that it does not, over the whole range of
-//! stiff and extreme contact-separation scenes.
+//! stiff and extreme scenes of contact-separation and of sliding.
 //!
 //! Each case is run in single and in double precision and judged by runs that are more accurate, by
 //! the independent reference where that is asked for, and by its own energy ledger.
 
+pub mod bump_stop;
 mod grid;
 pub mod table;
 
@@ -12,11 +13,11 @@ use std::cell::OnceCell;
 use serde::Serialize;
 
 use crate::method::{Failure, Method, Options, Precision, run_scene};
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, Particular};
 use crate::reference::{self, ReferenceOptions};
-use crate::scene_file::Scene;
+use crate::scene_file::{Model, Scene};
 
-pub use self::grid::{Grid, Setting};
+pub use self::grid::{ContactSeparationSetting, Grid, Kind, Setting, SlidingSetting};
 
 /// Relative tolerance per radian of the runs that are judged, in both precisions.
 pub const TOLERANCE: f64 = 1e-4;
@@ -27,11 +28,11 @@ pub const TIGHT: [f64; 2] = [TOLERANCE / 10.0, TOLERANCE / 3.0];
 const FINER: [f64; 2] = [TOLERANCE / 100.0, TOLERANCE / 30.0];
 /// That of a run which tells whether the error falls with the tolerance where only looser ones run.
 const LOOSE: f64 = TOLERANCE * 10.0;
-/// Relative difference in mean power and peak gap up to which two runs agree.
+/// Relative difference in mean power and motion (peak gap, or amplitude) up to which two runs agree.
 pub const AGREEMENT: f64 = 1e-2;
 /// Residual of the energy ledger from which a run says itself that it is not to be trusted.
 pub const LEDGER: f64 = 1e-2;
-/// Relative shifts of the starting gap and of the stiffness that tell sensitive scenes: of the gap from
+/// Relative shifts of the starting position and of the stiffness that tell sensitive scenes: of the position from
 /// a rounding in single precision to what the tolerance makes of the first flight, of the stiffness
 /// what the method's error of the period amounts to at that tolerance.
 const SHIFTS: [[f64; 2]; 10] = [
@@ -56,7 +57,7 @@ const REFERENCE_TOLERANCE: f64 = 1e-8;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Class {
-    /// Agrees with the tighter run to [`AGREEMENT`] in mean power and peak gap.
+    /// Agrees with the tighter run to [`AGREEMENT`] in mean power and motion.
     Converged,
     /// The scene itself is sensitive: its start shifted by at most 10⁻⁴ or its stiffness by at most
     /// 3·10⁻⁵, the tighter run disagrees with itself. The case's mean power and peak gap are within four standard deviations of the
@@ -121,8 +122,8 @@ pub struct Finding {
     pub reason: String,
     /// Relative difference of the mean power to the tighter run.
     pub power_difference: Option<f64>,
-    /// Relative difference of the peak gap to the tighter run.
-    pub gap_difference: Option<f64>,
+    /// Relative difference of the peak gap, or of the slider's amplitude, to the tighter run.
+    pub motion_difference: Option<f64>,
     /// Residual of the energy ledger.
     pub energy_residual: Option<f64>,
     /// Steps, kept and rejected, per simulated second.
@@ -132,17 +133,24 @@ pub struct Finding {
     pub reference_agrees: Option<bool>,
 }
 
-/// What is compared of a run: mean power in W and peak gap in m.
+/// What is compared of a run: mean power in W, of a slider the mean square of the voltage, which an open
+/// circuit has too; and peak gap or amplitude in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Statistics {
     power: f64,
-    gap: f64,
+    motion: f64,
 }
 
 impl Statistics {
     fn of(outcome: &Outcome) -> Self {
-        let gap = outcome.contact_separation().and_then(|found| found.peak_gap_m);
-        Self { power: outcome.mean_power_w.unwrap_or(0.0), gap: gap.unwrap_or(0.0) }
+        let (power, motion) = match &outcome.particular {
+            Particular::ContactSeparation(found) => (outcome.mean_power_w, found.peak_gap_m),
+            Particular::Sliding(found) => {
+                (outcome.rms_voltage_v.map(|voltage| voltage * voltage), found.amplitude_m)
+            }
+            Particular::BumpStop(found) => (outcome.mean_power_w, found.peak_tip_displacement_m),
+        };
+        Self { power: power.unwrap_or(0.0), motion: motion.unwrap_or(0.0) }
     }
 
     fn differences(&self, other: &Self) -> [f64; 2] {
@@ -151,7 +159,7 @@ impl Statistics {
             // Written so that not-a-number is no agreement.
             if larger <= 1e-30 { 0.0 } else { (one - two).abs() / larger }
         };
-        [relative(self.power, other.power), relative(self.gap, other.gap)]
+        [relative(self.power, other.power), relative(self.motion, other.motion)]
     }
 
     fn agree(&self, other: &Self) -> bool {
@@ -160,7 +168,7 @@ impl Statistics {
 
     /// Whether both numbers are within [`DEVIATIONS`] of the mean of those of `runs`.
     fn within(&self, runs: &[Self]) -> bool {
-        [|run: &Self| run.power, |run: &Self| run.gap].iter().all(|number| {
+        [|run: &Self| run.power, |run: &Self| run.motion].iter().all(|number| {
             let count = runs.len() as f64;
             let mean = runs.iter().map(number).sum::<f64>() / count;
             let squares: f64 = runs.iter().map(|run| (number(run) - mean).powi(2)).sum();
@@ -229,7 +237,7 @@ impl Judge<'_> {
             class: Class::Converged,
             reason: String::new(),
             power_difference: None,
-            gap_difference: None,
+            motion_difference: None,
             energy_residual: None,
             steps_per_s: None,
             reference_agrees,
@@ -243,8 +251,8 @@ impl Judge<'_> {
                 finding.energy_residual = outcome.energy_residual;
                 let own = Statistics::of(&outcome);
                 if let Some((_, tight)) = &self.tight {
-                    let [power, gap] = own.differences(tight);
-                    (finding.power_difference, finding.gap_difference) = (Some(power), Some(gap));
+                    let [power, motion] = own.differences(tight);
+                    (finding.power_difference, finding.motion_difference) = (Some(power), Some(motion));
                 }
                 let closes = outcome.energy_residual.is_none_or(|residual| residual <= LEDGER);
                 (finding.class, finding.reason) = self.class(&own, closes, reference_agrees);
@@ -316,12 +324,25 @@ impl Judge<'_> {
     fn shifted(&self, tolerance: f64, tight: &Statistics) -> Vec<Statistics> {
         let mut runs = vec![*tight];
         runs.extend(self.reference);
-        runs.extend(SHIFTS.iter().filter_map(|[gap_shift, stiffness_shift]| {
+        runs.extend(SHIFTS.iter().filter_map(|[shift, stiffness_shift]| {
             let mut scene = self.scene.clone();
-            let model = scene.contact_separation_mut().ok()?;
-            let gap = model.initial.gap_m.unwrap_or(model.parameters.initial_gap_m);
-            model.initial.gap_m = Some(gap * (1.0 + gap_shift));
-            model.parameters.stiffness_n_per_m *= 1.0 + stiffness_shift;
+            match &mut scene.model {
+                Model::ContactSeparation(model) => {
+                    let gap = model.initial.gap_m.unwrap_or(model.parameters.initial_gap_m);
+                    model.initial.gap_m = Some(gap * (1.0 + shift));
+                    model.parameters.stiffness_n_per_m *= 1.0 + stiffness_shift;
+                }
+                // A slider starts in the middle: its shift is relative to the patch.
+                Model::Sliding(model) => {
+                    let displacement = model.initial.displacement_m.unwrap_or(0.0);
+                    model.initial.displacement_m =
+                        Some(displacement + model.parameters.patch_radius_m * shift);
+                    model.parameters.young_modulus_pa *= 1.0 + stiffness_shift;
+                }
+                Model::BumpStop(model) => {
+                    model.parameters.substrate_young_modulus_pa *= 1.0 + stiffness_shift;
+                }
+            }
             run(&scene, Precision::F64, tolerance).ok().map(|outcome| Statistics::of(&outcome))
         }));
         runs

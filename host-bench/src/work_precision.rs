@@ -1,6 +1,7 @@
 //! Error against run time: every method, step or tolerance, precision and math backend on one scene,
 //! against the independent reference.
 
+pub mod bump_stop;
 mod plan;
 pub mod table;
 
@@ -27,6 +28,8 @@ pub struct Errors {
     pub rms_voltage_error: Option<f64>,
     /// Of the time of the first impact.
     pub first_impact_error: Option<f64>,
+    /// Of the amplitude of a slider.
+    pub amplitude_error: Option<f64>,
 }
 
 impl Errors {
@@ -39,6 +42,7 @@ impl Errors {
             mean_power_error: relative(outcome.mean_power_w, reference.mean_power_w),
             rms_voltage_error: relative(outcome.rms_voltage_v, reference.rms_voltage_v),
             first_impact_error: relative(first_impact(outcome), first_impact(reference)),
+            amplitude_error: relative(amplitude(outcome), amplitude(reference)),
         }
     }
 
@@ -47,6 +51,7 @@ impl Errors {
             (self.mean_power_error, other.mean_power_error),
             (self.rms_voltage_error, other.rms_voltage_error),
             (self.first_impact_error, other.first_impact_error),
+            (self.amplitude_error, other.amplitude_error),
         ];
         pairs.iter().all(|pair| match pair {
             (Some(one), Some(two)) => (one - two).abs() <= SAME * one.max(*two),
@@ -57,6 +62,10 @@ impl Errors {
 
 fn first_impact(outcome: &Outcome) -> Option<f64> {
     outcome.contact_separation()?.first_impact_s
+}
+
+fn amplitude(outcome: &Outcome) -> Option<f64> {
+    outcome.sliding()?.amplitude_m
 }
 
 /// What a row found.
@@ -121,6 +130,8 @@ pub struct Comparison {
     pub rms_voltage_v: Option<f64>,
     /// First impact in s by the reference.
     pub first_impact_s: Option<f64>,
+    /// Amplitude of a slider in m by the reference; `None` for another scene.
+    pub amplitude_m: Option<f64>,
     /// The rows.
     pub rows: Vec<Row>,
     /// What was left out.
@@ -225,7 +236,12 @@ fn tabulate(scene: &Scene, reference: &Outcome, all: &[Timed]) -> Comparison {
         .collect();
     // The reference's own row has no error to show.
     if let Some(Found { errors, .. }) = rows.last_mut().and_then(|row| row.found.as_mut()) {
-        *errors = Errors { mean_power_error: None, rms_voltage_error: None, first_impact_error: None };
+        *errors = Errors {
+            mean_power_error: None,
+            rms_voltage_error: None,
+            first_impact_error: None,
+            amplitude_error: None,
+        };
     }
     let omitted = omit(&mut rows);
     let reached = |found: &Found| found.errors.mean_power_error.is_some_and(|error| error <= TARGET_ERROR);
@@ -244,6 +260,7 @@ fn tabulate(scene: &Scene, reference: &Outcome, all: &[Timed]) -> Comparison {
         mean_power_w: reference.mean_power_w,
         rms_voltage_v: reference.rms_voltage_v,
         first_impact_s: first_impact(reference),
+        amplitude_m: amplitude(reference),
         rows,
         omitted,
     }

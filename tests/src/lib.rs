@@ -1,10 +1,12 @@
-//! What the tests across crates have in common: the shipped scene, changed and run.
+//! What the tests across crates have in common: the shipped scenes, changed and run.
 
 use std::path::Path;
 
 use host_bench::method::{Method, Options, Precision, run_scene};
-use host_bench::outcome::{ContactSeparationOutcome, Outcome};
-use host_bench::scene_file::{self, ContactSeparation, Excitation, Load, Model, RunSpan, Scene, Tone};
+use host_bench::outcome::{ContactSeparationOutcome, Outcome, SlidingOutcome};
+use host_bench::scene_file::{
+    self, ContactSeparation, Excitation, Load, Model, RunSpan, Scene, Sliding, SlidingParameters, Tone,
+};
 
 /// Standard gravity of the papers, in m/s².
 pub const GRAVITY: f64 = 9.81;
@@ -12,12 +14,34 @@ pub const GRAVITY: f64 = 9.81;
 /// The shipped contact-separation scene (Table 2 of the paper), changed by `change`.
 #[must_use]
 pub fn contact_separation(change: impl FnOnce(&mut Scene, &mut ContactSeparation)) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/contact-separation.toml");
-    let mut scene = scene_file::read(&file, &[]).expect("the shipped scene is valid");
+    let mut scene = shipped("contact-separation.toml");
     let mut model = scene.contact_separation().expect("a contact-separation scene").clone();
     change(&mut scene, &mut model);
     scene.model = Model::ContactSeparation(model);
     scene
+}
+
+/// The shipped sliding scene (Table 1 of the paper), changed by `change`.
+#[must_use]
+pub fn sliding(change: impl FnOnce(&mut Scene, &mut Sliding)) -> Scene {
+    let mut scene = shipped("sliding.toml");
+    let Model::Sliding(mut model) = scene.model.clone() else { panic!("a sliding scene") };
+    change(&mut scene, &mut model);
+    scene.model = Model::Sliding(model);
+    scene
+}
+
+fn shipped(name: &str) -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes").join(name);
+    scene_file::read(&file, &[]).expect("the shipped scene is valid")
+}
+
+/// The same coefficients of friction on both patches, static and kinetic.
+pub fn rub(parameters: &mut SlidingParameters, coefficient: f64) {
+    parameters.static_friction_active = coefficient;
+    parameters.static_friction_inert = coefficient;
+    parameters.kinetic_friction_active = coefficient;
+    parameters.kinetic_friction_inert = coefficient;
 }
 
 /// One sine, with its amplitude in standard gravities.
@@ -70,6 +94,14 @@ pub fn reference() -> Options {
 pub fn run(scene: &Scene, options: &Options) -> (Outcome, ContactSeparationOutcome) {
     let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
     let particular = outcome.contact_separation().expect("a contact-separation run").clone();
+    (outcome, particular)
+}
+
+/// Runs a sliding scene that must run.
+#[must_use]
+pub fn slide(scene: &Scene, options: &Options) -> (Outcome, SlidingOutcome) {
+    let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
+    let particular = outcome.sliding().expect("a sliding run").clone();
     (outcome, particular)
 }
 

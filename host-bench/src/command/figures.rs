@@ -3,41 +3,78 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{make_folder, progress, report_folder, work_precision, write_whole};
-use crate::figures;
+use comfy_table::{Table, presets};
+
+use super::{make_folder, print, progress, report_folder, write_whole};
+use crate::figures::{self, Chapter, Figure, Subject};
 use crate::method::Failure;
-use crate::scene_file;
 
 /// Arguments of `figures`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct FiguresArguments {
-    /// Folder for the pictures, their numbers and the page [default: target/report/figures]
+    /// Make the figures of one harvester only; may be repeated [default: all]
+    #[arg(long, value_enum, value_name = "HARVESTER")]
+    only: Vec<Subject>,
+    /// Folder in which each harvester gets one for its pictures, their numbers and the page [default:
+    /// target/report/figures]
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
 
-/// Runs all that the figures need, then writes pictures, numbers and the page.
+/// Runs all that the figures need, then writes pictures, numbers and a page for each harvester, and prints
+/// the tables.
 ///
 /// # Errors
-/// A folder that cannot be written to, or a run that fails; then nothing is written.
+/// A folder that cannot be written to, or a run that fails; then nothing of that harvester is written.
 pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
-    let folder = arguments.output.clone().unwrap_or_else(|| report_folder().join("figures"));
+    let root = arguments.output.clone().unwrap_or_else(|| report_folder().join("figures"));
+    let wanted = |subject: &Subject| arguments.only.is_empty() || arguments.only.contains(subject);
+    let subjects: Vec<Subject> = Subject::ALL.into_iter().filter(wanted).collect();
     // Before the work, so that a bad path is told at once.
-    make_folder(&folder)?;
-    let base = scene_file::read(&work_precision::shipped_file(), &[])?;
-    let bar = progress(figures::runs());
-    let figures = figures::build(&base, &|| bar.inc(1));
-    bar.finish_and_clear();
-    let figures = figures?;
-    for figure in &figures {
-        write_whole(&folder.join(format!("figure-{}.csv", figure.number)), &figure.csv)?;
-        for panel in &figure.panels {
-            write_whole(&folder.join(format!("{}.svg", panel.name)), &panel.svg)?;
-        }
+    for subject in &subjects {
+        make_folder(&root.join(subject.name()))?;
     }
-    let page = folder.join("index.html");
-    write_whole(&page, &figures::page(&figures))?;
-    // With no standard error left there is nobody to tell.
-    let _ = writeln!(std::io::stderr(), "figures: {}", page.display());
+    let bar = progress(subjects.iter().map(|subject| subject.runs()).sum());
+    for subject in subjects {
+        let chapter = subject.build(&|| bar.inc(1))?;
+        let folder = root.join(subject.name());
+        for figure in &chapter.figures {
+            write_whole(&folder.join(format!("{}.csv", figure.stem())), &figure.csv)?;
+            for panel in &figure.panels {
+                write_whole(&folder.join(format!("{}.svg", panel.name)), &panel.svg)?;
+            }
+        }
+        let page = folder.join("index.html");
+        write_whole(&page, &figures::page(&chapter))?;
+        let labels: Vec<&str> = chapter.figures.iter().map(|figure| figure.label).collect();
+        bar.suspend(|| {
+            // With no standard error left there is nobody to tell.
+            let _ = writeln!(
+                std::io::stderr(),
+                "figures: {}: {}: {}",
+                subject.name(),
+                labels.join(", "),
+                page.display()
+            );
+            print(&tables(&chapter))
+        })?;
+    }
+    bar.finish_and_clear();
     Ok(())
+}
+
+/// The tables of a chapter, aligned.
+fn tables(chapter: &Chapter) -> String {
+    chapter.figures.iter().filter(|figure| !figure.table.is_empty()).map(aligned).collect()
+}
+
+fn aligned(figure: &Figure) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    let mut rows = figure.table.iter();
+    if let Some(heading) = rows.next() {
+        table.set_header(heading);
+    }
+    table.add_rows(rows);
+    format!("\n{}. {}\n{}\n", figure.label, figure.title, table.trim_fmt())
 }

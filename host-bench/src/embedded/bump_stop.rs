@@ -1,5 +1,7 @@
 //! A bump-stop run on the embedded core.
 
+mod shapes;
+
 use std::time::Instant as Stopwatch;
 
 use model_core::clock::{Instant, LONGEST_STEP_S};
@@ -13,10 +15,11 @@ use model_core::scene::bump_stop::{
     ModalSpan, Parameters, Restitution, Start, State, Stepper, Stop,
 };
 
+pub use self::shapes::{DeflectedShape, deflected_shapes};
 use super::excitation::{HostExcitation, with_excitation};
 use super::hybrid_run::{Total, refuse_parameter, refuse_start};
 use super::precision_name;
-use crate::method::{Failure, Method, Options};
+use crate::method::{Failure, Options};
 use crate::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, Recording};
 use crate::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
 
@@ -93,19 +96,14 @@ pub(super) fn run<S: Scalar, M: Mathematics<S>>(
 ) -> Result<Outcome, Failure> {
     let modes = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
     match modes {
-        (..=4, ..=2) => run_within::<S, M, 4, 2>(scene, model, options),
-        (..=10, ..=10) => run_within::<S, M, 10, 10>(scene, model, options),
-        _ => run_within::<S, M, 20, 20>(scene, model, options),
+        (..=4, ..=2) => prepared::<S, M, 4, 2, _>(scene, model, options, |run, state| run.to_end(state)),
+        (..=10, ..=10) => prepared::<S, M, 10, 10, _>(scene, model, options, |run, state| run.to_end(state)),
+        _ => prepared::<S, M, 20, 20, _>(scene, model, options, |run, state| run.to_end(state)),
     }
 }
 
 /// The lengths of step near contact and in free flight that the options ask for.
 fn steps(options: &Options) -> Result<[f64; 2], Failure> {
-    if !matches!(options.method, Method::Auto | Method::DiscreteGradient) {
-        return Err(Failure::Input(
-            "--method: a bump-stop scene must be run with auto, discrete-gradient or reference".to_owned(),
-        ));
-    }
     if options.tolerance.is_some() {
         return Err(Failure::Input(
             "--tolerance: must not be given for a bump-stop scene, whose steps have no error estimate; \
@@ -124,11 +122,13 @@ fn steps(options: &Options) -> Result<[f64; 2], Failure> {
     Ok([short, long])
 }
 
-fn run_within<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize>(
+/// Calls `with` with all that a run of the scene needs, and the state it starts in.
+fn prepared<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize, T>(
     scene: &Scene,
     model: &BumpStop,
     options: &Options,
-) -> Result<Outcome, Failure> {
+    with: impl FnOnce(&Run<'_, S, M, B, R>, State<S, B, R>) -> Result<T, Failure>,
+) -> Result<T, Failure> {
     let [short, long] = steps(options)?;
     let (beam_modes, rod_modes) =
         (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
@@ -149,7 +149,7 @@ fn run_within<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize>(
     let stepper = Stepper::new(harvester, S::literal(short), S::literal(long));
     with_excitation::<S, M, _>(scene, |excitation| {
         let state = stepper.scene().start(&start, excitation).map_err(|error| refuse_start(scene, &error))?;
-        Run { scene, model, options, stepper: &stepper, excitation }.to_end(state)
+        with(&Run { scene, model, options, stepper: &stepper, excitation }, state)
     })
 }
 
@@ -175,15 +175,21 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
             })
         };
         let (settled, end) = (instant(scene.run.settle_s)?, instant(scene.run.duration_s)?);
-        let mut ledger = ModalLedger::open(harvester, &state);
-        let (mut whole_run, mut window) = (ModalMeter::new(harvester), ModalMeter::new(harvester));
+        let mut ledger = (!options.bare).then(|| ModalLedger::open(harvester, &state));
+        let mut whole_run = ModalMeter::new(harvester);
+        let mut window = ModalMeter::new(harvester);
         let every = options.trace_every_s.unwrap_or(f64::INFINITY);
-        let mut recorder = Recorder { harvester, every, rows: Vec::new() };
+        let has_stop = model.stop.is_some();
+        let mut recorder = Recorder { harvester, has_stop, every, rows: Vec::new() };
         let mut total = Total::default();
         let began = Stopwatch::now();
         for (until, measured) in [(settled, false), (end, true)] {
-            let mut whole = (&mut ledger, &mut whole_run);
+            let mut of_run = ledger.as_mut().map(|ledger| (ledger, &mut whole_run));
+            let mut whole = of_run.as_mut();
             let mut recording = options.trace_every_s.map(|_| &mut recorder);
+            if measured {
+                window = ModalMeter::from(harvester, &state);
+            }
             let mut measuring = measured.then_some(&mut window);
             let mut others = (&mut recording, &mut measuring);
             let mut observer = (&mut whole, &mut others);
@@ -195,10 +201,10 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
             }
         }
         let wall_s = began.elapsed().as_secs_f64();
-        let residual = match model.parameters.coupling {
+        let residual = ledger.and_then(|ledger| match model.parameters.coupling {
             Coupling::TwoWay => ledger.residual().total(),
             Coupling::OneWay => ledger.residual().larger(),
-        };
+        });
         let number = |value: S| Some(value.to_f64());
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * scene.run.window_s());
         let with_stop = |value: S| model.stop.as_ref().map(|_| value.to_f64());
@@ -231,12 +237,28 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
                 first_contact_s: whole_run.first_contact().map(Instant::seconds),
                 peak_force_n: with_stop(window.peak_force()),
                 mean_force_n: with_stop(window.mean_force()),
+                end_state: self.scaled(&state),
             }),
             steady_state: None,
             trace: options
                 .trace_every_s
                 .map(|_| Recording { columns: &BUMP_STOP_COLUMNS, rows: std::mem::take(&mut recorder.rows) }),
         })
+    }
+
+    /// The state with half the sum of its squares the energy in J of motion and charge.
+    fn scaled(&self, state: &State<S, B, R>) -> Vec<f64> {
+        let harvester = self.stepper.scene();
+        let rod_modes = self.model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
+        let beam = state.beam.iter().enumerate().take(self.model.parameters.beam_modes);
+        let beam = beam.filter_map(|(i, motion)| Some((harvester.beam_angular_frequency(i)?, motion)));
+        let rod = state.rod.iter().enumerate().take(rod_modes);
+        let rod = rod.filter_map(|(j, motion)| Some((harvester.rod_angular_frequency(j)?, motion)));
+        let charge = harvester.capacitance().to_f64().sqrt() * harvester.voltage(state).to_f64();
+        beam.chain(rod)
+            .flat_map(|(omega, [at, rate])| [omega.to_f64() * at.to_f64(), rate.to_f64()])
+            .chain([charge])
+            .collect()
     }
 
     /// Of the modes that the scene keeps, the beam's first.
@@ -265,6 +287,8 @@ fn step_failure<S: Scalar, const B: usize, const R: usize>(
 /// Rows of a trace at equal distances in time: the columns of [`BUMP_STOP_COLUMNS`].
 struct Recorder<'a, S: Scalar, const B: usize, const R: usize> {
     harvester: &'a Harvester<S, AnyParts, B, R>,
+    /// Without one there is no stop point, no rod and no force.
+    has_stop: bool,
     every: f64,
     rows: Vec<Vec<f64>>,
 }
@@ -284,14 +308,15 @@ impl<S: Scalar, const B: usize, const R: usize> ModalObserver<S, B, R> for Recor
             };
             let voltages = [span.start, span.end].map(|state| self.harvester.voltage(state));
             let voltage = Cubic::with_mean(voltages[0], voltages[1], span.mean_voltage).value(theta);
+            let of_stop = |value: f64| if self.has_stop { value } else { f64::NAN };
             let [before, after] = span.accelerations().map(S::to_f64);
             self.rows.push(vec![
                 time,
                 dense(Harvester::tip),
-                dense(Harvester::stop_point),
-                dense(Harvester::rod_tip),
+                of_stop(dense(Harvester::stop_point)),
+                of_stop(dense(Harvester::rod_tip)),
                 voltage.to_f64(),
-                span.force.to_f64(),
+                of_stop(span.force.to_f64()),
                 before + (after - before) * theta.to_f64(),
             ]);
         }

@@ -85,8 +85,12 @@ pub(super) fn step_control<S: Scalar>(
     explicit: f64,
 ) -> Result<AnyStepControl<S>, Failure> {
     let refuse = |text: String| Err(Failure::Input(text));
-    if options.method == Method::DiscreteGradient {
-        return refuse("--method discrete-gradient: must be with a bump-stop scene".to_owned());
+    match options.method {
+        Method::DiscreteGradient => {
+            return refuse("--method discrete-gradient: must be with a bump-stop scene".to_owned());
+        }
+        Method::Newmark => return refuse("--method newmark: must be with a bump-stop scene".to_owned()),
+        Method::Auto | Method::TrBdf2 | Method::Rk4 | Method::Reference => {}
     }
     if options.long_step_s.is_some() {
         return refuse("--long-step: must be with a bump-stop scene".to_owned());
@@ -155,9 +159,11 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
     ) -> Result<Outcome, Failure> {
         match self.options.method {
             Method::Rk4 => self.with(RungeKutta4, state),
-            Method::Auto | Method::TrBdf2 | Method::DiscreteGradient | Method::Reference => {
-                self.with(TrBdf2, state)
-            }
+            Method::Auto
+            | Method::TrBdf2
+            | Method::DiscreteGradient
+            | Method::Newmark
+            | Method::Reference => self.with(TrBdf2, state),
         }
     }
 

@@ -19,9 +19,11 @@ impl<M: Mathematics<f64>, H: HostedScene<f64>> Run<'_, f64, M, H> {
     pub(super) fn steady_state(&self, start: State<H>) -> Result<Outcome, Failure> {
         match self.options.method {
             Method::Rk4 => self.steady(RungeKutta4, start),
-            Method::Auto | Method::TrBdf2 | Method::DiscreteGradient | Method::Reference => {
-                self.steady(TrBdf2, start)
-            }
+            Method::Auto
+            | Method::TrBdf2
+            | Method::DiscreteGradient
+            | Method::Newmark
+            | Method::Reference => self.steady(TrBdf2, start),
         }
     }
 
@@ -34,9 +36,11 @@ impl<M: Mathematics<f64>, H: HostedScene<f64>> Run<'_, f64, M, H> {
     ) -> Result<Option<Response>, Failure> {
         match self.options.method {
             Method::Rk4 => self.followed(RungeKutta4, start, known, spent),
-            Method::Auto | Method::TrBdf2 | Method::DiscreteGradient | Method::Reference => {
-                self.followed(TrBdf2, start, known, spent)
-            }
+            Method::Auto
+            | Method::TrBdf2
+            | Method::DiscreteGradient
+            | Method::Newmark
+            | Method::Reference => self.followed(TrBdf2, start, known, spent),
         }
     }
 

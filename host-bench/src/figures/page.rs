@@ -1,30 +1,16 @@
-//! The page with all figures.
+//! The page with the figures of a chapter.
 
 use std::fmt::Write;
 
-use super::{Figure, MOTION_TOLERANCE, RESPONSE_TOLERANCE};
+use super::Chapter;
 use crate::report::html::{document, escaped};
 
 /// The page; pictures are in it, numbers in files beside it.
 #[must_use]
-pub fn page(figures: &[Figure]) -> String {
-    let mut body = String::from("<h1>Contact-separation harvester: figures 8 to 11 rebuilt</h1>\n");
-    let _ = writeln!(
-        body,
-        "<p>After Fu, Ouyang and Davis, <i>Effects of electrical properties on vibrations via electromechanical \
-         coupling in triboelectric energy harvesting</i>, J. Phys. D 53 (2020). Most numbers of the paper do not \
-         survive in the text that we have. Mass, stiffness, electrode area, restitution, amplitude of the base, \
-         the charge densities and the middle resistance are choices of this library, made so that the paper's \
-         trends show: compare shapes and trends with the paper, not values.</p>"
-    );
-    let _ = writeln!(
-        body,
-        "<p>Run in double precision on the embedded core, the code of the firmware, with a relative tolerance \
-         of {RESPONSE_TOLERANCE:.0e} for the frequency responses (figures 8 and 11) and of \
-         {MOTION_TOLERANCE:.0e} for single motions (9 and 10).</p>"
-    );
-    for figure in figures {
-        let _ = writeln!(body, "<h2>Figure {}. {}</h2>", figure.number, escaped(figure.title));
+pub fn page(chapter: &Chapter) -> String {
+    let mut body = format!("<h1>{}</h1>\n{}", escaped(chapter.title), chapter.introduction);
+    for figure in &chapter.figures {
+        let _ = writeln!(body, "<h2>{}. {}</h2>", figure.label, escaped(figure.title));
         body.push_str("<div class=\"panels\">\n");
         for panel in &figure.panels {
             let _ = writeln!(body, "<figure>{}</figure>", panel.svg.trim_end());
@@ -33,11 +19,11 @@ pub fn page(figures: &[Figure]) -> String {
         let _ = writeln!(body, "<p>{}</p>", escaped(&figure.caption));
         body.push_str(&table(&figure.table));
         let links = figure.panels.iter().map(|panel| format!("{}.svg", panel.name));
-        let files = std::iter::once(format!("figure-{}.csv", figure.number)).chain(links);
+        let files = std::iter::once(format!("{}.csv", figure.stem())).chain(links);
         let links: Vec<String> = files.map(|file| format!("<a href=\"{file}\">{file}</a>")).collect();
         let _ = writeln!(body, "<p class=\"note\">{}</p>", links.join(" · "));
     }
-    document("Contact-separation harvester: figures 8 to 11 rebuilt", &body)
+    document(chapter.title, &body)
 }
 
 fn table(rows: &[Vec<String>]) -> String {

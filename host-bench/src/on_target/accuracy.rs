@@ -7,8 +7,6 @@ use firmware_example::workload::bump_stop::scenes::{BEAM_MODES, ROD_MODES};
 use firmware_example::workload::hybrid_run::{ENERGY, Plan};
 
 use super::{Error, Workload};
-use crate::embedded;
-use crate::method::Options;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{
     self, BumpStop, ContactSeparationParameters, Excitation, Load, Model, RunSpan, Scene, SlidingParameters,
@@ -131,27 +129,14 @@ impl Yardstick {
     }
 }
 
-/// Tolerance of the core's own run in double precision that is taken as converged: its errors are in
-/// proportion to the tolerance, and at 10⁻⁵ already below 10⁻⁴.
-const CONVERGED: f64 = 1e-7;
-
-/// Mean power of `scene` in watts: of the reference, and where that has no such scene, of the core's
-/// converged run in double precision.
+/// Mean power of `scene` in watts, of the reference.
 ///
 /// # Errors
 ///
 /// When the run cannot be finished.
 pub fn reference_power(scene: &Scene) -> Result<f64, Error> {
-    let outcome = match scene.model {
-        Model::ContactSeparation(_) | Model::BumpStop(_) => {
-            reference::run(scene, &ReferenceOptions::default())
-                .map_err(|failure| Error::Host(failure.to_string()))?
-        }
-        Model::Sliding(_) => {
-            let options = Options { tolerance: Some(CONVERGED), ..Options::default() };
-            embedded::run(scene, &options).map_err(|failure| Error::Host(failure.to_string()))?
-        }
-    };
+    let outcome = reference::run(scene, &ReferenceOptions::default())
+        .map_err(|failure| Error::Host(failure.to_string()))?;
     outcome.mean_power_w.ok_or_else(|| Error::Host("the reference has no mean power".to_owned()))
 }
 

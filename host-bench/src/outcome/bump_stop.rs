@@ -36,6 +36,10 @@ pub struct BumpStopOutcome {
     /// stop.
     #[serde(serialize_with = "finite")]
     pub mean_force_n: Option<f64>,
+    /// State at the end of the run, scaled so that half the sum of squares is the energy in J of motion and
+    /// charge: `ω r` and `r'` of each mode, the beam's first, and `√C v`. Not part of the JSON object.
+    #[serde(skip)]
+    pub end_state: Vec<f64>,
 }
 
 /// Columns of a recording of a bump-stop run. Without a stop, the two about it are not-a-number.

@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::svg::{self, Area, Drawn, FONT, svg};
+use super::svg::{self, Area, Drawn, FONT, power_of_ten, svg};
 use crate::method::{Math, Precision};
 use crate::work_precision::{Comparison, Row, table};
 
@@ -90,21 +90,11 @@ fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (0.97 * 10f64.powf(low), 1.03 * 10f64.powf(if high > low { high } else { low + 1.0 }))
 }
 
-fn power_of_ten(value: f64) -> String {
-    let digits = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
-    let exponent = value.log10().round();
-    let text: String = format!("{exponent:.0}")
-        .chars()
-        .map(|digit| digit.to_digit(10).and_then(|digit| digits.get(digit as usize)).copied().unwrap_or("⁻"))
-        .collect();
-    format!("10{text}")
-}
-
 fn curves(area: &Area<'_>, series: &[Series], comparison: &Comparison) -> Drawn {
     let all = || series.iter().flat_map(|series| series.points.iter().copied());
     let (left, right) = decades(all().map(|point| point.0));
     let (low, high) = decades(all().map(|point| point.1));
-    let title = format!("R = {}", table::resistance(comparison.resistance_ohm));
+    let title = format!("{}, R = {}", comparison.file, table::resistance(comparison.resistance_ohm));
     let mut chart = ChartBuilder::on(area)
         .caption(title, (FONT, 18))
         .margin(12)
@@ -121,8 +111,8 @@ fn curves(area: &Area<'_>, series: &[Series], comparison: &Comparison) -> Drawn 
         .axis_desc_style((FONT, 16))
         .bold_line_style(RGBColor(205, 210, 216))
         .light_line_style(RGBColor(240, 242, 244))
-        .x_label_formatter(&|x| power_of_ten(*x))
-        .y_label_formatter(&|y| power_of_ten(*y))
+        .x_label_formatter(&|x| power_of_ten(x.log10()))
+        .y_label_formatter(&|y| power_of_ten(y.log10()))
         .draw()?;
     for series in series {
         let points = series.points.iter().copied();

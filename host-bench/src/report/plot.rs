@@ -1,4 +1,4 @@
-//! Curves and dots over linear axes, one plot above another.
+//! Curves and dots over linear or logarithmic axes, one plot above another.
 //!
 //! The drawing library does the axes, on whole pixels. Curves and dots are paths of our own: finer
 //! than a pixel, and ten thousand dots in one short element.
@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use plotters::prelude::*;
 
-use super::svg::{Area, Drawn, FONT, GRID, svg, tick};
+use super::svg::{Area, Drawn, FONT, GRID, power_of_ten, svg, tick};
 
 /// An axis: what it shows, from where to where.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,8 +16,39 @@ pub(crate) struct Axis {
     pub(crate) title: &'static str,
     /// Where it begins and ends.
     pub(crate) span: [f64; 2],
-    /// About how many numbers stand at it.
+    /// About how many numbers stand at it; at a logarithmic one, the powers of ten among them.
     pub(crate) ticks: usize,
+    logarithmic: bool,
+}
+
+impl Axis {
+    /// Equal distances for equal differences.
+    pub(crate) fn linear(title: &'static str, span: [f64; 2], ticks: usize) -> Self {
+        Self { title, span, ticks, logarithmic: false }
+    }
+
+    /// Equal distances for equal ratios, and a number at each power of ten.
+    pub(crate) fn logarithmic(title: &'static str, span: [f64; 2]) -> Self {
+        let decades = (span[1] / span[0]).log10().abs().ceil();
+        // A few more than the powers, so that no power is passed over.
+        Self { title, span, ticks: decades as usize + 2, logarithmic: true }
+    }
+
+    /// Where a value stands, on a linear scale.
+    fn place(&self, value: f64) -> f64 {
+        if self.logarithmic { value.log10() } else { value }
+    }
+
+    /// The number at a place.
+    fn label(&self, place: f64) -> String {
+        // A sum of steps that should be 0 is it but for its rounding.
+        let place = if place.abs() < 1e-9 * (self.span[1] - self.span[0]).abs() { 0.0 } else { place };
+        match (self.logarithmic, (place - place.round()).abs() < 1e-9) {
+            (false, _) => tick(place),
+            (true, true) => power_of_ten(place),
+            (true, false) => String::new(),
+        }
+    }
 }
 
 /// How points are drawn.
@@ -53,10 +84,10 @@ pub(crate) struct Plot {
 /// Height of the row above a plot that names its curves.
 const LEGEND: i32 = 26;
 /// Room at the left for the numbers and the title of the axis.
-const LEFT: i32 = 60;
+const LEFT: i32 = 72;
 /// Room around it.
 const MARGIN: i32 = 10;
-const RIGHT: i32 = 22;
+const RIGHT: i32 = 26;
 /// Text; the library's size is 1.24 times what an SVG calls it.
 const TITLE: (&str, u32) = (FONT, 20);
 const TEXT: (&str, u32) = (FONT, 18);
@@ -86,8 +117,8 @@ fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
         legend(&above, &plot.curves, paths)?;
         area = below;
     }
-    let [left, right] = plot.across.span;
-    let [low, high] = plot.up.span;
+    let [left, right] = plot.across.span.map(|value| plot.across.place(value));
+    let [low, high] = plot.up.span.map(|value| plot.up.place(value));
     let mut chart = ChartBuilder::on(&area)
         .margin_top(8)
         .margin_left(MARGIN)
@@ -106,8 +137,8 @@ fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
         .axis_desc_style(TEXT)
         .bold_line_style(GRID)
         .light_line_style(TRANSPARENT)
-        .x_label_formatter(&|x| tick(*x))
-        .y_label_formatter(&|y| tick(*y))
+        .x_label_formatter(&|x| plot.across.label(*x))
+        .y_label_formatter(&|y| plot.up.label(*y))
         .draw()?;
     // The library's last pixel is within the axis.
     let (columns, rows) = chart.plotting_area().get_pixel_range();
@@ -120,6 +151,7 @@ fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
         columns.start, rows.start
     );
     let place = |&(x, y): &(f64, f64)| {
+        let (x, y) = (plot.across.place(x), plot.up.place(y));
         [(x - left) / (right - left) * f64::from(width), (high - y) / (high - low) * f64::from(height)]
     };
     for curve in &plot.curves {
@@ -138,10 +170,31 @@ fn legend(area: &Area<'_>, curves: &[Curve], paths: &mut String) -> Drawn {
     let middle = LEGEND / 2;
     for (curve, left) in named.iter().zip((MARGIN + LEFT..).step_by(usize::try_from(width).unwrap_or(1))) {
         let ends = [left, left + 26].map(|x| [f64::from(columns.start + x), f64::from(rows.start + middle)]);
-        path(paths, curve.colour, curve.mark, ends.into_iter());
+        let between = [0.5 * (ends[0][0] + ends[1][0]), ends[0][1]];
+        match curve.mark {
+            Mark::Dots(_) => path(paths, curve.colour, curve.mark, std::iter::once(between)),
+            Mark::Line(_) | Mark::Dashes(_) => path(paths, curve.colour, curve.mark, ends.into_iter()),
+        }
         area.draw(&Text::new(curve.name.as_str(), (left + 33, middle - 8), TEXT.into_font()))?;
     }
     Ok(())
+}
+
+/// Leaves out the points within a level stretch to the right.
+fn level(points: &mut Vec<[i64; 2]>) {
+    let mut kept: Vec<[i64; 2]> = Vec::with_capacity(points.len());
+    for &point in points.iter() {
+        if let [.., before, last] = kept[..]
+            && before[1] == last[1]
+            && last[1] == point[1]
+            && before[0] <= last[0]
+            && last[0] <= point[0]
+        {
+            kept.pop();
+        }
+        kept.push(point);
+    }
+    *points = kept;
 }
 
 /// A path through the points, or of dots at them, to a tenth of a pixel; dots in one place are drawn once.
@@ -152,6 +205,9 @@ fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<
         tenths.sort_unstable();
     }
     tenths.dedup();
+    if !matches!(mark, Mark::Dots(_)) {
+        level(&mut tenths);
+    }
     let RGBColor(red, green, blue) = colour;
     let _ = write!(paths, "<path fill=\"none\" stroke=\"#{red:02X}{green:02X}{blue:02X}\" ");
     let _ = match mark {

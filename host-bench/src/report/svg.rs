@@ -55,3 +55,13 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let margin = if high > low { 0.05 * (high - low) } else { low.abs().max(1e-300) };
     (low - margin, high + margin)
 }
+
+/// `10` to the nearest whole exponent.
+pub(crate) fn power_of_ten(exponent: f64) -> String {
+    let digits = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+    let text: String = format!("{:.0}", exponent.round() + 0.0)
+        .chars()
+        .map(|digit| digit.to_digit(10).and_then(|digit| digits.get(digit as usize)).copied().unwrap_or("⁻"))
+        .collect();
+    format!("10{text}")
+}

@@ -1,37 +1,23 @@
 //! The cases.
 
+mod contact_separation;
+mod sliding;
+
 use serde::{Serialize, Serializer};
 
-use crate::scene_file::{ForceLaw, Load, Model, Restitution, RunSpan, Scene};
+use crate::scene_file::{ForceLaw, Scene};
 
-/// Periods of the excitation that a case runs.
-const PERIODS: f64 = 60.0;
-/// Periods after which it is measured.
-const SETTLED: f64 = 40.0;
-
-/// Tribo-charge densities in C/m²: from none to beyond pull-in.
-const DENSITIES: [f64; 8] = [0.0, 5e-6, 20e-6, 50e-6, 80e-6, 100e-6, 150e-6, 300e-6];
-/// Parasitic capacitances in F.
-const PARASITICS: [f64; 3] = [0.0, 1e-12, 1e-9];
-/// Coefficients of restitution.
-const RESTITUTIONS: [f64; 4] = [0.0, 0.5, 0.9, 0.99];
-/// Exponents of ten of the load resistance in Ω.
-const DECADES: std::ops::RangeInclusive<i32> = -3..=15;
+pub use contact_separation::ContactSeparationSetting;
+pub use sliding::SlidingSetting;
 
 /// One case: what differs from the shipped scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Setting {
-    /// Load resistance in Ω.
-    pub resistance_ohm: f64,
-    /// Tribo-charge density in C/m².
-    pub charge_density_c_per_m2: f64,
-    /// Force law.
-    #[serde(serialize_with = "law")]
-    pub force_law: ForceLaw,
-    /// Parasitic capacitance in F.
-    pub parasitic_capacitance_f: f64,
-    /// Coefficient of restitution, the same at every speed.
-    pub restitution: f64,
+#[serde(untagged)]
+pub enum Setting {
+    /// Of the contact-separation scene.
+    ContactSeparation(ContactSeparationSetting),
+    /// Of the sliding scene.
+    Sliding(SlidingSetting),
 }
 
 fn law<S: Serializer>(law: &ForceLaw, serializer: S) -> Result<S::Ok, S::Error> {
@@ -48,85 +34,76 @@ pub(super) fn law_name(law: ForceLaw) -> &'static str {
 }
 
 impl Setting {
-    /// The scene of this case: the contact-separation scene `base` with these parameters, for 60 periods
-    /// of its sine of which the last 20 are measured.
+    /// The scene of this case, made of the shipped one.
     #[must_use]
     pub fn scene(&self, base: &Scene) -> Scene {
-        let mut scene = base.clone();
-        if let Model::ContactSeparation(model) = &mut scene.model {
-            model.parameters.charge_density_c_per_m2 = self.charge_density_c_per_m2;
-            model.parameters.force_law = self.force_law;
-            model.parameters.parasitic_capacitance_f = self.parasitic_capacitance_f;
-            model.parameters.restitution = Restitution::Constant { coefficient: self.restitution };
+        match self {
+            Self::ContactSeparation(setting) => setting.scene(base),
+            Self::Sliding(setting) => setting.scene(base),
         }
-        scene.load = Load::Resistor { resistance_ohm: self.resistance_ohm };
-        let period = base.excitation.single_frequency().map_or(0.05, f64::recip);
-        scene.run = RunSpan { duration_s: PERIODS * period, settle_s: SETTLED * period };
-        scene
     }
 
-    /// Whether this is one of the cases that are shown to the reference as well: one capacitance and
-    /// one restitution of each charge density, resistance and law.
+    /// Load resistance in Ω.
+    #[must_use]
+    pub fn resistance_ohm(&self) -> f64 {
+        match self {
+            Self::ContactSeparation(setting) => setting.resistance_ohm,
+            Self::Sliding(setting) => setting.resistance_ohm,
+        }
+    }
+
+    /// Whether this is one of the cases that are shown to the reference as well.
     #[must_use]
     pub fn is_for_reference(&self) -> bool {
-        let [_, parasitic, _] = PARASITICS;
-        let [_, restitution, ..] = RESTITUTIONS;
-        self.parasitic_capacitance_f == parasitic && self.restitution == restitution
+        match self {
+            Self::ContactSeparation(setting) => setting.is_for_reference(),
+            Self::Sliding(setting) => setting.is_for_reference(),
+        }
     }
 
     /// The options that make `run` run this case.
     #[must_use]
     pub fn overrides(&self) -> String {
-        format!(
-            "--set load.resistance_ohm={:e} --set parameters.charge_density_c_per_m2={:e} \
-             --set parameters.force_law={} --set parameters.parasitic_capacitance_f={:e} \
-             --set 'parameters.restitution={{kind=\"constant\",coefficient={}}}' \
-             --set run.settle_periods={SETTLED} --set run.duration_periods={PERIODS}",
-            self.resistance_ohm,
-            self.charge_density_c_per_m2,
-            law_name(self.force_law),
-            self.parasitic_capacitance_f,
-            self.restitution,
-        )
+        match self {
+            Self::ContactSeparation(setting) => setting.overrides(),
+            Self::Sliding(setting) => setting.overrides(),
+        }
     }
 }
 
 /// Which cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Grid {
-    /// All: 3648 in each precision.
+    /// All, in each precision: 3648 of contact-separation, 4032 of sliding.
     #[default]
     Whole,
-    /// Every third decade of the resistance.
+    /// Of contact-separation every third decade of the resistance, of sliding every other value.
     Coarse,
 }
 
+/// Of which scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Kind {
+    /// Contact-separation.
+    ContactSeparation,
+    /// Sliding.
+    Sliding,
+    /// Bump-stop, whose cases are those of [`super::bump_stop::settings`].
+    BumpStop,
+}
+
 impl Grid {
-    /// The cases.
+    /// The cases of a scene.
     #[must_use]
-    pub fn settings(self) -> Vec<Setting> {
-        let stride = match self {
-            Self::Whole => 1,
-            Self::Coarse => 3,
-        };
-        let mut settings = Vec::new();
-        for decade in DECADES.step_by(stride) {
-            for charge_density_c_per_m2 in DENSITIES {
-                for force_law in [ForceLaw::TransferredCharge, ForceLaw::GapField] {
-                    for parasitic_capacitance_f in PARASITICS {
-                        for restitution in RESTITUTIONS {
-                            settings.push(Setting {
-                                resistance_ohm: 10f64.powi(decade),
-                                charge_density_c_per_m2,
-                                force_law,
-                                parasitic_capacitance_f,
-                                restitution,
-                            });
-                        }
-                    }
-                }
-            }
+    pub fn settings(self, kind: Kind) -> Vec<Setting> {
+        let whole = self == Self::Whole;
+        match kind {
+            Kind::ContactSeparation => contact_separation::settings(if whole { 1 } else { 3 })
+                .into_iter()
+                .map(Setting::ContactSeparation)
+                .collect(),
+            Kind::Sliding => sliding::settings(whole).into_iter().map(Setting::Sliding).collect(),
+            Kind::BumpStop => Vec::new(),
         }
-        settings
     }
 }

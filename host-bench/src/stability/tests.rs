@@ -1,4 +1,4 @@
-//! A few cases of the grid, and the rules by which they are judged.
+//! A few cases of the grids, and the rules by which they are judged.
 
 use std::path::Path;
 
@@ -11,13 +11,56 @@ fn shipped() -> Scene {
 }
 
 fn setting(resistance_ohm: f64) -> Setting {
-    Setting {
+    Setting::ContactSeparation(ContactSeparationSetting {
         resistance_ohm,
         charge_density_c_per_m2: 50e-6,
         force_law: ForceLaw::TransferredCharge,
         parasitic_capacitance_f: 1e-12,
         restitution: 0.5,
+    })
+}
+
+fn shipped_sliding() -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/sliding.toml");
+    scene_file::read(&file, &[]).expect("the shipped scene is valid")
+}
+
+fn sliding_setting(resistance_ohm: f64, frequency_hz: f64) -> Setting {
+    Setting::Sliding(SlidingSetting {
+        resistance_ohm,
+        charge_density_c_per_m2: 120e-6,
+        force_law: ForceLaw::TransferredCharge,
+        relaxing: false,
+        friction: 0.3,
+        amplitude_m_per_s2: 3.5,
+        frequency_hz,
+    })
+}
+
+#[test]
+fn a_slider_is_right_at_the_ends_of_the_range_of_resistances() {
+    for resistance in [0.0, 1.0, f64::INFINITY] {
+        for finding in examine(&shipped_sliding(), sliding_setting(resistance, 10.0), true) {
+            assert_eq!(finding.class, Class::Converged, "{finding:?}");
+            assert_eq!(finding.reference_agrees, Some(true), "{finding:?}");
+        }
     }
+}
+
+#[test]
+fn a_wrong_sliding_run_is_not_excused() {
+    let scene = sliding_setting(1e8, 18.373).scene(&shipped_sliding());
+    let tight = first_of(&scene, &TIGHT).expect("the scene runs");
+    let wrong = Statistics { motion: 1.1 * tight.1.motion, ..tight.1 };
+    let judge = Judge {
+        scene: &scene,
+        tight: Some(tight),
+        reference: None,
+        shifted: OnceCell::new(),
+        finer: OnceCell::new(),
+    };
+    assert_eq!(judge.class(&wrong, true, None).0, Class::Silent);
+    assert_eq!(judge.class(&tight.1, true, None).0, Class::Converged);
 }
 
 #[test]
@@ -31,14 +74,17 @@ fn the_ends_of_the_range_of_resistances_are_right_or_say_so() {
 
 #[test]
 fn the_grid_has_the_cases_that_it_says() {
-    let settings = Grid::Whole.settings();
+    let settings = Grid::Whole.settings(Kind::Sliding);
+    assert_eq!(settings.len(), 9 * 4 * 2 * 2 * 4 * 7);
+    assert_eq!(Grid::Coarse.settings(Kind::Sliding).len(), 5 * 2 * 2 * 4 * 7);
+    let settings = Grid::Whole.settings(Kind::ContactSeparation);
     assert_eq!(settings.len(), 19 * 8 * 2 * 3 * 4);
     assert_eq!(settings.iter().filter(|setting| setting.is_for_reference()).count(), 19 * 8 * 2);
 }
 
 #[test]
 fn agreement_is_relative_and_refuses_what_is_no_number() {
-    let statistics = |power, gap| Statistics { power, gap };
+    let statistics = |power, motion| Statistics { power, motion };
     assert!(statistics(1.0, 2.0).agree(&statistics(1.009, 2.0)));
     assert!(!statistics(1.0, 2.0).agree(&statistics(1.02, 2.0)));
     assert!(statistics(0.0, 2.0).agree(&statistics(0.0, 2.0)));
@@ -52,7 +98,7 @@ fn agreement_is_relative_and_refuses_what_is_no_number() {
 fn a_wrong_run_is_not_excused_by_accurate_runs_that_agree() {
     let scene = setting(1e8).scene(&shipped());
     let tight = first_of(&scene, &TIGHT).expect("the scene runs");
-    let wrong = Statistics { power: 2.0 * tight.1.power, gap: tight.1.gap };
+    let wrong = Statistics { power: 2.0 * tight.1.power, motion: tight.1.motion };
     let judge = Judge {
         scene: &scene,
         tight: Some(tight),

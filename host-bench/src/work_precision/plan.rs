@@ -75,6 +75,7 @@ impl Variant {
             long_step_s: None,
             tolerance,
             trace_every_s: None,
+            bare: false,
             steady_state: false,
         }
     }
@@ -88,6 +89,7 @@ impl Variant {
             (Method::Auto | Method::TrBdf2, _) => "TR-BDF2, adaptive",
             (Method::Rk4, _) => "explicit RK4, fixed step",
             (Method::DiscreteGradient, _) => "discrete gradient",
+            (Method::Newmark, _) => "Newmark",
             (Method::Reference, Control::Default) => "reference",
             (Method::Reference, _) => "diffsol BDF (std)",
         }

@@ -14,7 +14,7 @@ pub const HEADINGS: [&str; 11] = [
     "step or tolerance",
     "error of mean power",
     "of RMS voltage",
-    "of first impact",
+    "of first impact or amplitude",
     "steps per simulated s",
     "host ns per simulated s",
     "time ratio",
@@ -25,16 +25,16 @@ pub const HEADINGS: [&str; 11] = [
 pub const WORDS: usize = 4;
 
 /// The name that the command line has for a value.
-fn name(value: &impl ValueEnum) -> String {
+pub(super) fn name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-fn small(value: Option<f64>) -> String {
+pub(super) fn small(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1e}"))
 }
 
 /// An integer in groups of three digits.
-fn grouped(value: f64) -> String {
+pub(super) fn grouped(value: f64) -> String {
     let digits = format!("{value:.0}");
     let first = digits.len() % 3;
     let mut text = digits.get(..first).unwrap_or_default().to_owned();
@@ -48,7 +48,7 @@ fn grouped(value: f64) -> String {
 }
 
 /// Three significant digits below a hundred, none after the point above.
-fn ratio(value: Option<f64>) -> String {
+pub(super) fn ratio(value: Option<f64>) -> String {
     value.map_or_else(
         || "-".to_owned(),
         |value| if value < 100.0 { format!("{value:.2}") } else { format!("{value:.0}") },
@@ -56,7 +56,7 @@ fn ratio(value: Option<f64>) -> String {
 }
 
 /// What went wrong, without the state in which it did.
-fn reason(failure: &str) -> String {
+pub(super) fn reason(failure: &str) -> String {
     failure.split(": ").next().unwrap_or(failure).to_owned()
 }
 
@@ -75,7 +75,7 @@ impl Row {
             Some(found) => cells.extend([
                 small(found.errors.mean_power_error),
                 small(found.errors.rms_voltage_error),
-                small(found.errors.first_impact_error),
+                small(found.errors.first_impact_error.or(found.errors.amplitude_error)),
                 grouped(found.steps_per_s),
                 grouped(found.ns_per_s),
                 ratio(found.time_ratio),
@@ -97,14 +97,17 @@ impl Comparison {
         let shown = |value: Option<f64>, unit: &str| {
             value.map_or_else(|| "none".to_owned(), |value| format!("{value:.6e} {unit}"))
         };
+        let motion = match self.amplitude_m {
+            Some(amplitude) => format!("amplitude {}", shown(Some(amplitude), "m")),
+            None => format!("first impact {}", shown(self.first_impact_s, "s")),
+        };
         format!(
-            "{}, R = {}, {} s simulated; by the reference: mean power {}, RMS voltage {}, first impact {}",
+            "{}, R = {}, {} s simulated; by the reference: mean power {}, RMS voltage {}, {motion}",
             self.file,
             resistance(self.resistance_ohm),
-            self.duration_s,
+            (self.duration_s * 1e3).round() / 1e3,
             shown(self.mean_power_w, "W"),
             shown(self.rms_voltage_v, "V"),
-            shown(self.first_impact_s, "s"),
         )
     }
 
@@ -164,6 +167,7 @@ impl Comparison {
                     optional(found.errors.mean_power_error),
                     optional(found.errors.rms_voltage_error),
                     optional(found.errors.first_impact_error),
+                    optional(found.errors.amplitude_error),
                     number(found.steps_per_s),
                     number(found.ns_per_s),
                     optional(found.time_ratio),
@@ -172,7 +176,7 @@ impl Comparison {
                     String::new(),
                 ]),
                 None => {
-                    cells.extend(std::iter::repeat_n(String::new(), 8));
+                    cells.extend(std::iter::repeat_n(String::new(), 9));
                     cells.push(format!("\"{}\"", row.failure.clone().unwrap_or_default().replace('"', "'")));
                 }
             }
@@ -188,7 +192,7 @@ impl Comparison {
 
 /// Heading of [`Comparison::csv`].
 pub const CSV_HEADING: &str = "scene,resistance_ohm,method,precision,math,step_or_tolerance,\
-    mean_power_error,rms_voltage_error,first_impact_error,steps_per_s,ns_per_s,time_ratio,\
+    mean_power_error,rms_voltage_error,first_impact_error,amplitude_error,steps_per_s,ns_per_s,time_ratio,\
     energy_residual,runs,failure\n";
 
 /// A resistance with its unit.

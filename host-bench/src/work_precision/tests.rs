@@ -1,4 +1,4 @@
-//! A short table of the shipped scene.
+//! Short tables of the shipped scenes.
 
 use std::path::Path;
 
@@ -56,4 +56,24 @@ fn the_median_of_an_even_number_is_the_mean_of_the_middle_two() {
     assert_eq!(median(vec![4.0, 1.0, 2.0, 8.0]), 3.0);
     assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
     assert!(median(Vec::new()).is_nan());
+}
+
+#[test]
+fn a_slider_is_compared_by_its_amplitude() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/sliding.toml");
+    let overrides = [Override::new("run.duration_s", "0.6"), Override::new("run.settle_s", "0.3")];
+    let scene = scene_file::read(&file, &overrides).expect("the shipped scene is valid");
+    let comparison = compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, whole: false }, |_| ())
+        .expect("the reference runs");
+    let error = |method: Method, steps: u32| {
+        let row = comparison.rows.iter().find(|row| {
+            row.variant.method == method
+                && row.variant.precision == Precision::F64
+                && matches!(row.variant.control, Control::PerPeriod { steps: own, .. } if own == steps)
+        });
+        row.and_then(|row| row.found?.errors.amplitude_error).expect("the row is there")
+    };
+    assert!(error(Method::TrBdf2, 3200) < 0.1 * error(Method::TrBdf2, 800));
+    assert!(error(Method::Rk4, 400) < 0.01 * error(Method::TrBdf2, 800));
+    assert!(comparison.title().contains("amplitude ") && comparison.first_impact_s.is_none());
 }

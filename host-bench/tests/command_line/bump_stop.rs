@@ -252,12 +252,12 @@ fn numbers_that_do_not_fit_together() {
 }
 
 #[test]
-fn the_reference_refuses_what_has_no_limit_and_the_core_the_scene() {
+fn the_reference_refuses_what_has_no_limit_and_the_core_what_it_has_not() {
     refused_with(
         &["stop.contact=displacement-constraint"],
         &["stop.contact = \"displacement-constraint\"", "--method reference", "time step"],
     );
-    for method in ["auto", "tr-bdf2", "rk4"] {
-        refused(&["run", SHIPPED, "--method", method], &["bump-stop", "--method reference"]);
-    }
+    refused(&["run", SHIPPED, "--tolerance", "1e-4"], &["--tolerance", "must not be given", "--step"]);
+    refused(&["run", SHIPPED, "--step", "1e-6", "--long-step", "0.5"], &["--long-step 0.5", "at most"]);
+    refused(&["run", SHIPPED, "--steady-state"], &["bump-stop", "periodic steady state"]);
 }

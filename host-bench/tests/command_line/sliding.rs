@@ -165,13 +165,6 @@ fn numbers_that_do_not_fit_together() {
     );
 }
 
-#[test]
-fn it_runs_on_the_reference_only() {
-    for method in ["auto", "tr-bdf2", "rk4"] {
-        refused(&["run", SLIDING, "--method", method], &[SLIDING, "\"sliding\"", "--method reference"]);
-    }
-}
-
 /// An uncharged slider, shaken too hard, swings out of the overlap: exit code 3, one line, no result.
 #[test]
 fn a_slider_that_leaves_the_patch_ends_the_run() {

@@ -106,9 +106,9 @@ pub(super) fn report(cores: &[Core], limit: Duration) -> Result<(), Error> {
     println!("rest; with a gap of 10 um and, in the third table, without one.");
     println!("Error: of this run's mean power over the same time, against the independent reference; in");
     println!(
-        "sliding against the converged run in f64; in bump-stop of the RMS voltage from {SETTLED_S} s on, against"
+        "bump-stop of the RMS voltage from {SETTLED_S} s on, against the reference with the same modes."
     );
-    println!("the reference with the same modes. Instructions as QEMU executes them, which are not");
+    println!("Instructions as QEMU executes them, which are not");
     println!("cycles. Flash: what is added to an empty firmware with the same runtime and logging. Stack:");
     println!("from the top of RAM. Sizes in bytes.");
     Ok(())

@@ -130,7 +130,7 @@ fn report_sliding(core: Core, limit: Duration) -> Result<(), Error> {
         scenes::IMPLICIT_STEP * 1e3
     );
     println!(
-        "tolerance of {}. Error: of the mean power, against the converged run in f64 of",
+        "tolerance of {}. Error: of the mean power, against the independent reference of",
         scenes::TOLERANCE
     );
     println!(

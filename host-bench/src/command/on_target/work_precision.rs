@@ -124,7 +124,7 @@ fn report_sliding(core: Core, limit: Duration) -> Result<(), Error> {
         "{core}. Sliding, 0.36 g, from {SETTLED_S} s to {} s. Error: of the f32 mean power, with this",
         sliding::SETTLING.seconds()
     );
-    println!("core's bits, against the converged run in f64. Steps and instructions at 18.373 Hz, four");
+    println!("core's bits, against the independent reference. Steps and instructions at 18.373 Hz, four");
     println!("events a period included. Instructions as QEMU executes them, which are not cycles.");
     Ok(())
 }

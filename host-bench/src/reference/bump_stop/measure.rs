@@ -263,6 +263,7 @@ impl<'a> Meters<'a> {
                 first_contact_s: self.first_contact,
                 peak_force_n: self.force.map(|force| force.highest),
                 mean_force_n: has_stop.then(|| (self.window[form::FORCE] + self.momentum) / length),
+                end_state: self.system.layout.by_mode(end),
             },
             recording: self
                 .recorder

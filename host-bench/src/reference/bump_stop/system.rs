@@ -69,6 +69,13 @@ impl Layout {
         [self.one() + 3 + 2 * tone, self.one() + 4 + 2 * tone]
     }
 
+    /// Scaled displacement and velocity of each mode, the beam's first, and the scaled voltage.
+    pub(super) fn by_mode(&self, vector: &[f64]) -> Vec<f64> {
+        let beam = (0..self.beam).map(|mode| [self.beam(mode), self.beam_rate(mode)]);
+        let rod = (0..self.rod).map(|mode| [self.rod(mode), self.rod_rate(mode)]);
+        beam.chain(rod).flatten().chain([self.voltage()]).map(|place| vector[place]).collect()
+    }
+
     /// Length of the vector.
     pub(super) fn size(&self) -> usize {
         self.one() + 3 + 2 * self.tones

@@ -5,7 +5,7 @@ mod limits;
 mod published;
 mod sticking;
 
-use crate::outcome::{Outcome, Particular, SlidingOutcome};
+use crate::outcome::{Outcome, SlidingOutcome};
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{
     Excitation, ForceLaw, Load, Model, RunSpan, Scene, Sliding, SlidingParameters, SlidingStart, StickCharge,
@@ -89,10 +89,7 @@ fn run(scene: &Scene) -> Outcome {
 }
 
 fn particular(outcome: &Outcome) -> &SlidingOutcome {
-    match &outcome.particular {
-        Particular::Sliding(particular) => particular,
-        Particular::ContactSeparation(_) => panic!("a sliding run"),
-    }
+    outcome.sliding().expect("a sliding run")
 }
 
 /// Asserts that a number is there and within `relative` of what is expected.

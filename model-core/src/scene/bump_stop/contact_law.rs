@@ -76,8 +76,8 @@ impl<S: Scalar> ContactLaw<S> for ResidualFlexibility {
 /// Impacts between the modes that are kept: `ġ⁺ = −e ġ⁻`.
 ///
 /// The coefficient multiplies a mass that falls with the number of modes and is not a property of the
-/// materials. A rebound slower than 10⁻⁵ m/s closes the contact; it then stays closed while it takes a
-/// compressive force to keep it so.
+/// materials. An impact slower than 10⁻⁵ m/s closes the contact; it then stays closed while it takes a
+/// compressive force to keep the gap at zero at the end of each step, and that force does no work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Restitution<S> {

@@ -240,7 +240,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
             let oscillator = Oscillator { angular_frequency, damping_ratio, start, force };
             let (loss, [moved, moment]) = oscillator.integrals(gramian, span.step);
             damped += loss;
-            worked = worked - base * (acceleration * moved + rise * moment / span.step);
+            worked -= base * (acceleration * moved + rise * moment / span.step);
         };
         for (((mode, gramian), start), end) in
             scene.beam.iter().zip(&self.beam).zip(&span.start.beam).zip(&span.end.beam)
@@ -253,7 +253,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
             scene.rod.iter().zip(&self.rod).zip(&span.start.rod).zip(&span.end.rod)
         {
             add(mode.angular_frequency, gramian, *start, mode.base, mode.contact * span.force);
-            contact = contact - mode.contact * (end[0] - start[0]);
+            contact -= mode.contact * (end[0] - start[0]);
         }
         self.base.add(worked);
         self.base_magnitude.add(worked.absolute());
@@ -270,6 +270,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
 
     fn impact(&mut self, impact: &ModalImpact<S>) {
         self.lost.add(impact.loss);
-        self.now[0] = self.now[0] - impact.loss;
+        self.now[0] -= impact.loss;
     }
 }

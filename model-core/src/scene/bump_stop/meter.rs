@@ -1,7 +1,8 @@
 //! Meters of a run by modal steps.
 
+use super::contact_law::{ContactKind, ContactLaw};
 use super::observer::{ModalImpact, ModalObserver, ModalSpan};
-use super::{BumpStop, Parts};
+use super::{BumpStop, Parts, State};
 use crate::clock::Instant;
 use crate::energy::{Integrals, Peak, PowerMeter};
 use crate::integrate::cubic::Cubic;
@@ -53,6 +54,12 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalMeter<'a, 
             peak_force: S::ZERO,
             touching: false,
         }
+    }
+
+    /// The same from `state` on: a contact that is then closed is not counted.
+    #[must_use]
+    pub fn from(scene: &'a BumpStop<S, P, B, R>, state: &State<S, B, R>) -> Self {
+        Self { touching: state.gap > S::ZERO || state.closed, ..Self::new(scene) }
     }
 
     /// Energy delivered to the load, in joules.
@@ -155,7 +162,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
             return;
         }
         let (from, to) = (span.start.gap, span.end.gap);
-        self.peak_force = self.peak_force.larger(span.force).larger(self.scene.stiffness * to);
+        self.peak_force = self.peak_force.larger(span.force);
+        let kind = self.scene.contact.kind();
+        if kind == ContactKind::Compliant {
+            self.peak_force = self.peak_force.larger(self.scene.stiffness * to);
+        }
         // Before touch-down and after lift-off the step is open.
         let before = if from < S::ZERO && to > S::ZERO { Self::crossing(from, to) } else { S::ZERO };
         let after = if to < S::ZERO && from > S::ZERO { S::ONE - Self::crossing(from, to) } else { S::ZERO };
@@ -165,7 +176,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
             let ticks = (before * S::from_u32(span.ticks)).to_u32();
             self.first_contact = self.first_contact.or(Some(span.start.clock.after(ticks)));
         }
-        self.touching = to > S::ZERO || span.end.closed;
+        self.touching = to > S::ZERO || span.end.closed || kind == ContactKind::Constrained;
     }
 
     fn impact(&mut self, impact: &ModalImpact<S>) {

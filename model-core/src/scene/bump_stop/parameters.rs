@@ -192,9 +192,15 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
                 contact: taken * mode.tip,
             }
         });
-        if let Some(first) = beam_coefficients.first() {
-            let hertz = first.angular_frequency * S::literal(0.5 * core::f64::consts::FRAC_1_PI);
-            Bounds::new(1e-3, 1e6).check("natural frequency of the beam", hertz)?;
+        let hertz = |angular: S| angular * S::literal(0.5 * core::f64::consts::FRAC_1_PI);
+        let frequency = Bounds::new(1e-3, 1e8);
+        for mode in &beam_coefficients {
+            frequency.check("natural frequency of a beam mode", hertz(mode.angular_frequency))?;
+        }
+        if possible {
+            for mode in &rod_coefficients {
+                frequency.check("natural frequency of a rod mode", hertz(mode.angular_frequency))?;
+            }
         }
         let (stiffness, gap) = if possible {
             let residual = beam.residual_compliance(place, beam_modes) + rod.residual_compliance(rod_modes);

@@ -73,8 +73,7 @@ pub struct StepSet<S, const B: usize, const R: usize> {
     pub(super) per_circuit: S,
     /// Mean voltage per unit force, negated.
     pub(super) voltage_by_force: S,
-    /// How much a unit force changes the rate of the gap, and a unit voltage.
-    pub(super) rate_by_force: S,
+    /// How much a unit voltage changes the rate of the gap.
     pub(super) rate_by_voltage: S,
 }
 
@@ -92,18 +91,16 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             self.rod.map(|mode| of(mode.angular_frequency, mode.base, S::ZERO)),
         );
         let circuit = CircuitStep::new(self.capacitance, self.load.resistance(), step);
-        let (mut flexibility, mut rate_by_force) = (S::ZERO, S::ZERO);
+        let mut flexibility = S::ZERO;
         let (mut gap_by_voltage, mut rate_by_voltage, mut charge_by_voltage) = (S::ZERO, S::ZERO, S::ZERO);
         for (mode, modal) in self.beam.iter().zip(&beam) {
             flexibility += mode.contact * mode.contact * modal.by_force[0];
-            rate_by_force += mode.contact * mode.contact * modal.by_force[1];
             gap_by_voltage += mode.contact * mode.voltage * modal.by_force[0];
             rate_by_voltage += mode.contact * mode.voltage * modal.by_force[1];
             charge_by_voltage += mode.voltage * mode.voltage * modal.by_force[0];
         }
         for (mode, modal) in self.rod.iter().zip(&rod) {
             flexibility += mode.contact * mode.contact * modal.by_force[0];
-            rate_by_force += mode.contact * mode.contact * modal.by_force[1];
         }
         let two_way = self.coupling.is_two_way();
         let back = if two_way { circuit.mean_by_charge * charge_by_voltage } else { S::ZERO };
@@ -111,7 +108,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let voltage_by_force = circuit.mean_by_charge * gap_by_voltage * per_circuit;
         if two_way {
             flexibility -= gap_by_voltage * voltage_by_force;
-            rate_by_force -= rate_by_voltage * voltage_by_force;
         }
         StepSet {
             ticks,
@@ -124,7 +120,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             charge_by_voltage,
             per_circuit,
             voltage_by_force,
-            rate_by_force,
             rate_by_voltage,
         }
     }

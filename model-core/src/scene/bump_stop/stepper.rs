@@ -16,7 +16,7 @@ use crate::scalar::Scalar;
 const LEAST_BUDGET: u32 = 44;
 /// Attempts to locate an impact: bisection of 2³² ticks.
 const MOST_LOCATING: u32 = 40;
-/// A rebound slower than this, in m/s, closes the contact.
+/// An impact slower than this, in m/s, closes the contact.
 const CLOSING_SPEED: f64 = 1e-5;
 
 /// A gap this many times as wide as what has drifted is open.
@@ -106,14 +106,14 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     {
         let mut work = Work::default();
         let budget = budget.max(LEAST_BUDGET);
-        let long_is_of_use =
-            self.long.ticks > self.short.ticks && self.long.ticks <= excitation.resolved_ticks();
+        let long_is_of_use = self.long.ticks > self.short.ticks;
         while state.clock < until {
             let spent = work.steps + work.rejected + work.locating;
             if spent > 0 && budget.saturating_sub(spent) < LEAST_BUDGET {
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
             }
-            let left = state.clock.ticks_until(until, u32::MAX);
+            // No step is longer than resolves the excitation.
+            let left = state.clock.ticks_until(until, excitation.resolved_ticks());
             let open = state.short_steps == 0 && !state.closed;
             if long_is_of_use && left >= self.long.ticks && open {
                 // Most of the long steps that are refused start too near to contact: seen before they are
@@ -213,11 +213,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         if P::Contact::POSSIBLE
             && let ContactKind::Impulsive { restitution } = self.scene.contact.kind()
             && !state.closed
+            && trial.end.gap > S::ZERO
         {
-            // Where the gap is above zero and opening, the impact lies behind.
-            if trial.end.gap > S::ZERO && trial.gap_rate > S::ZERO {
-                return self.to_impact(set.ticks, restitution, state, excitation, observer, work);
-            }
+            return self.locate_impact(set.ticks, restitution, state, excitation, observer, work);
         }
         let was_closed = state.closed;
         take(state, &trial, set, observer, work)?;
@@ -232,7 +230,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// The gap is at or below zero at the start and above it `ticks` on.
     #[cold]
     #[inline(never)]
-    fn to_impact<E: Excitation<S>, O: ModalObserver<S, B, R>>(
+    fn locate_impact<E: Excitation<S>, O: ModalObserver<S, B, R>>(
         &self,
         ticks: u32,
         restitution: S,
@@ -269,14 +267,13 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         }
         work.locating += attempts;
         take(state, &reached, &set, observer, work)?;
-        work.events += 1;
         BumpStop::<S, P, B, R>::close_gap(state);
         let speed = reached.gap_rate;
         if !(speed > S::ZERO) {
             return Ok(());
         }
-        // An impact right at the start of the step follows the one before without a flight between.
-        let holds = restitution * speed < S::literal(CLOSING_SPEED) || closed <= 1;
+        work.events += 1;
+        let holds = speed < S::literal(CLOSING_SPEED);
         let rebound = if holds { S::ZERO } else { restitution };
         let impulse = (S::ONE + rebound) * speed / self.scene.inverse_mass;
         for (coordinate, mode) in state.beam.iter_mut().zip(&self.scene.beam) {

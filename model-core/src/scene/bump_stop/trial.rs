@@ -12,7 +12,7 @@ use crate::scalar::{Scalar, add_increment};
 /// The end of a step and what happened in it.
 pub(super) struct Trial<S, const B: usize, const R: usize> {
     pub(super) end: State<S, B, R>,
-    /// Rate of the gap coordinate at the end.
+    /// Rate of the gap coordinate at the end of a step without contact force.
     pub(super) gap_rate: S,
     force: S,
     pub(super) mean_voltage: S,
@@ -39,9 +39,6 @@ impl<S: Scalar, const B: usize, const R: usize> Trial<S, B, R> {
         }
     }
 }
-
-/// Part of a remaining penetration that a closed contact takes back in one step.
-const RETURN: f64 = 0.1;
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Takes the step `set` from `start`; `acceleration` is the base's at its end.
@@ -84,7 +81,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             strain -= set.charge_by_voltage * mean_voltage;
         }
         // The contact, and what it does to both.
-        let contact = self.touch(set, start, gap, rate);
+        let contact = self.touch(set, start, gap);
         let force = contact.force;
         end.gap = contact.gap;
         end.closed = start.closed && force > S::ZERO;
@@ -95,7 +92,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             if two_way {
                 strain += set.charge_by_voltage * by_force;
             }
-            rate -= set.rate_by_force * force;
             for ((coordinate, mode), modal) in end.rod.iter_mut().zip(&self.rod).zip(&set.rod) {
                 let push = mode.contact * force;
                 coordinate[0] += modal.by_force[0] * push;
@@ -135,10 +131,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         }
     }
 
-    /// The contact force and the gap at the end of a step that without it would come to `gap` with
-    /// the rate `rate`.
+    /// The contact force and the gap at the end of a step that without it would come to `gap`.
     #[inline(always)]
-    fn touch(&self, set: &StepSet<S, B, R>, start: &State<S, B, R>, gap: S, rate: S) -> ContactStep<S> {
+    fn touch(&self, set: &StepSet<S, B, R>, start: &State<S, B, R>, gap: S) -> ContactStep<S> {
         let open = ContactStep { force: S::ZERO, gap };
         if !P::Contact::POSSIBLE {
             return open;
@@ -146,14 +141,12 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         match self.contact.kind() {
             ContactKind::None => open,
             ContactKind::Compliant => contact_step(start.gap, gap, set.flexibility, self.stiffness),
-            ContactKind::Constrained if gap > S::ZERO => {
+            // The force that makes the gap zero; it does no work on a gap that was zero before.
+            ContactKind::Constrained if gap > S::ZERO && set.flexibility > S::ZERO => {
                 ContactStep { force: gap / set.flexibility, gap: S::ZERO }
             }
-            ContactKind::Impulsive { .. } if start.closed => {
-                // The force that makes the rate zero, and takes back some of what the gap has drifted.
-                let wanted = rate + S::literal(RETURN) * gap / set.step;
-                let force = (wanted / set.rate_by_force).larger(S::ZERO);
-                ContactStep { force, gap: gap - set.flexibility * force }
+            ContactKind::Impulsive { .. } if start.closed && gap > S::ZERO && set.flexibility > S::ZERO => {
+                ContactStep { force: gap / set.flexibility, gap: S::ZERO }
             }
             ContactKind::Constrained | ContactKind::Impulsive { .. } => open,
         }

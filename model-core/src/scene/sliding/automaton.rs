@@ -106,8 +106,13 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             return None;
         }
         let [[constant, _], [hold, _]] = self.balance(&state.point.state, S::ZERO);
-        let amplitude = self.base_coupling * sine.amplitude();
-        let turns = turns_until_release(constant, amplitude, hold, sine.phase(state.clock))?;
+        let (amplitude, phase) = (self.base_coupling * sine.amplitude(), sine.phase(state.clock));
+        if !(sine.hertz() > S::ZERO) {
+            return None;
+        }
+        // A negative amplitude is half a turn.
+        let phase = if amplitude < S::ZERO { phase.wrapping_add(1 << 63) } else { phase };
+        let turns = turns_until_release(constant, amplitude.absolute(), hold, phase)?;
         Some(turns / sine.hertz())
     }
 

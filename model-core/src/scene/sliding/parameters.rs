@@ -49,16 +49,16 @@ pub struct Parameters<S: Scalar, P: Parts<S>> {
     pub beam_length: S,
     /// Width `b` of the beam in m, 10⁻⁵ to 10.
     pub beam_width: S,
-    /// Thickness `h` of the beam, in the direction of bending, in m, 10⁻⁶ to 1; the natural frequency
+    /// Thickness `h` of the beam, in the direction of bending, in m, 10⁻⁷ to 1; the natural frequency
     /// must come out between 10⁻³ and 10⁴ Hz.
     pub beam_thickness: S,
-    /// Young's modulus `E` in Pa, 10³ to 10¹³.
+    /// Young's modulus `E` in Pa, 10⁵ to 10¹³.
     pub young_modulus: S,
     /// Density `ρ` of the beam in kg/m³, 1 to 10⁵.
     pub density: S,
     /// Damping ratio `ζ` of the first mode, 0 to 10.
     pub damping_ratio: S,
-    /// Mass `m` of the slider in kg, 10⁻⁹ to 10³.
+    /// Mass `m` of the slider in kg, 10⁻¹² to 10³.
     pub slider_mass: S,
     /// Radius `r` of the slider and the active patch in m, 10⁻⁶ to 1.
     pub patch_radius: S,
@@ -160,11 +160,11 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
     fn check(&self) -> Result<(), ParameterError<S>> {
         Bounds::new(1e-4, 10.0).check("beam_length", self.beam_length)?;
         Bounds::new(1e-5, 10.0).check("beam_width", self.beam_width)?;
-        Bounds::new(1e-6, 1.0).check("beam_thickness", self.beam_thickness)?;
-        Bounds::new(1e3, 1e13).check("young_modulus", self.young_modulus)?;
+        Bounds::new(1e-7, 1.0).check("beam_thickness", self.beam_thickness)?;
+        Bounds::new(1e5, 1e13).check("young_modulus", self.young_modulus)?;
         Bounds::new(1.0, 1e5).check("density", self.density)?;
         Bounds::new(0.0, 10.0).check("damping_ratio", self.damping_ratio)?;
-        Bounds::new(1e-9, 1e3).check("slider_mass", self.slider_mass)?;
+        Bounds::new(1e-12, 1e3).check("slider_mass", self.slider_mass)?;
         Bounds::new(1e-6, 1.0).check("patch_radius", self.patch_radius)?;
         self.friction.check()?;
         Bounds::new(1e-9, 0.1).check("dielectric_thickness", self.dielectric_thickness)?;

@@ -131,7 +131,7 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure,
         drawn(8, letter, title, frequency_axis(grid.span(), 9), up.clone(), curves.collect())
     };
     Ok(Figure {
-        number: 8,
+        label: "Figure 8",
         title: "Frequency responses of the gap for four charge densities",
         caption: format!(
             "Largest gap between mass and dielectric in {WINDOW} excitation periods, after {SETTLE}, over frequency, \
@@ -165,9 +165,9 @@ pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure
         });
         drawn(11, letter, title, frequency_axis(span, 9), up, curves.collect())
     };
-    let near = Axis { span: LOCAL[1], ticks: 8, ..up.clone() };
+    let near = Axis::linear("largest gap [mm]", LOCAL[1], 8);
     Ok(Figure {
-        number: 11,
+        label: "Figure 11",
         title: "Frequency responses of the gap for three load resistances",
         caption: format!(
             "Largest gap in {WINDOW} excitation periods, after {SETTLE}, over frequency, for three load resistances, \
@@ -216,7 +216,7 @@ fn drawn(
 }
 
 pub(super) fn frequency_axis(span: [f64; 2], ticks: usize) -> Axis {
-    Axis { title: "excitation frequency [Hz]", span, ticks }
+    Axis::linear("excitation frequency [Hz]", span, ticks)
 }
 
 /// Half millimetres that hold all gaps, the same for the panels of a figure.
@@ -225,7 +225,7 @@ fn gap_axis(sweeps: &[&Sweep]) -> Axis {
     let (low, high) = gaps.fold((f64::INFINITY, 0.0_f64), |(low, high), gap| (low.min(gap), high.max(gap)));
     let low = if low.is_finite() { low } else { 0.0 };
     let span = [(2.0 * low).floor() / 2.0, ((2.0 * high).ceil() / 2.0).max(0.5)];
-    Axis { title: "largest gap [mm]", span, ticks: 8 }
+    Axis::linear("largest gap [mm]", span, 8)
 }
 
 fn csv(sweeps: &[&Sweep]) -> String {

@@ -53,11 +53,11 @@ pub(super) fn ten(
     let plot = Plot {
         title: format!("Figure 10: {charge_density} µC/m², {resistance} MΩ"),
         across: frequency_axis(grid.span(), 11),
-        up: Axis {
-            title: "gap at the start of each period [mm]",
-            span: [(10.0 * low - 0.5).floor() / 10.0, (10.0 * high + 0.5).ceil() / 10.0],
-            ticks: 9,
-        },
+        up: Axis::linear(
+            "gap at the start of each period [mm]",
+            [(10.0 * low - 0.5).floor() / 10.0, (10.0 * high + 0.5).ceil() / 10.0],
+            9,
+        ),
         curves: vec![Curve {
             name: String::new(),
             colour: BLUE,
@@ -66,7 +66,7 @@ pub(super) fn ten(
         }],
     };
     Ok(Figure {
-        number: 10,
+        label: "Figure 10",
         title: "Bifurcation diagram of the position of the mass",
         caption: format!(
             "Gap at the start of each of {WINDOW} excitation periods, where the base acceleration rises through 0, \

@@ -75,7 +75,7 @@ pub(super) fn nine(
         PAIRS.iter().zip(histories.chunks(2)).map(|(pair, histories)| panel(pair, histories)).collect();
     let [onset, after, edge, beyond] = FREQUENCIES;
     Ok(Figure {
-        number: 9,
+        label: "Figure 9",
         title: "Time histories of the gap where impacts begin and end",
         caption: format!(
             "Gap over the last periods of four runs of {END} periods at {charge_density} µC/m² and {resistance} MΩ; \
@@ -96,12 +96,12 @@ fn panel(pair: &Pair, histories: &[Motion]) -> Result<Panel, String> {
             "{}: {:.2} Hz, {} impacts in the last {WINDOW} periods",
             pair.title, motion.frequency, motion.impacts
         ),
-        across: Axis {
-            title: "time since the start [excitation periods]",
-            span: [f64::from(END - pair.periods), f64::from(END)],
-            ticks: 13,
-        },
-        up: Axis { title: "gap [mm]", span: [0.0, 6.0], ticks: 7 },
+        across: Axis::linear(
+            "time since the start [excitation periods]",
+            [f64::from(END - pair.periods), f64::from(END)],
+            13,
+        ),
+        up: Axis::linear("gap [mm]", [0.0, 6.0], 7),
         curves: vec![Curve {
             name: String::new(),
             colour,

@@ -1,0 +1,95 @@
+//! The shape of the beam at some instants of a run.
+
+use model_core::clock::Instant;
+use model_core::part::beam::{BeamMode, Cantilever};
+use model_core::part::monomorph::Monomorph;
+use model_core::scalar::Polynomial;
+use model_core::scene::bump_stop::{ModalObserver, ModalSpan};
+
+use super::{BUDGET, parameters, prepared, step_failure};
+use crate::method::{Failure, Options};
+use crate::scene_file::{Model, Scene};
+
+/// The deflected beam at an instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeflectedShape {
+    /// Time in s: the end of the step that holds the instant.
+    pub time_s: f64,
+    /// Distance from the clamp in m, displacement relative to the base towards the stop in m.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// The beam at each of the `instants`, in s and rising, at `stations` places besides the clamp, by the sum
+/// of its modes, on the embedded core in double precision.
+///
+/// # Errors
+/// If the scene is another one, the core refuses it, or a step cannot be taken.
+pub fn deflected_shapes(
+    scene: &Scene,
+    options: &Options,
+    instants: &[f64],
+    stations: usize,
+) -> Result<Vec<DeflectedShape>, Failure> {
+    let Model::BumpStop(model) = &scene.model else {
+        return Err(Failure::Input(format!(
+            "{}: scene = {:?}: must be \"bump-stop\" here",
+            scene.file.display(),
+            scene.name()
+        )));
+    };
+    let core = parameters::<f64>(model, scene.load);
+    let section = Monomorph::new(
+        &core.substrate,
+        &core.piezo,
+        core.beam_width,
+        core.piezo_d31,
+        core.piezo_permittivity,
+    );
+    let beam = Cantilever {
+        length: core.beam_length,
+        bending_stiffness: section.bending_stiffness,
+        mass_per_length: section.mass_per_length,
+        tip_mass: 0.0,
+    };
+    let modes: Vec<BeamMode<f64>> =
+        (1..).take(model.parameters.beam_modes).map(|number| beam.mode(number)).collect();
+    let mut shapes = Shapes { modes, length: core.beam_length, stations, instants, found: Vec::new() };
+    prepared::<f64, Polynomial, 20, 20, _>(scene, model, options, |run, mut state| {
+        let last = instants.last().copied().unwrap_or(0.0);
+        let end = Instant::from_seconds(last.max(scene.run.duration_s)).ok_or_else(|| {
+            Failure::Input(format!("{}: run: {last} s, must be below 16777216", scene.file.display()))
+        })?;
+        // To the end of the last step that is wanted, and no step is cut short for it.
+        while state.clock < end && shapes.found.len() < instants.len() {
+            run.stepper
+                .advance(&mut state, run.excitation, end, BUDGET.min(1 << 12), &mut shapes)
+                .map_err(|error| step_failure(&error, run.stepper.scene(), &state))?;
+        }
+        Ok(())
+    })?;
+    Ok(shapes.found)
+}
+
+/// Takes the shape at the end of the step that holds each instant.
+struct Shapes<'a> {
+    modes: Vec<BeamMode<f64>>,
+    length: f64,
+    stations: usize,
+    instants: &'a [f64],
+    found: Vec<DeflectedShape>,
+}
+
+impl<const B: usize, const R: usize> ModalObserver<f64, B, R> for Shapes<'_> {
+    fn step(&mut self, span: &ModalSpan<'_, f64, B, R>) {
+        let time_s = span.end.clock.seconds::<f64>();
+        while self.instants.get(self.found.len()).is_some_and(|instant| *instant <= time_s) {
+            let points = (0..=self.stations).map(|station| {
+                let place = station as f64 / self.stations as f64;
+                let modes = self.modes.iter().zip(&span.end.beam);
+                let displacement = modes.map(|(mode, [coordinate, _])| mode.shape(place).value * coordinate);
+                [place * self.length, displacement.sum()]
+            });
+            self.found.push(DeflectedShape { time_s, points: points.collect() });
+        }
+    }
+}

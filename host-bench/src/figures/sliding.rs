@@ -1,0 +1,103 @@
+//! Figures 3 to 6 of Fu, Ouyang and Davis (J. Phys. D 53, 2020), rebuilt on the embedded core: the first
+//! half of the paper, on the sliding harvester.
+//!
+//! All points are periodic steady states, found by shooting.
+
+mod resistance;
+mod resonance;
+mod response;
+
+pub use self::resonance::{Case, Peak};
+
+use rayon::prelude::*;
+
+use super::{Chapter, Figure, Panel};
+use crate::method::Failure;
+use crate::scene_file::{Excitation, GRAVITY, Scene};
+
+/// Relative tolerance of the steps. Against 1e-7 a resonance moves by less than 1e-5 Hz, and its amplitude by
+/// less than 1e-5 of itself.
+pub const TOLERANCE: f64 = 1e-5;
+
+/// The small and the large charge density in µC/m².
+const DENSITIES: [f64; 2] = [20.0, 120.0];
+
+/// Number of resonances that [`build`] follows.
+#[must_use]
+pub fn runs() -> usize {
+    response::cases().len() + resistance::cases().len()
+}
+
+/// Makes the figures on all cores; `done` is called after each resonance.
+///
+/// # Errors
+/// If a resonance cannot be followed or a picture cannot be drawn.
+pub fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
+    let Excitation::Sine(tone) = &base.excitation else {
+        return Err(Failure::Input(format!("{}: excitation.kind must be \"sine\"", base.file.display())));
+    };
+    let natural = Case::natural_frequency_hz(base)?;
+    let note = format!(
+        "Base acceleration {} g; natural frequency without friction {natural:.4} Hz. Charge densities, \
+         resistances and acceleration are chosen.",
+        tone.amplitude_m_per_s2 / GRAVITY
+    );
+    let curves: Result<Vec<response::Response>, Failure> = response::cases()
+        .par_iter()
+        .map(|case| {
+            let response = response::Response::of(base, case);
+            done();
+            response
+        })
+        .collect();
+    let peaks: Result<Vec<Peak>, Failure> = resistance::cases()
+        .par_iter()
+        .map(|case| {
+            let peak = case.peak(base);
+            done();
+            peak
+        })
+        .collect();
+    let figures = figures(&curves?, &peaks?, natural, &note).map_err(Failure::Input)?;
+    Ok(Chapter { title: "Sliding harvester: figures 3 to 6 rebuilt", introduction: introduction(), figures })
+}
+
+fn figures(
+    curves: &[response::Response],
+    peaks: &[Peak],
+    natural: f64,
+    note: &str,
+) -> Result<Vec<Figure>, String> {
+    Ok(vec![
+        response::three(curves, note)?,
+        response::four(curves, note)?,
+        response::five(curves, note)?,
+        resistance::six(peaks, natural, note)?,
+        resistance::charge_sweep(peaks, natural, note),
+        resistance::resistance_sweep(peaks, natural, note),
+    ])
+}
+
+fn introduction() -> String {
+    format!(
+        "<p>After Fu, Ouyang and Davis, <i>Effects of electrical properties on vibrations via electromechanical \
+         coupling in triboelectric energy harvesting</i>, J. Phys. D 53 (2020). Most numbers of the paper do not \
+         survive in the text that we have. Beam, slider mass, patch radius, amplitude of the base, charge \
+         densities and resistances are choices of this library, made so that the paper's trends show: compare \
+         shapes and trends with the paper, not values. The force law is inferred.</p>\n\
+         <p>Every point is the periodic steady state, found by shooting on the embedded core, the code of the \
+         firmware, in double precision with a relative tolerance of {TOLERANCE:.0e}. Peaks are narrowed down to \
+         20 µHz.</p>\n"
+    )
+}
+
+/// A resistance as it is written.
+fn ohms(resistance: f64) -> String {
+    let (scale, unit) = match resistance {
+        ..1e3 => (1.0, "Ω"),
+        ..1e6 => (1e3, "kΩ"),
+        ..1e9 => (1e6, "MΩ"),
+        _ => (1e9, "GΩ"),
+    };
+    format!("{} {unit}", resistance / scale)
+}

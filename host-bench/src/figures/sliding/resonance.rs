@@ -1,0 +1,97 @@
+//! The shipped scene at another charge density and load, and its resonance.
+
+use crate::embedded::resonance_peak;
+use crate::method::{Failure, Options};
+use crate::scene_file::{Load, Model, Scene, Sliding};
+use crate::steady_state::Resonance;
+
+use super::TOLERANCE;
+
+/// Frequencies in Hz between which all peaks lie, and how many are scanned: from 30 mHz below the lowest peak
+/// to 20 above the natural frequency of the shipped beam.
+const AROUND_PEAKS: ([f64; 2], usize) = ([18.31, 18.40], 10);
+
+/// What is changed in the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Case {
+    /// Tribo-charge density in µC/m².
+    pub charge_density: f64,
+    /// Load resistance in Ω; 0 is a short circuit.
+    pub resistance: f64,
+}
+
+/// Where the steady state responds most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Peak {
+    /// Of what.
+    pub case: Case,
+    /// Frequency in Hz at which the amplitude is largest.
+    pub frequency_hz: f64,
+    /// That amplitude in m, half the distance of the extremes.
+    pub amplitude_m: f64,
+    /// Largest RMS voltage over frequency, in V.
+    pub rms_voltage_v: f64,
+}
+
+/// The sliding harvester of a scene.
+fn sliding(base: &Scene) -> Result<&Sliding, Failure> {
+    match &base.model {
+        Model::Sliding(model) => Ok(model),
+        Model::ContactSeparation(_) | Model::BumpStop(_) => Err(Failure::Input(format!(
+            "{}: scene = {:?}: must be \"sliding\" here",
+            base.file.display(),
+            base.name()
+        ))),
+    }
+}
+
+impl Case {
+    /// Of the beam with its slider, without friction, in Hz.
+    pub(super) fn natural_frequency_hz(base: &Scene) -> Result<f64, Failure> {
+        Ok(sliding(base)?.parameters.natural_frequency_hz())
+    }
+
+    /// The steady states over `points` frequencies between two in Hz, and the peaks.
+    ///
+    /// # Errors
+    /// If the scene is another one, a step cannot be taken, or there is no steady state.
+    pub fn resonance(&self, base: &Scene, range: [f64; 2], points: usize) -> Result<Resonance, Failure> {
+        let mut model = sliding(base)?.clone();
+        model.parameters.charge_density_c_per_m2 = self.charge_density * 1e-6;
+        let load = Load::Resistor { resistance_ohm: self.resistance };
+        let scene = Scene { model: Model::Sliding(model), load, ..base.clone() };
+        let options = Options { tolerance: Some(TOLERANCE), ..Options::default() };
+        let at = format!("{} uC/m^2, {} ohm", self.charge_density, self.resistance);
+        let (found, _) =
+            resonance_peak(&scene, range, points, &options).map_err(|failure| match failure {
+                Failure::Step(error) => Failure::Step(format!("{at}: {error}")),
+                input @ Failure::Input(_) => input,
+            })?;
+        found.ok_or_else(|| {
+            Failure::Step(format!("{at}: no stable orbit of one period from {} to {} Hz", range[0], range[1]))
+        })
+    }
+
+    /// Where the steady state responds most.
+    ///
+    /// # Errors
+    /// As [`Case::resonance`], and if a peak lies beyond the range that is searched.
+    pub fn peak(&self, base: &Scene) -> Result<Peak, Failure> {
+        let (range, points) = AROUND_PEAKS;
+        let found = self.resonance(base, range, points)?;
+        // Without a voltage there is no largest one, and where it is found does not matter.
+        let silent = found.rms_voltage.value == 0.0;
+        if found.amplitude.at_edge || (found.rms_voltage.at_edge && !silent) {
+            return Err(Failure::Step(format!(
+                "{} uC/m^2, {} ohm: the peak is not between {} and {} Hz",
+                self.charge_density, self.resistance, range[0], range[1]
+            )));
+        }
+        Ok(Peak {
+            case: *self,
+            frequency_hz: found.amplitude.frequency_hz,
+            amplitude_m: found.amplitude.value,
+            rms_voltage_v: found.rms_voltage.value,
+        })
+    }
+}

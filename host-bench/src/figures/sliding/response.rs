@@ -1,0 +1,241 @@
+//! Figures 3 to 5: amplitude and RMS voltage over frequency.
+
+use std::fmt::Write;
+
+use plotters::style::RGBColor;
+
+use super::{Case, DENSITIES, Figure, Panel, ohms};
+use crate::method::Failure;
+use crate::outcome::number;
+use crate::report::plot::{self, Axis, Curve, Mark, Plot};
+use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION, range};
+use crate::scene_file::Scene;
+use crate::steady_state;
+
+/// Charge densities of figure 3 in µC/m².
+const FIGURE_THREE: [f64; 5] = [10.0, 20.0, 40.0, 80.0, 120.0];
+/// Resistance of figure 3 in Ω.
+const LOAD: f64 = 1e8;
+/// Resistances of figures 4 and 5 in Ω.
+pub(super) const RESISTANCES: [f64; 5] = [0.0, 1e7, 5e7, 1e8, 1e10];
+/// Their colours, and those of the charge densities of figure 3.
+pub(super) const COLOURS: [RGBColor; 5] = [BLACK, GREEN, BLUE, ORANGE, VERMILION];
+
+/// Frequencies in Hz, and how many: 5 mHz apart, where half the power is within 130 mHz.
+const WIDE: ([f64; 2], usize) = ([18.0, 18.75], 151);
+/// Around the peaks of the small and the large charge density, in Hz.
+const NEAR: [[f64; 2]; 2] = [[18.355, 18.385], [18.32, 18.40]];
+/// How many frequencies are between these.
+const NEAR_POINTS: usize = 41;
+/// Size of a panel: two stand beside each other on the page.
+const SIZE: (u32, u32) = (560, 430);
+
+/// Steady states over frequency at one charge density and load.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Response {
+    case: Case,
+    /// Frequency in Hz, amplitude in m, RMS voltage in V, in rising order of frequency.
+    points: Vec<[f64; 3]>,
+}
+
+/// What figures 3 to 5 need, each once.
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases: Vec<Case> =
+        FIGURE_THREE.map(|charge_density| Case { charge_density, resistance: LOAD }).to_vec();
+    for charge_density in DENSITIES {
+        cases.extend(RESISTANCES.map(|resistance| Case { charge_density, resistance }));
+    }
+    let mut once: Vec<Case> = Vec::new();
+    for case in cases {
+        if !once.contains(&case) {
+            once.push(case);
+        }
+    }
+    once
+}
+
+impl Response {
+    /// Over the wide range, with more points around the peaks.
+    ///
+    /// # Errors
+    /// If the orbit cannot be followed.
+    pub(super) fn of(base: &Scene, case: &Case) -> Result<Self, Failure> {
+        let (wide, points) = WIDE;
+        let mut found = case.resonance(base, wide, points)?.responses;
+        for (density, near) in DENSITIES.iter().zip(NEAR) {
+            if case.charge_density == *density {
+                found.extend(case.resonance(base, near, NEAR_POINTS)?.responses);
+            }
+        }
+        found.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let point = |(frequency, response): (f64, Option<steady_state::Response>)| {
+            response.map(|response| [frequency, response.amplitude_m, response.rms_voltage_v])
+        };
+        Ok(Self { case: *case, points: found.into_iter().filter_map(point).collect() })
+    }
+}
+
+/// What a panel shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shown {
+    Amplitude,
+    Voltage,
+}
+
+impl Shown {
+    fn axis(self) -> &'static str {
+        match self {
+            Self::Amplitude => "amplitude of the tip [mm]",
+            Self::Voltage => "RMS voltage [V]",
+        }
+    }
+
+    fn points(self, response: &Response) -> Vec<(f64, f64)> {
+        let value = |point: &[f64; 3]| match self {
+            Self::Amplitude => 1e3 * point[1],
+            Self::Voltage => point[2],
+        };
+        response.points.iter().map(|point| (point[0], value(point))).collect()
+    }
+}
+
+/// A panel over a range of frequencies; its ordinate begins at 0 unless it is a local view.
+fn panel(
+    name: &str,
+    title: String,
+    shown: Shown,
+    [span, local]: [Option<[f64; 2]>; 2],
+    curves: &[(String, &Response)],
+) -> Result<Panel, String> {
+    let across = span.or(local).unwrap_or(WIDE.0);
+    let curves: Vec<Curve> = curves
+        .iter()
+        .zip(COLOURS)
+        .map(|((name, response), colour)| Curve {
+            name: name.clone(),
+            colour,
+            mark: Mark::Line(1.6),
+            points: shown.points(response),
+        })
+        .collect();
+    let peaks = curves.iter().map(|curve| curve.points.iter().map(|point| point.1).fold(0.0, f64::max));
+    let (low, high) = if local.is_some() { range(peaks) } else { (0.0, 1.04 * peaks.fold(0.0, f64::max)) };
+    // Below the lowest peak as far as it is from the highest.
+    let low = if local.is_some() { low - 0.5 * (high - low) } else { low };
+    let plot = Plot {
+        title,
+        across: Axis::linear("excitation frequency [Hz]", across, 7),
+        up: Axis::linear(shown.axis(), [low, high], 8),
+        curves,
+    };
+    Ok(Panel { name: name.to_owned(), svg: plot::draw(SIZE, &[plot])? })
+}
+
+/// Figure 3.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub(super) fn three(all: &[Response], note: &str) -> Result<Figure, String> {
+    let wanted: Vec<(String, &Response)> = FIGURE_THREE
+        .iter()
+        .filter_map(|&charge_density| {
+            let case = Case { charge_density, resistance: LOAD };
+            let response = all.iter().find(|response| response.case == case)?;
+            Some((charge_density.to_string(), response))
+        })
+        .collect();
+    let load = ohms(LOAD);
+    let drawn = |letter: char, shown| {
+        let title = format!("Figure 3 ({letter}): charge density in µC/m², {load}");
+        panel(&format!("figure-3{letter}"), title, shown, [Some(WIDE.0), None], &wanted)
+    };
+    Ok(Figure {
+        label: "Figure 3",
+        title: "Frequency responses of tip and voltage for five charge densities",
+        caption: format!(
+            "(a) Amplitude of the tip, half the distance of its extremes, and (b) RMS voltage, over the frequency of \
+             the base, at a load of {load}. More charge presses the slider harder on the patch: friction takes \
+             more, the amplitude falls and the peak moves a little to the left, while the voltage still \
+             grows. {note}"
+        ),
+        panels: vec![drawn('a', Shown::Amplitude)?, drawn('b', Shown::Voltage)?],
+        table: Vec::new(),
+        csv: csv(wanted.iter().map(|(_, response)| *response)),
+    })
+}
+
+/// The responses at one charge density for all resistances.
+fn at_density(all: &[Response], density: f64) -> Vec<(String, &Response)> {
+    let of = |resistance: &f64| {
+        let case = Case { charge_density: density, resistance: *resistance };
+        let response = all.iter().find(|response| response.case == case)?;
+        Some((ohms(*resistance), response))
+    };
+    RESISTANCES.iter().filter_map(of).collect()
+}
+
+/// Amplitude, local view of it, and voltage at one charge density.
+fn panels(number: u32, which: usize, wanted: &[(String, &Response)]) -> Result<Vec<Panel>, String> {
+    let title =
+        |letter: char, what: &str| format!("Figure {number} ({letter}): {} µC/m², {what}", DENSITIES[which]);
+    let name = |letter: char| format!("figure-{number}{letter}");
+    Ok(vec![
+        panel(&name('a'), title('a', "amplitude"), Shown::Amplitude, [Some(WIDE.0), None], wanted)?,
+        panel(&name('b'), title('b', "local view"), Shown::Amplitude, [None, Some(NEAR[which])], wanted)?,
+        panel(&name('c'), title('c', "RMS voltage"), Shown::Voltage, [Some(WIDE.0), None], wanted)?,
+    ])
+}
+
+/// Figure 4.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub(super) fn four(all: &[Response], note: &str) -> Result<Figure, String> {
+    let wanted = at_density(all, DENSITIES[0]);
+    Ok(Figure {
+        label: "Figure 4",
+        title: "Frequency responses for five load resistances, small charge density",
+        caption: format!(
+            "At {} µC/m²: (a) amplitude of the tip, (b) its peaks again, larger, and (c) RMS voltage, which the \
+             paper does not show here. The load does little to the motion: only around the peak does the amplitude \
+             fall with growing resistance, by 2 %. {note}",
+            DENSITIES[0]
+        ),
+        panels: panels(4, 0, &wanted)?,
+        table: Vec::new(),
+        csv: csv(wanted.iter().map(|(_, response)| *response)),
+    })
+}
+
+/// Figure 5.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub(super) fn five(all: &[Response], note: &str) -> Result<Figure, String> {
+    let wanted = at_density(all, DENSITIES[1]);
+    Ok(Figure {
+        label: "Figure 5",
+        title: "Frequency responses for five load resistances, large charge density",
+        caption: format!(
+            "At {} µC/m²: (a) amplitude of the tip, and beyond the paper (b) its peaks again, larger, and (c) RMS \
+             voltage. With growing resistance the peak moves to the left and its amplitude falls a little; \
+             with more it comes back to the right and falls further. {note}",
+            DENSITIES[1]
+        ),
+        panels: panels(5, 1, &wanted)?,
+        table: Vec::new(),
+        csv: csv(wanted.iter().map(|(_, response)| *response)),
+    })
+}
+
+fn csv<'a>(responses: impl Iterator<Item = &'a Response>) -> String {
+    let mut text =
+        String::from("charge_density_c_per_m2,load_resistance_ohm,frequency_hz,amplitude_m,rms_voltage_v\n");
+    for Response { case, points } in responses {
+        for [frequency, amplitude, voltage] in points {
+            let cells = [1e-6 * case.charge_density, case.resistance, *frequency, *amplitude, *voltage];
+            let _ = writeln!(text, "{}", cells.map(number).join(","));
+        }
+    }
+    text
+}

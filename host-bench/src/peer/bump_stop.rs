@@ -1,0 +1,209 @@
+//! The bump-stop harvester by general methods: TR-BDF2, the classical Runge-Kutta method and Newmark's.
+//!
+//! They integrate the modal equations with the contact as the spring that the modes left out make of it,
+//! `F = k max(0, g)`, and step over the instants of contact. Each is written for this system: in order of
+//! the number of modes, an implicit stage in closed form. So their run times are those of the methods.
+
+mod meter;
+mod method;
+mod system;
+
+use std::time::Instant;
+
+use self::meter::Meter;
+use self::method::{Implicit, RungeKutta4, Stepper};
+use self::system::{Shaking, State, System};
+use crate::method::{Failure, Method, Options};
+use crate::outcome::{BUMP_STOP_COLUMNS, Outcome, Particular, Recording};
+use crate::scene_file::{BumpStop, Contact, Scene};
+
+/// Step of the implicit methods in s where none is given: that of the core's method near contact.
+const DEFAULT_STEP_S: f64 = 1e-6;
+
+/// Step of the explicit method over the inverse of the highest angular frequency where none is given; it
+/// is stable up to 2.78.
+const DEFAULT_RADIANS: f64 = 2.0;
+
+/// Runs the scene from its start to its end.
+///
+/// # Errors
+/// [`Failure::Input`] if the options do not fit, [`Failure::Step`] if the motion does not stay finite: the
+/// step was not stable.
+pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<Outcome, Failure> {
+    check(scene, model, options)?;
+    let system = System::new(model, scene.load);
+    let default = match options.method {
+        Method::Rk4 => DEFAULT_RADIANS / system.highest_angular_frequency(),
+        _ => DEFAULT_STEP_S,
+    };
+    let mut march = March {
+        shaking: Shaking::new(&scene.excitation),
+        state: system.start(&model.initial),
+        system: &system,
+        recorder: options.trace_every_s.map(|every| Recorder { every, rows: Vec::new() }),
+        has_stop: model.stop.is_some(),
+        steps: 0,
+    };
+    let [settled, end] = [scene.run.settle_s, scene.run.duration_s];
+    let step = options.step_s.unwrap_or(default);
+    let began = Instant::now();
+    let mut meter = Meter::new(&system, &march.state);
+    for (from, to, measured) in [(0.0, settled, false), (settled, end, true)] {
+        if to <= from {
+            continue;
+        }
+        meter.measure(measured);
+        // Equal steps that end where the stretch ends; one that divides it stays as it is.
+        let count = ((to - from) / step * (1.0 - 4.0 * f64::EPSILON)).ceil().max(1.0);
+        let span = Span { from, step: (to - from) / count, count: count as u64 };
+        match options.method {
+            Method::Rk4 => march.through(&span, &mut RungeKutta4::new(&system), &mut meter)?,
+            Method::TrBdf2 => {
+                march.through(&span, &mut Implicit::tr_bdf2(&system, span.step), &mut meter)?;
+            }
+            _ => march.through(&span, &mut Implicit::newmark(&system, span.step), &mut meter)?,
+        }
+    }
+    let wall_s = began.elapsed().as_secs_f64();
+    let totals = meter.close(scene, march.has_stop, &march.state);
+    Ok(Outcome {
+        scene: scene.name(),
+        method: match options.method {
+            Method::Rk4 => "rk4",
+            Method::TrBdf2 => "tr-bdf2",
+            _ => "newmark",
+        }
+        .to_owned(),
+        precision: "f64",
+        math: "std",
+        duration_s: end,
+        settle_s: settled,
+        mean_power_w: Some(totals.delivered_energy / scene.run.window_s()),
+        rms_voltage_v: Some(totals.rms_voltage),
+        peak_voltage_v: Some(totals.peak_voltage),
+        mean_voltage_v: Some(totals.mean_voltage),
+        delivered_energy_j: Some(totals.delivered_energy),
+        // No ledger is kept: the methods have no work of their own to book.
+        energy_residual: None,
+        steps: march.steps,
+        rejected_steps: 0,
+        newton_iterations: 0,
+        events: 0,
+        wall_s,
+        particular: Particular::BumpStop(totals.particular),
+        steady_state: None,
+        trace: march.recorder.map(|recorder| Recording { columns: &BUMP_STOP_COLUMNS, rows: recorder.rows }),
+    })
+}
+
+/// Refuses what these methods do not have.
+fn check(scene: &Scene, model: &BumpStop, options: &Options) -> Result<(), Failure> {
+    let refuse = |text: &str| Err(Failure::Input(text.to_owned()));
+    if options.precision == Some(crate::method::Precision::F32) {
+        return refuse("--precision f32: must be f64 with this method, which is the host's for this scene");
+    }
+    if options.math.is_some() {
+        return refuse(
+            "--math: must not be given with this method, which uses that of the host for this scene",
+        );
+    }
+    if options.tolerance.is_some() {
+        return refuse("--tolerance: must not be given for a bump-stop scene; give --step");
+    }
+    if options.long_step_s.is_some() {
+        return refuse("--long-step: must be with --method discrete-gradient");
+    }
+    if model.stop.is_some_and(|stop| stop.contact != Contact::ResidualFlexibility) {
+        return Err(Failure::Input(format!(
+            "{}: stop.contact: must be \"residual-flexibility\" with this method, which has no impacts and no \
+             constraints",
+            scene.file.display()
+        )));
+    }
+    Ok(())
+}
+
+/// A stretch of the run in equal steps, in s.
+struct Span {
+    from: f64,
+    step: f64,
+    count: u64,
+}
+
+/// Rows at equal distances in time.
+struct Recorder {
+    every: f64,
+    rows: Vec<Vec<f64>>,
+}
+
+/// Where the run is.
+struct March<'a> {
+    system: &'a System,
+    shaking: Shaking<'a>,
+    state: State,
+    recorder: Option<Recorder>,
+    has_stop: bool,
+    steps: u64,
+}
+
+impl March<'_> {
+    fn through(
+        &mut self,
+        span: &Span,
+        stepper: &mut impl Stepper,
+        meter: &mut Meter<'_>,
+    ) -> Result<(), Failure> {
+        let mut before = self.state.clone();
+        for index in 0..span.count {
+            let time = span.from + index as f64 * span.step;
+            before.copy_from(&self.state);
+            stepper.step(&mut self.state, &mut self.shaking, time, span.step);
+            self.steps += 1;
+            if !self.state.is_finite() {
+                let [tip, _] = self.system.tip(&before);
+                return Err(Failure::Step(format!(
+                    "the motion is not finite after a step of {:e} s at {time} s: tip {tip:e} m, penetration {:e} \
+                     m, voltage {:e} V",
+                    span.step,
+                    self.system.penetration(&before),
+                    before.voltage
+                )));
+            }
+            meter.add(&self.state, time, span.step);
+            self.record(&before, time, span.step);
+        }
+        Ok(())
+    }
+
+    /// Writes the rows that are due within a step, by the cubic through both ends.
+    fn record(&mut self, before: &State, time: f64, step: f64) {
+        let Some(recorder) = &mut self.recorder else { return };
+        loop {
+            let due = recorder.rows.len() as f64 * recorder.every;
+            // A row due at the end of the run may be computed as just after it.
+            if due > (time + step) * (1.0 + 4.0 * f64::EPSILON) {
+                return;
+            }
+            let place = ((due - time) / step).clamp(0.0, 1.0);
+            let system = self.system;
+            let dense = |of: &dyn Fn(&State) -> [f64; 2]| {
+                let ([from, leaves], [to, arrives]) = (of(before), of(&self.state));
+                model_core::integrate::cubic::Cubic::new(from, leaves, to, arrives, step).value(place)
+            };
+            let of_stop = |value: f64| if self.has_stop { value } else { f64::NAN };
+            let forces = [before, &self.state].map(|state| system.force(system.penetration(state)));
+            recorder.rows.push(vec![
+                due,
+                dense(&|state| system.tip(state)),
+                of_stop(dense(&|state| system.stop_point(state))),
+                of_stop(dense(&|state| system.rod_face(state))),
+                dense(&|state| [state.voltage, system.voltage_rate(state)]),
+                of_stop(forces[0] + (forces[1] - forces[0]) * place),
+                self.shaking.at(due),
+            ]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

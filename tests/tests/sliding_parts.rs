@@ -1,0 +1,183 @@
+//! The sliding harvester made of compile-time parts, as firmware has it, beside the run-time form that the
+//! host uses: bit for bit; and parts left out beside parts that do nothing.
+
+use cross_crate_tests::sliding;
+use host_bench::embedded::sliding_parameters;
+use host_bench::scene_file::{ForceLaw, Load, SlidingParameters, StickCharge};
+use model_core::clock::Instant;
+use model_core::excitation::Sine;
+use model_core::hybrid::Driver;
+use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::part::load::{OpenCircuit, Resistor, ShortCircuit};
+use model_core::scalar::{Mathematics, Polynomial, Scalar};
+use model_core::scene::account;
+use model_core::scene::sliding::{
+    AnyParts, FieldLateralForce, Friction, Frictionless, FrozenCharge, GapField, LateralForce, Mode,
+    NeverSticks, NoLateralForce, Parameters, Parts, PatchFriction, RelaxingCharge, Start, Sticking,
+    TransferredCharge,
+};
+
+/// Parts by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Chosen<L, F, R, K, T>(L, F, R, K, T);
+
+impl<S: Scalar, L, F, R, K, T> Parts<S> for Chosen<L, F, R, K, T>
+where
+    L: model_core::scene::sliding::ForceLaw<S>,
+    F: Friction<S>,
+    R: model_core::part::load::Load<S>,
+    K: Sticking,
+    T: LateralForce,
+{
+    type ForceLaw = L;
+    type Load = R;
+    type Friction = F;
+    type Sticking = K;
+    type LateralForce = T;
+}
+
+/// The parameters with other parts.
+fn with<S: Scalar, L, F, R, K, T>(
+    any: &Parameters<S, AnyParts>,
+    Chosen(force_law, friction, load, sticking, lateral_force): Chosen<L, F, R, K, T>,
+) -> Parameters<S, Chosen<L, F, R, K, T>>
+where
+    Chosen<L, F, R, K, T>: Parts<S, ForceLaw = L, Friction = F, Load = R, Sticking = K, LateralForce = T>,
+{
+    Parameters {
+        beam_length: any.beam_length,
+        beam_width: any.beam_width,
+        beam_thickness: any.beam_thickness,
+        young_modulus: any.young_modulus,
+        density: any.density,
+        damping_ratio: any.damping_ratio,
+        slider_mass: any.slider_mass,
+        patch_radius: any.patch_radius,
+        friction,
+        dielectric_thickness: any.dielectric_thickness,
+        relative_permittivity: any.relative_permittivity,
+        charge_density: any.charge_density,
+        load,
+        force_law,
+        sticking,
+        lateral_force,
+    }
+}
+
+/// How a motion begins and is shaken.
+#[derive(Clone, Copy)]
+struct Case {
+    velocity: f64,
+    acceleration: f64,
+    frequency: f64,
+}
+
+/// From rest, with sticks.
+const STICKING: Case = Case { velocity: 0.0, acceleration: 2.943, frequency: 10.0 };
+/// At resonance, never at rest.
+const SWINGING: Case = Case { velocity: -0.9, acceleration: 3.5316, frequency: 18.373 };
+
+/// States every 10 ms of a second, and whether any is stuck.
+fn states<S: Scalar, P: Parts<S>, I: Method<S>, C: StepControl<S>>(
+    parameters: &Parameters<S, P>,
+    integrator: I,
+    control: C,
+    case: Case,
+) -> (Vec<[f64; 3]>, bool)
+where
+    Polynomial: Mathematics<S>,
+{
+    let harvester = parameters.build().expect("in bounds");
+    let [acceleration, frequency] = [case.acceleration, case.frequency].map(S::literal);
+    let shaking = Sine::<S, Polynomial>::new(acceleration, frequency, S::ZERO).expect("in bounds");
+    let driver = Driver::new(integrator, control);
+    let velocity = (case.velocity != 0.0).then(|| S::literal(case.velocity));
+    let start = Start { velocity, ..Start::default() };
+    let mut state =
+        harvester.start::<_, _, { account::LOAD + 1 }>(&start, &shaking, &driver.control).expect("in bounds");
+    let mut stuck = false;
+    let states = (1..=100)
+        .map(|hundredth| {
+            let until = Instant::from_seconds(f64::from(hundredth) * 0.01).expect("a time");
+            driver.advance(&harvester, &mut state, &shaking, until, u32::MAX, &mut ()).expect("runs");
+            stuck |= state.mode == Mode::Stuck;
+            // Every single-precision number is a double-precision one: nothing is lost of the bits.
+            state.point.state.map(S::to_f64)
+        })
+        .collect();
+    (states, stuck)
+}
+
+/// The run-time form of the shipped scene.
+fn any<S: Scalar>(ohms: f64, change: impl FnOnce(&mut SlidingParameters)) -> Parameters<S, AnyParts> {
+    let scene = sliding(|_, model| change(&mut model.parameters));
+    let host_bench::scene_file::Model::Sliding(model) = &scene.model else { panic!("a sliding scene") };
+    sliding_parameters(model, Load::Resistor { resistance_ohm: ohms })
+}
+
+/// Both forms under each method; the parts are those of the run-time form.
+fn same<S: Scalar, L, F, R, K, T>(any: &Parameters<S, AnyParts>, parts: Chosen<L, F, R, K, T>, case: Case)
+where
+    Polynomial: Mathematics<S>,
+    Chosen<L, F, R, K, T>: Parts<S, ForceLaw = L, Friction = F, Load = R, Sticking = K, LateralForce = T>,
+{
+    let chosen = with(any, parts);
+    let adaptive = Adaptive::new(S::literal(1e-4));
+    let fixed = FixedStep::of_seconds(S::literal(2e-4));
+    let (states_of_any, stuck) = states(any, TrBdf2, adaptive, case);
+    assert_eq!(stuck, case.velocity == 0.0, "what sticks and what does not");
+    assert!(states_of_any.iter().any(|state| state[0].abs() > 1e-4));
+    assert_eq!(states(&chosen, TrBdf2, adaptive, case).0, states_of_any);
+    assert_eq!(states(&chosen, TrBdf2, fixed, case), states(any, TrBdf2, fixed, case));
+    assert_eq!(states(&chosen, RungeKutta4, fixed, case), states(any, RungeKutta4, fixed, case));
+}
+
+fn all_variants<S: Scalar>()
+where
+    Polynomial: Mathematics<S>,
+{
+    let paper = any::<S>(1e8, |_| ());
+    let friction = paper.friction;
+    let resistor = Resistor { ohms: S::literal(1e8) };
+    for case in [STICKING, SWINGING] {
+        same(&paper, Chosen(TransferredCharge, friction, resistor, FrozenCharge, NoLateralForce), case);
+        let field = any::<S>(1e8, |parameters| {
+            parameters.force_law = ForceLaw::GapField;
+            parameters.stick_charge = StickCharge::Relaxing;
+            parameters.lateral_force = true;
+            parameters.charge_density_c_per_m2 = 10e-6;
+        });
+        same(&field, Chosen(GapField, friction, resistor, RelaxingCharge, FieldLateralForce), case);
+        let shorted = any::<S>(0.0, |_| ());
+        same(&shorted, Chosen(TransferredCharge, friction, ShortCircuit, FrozenCharge, NoLateralForce), case);
+        let open = any::<S>(f64::INFINITY, |parameters| parameters.lateral_force = true);
+        same(&open, Chosen(TransferredCharge, friction, OpenCircuit, FrozenCharge, FieldLateralForce), case);
+    }
+    // Where it never comes to rest, the code for it is not missed.
+    same(&paper, Chosen(TransferredCharge, friction, resistor, NeverSticks, NoLateralForce), SWINGING);
+}
+
+#[test]
+fn parts_chosen_at_run_time_give_the_bits_of_those_chosen_at_compile_time() {
+    all_variants::<f32>();
+    all_variants::<f64>();
+}
+
+/// Without friction no reversal is an event: the steps are others, the motion is the same.
+#[test]
+fn no_friction_is_the_same_as_friction_of_nothing() {
+    let none = any::<f64>(1e8, |parameters| cross_crate_tests::rub(parameters, 0.0));
+    let nothing = PatchFriction { ..none.friction };
+    let resistor = Resistor { ohms: 1e8 };
+    let free = with(&none, Chosen(TransferredCharge, Frictionless, resistor, NeverSticks, NoLateralForce));
+    let rubbed = with(&none, Chosen(TransferredCharge, nothing, resistor, FrozenCharge, NoLateralForce));
+    let fixed = FixedStep::of_seconds(1e-4);
+    let case = Case { velocity: 0.3, acceleration: 1.0, frequency: 15.0 };
+    let (free, rubbed) =
+        (states(&free, RungeKutta4, fixed, case).0, states(&rubbed, RungeKutta4, fixed, case).0);
+    for (free, rubbed) in free.iter().zip(&rubbed) {
+        for ((free, rubbed), scale) in free.iter().zip(rubbed).zip([5e-3, 0.5, 0.5]) {
+            assert!((free - rubbed).abs() < 1e-7 * scale, "{free:e} {rubbed:e}");
+        }
+    }
+}
