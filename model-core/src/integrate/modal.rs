@@ -63,23 +63,6 @@ impl<S: Scalar> ModalStep<S> {
             velocity_to_end: response / step,
         }
     }
-
-    /// The increments of displacement and velocity under a force that is `from` at the start and
-    /// `rise` more at the end.
-    #[must_use]
-    #[inline(always)]
-    pub fn increments(&self, displacement: S, velocity: S, from: S, rise: S) -> [S; 2] {
-        [
-            self.displacement_by_displacement * displacement
-                + self.displacement_by_velocity * velocity
-                + self.response * from
-                + self.response_to_end * rise,
-            self.velocity_by_displacement * displacement
-                + self.velocity_by_velocity * velocity
-                + self.displacement_by_velocity * from
-                + self.velocity_to_end * rise,
-        ]
-    }
 }
 
 /// `s`, `ρ/h` and `a12` by the Taylor series of the response to a unit force,

@@ -2,10 +2,11 @@
 
 use core::hint::black_box;
 
+use model_core::scene::bump_stop::BumpStop;
+
 use super::parts::{self, Whole};
 use super::scenes::{BEAM_MODES, ROD_MODES};
 use crate::workload::{Progress, Workload};
-use model_core::scene::bump_stop::BumpStop;
 
 /// The coefficients of the default scene, made once: a step is a build.
 #[derive(Debug, Default)]
