@@ -110,9 +110,10 @@ fn the_peak_force_of_the_constraint_in_each_step_grows_as_the_step_shrinks() {
         assert_close("RMS voltage", value(outcome.rms_voltage_v), value(coarse.rms_voltage_v), 0.05);
         force * step
     });
-    // Five times as high a peak at a fifth of the step, within what the touch-down of the moment makes of it.
+    // Five times as high a peak at a fifth of the step, within the factor that the touch-down of the moment
+    // makes of it.
     for impulse in impulses {
-        assert_close("peak force times step", impulse, impulses[0], 0.3);
+        assert_close("peak force times step", impulse, impulses[0], 0.5);
     }
 }
 
