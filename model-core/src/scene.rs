@@ -19,6 +19,8 @@ pub use crate::part::bounds::{Bounds, ParameterError};
 /// A scene offers two lists: the first entry alone, which is what a sensor node pays for, and the
 /// whole account, from which the energy ledger is drawn up.
 pub mod account {
+    use crate::scalar::Scalar;
+
     /// Power delivered to the load, in watts.
     pub const LOAD: usize = 0;
     /// Square of the terminal voltage, in V².
@@ -42,6 +44,13 @@ pub mod account {
     pub const TAKEN_UP: usize = 8;
     /// Number of entries in the whole account.
     pub const WHOLE: usize = 9;
+
+    /// The first `P` entries of a whole account. Those beyond are not computed: the compiler drops what is
+    /// not read.
+    #[inline(always)]
+    pub(super) fn first<S: Scalar, const P: usize>(whole: &[S; WHOLE]) -> [S; P] {
+        core::array::from_fn(|i| whole.get(i).copied().unwrap_or(S::ZERO))
+    }
 }
 
 /// Energy stored in a harvester, in joules.

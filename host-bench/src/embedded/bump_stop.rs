@@ -17,7 +17,7 @@ use model_core::scene::bump_stop::{
 
 pub use self::shapes::{DeflectedShape, deflected_shapes};
 use super::excitation::{HostExcitation, with_excitation};
-use super::hybrid_run::{Total, refuse_parameter, refuse_start};
+use super::hybrid_run::{Total, ends_of, refuse_parameter, refuse_start};
 use super::precision_name;
 use crate::method::{Failure, Options};
 use crate::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, Recording};
@@ -169,12 +169,7 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
     fn to_end(&self, mut state: State<S, B, R>) -> Result<Outcome, Failure> {
         let Self { scene, model, options, stepper, excitation } = self;
         let harvester = stepper.scene();
-        let instant = |seconds: f64| {
-            Instant::from_seconds(seconds).ok_or_else(|| {
-                Failure::Input(format!("{}: run: {seconds} s, must be below 16777216", scene.file.display()))
-            })
-        };
-        let (settled, end) = (instant(scene.run.settle_s)?, instant(scene.run.duration_s)?);
+        let [settled, end] = ends_of(scene, &scene.run)?;
         let mut ledger = (!options.bare).then(|| ModalLedger::open(harvester, &state));
         let mut whole_run = ModalMeter::new(harvester);
         let mut window = ModalMeter::new(harvester);

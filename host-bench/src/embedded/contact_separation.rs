@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use model_core::clock::Instant;
 use model_core::energy::Residual;
 use model_core::hybrid::HybridState;
+use model_core::part::VACUUM_PERMITTIVITY;
 use model_core::part::load::AnyLoad;
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution, VelocityDependentRestitution};
@@ -101,7 +102,6 @@ pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
 /// A step at which the explicit method is stable and accurate: an 800th of the natural period, and
 /// 2 over the fastest rate of the circuit, 1/(R (C + C_p)) with C at three times the initial gap.
 fn explicit_step(model: &ContactSeparation, load: Load) -> f64 {
-    const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
     let from = &model.parameters;
     let Load::Resistor { resistance_ohm } = load;
     let period = std::f64::consts::TAU * (from.mass_kg / from.stiffness_n_per_m).sqrt();

@@ -74,6 +74,16 @@ pub(super) fn refuse_start(scene: &Scene, error: &dyn Display) -> Failure {
     Failure::Input(format!("{}: initial.{error}", scene.file.display()))
 }
 
+/// The instants from which a run is measured and at which it ends.
+pub(super) fn ends_of(scene: &Scene, span: &RunSpan) -> Result<[Instant; 2], Failure> {
+    let instant = |seconds: f64| {
+        Instant::from_seconds(seconds).ok_or_else(|| {
+            Failure::Input(format!("{}: run: {seconds} s, must be below 16777216", scene.file.display()))
+        })
+    };
+    Ok([instant(span.settle_s)?, instant(span.duration_s)?])
+}
+
 /// The shortest step for which the explicit method is run without being told to.
 const SHORTEST_EXPLICIT_STEP_S: f64 = 1e-7;
 
@@ -184,12 +194,7 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
     ) -> Result<Outcome, Failure> {
         let Self { scene, options, hosted, excitation, .. } = self;
         let harvester = hosted.core();
-        let instant = |seconds: f64| {
-            Instant::from_seconds(seconds).ok_or_else(|| {
-                Failure::Input(format!("{}: run: {seconds} s, must be below 16777216", scene.file.display()))
-            })
-        };
-        let (settled, end) = (instant(span.settle_s)?, instant(span.duration_s)?);
+        let [settled, end] = ends_of(scene, span)?;
         let mut ledger = Ledger::open(harvester, &state);
         let mut first_impact = FirstImpact { harvester, at: None };
         let mut meter = RunMeter::new(harvester);

@@ -2,6 +2,7 @@
 
 use model_core::energy::Residual;
 use model_core::hybrid::HybridState;
+use model_core::part::VACUUM_PERMITTIVITY;
 use model_core::part::load::AnyLoad;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::sliding::{
@@ -74,7 +75,6 @@ pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
 /// A step at which the explicit method is stable and accurate: an 800th of the natural period, and
 /// 2 over the circuit's rate, 1/(R C), at a fiftieth of the overlap.
 fn explicit_step<S: Scalar>(harvester: &Harvester<S, AnyParts>, model: &Sliding, load: Load) -> f64 {
-    const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
     let from = &model.parameters;
     let Load::Resistor { resistance_ohm } = load;
     let period = std::f64::consts::TAU / harvester.angular_frequency().to_f64();

@@ -9,6 +9,7 @@
 //! linear in the velocity, and the charge linear in itself at a given position, Newton's iteration
 //! is on the velocity alone.
 
+use crate::integrate::System;
 use crate::scalar::Scalar;
 
 /// Number of states: position in metres, velocity in m/s, charge in units of the scene.
@@ -93,6 +94,34 @@ impl<S: Scalar> ModeFactor<S> {
         let correction = self.inverse[0][0] * residual;
         [self.position_by_velocity * correction, correction, self.inverse[1][0] * correction]
     }
+}
+
+/// One Newton iteration on the velocity alone of a stage of `system`, whose `eliminate` solves the other two
+/// rows outright: the position's is linear in the velocity, the charge's in the charge at a position.
+///
+/// Where the position is `held` there is nothing left to iterate.
+#[inline(always)]
+pub(crate) fn iterate<S: Scalar, Y, const POWERS: usize>(
+    system: &Y,
+    held: bool,
+    factor: &ModeFactor<S>,
+    base: &[S; STATES],
+    increment: &mut [S; STATES],
+    input: S,
+    weight: S,
+) -> [S; STATES]
+where
+    Y: System<S, STATES, POWERS>,
+{
+    system.eliminate(base, increment, weight);
+    if held {
+        return [S::ZERO; STATES];
+    }
+    let state = core::array::from_fn(|i| base[i] + increment[i]);
+    let [_, rate, _] = system.flow(&state, input);
+    let correction = factor.correction(weight * rate - increment[VELOCITY]);
+    increment[VELOCITY] += correction[VELOCITY];
+    correction
 }
 
 /// The size of a change of state: motion relative to the present amplitude, at least `least`; charge

@@ -215,7 +215,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             && !state.closed
             && trial.end.gap > S::ZERO
         {
-            return self.locate_impact(set.ticks, restitution, state, excitation, observer, work);
+            return self.locate_impact((*set, trial), restitution, state, excitation, observer, work);
         }
         let was_closed = state.closed;
         take(state, &trial, set, observer, work)?;
@@ -227,21 +227,20 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
 
     /// Steps to the tick at which the gap closes, and through the impact.
     ///
-    /// The gap is at or below zero at the start and above it `ticks` on.
+    /// The gap is at or below zero at the start and above it at the end of the attempt `beyond`.
     #[cold]
     #[inline(never)]
     fn locate_impact<E: Excitation<S>, O: ModalObserver<S, B, R>>(
         &self,
-        ticks: u32,
+        beyond: (StepSet<S, B, R>, Trial<S, B, R>),
         restitution: S,
         state: &mut State<S, B, R>,
         excitation: &E,
         observer: &mut O,
         work: &mut Work,
     ) -> Result<(), StepError<S>> {
-        let (mut open, mut closed) = (0, ticks);
-        let mut set = self.scene.step_set(closed);
-        let mut reached = self.attempt(&set, state, excitation);
+        let (mut set, mut reached) = beyond;
+        let (mut open, mut closed) = (0, set.ticks);
         let (mut latest, mut gap, mut rate) = (closed, reached.end.gap, reached.gap_rate);
         let mut attempts = 0;
         while closed - open > 1 && attempts < MOST_LOCATING {

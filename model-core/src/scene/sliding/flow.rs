@@ -315,8 +315,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         factor.solve(right)
     }
 
-    /// Newton on the velocity alone: the displacement's row is linear, and the charge's is linear in
-    /// the charge at a given displacement, so both are solved outright in each pass.
     #[inline(always)]
     fn iterate(
         &self,
@@ -326,15 +324,15 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         acceleration: S,
         weight: S,
     ) -> [S; STATES] {
-        System::<S, STATES, POWERS>::eliminate(self, base, increment, weight);
-        if self.is_stuck() {
-            return [S::ZERO; STATES];
-        }
-        let state = core::array::from_fn(|i| base[i] + increment[i]);
-        let [_, rate, _] = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
-        let correction = factor.correction(weight * rate - increment[VELOCITY]);
-        increment[VELOCITY] += correction[VELOCITY];
-        correction
+        coupled::iterate::<S, Self, POWERS>(
+            self,
+            self.is_stuck(),
+            factor,
+            base,
+            increment,
+            acceleration,
+            weight,
+        )
     }
 
     #[inline(always)]
@@ -352,9 +350,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
 
     #[inline(always)]
     fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
-        // Entries beyond those asked for are not computed: the compiler drops what is not read.
-        let whole = self.account(state, rate, acceleration);
-        core::array::from_fn(|i| whole.get(i).copied().unwrap_or(S::ZERO))
+        account::first(&self.account(state, rate, acceleration))
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the
