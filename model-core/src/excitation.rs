@@ -5,9 +5,11 @@
 //! positive direction of the relative coordinate, so the mass feels `−m a`.
 
 mod any;
+mod sample_grid;
 mod sampled;
 mod silence;
 mod sine;
+mod stream;
 mod tones;
 
 use crate::clock::Instant;
@@ -17,6 +19,7 @@ pub use any::AnyExcitation;
 pub use sampled::{AfterLastSample, Sampled};
 pub use silence::Silence;
 pub use sine::Sine;
+pub use stream::{Stream, StreamError};
 pub use tones::Tones;
 
 /// Base acceleration over time.
