@@ -6,6 +6,7 @@
 //! phase at a tick is one multiplication, exact modulo a turn: 24 hours at 10 kHz end within
 //! 10⁻⁹ of a turn of the truth, in either precision.
 
+use crate::image::{Image, ImageError, Reader, Writer};
 use crate::scalar::Scalar;
 
 /// Number of ticks in a second, as a power of two.
@@ -72,6 +73,18 @@ impl Instant {
         let fraction = S::from_u32((fraction >> 8) as u32) * S::power_of_two(-32)
             + S::from_u32((fraction & 0xff) as u32) * S::power_of_two(-TICKS_PER_SECOND_LOG2);
         S::from_u32(whole as u32) + fraction
+    }
+}
+
+impl Image for Instant {
+    const BYTES: usize = u64::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.0.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        Ok(Self(Image::read(from)?))
     }
 }
 
@@ -153,6 +166,22 @@ impl Frequency {
             .wrapping_add((lower * (ticks & 0xffff_ffff)) >> 32)
     }
 
+    /// Ticks in a cycle, rounded down; `None` where they do not fit in 64 bits.
+    pub(crate) fn whole_ticks_per_cycle(self) -> Option<u64> {
+        let units = (u128::from(self.upper) << 32) | u128::from(self.lower);
+        // Long division of 2⁹⁶, bit by bit: a library's 128-bit division would be linked for this alone.
+        let (mut quotient, mut remainder) = (0_u128, 0_u128);
+        for bit in (0..=96).rev() {
+            remainder = (remainder << 1) | u128::from(bit == 96_u32);
+            quotient <<= 1;
+            if remainder >= units {
+                remainder -= units;
+                quotient |= 1;
+            }
+        }
+        u64::try_from(quotient).ok()
+    }
+
     /// Cycles completed at `at`, whole ones included.
     #[must_use]
     pub fn cycles(self, at: Instant) -> Cycles {
@@ -210,6 +239,18 @@ mod tests {
             let exact = f64::from(400.3_f32) * ticks as f64 / 2f64.powi(40);
             assert!((cycles.whole as f64 - exact).abs() <= 1.0);
         }
+    }
+
+    #[test]
+    fn ticks_per_cycle_are_rounded_down() {
+        // 2⁴⁰ ticks in a second, in integers.
+        for (hertz, ticks) in
+            [(1.0, 1 << 40), (3.0, 366_503_875_925), (400.0, 2_748_779_069), (1e6, 1_099_511), (0.5, 1 << 41)]
+        {
+            let frequency = Frequency::from_hertz::<f64>(hertz).expect("in range");
+            assert_eq!(frequency.whole_ticks_per_cycle(), Some(ticks), "{hertz} Hz");
+        }
+        assert_eq!(Frequency::from_hertz(0.0_f32).expect("in range").whole_ticks_per_cycle(), None);
     }
 
     #[test]

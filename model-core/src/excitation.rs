@@ -5,9 +5,11 @@
 //! positive direction of the relative coordinate, so the mass feels `−m a`.
 
 mod any;
+mod sample_grid;
 mod sampled;
 mod silence;
 mod sine;
+mod stream;
 mod tone_meter;
 mod tones;
 
@@ -18,6 +20,7 @@ pub use any::AnyExcitation;
 pub use sampled::{AfterLastSample, Sampled};
 pub use silence::Silence;
 pub use sine::Sine;
+pub use stream::{Stream, StreamError};
 pub use tone_meter::{Line, ToneMeter, ToneMeterState};
 pub use tones::Tones;
 

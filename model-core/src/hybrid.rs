@@ -13,6 +13,7 @@ use core::fmt::Debug;
 
 use crate::clock::Instant;
 use crate::excitation::Excitation;
+use crate::image::{Image, ImageError, Reader, Writer};
 use crate::integrate::cubic::Cubic;
 use crate::integrate::step_control::{ControlMemory, ErrorScale};
 use crate::integrate::{Point, StepControl, System};
@@ -198,5 +199,38 @@ impl<S: Scalar, Mode: Copy, const N: usize, const P: usize> HybridState<S, Mode,
     #[must_use]
     pub fn disarmed(self) -> Self {
         Self { armed: false, ..self }
+    }
+}
+
+impl<S: Scalar, Mode: Image, const N: usize, const P: usize> Image for HybridState<S, Mode, N, P> {
+    const BYTES: usize = Instant::BYTES
+        + Mode::BYTES
+        + Point::<S, N, P>::BYTES
+        + bool::BYTES
+        + ControlMemory::<S>::BYTES
+        + u32::BYTES
+        + u8::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.clock.write(out);
+        self.mode.write(out);
+        self.point.write(out);
+        self.armed.write(out);
+        self.control.write(out);
+        self.since_event.write(out);
+        self.crowded_events.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        let state = Self {
+            clock: Image::read(from)?,
+            mode: Image::read(from)?,
+            point: Image::read(from)?,
+            armed: Image::read(from)?,
+            control: Image::read(from)?,
+            since_event: Image::read(from)?,
+            crowded_events: Image::read(from)?,
+        };
+        if state.crowded_events <= driver::MOST_CROWDED_EVENTS { Ok(state) } else { Err(ImageError::NoState) }
     }
 }

@@ -13,6 +13,7 @@ mod runge_kutta;
 pub mod step_control;
 mod tr_bdf2;
 
+use crate::image::{Image, ImageError, Reader, Writer};
 use crate::scalar::Scalar;
 
 pub use runge_kutta::RungeKutta4;
@@ -108,6 +109,26 @@ impl<S: Scalar, const N: usize, const P: usize> Point<S, N, P> {
     }
 }
 
+impl<S: Scalar, const N: usize, const P: usize> Image for Point<S, N, P> {
+    const BYTES: usize = (3 * N + P) * S::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.state.write(out);
+        self.remainder.write(out);
+        self.derivative.write(out);
+        self.powers.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        Ok(Self {
+            state: Image::read(from)?,
+            remainder: Image::read(from)?,
+            derivative: Image::read(from)?,
+            powers: Image::read(from)?,
+        })
+    }
+}
+
 /// What a method found at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial<S, const N: usize, const P: usize> {
@@ -118,7 +139,8 @@ pub struct Trial<S, const N: usize, const P: usize> {
     /// Estimated local error of the state, as [`System::weigh`] measures it; 0 if the method has
     /// no estimate.
     pub error: S,
-    /// Estimated local error of `energies[0]`; 0 if there is none.
+    /// Estimated local error of `energies[0]`, with its sign: what is to be added to come to the embedded
+    /// formula's value; 0 if there is no estimate.
     pub energy_error: S,
     /// Newton iterations spent.
     pub iterations: u32,
@@ -131,6 +153,9 @@ pub struct NotConverged;
 
 /// A one-step method.
 pub trait Method<S: Scalar> {
+    /// Whether [`Trial::error`] and [`Trial::energy_error`] are estimates, and not zero for want of one.
+    const ESTIMATES_ERROR: bool;
+
     /// Takes one step of `ticks` clock ticks from `start`.
     ///
     /// `input` gives the input at a number of ticks into the step; `accuracy` is the size, as

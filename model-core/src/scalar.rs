@@ -16,6 +16,8 @@ mod polynomial;
 use core::fmt::{Debug, Display};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use crate::image::Image;
+
 #[cfg(feature = "libm")]
 pub use self::libm::Libm;
 #[cfg(feature = "micromath")]
@@ -59,6 +61,7 @@ pub trait Scalar:
     + AddAssign
     + SubAssign
     + MulAssign
+    + Image
     + sealed::Sealed
     + 'static
 {

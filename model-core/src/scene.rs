@@ -6,6 +6,7 @@
 pub mod bump_stop;
 pub mod contact_separation;
 mod coupled;
+mod followed;
 pub mod sliding;
 
 use crate::hybrid::{Automaton, Guard};
@@ -13,6 +14,7 @@ use crate::integrate::Point;
 use crate::scalar::Scalar;
 
 pub use crate::part::bounds::{Bounds, ParameterError};
+pub use followed::{Followed, StoreReading};
 
 /// The powers that every scene can integrate along with its state, and their places in the list.
 ///

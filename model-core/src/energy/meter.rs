@@ -5,6 +5,7 @@
 //! millisecond. Sums are compensated, so a day of simulated time drifts in `f32` by a rounding.
 
 use crate::hybrid::{Event, Observer, Span};
+use crate::image::{Image, ImageError, Reader, Writer};
 use crate::integrate::cubic::Cubic;
 use crate::scalar::{CompensatedSum, Scalar};
 use crate::scene::{Harvester, account};
@@ -58,6 +59,19 @@ impl<S: Scalar, const P: usize> Default for Integrals<S, P> {
     }
 }
 
+impl<S: Scalar, const P: usize> Image for Integrals<S, P> {
+    const BYTES: usize = P * CompensatedSum::<S>::BYTES + u64::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.sums.write(out);
+        self.ticks.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        Ok(Self { sums: Image::read(from)?, ticks: Image::read(from)? })
+    }
+}
+
 /// What a sensor node needs: energy delivered to the load, and mean power.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PowerMeter<S, const P: usize>(Integrals<S, P>);
@@ -101,6 +115,18 @@ impl<S: Scalar, const P: usize> PowerMeter<S, P> {
 impl<S: Scalar, const P: usize> Default for PowerMeter<S, P> {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+impl<S: Scalar, const P: usize> Image for PowerMeter<S, P> {
+    const BYTES: usize = Integrals::<S, P>::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.0.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        Ok(Self(Image::read(from)?))
     }
 }
 

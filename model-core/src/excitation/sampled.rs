@@ -1,7 +1,8 @@
 //! A recorded acceleration: samples at a fixed rate, joined by straight lines.
 
+use super::sample_grid::SampleGrid;
 use super::{Excitation, ExcitationError};
-use crate::clock::{Cycles, Frequency, Instant};
+use crate::clock::Instant;
 use crate::scalar::Scalar;
 
 /// What follows the last sample.
@@ -21,11 +22,7 @@ pub enum AfterLastSample {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampled<'a, S> {
     samples: &'a [S],
-    rate: Frequency,
-    /// Samples per second.
-    samples_per_second: S,
-    /// Ticks from one sample to the next.
-    ticks_per_sample: u64,
+    grid: SampleGrid<S>,
     after: AfterLastSample,
 }
 
@@ -41,19 +38,12 @@ impl<'a, S: Scalar> Sampled<'a, S> {
         if let Some(index) = samples.iter().position(|sample| !sample.is_finite()) {
             return Err(ExcitationError::Sample { index });
         }
-        let fixed = Frequency::from_hertz(rate).ok_or(ExcitationError::Frequency)?;
-        if !(rate > S::ZERO) {
-            return Err(ExcitationError::Frequency);
-        }
-        let interval = Instant::from_seconds(S::ONE / rate).ok_or(ExcitationError::Frequency)?;
-        Ok(Self { samples, rate: fixed, samples_per_second: rate, ticks_per_sample: interval.ticks(), after })
+        Ok(Self { samples, grid: SampleGrid::new(rate)?, after })
     }
 
     /// The samples on either side of `at`, and how far it lies between them.
     fn bracket(&self, at: Instant) -> (S, S, S) {
-        let Cycles { whole, fraction } = self.rate.cycles(at);
-        // from_fraction counts in 2^63.
-        let theta = S::from_fraction((fraction >> 1).cast_signed());
+        let (whole, theta) = self.grid.place(at);
         let count = self.samples.len() as u64;
         let first = match self.after {
             // There are at least two samples; the plain remainder would link a panic all the same.
@@ -84,19 +74,11 @@ impl<S: Scalar> Excitation<S> for Sampled<'_, S> {
 
     fn jerk(&self, at: Instant) -> S {
         let (left, right, _) = self.bracket(at);
-        (right - left) * self.samples_per_second
+        (right - left) * self.grid.samples_per_second
     }
 
     fn smooth_ticks(&self, at: Instant) -> u32 {
-        // In integers: in `f32` the rest would vanish within a rounding of the sample, and the last
-        // ticks be taken one by one.
-        // At a sample the rest is the whole interval, 2³².
-        let rest = (1 << 32) - (self.rate.phase(at) >> 32);
-        rest.checked_mul(self.ticks_per_sample).map_or(u32::MAX, |product| {
-            let ticks = product >> 32;
-            // A little beyond the sample, so that a rounding cannot leave a sliver.
-            u32::try_from(ticks + (ticks >> 22) + 1).unwrap_or(u32::MAX)
-        })
+        self.grid.ticks_to_next(at)
     }
 }
 
@@ -137,12 +119,11 @@ mod tests {
             let walk = |next: &dyn Fn(Instant) -> u32| {
                 let (mut now, mut steps) = (Instant::START, 0.0);
                 while now.seconds::<f64>() < 300.0 / rate {
-                    let before = double.rate.cycles(now).whole;
+                    let before = double.grid.sample_before(now);
                     now = now.after(next(now));
-                    let after = double.rate.cycles(now);
+                    let (after, beyond) = double.grid.place(now);
                     // No more than a millionth of an interval beyond the next sample.
-                    let beyond = after.fraction as f64 / 2f64.powi(64);
-                    assert!(after.whole == before || after.whole == before + 1 && beyond < 1e-6, "{rate} Hz");
+                    assert!(after == before || after == before + 1 && beyond < 1e-6, "{rate} Hz");
                     steps += 1.0;
                 }
                 assert!(steps <= 301.0 * steps_per_sample, "{rate} Hz: {steps} steps");

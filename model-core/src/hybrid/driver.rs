@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 pub const LEAST_BUDGET: u32 = MOST_ATTEMPTS + 2;
 
 /// Events that may follow one another within [`CROWDED_TICKS`] before it is called a storm.
-const MOST_CROWDED_EVENTS: u8 = 64;
+pub(super) const MOST_CROWDED_EVENTS: u8 = 64;
 /// A nanosecond, in ticks.
 const CROWDED_TICKS: u32 = 1_100;
 /// A step shorter than this (4 ps) has shrunk to nothing.
@@ -60,8 +60,22 @@ pub struct Work {
 }
 
 impl Work {
-    fn attempts(&self) -> u32 {
+    /// Attempted steps, which a budget counts.
+    #[must_use]
+    pub fn attempts(&self) -> u32 {
         self.steps.saturating_add(self.rejected).saturating_add(self.locating)
+    }
+
+    /// This work and `other`, one after the other.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            steps: self.steps.saturating_add(other.steps),
+            rejected: self.rejected.saturating_add(other.rejected),
+            locating: self.locating.saturating_add(other.locating),
+            iterations: self.iterations.saturating_add(other.iterations),
+            events: self.events.saturating_add(other.events),
+        }
     }
 }
 
@@ -195,6 +209,8 @@ impl<M, C> Driver<M, C> {
                         start: &state.point,
                         end: &kept.trial.end,
                         energies: &kept.trial.energies,
+                        energy_error: kept.trial.energy_error,
+                        state_error: kept.trial.error,
                     });
                     work.steps += 1;
                     state.clock = state.clock.after(kept.ticks);
@@ -264,7 +280,7 @@ impl<M, C> Driver<M, C> {
         let errors = StepErrors {
             ticks,
             state: trial.error,
-            energy: trial.energy_error,
+            energy: trial.energy_error.absolute(),
             delivered: trial.energies.first().copied().unwrap_or(S::ZERO),
         };
         let mut control = state.control;

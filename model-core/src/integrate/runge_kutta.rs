@@ -13,6 +13,8 @@ use crate::scalar::{Scalar, add_increment};
 pub struct RungeKutta4;
 
 impl<S: Scalar> Method<S> for RungeKutta4 {
+    const ESTIMATES_ERROR: bool = false;
+
     #[inline]
     fn attempt<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,

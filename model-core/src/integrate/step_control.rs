@@ -1,6 +1,7 @@
 //! Choosing the step: fixed, or by a proportional–integral controller on the local error.
 
 use crate::clock::{seconds_of_ticks, ticks_of_seconds};
+use crate::image::{Image, ImageError, Reader, Writer};
 use crate::scalar::Scalar;
 
 /// What a controller remembers from step to step.
@@ -40,6 +41,35 @@ impl<S: Scalar> ControlMemory<S> {
     #[inline(always)]
     pub(crate) fn keep_proposal(&mut self, before: &Self) {
         (self.ticks, self.previous, self.rejections) = (before.ticks, before.previous, before.rejections);
+    }
+}
+
+impl<S: Scalar> Image for ControlMemory<S> {
+    const BYTES: usize = 4 * u32::BYTES + u8::BYTES + S::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.ticks.write(out);
+        self.previous.write(out);
+        self.rejections.write(out);
+        // Infinite after an attempt that did not converge.
+        self.rejected_ratio.to_bits().write(out);
+        self.rejected_ticks.write(out);
+        self.recent_energy.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        let memory = Self {
+            ticks: Image::read(from)?,
+            previous: Image::read(from)?,
+            rejections: Image::read(from)?,
+            rejected_ratio: f32::from_bits(Image::read(from)?),
+            rejected_ticks: Image::read(from)?,
+            recent_energy: Image::read(from)?,
+        };
+        let sound = memory.ticks > 0
+            && memory.rejected_ratio >= 0.0
+            && (LEAST_REMEMBERED..=0).contains(&memory.previous);
+        if sound { Ok(memory) } else { Err(ImageError::NoState) }
     }
 }
 
@@ -173,7 +203,7 @@ const ROUNDINGS: f64 = 4.0;
 const ENERGY_ROUNDINGS: f64 = 32.0;
 /// Radians for which a lightly damped motion is taken to remember an error made in its state:
 /// errors of the state add up over these, errors of the delivered energy do not add to the motion.
-const REMEMBERED_RADIANS: f64 = 20.0;
+pub(crate) const REMEMBERED_RADIANS: f64 = 20.0;
 /// Roundings of the state's scale below which Newton's corrections are noise.
 const NEWTON_ROUNDINGS: f64 = 16.0;
 /// Part of the tolerance that may remain of the implicit equations.

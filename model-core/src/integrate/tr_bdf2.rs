@@ -93,6 +93,8 @@ impl<S: Scalar, Y, F, const N: usize> Stage<'_, S, Y, F, N> {
 }
 
 impl<S: Scalar> Method<S> for TrBdf2 {
+    const ESTIMATES_ERROR: bool = true;
+
     #[inline(always)]
     fn attempt<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
@@ -146,7 +148,7 @@ impl<S: Scalar> Method<S> for TrBdf2 {
         let error = system.weigh(&start.state, &system.solve(&factor, raw));
         let energy_error = match (start.powers.first(), middle_powers.first(), end.powers.first()) {
             (Some(&first), Some(&second), Some(&third)) => {
-                (weight * (e_start * first + e_middle * second + e_end * third)).absolute()
+                weight * (e_start * first + e_middle * second + e_end * third)
             }
             _ => S::ZERO,
         };

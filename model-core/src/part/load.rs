@@ -1,5 +1,6 @@
 //! The electrical load at the harvester's terminals.
 
+use crate::image::Fingerprint;
 use crate::scalar::Scalar;
 
 /// A load resistance as the circuit's equations see it.
@@ -11,6 +12,17 @@ pub enum Resistance<S> {
     Finite(S),
     /// Infinite: no current, the charge stays as it is.
     Open,
+}
+
+impl<S: Scalar> Resistance<S> {
+    /// Takes the resistance into a fingerprint.
+    pub(crate) fn identify(&self, fingerprint: &mut Fingerprint) {
+        match self {
+            Self::Short => fingerprint.count(0),
+            Self::Finite(ohms) => fingerprint.numbers(&[*ohms]),
+            Self::Open => fingerprint.count(1),
+        }
+    }
 }
 
 /// A load.

@@ -1,6 +1,7 @@
 //! Sums that keep the part a plain addition would round away.
 
 use super::Scalar;
+use crate::image::{Image, ImageError, Reader, Writer};
 
 /// A running sum with a correction term: the error stays at one rounding of the result however
 /// many terms are added, so that a day of small energies adds up in `f32`.
@@ -42,6 +43,19 @@ impl<S: Scalar> CompensatedSum<S> {
 impl<S: Scalar> Default for CompensatedSum<S> {
     fn default() -> Self {
         Self::ZERO
+    }
+}
+
+impl<S: Scalar> Image for CompensatedSum<S> {
+    const BYTES: usize = 2 * S::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.sum.write(out);
+        self.correction.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        Ok(Self { sum: Image::read(from)?, correction: Image::read(from)? })
     }
 }
 

@@ -30,6 +30,7 @@
 //! The mode counts are type parameters, `B` of the beam and `R` of the rod.
 
 mod contact_law;
+mod followed;
 mod ledger;
 mod meter;
 mod observer;
@@ -48,7 +49,7 @@ pub use observer::{ModalImpact, ModalObserver, ModalSpan};
 pub use parameters::{AnyCoupling, AnyParts, Coupling, OneWay, Parameters, Parts, Stop, TwoWay};
 pub use state::{Start, State};
 pub use step_set::StepSet;
-pub use stepper::Stepper;
+pub use stepper::{LEAST_BUDGET, Stepper};
 
 use crate::scalar::Scalar;
 

@@ -29,6 +29,7 @@
 
 mod automaton;
 mod flow;
+mod followed;
 mod force_law;
 mod parameters;
 mod start;

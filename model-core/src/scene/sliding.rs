@@ -38,6 +38,7 @@
 
 mod automaton;
 mod flow;
+mod followed;
 mod force_law;
 mod lateral_force;
 mod parameters;

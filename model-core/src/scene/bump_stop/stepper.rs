@@ -11,9 +11,9 @@ use crate::excitation::Excitation;
 use crate::hybrid::{Advance, Ended, StepError, StepFailure, Work};
 use crate::scalar::Scalar;
 
-/// Attempts that one step may take, the location of an impact included: a smaller budget is taken as
-/// this one.
-const LEAST_BUDGET: u32 = 44;
+/// Attempts that one step may take, the location of an impact included: a smaller budget of
+/// [`Stepper::advance`] is taken as this one.
+pub const LEAST_BUDGET: u32 = 44;
 /// Attempts to locate an impact: bisection of 2³² ticks.
 const MOST_LOCATING: u32 = 40;
 /// An impact slower than this, in m/s, closes the contact.
@@ -31,9 +31,9 @@ const OPENED: f64 = 16.0;
 /// constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
-    scene: BumpStop<S, P, B, R>,
-    short: StepSet<S, B, R>,
-    long: StepSet<S, B, R>,
+    pub(super) scene: BumpStop<S, P, B, R>,
+    pub(super) short: StepSet<S, B, R>,
+    pub(super) long: StepSet<S, B, R>,
     /// Short steps in a long one.
     ratio: u16,
     /// `|φ| √(1 + 4ζ²) ω` of each beam mode, and of each rod mode.
@@ -104,6 +104,44 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         E: Excitation<S>,
         O: ModalObserver<S, B, R>,
     {
+        self.run::<true, E, O>(state, excitation, until, budget, observer)
+    }
+
+    /// The same, but ends with a whole step: less than a short step beyond `until`.
+    ///
+    /// A cut step makes coefficients of its own, which costs more than many steps: where a run is advanced from
+    /// sample to sample this is the cheaper way. `excitation` must be known for a short step beyond `until`.
+    ///
+    /// # Errors
+    /// As [`Stepper::advance`].
+    pub fn advance_beyond<E, O>(
+        &self,
+        state: &mut State<S, B, R>,
+        excitation: &E,
+        until: Instant,
+        budget: u32,
+        observer: &mut O,
+    ) -> Result<Advance, StepError<S>>
+    where
+        E: Excitation<S>,
+        O: ModalObserver<S, B, R>,
+    {
+        self.run::<false, E, O>(state, excitation, until, budget, observer)
+    }
+
+    #[inline]
+    fn run<const CUT: bool, E, O>(
+        &self,
+        state: &mut State<S, B, R>,
+        excitation: &E,
+        until: Instant,
+        budget: u32,
+        observer: &mut O,
+    ) -> Result<Advance, StepError<S>>
+    where
+        E: Excitation<S>,
+        O: ModalObserver<S, B, R>,
+    {
         let mut work = Work::default();
         let budget = budget.max(LEAST_BUDGET);
         let long_is_of_use = self.long.ticks > self.short.ticks;
@@ -113,7 +151,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
             }
             // No step is longer than resolves the excitation.
-            let left = state.clock.ticks_until(until, excitation.resolved_ticks());
+            let resolved = excitation.resolved_ticks();
+            let left = state.clock.ticks_until(until, resolved);
+            let left = if CUT { left } else { left.max(self.short.ticks.min(resolved)) };
             let open = state.short_steps == 0 && !state.closed;
             if long_is_of_use && left >= self.long.ticks && open {
                 // Most of the long steps that are refused start too near to contact: seen before they are

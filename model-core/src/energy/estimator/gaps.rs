@@ -1,0 +1,108 @@
+//! Samples one by one, and what is done where they are not there: interpolation, giving up, starting anew.
+
+use super::state::{Phase, Queue};
+use super::{Estimator, EstimatorError, Model, Sample};
+use crate::scalar::Scalar;
+
+impl<S: Scalar, M: Model<S>> Estimator<S, M> {
+    /// Queues a sample, with those that were lost before it.
+    pub(super) fn take(&mut self, sample: Sample<S>) {
+        let (target, saturated) = match sample {
+            Sample::Good(acceleration) if acceleration.is_finite() => (acceleration, false),
+            Sample::Saturated(acceleration) if acceleration.is_finite() => (acceleration, true),
+            Sample::Good(_) | Sample::Saturated(_) | Sample::Missing => return self.lose(1),
+        };
+        let state = &mut self.state;
+        state.saturated_samples = state.saturated_samples.saturating_add(u32::from(saturated));
+        let restarts = state.phase != Phase::Following;
+        let length = if restarts { 1 } else { core::mem::take(&mut state.missing).saturating_add(1) };
+        let from = state.stream.newest_sample();
+        state.queue = Queue { from, target, saturated, restarts, length, left: length };
+    }
+
+    /// Counts `count` samples that were lost; gives the harvester up where they are too many in a row.
+    pub(super) fn lose(&mut self, count: u32) {
+        let longest = u32::from(self.settings.longest_gap);
+        let state = &mut self.state;
+        state.missing_samples = state.missing_samples.saturating_add(count);
+        match state.phase {
+            Phase::Waiting => state.unknown_intervals = state.unknown_intervals.wrapping_add(count.into()),
+            Phase::Lost => {
+                state.missing = state.missing.saturating_add(count);
+                state.unknown_intervals = state.unknown_intervals.wrapping_add(count.into());
+            }
+            Phase::Following => {
+                state.missing = state.missing.saturating_add(count);
+                if state.missing > longest {
+                    state.unknown_intervals = state.unknown_intervals.wrapping_add(state.missing.into());
+                    // The newest sample stands in for the one after it, so that the interval up to the newest
+                    // can be integrated.
+                    state.missing -= 1;
+                    state.phase = Phase::Lost;
+                    let newest = state.stream.newest_sample();
+                    self.feed(newest, false);
+                }
+            }
+        }
+    }
+
+    /// Gives the harvester up in the interval in which a step could not be taken, with all samples that were to
+    /// follow.
+    #[cold]
+    pub(super) fn lose_model(&mut self) {
+        let state = &mut self.state;
+        let queued = core::mem::take(&mut state.queue.left);
+        // The interval itself, the one up to the newest sample unless that only stands in, and the queued ones.
+        let to_newest = u64::from(state.phase == Phase::Following);
+        state.unknown_intervals = state.unknown_intervals.wrapping_add(1 + to_newest + u64::from(queued));
+        state.missing = state.missing.saturating_add(queued);
+        state.phase = Phase::Lost;
+        state.pending = false;
+    }
+
+    /// Takes the next sample into the stream.
+    #[inline]
+    pub(super) fn feed(&mut self, sample: S, uncertain: bool) {
+        let state = &mut self.state;
+        let before = state.stream.known_until();
+        state.stream.take(sample);
+        state.uncertain = (state.uncertain << 1) | u8::from(uncertain);
+        if state.stream.known_until() == before {
+            return;
+        }
+        state.pending = true;
+        // Of the interval that is now known: between the oldest sample and the middle one.
+        if state.uncertain & 0b110 != 0 || state.settling > 0 {
+            state.uncertain_intervals = state.uncertain_intervals.wrapping_add(1);
+        }
+        state.settling = state.settling.saturating_sub(1);
+    }
+
+    /// Starts the harvester anew at a sample.
+    #[cold]
+    pub(super) fn restart(&mut self, sample: S, uncertain: bool) -> Result<(), EstimatorError<S>> {
+        let state = &mut self.state;
+        let mut stream = state.stream;
+        let before = if state.phase == Phase::Waiting {
+            stream.begin_with(sample);
+            None
+        } else {
+            stream.restart_with(state.missing, sample);
+            state.unknown_intervals = state.unknown_intervals.wrapping_add(1);
+            Some(&state.model)
+        };
+        match self.model.at_rest(before, &stream) {
+            Ok(model) => state.model = model,
+            Err(error) => {
+                state.missing = state.missing.saturating_add(1);
+                return Err(EstimatorError::Parameter(error));
+            }
+        }
+        state.stream = stream;
+        state.uncertain = u8::from(uncertain);
+        state.settling = (self.settings.settling_seconds * self.settings.rate).to_u32();
+        state.missing = 0;
+        state.phase = Phase::Following;
+        Ok(())
+    }
+}

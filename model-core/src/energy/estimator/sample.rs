@@ -1,0 +1,127 @@
+//! What an accelerometer says: a value, a lower bound of one, or nothing.
+
+use crate::image::Fingerprint;
+use crate::part::bounds::{Bounds, ParameterError};
+use crate::scalar::Scalar;
+
+/// One sample of the base's acceleration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Sample<S> {
+    /// The acceleration in m/s².
+    Good(S),
+    /// The sensor is at the end of its range, given in m/s²: the acceleration is at least that in magnitude.
+    Saturated(S),
+    /// The sample was lost.
+    Missing,
+}
+
+/// How an accelerometer's readings become accelerations, and where its range ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SampleFormat<S> {
+    /// Acceleration of a count in m/s², 10⁻⁹ to 10⁶ in magnitude; its sign turns the axis.
+    pub scale: S,
+    /// Acceleration at a count of zero in m/s², at most 10⁶ in magnitude: minus what the sensor's bias and
+    /// gravity show at rest.
+    pub offset: S,
+    /// Magnitude of a raw count from which on the sensor is saturated, 1 to 32 768.
+    pub count_limit: u16,
+    /// Magnitude of an acceleration in m/s² from which on the sensor is saturated, 10⁻⁹ to infinity.
+    pub range: S,
+}
+
+impl<S: Scalar> SampleFormat<S> {
+    /// Readings in m/s² of a sensor that is saturated from `range` on, in m/s²; infinite if it never is.
+    #[must_use]
+    pub fn accelerations(range: S) -> Self {
+        Self { scale: S::ONE, offset: S::ZERO, count_limit: 1 << 15, range }
+    }
+
+    /// Raw counts of `scale` m/s² with zero at rest, saturated from `count_limit` on.
+    #[must_use]
+    pub fn counts(scale: S, count_limit: u16) -> Self {
+        Self { scale, offset: S::ZERO, count_limit, range: S::INFINITY }
+    }
+
+    /// The sample of a raw count.
+    #[must_use]
+    #[inline]
+    pub fn of_count(&self, count: i16) -> Sample<S> {
+        let (count, limit) = (i32::from(count), i32::from(self.count_limit));
+        let clipped = count.max(-limit).min(limit);
+        let saturated = count.unsigned_abs() >= u32::from(self.count_limit);
+        match self.of_acceleration(self.scale * S::from_i32(clipped) + self.offset) {
+            Sample::Good(acceleration) if saturated => Sample::Saturated(acceleration),
+            sample => sample,
+        }
+    }
+
+    /// The sample of a reading in m/s²; one that is not finite is missing.
+    #[must_use]
+    #[inline]
+    pub fn of_acceleration(&self, acceleration: S) -> Sample<S> {
+        if !acceleration.is_finite() {
+            Sample::Missing
+        } else if acceleration.absolute() < self.range {
+            Sample::Good(acceleration)
+        } else if acceleration < S::ZERO {
+            Sample::Saturated(-self.range)
+        } else {
+            Sample::Saturated(self.range)
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), ParameterError<S>> {
+        Bounds::new(1e-9, 1e6).check("magnitude of scale", self.scale.absolute())?;
+        Bounds::new(-1e6, 1e6).check("offset", self.offset)?;
+        Bounds::new(1.0, 32_768.0).check("count_limit", S::from_u32(self.count_limit.into()))?;
+        Bounds { lowest: S::literal(1e-9), highest: S::INFINITY }.check("range", self.range)
+    }
+
+    pub(super) fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.numbers(&[self.scale, self.offset, self.range]);
+        fingerprint.count(self.count_limit.into());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_of_the_range_is_saturated_on_both_sides() {
+        let format = SampleFormat { offset: 0.5_f32, ..SampleFormat::counts(0.01, 1000) };
+        assert_eq!(format.of_count(100), Sample::Good(1.5));
+        assert_eq!(format.of_count(999), Sample::Good(10.49));
+        assert_eq!(format.of_count(1000), Sample::Saturated(10.5));
+        assert_eq!(format.of_count(i16::MAX), Sample::Saturated(10.5));
+        assert_eq!(format.of_count(i16::MIN), Sample::Saturated(-9.5));
+        let whole = SampleFormat::counts(1.0_f64, 1 << 15);
+        assert_eq!(whole.of_count(i16::MAX), Sample::Good(32_767.0));
+        assert_eq!(whole.of_count(i16::MIN), Sample::Saturated(-32_768.0));
+        let format = SampleFormat::accelerations(20.0_f32);
+        assert_eq!(format.of_acceleration(-19.9), Sample::Good(-19.9));
+        assert_eq!(format.of_acceleration(25.0), Sample::Saturated(20.0));
+        assert_eq!(format.of_acceleration(-20.0), Sample::Saturated(-20.0));
+        assert_eq!(format.of_acceleration(f32::NAN), Sample::Missing);
+        assert_eq!(format.of_acceleration(f32::INFINITY), Sample::Missing);
+        let format = SampleFormat::accelerations(f32::INFINITY);
+        assert_eq!(format.of_acceleration(1e30), Sample::Good(1e30));
+    }
+
+    #[test]
+    fn formats_out_of_bounds_are_named() {
+        let refused = |change: fn(&mut SampleFormat<f64>)| {
+            let mut format = SampleFormat::counts(1e-3, 2048);
+            change(&mut format);
+            format.check().err().map(|error| error.field)
+        };
+        assert_eq!(refused(|_| ()), None);
+        assert_eq!(refused(|f| f.scale = 0.0), Some("magnitude of scale"));
+        assert_eq!(refused(|f| f.scale = -1.0), None);
+        assert_eq!(refused(|f| f.offset = f64::NAN), Some("offset"));
+        assert_eq!(refused(|f| f.count_limit = 0), Some("count_limit"));
+        assert_eq!(refused(|f| f.range = -1.0), Some("range"));
+    }
+}

@@ -1,0 +1,348 @@
+//! An acceleration whose samples arrive one after the other.
+
+use super::sample_grid::SampleGrid;
+use super::{Excitation, ExcitationError};
+use crate::clock::Instant;
+use crate::image::{Image, ImageError, Reader, Writer};
+use crate::scalar::Scalar;
+
+/// Leaps of a [`Stream::restart`]: after the first, over up to 2³² intervals of at least 2²⁰ ticks, at most
+/// 2¹² are left, after the second one.
+const LEAPS: u32 = 3;
+
+/// Samples at a fixed rate, joined by straight lines, of which the last three are kept.
+///
+/// What [`super::Sampled`] is for a whole trace in memory: on the same samples at the same rate it gives the
+/// same bits. The first sample is at time zero.
+///
+/// ```
+/// use model_core::clock::Instant;
+/// use model_core::excitation::{Excitation, Stream};
+///
+/// let mut stream = Stream::<f32>::new(4.0, 0.0)?; // samples per second, first sample in m/s²
+/// stream.push(1.0)?;
+/// assert_eq!(stream.known_until(), Instant::START);
+/// stream.push(-2.0)?;
+/// assert_eq!(stream.known_until(), Instant::from_ticks(1 << 38)); // a quarter of a second
+/// assert_eq!(stream.acceleration(Instant::from_ticks(1 << 37)), 0.5);
+/// # Ok::<(), model_core::excitation::StreamError>(())
+/// ```
+///
+/// # How far it is known
+///
+/// A run is advanced to [`Stream::known_until`], the first tick at or after the last sample but one. That
+/// tick lies up to one tick beyond its sample, where the line to the last sample has already begun: hence the
+/// third sample, and a delay of one. A step that ends there needs no short one after it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stream<S> {
+    grid: SampleGrid<S>,
+    /// [`SampleGrid::whole_ticks_per_sample`].
+    interval: u64,
+    /// Index of the newest sample.
+    newest: u64,
+    /// The last three samples in m/s², the newest last. Before the third they repeat the first.
+    samples: [S; 3],
+    known_until: Instant,
+}
+
+/// Why a stream or a sample was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum StreamError {
+    /// The rate is not above zero, not finite, or above [`crate::clock::Frequency::HIGHEST_HZ`]; or below
+    /// a sample in half a year.
+    Rate,
+    /// The sample is not finite.
+    Sample,
+}
+
+impl core::fmt::Display for StreamError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Rate => write!(f, "sample rate must be above 0 and at most 1e6 Hz"),
+            Self::Sample => write!(f, "sample must be finite"),
+        }
+    }
+}
+
+impl core::error::Error for StreamError {}
+
+impl<S: Scalar> Stream<S> {
+    /// A stream of `rate` samples per second with its first sample, in m/s².
+    ///
+    /// # Errors
+    /// A rate that is out of range, or a sample that is not finite.
+    pub fn new(rate: S, first: S) -> Result<Self, StreamError> {
+        let grid = SampleGrid::new(rate).map_err(|_: ExcitationError| StreamError::Rate)?;
+        let interval = grid.whole_ticks_per_sample().ok_or(StreamError::Rate)?;
+        if !first.is_finite() {
+            return Err(StreamError::Sample);
+        }
+        Ok(Self { grid, interval, newest: 0, samples: [first; 3], known_until: Instant::START })
+    }
+
+    /// Takes in the next sample, in m/s².
+    ///
+    /// # Errors
+    /// A sample that is not finite; the stream is then as before.
+    #[inline]
+    pub fn push(&mut self, sample: S) -> Result<(), StreamError> {
+        if !sample.is_finite() {
+            return Err(StreamError::Sample);
+        }
+        self.take(sample);
+        Ok(())
+    }
+
+    /// The same with a sample that is known to be finite.
+    #[inline]
+    pub(crate) fn take(&mut self, sample: S) {
+        let [_, middle, last] = self.samples;
+        self.samples = [middle, last, sample];
+        self.newest = self.newest.wrapping_add(1);
+        let last_but_one = self.newest.saturating_sub(1);
+        // Not so for the first sample, and the first after a restart.
+        if self.grid.sample_before(self.known_until) < last_but_one {
+            self.known_until = self.tick_of_next(self.known_until, last_but_one);
+        }
+    }
+
+    /// Begins anew: `sample` is the one `missed` samples after the newest, and nothing is known of those between.
+    ///
+    /// [`Stream::known_until`] is then the time of this sample.
+    ///
+    /// # Errors
+    /// A sample that is not finite; the stream is then as before.
+    pub fn restart(&mut self, missed: u32, sample: S) -> Result<(), StreamError> {
+        if !sample.is_finite() {
+            return Err(StreamError::Sample);
+        }
+        self.restart_with(missed, sample);
+        Ok(())
+    }
+
+    /// The same with a sample that is known to be finite.
+    pub(crate) fn restart_with(&mut self, missed: u32, sample: S) {
+        let index = self.newest.wrapping_add(u64::from(missed)).wrapping_add(1);
+        self.known_until = self.first_tick_beyond(self.known_until, index);
+        (self.newest, self.samples) = (index, [sample; 3]);
+    }
+
+    /// Begins at time zero with `sample`, which is known to be finite.
+    pub(crate) fn begin_with(&mut self, sample: S) {
+        (self.newest, self.samples, self.known_until) = (0, [sample; 3], Instant::START);
+    }
+
+    /// The instant up to which a run can be advanced: that of the last sample but one, rounded up to a tick.
+    #[must_use]
+    pub fn known_until(&self) -> Instant {
+        self.known_until
+    }
+
+    /// Index of the newest sample, from 0.
+    #[must_use]
+    pub fn newest(&self) -> u64 {
+        self.newest
+    }
+
+    /// The newest sample, in m/s².
+    #[must_use]
+    pub fn newest_sample(&self) -> S {
+        let [_, _, last] = self.samples;
+        last
+    }
+
+    /// Samples per second.
+    #[must_use]
+    pub fn rate(&self) -> S {
+        self.grid.samples_per_second
+    }
+
+    /// Ticks from one sample to the next, rounded down.
+    #[must_use]
+    pub fn ticks_per_sample(&self) -> u64 {
+        self.interval
+    }
+
+    /// The first tick at or after sample `index`, where `before` is that of the sample before it.
+    #[inline(always)]
+    fn tick_of_next(&self, before: Instant, index: u64) -> Instant {
+        // `before` is less than a tick late, and the interval less than a tick short: the sum is the tick
+        // before the sample or the one after it.
+        let near = Instant::from_ticks(before.ticks().wrapping_add(self.interval));
+        if self.grid.sample_before(near) >= index { near } else { near.after(1) }
+    }
+
+    /// The first tick at or after sample `index`, where `before` lies before that sample by any number of
+    /// intervals.
+    #[cold]
+    fn first_tick_beyond(&self, before: Instant, index: u64) -> Instant {
+        let mut before = before.ticks();
+        for _ in 0..LEAPS {
+            // Whole intervals short of the last one; each is less than a tick short itself.
+            let missing = index.saturating_sub(self.grid.sample_before(Instant::from_ticks(before)));
+            before = before.wrapping_add(missing.saturating_sub(1).wrapping_mul(self.interval));
+        }
+        let mut beyond = before.wrapping_add(self.interval).wrapping_add(1);
+        while beyond.wrapping_sub(before) > 1 {
+            let middle = before.wrapping_add(beyond.wrapping_sub(before) / 2);
+            if self.grid.sample_before(Instant::from_ticks(middle)) < index {
+                before = middle;
+            } else {
+                beyond = middle;
+            }
+        }
+        Instant::from_ticks(beyond)
+    }
+
+    /// The samples on either side of `at`, and how far it lies between them.
+    #[inline(always)]
+    fn bracket(&self, at: Instant) -> (S, S, S) {
+        let (whole, theta) = self.grid.place(at);
+        let [first, middle, last] = self.samples;
+        // Outside of what is known the nearest sample holds.
+        match self.newest.wrapping_sub(whole).cast_signed() {
+            ..=0 => (last, last, theta),
+            1 => (middle, last, theta),
+            2 => (first, middle, theta),
+            _ => (first, first, theta),
+        }
+    }
+}
+
+impl<S: Scalar> Excitation<S> for Stream<S> {
+    #[inline]
+    fn acceleration(&self, at: Instant) -> S {
+        let (left, right, theta) = self.bracket(at);
+        left + theta * (right - left)
+    }
+
+    fn jerk(&self, at: Instant) -> S {
+        let (left, right, _) = self.bracket(at);
+        (right - left) * self.grid.samples_per_second
+    }
+
+    fn smooth_ticks(&self, at: Instant) -> u32 {
+        self.grid.ticks_to_next(at)
+    }
+}
+
+impl<S: Scalar> Image for Stream<S> {
+    const BYTES: usize = 4 * S::BYTES + 2 * u64::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.rate().write(out);
+        self.newest.write(out);
+        self.samples.write(out);
+        self.known_until.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        let mut stream = Self::new(S::read(from)?, S::ZERO).map_err(|_| ImageError::NoState)?;
+        (stream.newest, stream.samples) = (Image::read(from)?, Image::read(from)?);
+        stream.known_until = Image::read(from)?;
+        let ahead = stream.newest.checked_sub(stream.grid.sample_before(stream.known_until));
+        if ahead.is_some_and(|samples| samples <= 1) { Ok(stream) } else { Err(ImageError::NoState) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::{AfterLastSample, Sampled};
+
+    fn has_the_bits_of_a_whole_trace<S: Scalar>() {
+        let samples: Vec<S> = (0..300).map(|n| S::literal((f64::from(n) * 0.7).sin() * 3.0)).collect();
+        for rate in [0.3, 100.0, 128.0, 333.3, 400.0, 1600.0, 26_667.0].map(S::literal) {
+            let whole = Sampled::new(&samples, rate, AfterLastSample::Silence).expect("valid");
+            let mut stream = Stream::new(rate, samples[0]).expect("valid");
+            for (n, &sample) in samples.iter().enumerate().skip(1) {
+                let from = stream.known_until();
+                stream.push(sample).expect("finite");
+                let until = stream.known_until();
+                assert_eq!(n > 1, until > from);
+                let seventh = (until.ticks() - from.ticks()) / 7;
+                let parts = (0..7).map(|part| Instant::from_ticks(from.ticks() + seventh * part));
+                let last = Instant::from_ticks(until.ticks().saturating_sub(1)).max(from);
+                for at in parts.chain([last, until]) {
+                    assert_eq!(stream.acceleration(at), whole.acceleration(at), "{rate} Hz, sample {n}");
+                    assert_eq!(stream.jerk(at), whole.jerk(at));
+                    assert_eq!(stream.smooth_ticks(at), whole.smooth_ticks(at));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn has_the_bits_of_a_whole_trace_at_every_tick_asked_for() {
+        has_the_bits_of_a_whole_trace::<f32>();
+        has_the_bits_of_a_whole_trace::<f64>();
+    }
+
+    #[test]
+    fn is_known_until_the_first_tick_of_the_last_sample_but_one() {
+        for rate in [0.3, 99.9, 400.0, 1e6] {
+            let mut stream = Stream::<f64>::new(rate, 0.0).expect("valid");
+            for n in 1..2000_u64 {
+                stream.push(0.0).expect("finite");
+                let (tick, sample) = (stream.known_until(), n - 1);
+                assert_eq!(stream.grid.sample_before(tick), sample, "{rate} Hz");
+                if sample > 0 {
+                    let before = Instant::from_ticks(tick.ticks() - 1);
+                    assert_eq!(stream.grid.sample_before(before), sample - 1, "{rate} Hz");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_restart_stands_where_the_samples_would_have_led() {
+        for rate in [0.3, 99.9, 400.0, 26_667.0] {
+            for missed in [0, 1, 2, 17, 1000] {
+                let start = Stream::<f64>::new(rate, 0.0).expect("valid");
+                let (mut jumped, mut walked) = (start, start);
+                for stream in [&mut jumped, &mut walked] {
+                    stream.push(1.0).expect("finite");
+                    stream.push(2.0).expect("finite");
+                }
+                jumped.restart(missed, 5.0).expect("finite");
+                assert_eq!(jumped.acceleration(jumped.known_until()), 5.0);
+                for _ in 0..missed {
+                    walked.push(0.0).expect("finite");
+                }
+                for sample in [5.0, 6.0] {
+                    walked.push(sample).expect("finite");
+                }
+                // The restart knows the time of its sample; its first interval takes two more.
+                assert_eq!(jumped.known_until(), walked.known_until(), "{rate} Hz, {missed} missed");
+                jumped.push(6.0).expect("finite");
+                assert_eq!(jumped.known_until(), walked.known_until());
+                for sample in [7.0, 8.0] {
+                    jumped.push(sample).expect("finite");
+                    walked.push(sample).expect("finite");
+                    assert_eq!(jumped.known_until(), walked.known_until());
+                    assert_eq!(jumped.newest(), walked.newest());
+                }
+                assert_eq!(jumped, walked);
+            }
+        }
+        // A gap of a hundred days at 400 Hz.
+        let mut stream = Stream::<f32>::new(400.0, 0.0).expect("valid");
+        stream.restart(100 * 86_400 * 400 - 1, 1.0).expect("finite");
+        assert_eq!(stream.known_until(), Instant::from_whole_seconds(100 * 86_400));
+    }
+
+    #[test]
+    fn bad_rates_and_samples_are_refused() {
+        for rate in [0.0, -1.0, f32::NAN, f32::INFINITY, 1.1e6, 1e-9] {
+            assert_eq!(Stream::new(rate, 0.0).err(), Some(StreamError::Rate), "{rate}");
+        }
+        assert_eq!(Stream::new(400.0, f32::NAN).err(), Some(StreamError::Sample));
+        let mut stream = Stream::new(400.0, 1.0_f32).expect("valid");
+        let before = stream;
+        assert_eq!(stream.push(f32::INFINITY), Err(StreamError::Sample));
+        assert_eq!(stream.restart(3, f32::NAN), Err(StreamError::Sample));
+        assert_eq!(stream, before);
+    }
+}

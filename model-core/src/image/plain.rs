@@ -1,0 +1,104 @@
+//! Numbers, truth values, arrays.
+
+use heapless::Vec;
+
+use super::{Image, ImageError, Reader, Writer};
+
+macro_rules! integers {
+    ($($integer:ty),*) => {$(
+        impl Image for $integer {
+            const BYTES: usize = size_of::<Self>();
+
+            #[inline]
+            fn write(&self, out: &mut Writer<'_>) {
+                out.bytes(self.to_le_bytes());
+            }
+
+            #[inline]
+            fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+                Ok(Self::from_le_bytes(from.bytes()?))
+            }
+        }
+    )*};
+}
+
+integers!(u8, u16, u32, u64, i8, i16, i32, i64);
+
+macro_rules! floats {
+    ($($float:ty),*) => {$(
+        /// By its bits; only a finite number is read.
+        impl Image for $float {
+            const BYTES: usize = size_of::<Self>();
+
+            #[inline]
+            fn write(&self, out: &mut Writer<'_>) {
+                self.to_bits().write(out);
+            }
+
+            #[inline]
+            fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+                let value = Self::from_bits(Image::read(from)?);
+                if value.is_finite() { Ok(value) } else { Err(ImageError::NoState) }
+            }
+        }
+    )*};
+}
+
+floats!(f32, f64);
+
+/// A byte that is 0 or 1.
+impl Image for bool {
+    const BYTES: usize = 1;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        u8::from(*self).write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        match u8::read(from)? {
+            0 => Ok(false),
+            1 => Ok(true),
+            _ => Err(ImageError::NoState),
+        }
+    }
+}
+
+impl<T: Image, const N: usize> Image for [T; N] {
+    const BYTES: usize = N * T::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        for entry in self {
+            entry.write(out);
+        }
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        let mut entries = Vec::<T, N>::new();
+        for _ in 0..N {
+            entries.push(T::read(from)?).map_err(|_| ImageError::NoState)?;
+        }
+        entries.into_array().map_err(|_| ImageError::NoState)
+    }
+}
+
+/// A value or none: a byte that says which, and room for the value.
+impl<T: Image> Image for Option<T>
+where
+    T: Default,
+{
+    const BYTES: usize = 1 + T::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.is_some().write(out);
+        match self {
+            Some(value) => value.write(out),
+            None => T::default().write(out),
+        }
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        let is_some = bool::read(from)?;
+        let value = T::read(from)?;
+        Ok(is_some.then_some(value))
+    }
+}

@@ -1,0 +1,111 @@
+use super::*;
+
+type Payload = ([f64; 2], [u16; 3], Option<u32>, [bool; 2]);
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sample(Payload);
+
+impl Image for Sample {
+    const BYTES: usize = <[f64; 2]>::BYTES + <[u16; 3]>::BYTES + <Option<u32>>::BYTES + <[bool; 2]>::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        let Self((numbers, counts, choice, flags)) = self;
+        numbers.write(out);
+        counts.write(out);
+        choice.write(out);
+        flags.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        Ok(Self((Image::read(from)?, Image::read(from)?, Image::read(from)?, Image::read(from)?)))
+    }
+}
+
+const SAMPLE: Sample = Sample(([-0.0, 1.0e-310], [1, 2, 65_535], Some(7), [true, false]));
+const SIZE: usize = size_of::<Sample>();
+
+fn image() -> [u8; SIZE] {
+    let mut bytes = [0; SIZE];
+    assert_eq!(save(&SAMPLE, 99, &mut bytes), Ok(SIZE));
+    bytes
+}
+
+#[test]
+fn the_same_bits_come_back_and_what_follows_is_not_touched() {
+    let mut flash = [0xff; SIZE + 5];
+    assert_eq!(save(&SAMPLE, 99, &mut flash), Ok(SIZE));
+    assert_eq!(flash[SIZE..], [0xff; 5]);
+    let Sample(read) = restore::<Sample>(99, &flash).expect("sound");
+    assert_eq!(Sample(read), SAMPLE);
+    assert_eq!(read.0.map(f64::to_bits), [-0.0_f64, 1.0e-310].map(f64::to_bits));
+}
+
+#[test]
+fn every_flipped_bit_is_refused() {
+    for bit in 0..SIZE * 8 {
+        let mut bytes = image();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        let refused = restore::<Sample>(99, &bytes).expect_err("a bit is flipped");
+        assert!(!matches!(refused, ImageError::NoState | ImageError::ForeignModel), "{bit}: {refused}");
+    }
+}
+
+#[test]
+fn too_little_room_and_too_few_bytes_are_named() {
+    for given in 0..SIZE {
+        let mut bytes = [0x55; SIZE];
+        let room = bytes.get_mut(..given).expect("less");
+        assert_eq!(save(&SAMPLE, 99, room), Err(ImageError::NoRoom { needed: SIZE, given }));
+        assert_eq!(bytes, [0x55; SIZE]);
+        let short = &image()[..given];
+        assert_eq!(restore::<Sample>(99, short), Err(ImageError::TooShort { needed: SIZE, given }));
+    }
+    let message = ImageError::NoRoom { needed: 80, given: 64 }.to_string();
+    assert!(message.contains("80") && message.contains("64"));
+}
+
+/// Writes bytes that are no `Sample` as if they were one.
+#[derive(Debug)]
+struct Raw([u8; Sample::BYTES]);
+
+impl Image for Raw {
+    const BYTES: usize = Sample::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.0.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        Ok(Self(Image::read(from)?))
+    }
+}
+
+#[test]
+fn a_sound_image_of_no_state_is_refused() {
+    let payload = restore::<Raw>(99, &image()).expect("bytes").0;
+    let change = |place: usize, to: &[u8]| {
+        let mut changed = payload;
+        changed[place..place + to.len()].copy_from_slice(to);
+        let mut bytes = image();
+        save(&Raw(changed), 99, &mut bytes).expect("room");
+        restore::<Sample>(99, &bytes)
+    };
+    assert_eq!(change(0, &(-0.0_f64).to_le_bytes()), Ok(SAMPLE));
+    for number in [f64::NAN, f64::INFINITY] {
+        assert_eq!(change(8, &number.to_le_bytes()), Err(ImageError::NoState));
+    }
+    // The flag of the choice, and the last truth value.
+    for place in [22, Sample::BYTES - 1] {
+        assert_eq!(change(place, &[2]), Err(ImageError::NoState));
+    }
+}
+
+#[test]
+fn another_model_state_or_version_is_foreign() {
+    assert_eq!(restore::<Sample>(98, &image()), Err(ImageError::ForeignModel));
+    assert_eq!(restore::<[f64; 3]>(99, &image()), Err(ImageError::ForeignModel));
+    assert_eq!(restore::<Sample>(99, &[0xff; SIZE]), Err(ImageError::NoImage));
+    let mut later = image();
+    later[4] = 2;
+    assert_eq!(restore::<Sample>(99, &later), Err(ImageError::ForeignVersion { version: 2 }));
+}

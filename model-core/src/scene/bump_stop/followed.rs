@@ -1,0 +1,81 @@
+//! What a node that follows an accelerometer needs beside the steps: a fingerprint and the state as bytes.
+
+use super::contact_law::{ContactKind, ContactLaw};
+use super::parameters::Coupling;
+use super::{BumpStop, Parts, State, Stepper};
+use crate::image::{Fingerprint, Image, ImageError, Reader, Writer};
+use crate::part::load::Load;
+use crate::scalar::Scalar;
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
+    /// Takes everything that tells this harvester from another into a fingerprint.
+    pub fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("bump-stop");
+        fingerprint.count(self.beam.len() as u32);
+        fingerprint.count(self.rod.len() as u32);
+        for mode in &self.beam {
+            fingerprint.numbers(&[mode.angular_frequency, mode.base, mode.contact, mode.tip, mode.voltage]);
+        }
+        for mode in &self.rod {
+            fingerprint.numbers(&[mode.angular_frequency, mode.base, mode.contact]);
+        }
+        fingerprint.numbers(&[self.damping_ratio, self.capacitance, self.gap, self.stiffness]);
+        self.load.resistance().identify(fingerprint);
+        fingerprint.count(u32::from(self.coupling.is_two_way()));
+        match self.contact.kind() {
+            ContactKind::None => fingerprint.count(0),
+            ContactKind::Compliant => fingerprint.count(1),
+            ContactKind::Constrained => fingerprint.count(2),
+            ContactKind::Impulsive { restitution } => fingerprint.numbers(&[restitution]),
+        }
+    }
+}
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R> {
+    /// Length of a short step in ticks.
+    #[must_use]
+    pub fn short_ticks(&self) -> u32 {
+        self.short.ticks
+    }
+
+    /// Takes the harvester and the lengths of its steps into a fingerprint.
+    pub fn identify(&self, fingerprint: &mut Fingerprint) {
+        self.scene.identify(fingerprint);
+        fingerprint.count(self.short.ticks);
+        fingerprint.count(self.long.ticks);
+    }
+}
+
+impl<S: Scalar, const B: usize, const R: usize> Image for State<S, B, R> {
+    const BYTES: usize = u64::BYTES + (2 * (B + R) + 6) * S::BYTES + bool::BYTES + u16::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        self.clock.write(out);
+        self.beam.write(out);
+        self.rod.write(out);
+        self.strain_charge.write(out);
+        self.moved_charge.write(out);
+        self.charge_remainder.write(out);
+        self.gap.write(out);
+        self.drift.write(out);
+        self.acceleration.write(out);
+        self.closed.write(out);
+        self.short_steps.write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        Ok(Self {
+            clock: Image::read(from)?,
+            beam: Image::read(from)?,
+            rod: Image::read(from)?,
+            strain_charge: Image::read(from)?,
+            moved_charge: Image::read(from)?,
+            charge_remainder: Image::read(from)?,
+            gap: Image::read(from)?,
+            drift: Image::read(from)?,
+            acceleration: Image::read(from)?,
+            closed: Image::read(from)?,
+            short_steps: Image::read(from)?,
+        })
+    }
+}

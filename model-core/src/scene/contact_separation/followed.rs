@@ -1,0 +1,63 @@
+//! What a node needs to follow this harvester: a start at rest, a fingerprint, and the mode as a byte.
+
+use super::force_law::ForceLaw;
+use super::{ContactSeparation, Mode, Parts, STATES, Start, Sticking};
+use crate::excitation::Excitation;
+use crate::hybrid::HybridState;
+use crate::image::{Fingerprint, Image, ImageError, Reader, Writer};
+use crate::integrate::StepControl;
+use crate::part::load::Load;
+use crate::part::restitution::Restitution;
+use crate::scalar::Scalar;
+use crate::scene::{Followed, ParameterError};
+
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> Followed<S, STATES, POWERS> for ContactSeparation<S, P> {
+    fn at_rest<E: Excitation<S>, C: StepControl<S>>(
+        &self,
+        _before: Option<&[S; STATES]>,
+        excitation: &E,
+        control: &C,
+    ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>> {
+        self.start(&Start::default(), excitation, control)
+    }
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("contact-separation");
+        // Every other coefficient follows from these.
+        fingerprint.numbers(&[
+            self.mass,
+            self.stiffness,
+            self.initial_gap,
+            self.damping_per_mass,
+            self.dielectric,
+            self.permittivity_area,
+            self.tribo_charge,
+            self.parasitic,
+        ]);
+        self.load.resistance().identify(fingerprint);
+        // A law shows itself in what it does.
+        for charge in [S::ZERO, S::ONE] {
+            let circuit = self.circuit(self.initial_gap, charge);
+            fingerprint.numbers(&[self.force_law.attraction(&circuit, self.tribo_charge)]);
+        }
+        for parameter in self.restitution.parameters().iter().flatten() {
+            fingerprint.name(parameter.field);
+            fingerprint.numbers(&[parameter.value]);
+        }
+        fingerprint.count(u32::from(P::Sticking::POSSIBLE));
+        fingerprint.count(u32::from(self.sticking.relaxes()));
+    }
+}
+
+/// A byte: 0 free, 1 stuck.
+impl Image for Mode {
+    const BYTES: usize = 1;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        (*self == Self::Stuck).write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        Ok(if bool::read(from)? { Self::Stuck } else { Self::Free })
+    }
+}

@@ -1,0 +1,44 @@
+//! What it takes to follow a harvester on a node, over gaps in its samples and power-downs.
+
+use super::{Harvester, ParameterError};
+use crate::excitation::Excitation;
+use crate::hybrid::HybridState;
+use crate::image::{Fingerprint, Image};
+use crate::integrate::StepControl;
+use crate::scalar::Scalar;
+
+/// What a store holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct StoreReading<S> {
+    /// Its voltage in volts.
+    pub voltage: S,
+    /// Its energy in joules.
+    pub energy: S,
+}
+
+/// A hybrid harvester that can be followed from samples: it can start at rest, its state has an image, and it
+/// can be told from any other.
+pub trait Followed<S: Scalar, const N: usize, const P: usize>: Harvester<S, N, P, Mode: Image> {
+    /// The harvester at rest under `excitation` at time zero.
+    ///
+    /// `before` is the state in which it was last seen, where it was: what a store held it still holds.
+    ///
+    /// # Errors
+    /// If parameters within their bounds leave no such start.
+    fn at_rest<E: Excitation<S>, C: StepControl<S>>(
+        &self,
+        before: Option<&[S; N]>,
+        excitation: &E,
+        control: &C,
+    ) -> Result<HybridState<S, Self::Mode, N, P>, ParameterError<S>>;
+
+    /// Takes everything that tells this harvester from another into a fingerprint: all parameters and choices
+    /// on which the meaning of a state depends.
+    fn identify(&self, fingerprint: &mut Fingerprint);
+
+    /// The store at `state`; `None` without one.
+    fn store(&self, _state: &[S; N]) -> Option<StoreReading<S>> {
+        None
+    }
+}

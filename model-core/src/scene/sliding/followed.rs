@@ -1,0 +1,71 @@
+//! What a node needs to follow this harvester: a start at rest, a fingerprint, and the mode as a byte.
+
+use super::force_law::ForceLaw;
+use super::{Friction, LateralForce, Mode, Parts, STATES, Sliding, Start, Sticking};
+use crate::excitation::Excitation;
+use crate::hybrid::HybridState;
+use crate::image::{Fingerprint, Image, ImageError, Reader, Writer};
+use crate::integrate::StepControl;
+use crate::part::load::Load;
+use crate::scalar::Scalar;
+use crate::scene::{Followed, ParameterError};
+
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> Followed<S, STATES, POWERS> for Sliding<S, P> {
+    fn at_rest<E: Excitation<S>, C: StepControl<S>>(
+        &self,
+        _before: Option<&[S; STATES]>,
+        excitation: &E,
+        control: &C,
+    ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>> {
+        self.start(&Start::default(), excitation, control)
+    }
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("sliding");
+        // Every other coefficient follows from these.
+        fingerprint.numbers(&[
+            self.modal_mass,
+            self.base_coupling,
+            self.angular_frequency,
+            self.damping_per_mass,
+            self.weight_per_mass,
+            self.diameter,
+            self.dielectric,
+            self.charge_unit,
+            self.surface.tribo_charge,
+            self.surface.root_permittivity,
+        ]);
+        self.load.resistance().identify(fingerprint);
+        // A law shows itself in what it does.
+        fingerprint.numbers(&self.force_law.acting_charge(S::ZERO, &self.surface));
+        fingerprint.count(u32::from(P::Friction::PRESENT));
+        for active in [S::ZERO, S::ONE] {
+            let friction = &self.friction;
+            fingerprint.numbers(&[friction.static_coefficient(active), friction.kinetic_coefficient(active)]);
+        }
+        fingerprint.count(u32::from(P::Sticking::POSSIBLE));
+        fingerprint.count(u32::from(self.sticking.relaxes()));
+        fingerprint.count(u32::from(self.lateral_force.acts()));
+    }
+}
+
+/// A byte: 0 to 3 sliding, 1 for forward and 2 for ahead added up; 4 stuck.
+impl Image for Mode {
+    const BYTES: usize = 1;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        match *self {
+            Self::Sliding { forward, ahead } => u8::from(forward) + 2 * u8::from(ahead),
+            Self::Stuck => 4,
+        }
+        .write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        match u8::read(from)? {
+            sliding @ 0..=3 => Ok(Self::Sliding { forward: sliding & 1 != 0, ahead: sliding & 2 != 0 }),
+            4 => Ok(Self::Stuck),
+            _ => Err(ImageError::NoState),
+        }
+    }
+}
