@@ -1,116 +1,115 @@
-//! A sensor node: acceleration samples in, mean harvested power out, once a second.
+//! A sensor node that knows what it harvests and spends accordingly.
 //!
-//! What a developer replaces is [`Accelerometer`]: one method, which a driver's FIFO, a DMA buffer
-//! or, here, a trace in flash can serve. The crate `accelerometer` has a trait for drivers, but of
-//! three axes at once and on an old `micromath`, which brings vectors that nothing here needs.
+//! Acceleration samples in; each second the energy that the harvester's model delivers from them, the store as the
+//! energy budget has it, and a decision: sleep, measure, or transmit.
+//!
+//! | node | for | harvested power by |
+//! | --- | --- | --- |
+//! | [`Following`] | a core that can afford it, such as a Cortex-M4F | stepping the harvester's model along the samples |
+//! | [`Listening`] | any core, such as a Cortex-M0 | the strongest line of the samples and a closed form |
+//!
+//! What a developer replaces is [`Board`], and the parts in [`harvester`]. The ecosystem has no traits for this seam
+//! that fit: `embedded-hal` has none for a converter or an accelerometer, and the crate `accelerometer` one for three
+//! axes at once, on an old `micromath`.
 
-mod trace;
+mod economy;
+mod flash_board;
+mod following;
+mod harvester;
+mod listening;
 
-use model_core::clock::Instant;
-use model_core::energy::PowerMeter;
-use model_core::excitation::{AfterLastSample, Sampled};
-use model_core::hybrid::{Driver, HybridState};
-use model_core::integrate::{Adaptive, TrBdf2};
-use model_core::scene::contact_separation::{ContactSeparation, Mode, STATES, Start};
+pub use economy::Economy;
+pub use flash_board::FlashBoard;
+pub use following::Following;
+pub use harvester::{following, listening};
+pub use listening::Listening;
 
-use crate::workload::contact_separation::parts::{self, Whole};
-use crate::workload::contact_separation::scenes::TOLERANCE;
+/// What the node needs of the hardware.
+pub trait Board {
+    /// The next sample along the axis of the harvester as a raw count, [`RATE_HZ`] a second; `None` if it
+    /// was lost.
+    fn acceleration(&mut self) -> Option<i16>;
 
-pub use trace::FlashTrace;
+    /// Voltage of the store in volts, as the converter reads it; `None` where it was not read. Asked once a second.
+    fn store_voltage(&mut self) -> Option<f32>;
 
-/// Acceleration along the axis of the harvester, one sample after the other at a fixed rate.
-pub trait Accelerometer {
-    /// The next sample in m/s²; `None` where there are no more.
-    fn sample(&mut self) -> Option<f32>;
+    /// Does what was decided.
+    fn carry_out(&mut self, decision: Decision);
 }
+
+/// What to do with a second.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Decision {
+    /// Nothing: the store is to keep what it has.
+    Sleep,
+    /// Take a measurement.
+    Measure,
+    /// Send what was measured.
+    Transmit,
+}
+
+impl Decision {
+    /// One word, for the log.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sleep => "sleep",
+            Self::Measure => "measure",
+            Self::Transmit => "transmit",
+        }
+    }
+}
+
+/// Seconds that the binaries run.
+pub const SECONDS: u32 = 64;
 
 /// Samples per second.
 pub const RATE_HZ: u32 = 400;
-/// Samples that are read at a time: a tenth of a second, as from a sensor's FIFO.
-const BATCH: usize = 40;
-const BATCHES_PER_SECOND: u64 = 10;
-/// The batch that is stepped through and the one read for it share the ring.
-const RING: usize = 2 * BATCH;
+/// Metres per second squared in a raw count: a range of 2 g in 16 bits.
+pub const SCALE: f32 = 9.81 / 16384.0;
+/// How well the converter reads the store's voltage, in volts: half a step of 12 bits over 5 V, and noise.
+pub const VOLTAGE_ERROR: f32 = 2e-3;
 
 /// What the node knows after another second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Report {
-    /// Whole simulated seconds so far.
+    /// Whole seconds so far.
     pub second: u32,
-    /// Mean power delivered to the load in the last of them, in watts.
-    pub mean_power: f32,
-    /// Steps that it took.
+    /// Energy harvested in the last of them, in joules.
+    pub harvested: f32,
+    /// Energy in the store, in joules.
+    pub stored: f32,
+    /// What was decided.
+    pub decision: Decision,
+    /// Steps of the model that it took.
     pub steps: u32,
+}
+
+/// Writes a report to the log.
+#[cfg(target_os = "none")]
+pub fn log(report: &Report) {
+    let Report { second, harvested, stored, decision, steps } = report;
+    let decided = decision.name();
+    defmt::info!(
+        "second {=u32}: {=f32} J in, {=f32} J stored, {=str}, {=u32} steps",
+        second, harvested, stored, decided, steps
+    );
+}
+
+impl core::fmt::Display for Report {
+    /// As the log has it.
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { second, harvested, stored, decision, steps } = self;
+        let decided = decision.name();
+        write!(f, "second {second}: {harvested} J in, {stored} J stored, {decided}, {steps} steps")
+    }
 }
 
 /// Why there is no report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NodeError {
-    /// The accelerometer has no more samples.
-    NoSample,
-    /// The harvester's parameters were refused, or it could not be stepped.
+    /// A parameter was refused.
+    Parameters,
+    /// The harvester's model could not be stepped.
     Model,
-}
-
-/// A harvester that follows an accelerometer.
-#[derive(Debug)]
-pub struct Node<A> {
-    accelerometer: A,
-    scene: ContactSeparation<f32, Whole>,
-    driver: Driver<TrBdf2, Adaptive<f32>>,
-    state: HybridState<f32, Mode, STATES, 1>,
-    /// Sample `n` stands in place `n % RING`: taken as a trace that repeats, the ring is a window
-    /// that moves along the whole of the signal.
-    ring: [f32; RING],
-    /// Batches stepped through.
-    batches: u32,
-}
-
-impl<A: Accelerometer> Node<A> {
-    /// A node whose harvester is at rest when the first sample is taken.
-    ///
-    /// # Errors
-    /// If the harvester's parameters are refused, or there is no sample.
-    pub fn new(mut accelerometer: A) -> Result<Self, NodeError> {
-        let scene = core::hint::black_box(parts::whole()).build().map_err(|_| NodeError::Model)?;
-        let mut ring = [0.0; RING];
-        ring[0] = accelerometer.sample().ok_or(NodeError::NoSample)?;
-        let control = Adaptive::new(TOLERANCE);
-        let excitation = window(&ring)?;
-        let state = scene.start(&Start::default(), &excitation, &control).map_err(|_| NodeError::Model)?;
-        Ok(Self { accelerometer, scene, driver: Driver::new(TrBdf2, control), state, ring, batches: 0 })
-    }
-
-    /// Follows the accelerometer for a second.
-    ///
-    /// # Errors
-    /// If its samples end before the second does, or the harvester cannot be stepped.
-    pub fn second(&mut self) -> Result<Report, NodeError> {
-        let mut meter = PowerMeter::<f32, 1>::new();
-        let mut steps = 0;
-        for _ in 0..BATCHES_PER_SECOND {
-            // The sample that ends this batch is the first of the next.
-            let half = if self.batches.is_multiple_of(2) { 0 } else { BATCH };
-            for place in half + 1..=half + BATCH {
-                let sample = self.accelerometer.sample().ok_or(NodeError::NoSample)?;
-                if let Some(slot) = self.ring.get_mut(if place == RING { 0 } else { place }) {
-                    *slot = sample;
-                }
-            }
-            self.batches += 1;
-            let until = Instant::from_ticks((u64::from(self.batches) << 40) / BATCHES_PER_SECOND);
-            let excitation = window(&self.ring)?;
-            let advance = self
-                .driver
-                .advance(&self.scene, &mut self.state, &excitation, until, u32::MAX, &mut meter)
-                .map_err(|_| NodeError::Model)?;
-            steps += advance.work.steps;
-        }
-        let second = self.batches / BATCHES_PER_SECOND as u32;
-        Ok(Report { second, mean_power: meter.mean_power(), steps })
-    }
-}
-
-fn window(ring: &[f32; RING]) -> Result<Sampled<'_, f32>, NodeError> {
-    Sampled::new(ring, RATE_HZ as f32, AfterLastSample::Repeat).map_err(|_| NodeError::Model)
 }

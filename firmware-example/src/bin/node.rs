@@ -1,4 +1,4 @@
-//! A sensor node: logs each second what its harvester delivered.
+//! A sensor node that follows its harvester: logs each second what came in, what is stored, and what it does.
 //!
 //! Under QEMU, with each logged value compared with the host's, to the bit:
 //!
@@ -11,18 +11,14 @@
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    use firmware_example::node::{FlashTrace, Node};
+    use firmware_example::node::{FlashBoard, Following, SECONDS, following, log};
     use firmware_example::stop::{Code, stop};
 
-    let Ok(mut node) = Node::new(FlashTrace::default()) else { stop(Code::WorkloadFailed) };
-    for _ in 0..FlashTrace::SECONDS {
+    let Ok(model) = following() else { stop(Code::WorkloadFailed) };
+    let Ok(mut node) = Following::new(FlashBoard::default(), model) else { stop(Code::WorkloadFailed) };
+    for _ in 0..SECONDS {
         let Ok(report) = node.second() else { stop(Code::WorkloadFailed) };
-        defmt::info!(
-            "second {=u32}: {=f32} W in {=u32} steps",
-            report.second,
-            report.mean_power,
-            report.steps
-        );
+        log(&report);
     }
     stop(Code::Done)
 }

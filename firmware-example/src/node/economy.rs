@@ -1,0 +1,107 @@
+//! What the node may spend: its store, its actions, and when it takes them.
+
+use model_core::energy::{Action, Budget, BudgetParameters, BudgetState, IncomeParameters, StorageParameters};
+
+use super::{Decision, NodeError, VOLTAGE_ERROR};
+
+/// Slots of the day of which the budget learns what they bring.
+const SLOTS: usize = 24;
+/// Seconds from one measurement to the next, if the store allows it.
+const MEASURE_EVERY: u32 = 10;
+/// Seconds from one transmission to the next, if the store allows it.
+const TRANSMIT_EVERY: u32 = 60;
+
+/// A ceramic capacitor behind the bridge, and a node that runs straight from it: 22 µF, used from 1.9 V up to
+/// 4.2 V.
+const STORAGE: StorageParameters<f32> = StorageParameters {
+    capacitance: 22e-6,
+    leakage_resistance: 100e6,
+    // The diodes' loss is in the harvester's model.
+    charging_efficiency: 1.0,
+    discharging_efficiency: 1.0,
+    highest_voltage: 4.2,
+    lock_out_voltage: 1.9,
+    turn_on_voltage: 2.2,
+};
+
+/// The budget of the node and its habits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Economy {
+    budget: Budget<f32, SLOTS>,
+    state: BudgetState<f32, SLOTS>,
+    measure: Action<f32>,
+    transmit: Action<f32>,
+    since_measurement: u32,
+    since_transmission: u32,
+}
+
+impl Economy {
+    /// At midnight, with an empty store until a first reading says otherwise.
+    ///
+    /// # Errors
+    /// If a parameter is out of its bounds.
+    pub fn new() -> Result<Self, NodeError> {
+        let refused = |_| NodeError::Parameters;
+        let budget = BudgetParameters {
+            storage: core::hint::black_box(STORAGE),
+            income: IncomeParameters { time_constant: 600.0, day_weight: 0.5 },
+            // Asleep with a clock that runs: 0.1 µA.
+            standing_power: 0.3e-6,
+        }
+        .build()
+        .map_err(refused)?;
+        Ok(Self {
+            state: budget.start(0),
+            budget,
+            // A conversion of a sensor, and a short packet: upper bounds.
+            measure: Action::new("measure", 4e-6, 5e-3).map_err(refused)?,
+            transmit: Action::new("transmit", 35e-6, 3e-3).map_err(refused)?,
+            since_measurement: MEASURE_EVERY,
+            since_transmission: 0,
+        })
+    }
+
+    /// The store as it was read.
+    pub fn read(&mut self, volts: f32) {
+        self.budget.correct_by_voltage(&mut self.state, volts, VOLTAGE_ERROR);
+    }
+
+    /// A second has gone by, in which `harvested` joules came in, give or take `uncertainty` joules; what to
+    /// do now. What is decided is taken as spent.
+    pub fn second(&mut self, harvested: f32, uncertainty: f32) -> Decision {
+        let Self { budget, state, measure, transmit, .. } = self;
+        budget.update(state, 1, harvested, 0.0);
+        state.raise_uncertainty(uncertainty);
+        self.since_measurement += 1;
+        self.since_transmission += 1;
+        let (decision, action) = if self.since_transmission >= TRANSMIT_EVERY && budget.can_run_now(state, transmit) {
+            self.since_transmission = 0;
+            (Decision::Transmit, transmit)
+        } else if self.since_measurement >= MEASURE_EVERY && budget.can_run_now(state, measure) {
+            self.since_measurement = 0;
+            (Decision::Measure, measure)
+        } else {
+            return Decision::Sleep;
+        };
+        budget.spend(state, action.energy());
+        decision
+    }
+
+    /// Energy in the store, in joules.
+    #[must_use]
+    pub fn stored(&self) -> f32 {
+        self.state.energy()
+    }
+
+    /// Voltage of the store, in volts.
+    #[must_use]
+    pub fn store_voltage(&self) -> f32 {
+        self.budget.storage().voltage(self.state.energy())
+    }
+
+    /// What the account of the store leaves unexplained, in joules.
+    #[must_use]
+    pub fn unexplained(&self) -> f32 {
+        self.state.account().balance() - self.state.energy()
+    }
+}

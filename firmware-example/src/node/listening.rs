@@ -1,0 +1,65 @@
+//! The node that asks a closed form about the strongest line of the samples.
+
+use model_core::excitation::{ToneMeter, ToneMeterState};
+use model_core::scalar::Polynomial;
+
+use super::harvester::Beam;
+use super::{Board, Economy, NodeError, RATE_HZ, Report, SCALE};
+
+/// Part of the signal's mean square that the line must have: with less the harvester hears something else.
+const LEAST_PURITY: f32 = 0.5;
+/// What a closed form is taken to be off by, relative.
+const CLOSED_FORM_ERROR: f32 = 0.1;
+
+/// A node that listens to the vibration and does not follow its harvester.
+#[derive(Debug, Clone, Copy)]
+pub struct Listening<B> {
+    board: B,
+    beam: Beam,
+    meter: ToneMeter<f32>,
+    tone: ToneMeterState<f32>,
+    economy: Economy,
+    seconds: u32,
+}
+
+impl<B: Board> Listening<B> {
+    /// A node that has heard nothing yet.
+    ///
+    /// # Errors
+    /// If a parameter is refused.
+    pub fn new(mut board: B, beam: Beam) -> Result<Self, NodeError> {
+        let meter = ToneMeter::new(RATE_HZ as f32, RATE_HZ).map_err(|_| NodeError::Parameters)?;
+        let mut economy = Economy::new()?;
+        if let Some(volts) = board.store_voltage() {
+            economy.read(volts);
+        }
+        Ok(Self { board, beam, tone: meter.start(), meter, economy, seconds: 0 })
+    }
+
+    /// Listens for a second, and decides. A line that the closed form does not hold for brings nothing.
+    pub fn second(&mut self) -> Report {
+        let mut line = None;
+        for _ in 0..RATE_HZ {
+            // A lost sample is not a number, and taken as the one before.
+            let sample = self.board.acceleration().map_or(f32::NAN, |count| SCALE * f32::from(count));
+            line = self.meter.push::<Polynomial>(&mut self.tone, sample).or(line);
+        }
+        let heard = line.filter(|line| line.purity >= LEAST_PURITY);
+        let harvested = heard.map_or(0.0, |line| {
+            self.beam.energy_in_a_second(line.amplitude, line.frequency, self.economy.store_voltage())
+        });
+        if let Some(volts) = self.board.store_voltage() {
+            self.economy.read(volts);
+        }
+        let decision = self.economy.second(harvested, CLOSED_FORM_ERROR * harvested);
+        self.board.carry_out(decision);
+        self.seconds += 1;
+        Report { second: self.seconds, harvested, stored: self.economy.stored(), decision, steps: 0 }
+    }
+
+    /// The budget of the node.
+    #[must_use]
+    pub fn economy(&self) -> &Economy {
+        &self.economy
+    }
+}
