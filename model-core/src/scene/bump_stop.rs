@@ -29,11 +29,13 @@
 //!
 //! The mode counts are type parameters, `B` of the beam and `R` of the rod.
 
+mod closed_form;
 mod contact_law;
 mod ledger;
 mod meter;
 mod observer;
 mod parameters;
+mod rectified;
 mod state;
 mod step_set;
 mod stepper;
