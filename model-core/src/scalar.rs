@@ -6,6 +6,7 @@
 //! elementary functions are one of the [`Mathematics`] backends, which are plain Rust.
 
 mod compensated;
+mod complex;
 mod float;
 #[cfg(feature = "libm")]
 mod libm;
@@ -24,6 +25,7 @@ pub use self::libm::Libm;
 pub use self::micromath::Micromath;
 pub use compensated::CompensatedSum;
 pub(crate) use compensated::add_increment;
+pub(crate) use complex::Complex;
 pub use polynomial::Polynomial;
 
 mod sealed {

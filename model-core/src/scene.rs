@@ -4,6 +4,7 @@
 //! [`crate::hybrid::Automaton`]. What a meter needs of any of them is [`Harvester`].
 
 pub mod bump_stop;
+pub mod closed_form;
 pub mod contact_separation;
 mod coupled;
 mod followed;

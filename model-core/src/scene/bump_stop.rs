@@ -29,12 +29,14 @@
 //!
 //! The mode counts are type parameters, `B` of the beam and `R` of the rod.
 
+mod closed_form;
 mod contact_law;
 mod followed;
 mod ledger;
 mod meter;
 mod observer;
 mod parameters;
+mod rectified;
 mod state;
 mod step_set;
 mod stepper;

@@ -28,6 +28,7 @@
 //! reproduces its findings and is not passive, the second is the energy-consistent electrostatics.
 
 mod automaton;
+mod closed_form;
 mod flow;
 mod followed;
 mod force_law;

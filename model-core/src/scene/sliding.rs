@@ -37,6 +37,7 @@
 //! [`TransferredCharge`] per modal mass is `q²/s1` with `s1 = S1/S`.
 
 mod automaton;
+mod closed_form;
 mod flow;
 mod followed;
 mod force_law;

@@ -46,7 +46,12 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
 
     #[inline(always)]
     pub(super) fn circuit(&self, ahead: bool, displacement: S, charge: S) -> Circuit<S> {
-        let overlap = self.overlap(ahead, displacement);
+        self.circuit_of(self.overlap(ahead, displacement), charge)
+    }
+
+    /// The same where the overlap is known.
+    #[inline(always)]
+    pub(super) fn circuit_of(&self, overlap: DiscOverlap<S>, charge: S) -> Circuit<S> {
         let per_active = S::ONE / overlap.active;
         let relaxed = self.surface.tribo_charge * overlap.inert;
         if self.is_shorted() {
@@ -85,7 +90,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
 
     /// Normal force per modal mass `(m g + F_e)/M` in m/s², and its derivative by the charge.
     #[inline(always)]
-    fn normal(&self, circuit: &Circuit<S>) -> [S; 2] {
+    pub(super) fn normal(&self, circuit: &Circuit<S>) -> [S; 2] {
         let [acting, by_charge] = self.force_law.acting_charge(circuit.transferred, &self.surface);
         let per_charge = acting * circuit.per_active;
         let by_charge = if self.is_shorted() { S::ZERO } else { (per_charge + per_charge) * by_charge };

@@ -1,0 +1,388 @@
+//! The slider that never sticks: Den Hartog's motion with a friction that depends on place and charge.
+//!
+//! The displacement is taken as `x = X cos θ`, `θ = Ω t`. Along it the charge's equation is linear and of the
+//! period `π`; with `P = σS − q`
+//!
+//! ```text
+//! κ s1 dP/dθ + P = σS s1              κ = Ω R ε0 ε_r S / d
+//! ```
+//!
+//! and Lobatto's third method of order 4 carries it over half a turn, through stages that lie alike on
+//! the way out and on the way in, so that the overlap is taken once for both; the rate at the stages is the
+//! current. What acts on the slider in that half, `f = μ N + F_lat` per modal mass, is replaced by the constant
+//! `f̄ = ½ ∫ f sin θ dθ` that does the same work, and by the stiffness `−(2/π) ∫ f cos θ dθ / X` that its
+//! lag behind the motion makes. With both the motion between two turns is that of Den Hartog (1931), with
+//! viscous damping, exactly:
+//!
+//! ```text
+//! κ_b A = |D| √((X − G_u f̄/ω²)² + (G_w f̄/ω²Ω)²)         D = ω² − Ω² + 2jζ ωΩ
+//! ```
+//!
+//! where `G_u`, `G_w` follow from the free motion over half a period. This is explicit in the base's
+//! acceleration `A`, so the amplitude `X` is found as a root.
+
+use super::flow::Circuit;
+use super::{Friction, Parts, Sliding};
+use crate::integrate::modal::ModalStep;
+use crate::part::disc_overlap::DiscOverlap;
+use crate::part::load::{Load, Resistance};
+use crate::scalar::Scalar;
+use crate::scene::closed_form::{ClosedForm, Reason, Validity, ratio};
+
+/// Steps in a quarter of a turn.
+const STEPS: usize = 4;
+/// Places at which the overlap is taken: ends and middles of the steps, from the turn to the centre.
+const PLACES: usize = 2 * STEPS + 1;
+/// Cosines of the places; backwards, their sines.
+const COSINES: [f64; PLACES] = [
+    1.0,
+    0.980_785_280_403_230_4,
+    0.923_879_532_511_286_7,
+    0.831_469_612_302_545_2,
+    core::f64::consts::FRAC_1_SQRT_2,
+    0.555_570_233_019_602_2,
+    0.382_683_432_365_089_8,
+    0.195_090_322_016_128_27,
+    0.0,
+];
+/// A step, in radians.
+const STEP: f64 = core::f64::consts::FRAC_PI_2 / STEPS as f64;
+/// Weights of the stages of Lobatto's method, and its matrix.
+const WEIGHTS: [f64; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
+const STAGES: [[f64; 3]; 3] = [
+    [1.0 / 6.0, -1.0 / 3.0, 1.0 / 6.0],
+    [1.0 / 6.0, 5.0 / 12.0, -1.0 / 12.0],
+    [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
+];
+
+/// Largest amplitude that is claimed, as a part of the diameter.
+const REACH: f64 = 0.9;
+/// Largest third harmonic, as a part of the first.
+const THIRD: f64 = 0.03;
+/// Largest damping ratio.
+const DAMPING: f64 = 0.9;
+/// Attempts at the amplitude, after which a balance is given up.
+const MOST_ATTEMPTS: u32 = 12;
+/// What may be left of the balance, as a part of the acceleration.
+const TOLERANCE: f64 = 1e-4;
+
+/// What acts on the slider and flows through the load on the way from one turn to the other.
+struct HalfTurn<S> {
+    /// `f̄` in m/s².
+    friction: S,
+    /// The stiffness of its lag, per modal mass, in 1/s².
+    stiffness: S,
+    /// Mean of `(dq/dθ)²` in square charge units.
+    current_square: S,
+    /// Charge at the turn, in charge units.
+    charge: S,
+}
+
+/// The base acceleration that an amplitude takes, in m/s² of the tip, and whether its motion is regular.
+struct Demand<S> {
+    acceleration: S,
+    /// Static friction at the turn over the force on the slider.
+    hold: S,
+    /// Third harmonic over the first.
+    third: S,
+    current_square: S,
+}
+
+impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
+    /// Mean power under the base acceleration `amplitude · sin(2π · hertz · t)`, in m/s² and Hz, of the motion
+    /// without sticks that stays on the active patch; nothing, exactly, where static friction holds the
+    /// slider from the start.
+    ///
+    /// Up to a dozen attempts at the amplitude, most often six, of some 800 multiplications and 60 divisions
+    /// each. With the load open the charge is that of the slider at the centre.
+    #[must_use]
+    pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
+        let omega = hertz * S::literal(core::f64::consts::TAU);
+        let drive = self.base_coupling * amplitude.absolute();
+        let at_rest = self.circuit(true, S::ZERO, S::ZERO);
+        let held = ratio(drive, self.static_friction(&at_rest)[0]);
+        if held <= S::ONE {
+            let nothing = S::ZERO;
+            return ClosedForm {
+                mean_power: nothing,
+                rms_voltage: nothing,
+                amplitude: nothing,
+                validity: Validity::Holds { margin: held },
+            };
+        }
+        let twice = S::literal(2.0 * DAMPING) * self.angular_frequency;
+        let damping = self.damping_per_mass / twice;
+        let (reached, demand, left) = self.reached(drive, omega);
+        let (mean_power, rms_voltage) = self.electrical(reached, demand.current_square, omega);
+        ClosedForm {
+            mean_power,
+            rms_voltage,
+            amplitude: reached,
+            validity: Validity::of([
+                (Reason::NotBalanced, left * S::literal(1.0 / TOLERANCE)),
+                (Reason::LeavesOverlap, reached * self.per_diameter * S::literal(1.0 / REACH)),
+                (Reason::Sticks, demand.hold),
+                (Reason::HigherHarmonics, demand.third * S::literal(1.0 / THIRD)),
+                (Reason::Overdamped, damping),
+            ]),
+        }
+    }
+
+    /// The amplitude that takes a drive, what goes with it, and what is left of the balance as a part of the
+    /// drive; the largest amplitude there is where the drive is beyond it.
+    fn reached(&self, drive: S, omega: S) -> (S, Demand<S>, S) {
+        let half = S::literal(0.5);
+        let (mut low, mut high) = (S::literal(1e-3) * self.diameter, S::literal(0.99) * self.diameter);
+        let mut demand = self.demand(high, omega);
+        let mut above = demand.acceleration - drive;
+        if !(above > S::ZERO) {
+            return (high, demand, S::ZERO);
+        }
+        let mut below = self.demand(low, omega).acceleration - drive;
+        let mut at = high;
+        let mut left = S::INFINITY;
+        let mut side = 0_i32;
+        for _ in 0..MOST_ATTEMPTS {
+            // The secant of the ends, the older of which weighs half from its second turn on.
+            at = (low * above - high * below) / (above - below);
+            if !(at > low && at < high) {
+                at = half * (low + high);
+            }
+            demand = self.demand(at, omega);
+            let over = demand.acceleration - drive;
+            left = over.absolute() / drive;
+            if left <= S::literal(TOLERANCE) {
+                break;
+            }
+            if over > S::ZERO {
+                (high, above) = (at, over);
+                if side > 0 {
+                    below = half * below;
+                }
+                side = 1;
+            } else {
+                (low, below) = (at, over);
+                if side < 0 {
+                    above = half * above;
+                }
+                side = -1;
+            }
+        }
+        (at, demand, left)
+    }
+
+    /// What an amplitude takes.
+    fn demand(&self, amplitude: S, omega: S) -> Demand<S> {
+        let turn = self.half_turn(amplitude, omega);
+        let two = S::literal(2.0);
+        let square = (self.stiffness_per_mass + turn.stiffness).larger(S::TINY);
+        let natural = square.square_root();
+        let damping = self.damping_per_mass / (natural + natural);
+        // The free motion over half a period: a11 − 1, a12, a21, a22 − 1.
+        let free = ModalStep::new(natural, damping, S::literal(core::f64::consts::PI) / omega);
+        let [a, b, c, d] = [
+            two + free.displacement_by_displacement,
+            free.displacement_by_velocity,
+            free.velocity_by_displacement,
+            two + free.velocity_by_velocity,
+        ];
+        // (1 + a11) u + a12 w = (a11 − 1) f, a21 u + (1 + a22) w = a21 f: u = X − p_c, w = −Ω p_s of the
+        // forced part p_c cos Ωt + p_s sin Ωt.
+        let determinant = a * d - b * c;
+        let static_friction = turn.friction / square;
+        let per_determinant = static_friction / determinant;
+        let u = ((a - two) * d - b * c) * per_determinant;
+        let w = (a - (a - two)) * c * per_determinant;
+        let (forced, lagging) = (amplitude - u, -w / omega);
+        let detuning = (natural - omega) * (natural + omega);
+        let across = self.damping_per_mass * omega;
+        let norm = detuning * detuning + across * across;
+        let acceleration = (norm * (forced * forced + lagging * lagging)).square_root();
+        // At the turn: spring and base against static friction.
+        let pull = square * amplitude - detuning * forced - across * lagging;
+        let circuit = self.circuit(true, amplitude, turn.charge);
+        let [holding, _] = self.static_friction(&circuit);
+        // A square wave has a third of its first harmonic in the third.
+        let third = S::literal(2.0 / 3.0 * core::f64::consts::FRAC_2_PI) * turn.friction
+            / ((square - S::literal(9.0) * omega * omega).absolute() * amplitude);
+        Demand {
+            acceleration,
+            hold: if pull > S::ZERO { holding / pull } else { S::INFINITY },
+            third,
+            current_square: turn.current_square,
+        }
+    }
+
+    /// Friction, lag and current on the way from `x = X` to `x = −X`.
+    fn half_turn(&self, amplitude: S, omega: S) -> HalfTurn<S> {
+        let tribo = self.surface.tribo_charge;
+        let overlaps = COSINES.map(|cosine| self.overlap(true, amplitude * S::literal(cosine)));
+        let active = |step: usize, stage: usize| {
+            let place = if step < STEPS { 2 * step + stage } else { 4 * STEPS - 2 * step - stage };
+            overlaps.get(place).copied().unwrap_or(DiscOverlap { active: S::ONE, inert: S::ZERO })
+        };
+        let lag = match self.load.resistance() {
+            Resistance::Short => Some(S::ZERO),
+            Resistance::Finite(_) => Some(omega / self.circuit_rate),
+            Resistance::Open => None,
+        };
+        let step_map = |step: usize| {
+            let overlap = [0, 1, 2].map(|stage| active(step, stage));
+            lag.map_or(Increments::NONE, |lag| Increments::new(&overlap.map(|one| one.active), lag, tribo))
+        };
+        // The charge after half a turn is (1 − e) of that before, and some more: periodic where both agree.
+        let (mut forgotten, mut gained) = (S::ZERO, S::ZERO);
+        let maps: [Increments<S>; 2 * STEPS] = core::array::from_fn(step_map);
+        for map in &maps {
+            let [constant, by_charge] = map.over_step();
+            gained = gained + constant + by_charge * gained;
+            forgotten = forgotten - by_charge * (S::ONE - forgotten);
+        }
+        let mut charge = if forgotten > S::ZERO { gained / forgotten } else { tribo };
+        let at_turn = tribo - charge;
+        let (mut work, mut lagging, mut square) = (S::ZERO, S::ZERO, S::ZERO);
+        for (step, map) in maps.iter().enumerate() {
+            let rates = map.at(charge);
+            for (stage, weight) in WEIGHTS.into_iter().enumerate() {
+                let of_stage = STAGES.get(stage).map_or(S::ZERO, |row| product(row, &rates));
+                let transferred = tribo - charge - of_stage;
+                let place = 2 * step + stage;
+                let (cosine, sine) = cosine_and_sine::<S>(place);
+                let acting =
+                    self.acting(active(step, stage), place < PLACES - 1, amplitude * cosine, transferred);
+                let weighed = S::literal(weight) * acting;
+                work += weighed * sine;
+                lagging += weighed * cosine;
+                let rate = rates.get(stage).copied().unwrap_or(S::ZERO);
+                square += S::literal(weight) * rate * rate;
+            }
+            charge += product(&WEIGHTS, &rates);
+        }
+        HalfTurn {
+            friction: S::literal(0.5 * STEP) * work,
+            stiffness: S::literal(-STEP * core::f64::consts::FRAC_2_PI) * lagging / amplitude,
+            // The rates are per step.
+            current_square: square * S::literal(core::f64::consts::FRAC_1_PI / STEP),
+            charge: at_turn,
+        }
+    }
+
+    /// Friction against a slider on its way back, and the field's lateral force, per modal mass.
+    fn acting(&self, overlap: DiscOverlap<S>, ahead: bool, displacement: S, transferred: S) -> S {
+        let circuit: Circuit<S> = self.circuit_of(overlap, transferred);
+        let [lateral, _] = self.lateral(ahead, displacement, &circuit);
+        let [normal, _] = self.normal(&circuit);
+        self.friction.kinetic_coefficient(overlap.active) * normal + lateral
+    }
+
+    /// Mean power in W and root mean square of the voltage in V.
+    fn electrical(&self, amplitude: S, current_square: S, omega: S) -> (S, S) {
+        match self.load.resistance() {
+            Resistance::Short => (S::ZERO, S::ZERO),
+            Resistance::Finite(ohms) => {
+                let current = omega * self.charge_unit;
+                let square = current_square * current * current;
+                (square * ohms, square.square_root() * ohms)
+            }
+            Resistance::Open => {
+                // Mean of the square by Simpson's rule over a quarter of a turn.
+                let mut sum = S::ZERO;
+                for (place, cosine) in COSINES.into_iter().enumerate() {
+                    let voltage = self.circuit(true, amplitude * S::literal(cosine), S::ZERO).voltage;
+                    let weight = match place {
+                        0 | 8 => 1.0,
+                        _ if place % 2 == 1 => 4.0,
+                        _ => 2.0,
+                    };
+                    sum += S::literal(weight / (3.0 * (PLACES as f64 - 1.0))) * voltage * voltage;
+                }
+                (S::ZERO, self.field * sum.square_root())
+            }
+        }
+    }
+}
+
+/// What a step adds to the charge `P` at each stage's rate, times the step: a constant, and per charge at the
+/// start.
+struct Increments<S> {
+    constant: [S; 3],
+    by_charge: [S; 3],
+}
+
+impl<S: Scalar> Increments<S> {
+    /// Of a charge that stays.
+    const NONE: Self = Self { constant: [S::ZERO; 3], by_charge: [S::ZERO; 3] };
+
+    /// `κ s1 z/h + A z = σS s1 − P` at the three stages, by Cramer's rule.
+    fn new(active: &[S; 3], lag: S, tribo_charge: S) -> Self {
+        let per_step = lag * S::literal(1.0 / STEP);
+        // All rows by the largest that they hold, so that an open circuit overflows nothing.
+        let scale = S::ONE / (S::ONE + per_step);
+        let row = |stage: usize| {
+            let mut row = [S::ZERO; 3];
+            let own = active.get(stage).copied().unwrap_or(S::ZERO);
+            let coefficients = STAGES.get(stage).copied().unwrap_or([0.0; 3]);
+            for (column, (place, coefficient)) in row.iter_mut().zip(coefficients).enumerate() {
+                let diagonal = if column == stage { per_step * own } else { S::ZERO };
+                *place = scale * (S::literal(coefficient) + diagonal);
+            }
+            row
+        };
+        let rows = [row(0), row(1), row(2)];
+        let cross = [cross(&rows[1], &rows[2]), cross(&rows[2], &rows[0]), cross(&rows[0], &rows[1])];
+        let determinant = sum(&rows[0], &cross[0]);
+        let factor = scale / determinant;
+        let solve = |right: [S; 3]| {
+            [0, 1, 2].map(|column| {
+                let along = |which: usize| {
+                    cross
+                        .get(which)
+                        .and_then(|vector: &[S; 3]| vector.get(column))
+                        .copied()
+                        .unwrap_or(S::ZERO)
+                };
+                factor * (along(0) * right[0] + along(1) * right[1] + along(2) * right[2])
+            })
+        };
+        let minus_one = -S::ONE;
+        Self { constant: solve(active.map(|own| tribo_charge * own)), by_charge: solve([minus_one; 3]) }
+    }
+
+    /// Over the whole step.
+    fn over_step(&self) -> [S; 2] {
+        [product(&WEIGHTS, &self.constant), product(&WEIGHTS, &self.by_charge)]
+    }
+
+    /// The rates, times the step, from a charge at the start.
+    fn at(&self, charge: S) -> [S; 3] {
+        let [a, b, c] = self.by_charge;
+        let [x, y, z] = self.constant;
+        [x + a * charge, y + b * charge, z + c * charge]
+    }
+}
+
+fn product<S: Scalar>(coefficients: &[f64; 3], values: &[S; 3]) -> S {
+    sum(&coefficients.map(S::literal), values)
+}
+
+fn sum<S: Scalar>([a, b, c]: &[S; 3], [x, y, z]: &[S; 3]) -> S {
+    *a * *x + *b * *y + *c * *z
+}
+
+fn cross<S: Scalar>([a, b, c]: &[S; 3], [x, y, z]: &[S; 3]) -> [S; 3] {
+    [*b * *z - *c * *y, *c * *x - *a * *z, *a * *y - *b * *x]
+}
+
+/// Of a place on the way from one turn to the other.
+fn cosine_and_sine<S: Scalar>(place: usize) -> (S, S) {
+    let entry = |index: usize| S::literal(COSINES.get(index).copied().unwrap_or(0.0));
+    let last = PLACES - 1;
+    if place <= last {
+        (entry(place), entry(last - place))
+    } else {
+        (-entry(2 * last - place), entry(place - last))
+    }
+}
+
+#[cfg(test)]
+mod tests;
