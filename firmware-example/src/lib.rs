@@ -10,7 +10,7 @@
 //! | `measure` | one workload measured: what it cost, and its states, in the log |
 //! | `calibration` | the workload whose cost is known |
 //! | `workload` | what is measured: scenes whole, with parts left out, at several settings |
-//! | `node` | a sensor node: acceleration samples in, mean harvested power out |
+//! | `node` | a sensor node: acceleration samples in, a decision a second out |
 //! | `logger` | defmt frames over semihosting |
 //! | `stop` | panics and faults end the run with a code |
 

@@ -92,7 +92,11 @@ pub fn log(report: &Report) {
     let decided = decision.name();
     defmt::info!(
         "second {=u32}: {=f32} J in, {=f32} J stored, {=str}, {=u32} steps",
-        second, harvested, stored, decided, steps
+        second,
+        harvested,
+        stored,
+        decided,
+        steps
     );
 }
 

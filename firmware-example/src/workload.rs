@@ -2,6 +2,7 @@
 
 pub mod bump_stop;
 pub mod contact_separation;
+pub mod estimators;
 pub mod hybrid_run;
 #[cfg(all(target_os = "none", feature = "peer"))]
 pub mod peer;

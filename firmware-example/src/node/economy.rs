@@ -1,6 +1,8 @@
 //! What the node may spend: its store, its actions, and when it takes them.
 
-use model_core::energy::{Action, Budget, BudgetParameters, BudgetState, IncomeParameters, StorageParameters};
+use model_core::energy::{
+    Action, Budget, BudgetParameters, BudgetState, IncomeParameters, StorageParameters,
+};
 
 use super::{Decision, NodeError, VOLTAGE_ERROR};
 
@@ -74,15 +76,16 @@ impl Economy {
         state.raise_uncertainty(uncertainty);
         self.since_measurement += 1;
         self.since_transmission += 1;
-        let (decision, action) = if self.since_transmission >= TRANSMIT_EVERY && budget.can_run_now(state, transmit) {
-            self.since_transmission = 0;
-            (Decision::Transmit, transmit)
-        } else if self.since_measurement >= MEASURE_EVERY && budget.can_run_now(state, measure) {
-            self.since_measurement = 0;
-            (Decision::Measure, measure)
-        } else {
-            return Decision::Sleep;
-        };
+        let (decision, action) =
+            if self.since_transmission >= TRANSMIT_EVERY && budget.can_run_now(state, transmit) {
+                self.since_transmission = 0;
+                (Decision::Transmit, transmit)
+            } else if self.since_measurement >= MEASURE_EVERY && budget.can_run_now(state, measure) {
+                self.since_measurement = 0;
+                (Decision::Measure, measure)
+            } else {
+                return Decision::Sleep;
+            };
         budget.spend(state, action.energy());
         decision
     }

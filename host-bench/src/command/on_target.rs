@@ -1,6 +1,7 @@
 //! `on-target`: what the models cost on a microcontroller.
 
 mod cores;
+mod estimators;
 mod leave_outs;
 mod node;
 mod peer;
@@ -32,9 +33,13 @@ pub struct OnTargetArguments {
     #[arg(long, group = "report")]
     leave_outs: bool,
 
-    /// The sensor node: its log compared with the host's
+    /// The sensor node: its log compared with the host's [default: M4F and M0]
     #[arg(long, group = "report")]
     node: bool,
+
+    /// What an estimate costs for each sample, and a closed form for each call [default: M4F and M0]
+    #[arg(long, group = "report")]
+    estimators: bool,
 
     /// The smooth scene by the crate numeris beside ours
     #[arg(long, group = "report")]
@@ -50,7 +55,9 @@ pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
     qemu::find()?;
     let limit = Duration::from_secs(arguments.time_limit);
     let of_one = |report: fn(Core, Duration) -> Result<(), Error>| {
-        let cores = if arguments.core.is_empty() { &[Core::M4f][..] } else { &arguments.core };
+        let small = arguments.node || arguments.estimators;
+        let usual = if small { &[Core::M4f, Core::M0][..] } else { &[Core::M4f] };
+        let cores = if arguments.core.is_empty() { usual } else { &arguments.core };
         cores.iter().try_for_each(|&core| {
             announce(core);
             report(core, limit)
@@ -62,6 +69,8 @@ pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
         of_one(leave_outs::report)
     } else if arguments.node {
         of_one(node::report)
+    } else if arguments.estimators {
+        of_one(estimators::report)
     } else if arguments.peer {
         of_one(peer::report)
     } else {

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use super::table;
 use crate::on_target::core::Core;
+use crate::on_target::node::Kind;
 use crate::on_target::{Error, node};
 
 /// Runs the node and prints what it logged.
@@ -16,11 +17,24 @@ pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
     let rows = reports
         .iter()
         .map(|report| {
-            [report.second.to_string(), format!("{:.4}", report.mean_power * 1e6), report.steps.to_string()]
+            [
+                report.second.to_string(),
+                report.decision.name().to_owned(),
+                format!("{:.4}", report.harvested * 1e6),
+                format!("{:.3}", report.stored * 1e6),
+                report.steps.to_string(),
+            ]
         })
         .collect();
-    println!("{}", table(["second", "mean power in uW", "steps"], rows, 0));
-    println!("{core}. A trace of 400 samples a second from flash; each logged value has the host's bits.");
-    println!("The whole firmware, trace and logging included: {} bytes of flash.", size.flash);
+    println!("{}", table(["second", "decision", "harvested in uJ", "stored in uJ", "steps"], rows, 2));
+    let how = match Kind::of(core) {
+        Kind::Following => "The harvester's model is stepped along 400 samples a second from flash",
+        Kind::Listening => {
+            "A closed form is asked about the strongest line of 400 samples a second from flash"
+        }
+    };
+    println!("{core}. {how};");
+    println!("each logged value has the host's bits. The whole firmware, trace and logging included:");
+    println!("{} bytes of flash.", size.flash);
     Ok(())
 }
