@@ -24,7 +24,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// Cost: one pass.
     #[must_use]
     pub fn income_until(&self, state: &BudgetState<S, SLOTS>, second: u32) -> S {
-        let mut left = seconds_until(state, second);
+        let mut left = state.income.seconds_until(second).min(DAY_SECONDS);
         let mut sum = S::ZERO;
         for stretch in self.forecast(state).stretches() {
             let seconds = stretch.seconds.min(left);
@@ -41,7 +41,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// Cost: one pass and one exponential more.
     #[must_use]
     pub fn energy_until(&self, state: &BudgetState<S, SLOTS>, second: u32) -> S {
-        let mut left = seconds_until(state, second);
+        let mut left = state.income.seconds_until(second).min(DAY_SECONDS);
         let mut energy = state.energy();
         for stretch in self.forecast(state).stretches() {
             let seconds = stretch.seconds.min(left);
@@ -146,8 +146,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         Some(if S::from_u32(whole) < period { whole + 1 } else { whole })
     }
 
-    /// Whether an action can be run now: it can be afforded, and nothing of the standing load is expected to
-    /// go unserved for it in the coming day.
+    /// Whether an action can be run at a second of the clock, the present one: it can be afforded, and nothing
+    /// of the standing load is expected to go unserved for it in the coming day.
     ///
     /// The first is certain, the second as good as the prediction: before a night without income, it keeps
     /// what the night will take, but where the store is expected to fill up or to run out in any case, it does
@@ -155,8 +155,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     ///
     /// Cost: five exponentials and two passes, or one exponential where it cannot be afforded.
     #[must_use]
-    pub fn can_run_now(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>) -> bool {
-        if !self.can_afford(state, action) {
+    pub fn can_run_now(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>, now: u32) -> bool {
+        if !self.can_afford(state, action, now) {
             return false;
         }
         let forecast = self.forecast(state);
@@ -183,11 +183,4 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let (income, outgo) = self.exchange(harvested, seconds);
         self.storage.step(energy, &self.storage.relaxation(S::from_u32(seconds)), income, outgo).end
     }
-}
-
-/// Seconds from now until a second of the clock, at most a day; 0 if it has passed.
-fn seconds_until<S: Scalar, const SLOTS: usize>(state: &BudgetState<S, SLOTS>, second: u32) -> u32 {
-    let ahead = second.wrapping_sub(state.income.second());
-    // Half of the clock's range is the past.
-    if ahead > u32::MAX / 2 { 0 } else { ahead.min(DAY_SECONDS) }
 }
