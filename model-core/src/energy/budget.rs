@@ -319,3 +319,131 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         state.uncertainty = distance.smaller(above_floor).larger(S::ZERO).smaller(state.energy);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::storage::tests::example;
+    use super::*;
+
+    fn budget<S: Scalar>() -> Budget<S, 48> {
+        with(example())
+    }
+
+    fn with<S: Scalar>(storage: StorageParameters<S>) -> Budget<S, 48> {
+        let income = IncomeParameters { time_constant: S::literal(7200.0), day_weight: S::literal(0.5) };
+        let parameters = BudgetParameters { storage, income, standing_power: S::literal(2e-6) };
+        parameters.build().expect("within bounds")
+    }
+
+    /// Ten times what comes in a day, or a fiftieth of it.
+    fn stores<S: Scalar>() -> [StorageParameters<S>; 2] {
+        let large = StorageParameters {
+            capacitance: S::literal(1.0),
+            leakage_resistance: S::literal(1e6),
+            ..example()
+        };
+        [large, example()]
+    }
+
+    /// A day of updates of `interval` seconds with an uneven income, and an action every ten minutes.
+    fn day<S: Scalar>(budget: &Budget<S, 48>, interval: u32) -> BudgetState<S, 48> {
+        let mut state = budget.start(0);
+        budget.correct(&mut state, S::literal(0.5) * budget.storage.capacity(), S::ZERO);
+        for k in 0..86_400 / interval {
+            let (minute, seconds) = (k * interval / 60, S::from_u32(interval));
+            // Up to 60 µW: the store is full at times, and nearly empty at others.
+            let income = S::from_u32((k * 7919) % 101 * (minute / 120 % 3)) * S::literal(3e-7) * seconds;
+            let spent = if (k * interval) % 600 < interval { S::literal(6e-3) } else { S::ZERO };
+            budget.update(&mut state, interval, income, spent);
+        }
+        state
+    }
+
+    #[test]
+    fn single_precision_ends_a_day_where_double_does() {
+        for (narrow, wide) in stores().into_iter().zip(stores()) {
+            for interval in [60, 1] {
+                let capacity = with(wide).storage().capacity();
+                let (single, double) =
+                    (day(&with::<f32>(narrow), interval), day(&with::<f64>(wide), interval));
+                let off = |a: f32, b: f64| (f64::from(a) - b).abs() / capacity;
+                println!(
+                    "{capacity:.4} J, {interval} s: {:.1e} of the capacity off, {:.1e} and {:.1e} uncertain",
+                    off(single.energy(), double.energy()),
+                    f64::from(single.uncertainty()) / capacity,
+                    double.uncertainty() / capacity,
+                );
+                assert!(off(single.energy(), double.energy()) < 3e-7, "{capacity} J, {interval} s");
+            }
+        }
+    }
+
+    #[test]
+    fn the_account_adds_up_to_what_is_in_the_store() {
+        for (storage, interval) in stores().into_iter().flat_map(|storage| [(storage, 60), (storage, 1)]) {
+            let state = day(&with::<f32>(storage), interval);
+            let account = state.account();
+            let turned_over = account.income() + account.corrected();
+            let off = (account.balance() - state.energy()).abs() / turned_over;
+            println!(
+                "{} F, {interval} s: {off:.1e} of what came in is not accounted for",
+                storage.capacitance
+            );
+            assert!(off < 1e-5 && account.leaked() > 0.0, "{interval}: {account:?}");
+        }
+        let account = *day(&budget::<f32>(), 60).account();
+        assert!(account.shunted() > 0.0 && account.unserved() > 0.0);
+    }
+
+    #[test]
+    fn an_action_is_affordable_down_to_the_last_microjoule() {
+        let budget = budget::<f64>();
+        let storage = budget.storage();
+        let action = Action::new("transmit", 300e-6, 2.0).expect("finite");
+        let after = |seconds: f64| (-2.0 * seconds / (220e-6 * 10e6)).exp();
+        let cost = |seconds: f64| (300e-6 + 2e-6 * seconds) / 0.9;
+        let mut state = budget.start(100);
+        assert!(!budget.can_afford(&state, &action, 100), "nothing is known");
+        for (now, seconds) in [(100, 2.0), (130, 32.0), (90, 2.0)] {
+            let just = (storage.lock_out() + cost(seconds)) / after(seconds);
+            for (energy, expected) in [(just + 1e-9, true), (just - 1e-9, false)] {
+                budget.correct(&mut state, energy, 0.0);
+                assert_eq!(budget.can_afford(&state, &action, now), expected);
+                // What is uncertain is not there, nor what has been spent.
+                budget.correct(&mut state, energy + 1e-5, 1e-5);
+                assert_eq!(budget.can_afford(&state, &action, now), expected);
+                budget.correct(&mut state, energy, 0.0);
+                state.raise_uncertainty(1e-8);
+                assert!(!budget.can_afford(&state, &action, now));
+                budget.correct(&mut state, energy + 1e-4, 0.0);
+                budget.spend(&mut state, 0.9 * 1e-4 / after(seconds).recip());
+                assert_eq!(budget.can_afford(&state, &action, now), expected);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_amount_of_energy_is_refused_and_never_helps() {
+        let budget = budget::<f32>();
+        let action = Action::new("measure", 1e-6, 0.1).expect("finite");
+        for wrong in [f32::NAN, f32::INFINITY, -1.0] {
+            let mut state = budget.start(0);
+            budget.correct_by_voltage(&mut state, 4.0, 0.01);
+            budget.update(&mut state, 60, wrong, 0.0);
+            assert!(budget.can_afford(&state, &action, 60) && state.account().income() == 0.0);
+            let mut blind = state;
+            budget.update(&mut blind, 60, 0.0, wrong);
+            assert!(!budget.can_afford(&blind, &action, 120), "it may have emptied the store");
+            let mut doubtful = state;
+            doubtful.raise_uncertainty(wrong);
+            assert!(!budget.can_afford(&doubtful, &action, 60));
+            let mut unmeasured = state;
+            budget.correct(&mut unmeasured, wrong, 0.0);
+            assert_eq!(unmeasured.energy(), state.energy());
+            for refused in [blind, doubtful, unmeasured] {
+                assert_eq!(refused.account().refused(), 2);
+            }
+            assert!(Action::new("wrong", wrong, 0.0).is_err() && Action::new("wrong", 0.0, wrong).is_err());
+        }
+    }
+}
