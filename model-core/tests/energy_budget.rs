@@ -15,7 +15,7 @@ use model_core::energy::{
 const SLOTS: usize = 24;
 const MINUTES: u32 = 1440;
 /// Seconds of a minute in which actions may be started.
-const BUSY: f64 = 50.0;
+const BUSY: f64 = 40.0;
 
 /// The store as it is: what it holds, and the rate at which that leaks.
 #[derive(Debug, Clone, Copy)]
@@ -247,7 +247,7 @@ impl Day {
         for minute in 0..MINUTES {
             if !self.truth.on {
                 // The node does not run: nothing is updated until it does again.
-                self.sleep(0.0, self.income[minute as usize], &mut tally);
+                self.sleep([0.0, 60.0], self.income[minute as usize], &mut tally);
                 self.truth.switch();
                 off += 60;
                 continue;
@@ -277,16 +277,24 @@ impl Day {
         random: &mut Random,
         tally: &mut Tally,
     ) -> f64 {
-        let [power, part] = self.income[minute as usize];
+        let income = self.income[minute as usize];
         let (mut passed, mut harvested) = (0.0, 0.0);
         for _ in 0..4 {
+            if random.next().is_multiple_of(4) {
+                let until = passed + random.between(0.0, 20.0);
+                harvested += self.sleep([passed, until], income, tally);
+                passed = until;
+            }
             let action = self.actions[(random.next() % self.actions.len() as u64) as usize];
             let now = 60 * minute + f64::ceil(passed) as u32;
             let allowed = match self.policy {
                 Policy::Afford => self.budget.can_afford(state, &action, now),
                 Policy::RunNow => self.budget.can_run_now(state, &action, now),
             };
-            if passed > BUSY || !allowed {
+            if passed > BUSY {
+                break;
+            }
+            if !allowed {
                 tally.refused += 1;
                 continue;
             }
@@ -299,7 +307,7 @@ impl Day {
                 taken: [[0.0, 0.1], [0.9, 1.0], [0.0, 1.0], [start, start + 0.1]]
                     [(random.next() % 4) as usize],
             };
-            harvested += self.act(&deed, [power, part], passed, tally);
+            harvested += self.act(&deed, income, passed, tally);
             passed += deed.duration;
             let booked = if self.knowledge == Knowledge::Costs {
                 // Rounded to the budget's precision upwards.
@@ -309,7 +317,7 @@ impl Day {
             };
             self.budget.spend(state, booked);
         }
-        harvested + self.sleep(passed, [power, part], tally)
+        harvested + self.sleep([passed, 60.0], income, tally)
     }
 
     /// An action is carried out, in ten steps, `passed` seconds into the minute; what the harvester brought.
@@ -332,11 +340,11 @@ impl Day {
         harvested
     }
 
-    /// The rest of a minute of which some seconds have passed, in ten steps; what the harvester brought.
-    fn sleep(&mut self, passed: f64, income: [f64; 2], tally: &mut Tally) -> f64 {
-        let (step, mut harvested) = ((60.0 - passed) / 10.0, 0.0);
+    /// Nothing is done from and until so many seconds of a minute, in ten steps; what the harvester brought.
+    fn sleep(&mut self, [from, until]: [f64; 2], income: [f64; 2], tally: &mut Tally) -> f64 {
+        let (step, mut harvested) = ((until - from) / 10.0, 0.0);
         for k in 0..10 {
-            let bringing = power_within(passed + f64::from(k) * step, step, income);
+            let bringing = power_within(from + f64::from(k) * step, step, income);
             if self.truth.on {
                 tally.spent += self.standing * step;
             }

@@ -195,12 +195,12 @@ fn the_error_figure_is_honest() {
         println!("from {from}: {band:?}");
         let [cases, gain, energy, within, claimed] = band.map(f64::from);
         assert!(cases > 300.0, "{from}: {cases}");
-        assert!(gain >= 0.95 * cases && energy >= 0.95 * cases, "from {from} cells: {band:?}");
+        assert!(gain >= 0.98 * cases && energy >= 0.98 * cases, "from {from} cells: {band:?}");
         // What is claimed is there in as many cases.
         assert!(within >= 0.9 * claimed, "from {from} cells: {band:?}");
     }
-    // Below a cell little can be known, and is claimed; above a hundred cells everything.
-    assert!(bands[0][4] * 20 < bands[0][0] && bands[3][4] * 100 > bands[3][0] * 99);
+    // Below a cell little can be known, and is not claimed; above a hundred cells everything.
+    assert!(bands[0][4] == 0 && bands[3][4] * 100 > bands[3][0] * 99);
 }
 
 #[test]
@@ -228,6 +228,40 @@ fn impossible_readings_are_counted_and_change_nothing() {
     assert_eq!((state.saturated(), state.rejected(), state.used()), (2, 2, 1));
     assert_eq!((state.gain(), state.energy()), (before.gain(), before.energy()));
     assert_eq!(state.gain_deviation(), before.gain_deviation());
+}
+
+#[test]
+fn a_full_store_teaches_nothing_and_spoils_nothing() {
+    // An hour below full, at twice the modelled income; six hours full; and an hour on the way down again.
+    let hour = Hour {
+        capacitance: 220e-6,
+        leakage_resistance: f64::INFINITY,
+        voltage: 2.5,
+        modelled: 0.2e-6,
+        unsteady: 0.4,
+        factor: 2.0,
+        used: 0.3,
+        noise: 0.3 * CELL,
+        seed: 9,
+    };
+    let mut state = run(&hour).expect("in range").state;
+    let (gain, deviation) = (state.gain(), state.gain_deviation());
+    let correction = estimator(&hour);
+    let capacity = 0.5 * 220e-6 * 4.9 * 4.9;
+    let mut random = Random(5);
+    let (mut energy, mut filled) = (f64::from(state.energy()), false);
+    for minute in 0..8 * 60 {
+        let income = 2.0 * 0.2e-6 * CHARGING * 60.0;
+        let load = if minute < 7 * 60 { 0.0 } else { 1.5 * income };
+        energy = (energy + income - load).min(capacity);
+        filled |= energy == capacity;
+        correction.predict(&mut state, 60, 0.2e-6 * 60.0, (load * DISCHARGING) as f32);
+        let voltage = (2.0 * energy / 220e-6).sqrt() + hour.noise * random.normal();
+        correction.observe(&mut state, code(voltage));
+    }
+    assert_eq!((state.rejected(), filled), (0, true));
+    assert!((gain - 2.0).abs() < 0.05 && (state.gain() - 2.0).abs() < 3.0 * state.gain_deviation());
+    assert!(state.gain_deviation() <= deviation);
 }
 
 #[test]
