@@ -47,6 +47,10 @@ struct Found {
 }
 
 fn estimator(hour: &Hour) -> Correction<f32> {
+    drifting(hour, 0.0)
+}
+
+fn drifting(hour: &Hour, gain_drift: f32) -> Correction<f32> {
     let storage = StorageParameters {
         capacitance: hour.capacitance as f32,
         leakage_resistance: hour.leakage_resistance as f32,
@@ -62,7 +66,7 @@ fn estimator(hour: &Hour) -> Correction<f32> {
         full_scale: FULL_SCALE as f32,
         noise: hour.noise as f32,
         gain_deviation: 1.0,
-        gain_drift: 0.0,
+        gain_drift,
     };
     parameters.build(&storage).expect("within bounds")
 }
@@ -262,6 +266,41 @@ fn a_full_store_teaches_nothing_and_spoils_nothing() {
     assert_eq!((state.rejected(), filled), (0, true));
     assert!((gain - 2.0).abs() < 0.05 && (state.gain() - 2.0).abs() < 3.0 * state.gain_deviation());
     assert!(state.gain_deviation() <= deviation);
+}
+
+#[test]
+fn a_gain_that_changes_is_followed_where_a_drift_is_allowed_for() {
+    let hour = Hour {
+        capacitance: 470e-6,
+        leakage_resistance: f64::INFINITY,
+        voltage: 3.0,
+        modelled: 2e-6,
+        unsteady: 0.0,
+        factor: 1.0,
+        used: 1.0,
+        noise: 0.0,
+        seed: 1,
+    };
+    let after_the_change = |gain_drift: f32| {
+        let correction = drifting(&hour, gain_drift);
+        let mut state = correction.start();
+        let mut energy = 0.5 * 470e-6 * 9.0_f64;
+        for minute in 0..240 {
+            // Half as much again in the course of the fourth hour; the load uses all of it.
+            let factor = 1.0 + 0.5 * f64::from((minute - 180).max(0)) / 60.0;
+            let income = factor * 2e-6 * CHARGING * 60.0;
+            let load = if minute % 2 == 0 { 0.5 * income } else { 1.5 * income };
+            energy += income - load;
+            correction.predict(&mut state, 60, 120e-6, (load * DISCHARGING) as f32);
+            correction.observe(&mut state, code((2.0 * energy / 470e-6).sqrt()));
+        }
+        state
+    };
+    let (fixed, followed) = (after_the_change(0.0), after_the_change(0.2));
+    assert!((followed.gain() - 1.5).abs() < 3.0 * followed.gain_deviation(), "{followed:?}");
+    assert!((followed.gain() - 1.5).abs() < 0.05 && followed.rejected() == 0, "{followed:?}");
+    // Where none is, readings are refused sooner or later, until the model is given up.
+    assert!(fixed.rejected() > 0 || (fixed.gain() - 1.5).abs() > 0.1, "{fixed:?}");
 }
 
 #[test]

@@ -67,7 +67,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let rising = target > state.energy();
         let reached = |energy: S| if rising { energy >= target } else { energy <= target };
         let (mut energy, mut passed) = (state.energy(), 0);
-        if reached(energy) && !(energy > target) {
+        if energy == target {
             return Some(0);
         }
         for stretch in self.forecast(state).stretches() {
