@@ -76,25 +76,7 @@
 //! lost or a saturated sample borders on count as *uncertain*, and so do those within
 //! [`Settings::settling_seconds`] of a start, the first one included.
 //!
-//! # What the uncertainty covers
-//!
-//! [`Uncertainty::step`] is the sum of two: the magnitudes of the local errors of the delivered energy, by the
-//! embedded third-order formula; and what the local errors of the state do to the energy, taken as twice their
-//! mean per radian times 20 radians, for which the motion is taken to remember them. Measured in `f64` from rest
-//! on the shipped scenes, relative to the energy (steps by the tolerance, no samples; the actual error is the
-//! difference to a tolerance of 10⁻⁶):
-//!
-//! TABLE
-//!
-//! The local errors of the energy alone are half to a fiftieth of the actual error in sliding, whether their
-//! magnitudes or their squares are added: what the error of the state does dominates. With it the
-//! figure is 0.9 to 4 times the actual error in sliding, where errors of the motion add up. In contact-separation
-//! every impact forgets part of them and they cancel over periods: there it is 0.4 to 6 times the actual error
-//! below a tolerance of 10⁻², an upper bound above, and of no use where the motion is chaotic. It says nothing
-//! of the straight lines between samples.
-//!
-//! [`Uncertainty::rounding`] takes 34 roundings of the energy, which a compensated sum leaves of those of each
-//! step, and one rounding of the state a step, remembered likewise.
+//! What the figures for the uncertainty cover, and how well: see [`Uncertainty`].
 
 mod gaps;
 mod model;
@@ -356,7 +338,7 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         let angular_frequency = self.model.angular_frequency();
         let (energy, seconds) = (tally.energy(), tally.seconds());
         let step = M::ESTIMATES_ERROR.then(|| tally.step_error(angular_frequency));
-        let rounding = tally.rounding(angular_frequency);
+        let rounding = tally.rounding();
         let [uncertain_seconds, unknown_seconds] =
             [self.state.uncertain_intervals, self.state.unknown_intervals]
                 .map(|intervals| self.duration(intervals));
