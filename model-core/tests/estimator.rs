@@ -365,8 +365,8 @@ fn a_step_that_cannot_be_taken_is_an_error_once() {
     let before = follow(&mut estimator, &samples[..300]);
     // A shock that takes the slider off its patch.
     let mut errors = 0;
-    for n in 300..600 {
-        let sample = if n == 300 { 1e4 } else { samples[n] };
+    for (n, &sample) in samples.iter().enumerate().skip(300) {
+        let sample = if n == 300 { 1e4 } else { sample };
         match estimator.push_acceleration(sample, EVER) {
             Ok(progress) => assert!(progress.finished),
             Err(EstimatorError::Step(error)) => {

@@ -68,7 +68,7 @@ fn resume_from_images<S: Scalar, M: Model<S> + Copy + PartialEq + core::fmt::Deb
         let mut same = interrupted.push(sample, 1).expect("runs");
         loop {
             assert_eq!(progress, same);
-            if random.next() % 4 == 0 {
+            if random.next().is_multiple_of(4) {
                 let used = interrupted.save(&mut flash).expect("room");
                 assert_eq!(used, Estimator::<S, M>::IMAGE_BYTES);
                 interrupted = Estimator::new(model, settings).expect("valid");
@@ -185,12 +185,15 @@ fn takes<S: Scalar, M: Model<S>>(model: M, settings: Settings<S>, bytes: &[u8]) 
 
 const FOREIGN: Result<(), ImageError> = Err(ImageError::ForeignModel);
 
+/// A change of one parameter.
+type Change<P> = fn(&mut P);
+
 #[test]
 fn an_image_of_other_parameters_is_foreign() {
     let model = hybrid(contact::<f32>(), Adaptive::new(1e-2));
     let (_, bytes) = saved(model, settings(400.0));
     assert_eq!(takes(model, settings(400.0), &bytes), Ok(()));
-    let changes: [fn(&mut contact_separation::Parameters<f32, ContactParts<f32>>); 13] = [
+    let changes: [Change<contact_separation::Parameters<f32, ContactParts<f32>>>; 13] = [
         |p| p.mass *= 1.000_001,
         |p| p.stiffness = 80.001,
         |p| p.damping_ratio = 0.006,
@@ -214,7 +217,7 @@ fn an_image_of_other_parameters_is_foreign() {
 
     let model = hybrid(slide::<f64>(), Adaptive::new(1e-2));
     let (_, bytes) = saved(model, settings(400.0));
-    let changes: [fn(&mut sliding::Parameters<f64, sliding::AnyParts>); 15] = [
+    let changes: [Change<sliding::Parameters<f64, sliding::AnyParts>>; 15] = [
         |p| p.beam_length = 0.101,
         |p| p.beam_width = 0.021,
         |p| p.beam_thickness = 5.01e-4,
@@ -240,7 +243,7 @@ fn an_image_of_other_parameters_is_foreign() {
 
     let stepper = bump::<f32, 4, 1>(AnyContact::ResidualFlexibility);
     let (_, bytes) = saved(stepper, settings(400.0));
-    let changes: [fn(&mut bump_stop::Parameters<f32, bump_stop::AnyParts>); 9] = [
+    let changes: [Change<bump_stop::Parameters<f32, bump_stop::AnyParts>>; 9] = [
         |p| p.beam_length = 0.0501,
         |p| p.piezo_d31 = -191e-12,
         |p| p.piezo_permittivity = 16e-9,
