@@ -269,6 +269,8 @@ fn an_image_of_another_scene_precision_method_or_rate_is_foreign() {
     assert_eq!(takes(hybrid(slide::<f32>(), Adaptive::new(1e-2)), settings(400.0), &bytes), FOREIGN);
     assert_eq!(takes(hybrid(contact::<f64>(), Adaptive::new(1e-2)), settings(400.0), &bytes), FOREIGN);
     assert_eq!(takes(hybrid(contact::<f32>(), Adaptive::new(1.1e-2)), settings(400.0), &bytes), FOREIGN);
+    let (_, accurate) = saved(hybrid(contact::<f32>(), Adaptive::new(1e-5)), settings(400.0));
+    assert_eq!(takes(hybrid(contact::<f32>(), Adaptive::new(1.1e-5)), settings(400.0), &accurate), FOREIGN);
     let fixed = FixedStep::of_seconds(1e-3_f32);
     assert_eq!(takes(hybrid(contact::<f32>(), fixed), settings(400.0), &bytes), FOREIGN);
     assert_eq!(takes(model, settings(401.0), &bytes), FOREIGN);

@@ -126,10 +126,11 @@ pub struct Estimate<S> {
 /// # By the step
 ///
 /// The sum of two. The magnitudes of the local errors of the delivered energy, by the embedded third-order
-/// formula; and what the local errors of the state do to the energy: twice their mean per radian, for a power is a
-/// square, times the 20 radians for which the step control takes a motion to remember them. Measured in `f64` on
-/// the shipped scenes from rest, 5 s of their sine at 400 samples per second, relative to the energy; the actual
-/// error is the difference to a tolerance of 10⁻⁶, `e` the local errors of the energy:
+/// formula; and what the local errors of the state do to the energy: twice their mean per radian, for a
+/// power is a square, times the 20 radians for which the step control takes a motion to remember them.
+/// Measured in `f64` on the shipped scenes from rest, 5 s of their sine at 400 samples per second, relative
+/// to the energy; the actual error is the difference to a tolerance of 10⁻⁶, `e` the local errors of the
+/// energy:
 ///
 /// | scene | tolerance | actual | `Σ|e|` | `|Σe|` | `√Σe²` | figure | figure / actual |
 /// | --- | --- | --- | --- | --- | --- | --- | --- |
@@ -150,23 +151,24 @@ pub struct Estimate<S> {
 /// | | 1e-3 | 3.9e-4 | 1.1e-4 | 6.5e-6 | 1.0e-6 | 1.7e-3 | 4.4 |
 /// | | 1e-4 | 3.7e-5 | 1.2e-5 | 1.2e-7 | 6.0e-8 | 1.8e-4 | 4.8 |
 ///
-/// No sum of the local errors of the energy alone tells the actual error: what the error of the state does is the
-/// larger part of it, up to a thirtyfold of `Σ|e|`. In sliding, where errors of the motion add up, the figure is
-/// within a factor of 2 of three times the actual error. In contact-separation an impact forgets part of them and
-/// they cancel over the periods: there it is an upper bound, by a factor of 1 to 20. In the first second after a
-/// start it can be half of the actual error, and at the largest tolerance in sliding 0.9 of it.
+/// No sum of the local errors of the energy alone tells the actual error: what the error of the state does
+/// is the larger part of it, up to a thirtyfold of `Σ|e|`. In sliding, where errors of the motion add up,
+/// the figure is within a factor of 2 of three times the actual error. In contact-separation an impact
+/// forgets part of them and they cancel over the periods: there it is an upper bound, by a factor of 1 to
+/// 20. In the first second after a start it can be half of the actual error, and at the largest tolerance
+/// in sliding 0.9 of it.
 ///
 /// # By rounding
 ///
-/// 74 roundings of the energy: those of the energy of a step; of the compensated sum, whose error does not grow
-/// with the number of steps; and one of the state in a radian, remembered likewise (a state is a pair of numbers,
-/// so its rounding does not grow with them either). Between `f32` and `f64` with the same steps 30 at most
-/// were found.
+/// 74 roundings of the energy: those of the energy of a step; of the compensated sum, whose error does not
+/// grow with the number of steps; and one of the state in a radian, remembered likewise (a state is a pair
+/// of numbers, so its rounding does not grow with them either). Between `f32` and `f64` with the same steps
+/// 30 at most were found.
 ///
 /// # Not covered
 ///
-/// A motion that is chaotic (bump-stop in contact), the straight lines between samples, and how well the model's
-/// parameters are those of the harvester.
+/// A motion that is chaotic (bump-stop in contact), the straight lines between samples, and how well the
+/// model's parameters are those of the harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Uncertainty<S> {
@@ -179,8 +181,9 @@ pub struct Uncertainty<S> {
     pub missing_samples: u32,
     /// Samples at the end of the sensor's range.
     pub saturated_samples: u32,
-    /// Part of the integrated time, in seconds, of which the acceleration is interpolated across lost samples or
-    /// cut off at the sensor's range, or in which the harvester is still settling after a start at rest.
+    /// Part of the integrated time, in seconds, of which the acceleration is interpolated across lost
+    /// samples or cut off at the sensor's range, or in which the harvester is still settling after a start
+    /// at rest.
     pub uncertain_seconds: S,
     /// Time in seconds that was not integrated.
     pub unknown_seconds: S,
