@@ -6,7 +6,7 @@ use crate::embedded;
 use crate::outcome::Outcome;
 use crate::peer;
 use crate::reference::{self, ReferenceOptions};
-use crate::scene_file::{Model, Scene, SceneError};
+use crate::scene_file::{Load, Model, Scene, SceneError};
 
 /// Integration method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, Serialize)]
@@ -147,6 +147,20 @@ impl Options {
         if self.steady_state && scene.excitation.single_frequency().is_none() {
             return Err(Failure::Input(format!(
                 "{}: excitation.kind: must be \"sine\" with a frequency_hz above 0 for a periodic steady state",
+                scene.file.display()
+            )));
+        }
+        // What a search by shooting returns to itself does not hold a store that fills.
+        let bridge = !matches!(scene.load, Load::Resistor { .. });
+        if bridge && self.steady_state {
+            return Err(Failure::Input(format!(
+                "{}: load.kind: must be \"resistor\" for a periodic steady state",
+                scene.file.display()
+            )));
+        }
+        if bridge {
+            return Err(Failure::Input(format!(
+                "{}: load.kind: must be \"resistor\" for this scene by this method",
                 scene.file.display()
             )));
         }

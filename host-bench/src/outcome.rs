@@ -26,7 +26,8 @@ pub struct Outcome {
     pub duration_s: f64,
     /// Start of the measuring window in s.
     pub settle_s: f64,
-    /// Mean of `V²/R` over the window in W.
+    /// Mean power delivered to the load over the window in W: `V²/R`, or what enters the store or bus behind
+    /// a bridge.
     #[serde(serialize_with = "finite")]
     pub mean_power_w: Option<f64>,
     /// Root mean square of the terminal voltage over the window in V.
@@ -55,6 +56,9 @@ pub struct Outcome {
     pub events: u64,
     /// Time the run took in s.
     pub wall_s: f64,
+    /// What the store behind a bridge holds at the end of the run.
+    #[serde(flatten)]
+    pub store: Option<StoreOutcome>,
     /// What only this kind of scene has.
     #[serde(flatten)]
     pub particular: Particular,
@@ -108,6 +112,26 @@ pub struct SteadyState {
     pub largest_multiplier: Option<f64>,
     /// Simulated periods, whole search, the run included where there was one.
     pub simulated_periods: f64,
+}
+
+/// What a store behind a bridge adds, at the end of the run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StoreOutcome {
+    /// Voltage of the store, or of the bus, in V.
+    #[serde(serialize_with = "finite")]
+    pub store_voltage_v: Option<f64>,
+    /// Energy in the store in J; `None` for a bus, which has no end.
+    #[serde(serialize_with = "finite")]
+    pub stored_energy_j: Option<f64>,
+    /// Energy lost in the diodes over the whole run in J.
+    #[serde(serialize_with = "finite")]
+    pub diode_loss_j: Option<f64>,
+    /// Energy that leaked from the store over the whole run in J.
+    #[serde(serialize_with = "finite")]
+    pub leaked_energy_j: Option<f64>,
+    /// Energy that the node drew over the whole run in J.
+    #[serde(serialize_with = "finite")]
+    pub drawn_energy_j: Option<f64>,
 }
 
 /// The numbers of one kind of scene.

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::method::{Failure, Math, Method, Options, Precision, run_scene};
 use crate::outcome::Outcome;
-use crate::scene_file::{Load, Scene};
+use crate::scene_file::Scene;
 
 pub use self::plan::{Control, Extent, Variant, variants};
 
@@ -252,7 +252,7 @@ fn tabulate(scene: &Scene, reference: &Outcome, all: &[Timed]) -> Comparison {
     for found in rows.iter_mut().filter_map(|row| row.found.as_mut()) {
         found.time_ratio = fastest.is_finite().then(|| found.ns_per_s / fastest);
     }
-    let Load::Resistor { resistance_ohm } = scene.load;
+    let resistance_ohm = scene.load.resistance_ohm();
     Comparison {
         file: scene.file.display().to_string(),
         resistance_ohm,

@@ -10,6 +10,7 @@ mod sampled;
 mod silence;
 mod sine;
 mod stream;
+mod tone_meter;
 mod tones;
 
 use crate::clock::Instant;
@@ -20,6 +21,7 @@ pub use sampled::{AfterLastSample, Sampled};
 pub use silence::Silence;
 pub use sine::Sine;
 pub use stream::{Stream, StreamError};
+pub use tone_meter::{Line, ToneMeter, ToneMeterState};
 pub use tones::Tones;
 
 /// Base acceleration over time.

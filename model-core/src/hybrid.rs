@@ -54,6 +54,8 @@ pub struct Jump<S, Mode, const N: usize> {
     pub mode: Mode,
     /// The state after the event.
     pub state: [S; N],
+    /// What rounding took from it; see [`Point::remainder`].
+    pub remainder: [S; N],
     /// The derivative after the event, in the new mode.
     pub derivative: [S; N],
     /// Energy lost in the event, in joules.

@@ -8,14 +8,17 @@ pub mod beam;
 pub mod bounds;
 pub mod circuit;
 pub mod disc_overlap;
+pub mod draw;
 pub mod force_law;
 pub mod friction;
 pub mod load;
 pub mod monomorph;
 pub mod parasitic;
+pub mod rectifier;
 pub mod restitution;
 pub mod rod;
 pub mod stick_charge;
+pub mod store;
 
 /// Vacuum permittivity `ε0`, in F/m.
 pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;

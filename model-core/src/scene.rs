@@ -23,7 +23,7 @@ pub use followed::{Followed, StoreReading};
 pub mod account {
     use crate::scalar::Scalar;
 
-    /// Power delivered to the load, in watts.
+    /// Power delivered to the load, in watts; behind a rectifier, the power that enters the store.
     pub const LOAD: usize = 0;
     /// Square of the terminal voltage, in V².
     pub const VOLTAGE_SQUARED: usize = 1;
@@ -44,8 +44,14 @@ pub mod account {
     /// The same as `GIVEN_UP` where the force law is the field's own; under an inferred force law
     /// the difference is what that law creates or destroys.
     pub const TAKEN_UP: usize = 8;
+    /// Power lost in the diodes of a rectifier.
+    pub const DIODES: usize = 9;
+    /// Power that leaks from the store behind a rectifier.
+    pub const LEAKED: usize = 10;
+    /// Power that the node draws from it.
+    pub const DRAWN: usize = 11;
     /// Number of entries in the whole account.
-    pub const WHOLE: usize = 9;
+    pub const WHOLE: usize = 12;
 
     /// The first `P` entries of a whole account. Those beyond are not computed: the compiler drops what is
     /// not read.

@@ -33,7 +33,7 @@ const DEFAULT_LONG_STEP_S: f64 = 2e-5;
 pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyParts> {
     let from = &model.parameters;
     let number = S::literal;
-    let Load::Resistor { resistance_ohm } = load;
+    let resistance_ohm = load.resistance_ohm();
     let absent = Stop {
         length: S::ONE,
         section: S::ONE,
@@ -234,6 +234,7 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
                 mean_force_n: with_stop(window.mean_force()),
                 end_state: self.scaled(&state),
             }),
+            store: None,
             steady_state: None,
             trace: options
                 .trace_every_s

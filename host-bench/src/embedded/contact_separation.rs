@@ -30,7 +30,7 @@ pub fn parameters<S: Scalar, M: Mathematics<S>>(
 ) -> Parameters<S, AnyParts<M>> {
     let from = &model.parameters;
     let number = S::literal;
-    let Load::Resistor { resistance_ohm } = load;
+    let resistance_ohm = load.resistance_ohm();
     Parameters {
         mass: number(from.mass_kg),
         stiffness: number(from.stiffness_n_per_m),
@@ -103,7 +103,7 @@ pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
 /// 2 over the fastest rate of the circuit, 1/(R (C + C_p)) with C at three times the initial gap.
 fn explicit_step(model: &ContactSeparation, load: Load) -> f64 {
     let from = &model.parameters;
-    let Load::Resistor { resistance_ohm } = load;
+    let resistance_ohm = load.resistance_ohm();
     let period = std::f64::consts::TAU * (from.mass_kg / from.stiffness_n_per_m).sqrt();
     let distance = 3.0 * from.initial_gap_m + from.dielectric_thickness_m / from.relative_permittivity;
     let capacitance = VACUUM_PERMITTIVITY * from.electrode_area_m2 / distance + from.parasitic_capacitance_f;

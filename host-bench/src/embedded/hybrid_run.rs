@@ -238,6 +238,7 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
             events: total.events,
             wall_s,
             particular: hosted.particular(&Found { meter: &meter, first_impact: first_impact.at, periods }),
+            store: None,
             steady_state: None,
             trace: options
                 .trace_every_s

@@ -23,7 +23,7 @@ use crate::scene_file::{Load, Scene, Sliding};
 pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyParts> {
     let from = &model.parameters;
     let number = S::literal;
-    let Load::Resistor { resistance_ohm } = load;
+    let resistance_ohm = load.resistance_ohm();
     Parameters {
         beam_length: number(from.beam_length_m),
         beam_width: number(from.beam_width_m),
@@ -76,7 +76,7 @@ pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
 /// 2 over the circuit's rate, 1/(R C), at a fiftieth of the overlap.
 fn explicit_step<S: Scalar>(harvester: &Harvester<S, AnyParts>, model: &Sliding, load: Load) -> f64 {
     let from = &model.parameters;
-    let Load::Resistor { resistance_ohm } = load;
+    let resistance_ohm = load.resistance_ohm();
     let period = std::f64::consts::TAU / harvester.angular_frequency().to_f64();
     let area = std::f64::consts::PI * from.patch_radius_m.powi(2);
     let permittivity = VACUUM_PERMITTIVITY * from.relative_permittivity;

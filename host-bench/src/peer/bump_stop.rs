@@ -91,6 +91,7 @@ pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<
         events: 0,
         wall_s,
         particular: Particular::BumpStop(totals.particular),
+        store: None,
         steady_state: None,
         trace: march.recorder.map(|recorder| Recording { columns: &BUMP_STOP_COLUMNS, rows: recorder.rows }),
     })

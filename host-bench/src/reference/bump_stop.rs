@@ -251,6 +251,7 @@ impl March<'_> {
             events: self.events,
             wall_s: began.elapsed().as_secs_f64(),
             particular: Particular::BumpStop(totals.particular),
+            store: None,
             steady_state: None,
             trace: totals.recording,
         }

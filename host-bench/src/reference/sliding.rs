@@ -191,6 +191,7 @@ pub(super) fn run(
         events,
         wall_s: began.elapsed().as_secs_f64(),
         particular: Particular::Sliding(totals.particular),
+        store: None,
         steady_state: None,
         trace: totals.recording,
     })

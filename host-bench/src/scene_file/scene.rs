@@ -173,6 +173,78 @@ pub enum Load {
         /// Resistance in Ω: 0 is a short circuit, infinity an open one.
         resistance_ohm: f64,
     },
+    /// A full bridge into a storage capacitor.
+    RectifiedStore(RectifiedStore),
+    /// A full bridge into a bus of constant voltage.
+    DcBus {
+        /// Voltage of the bus in V.
+        voltage_v: f64,
+        /// Forward voltage in V of each of the two diodes that conduct at a time.
+        diode_drop_v: f64,
+    },
+}
+
+impl Load {
+    /// Resistance in Ω between the harvester's terminals; behind a bridge infinite, as while it blocks.
+    #[must_use]
+    pub fn resistance_ohm(self) -> f64 {
+        match self {
+            Self::Resistor { resistance_ohm } => resistance_ohm,
+            Self::RectifiedStore(_) | Self::DcBus { .. } => f64::INFINITY,
+        }
+    }
+}
+
+/// A storage capacitor behind a full bridge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RectifiedStore {
+    /// Capacitance in F.
+    pub capacitance_f: f64,
+    /// Forward voltage in V of each of the two diodes that conduct at a time.
+    pub diode_drop_v: f64,
+    /// Leakage resistance in Ω; infinity is no leakage.
+    pub leakage_ohm: f64,
+    /// Voltage in V at the start.
+    pub initial_v: f64,
+    /// What the node draws.
+    pub draw: Draw,
+}
+
+/// What a node draws from its store while it is connected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Draw {
+    /// Nothing.
+    None,
+    /// A resistor.
+    Resistor {
+        /// Resistance in Ω.
+        resistance_ohm: f64,
+        /// When it is connected; `None`: always.
+        lockout: Option<Lockout>,
+    },
+    /// A constant current.
+    Current {
+        /// Current in A.
+        current_a: f64,
+        /// When it is connected.
+        lockout: Lockout,
+    },
+    /// A constant power.
+    Power {
+        /// Power in W.
+        power_w: f64,
+        /// When it is connected.
+        lockout: Lockout,
+    },
+}
+
+/// Under-voltage lock-out with hysteresis. A store that starts between the two starts disconnected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lockout {
+    /// The draw is connected where the store rises to this voltage, in V.
+    pub turn_on_v: f64,
+    /// It is disconnected where the store falls to this voltage, in V.
+    pub turn_off_v: f64,
 }
 
 /// What shakes the base.

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::method::{Math, Method, Options, Precision};
-use crate::scene_file::{Load, Model, Scene};
+use crate::scene_file::{Model, Scene};
 
 /// How a row's step is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -184,7 +184,7 @@ fn explicit_steps(scene: &Scene, period_s: f64) -> Vec<u32> {
     const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
     /// Where the method's stability ends on the negative real axis.
     const STABLE: f64 = 2.785;
-    let Load::Resistor { resistance_ohm } = scene.load;
+    let resistance_ohm = scene.load.resistance_ohm();
     let capacitance = match &scene.model {
         Model::ContactSeparation(model) => {
             let from = &model.parameters;

@@ -363,7 +363,8 @@ where
     let step = seconds_of_ticks(state.control.ticks);
     let jump = automaton.jump(state.mode, guard, &state.point, &moment, step);
     let input = moment.acceleration();
-    let left = Point::with_derivative(&automaton.flow(jump.mode), jump.state, jump.derivative, input);
+    let mut left = Point::with_derivative(&automaton.flow(jump.mode), jump.state, jump.derivative, input);
+    left.remainder = jump.remainder;
     observer.event(&Event {
         at: state.clock,
         before: state.mode,

@@ -137,7 +137,7 @@ impl<S: Scalar, const N: usize, Q: Problem<S, N>> Automaton<S, N, 1> for Machine
     ) -> Jump<S, Q::Mode, N> {
         let Leap { mode, state, armed } = self.0.leap(mode, index, &point.state);
         let derivative = self.0.rate(mode, &state, moment.acceleration());
-        Jump { mode, state, derivative, loss: S::ZERO, armed }
+        Jump { mode, state, remainder: [S::ZERO; N], derivative, loss: S::ZERO, armed }
     }
 
     fn error_scale(&self) -> ErrorScale<S> {

@@ -70,7 +70,7 @@ impl System {
     pub(super) fn new(model: &BumpStop, load: Load) -> Self {
         let from = BumpStopModes::new(&model.parameters, model.stop.as_ref());
         let damping_ratio = model.parameters.damping_ratio;
-        let Load::Resistor { resistance_ohm } = load;
+        let resistance_ohm = load.resistance_ohm();
         let is_short = resistance_ohm == 0.0;
         let mode = |angular_frequency: f64, base, lever, coupling, tip| Mode {
             stiffness: angular_frequency * angular_frequency,

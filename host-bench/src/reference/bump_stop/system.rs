@@ -143,7 +143,7 @@ impl System {
         let size = layout.size();
         let row = || vec![0.0; size];
         let damping_ratio = parameters.damping_ratio;
-        let Load::Resistor { resistance_ohm } = load;
+        let resistance_ohm = load.resistance_ohm();
         let short = resistance_ohm == 0.0;
         let conductance = if short { 0.0 } else { resistance_ohm.recip() };
         let two_way = parameters.coupling == Coupling::TwoWay;

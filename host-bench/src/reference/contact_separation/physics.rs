@@ -88,7 +88,7 @@ impl Physics {
         load: Load,
         start: &ContactSeparationStart,
     ) -> (Self, Motion) {
-        let Load::Resistor { resistance_ohm: resistance } = load;
+        let resistance = load.resistance_ohm();
         let p = parameters;
         let angular_frequency = (p.stiffness_n_per_m / p.mass_kg).sqrt();
         let mut physics = Self {

@@ -102,7 +102,7 @@ pub(super) struct Physics {
 impl Physics {
     /// The equations for the given parameters, and the motion at time zero.
     pub(super) fn new(parameters: &SlidingParameters, load: Load, start: &SlidingStart) -> (Self, Motion) {
-        let Load::Resistor { resistance_ohm: resistance } = load;
+        let resistance = load.resistance_ohm();
         let p = parameters;
         let area = std::f64::consts::PI * p.patch_radius_m * p.patch_radius_m;
         let permittivity_area = VACUUM_PERMITTIVITY * area;

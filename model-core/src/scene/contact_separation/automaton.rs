@@ -86,7 +86,14 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         let state = [S::ZERO, speed, point.state[CHARGE]];
         let flow = Flow { scene: self, mode };
         let derivative = System::<S, STATES, POWERS>::flow(&flow, &state, acceleration);
-        Jump { mode, state, derivative, loss, armed: mode == Mode::Stuck || speed > S::ZERO }
+        Jump {
+            mode,
+            state,
+            remainder: [S::ZERO; STATES],
+            derivative,
+            loss,
+            armed: mode == Mode::Stuck || speed > S::ZERO,
+        }
     }
 
     /// The rate of the charge just after an impact, as a step of length `step` needs it.

@@ -156,7 +156,14 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         derivative[CHARGE] = charge_rate;
         let half_mass = S::literal(0.5) * self.modal_mass;
         let loss = half_mass * (reached - velocity) * (reached + velocity);
-        Jump { mode, state, derivative, loss, armed: velocity != S::ZERO || mode == Mode::Stuck }
+        Jump {
+            mode,
+            state,
+            remainder: [S::ZERO; STATES],
+            derivative,
+            loss,
+            armed: velocity != S::ZERO || mode == Mode::Stuck,
+        }
     }
 
     /// The rate of the charge after an event, as a step of length `step` needs it, where it was

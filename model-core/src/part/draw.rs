@@ -1,0 +1,301 @@
+//! What a sensor node draws from its store.
+//!
+//! A converter connects the node when the store has risen to a turn-on voltage and disconnects it when
+//! the store has fallen to a turn-off voltage: under-voltage lock-out with hysteresis. While connected
+//! the node is a resistor, a constant current (a linear regulator), or a constant power (a switching
+//! regulator).
+
+use core::fmt::Debug;
+
+use super::bounds::{Bounds, ParameterError};
+use crate::scalar::Scalar;
+
+/// Largest voltage of a store, in volts.
+pub(crate) const HIGHEST_VOLTAGE: f64 = 1e6;
+
+/// Under-voltage lock-out: two voltages of the store, in volts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Lockout<S> {
+    /// The draw is connected where the store rises to this voltage.
+    pub turn_on: S,
+    /// It is disconnected where the store falls to this voltage, below `turn_on`.
+    pub turn_off: S,
+}
+
+impl<S: Scalar> Lockout<S> {
+    /// Whether a store that starts at `voltage` starts with its draw connected: from the turn-on voltage.
+    #[inline(always)]
+    pub(crate) fn starts_connected(&self, voltage: S) -> bool {
+        voltage >= self.turn_on
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Bounds::new(0.0, HIGHEST_VOLTAGE).check("draw.turn_on", self.turn_on)?;
+        Bounds { lowest: S::ZERO, highest: self.turn_on * (S::ONE - S::EPSILON) }
+            .check("draw.turn_off", self.turn_off)
+    }
+}
+
+/// A draw on a store.
+pub trait Draw<S: Scalar>: Copy + Debug + PartialEq {
+    /// Whether it is ever there at all.
+    const POSSIBLE: bool;
+
+    /// Current in A at a store voltage in V, while connected.
+    fn current(&self, voltage: S) -> S;
+
+    /// Derivative of the current by the voltage, in A/V.
+    fn current_by_voltage(&self, voltage: S) -> S;
+
+    /// The lock-out; `None` where the draw is always connected.
+    fn lockout(&self) -> Option<Lockout<S>>;
+
+    /// Refuses what is out of bounds.
+    ///
+    /// # Errors
+    /// The field, its value and its bounds.
+    fn check(&self) -> Result<(), ParameterError<S>>;
+}
+
+/// Nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NoDraw;
+
+impl<S: Scalar> Draw<S> for NoDraw {
+    const POSSIBLE: bool = false;
+
+    #[inline(always)]
+    fn current(&self, _voltage: S) -> S {
+        S::ZERO
+    }
+
+    #[inline(always)]
+    fn current_by_voltage(&self, _voltage: S) -> S {
+        S::ZERO
+    }
+
+    #[inline(always)]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        None
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Ok(())
+    }
+}
+
+/// A resistor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ResistiveDraw<S> {
+    /// Resistance in Ω, 10⁻³ to 10¹⁵.
+    pub ohms: S,
+    /// Its lock-out; `None`: always connected.
+    pub lockout: Option<Lockout<S>>,
+}
+
+impl<S: Scalar> Draw<S> for ResistiveDraw<S> {
+    const POSSIBLE: bool = true;
+
+    #[inline(always)]
+    fn current(&self, voltage: S) -> S {
+        voltage / self.ohms
+    }
+
+    #[inline(always)]
+    fn current_by_voltage(&self, _voltage: S) -> S {
+        S::ONE / self.ohms
+    }
+
+    #[inline(always)]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        self.lockout
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Bounds::new(1e-3, 1e15).check("draw.ohms", self.ohms)?;
+        self.lockout.map_or(Ok(()), |lockout| lockout.check())
+    }
+}
+
+/// A constant current, of a linear regulator.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct CurrentDraw<S> {
+    /// Current in A, 0 to 10³.
+    pub amperes: S,
+    /// Its lock-out: an empty store gives no current.
+    pub lockout: Lockout<S>,
+}
+
+impl<S: Scalar> Draw<S> for CurrentDraw<S> {
+    const POSSIBLE: bool = true;
+
+    #[inline(always)]
+    fn current(&self, _voltage: S) -> S {
+        self.amperes
+    }
+
+    #[inline(always)]
+    fn current_by_voltage(&self, _voltage: S) -> S {
+        S::ZERO
+    }
+
+    #[inline(always)]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        Some(self.lockout)
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Bounds::new(0.0, 1e3).check("draw.amperes", self.amperes)?;
+        self.lockout.check()
+    }
+}
+
+/// A constant power, of a switching regulator.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PowerDraw<S> {
+    /// Power in W, 0 to 10³.
+    pub watts: S,
+    /// Its lock-out, whose turn-off voltage is at least 1 mV: the current grows without bound at 0.
+    pub lockout: Lockout<S>,
+}
+
+/// Smallest turn-off voltage of a constant-power draw, in volts.
+const LOWEST_POWER_VOLTAGE: f64 = 1e-3;
+
+impl<S: Scalar> PowerDraw<S> {
+    /// A trial step may look below the turn-off voltage, where the event then cuts it: from half of that
+    /// on the current is taken as constant.
+    #[inline(always)]
+    fn floor(&self) -> S {
+        S::literal(0.5) * self.lockout.turn_off
+    }
+}
+
+impl<S: Scalar> Draw<S> for PowerDraw<S> {
+    const POSSIBLE: bool = true;
+
+    #[inline(always)]
+    fn current(&self, voltage: S) -> S {
+        self.watts / voltage.larger(self.floor())
+    }
+
+    #[inline(always)]
+    fn current_by_voltage(&self, voltage: S) -> S {
+        if voltage > self.floor() { -self.watts / (voltage * voltage) } else { S::ZERO }
+    }
+
+    #[inline(always)]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        Some(self.lockout)
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Bounds::new(0.0, 1e3).check("draw.watts", self.watts)?;
+        self.lockout.check()?;
+        Bounds::new(LOWEST_POWER_VOLTAGE, HIGHEST_VOLTAGE).check("draw.turn_off", self.lockout.turn_off)
+    }
+}
+
+/// A draw chosen at run time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AnyDraw<S> {
+    /// As [`NoDraw`].
+    None,
+    /// As [`ResistiveDraw`].
+    Resistor(ResistiveDraw<S>),
+    /// As [`CurrentDraw`].
+    Current(CurrentDraw<S>),
+    /// As [`PowerDraw`].
+    Power(PowerDraw<S>),
+}
+
+impl<S: Scalar> Draw<S> for AnyDraw<S> {
+    const POSSIBLE: bool = true;
+
+    #[inline(always)]
+    fn current(&self, voltage: S) -> S {
+        match self {
+            Self::None => S::ZERO,
+            Self::Resistor(draw) => draw.current(voltage),
+            Self::Current(draw) => draw.current(voltage),
+            Self::Power(draw) => draw.current(voltage),
+        }
+    }
+
+    #[inline(always)]
+    fn current_by_voltage(&self, voltage: S) -> S {
+        match self {
+            Self::None => S::ZERO,
+            Self::Resistor(draw) => draw.current_by_voltage(voltage),
+            Self::Current(draw) => draw.current_by_voltage(voltage),
+            Self::Power(draw) => draw.current_by_voltage(voltage),
+        }
+    }
+
+    #[inline(always)]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        match self {
+            Self::None => None,
+            Self::Resistor(draw) => draw.lockout(),
+            Self::Current(draw) => draw.lockout(),
+            Self::Power(draw) => draw.lockout(),
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        match self {
+            Self::None => Ok(()),
+            Self::Resistor(draw) => draw.check(),
+            Self::Current(draw) => draw.check(),
+            Self::Power(draw) => draw.check(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOCKOUT: Lockout<f64> = Lockout { turn_on: 3.0, turn_off: 2.0 };
+
+    #[test]
+    fn derivatives_are_those_of_the_currents() {
+        let draws = [
+            AnyDraw::None,
+            AnyDraw::Resistor(ResistiveDraw { ohms: 5e4, lockout: Some(LOCKOUT) }),
+            AnyDraw::Current(CurrentDraw { amperes: 1e-5, lockout: LOCKOUT }),
+            AnyDraw::Power(PowerDraw { watts: 2e-5, lockout: LOCKOUT }),
+        ];
+        for draw in draws {
+            for voltage in [0.4, 1.7, 2.0, 3.3] {
+                let h = 1e-6;
+                let slope = (draw.current(voltage + h) - draw.current(voltage - h)) / (2.0 * h);
+                assert!((slope - draw.current_by_voltage(voltage)).abs() < 1e-12, "{draw:?} {voltage}");
+            }
+        }
+        let power = PowerDraw { watts: 2e-5, lockout: LOCKOUT };
+        assert!((power.current(2.5) * 2.5 - 2e-5).abs() < 1e-20);
+    }
+
+    #[test]
+    fn a_lock_out_without_hysteresis_and_power_from_an_empty_store_are_refused() {
+        let power = |turn_on, turn_off| {
+            PowerDraw { watts: 1e-6, lockout: Lockout { turn_on, turn_off } }
+                .check()
+                .err()
+                .map(|error: ParameterError<f64>| (error.field, error.value))
+        };
+        assert_eq!(power(3.0, 2.0), None);
+        assert_eq!(power(2.0, 2.0), Some(("draw.turn_off", 2.0)));
+        assert_eq!(power(2.0, 0.0), Some(("draw.turn_off", 0.0)));
+        assert_eq!(power(-1.0, -2.0), Some(("draw.turn_on", -1.0)));
+        let current = CurrentDraw { amperes: -1e-6, lockout: LOCKOUT }.check().err();
+        assert_eq!(current.map(|error| error.field), Some("draw.amperes"));
+    }
+}

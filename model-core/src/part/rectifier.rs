@@ -1,0 +1,66 @@
+//! A full bridge of diodes between a harvester and its store.
+//!
+//! A diode conducts with a constant drop or blocks. Two conduct at a time, so the bridge blocks while the
+//! harvester's voltage is within `±(V_s + 2 V_D)` of zero, and holds it at one end of that while a current flows:
+//!
+//! | regime | voltage at the terminals | current | ends where |
+//! | --- | --- | --- | --- |
+//! | blocked | within the threshold | 0 | the voltage comes to a threshold |
+//! | forward, backward | `±(V_s + 2 V_D)` | into the store | the current falls to 0 |
+
+use super::bounds::{Bounds, ParameterError};
+use super::store::Reservoir;
+use crate::scalar::Scalar;
+
+/// A full bridge and what it charges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FullBridge<S, R> {
+    /// Forward voltage `V_D` in V of each of the two diodes that conduct at a time, 0 to 100.
+    pub diode_drop: S,
+    /// What it charges.
+    pub reservoir: R,
+}
+
+/// The regimes of a full bridge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum BridgeRegime {
+    /// No current.
+    Blocked,
+    /// Conducting, the harvester's voltage above zero.
+    Forward,
+    /// Conducting, the harvester's voltage below zero.
+    Backward,
+}
+
+impl BridgeRegime {
+    /// Sign of the voltage while it conducts; 0 where it blocks.
+    #[must_use]
+    #[inline(always)]
+    pub fn sign<S: Scalar>(self) -> S {
+        match self {
+            Self::Blocked => S::ZERO,
+            Self::Forward => S::ONE,
+            Self::Backward => -S::ONE,
+        }
+    }
+}
+
+impl<S: Scalar, R: Reservoir<S>> FullBridge<S, R> {
+    /// Voltage in V at the terminals from which the bridge conducts, at a store voltage in V.
+    #[must_use]
+    #[inline(always)]
+    pub fn threshold(&self, store_voltage: S) -> S {
+        store_voltage + self.diode_drop + self.diode_drop
+    }
+
+    /// Refuses what is out of bounds.
+    ///
+    /// # Errors
+    /// The field, its value and its bounds.
+    pub fn check(&self) -> Result<(), ParameterError<S>> {
+        Bounds::new(0.0, 100.0).check("diode_drop", self.diode_drop)?;
+        self.reservoir.check()
+    }
+}

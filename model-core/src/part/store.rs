@@ -1,0 +1,295 @@
+//! What a rectifier charges: a storage capacitor, or a stiff bus.
+//!
+//! ```text
+//! C V' = i − V/R_leak − i_draw(V)
+//! ```
+//!
+//! with the rectified current `i ≥ 0`.
+
+use core::fmt::Debug;
+
+use super::bounds::{Bounds, ParameterError};
+use super::draw::{AnyDraw, Draw, HIGHEST_VOLTAGE, Lockout};
+use crate::scalar::Scalar;
+
+/// What is behind a rectifier.
+pub trait Reservoir<S: Scalar>: Copy + Debug + PartialEq {
+    /// Whether its voltage changes.
+    const CHARGES: bool;
+    /// Whether it has a draw that can be connected and disconnected.
+    const SWITCHES: bool;
+
+    /// `1/C` in 1/F: volts per coulomb brought in; 0 for a stiff bus.
+    fn elastance(&self) -> S;
+
+    /// Voltage in V before the first step.
+    fn initial_voltage(&self) -> S;
+
+    /// Leakage current in A at a voltage in V.
+    fn leakage(&self, voltage: S) -> S;
+
+    /// Current in A into the draw at a voltage in V, while it is connected.
+    fn drawn(&self, voltage: S) -> S;
+
+    /// Derivatives of both by the voltage, in A/V.
+    fn by_voltage(&self, voltage: S) -> [S; 2];
+
+    /// The draw's lock-out; `None` where it is always connected, or there is none.
+    fn lockout(&self) -> Option<Lockout<S>>;
+
+    /// Stored energy in J at a voltage in V; 0 for a bus, which has no end.
+    fn stored_energy(&self, voltage: S) -> S;
+
+    /// Refuses what is out of bounds.
+    ///
+    /// # Errors
+    /// The field, its value and its bounds.
+    fn check(&self) -> Result<(), ParameterError<S>>;
+
+    /// Current in A that leaves at a voltage in V: leakage, and the draw if it is connected.
+    #[inline(always)]
+    fn outflow(&self, voltage: S, connected: bool) -> S {
+        if connected { self.leakage(voltage) + self.drawn(voltage) } else { self.leakage(voltage) }
+    }
+
+    /// Its derivative by the voltage, in A/V.
+    #[inline(always)]
+    fn outflow_by_voltage(&self, voltage: S, connected: bool) -> S {
+        let [leakage, drawn] = self.by_voltage(voltage);
+        if connected { leakage + drawn } else { leakage }
+    }
+
+    /// Whether the draw is connected before the first step.
+    #[inline(always)]
+    fn starts_connected(&self) -> bool {
+        self.lockout().is_none_or(|lockout| lockout.starts_connected(self.initial_voltage()))
+    }
+}
+
+/// A storage capacitor with leakage and a draw.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Capacitor<S, D> {
+    /// Capacitance in F, 10⁻¹² to 10⁴.
+    pub farads: S,
+    /// Leakage resistance in Ω, 10⁻³ or more; infinity is no leakage.
+    pub leakage_ohms: S,
+    /// Voltage in V at the start, 0 to 10⁶.
+    pub initial_voltage: S,
+    /// What the node draws.
+    pub draw: D,
+}
+
+impl<S: Scalar, D: Draw<S>> Reservoir<S> for Capacitor<S, D> {
+    const CHARGES: bool = true;
+    const SWITCHES: bool = D::POSSIBLE;
+
+    #[inline(always)]
+    fn elastance(&self) -> S {
+        S::ONE / self.farads
+    }
+
+    #[inline(always)]
+    fn initial_voltage(&self) -> S {
+        self.initial_voltage
+    }
+
+    #[inline(always)]
+    fn leakage(&self, voltage: S) -> S {
+        voltage / self.leakage_ohms
+    }
+
+    #[inline(always)]
+    fn drawn(&self, voltage: S) -> S {
+        self.draw.current(voltage)
+    }
+
+    #[inline(always)]
+    fn by_voltage(&self, voltage: S) -> [S; 2] {
+        [S::ONE / self.leakage_ohms, self.draw.current_by_voltage(voltage)]
+    }
+
+    #[inline(always)]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        self.draw.lockout()
+    }
+
+    #[inline(always)]
+    fn stored_energy(&self, voltage: S) -> S {
+        S::literal(0.5) * self.farads * voltage * voltage
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Bounds::new(1e-12, 1e4).check("store.farads", self.farads)?;
+        Bounds { lowest: S::literal(1e-3), highest: S::INFINITY }
+            .check("store.leakage_ohms", self.leakage_ohms)?;
+        Bounds::new(0.0, HIGHEST_VOLTAGE).check("store.initial_voltage", self.initial_voltage)?;
+        self.draw.check()
+    }
+}
+
+/// A bus whose voltage stays as it is, whatever comes: a large battery.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DcBus<S> {
+    /// Voltage in V, 0 to 10⁶.
+    pub volts: S,
+}
+
+impl<S: Scalar> Reservoir<S> for DcBus<S> {
+    const CHARGES: bool = false;
+    const SWITCHES: bool = false;
+
+    #[inline(always)]
+    fn elastance(&self) -> S {
+        S::ZERO
+    }
+
+    #[inline(always)]
+    fn initial_voltage(&self) -> S {
+        self.volts
+    }
+
+    #[inline(always)]
+    fn leakage(&self, _voltage: S) -> S {
+        S::ZERO
+    }
+
+    #[inline(always)]
+    fn drawn(&self, _voltage: S) -> S {
+        S::ZERO
+    }
+
+    #[inline(always)]
+    fn by_voltage(&self, _voltage: S) -> [S; 2] {
+        [S::ZERO; 2]
+    }
+
+    #[inline(always)]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        None
+    }
+
+    #[inline(always)]
+    fn stored_energy(&self, _voltage: S) -> S {
+        S::ZERO
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Bounds::new(0.0, HIGHEST_VOLTAGE).check("bus.volts", self.volts)
+    }
+}
+
+/// A capacitor or a bus, chosen at run time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AnyReservoir<S> {
+    /// As [`Capacitor`].
+    Capacitor(Capacitor<S, AnyDraw<S>>),
+    /// As [`DcBus`].
+    DcBus(DcBus<S>),
+}
+
+impl<S: Scalar> Reservoir<S> for AnyReservoir<S> {
+    const CHARGES: bool = true;
+    const SWITCHES: bool = true;
+
+    #[inline(always)]
+    fn elastance(&self) -> S {
+        match self {
+            Self::Capacitor(store) => store.elastance(),
+            Self::DcBus(bus) => bus.elastance(),
+        }
+    }
+
+    #[inline(always)]
+    fn initial_voltage(&self) -> S {
+        match self {
+            Self::Capacitor(store) => store.initial_voltage(),
+            Self::DcBus(bus) => bus.initial_voltage(),
+        }
+    }
+
+    #[inline(always)]
+    fn leakage(&self, voltage: S) -> S {
+        match self {
+            Self::Capacitor(store) => store.leakage(voltage),
+            Self::DcBus(bus) => bus.leakage(voltage),
+        }
+    }
+
+    #[inline(always)]
+    fn drawn(&self, voltage: S) -> S {
+        match self {
+            Self::Capacitor(store) => store.drawn(voltage),
+            Self::DcBus(bus) => bus.drawn(voltage),
+        }
+    }
+
+    #[inline(always)]
+    fn by_voltage(&self, voltage: S) -> [S; 2] {
+        match self {
+            Self::Capacitor(store) => store.by_voltage(voltage),
+            Self::DcBus(bus) => bus.by_voltage(voltage),
+        }
+    }
+
+    #[inline(always)]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        match self {
+            Self::Capacitor(store) => store.lockout(),
+            Self::DcBus(bus) => bus.lockout(),
+        }
+    }
+
+    #[inline(always)]
+    fn stored_energy(&self, voltage: S) -> S {
+        match self {
+            Self::Capacitor(store) => store.stored_energy(voltage),
+            Self::DcBus(bus) => bus.stored_energy(voltage),
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        match self {
+            Self::Capacitor(store) => store.check(),
+            Self::DcBus(bus) => bus.check(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::part::draw::{NoDraw, PowerDraw};
+
+    #[test]
+    fn what_leaves_is_leakage_and_what_is_connected() {
+        let draw = PowerDraw { watts: 6e-6_f64, lockout: Lockout { turn_on: 3.0, turn_off: 2.0 } };
+        let store = Capacitor { farads: 1e-6, leakage_ohms: 1e6, initial_voltage: 2.5, draw };
+        assert!(!store.starts_connected());
+        assert!((store.outflow(2.0, false) - 2e-6).abs() < 1e-18);
+        assert!((store.outflow(2.0, true) - 5e-6).abs() < 1e-18);
+        assert!((store.outflow_by_voltage(2.0, true) + 0.5e-6).abs() < 1e-18);
+        let sealed = Capacitor { leakage_ohms: f64::INFINITY, draw: NoDraw, ..store_without_draw(&store) };
+        assert_eq!((sealed.outflow(2.0, true), sealed.outflow_by_voltage(2.0, true)), (0.0, 0.0));
+        assert!(sealed.starts_connected());
+        assert_eq!(DcBus { volts: 3.0 }.outflow(3.0, true), 0.0);
+    }
+
+    fn store_without_draw(store: &Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f64, NoDraw> {
+        let Capacitor { farads, leakage_ohms, initial_voltage, draw: _ } = *store;
+        Capacitor { farads, leakage_ohms, initial_voltage, draw: NoDraw }
+    }
+
+    #[test]
+    fn parameters_out_of_bounds_are_named() {
+        let good = Capacitor { farads: 1e-6, leakage_ohms: 1e9, initial_voltage: 0.0, draw: NoDraw };
+        let field = |store: Capacitor<f64, NoDraw>| store.check().err().map(|error| error.field);
+        assert_eq!(field(good), None);
+        assert_eq!(field(Capacitor { farads: 0.0, ..good }), Some("store.farads"));
+        assert_eq!(field(Capacitor { leakage_ohms: f64::NAN, ..good }), Some("store.leakage_ohms"));
+        assert_eq!(field(Capacitor { initial_voltage: -1.0, ..good }), Some("store.initial_voltage"));
+        assert_eq!(DcBus { volts: f64::INFINITY }.check().err().map(|error| error.field), Some("bus.volts"));
+    }
+}
