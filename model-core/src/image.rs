@@ -151,8 +151,8 @@ pub const fn size_of<T: Image>() -> usize {
     HEAD + T::BYTES + TAIL
 }
 
-/// Writes the image of `state`, the state of a model with this fingerprint, to the front of `bytes`; gives its
-/// size.
+/// Writes the image of `state`, the state of a model with this fingerprint, to the front of `bytes`; gives
+/// its size.
 ///
 /// # Errors
 /// [`ImageError::NoRoom`] with both sizes; `bytes` is then as before.

@@ -68,33 +68,15 @@
 //!
 //! # Samples that are not there
 //!
-//! Up to [`Settings::longest_gap`] lost samples in a row are put on a straight line between their neighbours, once
-//! the next one has come. After a longer gap the harvester's state is not known: the time between the samples on
-//! either side counts as *unknown* and is not integrated, and the harvester starts anew, at rest, with the first
-//! sample after it; what a store held it still holds. A step that the model cannot take ends likewise, and is an
-//! error once. A sample at the end of the sensor's range is taken as that end, a lower bound. Intervals that a
-//! lost or a saturated sample borders on count as *uncertain*, and so do those within
-//! [`Settings::settling_seconds`] of a start, the first one included.
+//! Up to [`Settings::longest_gap`] lost samples in a row are put on a straight line between their
+//! neighbours, once the next one has come. After a longer gap the harvester's state is not known: the time
+//! between the samples on either side counts as *unknown* and is not integrated, and the harvester starts
+//! anew, at rest, with the first sample after it; what a store held it still holds. A step that the model
+//! cannot take ends likewise, and is an error once. A sample at the end of the sensor's range is taken as
+//! that end, a lower bound. Intervals that a lost or a saturated sample borders on count as *uncertain*,
+//! and so do those within [`Settings::settling_seconds`] of a start, the first one included.
 //!
-//! # What the uncertainty covers
-//!
-//! [`Uncertainty::step`] is the sum of two: the magnitudes of the local errors of the delivered energy, by the
-//! embedded third-order formula; and what the local errors of the state do to the energy, taken as twice their
-//! mean per radian times 20 radians, for which the motion is taken to remember them. Measured in `f64` from rest
-//! on the shipped scenes, relative to the energy (steps by the tolerance, no samples; the actual error is the
-//! difference to a tolerance of 10⁻⁶):
-//!
-//! TABLE
-//!
-//! The local errors of the energy alone are half to a fiftieth of the actual error in sliding, whether their
-//! magnitudes or their squares are added: what the error of the state does dominates. With it the
-//! figure is 0.9 to 4 times the actual error in sliding, where errors of the motion add up. In contact-separation
-//! every impact forgets part of them and they cancel over periods: there it is 0.4 to 6 times the actual error
-//! below a tolerance of 10⁻², an upper bound above, and of no use where the motion is chaotic. It says nothing
-//! of the straight lines between samples.
-//!
-//! [`Uncertainty::rounding`] takes 34 roundings of the energy, which a compensated sum leaves of those of each
-//! step, and one rounding of the state a step, remembered likewise.
+//! What the figures for the uncertainty cover, and how well: see [`Uncertainty`].
 
 mod gaps;
 mod model;
@@ -125,8 +107,8 @@ pub struct Settings<S> {
     pub format: SampleFormat<S>,
     /// Lost samples in a row across which is interpolated: short against a period of the motion.
     pub longest_gap: u16,
-    /// Seconds for which the harvester settles after a start at rest that it may not have been at, 0 to 10⁶: some
-    /// decay times `1/(damping ratio · angular frequency)`. 0 if a node starts and stays at rest.
+    /// Seconds for which the harvester settles after a start at rest that it may not have been at, 0 to
+    /// 10⁶: some decay times `1/(damping ratio · angular frequency)`. 0 if a node starts and stays at rest.
     pub settling_seconds: S,
 }
 
@@ -137,8 +119,8 @@ pub struct Settings<S> {
 pub enum EstimatorError<S> {
     /// A setting is out of its bounds, or the harvester cannot start at rest.
     Parameter(ParameterError<S>),
-    /// A step could not be taken. The time up to the next sample is unknown, and the harvester starts anew with
-    /// that: go on.
+    /// A step could not be taken. The time up to the next sample is unknown, and the harvester starts anew
+    /// with that: go on.
     Step(StepError<S>),
     /// The sample before is not finished: call [`Estimator::resume`]. This one was not taken.
     Unfinished,
@@ -257,7 +239,8 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         self.push(self.settings.format.of_count(count), budget)
     }
 
-    /// Takes in the next sample in m/s², in at most `budget` attempted steps; one that is not finite is missing.
+    /// Takes in the next sample in m/s², in at most `budget` attempted steps; one that is not finite is
+    /// missing.
     ///
     /// # Errors
     /// As [`Estimator::push`].
@@ -277,8 +260,8 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         self.resume(budget)
     }
 
-    /// Takes in the sample with number `sequence`, which may wrap; those between it and the one before were lost.
-    /// The first number given is where counting starts.
+    /// Takes in the sample with number `sequence`, which may wrap; those between it and the one before were
+    /// lost. The first number given is where counting starts.
     ///
     /// # Errors
     /// As [`Estimator::push`], and [`EstimatorError::OutOfOrder`].
@@ -302,7 +285,8 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
 
     /// Takes in the next sample, in at most `budget` attempted steps.
     ///
-    /// Budgets below [`Model::LEAST_BUDGET`] are taken as that. The same bits result whatever the budgets are.
+    /// Budgets below [`Model::LEAST_BUDGET`] are taken as that. The same bits result whatever the budgets
+    /// are.
     ///
     /// # Errors
     /// [`EstimatorError::Unfinished`]: the sample is not taken. [`EstimatorError::Step`] and
@@ -317,7 +301,8 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
     /// Goes on with a sample that a budget did not suffice for, in at most `budget` attempted steps.
     ///
     /// # Errors
-    /// [`EstimatorError::Step`] and [`EstimatorError::Parameter`]: the harvester is lost until the next sample.
+    /// [`EstimatorError::Step`] and [`EstimatorError::Parameter`]: the harvester is lost until the next
+    /// sample.
     pub fn resume(&mut self, budget: u32) -> Result<Progress, EstimatorError<S>> {
         let mut work = Work::default();
         loop {
@@ -356,7 +341,7 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         let angular_frequency = self.model.angular_frequency();
         let (energy, seconds) = (tally.energy(), tally.seconds());
         let step = M::ESTIMATES_ERROR.then(|| tally.step_error(angular_frequency));
-        let rounding = tally.rounding(angular_frequency);
+        let rounding = tally.rounding();
         let [uncertain_seconds, unknown_seconds] =
             [self.state.uncertain_intervals, self.state.unknown_intervals]
                 .map(|intervals| self.duration(intervals));
@@ -379,7 +364,8 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         }
     }
 
-    /// Sets energy, time and all counts to zero, for the mean of a new stretch of time: the harvester goes on.
+    /// Sets energy, time and all counts to zero, for the mean of a new stretch of time: the harvester goes
+    /// on.
     pub fn clear(&mut self) {
         let state = &mut self.state;
         state.tally = Tally::EMPTY;
@@ -396,8 +382,8 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         image::save(&self.state, self.fingerprint(), bytes)
     }
 
-    /// Takes the state from an image at the front of `bytes`: the run then goes on with the bits with which it
-    /// would have gone on.
+    /// Takes the state from an image at the front of `bytes`: the run then goes on with the bits with which
+    /// it would have gone on.
     ///
     /// # Errors
     /// [`ImageError`]; the state is then as before.

@@ -108,7 +108,8 @@ impl<S: Scalar> Stream<S> {
         }
     }
 
-    /// Begins anew: `sample` is the one `missed` samples after the newest, and nothing is known of those between.
+    /// Begins anew: `sample` is the one `missed` samples after the newest, and nothing is known of those
+    /// between.
     ///
     /// [`Stream::known_until`] is then the time of this sample.
     ///

@@ -50,8 +50,8 @@ impl Checksum {
 
 /// A 32-bit number that tells models apart: a checksum over the bits of all their coefficients.
 ///
-/// Two models of one layout that differ in one single-precision coefficient always differ in it; any other two
-/// are alike by chance once in 2³² pairs.
+/// Two models of one layout that differ in one single-precision coefficient always differ in it; any other
+/// two are alike by chance once in 2³² pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fingerprint(Checksum);
 

@@ -3,6 +3,8 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+pub(crate) mod harvesters;
+
 use core::fmt::Debug;
 
 use model_core::clock::Instant;

@@ -46,13 +46,14 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         }
     }
 
-    /// Gives the harvester up in the interval in which a step could not be taken, with all samples that were to
-    /// follow.
+    /// Gives the harvester up in the interval in which a step could not be taken, with all samples that
+    /// were to follow.
     #[cold]
     pub(super) fn lose_model(&mut self) {
         let state = &mut self.state;
         let queued = core::mem::take(&mut state.queue.left);
-        // The interval itself, the one up to the newest sample unless that only stands in, and the queued ones.
+        // The interval itself, the one up to the newest sample unless that only stands in, and the queued
+        // ones.
         let to_newest = u64::from(state.phase == Phase::Following);
         state.unknown_intervals = state.unknown_intervals.wrapping_add(1 + to_newest + u64::from(queued));
         state.missing = state.missing.saturating_add(queued);

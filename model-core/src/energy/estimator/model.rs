@@ -145,7 +145,8 @@ where
         fingerprint.count(P as u32);
         // Method and step control, by what they do: a state resumes with the same bits under the same only.
         fingerprint.count(u32::from(M::ESTIMATES_ERROR));
-        let scale = ErrorScale { angular_frequency: S::ONE, energy_floor: S::ONE };
+        // A motion so fast that no tolerance is below its roundings.
+        let scale = ErrorScale { angular_frequency: S::literal(1e6), energy_floor: S::ONE };
         let control = &self.driver.control;
         fingerprint.count(control.start(&scale).ticks);
         fingerprint.numbers(&[control.accuracy(u32::MAX, &scale)]);

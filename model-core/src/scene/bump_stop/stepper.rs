@@ -109,8 +109,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
 
     /// The same, but ends with a whole step: less than a short step beyond `until`.
     ///
-    /// A cut step makes coefficients of its own, which costs more than many steps: where a run is advanced from
-    /// sample to sample this is the cheaper way. `excitation` must be known for a short step beyond `until`.
+    /// A cut step makes coefficients of its own, which costs more than many steps: where a run is advanced
+    /// from sample to sample this is the cheaper way. `excitation` must be known for a short step beyond
+    /// `until`.
     ///
     /// # Errors
     /// As [`Stepper::advance`].

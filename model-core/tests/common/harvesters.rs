@@ -1,0 +1,115 @@
+//! The shipped scenes, in either precision.
+
+use core::marker::PhantomData;
+
+use model_core::part::load::AnyLoad;
+use model_core::part::monomorph::Layer;
+use model_core::part::parasitic::ParasiticCapacitance;
+use model_core::part::restitution::{AnyRestitution, VelocityDependentRestitution};
+use model_core::scalar::Scalar;
+use model_core::scene::{bump_stop, contact_separation, sliding};
+
+pub(crate) type ContactParts<S> = contact_separation::AnyParts<<S as Scalar>::Build>;
+pub(crate) type Contact<S> = contact_separation::ContactSeparation<S, ContactParts<S>>;
+pub(crate) type Slide<S> = sliding::Sliding<S, sliding::AnyParts>;
+pub(crate) type Bump<S, const B: usize, const R: usize> = bump_stop::Stepper<S, bump_stop::AnyParts, B, R>;
+
+pub(crate) fn contact_parameters<S: Scalar>() -> contact_separation::Parameters<S, ContactParts<S>> {
+    let number = S::literal;
+    contact_separation::Parameters {
+        mass: number(5e-3),
+        stiffness: number(80.0),
+        damping_ratio: number(0.005),
+        initial_gap: number(3e-3),
+        electrode_area: number(4e-4),
+        dielectric_thickness: number(5e-5),
+        relative_permittivity: number(2.0),
+        charge_density: number(50e-6),
+        parasitic: ParasiticCapacitance { farads: number(1e-12) },
+        load: AnyLoad { ohms: number(1e8) },
+        force_law: contact_separation::AnyForceLaw::TransferredCharge,
+        restitution: AnyRestitution::VelocityDependent(VelocityDependentRestitution {
+            at_rest: number(0.8),
+            at_speed: number(0.5),
+            reference_speed: number(0.3),
+            mathematics: PhantomData,
+        }),
+        sticking: contact_separation::AnyStickCharge::Frozen,
+    }
+}
+
+pub(crate) fn contact<S: Scalar>() -> Contact<S> {
+    contact_parameters().build().expect("in bounds")
+}
+
+pub(crate) fn sliding_parameters<S: Scalar>() -> sliding::Parameters<S, sliding::AnyParts> {
+    let number = S::literal;
+    sliding::Parameters {
+        beam_length: number(0.1),
+        beam_width: number(0.02),
+        beam_thickness: number(5e-4),
+        young_modulus: number(210e9),
+        density: number(7800.0),
+        damping_ratio: number(0.0035),
+        slider_mass: number(8e-3),
+        patch_radius: number(0.01),
+        friction: sliding::PatchFriction {
+            static_active: number(0.35),
+            static_inert: number(0.25),
+            kinetic_active: number(0.30),
+            kinetic_inert: number(0.20),
+        },
+        dielectric_thickness: number(5e-5),
+        relative_permittivity: number(2.0),
+        charge_density: number(80e-6),
+        load: AnyLoad { ohms: number(1e8) },
+        force_law: sliding::AnyForceLaw::TransferredCharge,
+        sticking: sliding::AnyStickCharge::Frozen,
+        lateral_force: sliding::AnyLateralForce::None,
+    }
+}
+
+pub(crate) fn slide<S: Scalar>() -> Slide<S> {
+    sliding_parameters().build().expect("in bounds")
+}
+
+pub(crate) fn bump_parameters<S: Scalar>() -> bump_stop::Parameters<S, bump_stop::AnyParts> {
+    let number = S::literal;
+    bump_stop::Parameters {
+        beam_length: number(0.05),
+        beam_width: number(0.01),
+        substrate: Layer { thickness: number(5e-4), young_modulus: number(200e9), density: number(7850.0) },
+        piezo: Layer { thickness: number(5e-4), young_modulus: number(66e9), density: number(7800.0) },
+        piezo_d31: number(-190e-12),
+        piezo_permittivity: number(15.93e-9),
+        damping_ratio: number(0.01),
+        stop: bump_stop::Stop {
+            length: number(0.02),
+            section: number(4e-6),
+            young_modulus: number(70e9),
+            density: number(2700.0),
+            position: number(0.05),
+            gap: number(10e-6),
+            contact_compliance: S::ZERO,
+        },
+        load: AnyLoad { ohms: number(1e6) },
+        coupling: bump_stop::AnyCoupling::TwoWay,
+        contact: bump_stop::AnyContact::ResidualFlexibility,
+    }
+}
+
+/// With steps of 9 µs near contact and 80 µs in flight.
+pub(crate) fn bump<S: Scalar, const B: usize, const R: usize>(
+    contact: bump_stop::AnyContact<S>,
+) -> Bump<S, B, R> {
+    let parameters = bump_stop::Parameters { contact, ..bump_parameters() };
+    let scene = parameters.build().expect("in bounds");
+    bump_stop::Stepper::new(scene, S::literal(9e-6), S::literal(80e-6))
+}
+
+/// `amplitude · sin(2π · hertz · n / rate)` for each sample `n`, rounded once.
+pub(crate) fn sine_samples<S: Scalar>(amplitude: f64, hertz: f64, rate: f64, count: u32) -> Vec<S> {
+    let sample =
+        |n: u32| S::literal(amplitude * (core::f64::consts::TAU * hertz * f64::from(n) / rate).sin());
+    (0..count).map(sample).collect()
+}

@@ -1,0 +1,362 @@
+//! Power-down and wake-up: an image resumes with the same bits, and whatever else there is in flash is refused.
+
+mod common;
+
+use common::Random;
+use common::harvesters::{
+    ContactParts, bump, bump_parameters, contact, contact_parameters, sine_samples, slide, sliding_parameters,
+};
+use model_core::energy::estimator::{HybridModel, Model, Sample, SampleFormat, Settings};
+use model_core::energy::{Estimator, PowerMeter};
+use model_core::excitation::{Silence, Sine, Stream};
+use model_core::hybrid::{Driver, HybridState};
+use model_core::image::{self, Image, ImageError};
+use model_core::integrate::{Adaptive, FixedStep, RungeKutta4, TrBdf2};
+use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
+use model_core::scalar::Scalar;
+use model_core::scene::bump_stop::{self, AnyContact, AnyCoupling, Restitution, Stepper};
+use model_core::scene::{contact_separation, sliding};
+
+const EVER: u32 = u32::MAX;
+
+fn settings<S: Scalar>(rate: f64) -> Settings<S> {
+    Settings {
+        rate: S::literal(rate),
+        format: SampleFormat::accelerations(S::literal(60.0)),
+        longest_gap: 3,
+        settling_seconds: S::literal(0.1),
+    }
+}
+
+fn hybrid<H, C>(scene: H, control: C) -> HybridModel<H, TrBdf2, C, 3, 1> {
+    HybridModel::new(scene, TrBdf2, control)
+}
+
+/// Samples with gaps of both kinds and shocks beyond the range, the same on every machine.
+fn rough<S: Scalar>(samples: &[S], seed: u64) -> Vec<Sample<S>> {
+    let mut random = Random(seed);
+    let mut lost = 0;
+    let rough = |&sample: &S| {
+        let choice = random.next() % 200;
+        if lost == 0 && choice < 3 {
+            lost = [1, 2, 8][choice as usize];
+        }
+        if lost > 0 {
+            lost -= 1;
+            return Sample::Missing;
+        }
+        if choice == 3 { Sample::Saturated(S::literal(60.0)) } else { Sample::Good(sample) }
+    };
+    samples.iter().map(rough).collect()
+}
+
+/// Follows the samples with small budgets; every few of them, in the middle of one too, the estimator is saved,
+/// and its twin goes on from the image. Gives how many images were made, and of which states.
+fn resume_from_images<S: Scalar, M: Model<S> + Copy + PartialEq + core::fmt::Debug>(
+    model: M,
+    settings: Settings<S>,
+    samples: &[Sample<S>],
+) -> Vec<M::State> {
+    let mut uninterrupted = Estimator::new(model, settings).expect("valid");
+    let mut interrupted = uninterrupted;
+    let mut random = Random(3);
+    let mut states = Vec::new();
+    let mut in_the_middle = 0;
+    for &sample in samples {
+        let mut flash = [0xff; 1024];
+        let mut progress = uninterrupted.push(sample, 1).expect("runs");
+        let mut same = interrupted.push(sample, 1).expect("runs");
+        loop {
+            assert_eq!(progress, same);
+            if random.next().is_multiple_of(4) {
+                let used = interrupted.save(&mut flash).expect("room");
+                assert_eq!(used, Estimator::<S, M>::IMAGE_BYTES);
+                interrupted = Estimator::new(model, settings).expect("valid");
+                interrupted.restore(&flash).expect("its own image");
+                assert_eq!(interrupted, uninterrupted);
+                states.push(*interrupted.model_state());
+                in_the_middle += u32::from(!progress.finished);
+            }
+            if progress.finished {
+                break;
+            }
+            progress = uninterrupted.resume(1).expect("runs");
+            same = interrupted.resume(1).expect("runs");
+        }
+    }
+    assert_eq!(interrupted.estimate(), uninterrupted.estimate());
+    assert!(in_the_middle > 10, "{in_the_middle}");
+    let uncertainty = interrupted.estimate().uncertainty;
+    assert!(uncertainty.missing_samples > 8 && uncertainty.unknown_seconds > S::ZERO);
+    states
+}
+
+fn resume_contact_separation<S: Scalar>() {
+    let mut parameters = contact_parameters::<S>();
+    // Heavily charged and not rebounding: the mass sticks now and then.
+    parameters.charge_density = S::literal(120e-6);
+    parameters.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: S::ZERO });
+    let model = hybrid(parameters.build().expect("in bounds"), Adaptive::new(S::literal(1e-3)));
+    let samples = rough(&sine_samples::<S>(30.0, 15.0, 400.0, 1600), 1);
+    let states = resume_from_images(model, settings(400.0), &samples);
+    let stuck = states.iter().filter(|state| state.mode == contact_separation::Mode::Stuck).count();
+    assert!(stuck > 10 && stuck + 10 < states.len(), "{stuck} of {}", states.len());
+}
+
+fn resume_sliding<S: Scalar>() {
+    let model = hybrid(slide::<S>(), Adaptive::new(S::literal(1e-3)));
+    let samples = rough(&sine_samples::<S>(3.0, 6.0, 400.0, 1600), 2);
+    let states = resume_from_images(model, settings(400.0), &samples);
+    let stuck = states.iter().filter(|state| state.mode == sliding::Mode::Stuck).count();
+    assert!(stuck > 10 && stuck + 10 < states.len(), "{stuck} of {}", states.len());
+    // Every mode has been in an image.
+    for forward in [false, true] {
+        for ahead in [false, true] {
+            let mode = sliding::Mode::Sliding { forward, ahead };
+            assert!(states.iter().any(|state| state.mode == mode), "{mode:?}");
+        }
+    }
+}
+
+fn resume_bump_stop<S: Scalar, const B: usize, const R: usize>(contact: AnyContact<S>) {
+    let samples = rough(&sine_samples::<S>(20.0, 220.0, 800.0, 500), 3);
+    let states = resume_from_images(bump::<S, B, R>(contact), settings(800.0), &samples);
+    let touching = states.iter().filter(|state| state.gap() >= S::ZERO).count();
+    assert!(states.len() > 100);
+    assert!(touching > 3 || !matches!(contact, AnyContact::ResidualFlexibility), "{touching}");
+}
+
+#[test]
+fn a_run_goes_on_from_its_image_with_the_same_bits() {
+    resume_contact_separation::<f32>();
+    resume_contact_separation::<f64>();
+    resume_sliding::<f32>();
+    resume_sliding::<f64>();
+    resume_bump_stop::<f32, 4, 1>(AnyContact::ResidualFlexibility);
+    resume_bump_stop::<f64, 6, 2>(AnyContact::ResidualFlexibility);
+    resume_bump_stop::<f32, 4, 1>(AnyContact::Restitution(Restitution { coefficient: 0.5 }));
+    resume_bump_stop::<f64, 3, 0>(AnyContact::NoStop);
+}
+
+/// An estimator in the middle of a run, and its image.
+fn saved<S: Scalar, M: Model<S> + Copy>(model: M, settings: Settings<S>) -> (Estimator<S, M>, Vec<u8>) {
+    let mut estimator = Estimator::new(model, settings).expect("valid");
+    for sample in rough(&sine_samples::<S>(20.0, 20.0, 400.0, 120), 4) {
+        estimator.push(sample, EVER).expect("runs");
+    }
+    let mut bytes = vec![0; Estimator::<S, M>::IMAGE_BYTES];
+    assert_eq!(estimator.save(&mut bytes), Ok(bytes.len()));
+    (estimator, bytes)
+}
+
+fn every_flip_and_cut_is_refused<S: Scalar, M>(model: M)
+where
+    M: Model<S> + Copy + PartialEq + core::fmt::Debug,
+{
+    let (estimator, bytes) = saved(model, settings(400.0));
+    let mut awake = estimator;
+    for bit in 0..bytes.len() * 8 {
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        assert!(awake.restore(&flipped).is_err(), "bit {bit}");
+    }
+    for length in 0..bytes.len() {
+        let needed = bytes.len();
+        assert_eq!(awake.restore(&bytes[..length]), Err(ImageError::TooShort { needed, given: length }));
+        let mut room = vec![0; length];
+        assert_eq!(awake.save(&mut room), Err(ImageError::NoRoom { needed, given: length }));
+    }
+    // What was refused has changed nothing.
+    assert_eq!(awake, estimator);
+    assert_eq!(awake.restore(&bytes), Ok(()));
+}
+
+#[test]
+fn every_flipped_bit_and_every_cut_is_refused() {
+    every_flip_and_cut_is_refused::<f32, _>(hybrid(contact(), Adaptive::new(1e-2)));
+    every_flip_and_cut_is_refused::<f64, _>(hybrid(slide(), Adaptive::new(1e-2)));
+    every_flip_and_cut_is_refused::<f32, _>(bump::<f32, 4, 1>(AnyContact::ResidualFlexibility));
+}
+
+/// Whether an estimator of this model and settings takes the image.
+fn takes<S: Scalar, M: Model<S>>(model: M, settings: Settings<S>, bytes: &[u8]) -> Result<(), ImageError> {
+    Estimator::new(model, settings).expect("valid").restore(bytes)
+}
+
+const FOREIGN: Result<(), ImageError> = Err(ImageError::ForeignModel);
+
+/// A change of one parameter.
+type Change<P> = fn(&mut P);
+
+#[test]
+fn an_image_of_other_parameters_is_foreign() {
+    let model = hybrid(contact::<f32>(), Adaptive::new(1e-2));
+    let (_, bytes) = saved(model, settings(400.0));
+    assert_eq!(takes(model, settings(400.0), &bytes), Ok(()));
+    let changes: [Change<contact_separation::Parameters<f32, ContactParts<f32>>>; 13] = [
+        |p| p.mass *= 1.000_001,
+        |p| p.stiffness = 80.001,
+        |p| p.damping_ratio = 0.006,
+        |p| p.initial_gap = 3.1e-3,
+        |p| p.electrode_area = 4.1e-4,
+        |p| p.dielectric_thickness = 5.1e-5,
+        |p| p.relative_permittivity = 2.1,
+        |p| p.charge_density = 51e-6,
+        |p| p.parasitic.farads = 2e-12,
+        |p| p.load.ohms = 0.0,
+        |p| p.force_law = contact_separation::AnyForceLaw::GapField,
+        |p| p.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: 0.8 }),
+        |p| p.sticking = contact_separation::AnyStickCharge::Relaxing,
+    ];
+    for (index, change) in changes.into_iter().enumerate() {
+        let mut parameters = contact_parameters::<f32>();
+        change(&mut parameters);
+        let other = hybrid(parameters.build().expect("in bounds"), Adaptive::new(1e-2));
+        assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN, "change {index}");
+    }
+
+    let model = hybrid(slide::<f64>(), Adaptive::new(1e-2));
+    let (_, bytes) = saved(model, settings(400.0));
+    let changes: [Change<sliding::Parameters<f64, sliding::AnyParts>>; 15] = [
+        |p| p.beam_length = 0.101,
+        |p| p.beam_width = 0.021,
+        |p| p.beam_thickness = 5.01e-4,
+        |p| p.damping_ratio = 0.0036,
+        |p| p.slider_mass = 8.1e-3,
+        |p| p.patch_radius = 0.0101,
+        |p| p.dielectric_thickness = 5.1e-5,
+        |p| p.relative_permittivity = 2.1,
+        |p| p.charge_density = 81e-6,
+        |p| p.load.ohms = f64::INFINITY,
+        |p| p.friction.static_inert = 0.26,
+        |p| p.friction.kinetic_active = 0.31,
+        |p| p.force_law = sliding::AnyForceLaw::GapField,
+        |p| p.sticking = sliding::AnyStickCharge::Relaxing,
+        |p| p.lateral_force = sliding::AnyLateralForce::Field,
+    ];
+    for (index, change) in changes.into_iter().enumerate() {
+        let mut parameters = sliding_parameters::<f64>();
+        change(&mut parameters);
+        let other = hybrid(parameters.build().expect("in bounds"), Adaptive::new(1e-2));
+        assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN, "change {index}");
+    }
+
+    let stepper = bump::<f32, 4, 1>(AnyContact::ResidualFlexibility);
+    let (_, bytes) = saved(stepper, settings(400.0));
+    let changes: [Change<bump_stop::Parameters<f32, bump_stop::AnyParts>>; 9] = [
+        |p| p.beam_length = 0.0501,
+        |p| p.piezo_d31 = -191e-12,
+        |p| p.piezo_permittivity = 16e-9,
+        |p| p.damping_ratio = 0.011,
+        |p| p.stop.gap = 11e-6,
+        |p| p.stop.contact_compliance = 1e-9,
+        |p| p.load.ohms = 2e6,
+        |p| p.coupling = AnyCoupling::OneWay,
+        |p| p.contact = AnyContact::DisplacementConstraint,
+    ];
+    for (index, change) in changes.into_iter().enumerate() {
+        let mut parameters = bump_parameters::<f32>();
+        change(&mut parameters);
+        let other = Stepper::<_, _, 4, 1>::new(parameters.build().expect("in bounds"), 9e-6, 80e-6);
+        assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN, "change {index}");
+    }
+}
+
+#[test]
+fn an_image_of_another_scene_precision_method_or_rate_is_foreign() {
+    let model = hybrid(contact::<f32>(), Adaptive::new(1e-2));
+    let (_, bytes) = saved(model, settings(400.0));
+    assert_eq!(takes(hybrid(slide::<f32>(), Adaptive::new(1e-2)), settings(400.0), &bytes), FOREIGN);
+    assert_eq!(takes(hybrid(contact::<f64>(), Adaptive::new(1e-2)), settings(400.0), &bytes), FOREIGN);
+    assert_eq!(takes(hybrid(contact::<f32>(), Adaptive::new(1.1e-2)), settings(400.0), &bytes), FOREIGN);
+    let (_, accurate) = saved(hybrid(contact::<f32>(), Adaptive::new(1e-5)), settings(400.0));
+    assert_eq!(takes(hybrid(contact::<f32>(), Adaptive::new(1.1e-5)), settings(400.0), &accurate), FOREIGN);
+    let fixed = FixedStep::of_seconds(1e-3_f32);
+    assert_eq!(takes(hybrid(contact::<f32>(), fixed), settings(400.0), &bytes), FOREIGN);
+    assert_eq!(takes(model, settings(401.0), &bytes), FOREIGN);
+    assert_eq!(takes(model, Settings { longest_gap: 2, ..settings(400.0) }, &bytes), FOREIGN);
+
+    let explicit = HybridModel::<_, _, _, 3, 1>::new(slide::<f32>(), RungeKutta4, fixed);
+    let (_, bytes) = saved(explicit, settings(400.0));
+    assert_eq!(takes(hybrid(slide::<f32>(), fixed), settings(400.0), &bytes), FOREIGN);
+
+    let stepper = bump::<f32, 4, 1>(AnyContact::ResidualFlexibility);
+    let (_, bytes) = saved(stepper, settings(400.0));
+    assert_eq!(takes(stepper, settings(400.0), &bytes), Ok(()));
+    // The same number of modes in all, and so of bytes.
+    let other = bump::<f32, 3, 2>(AnyContact::ResidualFlexibility);
+    assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN);
+    assert_eq!(takes(Stepper::new(*stepper.scene(), 9e-6, 81e-6), settings(400.0), &bytes), FOREIGN);
+}
+
+/// One value into an image and back.
+fn round_trip<T: Image + PartialEq + core::fmt::Debug>(value: &T) {
+    let mut bytes = vec![0; image::size_of::<T>()];
+    assert_eq!(image::save(value, 7, &mut bytes), Ok(bytes.len()));
+    assert_eq!(&image::restore::<T>(7, &bytes).expect("sound"), value);
+    assert_eq!(image::restore::<T>(8, &bytes), Err(ImageError::ForeignModel));
+}
+
+#[test]
+fn states_meters_and_streams_have_images_of_their_own() {
+    let sine = Sine::<f32>::new(1.962, 20.0, 0.0).expect("valid");
+    let scene = contact::<f32>();
+    let driver = Driver::new(TrBdf2, Adaptive::new(1e-2));
+    let mut state = scene.start::<_, _, 1>(&Default::default(), &sine, &driver.control).expect("starts");
+    let mut meter = PowerMeter::<f32, 1>::new();
+    let until = model_core::clock::Instant::from_whole_seconds(1);
+    driver.advance(&scene, &mut state, &sine, until, EVER, &mut meter).expect("runs");
+    round_trip(&state);
+    round_trip(&meter);
+    let mut stream = Stream::<f64>::new(400.0, 0.5).expect("valid");
+    round_trip(&stream);
+    stream.push(-1.0).expect("finite");
+    stream.restart(5, 2.0).expect("finite");
+    round_trip(&stream);
+}
+
+/// A scene of four states, as a store adds one: only its modes need bytes of their own.
+#[derive(Debug, Clone, Copy)]
+struct Four;
+
+impl common::Problem<f64, 4> for Four {
+    type Mode = bool;
+
+    fn rate(&self, _mode: bool, y: &[f64; 4], _input: f64) -> [f64; 4] {
+        [y[1], -y[0], y[3], -4.0 * y[2]]
+    }
+
+    fn jacobian(&self, _mode: bool, _y: &[f64; 4], _input: f64) -> [[f64; 4]; 4] {
+        [[0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, -4.0, 0.0]]
+    }
+
+    fn angular_frequency(&self) -> f64 {
+        2.0
+    }
+
+    fn sizes(&self, _mode: bool, _y: &[f64; 4]) -> [f64; 4] {
+        [1.0; 4]
+    }
+}
+
+#[test]
+fn a_state_of_any_size_has_an_image() {
+    let machine = common::Machine(Four);
+    let control = Adaptive::new(1e-3);
+    let mut state: HybridState<f64, bool, 4, 1> =
+        HybridState::start(&machine, true, [1.0, 0.0, 0.5, 0.0], &Silence, &control);
+    let until = model_core::clock::Instant::from_whole_seconds(3);
+    Driver::new(TrBdf2, control).advance(&machine, &mut state, &Silence, until, EVER, &mut ()).expect("runs");
+    round_trip(&state);
+}
+
+#[test]
+fn images_in_single_precision_are_a_few_hundred_bytes() {
+    type Contact = HybridModel<common::harvesters::Contact<f32>, TrBdf2, Adaptive<f32>, 3, 1>;
+    type Bump = common::harvesters::Bump<f32, 4, 1>;
+    // What a firmware reserves; a change of the layout is another version.
+    assert_eq!(Estimator::<f32, Contact>::IMAGE_BYTES, 214);
+    assert_eq!(Estimator::<f32, Bump>::IMAGE_BYTES, 213);
+    assert_eq!(image::size_of::<<Contact as Model<f32>>::State>(), 92);
+    assert_eq!(image::size_of::<<Bump as Model<f32>>::State>(), 91);
+}
