@@ -35,7 +35,7 @@ fn scene<S: Scalar>(density: f64, ohms: f64, law: AnyForceLaw) -> ContactSeparat
 fn probe() {
     for (d, r) in [(5.0, 1e6), (20.0, 1e6), (35.0, 1e6), (50.0, 1e6), (50.0, 1e8)] {
         let s = scene::<f64>(d, r, AnyForceLaw::TransferredCharge);
-        println!("{d} {r} eq {:?}", s.equilibrium());
+        println!("{d} {r} eq {:?}", s.equilibrium().gap);
         for f in [18.0, 18.8, 19.0, 20.2, 22.0] {
             println!("   {f} {:?}", s.closed_form(0.2 * GRAVITY, f));
         }
@@ -48,5 +48,13 @@ fn probe() {
             })
             .unwrap();
         println!("  peak {best} {:?}", s.closed_form(0.005 * GRAVITY, best));
+    }
+}
+
+#[test]
+fn debug() {
+    let s = scene::<f64>(50.0, 1e7, AnyForceLaw::TransferredCharge);
+    for (a, f) in [(0.4905, 19.2), (0.981, 19.0), (0.981, 19.6), (1.962, 18.0)] {
+        println!("{:?}", s.closed_form(a, f));
     }
 }
