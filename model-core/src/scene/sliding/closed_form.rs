@@ -138,7 +138,12 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         if !(above > S::ZERO) {
             return (high, demand, S::ZERO);
         }
-        let mut below = self.demand(low, omega).acceleration - drive;
+        let least = self.demand(low, omega);
+        let mut below = least.acceleration - drive;
+        if !(below < S::ZERO) {
+            // The drive overcomes static friction, and for want of a push at the turns no motion without sticks.
+            return (low, Demand { hold: S::INFINITY, ..least }, S::ZERO);
+        }
         let mut at = high;
         let mut left = S::INFINITY;
         let mut side = 0_i32;
