@@ -78,9 +78,25 @@ struct HalfTurn<S> {
     charge: S,
 }
 
+/// Den Hartog's motion between two turns.
+struct Orbit<S> {
+    /// `X − p_c`, with the forced motion `p_c cos θ + p_s sin θ`, in m.
+    drop: S,
+    /// `p_s` in m.
+    lagging: S,
+    /// `Re D`, `Im D` and `|D|²`.
+    detuning: S,
+    across: S,
+    norm: S,
+    /// Stiffness per mass in 1/s².
+    stiffness: S,
+}
+
 /// The base acceleration that an amplitude takes, in m/s² of the tip, and whether its motion is regular.
 struct Demand<S> {
     acceleration: S,
+    /// Its derivative by the amplitude, were the friction constant.
+    rise: S,
     /// Static friction at the turn over the force on the slider.
     hold: S,
     /// Third harmonic over the first.
@@ -129,59 +145,87 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// The amplitude that takes a drive, what goes with it, and what is left of the balance as a part of the
-    /// drive; the largest amplitude there is where the drive is beyond it.
+    /// drive. Where the drive is beyond the largest amplitude there is, that; where it is not enough for the
+    /// smallest, that, as one that sticks.
     fn reached(&self, drive: S, omega: S) -> (S, Demand<S>, S) {
         let half = S::literal(0.5);
+        // Between these; whether each end has been tried.
         let (mut low, mut high) = (S::literal(1e-3) * self.diameter, S::literal(0.99) * self.diameter);
-        let mut demand = self.demand(high, omega);
-        let mut above = demand.acceleration - drive;
-        if !(above > S::ZERO) {
-            return (high, demand, S::ZERO);
-        }
-        let least = self.demand(low, omega);
-        let mut below = least.acceleration - drive;
-        if !(below < S::ZERO) {
-            // The drive overcomes static friction, and for want of a push at the turns no motion without sticks.
-            return (low, Demand { hold: S::INFINITY, ..least }, S::ZERO);
-        }
-        let mut at = high;
-        let mut left = S::INFINITY;
-        let mut side = 0_i32;
-        for _ in 0..MOST_ATTEMPTS {
-            // The secant of the ends, the older of which weighs half from its second turn on.
-            at = (low * above - high * below) / (above - below);
-            if !(at > low && at < high) {
-                at = half * (low + high);
-            }
-            demand = self.demand(at, omega);
+        let (mut low_tried, mut high_tried) = (false, false);
+        // The first guess has the friction of the centre; the first step, that of the guess.
+        let at_centre = self.circuit(true, S::ZERO, S::ZERO);
+        let [normal, _] = self.normal(&at_centre);
+        let friction = self.friction.kinetic_coefficient(S::ONE) * normal;
+        let orbit = self.between_turns(friction, S::ZERO, omega);
+        let least = (drive * drive / orbit.norm - orbit.lagging * orbit.lagging).square_root() + orbit.drop;
+        let mut at = least.larger(low).smaller(half * high);
+        let mut before: Option<(S, S)> = None;
+        let mut attempt = 0;
+        loop {
+            let mut demand = self.demand(at, omega);
             let over = demand.acceleration - drive;
-            left = over.absolute() / drive;
-            if left <= S::literal(TOLERANCE) {
-                break;
+            let left = over.absolute() / drive;
+            attempt += 1;
+            if left <= S::literal(TOLERANCE) || attempt >= MOST_ATTEMPTS {
+                return (at, demand, left);
             }
-            if over > S::ZERO {
-                (high, above) = (at, over);
-                if side > 0 {
-                    below = half * below;
-                }
-                side = 1;
+            let above = over > S::ZERO;
+            if above && at <= low {
+                demand.hold = S::INFINITY;
+                return (at, demand, S::ZERO);
+            }
+            if !above && at >= high {
+                return (at, demand, S::ZERO);
+            }
+            if above {
+                (high, high_tried) = (at, true);
             } else {
-                (low, below) = (at, over);
-                if side < 0 {
-                    above = half * above;
-                }
-                side = -1;
+                (low, low_tried) = (at, true);
             }
+            let rise = before.map_or(demand.rise, |(place, over_there)| (over - over_there) / (at - place));
+            before = Some((at, over));
+            let next = at - over / rise;
+            // An end that has not been tried is, where the secant leads beyond it; one that has is not.
+            at = if rise > S::ZERO && next > low && next < high {
+                next
+            } else if above {
+                if low_tried { half * (low + high) } else { low }
+            } else if high_tried {
+                half * (low + high)
+            } else {
+                high
+            };
         }
-        (at, demand, left)
     }
 
     /// What an amplitude takes.
     fn demand(&self, amplitude: S, omega: S) -> Demand<S> {
         let turn = self.half_turn(amplitude, omega);
+        let orbit = self.between_turns(turn.friction, turn.stiffness, omega);
+        let forced = amplitude - orbit.drop;
+        let square = orbit.norm * (forced * forced + orbit.lagging * orbit.lagging);
+        let acceleration = square.square_root();
+        // At the turn: spring and base against static friction.
+        let pull = orbit.stiffness * amplitude - orbit.detuning * forced - orbit.across * orbit.lagging;
+        let circuit = self.circuit(true, amplitude, turn.charge);
+        let [holding, _] = self.static_friction(&circuit);
+        // A square wave has a third of its first harmonic in the third.
+        let third = S::literal(2.0 / 3.0 * core::f64::consts::FRAC_2_PI) * turn.friction
+            / ((orbit.stiffness - S::literal(9.0) * omega * omega).absolute() * amplitude);
+        Demand {
+            acceleration,
+            rise: orbit.norm * forced / acceleration,
+            hold: if pull > S::ZERO { holding / pull } else { S::INFINITY },
+            third,
+            current_square: turn.current_square,
+        }
+    }
+
+    /// The motion between two turns under a constant friction, with a stiffness beside the beam's.
+    fn between_turns(&self, friction: S, stiffness: S, omega: S) -> Orbit<S> {
         let two = S::literal(2.0);
-        let square = (self.stiffness_per_mass + turn.stiffness).larger(S::TINY);
-        let natural = square.square_root();
+        let stiffness = (self.stiffness_per_mass + stiffness).larger(S::TINY);
+        let natural = stiffness.square_root();
         let damping = self.damping_per_mass / (natural + natural);
         // The free motion over half a period: a11 − 1, a12, a21, a22 − 1.
         let free = ModalStep::new(natural, damping, S::literal(core::f64::consts::PI) / omega);
@@ -193,29 +237,12 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         ];
         // (1 + a11) u + a12 w = (a11 − 1) f, a21 u + (1 + a22) w = a21 f: u = X − p_c, w = −Ω p_s of the
         // forced part p_c cos Ωt + p_s sin Ωt.
-        let determinant = a * d - b * c;
-        let static_friction = turn.friction / square;
-        let per_determinant = static_friction / determinant;
-        let u = ((a - two) * d - b * c) * per_determinant;
-        let w = (a - (a - two)) * c * per_determinant;
-        let (forced, lagging) = (amplitude - u, -w / omega);
+        let per_determinant = friction / (stiffness * (a * d - b * c));
+        let drop = ((a - two) * d - b * c) * per_determinant;
+        let lagging = -two * c * per_determinant / omega;
         let detuning = (natural - omega) * (natural + omega);
         let across = self.damping_per_mass * omega;
-        let norm = detuning * detuning + across * across;
-        let acceleration = (norm * (forced * forced + lagging * lagging)).square_root();
-        // At the turn: spring and base against static friction.
-        let pull = square * amplitude - detuning * forced - across * lagging;
-        let circuit = self.circuit(true, amplitude, turn.charge);
-        let [holding, _] = self.static_friction(&circuit);
-        // A square wave has a third of its first harmonic in the third.
-        let third = S::literal(2.0 / 3.0 * core::f64::consts::FRAC_2_PI) * turn.friction
-            / ((square - S::literal(9.0) * omega * omega).absolute() * amplitude);
-        Demand {
-            acceleration,
-            hold: if pull > S::ZERO { holding / pull } else { S::INFINITY },
-            third,
-            current_square: turn.current_square,
-        }
+        Orbit { drop, lagging, detuning, across, stiffness, norm: detuning * detuning + across * across }
     }
 
     /// Friction, lag and current on the way from `x = X` to `x = −X`.
