@@ -109,8 +109,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// without sticks that stays on the active patch; nothing, exactly, where static friction holds the
     /// slider from the start.
     ///
-    /// Up to a dozen attempts at the amplitude, most often six, of some 800 multiplications and 60 divisions
-    /// each. With the load open the charge is that of the slider at the centre.
+    /// Up to a dozen attempts at the amplitude, most often two or three, of some 1700 additions and
+    /// multiplications and 60 divisions each. With the load open the charge is that of the slider at the centre.
     #[must_use]
     pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
         let omega = hertz * S::literal(core::f64::consts::TAU);
@@ -248,7 +248,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// Friction, lag and current on the way from `x = X` to `x = −X`.
     fn half_turn(&self, amplitude: S, omega: S) -> HalfTurn<S> {
         let tribo = self.surface.tribo_charge;
-        let overlaps = COSINES.map(|cosine| self.overlap(true, amplitude * S::literal(cosine)));
+        let overlaps = COSINES.map(S::literal).map(|cosine| self.overlap(true, amplitude * cosine));
         let active = |step: usize, stage: usize| {
             let place = if step < STEPS { 2 * step + stage } else { 4 * STEPS - 2 * step - stage };
             overlaps.get(place).copied().unwrap_or(DiscOverlap { active: S::ONE, inert: S::ZERO })
@@ -272,23 +272,24 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
         let mut charge = if forgotten > S::ZERO { gained / forgotten } else { tribo };
         let at_turn = tribo - charge;
+        let (weights, stages) = (WEIGHTS.map(S::literal), STAGES.map(|row| row.map(S::literal)));
         let (mut work, mut lagging, mut square) = (S::ZERO, S::ZERO, S::ZERO);
         for (step, map) in maps.iter().enumerate() {
             let rates = map.at(charge);
-            for (stage, weight) in WEIGHTS.into_iter().enumerate() {
-                let of_stage = STAGES.get(stage).map_or(S::ZERO, |row| product(row, &rates));
+            for (stage, (weight, row)) in weights.into_iter().zip(&stages).enumerate() {
+                let of_stage = sum(row, &rates);
                 let transferred = tribo - charge - of_stage;
                 let place = 2 * step + stage;
                 let (cosine, sine) = cosine_and_sine::<S>(place);
                 let acting =
                     self.acting(active(step, stage), place < PLACES - 1, amplitude * cosine, transferred);
-                let weighed = S::literal(weight) * acting;
+                let weighed = weight * acting;
                 work += weighed * sine;
                 lagging += weighed * cosine;
                 let rate = rates.get(stage).copied().unwrap_or(S::ZERO);
-                square += S::literal(weight) * rate * rate;
+                square += weight * rate * rate;
             }
-            charge += product(&WEIGHTS, &rates);
+            charge += sum(&weights, &rates);
         }
         HalfTurn {
             friction: S::literal(0.5 * STEP) * work,
@@ -317,16 +318,17 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
                 (square * ohms, square.square_root() * ohms)
             }
             Resistance::Open => {
-                // Mean of the square by Simpson's rule over a quarter of a turn.
+                // Mean of the square by Simpson's rule over a quarter of a turn, step by step.
+                let square = |place: usize| {
+                    let (cosine, _) = cosine_and_sine::<S>(place);
+                    let voltage = self.circuit(true, amplitude * cosine, S::ZERO).voltage;
+                    voltage * voltage
+                };
                 let mut sum = S::ZERO;
-                for (place, cosine) in COSINES.into_iter().enumerate() {
-                    let voltage = self.circuit(true, amplitude * S::literal(cosine), S::ZERO).voltage;
-                    let weight = match place {
-                        0 | 8 => 1.0,
-                        _ if place % 2 == 1 => 4.0,
-                        _ => 2.0,
-                    };
-                    sum += S::literal(weight / (3.0 * (PLACES as f64 - 1.0))) * voltage * voltage;
+                for step in 0..STEPS {
+                    let ends = square(2 * step) + square(2 * step + 2);
+                    sum += S::literal(1.0 / (6.0 * STEPS as f64))
+                        * (ends + S::literal(4.0) * square(2 * step + 1));
                 }
                 (S::ZERO, self.field * sum.square_root())
             }
@@ -350,13 +352,14 @@ impl<S: Scalar> Increments<S> {
         let per_step = lag * S::literal(1.0 / STEP);
         // All rows by the largest that they hold, so that an open circuit overflows nothing.
         let scale = S::ONE / (S::ONE + per_step);
+        let stages = STAGES.map(|row| row.map(S::literal));
         let row = |stage: usize| {
             let mut row = [S::ZERO; 3];
             let own = active.get(stage).copied().unwrap_or(S::ZERO);
-            let coefficients = STAGES.get(stage).copied().unwrap_or([0.0; 3]);
+            let coefficients = stages.get(stage).copied().unwrap_or([S::ZERO; 3]);
             for (column, (place, coefficient)) in row.iter_mut().zip(coefficients).enumerate() {
                 let diagonal = if column == stage { per_step * own } else { S::ZERO };
-                *place = scale * (S::literal(coefficient) + diagonal);
+                *place = scale * (coefficient + diagonal);
             }
             row
         };
@@ -382,7 +385,8 @@ impl<S: Scalar> Increments<S> {
 
     /// Over the whole step.
     fn over_step(&self) -> [S; 2] {
-        [product(&WEIGHTS, &self.constant), product(&WEIGHTS, &self.by_charge)]
+        let weights = WEIGHTS.map(S::literal);
+        [sum(&weights, &self.constant), sum(&weights, &self.by_charge)]
     }
 
     /// The rates, times the step, from a charge at the start.
@@ -391,10 +395,6 @@ impl<S: Scalar> Increments<S> {
         let [x, y, z] = self.constant;
         [x + a * charge, y + b * charge, z + c * charge]
     }
-}
-
-fn product<S: Scalar>(coefficients: &[f64; 3], values: &[S; 3]) -> S {
-    sum(&coefficients.map(S::literal), values)
 }
 
 fn sum<S: Scalar>([a, b, c]: &[S; 3], [x, y, z]: &[S; 3]) -> S {
@@ -407,7 +407,8 @@ fn cross<S: Scalar>([a, b, c]: &[S; 3], [x, y, z]: &[S; 3]) -> [S; 3] {
 
 /// Of a place on the way from one turn to the other.
 fn cosine_and_sine<S: Scalar>(place: usize) -> (S, S) {
-    let entry = |index: usize| S::literal(COSINES.get(index).copied().unwrap_or(0.0));
+    let cosines = COSINES.map(S::literal);
+    let entry = |index: usize| cosines.get(index).copied().unwrap_or(S::ZERO);
     let last = PLACES - 1;
     if place <= last {
         (entry(place), entry(last - place))

@@ -199,7 +199,7 @@ fn into_a_store_it_is_shu_and_liens_formula() {
     close(formula(1.0, 220.0, 1e5), 3.4848, 2e-5);
     for (part, hertz, ohms) in [(1.0, 220.0, 1e5), (1.0, 200.0, 3e4), (0.1, 230.0, 1e5), (0.1, 260.0, 1e6)] {
         let mut parameters = baseline::<f64>(TWO_WAY, 1e6);
-        parameters.piezo_d31 = part * parameters.piezo_d31;
+        parameters.piezo_d31 *= part;
         let scene = parameters.build::<1, 0>().expect("valid");
         let found = scene.closed_form_into_store(20.0, hertz, ohms, 0.0);
         let expected = formula(part, hertz, ohms);
