@@ -2,6 +2,7 @@
 
 mod command_line {
     mod bump_stop;
+    mod closed_form;
     mod good_runs;
     mod refused_options;
     mod refused_scenes;

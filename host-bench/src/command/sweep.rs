@@ -1,7 +1,7 @@
 //! `host-bench sweep`: a scene over a grid of values, on all cores.
 
 mod axis;
-mod picture;
+pub(super) mod picture;
 mod shooting;
 
 use std::io::Write;

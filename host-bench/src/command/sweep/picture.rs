@@ -13,14 +13,18 @@ const LABEL: (&str, u32) = (FONT, 15);
 
 /// A quantity to draw: its name and one value for each point, if there is one.
 #[derive(Debug, Clone)]
-pub(super) struct Quantity {
-    pub(super) name: &'static str,
-    pub(super) values: Vec<Option<f64>>,
+pub(in crate::command) struct Quantity {
+    pub(in crate::command) name: &'static str,
+    pub(in crate::command) values: Vec<Option<f64>>,
 }
 
 /// An SVG picture; `None` where there is nothing to draw: no axis to go along, more axes than a
 /// picture has, or no values.
-pub(super) fn draw(title: &str, axes: &[Axis], quantities: &[Quantity]) -> Result<Option<String>, String> {
+pub(in crate::command) fn draw(
+    title: &str,
+    axes: &[Axis],
+    quantities: &[Quantity],
+) -> Result<Option<String>, String> {
     let shown: Vec<&Quantity> = quantities
         .iter()
         .filter(|quantity| quantity.values.iter().flatten().any(|value| value.is_finite()))

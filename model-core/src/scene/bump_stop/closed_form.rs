@@ -140,3 +140,6 @@ fn times_j<S: Scalar>(z: Complex<S>) -> Complex<S> {
 fn added<S: Scalar>(sums: [Complex<S>; 2], terms: [Complex<S>; 2], weight: S) -> [Complex<S>; 2] {
     [sums[0] + terms[0].scaled(weight), sums[1] + terms[1].scaled(weight)]
 }
+
+#[cfg(test)]
+mod tests;

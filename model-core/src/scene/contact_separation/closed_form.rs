@@ -18,17 +18,21 @@
 //! ```
 //!
 //! The second is explicit in `A`, so the amplitude `Y` is found as a root, from the small ones up.
+//!
+//! Near the dielectric the power hangs on the least distance, and so on the second harmonic of the motion,
+//! `y_2 = −F_2/(ω0² − 4 Ω² + 4jζ ω0 Ω)`. It is taken into the charge to first order, by the same fraction with the
+//! product of `y_2` and the charge without it on the right-hand side.
 
 use super::{ContactSeparation, Parts};
 use crate::part::load::{Load, Resistance};
 use crate::scalar::{Complex, Scalar};
 use crate::scene::closed_form::{ClosedForm, Reason, Validity};
 
-/// Harmonics of the charge for the power: with the plate at 0.95 of the way to the dielectric the sixteenth
-/// is 10⁻² of the first.
+/// Harmonics of the charge for the power: with the plate nine tenths of the way to the dielectric the last is
+/// 10⁻³ of the first.
 const HARMONICS: usize = 16;
-/// Harmonics of the charge for the force, whose first alone counts.
-const FORCE_HARMONICS: usize = 4;
+/// Harmonics of the charge for the force, of which the first two count.
+const FORCE_HARMONICS: usize = 8;
 /// Points of a period at which the force is taken, with cosines and sines of twelfths of a turn.
 const POINTS: usize = 12;
 const SINES: [f64; POINTS] = [0.0, 0.5, ROOT, 1.0, ROOT, 0.5, 0.0, -0.5, -ROOT, -1.0, -ROOT, -0.5];
@@ -36,17 +40,18 @@ const SINES: [f64; POINTS] = [0.0, 0.5, ROOT, 1.0, ROOT, 0.5, 0.0, -0.5, -ROOT, 
 const ROOT: f64 = 0.866_025_403_784_438_6;
 /// Largest part of the way to the dielectric that is claimed not to touch: with the harmonics that the
 /// balance leaves out, and those of the charge beyond the sixteenth.
-const CLEAR: f64 = 0.95;
+const CLEAR: f64 = 0.9;
 /// Attempts at the amplitude, after which a balance is given up.
 const MOST_ATTEMPTS: u32 = 12;
 /// What may be left of the balance, as a part of the acceleration.
 const TOLERANCE: f64 = 1e-4;
 
-/// Mean and first harmonic of the attraction per mass, in m/s².
+/// Mean and first two harmonics of the attraction per mass, in m/s².
 struct Attraction<S> {
     mean: S,
-    cosine: S,
-    sine: S,
+    /// `Re(z e^{jθ})` and `Re(z e^{2jθ})`.
+    first: Complex<S>,
+    second: Complex<S>,
 }
 
 /// What the balance of the first harmonic needs and which way it points.
@@ -57,20 +62,32 @@ struct Demand<S> {
     follows: bool,
 }
 
-/// A motion `g0 + Y cos θ`.
+/// The plate at rest, and how it begins to move.
+struct Equilibrium<S> {
+    /// Gap in m.
+    gap: S,
+    /// Stiffness per mass there with the charge at rest too, in 1/s².
+    stiffness: S,
+    /// Change of the mean gap over the square of a small amplitude, in 1/m.
+    drift: S,
+}
+
+/// A motion `g0 + Y cos θ + Re(y_2 e^{2jθ})`.
 #[derive(Clone, Copy)]
 struct Motion<S> {
     mean: S,
     amplitude: S,
+    second: Complex<S>,
 }
 
 impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// Mean power under the base acceleration `amplitude · sin(2π · hertz · t)`, in m/s² and Hz, of the motion
     /// that does not reach the dielectric.
     ///
-    /// Up to a dozen attempts at the amplitude, most often four, of some 500 multiplications each, and a last
-    /// pass of 400. Above resonance a motion with impacts exists beside this one; where the transient from
-    /// rest, of up to twice the amplitude, reaches the dielectric, it is not claimed to hold.
+    /// Up to a dozen attempts at the amplitude, most often two or three, of some 750 additions and
+    /// multiplications and 20 divisions each, and a last pass of 1400 and 20. Above resonance a motion with
+    /// impacts exists beside this one; where the transient from rest, of up to twice the amplitude, reaches the
+    /// dielectric, it is not claimed to hold.
     #[must_use]
     pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
         let omega = hertz * S::literal(core::f64::consts::TAU);
@@ -86,61 +103,68 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         ClosedForm { mean_power, rms_voltage, amplitude: motion.amplitude, validity }
     }
 
-    /// The gap at rest with the load's charge at rest too: where spring and attraction balance, with the
-    /// derivative of the attraction per mass along the relaxed charge.
-    fn equilibrium(&self) -> (S, S) {
+    /// The gap at rest with the load's charge at rest too: where spring and attraction balance.
+    fn equilibrium(&self) -> Equilibrium<S> {
+        let (two, quarter) = (S::literal(2.0), S::literal(0.25));
+        let force = |gap: S| self.attraction(&self.circuit(gap, self.relaxed_charge(gap)));
+        let step = quarter * self.initial_gap;
         let mut gap = self.initial_gap;
-        let mut slope = S::ZERO;
-        let step = S::literal(1.0 / 1024.0) * self.initial_gap;
+        let (mut slope, mut curvature) = (S::ZERO, S::ZERO);
         for _ in 0..3 {
-            let here = self.attraction(&self.circuit(gap, self.relaxed_charge(gap)));
-            let beyond = gap + step;
-            slope = (self.attraction(&self.circuit(beyond, self.relaxed_charge(beyond))) - here) / step;
+            let [below, here, beyond] = [gap - step, gap, gap + step].map(force);
+            slope = (beyond - below) / (step + step);
+            curvature = (beyond - two * here + below) / (step * step);
             let residual = self.stiffness_per_mass * (gap - self.initial_gap) + here;
-            gap = gap - residual / (self.stiffness_per_mass + slope);
+            gap -= residual / (self.stiffness_per_mass + slope);
         }
-        (gap, slope)
+        let stiffness = self.stiffness_per_mass + slope;
+        Equilibrium { gap, stiffness, drift: -quarter * curvature / stiffness }
     }
 
     /// The motion under a base acceleration, whether it follows the base, and what is left of its balance as
     /// a part of the acceleration. A motion that would touch is given as the one that just does.
     fn motion(&self, acceleration: S, omega: S) -> (Motion<S>, bool, S) {
-        let (rest, slope) = self.equilibrium();
-        let per_stiffness = S::ONE / (self.stiffness_per_mass + slope);
-        let highest = S::literal(0.999) * rest;
-        let small = S::literal(1e-3) * rest;
-        let mut motion = Motion { mean: rest, amplitude: small };
-        let mut before = (S::ZERO, S::ZERO);
-        let mut follows = true;
-        let mut left = S::INFINITY;
-        let mut high = (highest, S::ZERO);
+        let rest = self.equilibrium();
+        let twice = omega + omega;
+        let flexibility = Complex::new(
+            (self.angular_frequency - twice) * (self.angular_frequency + twice),
+            self.damping_per_mass * twice,
+        )
+        .inverse();
+        let highest = S::literal(0.999) * rest.gap;
+        let across = self.damping_per_mass * omega;
+        let first = Complex::new(rest.stiffness - omega * omega, across).magnitude();
+        let mut motion = Motion { mean: rest.gap, amplitude: S::ZERO, second: Complex::ZERO };
+        let (mut drift, mut before) = (rest.drift, (S::ZERO, S::ZERO));
+        let (mut follows, mut left) = (true, S::INFINITY);
+        let mut next = acceleration / first;
         for _ in 0..MOST_ATTEMPTS {
+            // The mean gap drifts with the square of the amplitude, nearly.
+            motion.amplitude = next.smaller(highest).larger(S::literal(1e-6) * highest);
+            let square = motion.amplitude * motion.amplitude;
+            motion.mean = rest.gap + drift * square;
             let force = self.force(&motion, omega);
             let demand = self.demand(&motion, &force, omega);
             follows = demand.follows;
+            motion.second = -(force.second * flexibility);
             let residual = self.stiffness_per_mass * (motion.mean - self.initial_gap) + force.mean;
-            motion.mean = motion.mean - residual * per_stiffness;
+            drift -= residual / (rest.stiffness * square);
             let short = demand.acceleration - acceleration;
             left = short.absolute() / acceleration.larger(S::TINY)
-                + residual.absolute() / (self.stiffness_per_mass * rest);
+                + residual.absolute() / (self.stiffness_per_mass * rest.gap);
+            // At the reach of the gap and still more asked for: it touches.
+            let touches = motion.amplitude >= highest && short < S::ZERO;
+            if touches {
+                left = S::ZERO;
+            }
             if left <= S::literal(TOLERANCE) {
                 break;
             }
-            // At the reach of the gap and still more asked for: it touches.
-            if motion.amplitude >= highest && short < S::ZERO {
-                left = S::ZERO;
-                break;
-            }
-            let now = (motion.amplitude, demand.acceleration);
-            if short > S::ZERO && motion.amplitude < high.0 {
-                high = (motion.amplitude, S::ZERO);
-            }
-            let rise = (now.1 - before.1) / (now.0 - before.0);
-            let next = now.0 - short / rise;
-            before = now;
+            let rise = (demand.acceleration - before.1) / (motion.amplitude - before.0);
+            before = (motion.amplitude, demand.acceleration);
             // A demand that falls is left behind; written so that not-a-number is too.
-            motion.amplitude = if rise > S::ZERO && next > S::ZERO { next } else { now.0 + now.0 };
-            motion.amplitude = motion.amplitude.smaller(high.0);
+            let secant = motion.amplitude - short / rise;
+            next = if rise > S::ZERO { secant } else { motion.amplitude + motion.amplitude };
         }
         (motion, follows, left)
     }
@@ -148,29 +172,38 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// The base acceleration that a motion takes.
     fn demand(&self, motion: &Motion<S>, force: &Attraction<S>, omega: S) -> Demand<S> {
         let detuning = (self.angular_frequency - omega) * (self.angular_frequency + omega);
-        let along = detuning * motion.amplitude + force.cosine;
-        let across = self.damping_per_mass * omega * motion.amplitude - force.sine;
+        let along = detuning * motion.amplitude + force.first.re;
+        let across = self.damping_per_mass * omega * motion.amplitude + force.first.im;
         let acceleration = Complex::new(along, across).magnitude();
         Demand { acceleration, follows: along >= S::ZERO }
     }
 
     /// The attraction along an orbit.
     fn force(&self, motion: &Motion<S>, omega: S) -> Attraction<S> {
-        let opposite = self.opposite_charge::<FORCE_HARMONICS>(motion, omega);
-        let (mut mean, mut cosine, mut sine) = (S::ZERO, S::ZERO, S::ZERO);
-        for point in 0..POINTS {
-            let table = |place: usize| S::literal(SINES.get(place).copied().unwrap_or(0.0));
-            let (at_sine, at_cosine) =
-                (table(point), table(if point < POINTS - 3 { point + 3 } else { point + 3 - POINTS }));
-            let gap = motion.mean + motion.amplitude * at_cosine;
-            let charge = self.tribo_charge - series(&opposite, at_cosine, at_sine);
-            let force = self.attraction(&self.circuit(gap, charge));
-            mean += force;
-            cosine += force * at_cosine;
-            sine += force * at_sine;
+        let single = Motion { second: Complex::ZERO, ..*motion };
+        let opposite = self.opposite_charge::<FORCE_HARMONICS>(&single, omega);
+        let (mut mean, mut first, mut second) = (S::ZERO, Complex::ZERO, Complex::ZERO);
+        for point in 0..=POINTS / 2 {
+            let turn = turn::<S>(point);
+            let gap = motion.mean + motion.amplitude * turn.re;
+            // The harmonics at ±θ share their products.
+            let [even, odd] = series(&opposite, point);
+            let ends = point == 0 || point == POINTS / 2;
+            let charge = self.tribo_charge - even;
+            let mut add = |charge: S, sine: S| {
+                let force = self.attraction(&self.circuit(gap, charge));
+                let back = Complex::new(force * turn.re, -force * sine);
+                mean += force;
+                first = first + back;
+                second = second + back * Complex::new(turn.re, -sine);
+            };
+            add(charge + odd, turn.im);
+            if !ends {
+                add(charge - odd, -turn.im);
+            }
         }
         let part = S::literal(1.0 / POINTS as f64);
-        Attraction { mean: part * mean, cosine: (part + part) * cosine, sine: (part + part) * sine }
+        Attraction { mean: part * mean, first: first.scaled(part + part), second: second.scaled(part + part) }
     }
 
     /// Harmonics 0 to `N − 1` of the charge that faces the dielectric, `P = p_0 + 2 Re Σ p_n e^{jnθ}`, in
@@ -189,26 +222,51 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         };
         let distance = motion.mean + self.dielectric;
         let half = S::literal(0.5) * motion.amplitude;
+        let shared = lag * self.parasitic;
+        let coupling = |n: S| Complex::new(half, n * shared * half);
         let own = lag * (S::ONE + self.parasitic * distance);
-        let shared = lag * self.parasitic * half;
-        // r_n = p_n / p_{n−1} = −b_{n−1} / (a_n + b_{n+1} r_{n+1}).
+        // p_n = s_n + r_n p_{n−1}, with r_n = −b_{n−1} / (a_n + b_{n+1} r_{n+1}).
+        let mut rows = [Row { ratio: Complex::ZERO, inverse: Complex::ZERO }; N];
         let mut ratio = Complex::ZERO;
-        for (number, place) in harmonics.iter_mut().enumerate().skip(1).rev() {
+        for (number, row) in rows.iter_mut().enumerate().skip(1).rev() {
             let n = S::from_u32(number as u32);
-            let above = Complex::new(half, (n + S::ONE) * shared);
-            let below = Complex::new(half, (n - S::ONE) * shared);
-            let denominator = Complex::new(distance, n * own) + above * ratio;
-            ratio = -(below * denominator.inverse());
-            *place = ratio;
+            let inverse = (Complex::new(distance, n * own) + coupling(n + S::ONE) * ratio).inverse();
+            ratio = -(coupling(n - S::ONE) * inverse);
+            *row = Row { ratio, inverse };
         }
-        let pull = Complex::new(half, shared) * ratio;
-        let mut before =
-            Complex::new(self.tribo_charge * self.dielectric / (distance + pull.re + pull.re), S::ZERO);
-        for (number, place) in harmonics.iter_mut().enumerate() {
-            if number > 0 {
-                before = before * *place;
-            }
+        let first = coupling(S::ONE);
+        let pull = first * ratio;
+        let per_constant = S::ONE / (distance + pull.re + pull.re);
+        let mut before = Complex::new(self.tribo_charge * self.dielectric * per_constant, S::ZERO);
+        for (number, (place, row)) in harmonics.iter_mut().zip(&rows).enumerate() {
+            before = if number > 0 { before * row.ratio } else { before };
             *place = before;
+        }
+        if motion.second == Complex::ZERO {
+            return harmonics;
+        }
+        // What the second harmonic of the motion makes of each, negated; p_{−n} is the conjugate of p_n.
+        let product = |n: i32| {
+            let at = |m: i32| {
+                let place = harmonics.get(m.unsigned_abs() as usize).copied().unwrap_or(Complex::ZERO);
+                let place = if m < 0 { place.conjugate() } else { place };
+                place * Complex::new(S::ONE, S::from_i32(m) * shared)
+            };
+            let second = motion.second.scaled(S::literal(-0.5));
+            second * at(n - 2) + second.conjugate() * at(n + 2)
+        };
+        let mut forced = [Complex::ZERO; N];
+        let mut above = Complex::ZERO;
+        for (number, (place, row)) in forced.iter_mut().zip(&rows).enumerate().skip(1).rev() {
+            let n = S::from_u32(number as u32);
+            above = (product(number as i32) - coupling(n + S::ONE) * above) * row.inverse;
+            *place = above;
+        }
+        let pull = first * above;
+        let mut before = Complex::new((product(0).re - pull.re - pull.re) * per_constant, S::ZERO);
+        for (number, ((place, forced), row)) in harmonics.iter_mut().zip(&forced).zip(&rows).enumerate() {
+            before = if number > 0 { *forced + before * row.ratio } else { before };
+            *place = *place + before;
         }
         harmonics
     }
@@ -236,8 +294,8 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     fn open_voltage(&self, motion: &Motion<S>, omega: S) -> S {
         let [constant] = self.opposite_charge::<1>(motion, omega);
         let mut sum = S::ZERO;
-        for sine in SINES {
-            let gap = motion.mean + motion.amplitude * S::literal(sine);
+        for sine in SINES.map(S::literal) {
+            let gap = motion.mean + motion.amplitude * sine;
             let voltage = self.circuit(gap, self.tribo_charge - constant.re).voltage;
             sum += voltage * voltage;
         }
@@ -245,15 +303,38 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     }
 }
 
-/// `p_0 + 2 Re Σ p_n e^{jnθ}`, by Horner's rule in `e^{jθ}`.
-fn series<S: Scalar, const N: usize>(harmonics: &[Complex<S>; N], cosine: S, sine: S) -> S {
-    let turn = Complex::new(cosine, sine);
-    let mut sum = Complex::ZERO;
-    for harmonic in harmonics.iter().skip(1).rev() {
-        sum = (sum + *harmonic) * turn;
+/// What the elimination of a harmonic leaves.
+#[derive(Clone, Copy)]
+struct Row<S> {
+    /// Over the one below it.
+    ratio: Complex<S>,
+    inverse: Complex<S>,
+}
+
+/// `e^{jθ}` at a point of the period.
+fn turn<S: Scalar>(point: usize) -> Complex<S> {
+    let sines = SINES.map(S::literal);
+    let sine = |place: usize| sines.get(place).copied().unwrap_or(S::ZERO);
+    let quarter = POINTS / 4;
+    let ahead = if point < POINTS - quarter { point + quarter } else { point + quarter - POINTS };
+    Complex::new(sine(ahead), sine(point))
+}
+
+/// `p_0 + 2 Σ Re p_n cos nθ` and `2 Σ Im p_n sin nθ` at a point of the first half of the period: the series is
+/// their difference there, and their sum at `−θ`.
+fn series<S: Scalar, const N: usize>(harmonics: &[Complex<S>; N], point: usize) -> [S; 2] {
+    let (mut even, mut odd, mut place) = (S::ZERO, S::ZERO, 0);
+    for harmonic in harmonics.iter().skip(1) {
+        place += point;
+        if place >= POINTS {
+            place -= POINTS;
+        }
+        let turn = turn::<S>(place);
+        even += harmonic.re * turn.re;
+        odd += harmonic.im * turn.im;
     }
     let constant = harmonics.first().map_or(S::ZERO, |constant| constant.re);
-    constant + sum.re + sum.re
+    [constant + even + even, odd + odd]
 }
 
 #[cfg(test)]

@@ -78,9 +78,25 @@ struct HalfTurn<S> {
     charge: S,
 }
 
+/// Den Hartog's motion between two turns.
+struct Orbit<S> {
+    /// `X − p_c`, with the forced motion `p_c cos θ + p_s sin θ`, in m.
+    drop: S,
+    /// `p_s` in m.
+    lagging: S,
+    /// `Re D`, `Im D` and `|D|²`.
+    detuning: S,
+    across: S,
+    norm: S,
+    /// Stiffness per mass in 1/s².
+    stiffness: S,
+}
+
 /// The base acceleration that an amplitude takes, in m/s² of the tip, and whether its motion is regular.
 struct Demand<S> {
     acceleration: S,
+    /// Its derivative by the amplitude, were the friction constant.
+    rise: S,
     /// Static friction at the turn over the force on the slider.
     hold: S,
     /// Third harmonic over the first.
@@ -93,8 +109,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// without sticks that stays on the active patch; nothing, exactly, where static friction holds the
     /// slider from the start.
     ///
-    /// Up to a dozen attempts at the amplitude, most often six, of some 800 multiplications and 60 divisions
-    /// each. With the load open the charge is that of the slider at the centre.
+    /// Up to a dozen attempts at the amplitude, most often two or three, of some 1700 additions and
+    /// multiplications and 60 divisions each. With the load open the charge is that of the slider at the centre.
     #[must_use]
     pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
         let omega = hertz * S::literal(core::f64::consts::TAU);
@@ -129,54 +145,87 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// The amplitude that takes a drive, what goes with it, and what is left of the balance as a part of the
-    /// drive; the largest amplitude there is where the drive is beyond it.
+    /// drive. Where the drive is beyond the largest amplitude there is, that; where it is not enough for the
+    /// smallest, that, as one that sticks.
     fn reached(&self, drive: S, omega: S) -> (S, Demand<S>, S) {
         let half = S::literal(0.5);
+        // Between these; whether each end has been tried.
         let (mut low, mut high) = (S::literal(1e-3) * self.diameter, S::literal(0.99) * self.diameter);
-        let mut demand = self.demand(high, omega);
-        let mut above = demand.acceleration - drive;
-        if !(above > S::ZERO) {
-            return (high, demand, S::ZERO);
-        }
-        let mut below = self.demand(low, omega).acceleration - drive;
-        let mut at = high;
-        let mut left = S::INFINITY;
-        let mut side = 0_i32;
-        for _ in 0..MOST_ATTEMPTS {
-            // The secant of the ends, the older of which weighs half from its second turn on.
-            at = (low * above - high * below) / (above - below);
-            if !(at > low && at < high) {
-                at = half * (low + high);
-            }
-            demand = self.demand(at, omega);
+        let (mut low_tried, mut high_tried) = (false, false);
+        // The first guess has the friction of the centre; the first step, that of the guess.
+        let at_centre = self.circuit(true, S::ZERO, S::ZERO);
+        let [normal, _] = self.normal(&at_centre);
+        let friction = self.friction.kinetic_coefficient(S::ONE) * normal;
+        let orbit = self.between_turns(friction, S::ZERO, omega);
+        let least = (drive * drive / orbit.norm - orbit.lagging * orbit.lagging).square_root() + orbit.drop;
+        let mut at = least.larger(low).smaller(half * high);
+        let mut before: Option<(S, S)> = None;
+        let mut attempt = 0;
+        loop {
+            let mut demand = self.demand(at, omega);
             let over = demand.acceleration - drive;
-            left = over.absolute() / drive;
-            if left <= S::literal(TOLERANCE) {
-                break;
+            let left = over.absolute() / drive;
+            attempt += 1;
+            if left <= S::literal(TOLERANCE) || attempt >= MOST_ATTEMPTS {
+                return (at, demand, left);
             }
-            if over > S::ZERO {
-                (high, above) = (at, over);
-                if side > 0 {
-                    below = half * below;
-                }
-                side = 1;
+            let above = over > S::ZERO;
+            if above && at <= low {
+                demand.hold = S::INFINITY;
+                return (at, demand, S::ZERO);
+            }
+            if !above && at >= high {
+                return (at, demand, S::ZERO);
+            }
+            if above {
+                (high, high_tried) = (at, true);
             } else {
-                (low, below) = (at, over);
-                if side < 0 {
-                    above = half * above;
-                }
-                side = -1;
+                (low, low_tried) = (at, true);
             }
+            let rise = before.map_or(demand.rise, |(place, over_there)| (over - over_there) / (at - place));
+            before = Some((at, over));
+            let next = at - over / rise;
+            // An end that has not been tried is, where the secant leads beyond it; one that has is not.
+            at = if rise > S::ZERO && next > low && next < high {
+                next
+            } else if above {
+                if low_tried { half * (low + high) } else { low }
+            } else if high_tried {
+                half * (low + high)
+            } else {
+                high
+            };
         }
-        (at, demand, left)
     }
 
     /// What an amplitude takes.
     fn demand(&self, amplitude: S, omega: S) -> Demand<S> {
         let turn = self.half_turn(amplitude, omega);
+        let orbit = self.between_turns(turn.friction, turn.stiffness, omega);
+        let forced = amplitude - orbit.drop;
+        let square = orbit.norm * (forced * forced + orbit.lagging * orbit.lagging);
+        let acceleration = square.square_root();
+        // At the turn: spring and base against static friction.
+        let pull = orbit.stiffness * amplitude - orbit.detuning * forced - orbit.across * orbit.lagging;
+        let circuit = self.circuit(true, amplitude, turn.charge);
+        let [holding, _] = self.static_friction(&circuit);
+        // A square wave has a third of its first harmonic in the third.
+        let third = S::literal(2.0 / 3.0 * core::f64::consts::FRAC_2_PI) * turn.friction
+            / ((orbit.stiffness - S::literal(9.0) * omega * omega).absolute() * amplitude);
+        Demand {
+            acceleration,
+            rise: orbit.norm * forced / acceleration,
+            hold: if pull > S::ZERO { holding / pull } else { S::INFINITY },
+            third,
+            current_square: turn.current_square,
+        }
+    }
+
+    /// The motion between two turns under a constant friction, with a stiffness beside the beam's.
+    fn between_turns(&self, friction: S, stiffness: S, omega: S) -> Orbit<S> {
         let two = S::literal(2.0);
-        let square = (self.stiffness_per_mass + turn.stiffness).larger(S::TINY);
-        let natural = square.square_root();
+        let stiffness = (self.stiffness_per_mass + stiffness).larger(S::TINY);
+        let natural = stiffness.square_root();
         let damping = self.damping_per_mass / (natural + natural);
         // The free motion over half a period: a11 − 1, a12, a21, a22 − 1.
         let free = ModalStep::new(natural, damping, S::literal(core::f64::consts::PI) / omega);
@@ -188,35 +237,18 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         ];
         // (1 + a11) u + a12 w = (a11 − 1) f, a21 u + (1 + a22) w = a21 f: u = X − p_c, w = −Ω p_s of the
         // forced part p_c cos Ωt + p_s sin Ωt.
-        let determinant = a * d - b * c;
-        let static_friction = turn.friction / square;
-        let per_determinant = static_friction / determinant;
-        let u = ((a - two) * d - b * c) * per_determinant;
-        let w = (a - (a - two)) * c * per_determinant;
-        let (forced, lagging) = (amplitude - u, -w / omega);
+        let per_determinant = friction / (stiffness * (a * d - b * c));
+        let drop = ((a - two) * d - b * c) * per_determinant;
+        let lagging = -two * c * per_determinant / omega;
         let detuning = (natural - omega) * (natural + omega);
         let across = self.damping_per_mass * omega;
-        let norm = detuning * detuning + across * across;
-        let acceleration = (norm * (forced * forced + lagging * lagging)).square_root();
-        // At the turn: spring and base against static friction.
-        let pull = square * amplitude - detuning * forced - across * lagging;
-        let circuit = self.circuit(true, amplitude, turn.charge);
-        let [holding, _] = self.static_friction(&circuit);
-        // A square wave has a third of its first harmonic in the third.
-        let third = S::literal(2.0 / 3.0 * core::f64::consts::FRAC_2_PI) * turn.friction
-            / ((square - S::literal(9.0) * omega * omega).absolute() * amplitude);
-        Demand {
-            acceleration,
-            hold: if pull > S::ZERO { holding / pull } else { S::INFINITY },
-            third,
-            current_square: turn.current_square,
-        }
+        Orbit { drop, lagging, detuning, across, stiffness, norm: detuning * detuning + across * across }
     }
 
     /// Friction, lag and current on the way from `x = X` to `x = −X`.
     fn half_turn(&self, amplitude: S, omega: S) -> HalfTurn<S> {
         let tribo = self.surface.tribo_charge;
-        let overlaps = COSINES.map(|cosine| self.overlap(true, amplitude * S::literal(cosine)));
+        let overlaps = COSINES.map(S::literal).map(|cosine| self.overlap(true, amplitude * cosine));
         let active = |step: usize, stage: usize| {
             let place = if step < STEPS { 2 * step + stage } else { 4 * STEPS - 2 * step - stage };
             overlaps.get(place).copied().unwrap_or(DiscOverlap { active: S::ONE, inert: S::ZERO })
@@ -240,23 +272,24 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
         let mut charge = if forgotten > S::ZERO { gained / forgotten } else { tribo };
         let at_turn = tribo - charge;
+        let (weights, stages) = (WEIGHTS.map(S::literal), STAGES.map(|row| row.map(S::literal)));
         let (mut work, mut lagging, mut square) = (S::ZERO, S::ZERO, S::ZERO);
         for (step, map) in maps.iter().enumerate() {
             let rates = map.at(charge);
-            for (stage, weight) in WEIGHTS.into_iter().enumerate() {
-                let of_stage = STAGES.get(stage).map_or(S::ZERO, |row| product(row, &rates));
+            for (stage, (weight, row)) in weights.into_iter().zip(&stages).enumerate() {
+                let of_stage = sum(row, &rates);
                 let transferred = tribo - charge - of_stage;
                 let place = 2 * step + stage;
                 let (cosine, sine) = cosine_and_sine::<S>(place);
                 let acting =
                     self.acting(active(step, stage), place < PLACES - 1, amplitude * cosine, transferred);
-                let weighed = S::literal(weight) * acting;
+                let weighed = weight * acting;
                 work += weighed * sine;
                 lagging += weighed * cosine;
                 let rate = rates.get(stage).copied().unwrap_or(S::ZERO);
-                square += S::literal(weight) * rate * rate;
+                square += weight * rate * rate;
             }
-            charge += product(&WEIGHTS, &rates);
+            charge += sum(&weights, &rates);
         }
         HalfTurn {
             friction: S::literal(0.5 * STEP) * work,
@@ -285,16 +318,17 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
                 (square * ohms, square.square_root() * ohms)
             }
             Resistance::Open => {
-                // Mean of the square by Simpson's rule over a quarter of a turn.
+                // Mean of the square by Simpson's rule over a quarter of a turn, step by step.
+                let square = |place: usize| {
+                    let (cosine, _) = cosine_and_sine::<S>(place);
+                    let voltage = self.circuit(true, amplitude * cosine, S::ZERO).voltage;
+                    voltage * voltage
+                };
                 let mut sum = S::ZERO;
-                for (place, cosine) in COSINES.into_iter().enumerate() {
-                    let voltage = self.circuit(true, amplitude * S::literal(cosine), S::ZERO).voltage;
-                    let weight = match place {
-                        0 | 8 => 1.0,
-                        _ if place % 2 == 1 => 4.0,
-                        _ => 2.0,
-                    };
-                    sum += S::literal(weight / (3.0 * (PLACES as f64 - 1.0))) * voltage * voltage;
+                for step in 0..STEPS {
+                    let ends = square(2 * step) + square(2 * step + 2);
+                    sum += S::literal(1.0 / (6.0 * STEPS as f64))
+                        * (ends + S::literal(4.0) * square(2 * step + 1));
                 }
                 (S::ZERO, self.field * sum.square_root())
             }
@@ -318,13 +352,14 @@ impl<S: Scalar> Increments<S> {
         let per_step = lag * S::literal(1.0 / STEP);
         // All rows by the largest that they hold, so that an open circuit overflows nothing.
         let scale = S::ONE / (S::ONE + per_step);
+        let stages = STAGES.map(|row| row.map(S::literal));
         let row = |stage: usize| {
             let mut row = [S::ZERO; 3];
             let own = active.get(stage).copied().unwrap_or(S::ZERO);
-            let coefficients = STAGES.get(stage).copied().unwrap_or([0.0; 3]);
+            let coefficients = stages.get(stage).copied().unwrap_or([S::ZERO; 3]);
             for (column, (place, coefficient)) in row.iter_mut().zip(coefficients).enumerate() {
                 let diagonal = if column == stage { per_step * own } else { S::ZERO };
-                *place = scale * (S::literal(coefficient) + diagonal);
+                *place = scale * (coefficient + diagonal);
             }
             row
         };
@@ -350,7 +385,8 @@ impl<S: Scalar> Increments<S> {
 
     /// Over the whole step.
     fn over_step(&self) -> [S; 2] {
-        [product(&WEIGHTS, &self.constant), product(&WEIGHTS, &self.by_charge)]
+        let weights = WEIGHTS.map(S::literal);
+        [sum(&weights, &self.constant), sum(&weights, &self.by_charge)]
     }
 
     /// The rates, times the step, from a charge at the start.
@@ -359,10 +395,6 @@ impl<S: Scalar> Increments<S> {
         let [x, y, z] = self.constant;
         [x + a * charge, y + b * charge, z + c * charge]
     }
-}
-
-fn product<S: Scalar>(coefficients: &[f64; 3], values: &[S; 3]) -> S {
-    sum(&coefficients.map(S::literal), values)
 }
 
 fn sum<S: Scalar>([a, b, c]: &[S; 3], [x, y, z]: &[S; 3]) -> S {
@@ -375,7 +407,8 @@ fn cross<S: Scalar>([a, b, c]: &[S; 3], [x, y, z]: &[S; 3]) -> [S; 3] {
 
 /// Of a place on the way from one turn to the other.
 fn cosine_and_sine<S: Scalar>(place: usize) -> (S, S) {
-    let entry = |index: usize| S::literal(COSINES.get(index).copied().unwrap_or(0.0));
+    let cosines = COSINES.map(S::literal);
+    let entry = |index: usize| cosines.get(index).copied().unwrap_or(S::ZERO);
     let last = PLACES - 1;
     if place <= last {
         (entry(place), entry(last - place))

@@ -1,0 +1,135 @@
+//! The closed forms of the core on the host: what they say of a scene, and how far they are from it.
+
+pub mod map;
+
+use model_core::part::bounds::ParameterError;
+use model_core::scalar::Scalar;
+use model_core::scene::closed_form::{ClosedForm, Reason, Validity};
+use serde_json::Value;
+
+use crate::embedded::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
+use crate::method::{Failure, Precision};
+use crate::scene_file::{BumpStop, Excitation, Model, Scene};
+
+/// What the closed form of a scene says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Mean power in the load in W.
+    pub mean_power_w: f64,
+    /// Root mean square of the terminal voltage in V.
+    pub rms_voltage_v: f64,
+    /// Amplitude of the motion in m.
+    pub amplitude_m: f64,
+    /// Why a trajectory is needed; `None` where the closed form holds.
+    pub reason: Option<&'static str>,
+    /// The requirement that is nearest to being missed, or missed by most, as a part of its limit.
+    pub margin: f64,
+}
+
+impl Estimate {
+    /// Whether the closed form holds.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.reason.is_none()
+    }
+
+    /// Names and values, as the command line prints them.
+    #[must_use]
+    pub fn fields(&self) -> Vec<(String, Value)> {
+        let fields: [(&str, Value); 6] = [
+            ("mean_power_w", self.mean_power_w.into()),
+            ("rms_voltage_v", self.rms_voltage_v.into()),
+            ("amplitude_m", self.amplitude_m.into()),
+            ("holds", self.holds().into()),
+            ("reason", self.reason.into()),
+            ("margin", self.margin.into()),
+        ];
+        fields.map(|(name, value)| (name.to_owned(), value)).to_vec()
+    }
+}
+
+/// The closed form of a scene under one sine, in a precision.
+///
+/// # Errors
+/// [`Failure::Input`] if the scene is not under one sine, or the core refuses it.
+pub fn estimate(scene: &Scene, precision: Precision) -> Result<Estimate, Failure> {
+    match precision {
+        Precision::F32 => estimate_as::<f32>(scene),
+        Precision::F64 => estimate_as::<f64>(scene),
+    }
+}
+
+fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
+    let Excitation::Sine(tone) = &scene.excitation else { return Err(no_sine(scene)) };
+    if !(tone.frequency_hz > 0.0) {
+        return Err(no_sine(scene));
+    }
+    let (amplitude, hertz) = (S::literal(tone.amplitude_m_per_s2), S::literal(tone.frequency_hz));
+    let refused =
+        |error: ParameterError<S>| Failure::Input(format!("{}: parameters.{error}", scene.file.display()));
+    let found = match &scene.model {
+        Model::ContactSeparation(model) => contact_separation_parameters::<S, S::Build>(model, scene.load)
+            .build()
+            .map_err(refused)?
+            .closed_form(amplitude, hertz),
+        Model::Sliding(model) => {
+            sliding_parameters::<S>(model, scene.load).build().map_err(refused)?.closed_form(amplitude, hertz)
+        }
+        Model::BumpStop(model) => of_bump_stop(scene, model, amplitude, hertz).map_err(refused)?,
+    };
+    Ok(Estimate::new(&found))
+}
+
+/// With the capacities that a run has.
+fn of_bump_stop<S: Scalar>(
+    scene: &Scene,
+    model: &BumpStop,
+    amplitude: S,
+    hertz: S,
+) -> Result<ClosedForm<S>, ParameterError<S>> {
+    let parameters = bump_stop_parameters::<S>(model, scene.load);
+    let (beam, rod) = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
+    Ok(match (beam, rod) {
+        (..=4, ..=2) => parameters.build_first::<4, 2>(beam, rod)?.closed_form(amplitude, hertz),
+        (..=10, ..=10) => parameters.build_first::<10, 10>(beam, rod)?.closed_form(amplitude, hertz),
+        _ => parameters.build_first::<20, 20>(beam, rod)?.closed_form(amplitude, hertz),
+    })
+}
+
+fn no_sine(scene: &Scene) -> Failure {
+    Failure::Input(format!(
+        "{}: excitation.kind: must be \"sine\" with a frequency_hz above 0 for a closed form",
+        scene.file.display()
+    ))
+}
+
+impl Estimate {
+    fn new<S: Scalar>(found: &ClosedForm<S>) -> Self {
+        let (reason, margin) = match found.validity {
+            Validity::Holds { margin } => (None, margin),
+            Validity::NeedsTrajectory { reason, margin } => (Some(name(reason)), margin),
+        };
+        Self {
+            mean_power_w: found.mean_power.to_f64(),
+            rms_voltage_v: found.rms_voltage.to_f64(),
+            amplitude_m: found.amplitude.to_f64(),
+            reason,
+            margin: margin.to_f64(),
+        }
+    }
+}
+
+/// A reason, as the command line writes it.
+fn name(reason: Reason) -> &'static str {
+    match reason {
+        Reason::Impacts => "impacts",
+        Reason::ImpactsInTransient => "impacts-in-transient",
+        Reason::LeavesOverlap => "leaves-overlap",
+        Reason::Sticks => "sticks",
+        Reason::ReachesStop => "reaches-stop",
+        Reason::HigherHarmonics => "higher-harmonics",
+        Reason::StrongCoupling => "strong-coupling",
+        Reason::Overdamped => "overdamped",
+        Reason::NotBalanced => "not-balanced",
+    }
+}

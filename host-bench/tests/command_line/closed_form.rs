@@ -1,0 +1,78 @@
+//! Mean power without a trajectory: `closed-form`.
+
+use super::tool::{SHIPPED, accepted, file, folder, refused};
+
+const SLIDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
+/// Two loads, two amplitudes and three frequencies.
+const SMALL: [&str; 8] = [
+    "--map",
+    "--resistance=1e7:1e8:2",
+    "--amplitude=0.2:0.4:2",
+    "--frequency=17:18:3",
+    "--references",
+    "0",
+    "--set",
+    "run.settle_s=1",
+];
+
+#[test]
+fn a_scene_has_its_power_and_whether_that_holds() {
+    let of = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&accepted(arguments)).expect("one JSON object")
+    };
+    let found = of(&["closed-form", SLIDING, "--format", "json"]);
+    assert_eq!((&found["scene"], &found["holds"]), (&"sliding".into(), &true.into()));
+    // The published RMS voltage at the peak, 44.18 V, a millihertz away.
+    let voltage = found["rms_voltage_v"].as_f64().expect("a number");
+    assert!((voltage / 44.18 - 1.0).abs() < 0.01, "{voltage}");
+    let found = of(&["closed-form", SHIPPED, "--format", "json", "--precision", "f32"]);
+    assert_eq!(found["holds"], false);
+    assert!(found["reason"].as_str().expect("a word").starts_with("impacts"), "{found}");
+    assert!(accepted(&["closed-form", SHIPPED]).contains("mean_power_w"));
+}
+
+#[test]
+fn a_map_has_a_row_for_each_point_and_a_picture_for_each_load() {
+    let folder = folder("closed-form");
+    let path = folder.join("made");
+    let path = path.to_str().expect("a plain path");
+    let text =
+        accepted(&[&["closed-form", SHIPPED, "--format", "csv", "--output", path], &SMALL[..]].concat());
+    let written = std::fs::read_to_string(folder.join("made/closed-form.csv")).expect("the table");
+    assert_eq!(text, written);
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let heading = reader.headers().expect("a heading").clone();
+    let column = |name: &str| heading.iter().position(|head| head == name).expect("a column");
+    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
+    assert_eq!(rows.len(), 12);
+    for row in &rows {
+        assert_eq!(&row[column("holds")], "true");
+        let error: f64 = row[column("error")].parse().expect("a number");
+        assert!(error < 0.02, "{row:?}");
+    }
+    for name in ["closed-form-0.svg", "closed-form-1.svg"] {
+        let picture = std::fs::read_to_string(folder.join("made").join(name)).expect("the picture");
+        assert!(picture.contains("log10 of the error") && picture.contains("frequency_hz"));
+    }
+    let table = accepted(&[&["closed-form", SHIPPED], &SMALL[..]].concat());
+    assert!(table.contains("wrongly_holding") && table.contains("median_error"), "{table}");
+}
+
+#[test]
+fn what_has_no_closed_form_is_refused() {
+    let silence = std::fs::read_to_string(SHIPPED).expect("the shipped scene");
+    let (before, after) = silence.split_once("[excitation]").expect("a section");
+    let (_, run) = after.split_once("[run]").expect("a section");
+    let text = format!("{before}[excitation]\nkind = \"silence\"\n[run]{run}");
+    let scene = file(&folder("closed-form-silence"), "silence.toml", text);
+    refused(&["closed-form", &scene], &["silence.toml", "excitation.kind", "\"sine\""]);
+    refused(&["closed-form", SHIPPED, "--map", "--frequency", "1:2"], &["--frequency", "FROM:TO:COUNT"]);
+    refused(&["closed-form", SHIPPED, "--map", "--amplitude", "0:2:3"], &["--amplitude", "above 0"]);
+    refused(&["closed-form", SHIPPED, "--frequency", "1:2:3"], &["--map"]);
+    let many = ["--frequency", "1:2:1000", "--amplitude", "1:2:1000"];
+    refused(&[&["closed-form", SHIPPED, "--map"], &many[..]].concat(), &["--map", "at most 100000"]);
+    refused(
+        &["closed-form", SHIPPED, "--map", "--set", "load.resistance_ohm=inf"],
+        &["resistance_ohm", "--resistance"],
+    );
+}
