@@ -161,7 +161,7 @@ impl<M, C> Driver<M, C> {
         O: Observer<S, A::Mode, N, P>,
     {
         let mut work = Work::default();
-        let scale = automaton.error_scale().of_the_faster(excitation.resolved_ticks());
+        let scale = automaton.error_scale().of_the_faster(excitation.angular_frequency());
         let budget = budget.max(LEAST_BUDGET);
         // An event can be due where a run is taken up and after a jump; after a step, the search for
         // a fall has just told that none is.

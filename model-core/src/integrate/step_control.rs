@@ -66,13 +66,9 @@ pub struct ErrorScale<S> {
 }
 
 impl<S: Scalar> ErrorScale<S> {
-    /// The same where the system is shaken faster than it moves by itself: then the unit of time is
-    /// the radian of the excitation, `resolved_ticks` being an eighth of its period.
-    pub(crate) fn of_the_faster(self, resolved_ticks: u32) -> Self {
-        if resolved_ticks == u32::MAX {
-            return self;
-        }
-        let excitation = S::literal(core::f64::consts::FRAC_PI_4) / seconds_of_ticks(resolved_ticks);
+    /// The same where the system is shaken at an angular frequency in rad/s: where that is faster than it
+    /// moves by itself, the unit of time is the radian of the excitation.
+    pub(crate) fn of_the_faster(self, excitation: S) -> Self {
         Self { angular_frequency: self.angular_frequency.larger(excitation), ..self }
     }
 }
@@ -404,5 +400,36 @@ mod tests {
         let good = StepErrors { ticks: retried, state: 0.0, energy: 0.0, delivered: 0.0 };
         assert_eq!(control.judge(&mut memory, &good, &scale, || 0.0), Verdict::Accept);
         assert!(memory.ticks <= retried);
+    }
+
+    #[test]
+    fn an_error_of_the_energy_that_is_rounding_is_no_reason_to_reject() {
+        let scale = ErrorScale { angular_frequency: 100.0_f32, energy_floor: 1e-12 };
+        let control = Adaptive::new(1e-4);
+        let start = control.start(&scale);
+        let noisy = StepErrors { ticks: start.ticks, state: 0.0, energy: 2e-9, delivered: 1e-8 };
+        let judge = |errors: &StepErrors<f32>, rounding: f32| {
+            control.judge(&mut { start }, errors, &scale, || rounding)
+        };
+        assert_eq!(judge(&noisy, 0.0), Verdict::Reject);
+        assert_eq!(judge(&noisy, 1e-9), Verdict::Reject);
+        assert_eq!(judge(&noisy, 2e-9), Verdict::Accept);
+        // The error of the state is not excused by it.
+        assert_eq!(judge(&StepErrors { state: 1.0, ..noisy }, 2e-9), Verdict::Reject);
+    }
+
+    #[test]
+    fn the_unit_of_time_is_that_of_the_faster_motion_at_any_frequency() {
+        use crate::excitation::{Excitation, Silence, Sine};
+        let scale = ErrorScale { angular_frequency: 126.0_f64, energy_floor: 1e-12 };
+        let at = |hertz: f64| {
+            let sine = Sine::<f64>::new(1.0, hertz, 0.0).expect("valid");
+            scale.of_the_faster(sine.angular_frequency()).angular_frequency
+        };
+        assert_eq!(at(20.0), 126.0);
+        for hertz in [20.1, 31.999, 32.001, 1e4] {
+            assert_eq!(at(hertz), core::f64::consts::TAU * hertz);
+        }
+        assert_eq!(scale.of_the_faster(Excitation::<f64>::angular_frequency(&Silence)), scale);
     }
 }
