@@ -83,6 +83,12 @@ pub fn report(failure: &Failure) -> ExitCode {
     })
 }
 
+/// Prints a warning as one line on standard error.
+pub(crate) fn warn(text: &str) {
+    // With no standard error left there is nobody to tell.
+    let _ = writeln!(std::io::stderr(), "warning: {text}");
+}
+
 /// Prints the result on standard output.
 ///
 /// # Errors
