@@ -11,4 +11,5 @@ mod command_line {
     mod step_errors;
     mod sweep;
     mod tool;
+    mod traces;
 }
