@@ -66,6 +66,7 @@ impl SceneArguments {
             trace_every_s: None,
             bare: false,
             steady_state: false,
+            most_attempts: None,
         }
     }
 }
@@ -79,8 +80,14 @@ pub fn report(failure: &Failure) -> ExitCode {
     let _ = writeln!(std::io::stderr(), "error: {line}");
     ExitCode::from(match failure {
         Failure::Input(_) => 2,
-        Failure::Step(_) => 3,
+        Failure::Step(_) | Failure::TooDear(_) => 3,
     })
+}
+
+/// Prints a warning as one line on standard error.
+pub(crate) fn warn(text: &str) {
+    // With no standard error left there is nobody to tell.
+    let _ = writeln!(std::io::stderr(), "warning: {text}");
 }
 
 /// Prints the result on standard output.
@@ -104,6 +111,18 @@ pub(crate) fn progress(count: usize) -> ProgressBar {
     match template {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
+    }
+}
+
+/// Tells one more case of a long command on the bar; where standard error is no terminal and the bar is not
+/// seen, each tenth of them as a line.
+pub(crate) fn one_more(bar: &ProgressBar) {
+    bar.inc(1);
+    let (done, all) = (bar.position(), bar.length().unwrap_or(0));
+    // Counted by the tenths that this one completes.
+    if bar.is_hidden() && done * 10 / all.max(1) > done.saturating_sub(1) * 10 / all.max(1) {
+        // With no standard error left there is nobody to tell.
+        let _ = writeln!(std::io::stderr(), "{done}/{all}  {:.0} s elapsed", bar.elapsed().as_secs_f64());
     }
 }
 

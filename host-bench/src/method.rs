@@ -71,6 +71,8 @@ pub struct Options {
     pub bare: bool,
     /// Whether the periodic steady state is sought by shooting, in place of the run.
     pub steady_state: bool,
+    /// Attempted steps after which a run on the core's hybrid driver is given up, [`Failure::TooDear`].
+    pub most_attempts: Option<u64>,
 }
 
 /// Why there is no outcome.
@@ -83,6 +85,9 @@ pub enum Failure {
     /// state.
     #[error("{0}")]
     Step(String),
+    /// The run was given up because it took more steps than it was allowed: exit code 3.
+    #[error("{0}")]
+    TooDear(String),
 }
 
 impl From<SceneError> for Failure {
@@ -192,7 +197,8 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
             }
             let default = ReferenceOptions::default();
             let tolerance = options.tolerance.unwrap_or(default.tolerance);
-            let options = ReferenceOptions { tolerance, record_every: options.trace_every_s };
+            let options =
+                ReferenceOptions { tolerance, record_every: options.trace_every_s, most_steps: None };
             reference::run(scene, &options).map_err(|failure| Failure::Step(failure.to_string()))
         }
         _ if options.steady_state => embedded::steady_state(scene, options),

@@ -27,13 +27,15 @@ pub struct ReferenceOptions {
     pub tolerance: f64,
     /// Distance of recorded rows in s; `None`: no recording.
     pub record_every: Option<f64>,
+    /// Steps of a triboelectric scene after which it is given up at the next event.
+    pub most_steps: Option<u64>,
 }
 
 impl Default for ReferenceOptions {
     /// A tolerance of 10⁻¹²: ten times tighter the results of the shipped scene change by a few 10⁻¹¹,
     /// and the Newton iteration comes near to rounding.
     fn default() -> Self {
-        Self { tolerance: 1e-12, record_every: None }
+        Self { tolerance: 1e-12, record_every: None, most_steps: None }
     }
 }
 

@@ -52,6 +52,8 @@ const SHIFTS: [[f64; 2]; 10] = [
 const DEVIATIONS: f64 = 4.0;
 /// Relative tolerance of the reference.
 const REFERENCE_TOLERANCE: f64 = 1e-8;
+/// Attempted steps after which a run is given up: ten seconds of computing.
+const MOST_ATTEMPTS: u64 = 20_000_000;
 
 /// What became of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -73,6 +75,8 @@ pub enum Class {
     Refused,
     /// A step could not be taken, and the error says why.
     Error,
+    /// Given up after 2·10⁷ attempted steps.
+    TooDear,
     /// Runs, and its ledger closes, but no run in double precision does to judge it by.
     Unjudged,
     /// Off, and neither the ledger, nor an error, nor the scene being sensitive, says why.
@@ -81,13 +85,14 @@ pub enum Class {
 
 impl Class {
     /// All classes, in the order of the tables.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Converged,
         Self::Chaotic,
         Self::Converging,
         Self::Flagged,
         Self::Refused,
         Self::Error,
+        Self::TooDear,
         Self::Unjudged,
         Self::Silent,
     ];
@@ -102,6 +107,7 @@ impl Class {
             Self::Flagged => "flagged by ledger",
             Self::Refused => "refused",
             Self::Error => "named error",
+            Self::TooDear => "too dear",
             Self::Unjudged => "unjudged",
             Self::Silent => "unexplained",
         }
@@ -183,6 +189,7 @@ fn run(scene: &Scene, precision: Precision, tolerance: f64) -> Result<Outcome, F
         method: Method::TrBdf2,
         precision: Some(precision),
         tolerance: Some(tolerance),
+        most_attempts: Some(MOST_ATTEMPTS),
         ..Options::default()
     };
     run_scene(scene, &options)
@@ -196,7 +203,11 @@ fn first_of(scene: &Scene, tolerances: &[f64]) -> Option<(f64, Statistics)> {
 }
 
 fn ask_reference(scene: &Scene) -> Option<Statistics> {
-    let options = ReferenceOptions { tolerance: REFERENCE_TOLERANCE, record_every: None };
+    let options = ReferenceOptions {
+        tolerance: REFERENCE_TOLERANCE,
+        record_every: None,
+        most_steps: Some(MOST_ATTEMPTS),
+    };
     reference::run(scene, &options).ok().map(|outcome| Statistics::of(&outcome))
 }
 
@@ -245,6 +256,7 @@ impl Judge<'_> {
         match outcome {
             Err(Failure::Input(reason)) => (finding.class, finding.reason) = (Class::Refused, reason),
             Err(Failure::Step(reason)) => (finding.class, finding.reason) = (Class::Error, reason),
+            Err(Failure::TooDear(reason)) => (finding.class, finding.reason) = (Class::TooDear, reason),
             Ok(outcome) => {
                 let steps = outcome.steps + outcome.rejected_steps;
                 finding.steps_per_s = Some(steps as f64 / outcome.duration_s);

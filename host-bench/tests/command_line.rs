@@ -12,4 +12,5 @@ mod command_line {
     mod step_errors;
     mod sweep;
     mod tool;
+    mod traces;
 }

@@ -42,6 +42,12 @@ pub trait Excitation<S: Scalar> {
         u32::MAX
     }
 
+    /// Angular frequency in rad/s of the fastest sine; 0 where there is none.
+    #[inline(always)]
+    fn angular_frequency(&self) -> S {
+        S::ZERO
+    }
+
     /// Ticks until the acceleration next has a kink, at least 1: no step crosses one
     /// by more than a millionth of the interval between two.
     #[inline(always)]

@@ -73,6 +73,16 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// would be a small difference of large voltages, it is the accurate source.
     fn powers(&self, state: &[S; N], derivative: &[S; N], input: S) -> [S; P];
 
+    /// Error that rounding the state makes in the integral of `powers[0]` over a step of
+    /// length `step` that ends here; 0 if it is nothing to speak of.
+    ///
+    /// Where a power is taken from the rate of a state that a stiff equation holds to the others, the rate
+    /// is a difference of roundings over the step.
+    #[inline(always)]
+    fn rounding_energy(&self, _state: &[S; N], _derivative: &[S; N], _step: S) -> S {
+        S::ZERO
+    }
+
     /// The size of a small change of the state, relative to what the state is measured by.
     fn weigh(&self, state: &[S; N], change: &[S; N]) -> S;
 }

@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
-use super::{SceneArguments, print, writable, write_whole};
+use super::{SceneArguments, print, warn, writable, write_whole};
 use crate::method::{Failure, run_scene};
 use crate::scene_file;
+
+/// Residual of the energy ledger above which a run is not to be trusted.
+const UNBALANCED: f64 = 1e-2;
 
 /// Arguments of `run`.
 #[derive(Debug, Clone, clap::Args)]
@@ -41,6 +44,12 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let outcome = run_scene(&scene, &options)?;
     if let (Some(file), Some(recording)) = (&arguments.trace, &outcome.trace) {
         write_whole(file, &recording.csv())?;
+    }
+    if let Some(residual) = outcome.energy_residual.filter(|residual| !(residual.abs() <= UNBALANCED)) {
+        warn(&format!(
+            "energy_residual = {residual:.1e} is more than {UNBALANCED}: the step or the tolerance was \
+             probably too coarse, or the method unstable; these numbers are not to be trusted"
+        ));
     }
     print(&outcome.text(arguments.scene.format))
 }

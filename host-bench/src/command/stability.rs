@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{print, progress, work_precision};
+use super::{one_more, print, progress, work_precision};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::scene_file;
@@ -48,7 +48,7 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
         .into_par_iter()
         .flat_map_iter(|(index, setting)| {
             let findings = examine(&bases[index], setting, setting.is_for_reference());
-            bar.inc(1);
+            one_more(&bar);
             findings
         })
         .collect();
@@ -117,7 +117,7 @@ fn with_stop(grid: Grid) -> Result<Vec<BumpStopFinding>, Failure> {
         .into_par_iter()
         .flat_map_iter(|setting| {
             let findings = bump_stop::examine(&base, setting, bump_stop::steps(grid));
-            bar.inc(1);
+            one_more(&bar);
             findings
         })
         .collect();

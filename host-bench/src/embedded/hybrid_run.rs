@@ -210,8 +210,14 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
             let mut others = (&mut recording, &mut measuring);
             let mut observer = (&mut whole, &mut others);
             while state.clock < until {
+                let left =
+                    options.most_attempts.map_or(u64::MAX, |most| most.saturating_sub(total.attempts()));
+                if left == 0 {
+                    return Err(self.given_up(&state));
+                }
+                let budget = u32::try_from(left).unwrap_or(BUDGET).min(BUDGET);
                 let advance = driver
-                    .advance(harvester, &mut state, *excitation, until, BUDGET, &mut observer)
+                    .advance(harvester, &mut state, *excitation, until, budget, &mut observer)
                     .map_err(|error| self.step_failure(&error, &state))?;
                 total.add(&advance.work);
             }
@@ -246,6 +252,12 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
         })
     }
 
+    /// The end of a run that has taken the most attempts it may.
+    fn given_up(&self, state: &HybridState<S, ModeOf<S, H>, STATES, WHOLE>) -> Failure {
+        let (most, at) = (self.options.most_attempts.unwrap_or(0), state.clock.seconds::<f64>());
+        Failure::TooDear(format!("given up after {most} attempted steps at {at} s"))
+    }
+
     pub(super) fn step_failure(
         &self,
         error: &StepError<S>,
@@ -268,14 +280,21 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
 pub(super) struct Total {
     pub(super) steps: u64,
     pub(super) rejected: u64,
+    pub(super) locating: u64,
     pub(super) iterations: u64,
     pub(super) events: u64,
 }
 
 impl Total {
+    /// Steps kept, rejected, and taken to locate events.
+    fn attempts(&self) -> u64 {
+        self.steps + self.rejected + self.locating
+    }
+
     pub(super) fn add(&mut self, work: &Work) {
         self.steps += u64::from(work.steps);
         self.rejected += u64::from(work.rejected);
+        self.locating += u64::from(work.locating);
         self.iterations += u64::from(work.iterations);
         self.events += u64::from(work.events);
     }

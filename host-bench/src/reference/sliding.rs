@@ -88,6 +88,13 @@ pub(super) fn run(
     };
     let (mut storm, mut storm_began) = (0, 0.0);
     while time < scene.run.duration_s {
+        if options.most_steps.is_some_and(|most| effort.steps > most) {
+            return Err(StepFailure {
+                reason: format!("given up after {} steps", effort.steps),
+                time_s: time,
+                state: describe(&motion),
+            });
+        }
         let in_window = time >= scene.run.settle_s;
         meters.set_in_window(in_window);
         let boundary = if in_window { scene.run.duration_s } else { scene.run.settle_s };

@@ -3,7 +3,7 @@
 use super::GRAVITY;
 use super::bounds;
 use super::document::SceneError;
-use super::scene::{Excitation, Tone, Trace};
+use super::scene::{Excitation, Tone};
 use super::section::Section;
 use super::trace;
 
@@ -32,7 +32,7 @@ pub(super) fn excitation(mut section: Section<'_>) -> Result<Excitation, SceneEr
             });
             Excitation::Sines(tones.collect::<Result<_, SceneError>>()?)
         }
-        Kind::File => Excitation::File(file(&mut section)?),
+        Kind::File => Excitation::File(trace::trace(&mut section)?),
     };
     section.finish()?;
     Ok(excitation)
@@ -60,19 +60,4 @@ fn tone(section: &mut Section<'_>) -> Result<Tone, SceneError> {
         frequency_hz: section.number("frequency_hz", &bounds::of("frequency_hz"))?,
         phase_rad: section.optional_number("phase_rad", &bounds::of("phase_rad"))?.unwrap_or(0.0),
     })
-}
-
-fn file(section: &mut Section<'_>) -> Result<Trace, SceneError> {
-    let rate_hz = section.number("rate_hz", &bounds::of("rate_hz"))?;
-    let scale = section.number("scale_m_per_s2", &bounds::of("scale_m_per_s2"))?;
-    let repeat = section.flag("repeat", false)?;
-    let column = trace::Column::read(section)?;
-    let Some(path) = section.text("path") else {
-        let absent = if section.has("path") { "" } else { "is missing; " };
-        return Err(section.refuse("path", format!("{absent}must be the name of a CSV file")));
-    };
-    let full = section.file().parent().map_or_else(|| path.into(), |folder| folder.join(path));
-    let samples = trace::samples(&full, &column, scale)
-        .map_err(|reason| section.refuse(reason.key, format!("{}: {}", full.display(), reason.text)))?;
-    Ok(Trace { samples_m_per_s2: samples.into(), rate_hz, repeat })
 }

@@ -1,14 +1,16 @@
-//! A recorded acceleration in a CSV file.
+//! A recorded acceleration in a CSV or a WAV file.
 
-use std::path::Path;
+mod table;
+mod wave;
 
 use super::bounds::{self, Bound};
 use super::document::SceneError;
+use super::scene::Trace;
 use super::section::Section;
 
-/// Which column holds the samples.
+/// Which column of a table, or channel of a recording.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Column {
+enum Column {
     /// By its name in the first row.
     Name(String),
     /// By its number, from 1; a first row that is not a number there is a heading.
@@ -17,81 +19,97 @@ pub(super) enum Column {
 
 /// Why a trace was refused, and the key to blame.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct TraceFault {
-    pub(super) key: &'static str,
-    pub(super) text: String,
+struct TraceFault {
+    key: &'static str,
+    text: String,
+}
+
+impl TraceFault {
+    fn new(key: &'static str, text: impl Into<String>) -> Self {
+        Self { key, text: text.into() }
+    }
 }
 
 impl Column {
-    /// Reads the key `column`.
-    pub(super) fn read(section: &mut Section<'_>) -> Result<Self, SceneError> {
-        const WANTED: &str = "the name of a column, or its number from 1";
-        if let Some(name) = section.text("column") {
-            return Ok(Self::Name(name.to_owned()));
+    const WANTED: &str = "the name of a column, or its number from 1";
+
+    /// Reads a key that names a column, if it is there.
+    fn optional(section: &mut Section<'_>, key: &'static str) -> Result<Option<Self>, SceneError> {
+        if !section.has(key) {
+            return Ok(None);
         }
-        let absent = if section.has("column") { "" } else { "is missing; " };
-        let number = section.optional_number("column", &Bound::new(1.0, 10_000.0));
-        match number {
-            Ok(Some(number)) if number.fract() == 0.0 => Ok(Self::Number(number as usize)),
-            _ => Err(section.refuse("column", format!("{absent}must be {WANTED}"))),
+        if let Some(name) = section.text(key) {
+            return Ok(Some(Self::Name(name.to_owned())));
         }
+        match section.optional_number(key, &Bound::new(1.0, 10_000.0)) {
+            Ok(Some(number)) if number.fract() == 0.0 => Ok(Some(Self::Number(number as usize))),
+            _ => Err(section.refuse(key, format!("must be {}", Self::WANTED))),
+        }
+    }
+
+    /// Reads a key that names a column and must be there.
+    fn read(section: &mut Section<'_>, key: &'static str) -> Result<Self, SceneError> {
+        Self::optional(section, key)?
+            .ok_or_else(|| section.refuse(key, format!("is missing; must be {}", Self::WANTED)))
     }
 }
 
-/// The samples of one column in m/s².
-pub(super) fn samples(path: &Path, column: &Column, scale: f64) -> Result<Vec<f64>, TraceFault> {
-    let fault = |key, text: String| TraceFault { key, text };
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| fault("path", one_line(&error)))?;
-    let bound = bounds::of("amplitude_m_per_s2").highest;
-    let mut wanted = match column {
-        Column::Number(number) => Some(number - 1),
-        Column::Name(_) => None,
+/// What a recorded number is in m/s², and how large that may be.
+#[derive(Debug, Clone, Copy)]
+struct Scale {
+    /// m/s² for each unit of the file.
+    factor: f64,
+    highest: f64,
+}
+
+impl Scale {
+    /// `value` of the file, read at `place`, in m/s².
+    fn apply(&self, value: f64, place: impl FnOnce() -> String) -> Result<f64, TraceFault> {
+        let Self { factor, highest } = *self;
+        let scaled = value * factor;
+        // Not-a-number is refused too.
+        if scaled.abs() <= highest {
+            return Ok(scaled);
+        }
+        let place = place();
+        let text = format!("{place}: {value} times scale_m_per_s2 must be within {highest:e} m/s2");
+        Err(TraceFault::new("path", text))
+    }
+}
+
+/// Refuses a trace between whose samples there is nothing, which ends at `place`.
+fn enough(samples: &[f64], place: &str) -> Result<(), TraceFault> {
+    let count = samples.len();
+    if count >= 2 {
+        return Ok(());
+    }
+    Err(TraceFault::new("path", format!("{place}: ends with {count} samples, must have at least 2")))
+}
+
+/// Reads the keys of an excitation from a file, and the file.
+pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
+    let factor = section.number("scale_m_per_s2", &bounds::of("scale_m_per_s2"))?;
+    let scale = Scale { factor, highest: bounds::of("amplitude_m_per_s2").highest };
+    let repeat = section.flag("repeat", false)?;
+    let column = Column::read(section, "column")?;
+    let Some(path) = section.text("path") else {
+        let absent = if section.has("path") { "" } else { "is missing; " };
+        return Err(section.refuse("path", format!("{absent}must be the name of a CSV or WAV file")));
     };
-    let mut samples = Vec::new();
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(|error| fault("path", one_line(&error)))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let index = match (wanted, column) {
-            (Some(index), _) => index,
-            (None, Column::Number(number)) => number - 1,
-            (None, Column::Name(name)) => {
-                let found = record.iter().position(|cell| cell.trim_start_matches('\u{feff}') == name);
-                wanted = found;
-                if found.is_none() {
-                    let heads: Vec<&str> = record.iter().take(20).collect();
-                    return Err(fault("column", format!("line {line}: no such column in {heads:?}")));
-                }
-                continue;
-            }
-        };
-        let Some(cell) = record.get(index) else {
-            let columns = record.len();
-            return Err(fault("column", format!("line {line}: there are {columns} columns")));
-        };
-        match cell.trim_start_matches('\u{feff}').parse::<f64>() {
-            Ok(value) if (value * scale).abs() <= bound => samples.push(value * scale),
-            Ok(value) => {
-                let text = format!("line {line}: {value} times scale_m_per_s2 must be within {bound:e} m/s2");
-                return Err(fault("path", text));
-            }
-            // A heading.
-            Err(_) if row == 0 => {}
-            Err(_) => return Err(fault("path", format!("line {line}: {cell:?} is not a number"))),
-        }
-    }
-    if samples.len() < 2 {
-        return Err(fault("path", format!("has {} samples, must have at least 2", samples.len())));
-    }
-    Ok(samples)
-}
-
-/// Messages of the CSV reader have no line breaks, but name the file's content.
-fn one_line(error: &csv::Error) -> String {
-    error.to_string().replace(['\n', '\r'], " ")
+    let full = section.file().parent().map_or_else(|| path.into(), |folder| folder.join(path));
+    let refuse = |section: &Section<'_>, fault: TraceFault| {
+        section.refuse(fault.key, format!("{}: {}", full.display(), fault.text))
+    };
+    let is_wave = full.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("wav"));
+    let bound = bounds::of("rate_hz");
+    let (samples, rate_hz) = if is_wave {
+        let told = section.optional_number("rate_hz", &bound)?;
+        wave::samples(&full, &column, scale, told).map_err(|fault| refuse(section, fault))?
+    } else {
+        let rate_hz = section.number("rate_hz", &bound)?;
+        let clock = Column::optional(section, "time_column")?;
+        let samples = table::samples(&full, &column, scale, clock.as_ref(), rate_hz);
+        (samples.map_err(|fault| refuse(section, fault))?, rate_hz)
+    };
+    Ok(Trace { samples_m_per_s2: samples.into(), rate_hz, repeat })
 }

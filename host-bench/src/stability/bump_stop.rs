@@ -178,7 +178,9 @@ fn finding(
         contacts: None,
     };
     match run_scene(scene, &options) {
-        Err(Failure::Input(reason) | Failure::Step(reason)) => finding.reason = reason,
+        Err(Failure::Input(reason) | Failure::Step(reason) | Failure::TooDear(reason)) => {
+            finding.reason = reason
+        }
         Ok(outcome) => {
             finding.energy_residual = outcome.energy_residual;
             if let Particular::BumpStop(found) = &outcome.particular {

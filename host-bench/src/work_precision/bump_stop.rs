@@ -228,7 +228,9 @@ pub fn compare(
 fn row(scene: &Scene, variant: Variant, extent: &Extent, exact: &Numbers) -> Result<Row, Failure> {
     let numbers = match Numbers::of(scene, variant.options()) {
         Ok(numbers) => numbers,
-        Err(Failure::Step(error)) => return Ok(Row { variant, found: None, failure: Some(error) }),
+        Err(Failure::Step(error) | Failure::TooDear(error)) => {
+            return Ok(Row { variant, found: None, failure: Some(error) });
+        }
         Err(error @ Failure::Input(_)) => return Err(error),
     };
     let bare = Options { bare: true, ..variant.options() };

@@ -77,6 +77,7 @@ impl Variant {
             trace_every_s: None,
             bare: false,
             steady_state: false,
+            most_attempts: None,
         }
     }
 

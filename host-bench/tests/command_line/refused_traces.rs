@@ -21,9 +21,9 @@ fn bad_data() {
     let folder = folder("bad-traces");
     let long = "x\n1\n".to_owned() + &"2\n".repeat(3);
     for (data, column, parts) in [
-        ("", "\"x\"", vec!["excitation.path", "0 samples", "at least 2"]),
-        ("x\n", "\"x\"", vec!["excitation.path", "0 samples"]),
-        ("x\n1\n", "\"x\"", vec!["excitation.path", "1 samples"]),
+        ("", "\"x\"", vec!["excitation.path", "line 1", "0 samples", "at least 2"]),
+        ("x\n", "\"x\"", vec!["excitation.path", "line 2", "0 samples"]),
+        ("x\n1\n", "\"x\"", vec!["excitation.path", "line 3", "1 samples"]),
         ("x\n1\n2\nthree\n4\n", "\"x\"", vec!["excitation.path", "line 4", "\"three\" is not a number"]),
         ("1\n2\nthree\n4\n", "1", vec!["excitation.path", "line 3", "\"three\" is not a number"]),
         ("x\n1\nnan\n3\n4\n", "\"x\"", vec!["excitation.path", "line 3", "NaN", "within 1e5"]),
@@ -55,7 +55,7 @@ fn bad_keys() {
     for (change, parts) in [
         ("excitation.path=absent.csv", ["excitation.path = \"absent.csv\"", "absent.csv"]),
         ("excitation.path=\"\"", ["excitation.path = \"\"", "excitation.path"]),
-        ("excitation.path=1", ["excitation.path = 1", "name of a CSV file"]),
+        ("excitation.path=1", ["excitation.path = 1", "name of a CSV or WAV file"]),
         ("excitation.repeat=1", ["excitation.repeat = 1", "true or false"]),
         ("excitation.amplitude_g=1", ["excitation.amplitude_g = 1", "unknown key"]),
         ("run.duration_s=0.31", ["run.duration_s = 0.31", "0.3 s long"]),

@@ -36,6 +36,14 @@ impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExci
         }
     }
 
+    fn angular_frequency(&self) -> S {
+        match self {
+            Self::Sine(sine) => sine.angular_frequency(),
+            Self::Tones(tones) => tones.angular_frequency(),
+            Self::Silence | Self::Sampled(_) => S::ZERO,
+        }
+    }
+
     fn resolved_ticks(&self) -> u32 {
         match self {
             Self::Sine(sine) => sine.resolved_ticks(),

@@ -73,6 +73,11 @@ impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {
     fn resolved_ticks(&self) -> u32 {
         self.resolved
     }
+
+    #[inline(always)]
+    fn angular_frequency(&self) -> S {
+        self.angular_frequency
+    }
 }
 
 #[cfg(test)]

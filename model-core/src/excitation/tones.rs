@@ -48,6 +48,11 @@ impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Excitation<S> for Tone
     fn resolved_ticks(&self) -> u32 {
         self.tones.iter().map(Excitation::<S>::resolved_ticks).min().unwrap_or(u32::MAX)
     }
+
+    #[inline]
+    fn angular_frequency(&self) -> S {
+        self.tones.iter().fold(S::ZERO, |fastest, tone| fastest.larger(tone.angular_frequency()))
+    }
 }
 
 #[cfg(test)]

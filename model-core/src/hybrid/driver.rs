@@ -5,7 +5,7 @@ use super::{Automaton, Event, HybridState, Moment, Observer, Span};
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
 use crate::integrate::step_control::{ErrorScale, StepErrors, Verdict};
-use crate::integrate::{Method, Point, StepControl, Trial};
+use crate::integrate::{Method, Point, StepControl, System, Trial};
 use crate::scalar::Scalar;
 
 /// Attempts that [`Driver::advance`] may need to come to a point where it can pause: one step and
@@ -175,7 +175,7 @@ impl<M, C> Driver<M, C> {
         O: Observer<S, A::Mode, N, P>,
     {
         let mut work = Work::default();
-        let scale = automaton.error_scale().of_the_faster(excitation.resolved_ticks());
+        let scale = automaton.error_scale().of_the_faster(excitation.angular_frequency());
         let budget = budget.max(LEAST_BUDGET);
         // An event can be due where a run is taken up and after a jump; after a step, the search for
         // a fall has just told that none is.
@@ -284,7 +284,11 @@ impl<M, C> Driver<M, C> {
             delivered: trial.energies.first().copied().unwrap_or(S::ZERO),
         };
         let mut control = state.control;
-        if self.control.judge(&mut control, &errors, scale) == Verdict::Reject {
+        let rounding = || {
+            let end = &trial.end;
+            automaton.flow(state.mode).rounding_energy(&end.state, &end.derivative, seconds_of_ticks(ticks))
+        };
+        if self.control.judge(&mut control, &errors, scale, rounding) == Verdict::Reject {
             work.rejected += 1;
             if ticks < SHORTEST_TICKS {
                 return Err(StepFailure::StepVanished);

@@ -96,13 +96,9 @@ pub struct ErrorScale<S> {
 }
 
 impl<S: Scalar> ErrorScale<S> {
-    /// The same where the system is shaken faster than it moves by itself: then the unit of time is
-    /// the radian of the excitation, `resolved_ticks` being an eighth of its period.
-    pub(crate) fn of_the_faster(self, resolved_ticks: u32) -> Self {
-        if resolved_ticks == u32::MAX {
-            return self;
-        }
-        let excitation = S::literal(core::f64::consts::FRAC_PI_4) / seconds_of_ticks(resolved_ticks);
+    /// The same where the system is shaken at an angular frequency in rad/s: where that is faster than it
+    /// moves by itself, the unit of time is the radian of the excitation.
+    pub(crate) fn of_the_faster(self, excitation: S) -> Self {
         Self { angular_frequency: self.angular_frequency.larger(excitation), ..self }
     }
 }
@@ -125,8 +121,16 @@ pub trait StepControl<S: Scalar> {
     /// [`crate::integrate::System::weigh`] measures it: well below the step's own error.
     fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S;
 
-    /// Judges a finished attempt and proposes the next length.
-    fn judge(&self, memory: &mut ControlMemory<S>, errors: &StepErrors<S>, scale: &ErrorScale<S>) -> Verdict;
+    /// Judges a finished attempt and proposes the next length. `rounding` tells how much of the error of
+    /// the delivered energy may be the state's rounding ([`crate::integrate::System::rounding_energy`]); it
+    /// is asked only where the attempt would be rejected.
+    fn judge(
+        &self,
+        memory: &mut ControlMemory<S>,
+        errors: &StepErrors<S>,
+        scale: &ErrorScale<S>,
+        rounding: impl FnOnce() -> S,
+    ) -> Verdict;
 
     /// Shortens the step after an attempt that did not converge.
     #[inline]
@@ -173,6 +177,7 @@ impl<S: Scalar> StepControl<S> for FixedStep {
         memory: &mut ControlMemory<S>,
         _errors: &StepErrors<S>,
         _scale: &ErrorScale<S>,
+        _rounding: impl FnOnce() -> S,
     ) -> Verdict {
         memory.ticks = self.ticks;
         Verdict::Accept
@@ -264,7 +269,13 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
     }
 
     #[inline(always)]
-    fn judge(&self, memory: &mut ControlMemory<S>, errors: &StepErrors<S>, scale: &ErrorScale<S>) -> Verdict {
+    fn judge(
+        &self,
+        memory: &mut ControlMemory<S>,
+        errors: &StepErrors<S>,
+        scale: &ErrorScale<S>,
+        rounding: impl FnOnce() -> S,
+    ) -> Verdict {
         let radians = seconds_of_ticks::<S>(errors.ticks) * scale.angular_frequency;
         let target = self.tolerance * radians;
         // A forgetting mean, over some periods, of the energy per radian: the power of a
@@ -274,12 +285,18 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
             memory.recent_energy + part * (errors.delivered.absolute() - radians * memory.recent_energy);
         // In the beginning there is no sum yet: then the energy of a radian at the present power.
         let delivered = errors.delivered.absolute() / radians;
-        let energy_error = errors.energy / recent.larger(delivered).larger(scale.energy_floor);
+        let per_radian = recent.larger(delivered).larger(scale.energy_floor);
+        let energy_error = errors.energy / per_radian;
         let state_error = errors.state * S::literal(REMEMBERED_RADIANS);
-        let rounding = S::EPSILON * S::literal(ROUNDINGS * REMEMBERED_RADIANS);
-        let state = state_error / (target + rounding);
-        let energy = energy_error / (target + S::EPSILON * S::literal(ENERGY_ROUNDINGS));
-        let ratio = state.larger(energy).to_f32();
+        let state = state_error / (target + S::EPSILON * S::literal(ROUNDINGS * REMEMBERED_RADIANS));
+        let allowed = target + S::EPSILON * S::literal(ENERGY_ROUNDINGS);
+        let mut ratio = state.larger(energy_error / allowed).to_f32();
+        if !(ratio <= 1.0) {
+            // What rounding the state makes of the energy, no shorter step can lessen: a shorter one
+            // divides the same rounding by less time.
+            let left = state.larger((errors.energy - rounding()) / per_radian / allowed).to_f32();
+            ratio = if left <= 1.0 { left } else { ratio };
+        }
         let present = log2(ratio.larger(1e-8));
         // An error that a shorter step does not lessen was not made by this step: the derivative at
         // its start is inherited from a longer one, or a boundary layer is being left behind. Such a
@@ -347,10 +364,16 @@ impl<S: Scalar> StepControl<S> for AnyStepControl<S> {
         }
     }
 
-    fn judge(&self, memory: &mut ControlMemory<S>, errors: &StepErrors<S>, scale: &ErrorScale<S>) -> Verdict {
+    fn judge(
+        &self,
+        memory: &mut ControlMemory<S>,
+        errors: &StepErrors<S>,
+        scale: &ErrorScale<S>,
+        rounding: impl FnOnce() -> S,
+    ) -> Verdict {
         match self {
-            Self::Fixed(control) => control.judge(memory, errors, scale),
-            Self::Adaptive(control) => control.judge(memory, errors, scale),
+            Self::Fixed(control) => control.judge(memory, errors, scale, rounding),
+            Self::Adaptive(control) => control.judge(memory, errors, scale, rounding),
         }
     }
 }
@@ -388,7 +411,7 @@ mod tests {
                 energy: 0.0,
                 delivered: 0.0,
             };
-            rejections += u32::from(control.judge(&mut memory, &errors, &scale) == Verdict::Reject);
+            rejections += u32::from(control.judge(&mut memory, &errors, &scale, || 0.0) == Verdict::Reject);
         }
         assert!((0.0094..0.0112).contains(&radians), "{radians}");
         assert!(rejections <= 2, "{rejections}");
@@ -401,11 +424,42 @@ mod tests {
         let mut memory = control.start(&scale);
         let before = memory.ticks;
         let bad = StepErrors { ticks: before, state: 1.0, energy: 0.0, delivered: 0.0 };
-        assert_eq!(control.judge(&mut memory, &bad, &scale), Verdict::Reject);
+        assert_eq!(control.judge(&mut memory, &bad, &scale, || 0.0), Verdict::Reject);
         assert!(memory.ticks < before);
         let retried = memory.ticks;
         let good = StepErrors { ticks: retried, state: 0.0, energy: 0.0, delivered: 0.0 };
-        assert_eq!(control.judge(&mut memory, &good, &scale), Verdict::Accept);
+        assert_eq!(control.judge(&mut memory, &good, &scale, || 0.0), Verdict::Accept);
         assert!(memory.ticks <= retried);
+    }
+
+    #[test]
+    fn an_error_of_the_energy_that_is_rounding_is_no_reason_to_reject() {
+        let scale = ErrorScale { angular_frequency: 100.0_f32, energy_floor: 1e-12 };
+        let control = Adaptive::new(1e-4);
+        let start = control.start(&scale);
+        let noisy = StepErrors { ticks: start.ticks, state: 0.0, energy: 2e-9, delivered: 1e-8 };
+        let judge = |errors: &StepErrors<f32>, rounding: f32| {
+            control.judge(&mut { start }, errors, &scale, || rounding)
+        };
+        assert_eq!(judge(&noisy, 0.0), Verdict::Reject);
+        assert_eq!(judge(&noisy, 1e-9), Verdict::Reject);
+        assert_eq!(judge(&noisy, 2e-9), Verdict::Accept);
+        // The error of the state is not excused by it.
+        assert_eq!(judge(&StepErrors { state: 1.0, ..noisy }, 2e-9), Verdict::Reject);
+    }
+
+    #[test]
+    fn the_unit_of_time_is_that_of_the_faster_motion_at_any_frequency() {
+        use crate::excitation::{Excitation, Silence, Sine};
+        let scale = ErrorScale { angular_frequency: 126.0_f64, energy_floor: 1e-12 };
+        let at = |hertz: f64| {
+            let sine = Sine::<f64>::new(1.0, hertz, 0.0).expect("valid");
+            scale.of_the_faster(sine.angular_frequency()).angular_frequency
+        };
+        assert_eq!(at(20.0), 126.0);
+        for hertz in [20.1, 31.999, 32.001, 1e4] {
+            assert_eq!(at(hertz), core::f64::consts::TAU * hertz);
+        }
+        assert_eq!(scale.of_the_faster(Excitation::<f64>::angular_frequency(&Silence)), scale);
     }
 }

@@ -64,7 +64,7 @@ impl Case {
                 "{} uC/m^2, {} megohm, {} Hz: {error}",
                 self.charge_density, self.resistance, self.frequency
             )),
-            input @ Failure::Input(_) => input,
+            other => other,
         })
     }
 

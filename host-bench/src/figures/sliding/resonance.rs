@@ -65,7 +65,7 @@ impl Case {
         let (found, _) =
             resonance_peak(&scene, range, points, &options).map_err(|failure| match failure {
                 Failure::Step(error) => Failure::Step(format!("{at}: {error}")),
-                input @ Failure::Input(_) => input,
+                other => other,
             })?;
         found.ok_or_else(|| {
             Failure::Step(format!("{at}: no stable orbit of one period from {} to {} Hz", range[0], range[1]))

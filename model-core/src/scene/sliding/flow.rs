@@ -22,6 +22,9 @@ pub(super) struct Circuit<S> {
     pub(super) voltage: S,
 }
 
+/// Roundings of the charge that its difference to the relaxed charge may be off by.
+const ROUNDINGS: f64 = 4.0;
+
 /// Derivatives of the circuit by the displacement.
 struct Slope<S> {
     /// `ds1/dx` in 1/m.
@@ -356,6 +359,21 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     #[inline(always)]
     fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
         account::first(&self.account(state, rate, acceleration))
+    }
+
+    /// The charge `q` follows `t s2(x)` within `Λ h/(s1 + Λ h)` of their difference, whose rounding `δ`
+    /// stands in the current as `δ/h`: in the energy `R I² h` as `R (2 I + δ/h) δ`.
+    #[inline(always)]
+    fn rounding_energy(&self, state: &[S; STATES], rate: &[S; STATES], step: S) -> S {
+        let scene = self.scene;
+        let Resistance::Finite(ohms) = scene.load.resistance() else { return S::ZERO };
+        let [displacement, _, charge] = *state;
+        let overlap = scene.overlap(self.mode.is_ahead(displacement), displacement);
+        let stiffness = step * self.circuit_rate();
+        let share = stiffness / (overlap.active + stiffness);
+        let rounding = S::EPSILON * S::literal(ROUNDINGS) * charge.absolute() * share;
+        let current = rate[CHARGE].absolute();
+        ohms * scene.charge_unit * scene.charge_unit * (current + current + rounding / step) * rounding
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the

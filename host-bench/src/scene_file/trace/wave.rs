@@ -1,0 +1,62 @@
+//! Samples of one channel of a WAV file.
+
+use std::path::Path;
+
+use hound::{SampleFormat, WavReader};
+
+use super::{Column, Scale, TraceFault, bounds, enough};
+
+/// The samples of one channel in m/s² and their rate in Hz, which must be `told` if that is given. Integers are
+/// taken as parts of full scale, `2^(bits − 1)`.
+pub(super) fn samples(
+    path: &Path,
+    channel: &Column,
+    scale: Scale,
+    told: Option<f64>,
+) -> Result<(Vec<f64>, f64), TraceFault> {
+    let fault = |error: hound::Error| TraceFault::new("path", error.to_string().replace(['\n', '\r'], " "));
+    let mut reader = WavReader::open(path).map_err(fault)?;
+    let spec = reader.spec();
+    let channels = usize::from(spec.channels);
+    let channel = match channel {
+        Column::Number(number) if *number <= channels => number - 1,
+        _ => {
+            let text = format!("of a WAV file must be the number of a channel, from 1 to {channels}");
+            return Err(TraceFault::new("column", text));
+        }
+    };
+    let rate_hz = f64::from(spec.sample_rate);
+    let bound = bounds::of("rate_hz");
+    if !bound.contains(rate_hz) {
+        return Err(TraceFault::new("path", format!("has {rate_hz} samples per second: must be {bound}")));
+    }
+    if told.is_some_and(|told| told != rate_hz) {
+        return Err(TraceFault::new("rate_hz", format!("must be {rate_hz} as in the file, or left out")));
+    }
+    let full_scale = match spec.sample_format {
+        SampleFormat::Float => 1.0,
+        SampleFormat::Int => f64::from(spec.bits_per_sample.saturating_sub(1)).exp2(),
+    };
+    let mut samples = Vec::new();
+    let mut keep = |place: usize, value: f64| {
+        let frame = place / channels;
+        if place % channels == channel {
+            samples.push(scale.apply(value, || format!("frame {frame}"))?);
+        }
+        Ok(())
+    };
+    match spec.sample_format {
+        SampleFormat::Float => {
+            for (place, value) in reader.samples::<f32>().enumerate() {
+                keep(place, f64::from(value.map_err(fault)?))?;
+            }
+        }
+        SampleFormat::Int => {
+            for (place, value) in reader.samples::<i32>().enumerate() {
+                keep(place, f64::from(value.map_err(fault)?) / full_scale)?;
+            }
+        }
+    }
+    enough(&samples, &format!("frame {}", samples.len()))?;
+    Ok((samples, rate_hz))
+}

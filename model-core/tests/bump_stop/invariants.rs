@@ -1,0 +1,236 @@
+//! What holds at any step: energy, bits, counts, bounds.
+
+use model_core::excitation::Silence;
+use model_core::part::load::Resistor;
+use model_core::scene::bump_stop::{
+    AnyContact, AnyCoupling, AnyParts, BumpStop, ModalLedger, ModalMeter, ModalObserver, ModalSpan, NoStop,
+    OneWay, Parameters, Parts, ResidualFlexibility, Restitution, Start, Stepper, TwoWay,
+};
+
+use super::setup::{Touches, baseline, seconds, shaking};
+
+#[test]
+fn energy_is_conserved_by_every_step_without_damping_and_load() {
+    let mut parameters = baseline::<f64>();
+    parameters.damping_ratio = 0.0;
+    parameters.load.ohms = f64::INFINITY;
+    parameters.stop.gap = 0.0;
+    let scene = parameters.build::<6, 2>().expect("valid");
+    for step in [1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
+        let stepper = Stepper::new(scene, step, step);
+        // Bent back by 30 µm at the tip, and let go.
+        let mut start = Start::default();
+        start.beam[0] = [-30e-6 / 31.974_430_7, 0.0];
+        let mut state = scene.start(&start, &Silence).expect("valid");
+        let mut ledger = ModalLedger::open(&scene, &state);
+        let mut meter = ModalMeter::new(&scene);
+        let before: f64 = scene.stored_energy(&state).iter().sum();
+        let duration = if step < 5e-7 { 0.02 } else { 0.5 };
+        stepper
+            .advance(&mut state, &Silence, seconds(duration), u32::MAX, &mut (&mut ledger, &mut meter))
+            .expect("runs");
+        let after: f64 = scene.stored_energy(&state).iter().sum();
+        assert!(meter.contacts() >= 12, "{step}: {} contacts", meter.contacts());
+        assert!((after / before - 1.0).abs() < 1e-9, "{step}: {}", after / before - 1.0);
+        assert!(ledger.residual().total().expect("energy") < 1e-9);
+    }
+}
+
+#[test]
+fn with_damping_load_and_shaking_the_ledger_closes() {
+    for (step, contact) in [
+        (1e-6, AnyContact::ResidualFlexibility),
+        (1e-5, AnyContact::ResidualFlexibility),
+        (1e-6, AnyContact::DisplacementConstraint),
+        (1e-6, AnyContact::Restitution(Restitution { coefficient: 0.5 })),
+    ] {
+        for coupling in [AnyCoupling::TwoWay, AnyCoupling::OneWay] {
+            let parameters = Parameters { contact, coupling, ..baseline::<f64>() };
+            let scene = parameters.build::<6, 2>().expect("valid");
+            let stepper = Stepper::new(scene, step, step.max(2e-5));
+            let excitation = shaking();
+            let mut state = scene.start(&Start::default(), &excitation).expect("valid");
+            let mut ledger = ModalLedger::open(&scene, &state);
+            stepper.advance(&mut state, &excitation, seconds(0.05), u32::MAX, &mut ledger).expect("runs");
+            let residual = ledger.residual().larger().expect("work");
+            assert!(residual < 1e-10, "{step} {contact:?} {coupling:?}: {residual}");
+            assert!(ledger.base_work() > 0.0 && ledger.damped() > 0.0);
+            if contact != AnyContact::DisplacementConstraint {
+                assert!(ledger.lost_in_contact() >= -1e-12 * ledger.base_work());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_long_step_is_only_taken_where_no_contact_can_be() {
+    // The same run with long steps and without touches at the same times.
+    let scene = baseline::<f64>().build::<10, 10>().expect("valid");
+    let excitation = shaking();
+    let run = |long: f64| {
+        let stepper = Stepper::new(scene, 5e-7, long);
+        let mut state = scene.start(&Start::default(), &excitation).expect("valid");
+        let mut touches = Touches::default();
+        let advance =
+            stepper.advance(&mut state, &excitation, seconds(5e-3), u32::MAX, &mut touches).expect("runs");
+        (touches.at, advance.work.steps)
+    };
+    let ((every, many), (few_at, few)) = (run(5e-7), run(2e-5));
+    assert!(few * 2 < many, "{few} {many}");
+    assert!(every.len() >= 3);
+    for (a, b) in every.iter().zip(&few_at).take(3) {
+        assert!((a - b).abs() < 2e-7, "{a} {b}");
+    }
+    // Published: the first contact with ten and ten modes.
+    assert!((every[0] - 3.306_545_404e-3).abs() < 5e-7);
+}
+
+#[test]
+fn bits_do_not_depend_on_capacity_budget_or_run_time_choice() {
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    struct Fixed;
+    impl Parts<f32> for Fixed {
+        type Load = Resistor<f32>;
+        type Coupling = TwoWay;
+        type Contact = ResidualFlexibility;
+    }
+    let any = baseline::<f32>();
+    let fixed = Parameters::<f32, Fixed> {
+        beam_length: any.beam_length,
+        beam_width: any.beam_width,
+        substrate: any.substrate,
+        piezo: any.piezo,
+        piezo_d31: any.piezo_d31,
+        piezo_permittivity: any.piezo_permittivity,
+        damping_ratio: any.damping_ratio,
+        stop: any.stop,
+        load: Resistor { ohms: 1e6 },
+        coupling: TwoWay,
+        contact: ResidualFlexibility,
+    };
+    let excitation = shaking::<f32>();
+    let exact = Stepper::new(fixed.build::<4, 1>().expect("valid"), 2e-6, 5e-5);
+    let roomy = Stepper::new(any.build_first::<10, 10>(4, 1).expect("valid"), 2e-6, 5e-5);
+    let mut one = exact.scene().start(&Start::default(), &excitation).expect("valid");
+    let mut other = roomy.scene().start(&Start::default(), &excitation).expect("valid");
+    exact.advance(&mut one, &excitation, seconds(0.03), u32::MAX, &mut ()).expect("runs");
+    while other.clock < seconds(0.03) {
+        roomy.advance(&mut other, &excitation, seconds(0.03), 50, &mut ()).expect("runs");
+    }
+    assert_eq!(one.beam[..], other.beam[..4]);
+    assert_eq!(one.rod[..], other.rod[..1]);
+    assert_eq!(exact.scene().voltage(&one), roomy.scene().voltage(&other));
+    assert_eq!(other.beam[4..], [[0.0; 2]; 6]);
+}
+
+#[test]
+fn without_a_stop_nothing_of_it_is_there() {
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    struct Free;
+    impl Parts<f64> for Free {
+        type Load = Resistor<f64>;
+        type Coupling = OneWay;
+        type Contact = NoStop;
+    }
+    let with = size_of::<Stepper<f64, AnyParts, 4, 10>>();
+    assert!(size_of::<Stepper<f64, Free, 4, 0>>() < with / 2);
+    assert!(size_of::<model_core::scene::bump_stop::State<f64, 4, 0>>() <= 4 * 16 + 64);
+}
+
+#[test]
+fn impacts_and_closed_contacts_make_no_energy() {
+    let mut parameters = baseline::<f64>();
+    parameters.damping_ratio = 0.0;
+    parameters.load.ohms = f64::INFINITY;
+    parameters.stop.gap = 0.0;
+    struct Highest<'a, const B: usize, const R: usize>(&'a BumpStop<f64, AnyParts, B, R>, f64, u32);
+    impl<const B: usize, const R: usize> ModalObserver<f64, B, R> for Highest<'_, B, R> {
+        fn step(&mut self, span: &ModalSpan<'_, f64, B, R>) {
+            self.1 = self.1.max(self.0.stored_energy(span.end).iter().sum());
+            self.2 += u32::from(span.force > 0.0);
+        }
+    }
+    for coefficient in [0.0, 0.5, 1.0] {
+        for (step, short_rod) in [(1e-6, false), (1e-5, false), (1e-6, true)] {
+            parameters.contact = AnyContact::Restitution(Restitution { coefficient });
+            // A short thin rod: its modes turn many times in a step.
+            (parameters.stop.length, parameters.stop.section) =
+                if short_rod { (2e-3, 1e-6) } else { (0.02, 4e-6) };
+            let scene = parameters.build::<10, 10>().expect("valid");
+            let stepper = Stepper::new(scene, step, step);
+            let mut start = Start::default();
+            start.beam[0] = [-30e-6 / 31.974_430_7, 0.0];
+            let mut state = scene.start(&start, &Silence).expect("valid");
+            let before: f64 = scene.stored_energy(&state).iter().sum();
+            let mut highest = Highest(&scene, before, 0);
+            stepper.advance(&mut state, &Silence, seconds(5e-3), u32::MAX, &mut highest).expect("runs");
+            assert!(highest.1 < before * (1.0 + 1e-9), "{coefficient} {step}: {}", highest.1 / before);
+        }
+    }
+}
+
+#[test]
+fn a_constrained_contact_is_counted_once() {
+    let mut parameters = baseline::<f64>();
+    parameters.contact = AnyContact::DisplacementConstraint;
+    let scene = parameters.build::<6, 2>().expect("valid");
+    let stepper = Stepper::new(scene, 1e-6, 1e-6);
+    let excitation = shaking();
+    let mut state = scene.start(&Start::default(), &excitation).expect("valid");
+    struct Intervals(u32, bool);
+    impl ModalObserver<f64, 6, 2> for Intervals {
+        fn step(&mut self, span: &ModalSpan<'_, f64, 6, 2>) {
+            let touches = span.force > 0.0;
+            self.0 += u32::from(touches && !self.1);
+            self.1 = touches;
+        }
+    }
+    let mut intervals = Intervals(0, false);
+    let mut meter = ModalMeter::new(&scene);
+    let observer = &mut (&mut intervals, &mut meter);
+    stepper.advance(&mut state, &excitation, seconds(12e-3), u32::MAX, observer).expect("runs");
+    assert!(intervals.0 > 10);
+    assert_eq!(meter.contacts(), intervals.0);
+}
+
+#[test]
+fn a_run_with_impacts_resumes_with_the_same_bits() {
+    let mut parameters = baseline::<f32>();
+    parameters.contact = AnyContact::Restitution(Restitution { coefficient: 0.3 });
+    let scene = parameters.build::<6, 1>().expect("valid");
+    let stepper = Stepper::new(scene, 1e-6, 2e-5);
+    let excitation = shaking::<f32>();
+    let mut whole = scene.start(&Start::default(), &excitation).expect("valid");
+    let mut divided = whole;
+    let advance = stepper.advance(&mut whole, &excitation, seconds(0.02), u32::MAX, &mut ()).expect("runs");
+    assert!(advance.work.events > 20);
+    while divided.clock < seconds(0.02) {
+        stepper.advance(&mut divided, &excitation, seconds(0.02), 1, &mut ()).expect("runs");
+    }
+    assert_eq!(whole, divided);
+}
+
+#[test]
+fn parameters_out_of_bounds_and_starts_in_penetration_are_named() {
+    let refused = |change: fn(&mut Parameters<f64, AnyParts>)| {
+        let mut changed = baseline();
+        change(&mut changed);
+        changed.build::<2, 1>().err().map(|error| error.field)
+    };
+    assert_eq!(refused(|_| ()), None);
+    assert_eq!(refused(|p| p.beam_length = 0.0), Some("beam_length"));
+    assert_eq!(refused(|p| p.substrate.density = f64::NAN), Some("substrate_density"));
+    assert_eq!(refused(|p| p.damping_ratio = 1.0), Some("damping_ratio"));
+    assert_eq!(refused(|p| p.stop.position = 0.06), Some("stop.position"));
+    assert_eq!(refused(|p| p.stop.gap = -1e-9), Some("stop.gap"));
+    assert_eq!(refused(|p| p.load.ohms = -1.0), Some("resistance"));
+    let elastic = |p: &mut Parameters<f64, AnyParts>| {
+        p.contact = AnyContact::Restitution(Restitution { coefficient: 1.1 });
+    };
+    assert_eq!(refused(elastic), Some("restitution"));
+    let scene = baseline::<f64>().build::<2, 1>().expect("valid");
+    let mut start = Start::default();
+    start.beam[0][0] = 1e-6;
+    let error = scene.start(&start, &Silence).expect_err("inside the stop");
+    assert_eq!(error.field, "penetration at the start");
+}

@@ -1,0 +1,62 @@
+//! A fast circuit in single precision: the rounding of the charge, divided by a step, is the noise of its
+//! current, and must not shorten the step.
+
+use model_core::clock::Instant;
+use model_core::excitation::Sine;
+use model_core::hybrid::{Driver, Ended};
+use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::part::load::AnyLoad;
+use model_core::scalar::{Mathematics, Polynomial, Scalar};
+use model_core::scene::sliding::{
+    AnyForceLaw, AnyLateralForce, AnyParts, AnyStickCharge, Parameters, PatchFriction, Start,
+};
+
+/// Attempted steps of a slider with 1 Ω, 20 µC/m² and little friction, shaken at `hertz` for `seconds`.
+fn attempts<S: Scalar>(acceleration: f64, hertz: f64, seconds: f64) -> u32
+where
+    Polynomial: Mathematics<S>,
+{
+    let number = S::literal;
+    let parameters = Parameters::<S, AnyParts> {
+        beam_length: number(0.1),
+        beam_width: number(0.02),
+        beam_thickness: number(5e-4),
+        young_modulus: number(210e9),
+        density: number(7800.0),
+        damping_ratio: number(0.0035),
+        slider_mass: number(8e-3),
+        patch_radius: number(0.01),
+        friction: PatchFriction {
+            static_active: number(0.06),
+            static_inert: number(0.06),
+            kinetic_active: number(0.05),
+            kinetic_inert: number(0.04),
+        },
+        dielectric_thickness: number(5e-5),
+        relative_permittivity: number(2.0),
+        charge_density: number(20e-6),
+        load: AnyLoad { ohms: S::ONE },
+        force_law: AnyForceLaw::TransferredCharge,
+        sticking: AnyStickCharge::Frozen,
+        lateral_force: AnyLateralForce::None,
+    };
+    let scene = parameters.build().expect("in bounds");
+    let sine = Sine::<S>::new(number(acceleration), number(hertz), S::ZERO).expect("valid");
+    let driver = Driver::new(TrBdf2, Adaptive::new(number(1e-4)));
+    let mut state = scene.start::<_, _, 1>(&Start::default(), &sine, &driver.control).expect("in bounds");
+    let end = Instant::from_seconds(seconds).expect("a time");
+    // Ten times what double precision takes for the longest.
+    let advance = driver.advance(&scene, &mut state, &sine, end, 200_000, &mut ()).expect("runs");
+    assert_eq!(advance.ended, Ended::Finished, "{hertz} Hz: at {} s", state.clock.seconds::<f64>());
+    advance.work.steps + advance.work.rejected + advance.work.locating
+}
+
+#[test]
+fn single_precision_takes_no_more_steps_than_double() {
+    for (acceleration, hertz, seconds) in [(300.0, 1e4, 1e-3), (60.0, 1e3, 0.02), (30.0, 0.01, 2.0)] {
+        let single = attempts::<f32>(acceleration, hertz, seconds);
+        let double = attempts::<f64>(acceleration, hertz, seconds);
+        println!("{hertz} Hz: {single} attempts in single precision, {double} in double");
+        assert!(single <= double, "{hertz} Hz: {single} attempts in single precision, {double} in double");
+    }
+}
