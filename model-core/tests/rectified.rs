@@ -127,8 +127,7 @@ where
     E: Excitation<S>,
     O: Observer<S, Mode<<H as Automaton<S, 3, 0>>::Mode>, STATES, WHOLE>,
 {
-    let mut state =
-        scene.start::<_, _, WHOLE>(start, shaking, &driver.control).expect("in bounds");
+    let mut state = scene.start::<_, _, WHOLE>(start, shaking, &driver.control).expect("in bounds");
     let end = Instant::from_seconds(seconds).expect("in range");
     driver.advance(scene, &mut state, shaking, end, u32::MAX, observer).expect("runs");
     state
@@ -190,16 +189,50 @@ fn explore() {
     for tolerance in [1e-4, 1e-5, 1e-6, 1e-7] {
         let driver = Driver::new(TrBdf2, adaptive(tolerance));
         let mut meter = RunMeter::new(&pad);
-        let mut state = pad.start::<_, _, WHOLE>(&contact::Start::default(), &sine(0.2, 20.0), &driver.control).unwrap();
-        let a = driver.advance(&pad, &mut state, &sine(0.2, 20.0), Instant::from_whole_seconds(10), u32::MAX, &mut meter).unwrap();
-        println!("{tolerance:e}: {:?} V {:.9} E {:.9e} impacts {} peak {:?}", a.work, pad.store_voltage(state.mode, &state.point.state), meter.delivered_energy(), meter.impacts(), meter.coordinate());
+        let mut state =
+            pad.start::<_, _, WHOLE>(&contact::Start::default(), &sine(0.2, 20.0), &driver.control).unwrap();
+        let a = driver
+            .advance(
+                &pad,
+                &mut state,
+                &sine(0.2, 20.0),
+                Instant::from_whole_seconds(10),
+                u32::MAX,
+                &mut meter,
+            )
+            .unwrap();
+        println!(
+            "{tolerance:e}: {:?} V {:.9} E {:.9e} impacts {} peak {:?}",
+            a.work,
+            pad.store_voltage(state.mode, &state.point.state),
+            meter.delivered_energy(),
+            meter.impacts(),
+            meter.coordinate()
+        );
     }
     let slider = behind(slider::<f64>(f64::INFINITY), store(1e-7, 1.0), 0.3);
     for tolerance in [1e-4, 1e-5, 1e-6, 1e-7] {
         let driver = Driver::new(TrBdf2, adaptive(tolerance));
         let mut meter = RunMeter::new(&slider);
-        let mut state = slider.start::<_, _, WHOLE>(&sliding::Start::default(), &sine(0.36, 18.373), &driver.control).unwrap();
-        let a = driver.advance(&slider, &mut state, &sine(0.36, 18.373), Instant::from_whole_seconds(10), u32::MAX, &mut meter).unwrap();
-        println!("{tolerance:e}: {:?} V {:.9} E {:.9e} peak {:?}", a.work, slider.store_voltage(state.mode, &state.point.state), meter.delivered_energy(), meter.coordinate());
+        let mut state = slider
+            .start::<_, _, WHOLE>(&sliding::Start::default(), &sine(0.36, 18.373), &driver.control)
+            .unwrap();
+        let a = driver
+            .advance(
+                &slider,
+                &mut state,
+                &sine(0.36, 18.373),
+                Instant::from_whole_seconds(10),
+                u32::MAX,
+                &mut meter,
+            )
+            .unwrap();
+        println!(
+            "{tolerance:e}: {:?} V {:.9} E {:.9e} peak {:?}",
+            a.work,
+            slider.store_voltage(state.mode, &state.point.state),
+            meter.delivered_energy(),
+            meter.coordinate()
+        );
     }
 }
