@@ -6,12 +6,16 @@
 //! exactly instead.
 
 mod base;
+mod bridge;
 mod bump_stop;
 mod cantilever;
 mod contact_separation;
 mod effort;
+mod integrals;
+mod recorder;
 mod root;
 mod sliding;
+mod store;
 
 pub(crate) use self::base::{Base, LocalBase};
 pub(crate) use self::bump_stop::BumpStopModes;

@@ -7,11 +7,12 @@ mod physics;
 
 use std::time::Instant;
 
-use self::flight::{Accuracy, fly};
+use self::flight::{Accuracy, Event, fly};
 use self::hold::Hold;
 use self::measure::Meters;
 use self::physics::{Motion, Physics};
 use super::base::Base;
+use super::bridge::Bridge;
 use super::effort::Effort;
 use super::{ReferenceOptions, StepFailure};
 use crate::outcome::{Outcome, Particular};
@@ -43,6 +44,7 @@ pub(super) fn run(
             gap: parameters.initial_gap_m,
             velocity: parameters.initial_gap_m * angular_frequency,
             voltage: physics.voltage_scale(&start, angular_frequency),
+            bridge: Bridge::default(),
         },
         time: 1.0 / angular_frequency,
     };
@@ -54,6 +56,7 @@ pub(super) fn run(
         && motion.velocity == 0.0
         && physics.contact_force(&motion, base.from(0.0).at(0.0)) > 0.0
     {
+        physics.come_to_rest(&mut motion);
         Mode::Held
     } else {
         Mode::Free
@@ -90,22 +93,27 @@ pub(super) fn run(
                 })?;
                 meters.add(&landing.integrals);
                 motion = landing.motion;
-                if landing.impact {
-                    let held = rebound(
-                        &physics,
-                        &mut motion,
-                        local_base.at(landing.elapsed),
-                        &mut meters,
-                        time + landing.elapsed,
-                    );
-                    mode = if held { Mode::Held } else { Mode::Free };
+                match landing.event {
+                    None => {}
+                    Some(Event::Switch(switch)) => meters.add(&physics.switch(switch, &mut motion)),
+                    Some(Event::Impact) => {
+                        let acceleration = local_base.at(landing.elapsed);
+                        let at = time + landing.elapsed;
+                        if rebound(&physics, &mut motion, acceleration, &mut meters, at) {
+                            mode = Mode::Held;
+                            meters.add(&physics.come_to_rest(&mut motion));
+                        } else {
+                            meters.add(&physics.settle(&mut motion));
+                        }
+                    }
                 }
-                (landing.elapsed, landing.impact)
+                (landing.elapsed, landing.event.is_some())
             }
             Mode::Held => {
                 let hold = Hold { physics: &physics, base: &local_base, start: motion };
-                let release = hold.release(span);
-                let elapsed = release.unwrap_or(span);
+                let switch = hold.switch(span);
+                let release = hold.release(switch.map_or(span, |(at, _)| at));
+                let elapsed = release.or(switch.map(|(at, _)| at)).unwrap_or(span);
                 meters.watch_hold(time, elapsed, &hold).map_err(|error| StepFailure {
                     reason: error.to_string(),
                     time_s: time,
@@ -114,8 +122,11 @@ pub(super) fn run(
                 motion = hold.motion(elapsed);
                 if release.is_some() {
                     mode = Mode::Free;
+                    meters.add(&physics.settle(&mut motion));
+                } else if let Some((_, switch)) = switch {
+                    meters.add(&physics.switch_at_rest(switch, &mut motion));
                 }
-                (elapsed, release.is_some())
+                (elapsed, release.is_some() || switch.is_some())
             }
         };
         time = if event { (time + elapsed).min(whole) } else { whole };
@@ -154,7 +165,7 @@ pub(super) fn run(
         events,
         wall_s: began.elapsed().as_secs_f64(),
         particular: Particular::ContactSeparation(totals.particular),
-        store: None,
+        store: totals.store,
         steady_state: None,
         trace: totals.recording,
     })
@@ -175,7 +186,7 @@ fn rebound(physics: &Physics, motion: &mut Motion, base: f64, meters: &mut Meter
 }
 
 fn describe(motion: &Motion) -> String {
-    let Motion { gap, velocity, voltage } = motion;
+    let Motion { gap, velocity, voltage, .. } = motion;
     format!("gap {gap:e} m, velocity {velocity:e} m/s, voltage {voltage:e} V")
 }
 

@@ -80,7 +80,11 @@ pub(super) fn run(
     let mut effort = Effort::default();
     let (mut time, mut events) = (0.0, 0u64);
     let mut mode = if motion.velocity == 0.0 {
-        at_rest(&physics, &mut motion, base.from(0.0).at(0.0))
+        let mode = at_rest(&physics, &mut motion, base.from(0.0).at(0.0));
+        if mode == Mode::Stick {
+            meters.add(&physics.come_to_rest(&mut motion));
+        }
+        mode
     } else {
         let direction = motion.velocity.signum();
         set_out(&mut motion, direction);
@@ -125,11 +129,19 @@ pub(super) fn run(
                         mode = at_rest(&physics, &mut motion, local_base.at(end.elapsed));
                         if mode == Mode::Stick {
                             meters.stick();
+                            meters.add(&physics.come_to_rest(&mut motion));
+                        } else {
+                            meters.add(&physics.settle(&mut motion));
                         }
+                    }
+                    Some(Event::Switch(switch)) => {
+                        events += 1;
+                        meters.add(&physics.switch(switch, &mut motion));
                     }
                     Some(Event::Middle) => {
                         motion.displacement = 0.0;
                         motion.side = -motion.side;
+                        meters.add(&physics.settle(&mut motion));
                     }
                     Some(Event::End) => {
                         return Err(StepFailure {
@@ -148,8 +160,9 @@ pub(super) fn run(
             }
             Mode::Stick => {
                 let stick = Stick { physics: &physics, base: &local_base, start: motion };
-                let given_way = stick.release(span);
-                let elapsed = given_way.unwrap_or(span);
+                let switch = stick.switch(span);
+                let given_way = stick.release(switch.map_or(span, |(at, _)| at));
+                let elapsed = given_way.or(switch.map(|(at, _)| at)).unwrap_or(span);
                 meters.watch_stick(time, elapsed, &stick).map_err(|error| StepFailure {
                     reason: error.to_string(),
                     time_s: time,
@@ -159,8 +172,12 @@ pub(super) fn run(
                 if given_way.is_some() {
                     events += 1;
                     mode = release(&physics, &mut motion, local_base.at(elapsed));
+                    meters.add(&physics.settle(&mut motion));
+                } else if let Some((_, switch)) = switch {
+                    events += 1;
+                    meters.add(&physics.switch_at_rest(switch, &mut motion));
                 }
-                (elapsed, given_way.is_some())
+                (elapsed, given_way.is_some() || switch.is_some())
             }
         };
         time = if cut { (time + elapsed).min(whole) } else { whole };
@@ -198,7 +215,7 @@ pub(super) fn run(
         events,
         wall_s: began.elapsed().as_secs_f64(),
         particular: Particular::Sliding(totals.particular),
-        store: None,
+        store: totals.store,
         steady_state: None,
         trace: totals.recording,
     })

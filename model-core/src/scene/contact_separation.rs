@@ -34,6 +34,7 @@ mod followed;
 mod force_law;
 mod parameters;
 mod start;
+mod terminals;
 
 pub use crate::scene::coupled::ModeFactor;
 pub use automaton::Mode;

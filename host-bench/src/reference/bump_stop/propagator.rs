@@ -15,7 +15,7 @@ pub(super) const DIGITS: u32 = 40;
 pub(super) const WHOLE: u64 = 1 << DIGITS;
 
 /// Number of quadratic forms that are integrated.
-pub(super) const FORMS: usize = 6;
+pub(super) const FORMS: usize = 10;
 
 /// Terms of the series at the shortest step, whose norm is at most 2⁻⁸.
 const TERMS: u32 = 8;

@@ -9,16 +9,18 @@
 //! C v' = Σ θ_i r_i' − v / R
 //! ```
 //!
-//! The coordinates are scaled so that half their square is energy: `ω r`, `r'`, `Ω q`, `q'`, `√C v`. Behind
-//! them stand a constant 1 and the generators of the base acceleration: sine and cosine of each tone, and a
-//! straight line. In each state of contact the force is a row times the whole vector, so the vector obeys
-//! `y' = A y` and is propagated exactly.
+//! The coordinates are scaled so that half their square is energy: `ω r`, `r'`, `Ω q`, `q'`, `√C v`, and
+//! `√C_s V_s` of a store. Behind them stand a constant 1, the generators of the base acceleration (sine and cosine
+//! of each tone, and a straight line) and that of a constant power. In each state of contact the force is a row
+//! times the whole vector, and in each of the circuit so is every current, so the vector obeys `y' = A y` and is
+//! propagated exactly.
 
 use nalgebra::DMatrix;
 
 use super::modes::BumpStopModes;
 use crate::reference::base::LocalBase;
-use crate::scene_file::{BumpStop, BumpStopStart, Contact, Coupling, Load};
+use crate::reference::store::Store;
+use crate::scene_file::{BumpStop, BumpStopStart, Contact, Coupling, Draw, Load};
 
 /// Places of the quantities in the vector.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +28,7 @@ pub(super) struct Layout {
     beam: usize,
     rod: usize,
     tones: usize,
+    has_power: bool,
 }
 
 impl Layout {
@@ -54,9 +57,14 @@ impl Layout {
         2 * (self.beam + self.rod)
     }
 
+    /// Scaled voltage of the store.
+    pub(super) fn store(&self) -> usize {
+        self.voltage() + 1
+    }
+
     /// The constant 1.
     pub(super) fn one(&self) -> usize {
-        self.voltage() + 1
+        self.store() + 1
     }
 
     /// The straight line of the base acceleration and its slope.
@@ -69,6 +77,12 @@ impl Layout {
         [self.one() + 3 + 2 * tone, self.one() + 4 + 2 * tone]
     }
 
+    /// Current in A of a draw of constant power, as a straight line, and its slope.
+    pub(super) fn draw(&self) -> [usize; 2] {
+        let after = self.one() + 3 + 2 * self.tones;
+        [after, after + 1]
+    }
+
     /// Scaled displacement and velocity of each mode, the beam's first, and the scaled voltage.
     pub(super) fn by_mode(&self, vector: &[f64]) -> Vec<f64> {
         let beam = (0..self.beam).map(|mode| [self.beam(mode), self.beam_rate(mode)]);
@@ -78,7 +92,8 @@ impl Layout {
 
     /// Length of the vector.
     pub(super) fn size(&self) -> usize {
-        self.one() + 3 + 2 * self.tones
+        let [draw, _] = self.draw();
+        draw + if self.has_power { 2 } else { 0 }
     }
 }
 
@@ -104,7 +119,7 @@ pub(super) fn value(row: &[f64], vector: &[f64]) -> f64 {
 pub(super) struct System {
     pub(super) modes: BumpStopModes,
     pub(super) layout: Layout,
-    /// Without contact.
+    /// Without contact, the terminals on a resistor or open behind a bridge that blocks; nothing of a store.
     pub(super) free: DMatrix<f64>,
     /// How a force of 1 N in the contact moves the vector.
     pub(super) push: Row,
@@ -116,8 +131,14 @@ pub(super) struct System {
     pub(super) stop_point: Row,
     /// Displacement in m of the rod's face.
     pub(super) face: Row,
+    /// Rate of the penetration in m/s.
+    pub(super) gap_rate: Row,
     /// Voltage in V.
     pub(super) voltage: Row,
+    /// What stands behind a bridge.
+    pub(super) store: Option<Store>,
+    /// Voltage of the store in V; zero weights without one.
+    pub(super) store_voltage: Row,
     /// Base acceleration in m/s².
     pub(super) base: Row,
     /// `−(Σ γ r' + Σ g q')`: base power over base acceleration, in N·s.
@@ -139,7 +160,9 @@ impl System {
         let parameters = &model.parameters;
         let modes = BumpStopModes::new(parameters, model.stop.as_ref());
         let tones: Vec<[f64; 3]> = base.sines().collect();
-        let layout = Layout { beam: modes.beam.len(), rod: modes.rod.len(), tones: tones.len() };
+        let store = Store::of(load);
+        let has_power = store.is_some_and(|store| matches!(store.draw, Draw::Power { .. }));
+        let layout = Layout { beam: modes.beam.len(), rod: modes.rod.len(), tones: tones.len(), has_power };
         let size = layout.size();
         let row = || vec![0.0; size];
         let damping_ratio = parameters.damping_ratio;
@@ -202,18 +225,30 @@ impl System {
             }
             free[(electric, electric)] = -conductance / modes.capacitance;
         }
+        let mut store_voltage = row();
+        if let Some(store) = &store {
+            let is_bus = store.capacitance.is_infinite();
+            store_voltage[layout.store()] = if is_bus { 1.0 } else { store.capacitance.sqrt().recip() };
+        }
+        if has_power {
+            let [draw, slope] = layout.draw();
+            free[(draw, slope)] = 1.0;
+        }
         gap[layout.one()] = model.stop.as_ref().map_or(0.0, |stop| -stop.gap_m);
         let mobility = push.iter().map(|weight| weight * weight).sum();
         Self {
             modes,
             layout,
-            free,
             push,
+            gap_rate: Self::rate(&gap, &free),
+            free,
             gap,
             tip,
             stop_point,
             face,
             voltage,
+            store,
+            store_voltage,
             base: acceleration,
             base_lever,
             damping,
@@ -241,7 +276,30 @@ impl System {
             vector[electric] = from.voltage_v / self.voltage[electric];
         }
         vector[layout.one()] = 1.0;
+        if let Some(store) = &self.store {
+            // A bridge that finds more than its threshold conducts at once, and nothing holds the charge up.
+            let excess = (from.voltage_v.abs() - store.initial - store.drop).max(0.0);
+            let rise = excess * modes.capacitance / (modes.capacitance + store.capacitance);
+            let voltage = if excess > 0.0 {
+                (store.initial + store.drop + rise).copysign(from.voltage_v)
+            } else {
+                from.voltage_v
+            };
+            vector[electric] = voltage / self.voltage[electric];
+            let place = layout.store();
+            vector[place] = (store.initial + rise) / self.store_voltage[place];
+        }
         vector
+    }
+
+    /// Sets the generator of a constant power to the tangent to `P/V_s`, in a regime in which the voltage of the
+    /// store has this row of rates.
+    pub(super) fn set_draw(&self, vector: &mut [f64], power: f64, store_rate: &[f64]) {
+        let [draw, slope] = self.layout.draw();
+        let voltage = value(&self.store_voltage, vector);
+        vector[draw] = power / voltage;
+        vector[slope] = 0.0;
+        vector[slope] = -power / (voltage * voltage) * value(store_rate, vector);
     }
 
     /// Sets the generators to the base acceleration from its local origin on.
@@ -278,6 +336,11 @@ impl System {
                 acceleration.iter().map(|weight| weight / self.mobility).collect()
             }
         }
+    }
+
+    /// Energy in J of the store.
+    pub(super) fn stored(&self, vector: &[f64]) -> f64 {
+        self.store.map_or(0.0, |store| store.energy(value(&self.store_voltage, vector)))
     }
 
     /// Energy in J of beam and rod, and that of the charge.

@@ -3,6 +3,7 @@
 mod contact;
 mod linear;
 mod statistics;
+mod store;
 
 use super::{Event, run_watched};
 use crate::outcome::{BumpStopOutcome, Outcome, Particular};

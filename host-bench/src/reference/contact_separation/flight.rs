@@ -14,28 +14,13 @@ use diffsol::{
 
 use super::physics::{Motion, Physics};
 use crate::reference::base::LocalBase;
+use crate::reference::bridge::{Bridge, Lookout, Switch, earlier, instants};
 use crate::reference::effort::{Effort, one_line};
+use crate::reference::integrals::{ALL, Integrals, WITHOUT_BRIDGE};
 use crate::reference::root::far_side;
 
 type Matrix = NalgebraMat<f64>;
 type Factors = NalgebraLU<f64>;
-
-/// Integrals over time that the integrator carries beside the motion.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Integrals {
-    /// `∫ V² dt` in V² s.
-    pub(super) voltage_squared: f64,
-    /// `∫ V dt` in V s.
-    pub(super) voltage: f64,
-    /// `∫ −m a v dt` in J: work of the base on the mass.
-    pub(super) base_work: f64,
-    /// `∫ c v² dt` in J: loss in the damper.
-    pub(super) damper_loss: f64,
-    /// `∫ F_e v dt` in J: work against the electrostatic force.
-    pub(super) force_work: f64,
-    /// `∫ F_field v dt` in J: the same for the force that conserves energy.
-    pub(super) field_work: f64,
-}
 
 /// Newton iterations of one step that may fail before the flight does.
 const MOST_FAILURES: usize = 50;
@@ -43,40 +28,21 @@ const MOST_FAILURES: usize = 50;
 /// Steps within which a flight must get on.
 const STALL: u64 = 100_000;
 
-/// Number of [`Integrals`].
-const INTEGRALS: usize = 6;
-
-impl Integrals {
-    /// The integrands, in the order of the fields.
-    fn rates(physics: &Physics, motion: &Motion, base: f64) -> [f64; INTEGRALS] {
-        let voltage = physics.voltage(motion);
-        [
-            voltage * voltage,
-            voltage,
-            -physics.mass * base * motion.velocity,
-            physics.damper_power(motion),
-            physics.force(motion) * motion.velocity,
-            physics.field_force(motion) * motion.velocity,
-        ]
-    }
-
-    fn of(values: &[f64]) -> Self {
-        match *values {
-            [voltage_squared, voltage, base_work, damper_loss, force_work, field_work] => {
-                Self { voltage_squared, voltage, base_work, damper_loss, force_work, field_work }
-            }
-            _ => Self::default(),
-        }
-    }
-
-    /// Adds those of a later stretch.
-    pub(super) fn add(&mut self, later: &Self) {
-        self.voltage_squared += later.voltage_squared;
-        self.voltage += later.voltage;
-        self.base_work += later.base_work;
-        self.damper_loss += later.damper_loss;
-        self.force_work += later.force_work;
-        self.field_work += later.field_work;
+/// The integrands.
+fn powers(physics: &Physics, motion: &Motion, base: f64) -> Integrals {
+    let voltage = physics.voltage(motion);
+    let [into_store, diode_loss, leaked, drawn] = physics.store_powers(motion);
+    Integrals {
+        voltage_squared: voltage * voltage,
+        voltage,
+        base_work: -physics.mass * base * motion.velocity,
+        damper_loss: physics.damper_power(motion),
+        surface_work: physics.force(motion) * motion.velocity,
+        field_work: physics.field_force(motion) * motion.velocity,
+        into_store,
+        diode_loss,
+        leaked,
+        drawn,
     }
 }
 
@@ -99,9 +65,14 @@ impl Accuracy {
         let energy = physics.mass * scale.velocity * scale.velocity;
         let electric = scale.gap
             * physics.field_force(&scale).max(physics.force(&scale)).max(1e-12 * energy / scale.gap);
-        let motion = [scale.gap, scale.velocity, scale.voltage];
+        let mut motion = vec![scale.gap, scale.velocity, scale.voltage];
         let squared = scale.voltage * scale.voltage * time;
-        let integrals = [squared, scale.voltage * time, energy, energy, electric, electric];
+        let mut integrals = vec![squared, scale.voltage * time, energy, energy, electric, electric];
+        if let Some(store) = &physics.store {
+            let (gain, energies) = store.scales(physics.charge_scale(), energy);
+            motion.push(gain);
+            integrals.extend(energies);
+        }
         let scaled = |sizes: &[f64]| sizes.iter().map(|size| 1e-2 * relative * size).collect();
         (scaled(&motion), scaled(&integrals))
     }
@@ -121,6 +92,15 @@ pub(super) struct Piece<'a> {
     pub(super) integrals: &'a dyn Fn(f64) -> Result<Integrals, DiffsolError>,
 }
 
+/// What ends a flight before its time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Event {
+    /// The mass hits the dielectric.
+    Impact,
+    /// The bridge or the draw behind it switches.
+    Switch(Switch),
+}
+
 /// How a flight ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Landing {
@@ -130,8 +110,8 @@ pub(super) struct Landing {
     pub(super) motion: Motion,
     /// Integrals over the flight.
     pub(super) integrals: Integrals,
-    /// Whether it ended in an impact; if not, the time was up.
-    pub(super) impact: bool,
+    /// What ended it; `None` if the time was up.
+    pub(super) event: Option<Event>,
 }
 
 /// A failure of the integrator, at a local time and motion.
@@ -142,10 +122,14 @@ pub(super) struct FlightFailure {
     pub(super) reason: String,
 }
 
-fn motion_of(values: &[f64]) -> Motion {
+/// The motion of state variables, in a regime of the bridge.
+fn motion_of(values: &[f64], regime: Bridge) -> Motion {
     match *values {
-        [gap, velocity, voltage] => Motion { gap, velocity, voltage },
-        _ => Motion { gap: f64::NAN, velocity: f64::NAN, voltage: f64::NAN },
+        [gap, velocity, voltage] => Motion { gap, velocity, voltage, bridge: regime },
+        [gap, velocity, voltage, gain] => {
+            Motion { gap, velocity, voltage, bridge: Bridge { gain, ..regime } }
+        }
+        _ => Motion { gap: f64::NAN, velocity: f64::NAN, voltage: f64::NAN, bridge: regime },
     }
 }
 
@@ -166,6 +150,8 @@ pub(super) fn fly(
         move |error: DiffsolError| FlightFailure { elapsed, motion, reason: one_line(&error) }
     };
     let (absolute, out_absolute) = accuracy.absolute(physics);
+    let (states, integrals_count) = if physics.store.is_some() { (4, ALL) } else { (3, WITHOUT_BRIDGE) };
+    let motion_of = |values: &[f64]| motion_of(values, start.bridge);
     let problem = OdeBuilder::<Matrix>::new()
         .rtol(accuracy.relative)
         .atol(absolute)
@@ -173,25 +159,32 @@ pub(super) fn fly(
         .out_atol(out_absolute)
         .rhs_implicit(
             |x: &[f64], _: &[f64], t: f64, rates: &mut [f64]| {
-                rates.copy_from_slice(&physics.rates(&motion_of(x), base.at(t)));
+                let motion = motion_of(x);
+                let [gap, velocity, voltage] = physics.rates(&motion, base.at(t));
+                rates.copy_from_slice(&[gap, velocity, voltage, physics.gain_rate(&motion)][..states]);
             },
             |x: &[f64], _: &[f64], _: f64, change: &[f64], rates: &mut [f64]| {
-                rates.copy_from_slice(&physics.rates_along(&motion_of(x), &motion_of(change)));
+                let (motion, change) = (motion_of(x), motion_of(change));
+                let [gap, velocity, voltage] = physics.rates_along(&motion, &change);
+                let gain = physics.gain_rate_along(&motion, &change);
+                rates.copy_from_slice(&[gap, velocity, voltage, gain][..states]);
             },
         )
         .init(
             |_: &[f64], _: f64, x: &mut [f64]| {
-                x.copy_from_slice(&[start.gap, start.velocity, start.voltage]);
+                let Motion { gap, velocity, voltage, bridge } = start;
+                x.copy_from_slice(&[gap, velocity, voltage, bridge.gain][..states]);
             },
-            3,
+            states,
         )
         .out_implicit(
             |x: &[f64], _: &[f64], t: f64, powers: &mut [f64]| {
-                powers.copy_from_slice(&Integrals::rates(physics, &motion_of(x), base.at(t)));
+                let all = self::powers(physics, &motion_of(x), base.at(t)).to_array();
+                powers.copy_from_slice(&all[..integrals_count]);
             },
             // Asked for in sensitivity runs only.
             |_: &[f64], _: &[f64], _: f64, _: &[f64], change: &mut [f64]| change.fill(0.0),
-            INTEGRALS,
+            integrals_count,
         )
         .integrate_out(true)
         .build()
@@ -202,6 +195,7 @@ pub(super) fn fly(
     solver.set_stop_time(span).map_err(failure(0.0, start))?;
 
     let clearance = 64.0 * f64::EPSILON * physics.initial_gap;
+    let mut lookout = physics.store.as_ref().map(|store| Lookout::new(store, start.bridge, start.voltage));
     let mut armed = start.gap > 0.0 || start.velocity != 0.0;
     let (mut from, mut last) = (0.0, start);
     let mut checked = (0, 0.0);
@@ -216,19 +210,28 @@ pub(super) fn fly(
         }
         let finished = matches!(stop?, OdeSolverStopReason::TstopReached);
         let to = solver.state().t;
-        let scratch = RefCell::new(NalgebraVec::zeros(3, *problem.context()));
+        let scratch = RefCell::new(NalgebraVec::zeros(states, *problem.context()));
         let motion = |t: f64| -> Result<Motion, DiffsolError> {
             let mut scratch = scratch.borrow_mut();
             solver.interpolate_inplace(t, &mut scratch)?;
             Ok(motion_of(scratch.batch_as_slice(0)))
         };
         let integrals = |t: f64| -> Result<Integrals, DiffsolError> {
-            let mut values = NalgebraVec::zeros(INTEGRALS, *problem.context());
+            let mut values = NalgebraVec::zeros(integrals_count, *problem.context());
             solver.interpolate_out_inplace(t, &mut values)?;
             Ok(Integrals::of(values.batch_as_slice(0)))
         };
-        let scan = Scan::new(&motion, from, to, &mut armed, clearance).map_err(failure(from, last))?;
-        let end = scan.impact.unwrap_or(to);
+        let mut scan = Scan::new(&motion, from, to, &mut armed, clearance).map_err(failure(from, last))?;
+        let mut event = scan.impact.map(|at| (at, Event::Impact));
+        if let Some(lookout) = &mut lookout {
+            let at = |t: f64| motion(t).map(|motion| (physics.terminals(&motion), motion.bridge));
+            let switch = lookout
+                .first(&instants(from, event.map_or(to, |(at, _)| at), &scan.turns), &at)
+                .map_err(failure(from, last))?;
+            event = earlier(event, switch.map(|(at, switch)| (at, Event::Switch(switch))), to - from);
+        }
+        let end = event.map_or(to, |(at, _)| at);
+        scan.turns.retain(|turn| *turn < end);
         watch(&Piece { from, to: end, turns: &scan.turns, motion: &motion, integrals: &integrals })
             .map_err(failure(from, last))?;
         last = motion(end).map_err(failure(from, last))?;
@@ -249,15 +252,20 @@ pub(super) fn fly(
             }
             checked = (total.steps, from);
         }
-        if scan.impact.is_some() || finished {
+        if event.is_some() || finished {
             effort.add(&total);
             let integrals = integrals(end).map_err(failure(from, last))?;
-            let impact = scan.impact.is_some();
-            if impact {
+            let event = event.map(|(_, event)| event);
+            if event == Some(Event::Impact) {
                 // Exactly on the dielectric, and not even by rounding on the way out.
                 last = Motion { gap: 0.0, velocity: last.velocity.min(0.0), ..last };
             }
-            return Ok(Landing { elapsed: if impact { end } else { span }, motion: last, integrals, impact });
+            return Ok(Landing {
+                elapsed: if event.is_some() { end } else { span },
+                motion: last,
+                integrals,
+                event,
+            });
         }
     }
 }

@@ -1,13 +1,14 @@
 //! The mass held on the dielectric: everything is in closed form, only the release is searched for.
 //!
 //! With frozen charge nothing changes, and the load is open: it sees no voltage. With relaxing charge
-//! the voltage falls as `exp(−t/τ)`, `τ = R (C(0) + C_p)`.
+//! the voltage falls as `exp(−t/τ)`, `τ = R (C(0) + C_p)`, or as a bridge and its store have it.
 
 use std::convert::Infallible;
 
-use super::flight::Integrals;
 use super::physics::{Circuit, Motion, Physics};
 use crate::reference::base::LocalBase;
+use crate::reference::bridge::{Rest, Switch};
+use crate::reference::integrals::Integrals;
 use crate::reference::root::{far_side, lowest_point};
 use crate::scene_file::StickCharge;
 
@@ -21,19 +22,37 @@ pub(super) struct Hold<'a> {
 }
 
 impl Hold<'_> {
-    /// Whether the voltage relaxes; if not it stays as it is.
+    /// A bridge and its store.
+    fn rest(&self) -> Option<Rest<'_>> {
+        let Motion { voltage, bridge, .. } = self.start;
+        let capacitance = self.physics.terminals(&self.start).capacitance;
+        let store = self.physics.store.as_ref()?;
+        Some(Rest::new(store, bridge, voltage, capacitance, self.physics.stick_charge))
+    }
+
+    /// The first switch behind the terminals within `span` seconds.
+    pub(super) fn switch(&self, span: f64) -> Option<(f64, Switch)> {
+        self.rest()?.switch(span)
+    }
+
+    /// Whether the voltage relaxes through a resistor; if not it stays as it is.
     fn time_constant(&self) -> Option<f64> {
-        (self.physics.stick_charge == StickCharge::Relaxing && self.physics.circuit == Circuit::Dynamic)
-            .then(|| self.physics.closed_time_constant())
+        (self.physics.stick_charge == StickCharge::Relaxing
+            && self.physics.circuit == Circuit::Dynamic
+            && self.physics.store.is_none())
+        .then(|| self.physics.closed_time_constant())
     }
 
     /// The motion at local time `t` in s.
     pub(super) fn motion(&self, t: f64) -> Motion {
+        if let Some(rest) = self.rest() {
+            return Motion { voltage: rest.terminal(t), bridge: rest.bridge(t), ..self.start };
+        }
         let voltage = match self.time_constant() {
             Some(tau) => self.start.voltage * (-t / tau).exp(),
             None => self.start.voltage,
         };
-        Motion { gap: 0.0, velocity: 0.0, voltage }
+        Motion { voltage, ..self.start }
     }
 
     /// The voltage at the terminals of the load in V at local time `t` in s.
@@ -46,6 +65,9 @@ impl Hold<'_> {
 
     /// Integrals over the first `elapsed` seconds.
     pub(super) fn integrals(&self, elapsed: f64) -> Integrals {
+        if let Some(rest) = self.rest() {
+            return rest.integrals(elapsed);
+        }
         let start = self.load_voltage(0.0);
         let (once, twice) = match self.time_constant() {
             // ∫ exp(−t/τ) and ∫ exp(−2t/τ), without cancellation for short times.

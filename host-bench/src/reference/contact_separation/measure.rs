@@ -2,25 +2,20 @@
 
 use diffsol::error::DiffsolError;
 
-use super::flight::{Integrals, Piece};
+use super::flight::Piece;
 use super::hold::Hold;
 use super::physics::{Motion, Physics};
-use crate::outcome::{ContactSeparationOutcome, Recording};
+use crate::outcome::{
+    CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Recording, StoreOutcome, with_store,
+};
 use crate::reference::base::LocalBase;
+use crate::reference::integrals::Integrals;
+use crate::reference::recorder::Recorder;
 use crate::reference::root::far_side;
 use crate::scene_file::{ForceLaw, Scene};
 
-/// Columns of a recording.
-const COLUMNS: [&str; 7] =
-    ["time_s", "gap_m", "velocity_m_per_s", "charge_c", "voltage_v", "base_acceleration_m_per_s2", "stuck"];
-
-/// Rows at equal distances in time.
-#[derive(Debug)]
-struct Recorder {
-    every: f64,
-    next: u64,
-    rows: Vec<Vec<f64>>,
-}
+/// Columns of a recording with a store.
+const WITH_STORE: [&str; 8] = with_store(CONTACT_SEPARATION_COLUMNS);
 
 /// Everything that is summed or compared along a run.
 #[derive(Debug)]
@@ -50,7 +45,7 @@ impl<'a> Meters<'a> {
         let start_energy = [physics.mechanical_energy(start), physics.electrical_energy(start)];
         Self {
             physics,
-            recorder: record_every.map(|every| Recorder { every, next: 0, rows: Vec::new() }),
+            recorder: record_every.map(Recorder::new),
             total: Integrals::default(),
             window: Integrals::default(),
             base_work_magnitude: 0.0,
@@ -82,7 +77,9 @@ impl<'a> Meters<'a> {
     ) -> Result<(), DiffsolError> {
         let ends = [(piece.from, (piece.motion)(piece.from)?), (piece.to, (piece.motion)(piece.to)?)];
         let stored = self.physics.mechanical_energy(&ends[1].1) + self.physics.electrical_energy(&ends[1].1);
-        self.peak_stored_energy = self.peak_stored_energy.max(stored);
+        // Of a store that is not empty at the start, what it has gained or given.
+        let moved = self.store_gain(&ends[1].1).abs();
+        self.peak_stored_energy = self.peak_stored_energy.max(stored + moved);
         // The base's power changes sign twice a period; what one step around that loses is far below
         // what the denominator of a residual asks for.
         let before = (piece.integrals)(piece.from)?.base_work;
@@ -162,42 +159,62 @@ impl<'a> Meters<'a> {
         time: f64,
         at: impl Fn(f64) -> Result<(Motion, f64, f64, f64), DiffsolError>,
     ) -> Result<(), DiffsolError> {
-        let mut recorder = self.recorder.take();
-        if let Some(recorder) = &mut recorder {
-            loop {
-                let due = recorder.next as f64 * recorder.every;
-                // A sample due at the end of the run may be computed as just after it.
-                if due > time * (1.0 + 4.0 * f64::EPSILON) {
-                    break;
-                }
-                let (motion, voltage, base, stuck) = at(due)?;
-                let charge = self.physics.charge(&motion);
-                recorder.rows.push(vec![due, motion.gap, motion.velocity, charge, voltage, base, stuck]);
-                recorder.next += 1;
-            }
+        let Self { recorder: Some(recorder), physics, .. } = self else { return Ok(()) };
+        recorder.until(time, |due| {
+            let (motion, voltage, base, stuck) = at(due)?;
+            let charge = physics.charge(&motion);
+            let mut row = vec![due, motion.gap, motion.velocity, charge, voltage, base, stuck];
+            row.extend(physics.store.map(|store| store.voltage(&motion.bridge)));
+            Ok(row)
+        })
+    }
+
+    /// What a store has gained since the start, in J.
+    fn store_gain(&self, motion: &Motion) -> f64 {
+        self.physics.store.map_or(0.0, |store| store.gained(&motion.bridge))
+    }
+
+    /// What is left over in the ledger of a store in J: what it has gained against what has entered and left.
+    fn store_remainder(&self, end: &Motion) -> f64 {
+        let is_store = self.physics.store.is_some_and(|store| store.capacitance.is_finite());
+        if is_store { self.store_gain(end) - self.total.stored() } else { 0.0 }
+    }
+
+    /// Energy in J into the load: a resistor, or a store or bus behind its diodes.
+    fn delivered(&self, integrals: &Integrals) -> f64 {
+        match self.physics.store {
+            None => self.physics.load_power(integrals.voltage_squared),
+            Some(_) => integrals.into_store,
         }
-        self.recorder = recorder;
-        Ok(())
+    }
+
+    /// What the run has to say about a store.
+    fn store_outcome(&self, end: &Motion) -> Option<StoreOutcome> {
+        let Integrals { diode_loss, leaked, drawn, .. } = self.total;
+        let store = self.physics.store?;
+        Some(store.outcome(store.voltage(&end.bridge), [diode_loss, leaked, drawn]))
     }
 
     /// What is left over in the ledger, over the larger of `∫ |base power| dt` and the peak stored energy.
     ///
     /// Mechanical ledger: energy of mass and spring against the work of the base, the damper, the
     /// electrostatic force and the impacts. Electrical ledger: `d/dt E_el = F_field v − V²/R`, true for
-    /// any motion. Under the force law that conserves energy the two close together; under the other
-    /// one each closes by itself, and the larger remainder counts.
+    /// any motion; behind a bridge, less what enters diodes and store. Under the force law that conserves energy
+    /// the two close together; under the other one each closes by itself, and the larger remainder counts, that
+    /// of a store's own ledger included.
     fn energy_residual(&self, end: &Motion, force_law: ForceLaw) -> Option<f64> {
         let total = &self.total;
         let mechanical = self.physics.mechanical_energy(end)
             - self.start_energy[0]
-            - (total.base_work - total.damper_loss - total.force_work - self.impact_loss);
+            - (total.base_work - total.damper_loss - total.surface_work - self.impact_loss);
         let electrical = self.physics.electrical_energy(end)
             - self.start_energy[1]
-            - (total.field_work - self.physics.load_power(total.voltage_squared));
+            - (total.field_work - self.delivered(total) - total.diode_loss);
         let left = match force_law {
             ForceLaw::GapField => (mechanical + electrical).abs(),
             ForceLaw::TransferredCharge => mechanical.abs().max(electrical.abs()),
         };
+        let left = left.max(self.store_remainder(end).abs());
         let scale = self.base_work_magnitude.max(self.peak_stored_energy);
         (scale > 0.0).then(|| left / scale)
     }
@@ -205,7 +222,8 @@ impl<'a> Meters<'a> {
     /// Closes the books at the motion at the end of the run.
     pub(super) fn close(self, scene: &Scene, force_law: ForceLaw, end: &Motion) -> Totals {
         let window = scene.run.window_s();
-        let delivered = self.physics.load_power(self.window.voltage_squared);
+        let delivered = self.delivered(&self.window);
+        let store = self.store_outcome(end);
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * window);
         Totals {
             energy_residual: self.energy_residual(end, force_law),
@@ -223,7 +241,11 @@ impl<'a> Meters<'a> {
                 first_impact_s: self.first_impact,
                 stuck_fraction: Some(self.stuck / window),
             },
-            recording: self.recorder.map(|recorder| Recording { columns: &COLUMNS, rows: recorder.rows }),
+            store,
+            recording: self.recorder.map(|recorder| Recording {
+                columns: if store.is_some() { &WITH_STORE } else { &CONTACT_SEPARATION_COLUMNS },
+                rows: recorder.rows,
+            }),
         }
     }
 }
@@ -238,5 +260,6 @@ pub(super) struct Totals {
     pub(super) mean_voltage: f64,
     pub(super) peak_voltage: f64,
     pub(super) particular: ContactSeparationOutcome,
+    pub(super) store: Option<StoreOutcome>,
     pub(super) recording: Option<Recording>,
 }

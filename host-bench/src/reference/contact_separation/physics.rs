@@ -14,8 +14,12 @@
 //! V' = [ (σS − q) v − (g + d_e) V / R ] / [ c + C_p (g + d_e) ]
 //! ```
 //!
-//! Nothing here cancels at small `R`, where `V = V_oc − q/C` is a difference of large numbers.
+//! Nothing here cancels at small `R`, where `V = V_oc − q/C` is a difference of large numbers. To a bridge the
+//! harvester is a capacitance `C = c / (g + d_e) + C_p` and a current `j = (σS − q) v / (g + d_e)`.
 
+use crate::reference::bridge::{Bridge, Switch, Terminals};
+use crate::reference::integrals::Integrals;
+use crate::reference::store::Store;
 use crate::scene_file::{
     ContactSeparationParameters, ContactSeparationStart, ForceLaw, Load, Restitution, StickCharge,
 };
@@ -44,7 +48,7 @@ pub(super) enum Circuit {
     },
 }
 
-/// Gap in m, velocity in m/s (opening positive), load voltage in V.
+/// Gap in m, velocity in m/s (opening positive), load voltage in V; and what a bridge does.
 ///
 /// The voltage is a state only in [`Circuit::Dynamic`]; else it stays at zero here and
 /// [`Physics::voltage`] gives it.
@@ -53,6 +57,7 @@ pub(super) struct Motion {
     pub(super) gap: f64,
     pub(super) velocity: f64,
     pub(super) voltage: f64,
+    pub(super) bridge: Bridge,
 }
 
 /// Constants of the equations.
@@ -74,6 +79,8 @@ pub(super) struct Physics {
     /// `1 / R` in S; 0 for an open circuit. Not used where `R` is 0.
     conductance: f64,
     pub(super) circuit: Circuit,
+    /// What stands behind a bridge.
+    pub(super) store: Option<Store>,
     force_law: ForceLaw,
     pub(super) stick_charge: StickCharge,
     restitution: Restitution,
@@ -103,6 +110,7 @@ impl Physics {
             resistance,
             conductance: 1.0 / resistance,
             circuit: Circuit::Dynamic,
+            store: Store::of(load),
             force_law: p.force_law,
             stick_charge: p.stick_charge,
             restitution: p.restitution,
@@ -112,7 +120,9 @@ impl Physics {
         let voltage = start.charge_c.map_or(0.0, |charge| physics.voltage_of_charge(gap, charge));
         let slowest_circuit =
             resistance * (physics.permittivity_area / physics.dielectric + physics.parasitic);
-        if resistance.is_infinite() {
+        if physics.store.is_some() {
+            // While the bridge blocks, the charge of an open circuit, but with the voltage as the state.
+        } else if resistance.is_infinite() {
             let top = physics.top_charge(gap, voltage) + physics.parasitic * voltage;
             let total = physics.charge_at_voltage(gap, voltage) - physics.parasitic * voltage;
             physics.circuit = Circuit::Open { top_charge: top, total_charge: total };
@@ -120,7 +130,81 @@ impl Physics {
             physics.circuit = Circuit::QuasiStatic;
         }
         let voltage = if physics.circuit == Circuit::Dynamic { voltage } else { 0.0 };
-        (physics, Motion { gap, velocity: start.velocity_m_per_s.unwrap_or(0.0), voltage })
+        let bridge = physics.store.map_or(Bridge::default(), |store| store.start());
+        let mut motion = Motion { gap, velocity: start.velocity_m_per_s.unwrap_or(0.0), voltage, bridge };
+        physics.settle(&mut motion);
+        (physics, motion)
+    }
+
+    /// The harvester as a bridge sees it.
+    pub(super) fn terminals(&self, motion: &Motion) -> Terminals {
+        let spacing = motion.gap + self.dielectric;
+        Terminals {
+            voltage: motion.voltage,
+            driven: self.top_charge(motion.gap, motion.voltage) * motion.velocity / spacing,
+            capacitance: self.total_capacitance_length(motion.gap) / spacing,
+        }
+    }
+
+    /// Lets a bridge find its regime after the motion has changed at once; the energies of that.
+    pub(super) fn settle(&self, motion: &mut Motion) -> Integrals {
+        let Some(store) = &self.store else { return Integrals::default() };
+        let (voltage, shared) = store.settle(self.terminals(motion), &mut motion.bridge, 0.0);
+        motion.voltage = voltage;
+        shared
+    }
+
+    /// The same where the motion has come to rest: while the charge is frozen the terminals are open.
+    pub(super) fn come_to_rest(&self, motion: &mut Motion) -> Integrals {
+        match self.stick_charge {
+            StickCharge::Frozen => {
+                motion.bridge.sign = 0.0;
+                Integrals::default()
+            }
+            StickCharge::Relaxing => self.settle(motion),
+        }
+    }
+
+    /// Switches the bridge or the draw behind it; the energies of that.
+    pub(super) fn switch(&self, switch: Switch, motion: &mut Motion) -> Integrals {
+        let Some(store) = &self.store else { return Integrals::default() };
+        let (voltage, shared) = store.switch(switch, self.terminals(motion), &mut motion.bridge);
+        motion.voltage = voltage;
+        shared
+    }
+
+    /// The same at rest: behind open terminals there is the draw only.
+    pub(super) fn switch_at_rest(&self, switch: Switch, motion: &mut Motion) -> Integrals {
+        match (self.stick_charge, switch) {
+            (StickCharge::Frozen, Switch::Draw { connected }) => {
+                motion.bridge.connected = connected;
+                Integrals::default()
+            }
+            _ => self.switch(switch, motion),
+        }
+    }
+
+    /// Rate in V/s of the gain of the store.
+    pub(super) fn gain_rate(&self, motion: &Motion) -> f64 {
+        self.store.map_or(0.0, |store| store.gain_rate(&self.terminals(motion), &motion.bridge))
+    }
+
+    /// Derivative of [`Self::gain_rate`] in the direction of `change`.
+    pub(super) fn gain_rate_along(&self, motion: &Motion, change: &Motion) -> f64 {
+        let Some(store) = &self.store else { return 0.0 };
+        let spacing = motion.gap + self.dielectric;
+        let terminals = self.terminals(motion);
+        let top = self.top_charge(motion.gap, motion.voltage);
+        let top_change = (self.permittivity_area * change.voltage - top * change.gap) / spacing;
+        let driven =
+            (top_change * motion.velocity + top * change.velocity - terminals.driven * change.gap) / spacing;
+        let capacitance = (self.parasitic - terminals.capacitance) * change.gap / spacing;
+        store.gain_rate_along(&terminals, &motion.bridge, [driven, capacitance, change.bridge.gain])
+    }
+
+    /// Powers in W behind a bridge: into the store, into the diodes, leaked, drawn.
+    pub(super) fn store_powers(&self, motion: &Motion) -> [f64; 4] {
+        self.store.map_or([0.0; 4], |store| store.powers(&self.terminals(motion), &motion.bridge))
     }
 
     /// `V_oc − q / C`, equations (12), (24) and (25).
@@ -197,6 +281,8 @@ impl Physics {
             / self.mass
             - base;
         let voltage_rate = match self.circuit {
+            // The terminals follow the store.
+            Circuit::Dynamic if motion.bridge.sign != 0.0 => motion.bridge.sign * self.gain_rate(motion),
             Circuit::Dynamic => {
                 let spacing = motion.gap + self.dielectric;
                 (self.top_charge(motion.gap, motion.voltage) * motion.velocity
@@ -232,6 +318,9 @@ impl Physics {
         let acceleration_change =
             -(self.damping * change.velocity + self.stiffness * change.gap + force_change) / self.mass;
         let voltage_rate_change = match self.circuit {
+            Circuit::Dynamic if motion.bridge.sign != 0.0 => {
+                motion.bridge.sign * self.gain_rate_along(motion, change)
+            }
             Circuit::Dynamic => {
                 let rate = self.rates(motion, 0.0)[2];
                 (top_change * motion.velocity + top * change.velocity
@@ -319,7 +408,13 @@ impl Physics {
         let capacitance = self.permittivity_area / self.initial_gap + self.parasitic;
         // An open circuit shows charge over capacitance, a loaded one less: R times the current.
         let driven = (charge / capacitance).min(self.resistance * angular_frequency * charge);
+        let driven = self.store.map_or(driven, |store| store.voltage_scale(driven, charge));
         driven.max(self.voltage(start).abs()).max(1e-60)
+    }
+
+    /// A charge in C of the size that passes the terminals, for tolerances.
+    pub(super) fn charge_scale(&self) -> f64 {
+        self.tribo_charge
     }
 }
 

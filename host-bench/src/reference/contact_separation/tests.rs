@@ -2,6 +2,7 @@
 
 mod limits;
 mod published;
+mod store;
 
 use crate::outcome::{ContactSeparationOutcome, Outcome};
 use crate::reference::{self, ReferenceOptions};

@@ -5,19 +5,16 @@ use std::f64::consts::TAU;
 use diffsol::error::DiffsolError;
 
 use super::physics::{Motion, Physics};
-use super::slip::{Integrals, Piece, Slip};
+use super::slip::{Piece, Slip};
 use super::stick::Stick;
-use crate::outcome::{Recording, SLIDING_COLUMNS, SlidingOutcome};
+use crate::outcome::{Recording, SLIDING_COLUMNS, SlidingOutcome, StoreOutcome, with_store};
+use crate::reference::integrals::Integrals;
+use crate::reference::recorder::Recorder;
 use crate::reference::root::far_side;
 use crate::scene_file::{ForceLaw, Scene, SlidingParameters};
 
-/// Rows at equal distances in time.
-#[derive(Debug)]
-struct Recorder {
-    every: f64,
-    next: u64,
-    rows: Vec<Vec<f64>>,
-}
+/// Columns of a recording with a store.
+const WITH_STORE: [&str; 8] = with_store(SLIDING_COLUMNS);
 
 /// Everything that is summed or compared along a run.
 #[derive(Debug)]
@@ -44,7 +41,7 @@ impl<'a> Meters<'a> {
         let start_energy = [physics.mechanical_energy(start), physics.electrical_energy(start)];
         Self {
             physics,
-            recorder: record_every.map(|every| Recorder { every, next: 0, rows: Vec::new() }),
+            recorder: record_every.map(Recorder::new),
             total: Integrals::default(),
             window: Integrals::default(),
             base_work_magnitude: 0.0,
@@ -73,7 +70,9 @@ impl<'a> Meters<'a> {
     ) -> Result<(), DiffsolError> {
         let ends = [(piece.from, (piece.motion)(piece.from)?), (piece.to, (piece.motion)(piece.to)?)];
         let stored = self.physics.mechanical_energy(&ends[1].1) + self.physics.electrical_energy(&ends[1].1);
-        self.peak_stored_energy = self.peak_stored_energy.max(stored);
+        // Of a store that is not empty at the start, what it has gained or given.
+        let moved = self.store_gain(&ends[1].1).abs();
+        self.peak_stored_energy = self.peak_stored_energy.max(stored + moved);
         // The base's power changes sign twice a period; what one step around that loses is far below
         // what the denominator of a residual asks for.
         let before = (piece.integrals)(piece.from)?.base_work;
@@ -146,42 +145,60 @@ impl<'a> Meters<'a> {
         time: f64,
         at: impl Fn(f64) -> Result<(Motion, f64, f64, f64), DiffsolError>,
     ) -> Result<(), DiffsolError> {
-        let mut recorder = self.recorder.take();
-        if let Some(recorder) = &mut recorder {
-            loop {
-                let due = recorder.next as f64 * recorder.every;
-                // A sample due at the end of the run may be computed as just after it.
-                if due > time * (1.0 + 4.0 * f64::EPSILON) {
-                    break;
-                }
-                let (motion, voltage, base, stuck) = at(due)?;
-                let charge = self.physics.charge(&motion);
-                let Motion { displacement, velocity, .. } = motion;
-                recorder.rows.push(vec![due, displacement, velocity, charge, voltage, base, stuck]);
-                recorder.next += 1;
-            }
+        let Self { recorder: Some(recorder), physics, .. } = self else { return Ok(()) };
+        recorder.until(time, |due| {
+            let (motion, voltage, base, stuck) = at(due)?;
+            let charge = physics.charge(&motion);
+            let mut row = vec![due, motion.displacement, motion.velocity, charge, voltage, base, stuck];
+            row.extend(physics.store.map(|store| store.voltage(&motion.bridge)));
+            Ok(row)
+        })
+    }
+
+    /// What a store has gained since the start, in J.
+    fn store_gain(&self, motion: &Motion) -> f64 {
+        self.physics.store.map_or(0.0, |store| store.gained(&motion.bridge))
+    }
+
+    /// What is left over in the ledger of a store in J: what it has gained against what has entered and left.
+    fn store_remainder(&self, end: &Motion) -> f64 {
+        let is_store = self.physics.store.is_some_and(|store| store.capacitance.is_finite());
+        if is_store { self.store_gain(end) - self.total.stored() } else { 0.0 }
+    }
+
+    /// Energy in J into the load: a resistor, or a store or bus behind its diodes.
+    fn delivered(&self, integrals: &Integrals) -> f64 {
+        match self.physics.store {
+            None => self.physics.load_power(integrals.voltage_squared),
+            Some(_) => integrals.into_store,
         }
-        self.recorder = recorder;
-        Ok(())
+    }
+
+    /// What the run has to say about a store.
+    fn store_outcome(&self, end: &Motion) -> Option<StoreOutcome> {
+        let Integrals { diode_loss, leaked, drawn, .. } = self.total;
+        let store = self.physics.store?;
+        Some(store.outcome(store.voltage(&end.bridge), [diode_loss, leaked, drawn]))
     }
 
     /// What is left over in the ledgers of the whole run in J, mechanical and electrical.
     ///
     /// Mechanical: energy of mass and spring against the work of the base, the damper, friction and, if
     /// it acts, the force along the patches. Electrical: `d/dt W = (dW/dx) v − V²/R`, true for any
-    /// motion. Normal forces do no work.
+    /// motion; behind a bridge, less what enters diodes and store. Normal forces do no work.
     fn left_over(&self, end: &Motion) -> [f64; 2] {
         let (total, physics) = (&self.total, self.physics);
         let lateral_work = if physics.has_lateral_force() { total.field_work } else { 0.0 };
-        let work = total.base_work - total.damper_loss - total.friction_loss + lateral_work;
+        let work = total.base_work - total.damper_loss - total.surface_work + lateral_work;
         let mechanical = physics.mechanical_energy(end) - self.start_energy[0] - work;
-        let given = -total.field_work - physics.load_power(total.voltage_squared);
+        let given = -total.field_work - self.delivered(total) - total.diode_loss;
         let electrical = physics.electrical_energy(end) - self.start_energy[1] - given;
         [mechanical, electrical]
     }
 
     /// The remainder over the larger of `∫ |base power| dt` and the peak stored energy: that of both
-    /// ledgers together where the laws conserve energy, else the larger one.
+    /// ledgers together where the laws conserve energy, else the larger one; or of the store's own, if that is
+    /// larger.
     fn energy_residual(&self, end: &Motion, parameters: &SlidingParameters) -> Option<f64> {
         let [mechanical, electrical] = self.left_over(end);
         let left = if parameters.force_law == ForceLaw::GapField && parameters.lateral_force {
@@ -189,6 +206,7 @@ impl<'a> Meters<'a> {
         } else {
             mechanical.abs().max(electrical.abs())
         };
+        let left = left.max(self.store_remainder(end).abs());
         let scale = self.base_work_magnitude.max(self.peak_stored_energy);
         (scale > 0.0).then(|| left / scale)
     }
@@ -196,7 +214,8 @@ impl<'a> Meters<'a> {
     /// Closes the books at the motion at the end of the run.
     pub(super) fn close(self, scene: &Scene, parameters: &SlidingParameters, end: &Motion) -> Totals {
         let window = scene.run.window_s();
-        let delivered = self.physics.load_power(self.window.voltage_squared);
+        let delivered = self.delivered(&self.window);
+        let store = self.store_outcome(end);
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * window);
         Totals {
             energy_residual: self.energy_residual(end, parameters),
@@ -212,9 +231,11 @@ impl<'a> Meters<'a> {
                 stick_fraction: Some(self.stuck / window),
                 sticks_per_period: periods.map(|periods| self.sticks as f64 / periods),
             },
-            recording: self
-                .recorder
-                .map(|recorder| Recording { columns: &SLIDING_COLUMNS, rows: recorder.rows }),
+            store,
+            recording: self.recorder.map(|recorder| Recording {
+                columns: if store.is_some() { &WITH_STORE } else { &SLIDING_COLUMNS },
+                rows: recorder.rows,
+            }),
         }
     }
 }
@@ -229,5 +250,6 @@ pub(super) struct Totals {
     pub(super) mean_voltage: f64,
     pub(super) peak_voltage: f64,
     pub(super) particular: SlidingOutcome,
+    pub(super) store: Option<StoreOutcome>,
     pub(super) recording: Option<Recording>,
 }

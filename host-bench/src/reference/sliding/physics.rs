@@ -14,7 +14,8 @@
 //! V' = [ −(ds1/dx) v (σS + c V) − V / R ] / (c s1)
 //! ```
 //!
-//! Nothing here cancels at small `R`, where `V = V_oc − q/C` is a difference of large numbers.
+//! Nothing here cancels at small `R`, where `V = V_oc − q/C` is a difference of large numbers. To a bridge the
+//! harvester is a capacitance `c s1` and a current `j = −(ds1/dx) v (σS + c V)`.
 //!
 //! The force along the patches, which the paper leaves out, follows from the energy of the overlap
 //! `W = (q − σS s2)² / (2 c s1) = c s1 V² / 2`: at constant charge
@@ -23,6 +24,9 @@
 
 use super::overlap::Overlap;
 use crate::reference::Cantilever;
+use crate::reference::bridge::{Bridge, Switch, Terminals};
+use crate::reference::integrals::Integrals;
+use crate::reference::store::Store;
 use crate::scene_file::{ForceLaw, GRAVITY, Load, SlidingParameters, SlidingStart, StickCharge};
 
 /// Vacuum permittivity in F/m.
@@ -46,7 +50,7 @@ pub(super) enum Circuit {
     },
 }
 
-/// Displacement in m, velocity in m/s, load voltage in V; and the side of the middle.
+/// Displacement in m, velocity in m/s, load voltage in V; the side of the middle, and what a bridge does.
 ///
 /// The voltage is a state only in [`Circuit::Dynamic`]; else it stays at zero here and
 /// [`Physics::voltage`] gives it.
@@ -57,6 +61,7 @@ pub(super) struct Motion {
     pub(super) voltage: f64,
     /// 1 or −1: on which side of the middle the overlap is taken.
     pub(super) side: f64,
+    pub(super) bridge: Bridge,
 }
 
 /// Coefficients of friction on the active and on the inert patch.
@@ -94,6 +99,8 @@ pub(super) struct Physics {
     /// `1 / R` in S; 0 for an open circuit. Not used where `R` is 0.
     conductance: f64,
     pub(super) circuit: Circuit,
+    /// What stands behind a bridge.
+    pub(super) store: Option<Store>,
     force_law: ForceLaw,
     pub(super) stick_charge: StickCharge,
     lateral_force: bool,
@@ -120,24 +127,98 @@ impl Physics {
             resistance,
             conductance: 1.0 / resistance,
             circuit: Circuit::Dynamic,
+            store: Store::of(load),
             force_law: p.force_law,
             stick_charge: p.stick_charge,
             lateral_force: p.lateral_force,
         };
         let displacement = start.displacement_m.unwrap_or(0.0);
         let side = if displacement < 0.0 { -1.0 } else { 1.0 };
-        let mut motion =
-            Motion { displacement, velocity: start.velocity_m_per_s.unwrap_or(0.0), voltage: 0.0, side };
+        let bridge = physics.store.map_or(Bridge::default(), |store| store.start());
+        let velocity = start.velocity_m_per_s.unwrap_or(0.0);
+        let mut motion = Motion { displacement, velocity, voltage: 0.0, side, bridge };
         let relaxed = physics.charge(&motion);
         let charge = start.charge_c.unwrap_or(relaxed);
-        if resistance.is_infinite() {
+        if resistance.is_infinite() && physics.store.is_none() {
             physics.circuit = Circuit::Open { charge };
         } else if resistance * physics.capacitance * FASTEST_RATE < 1e-11 {
             physics.circuit = Circuit::QuasiStatic;
         } else {
             motion.voltage = (relaxed - charge) / (physics.capacitance * physics.overlap(&motion).active);
         }
+        physics.settle(&mut motion);
         (physics, motion)
+    }
+
+    /// The harvester as a bridge sees it.
+    pub(super) fn terminals(&self, motion: &Motion) -> Terminals {
+        let overlap = self.overlap(motion);
+        Terminals {
+            voltage: motion.voltage,
+            driven: -overlap.slope * motion.velocity * self.tribo_charge_and(motion.voltage),
+            capacitance: self.capacitance * overlap.active,
+        }
+    }
+
+    /// Lets a bridge find its regime after the motion has changed at once; the energies of that.
+    pub(super) fn settle(&self, motion: &mut Motion) -> Integrals {
+        let Some(store) = &self.store else { return Integrals::default() };
+        let (voltage, shared) = store.settle(self.terminals(motion), &mut motion.bridge, 0.0);
+        motion.voltage = voltage;
+        shared
+    }
+
+    /// The same where the motion has come to rest: while the charge is frozen the terminals are open.
+    pub(super) fn come_to_rest(&self, motion: &mut Motion) -> Integrals {
+        match self.stick_charge {
+            StickCharge::Frozen => {
+                motion.bridge.sign = 0.0;
+                Integrals::default()
+            }
+            StickCharge::Relaxing => self.settle(motion),
+        }
+    }
+
+    /// Switches the bridge or the draw behind it; the energies of that.
+    pub(super) fn switch(&self, switch: Switch, motion: &mut Motion) -> Integrals {
+        let Some(store) = &self.store else { return Integrals::default() };
+        let (voltage, shared) = store.switch(switch, self.terminals(motion), &mut motion.bridge);
+        motion.voltage = voltage;
+        shared
+    }
+
+    /// The same at rest: behind open terminals there is the draw only.
+    pub(super) fn switch_at_rest(&self, switch: Switch, motion: &mut Motion) -> Integrals {
+        match (self.stick_charge, switch) {
+            (StickCharge::Frozen, Switch::Draw { connected }) => {
+                motion.bridge.connected = connected;
+                Integrals::default()
+            }
+            _ => self.switch(switch, motion),
+        }
+    }
+
+    /// Rate in V/s of the gain of the store.
+    pub(super) fn gain_rate(&self, motion: &Motion) -> f64 {
+        self.store.map_or(0.0, |store| store.gain_rate(&self.terminals(motion), &motion.bridge))
+    }
+
+    /// Derivative of [`Self::gain_rate`] in the direction of `change`.
+    pub(super) fn gain_rate_along(&self, motion: &Motion, change: &Motion) -> f64 {
+        let Some(store) = &self.store else { return 0.0 };
+        let (overlap, c) = (self.overlap(motion), self.capacitance);
+        let total = self.tribo_charge_and(motion.voltage);
+        let driven = -(overlap.curvature * change.displacement * motion.velocity * total
+            + overlap.slope * change.velocity * total
+            + overlap.slope * motion.velocity * c * change.voltage);
+        let capacitance = c * overlap.slope * change.displacement;
+        let changes = [driven, capacitance, change.bridge.gain];
+        store.gain_rate_along(&self.terminals(motion), &motion.bridge, changes)
+    }
+
+    /// Powers in W behind a bridge: into the store, into the diodes, leaked, drawn.
+    pub(super) fn store_powers(&self, motion: &Motion) -> [f64; 4] {
+        self.store.map_or([0.0; 4], |store| store.powers(&self.terminals(motion), &motion.bridge))
     }
 
     fn overlap(&self, motion: &Motion) -> Overlap {
@@ -251,6 +332,10 @@ impl Physics {
 
     /// `V'` in V/s where the voltage follows from the charge.
     fn voltage_rate(&self, motion: &Motion, overlap: &Overlap) -> f64 {
+        if motion.bridge.sign != 0.0 {
+            // The terminals follow the store.
+            return motion.bridge.sign * self.gain_rate(motion);
+        }
         let voltage = self.electrostatic_voltage(motion, overlap);
         let current = voltage * self.conductance;
         (-overlap.slope * motion.velocity * self.tribo_charge_and(voltage) - current)
@@ -308,6 +393,9 @@ impl Physics {
             - omega * omega * change.displacement
             - (friction_change - lateral_change) / self.beam.modal_mass;
         let voltage_rate_change = match self.circuit {
+            Circuit::Dynamic if motion.bridge.sign != 0.0 => {
+                motion.bridge.sign * self.gain_rate_along(motion, change)
+            }
             Circuit::Dynamic => {
                 let rate = self.voltage_rate(motion, &overlap);
                 (-slope_change * motion.velocity * total
@@ -378,11 +466,17 @@ impl Physics {
         self.resistance * self.capacitance * self.overlap(motion).active
     }
 
+    /// A charge in C of the size that passes the terminals, for tolerances.
+    pub(super) fn charge_scale(&self) -> f64 {
+        self.tribo_charge
+    }
+
     /// A voltage in V of the size that the load sees, for tolerances; never zero.
     pub(super) fn voltage_scale(&self, start: &Motion) -> f64 {
         // An open circuit shows charge over capacitance, a loaded one less: R times the current.
         let current = self.beam.angular_frequency * self.tribo_charge;
         let driven = (self.tribo_charge / self.capacitance).min(self.resistance * current);
+        let driven = self.store.map_or(driven, |store| store.voltage_scale(driven, self.tribo_charge));
         driven.max(self.voltage(start).abs()).max(1e-60)
     }
 }

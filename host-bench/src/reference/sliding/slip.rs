@@ -15,28 +15,13 @@ use diffsol::{
 
 use super::physics::{Motion, Physics};
 use crate::reference::base::LocalBase;
+use crate::reference::bridge::{Bridge, Lookout, Switch, earlier, instants};
 use crate::reference::effort::{Effort, one_line};
+use crate::reference::integrals::{ALL, Integrals, WITHOUT_BRIDGE};
 use crate::reference::root::far_side;
 
 type Matrix = NalgebraMat<f64>;
 type Factors = NalgebraLU<f64>;
-
-/// Integrals over time that the integrator carries beside the motion.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Integrals {
-    /// `∫ V² dt` in V² s.
-    pub(super) voltage_squared: f64,
-    /// `∫ V dt` in V s.
-    pub(super) voltage: f64,
-    /// `∫ −κ M a v dt` in J: work of the base on the mode.
-    pub(super) base_work: f64,
-    /// `∫ 2 ζ ω M v² dt` in J: loss in the damper.
-    pub(super) damper_loss: f64,
-    /// `∫ μ N |v| dt` in J: loss in friction.
-    pub(super) friction_loss: f64,
-    /// `∫ −(dW/dx) v dt` in J: work of the field along the patches, whether its force acts or not.
-    pub(super) field_work: f64,
-}
 
 /// Newton iterations of one step that may fail before the slip does.
 const MOST_FAILURES: usize = 50;
@@ -50,34 +35,22 @@ pub(super) const REACH: f64 = 1.0 - 1e-7;
 /// where the overlap ends may be slowed to less.
 const STALL: u64 = 100_000;
 
-/// Number of [`Integrals`].
-const INTEGRALS: usize = 6;
-
-impl Integrals {
-    /// The integrands, in the order of the fields.
-    fn rates(physics: &Physics, motion: &Motion, direction: f64, base: f64) -> [f64; INTEGRALS] {
-        let voltage = physics.voltage(motion);
-        let [base_power, damper, friction, field] = physics.powers(motion, direction, base);
-        [voltage * voltage, voltage, base_power, damper, friction, field]
-    }
-
-    fn of(values: &[f64]) -> Self {
-        match *values {
-            [voltage_squared, voltage, base_work, damper_loss, friction_loss, field_work] => {
-                Self { voltage_squared, voltage, base_work, damper_loss, friction_loss, field_work }
-            }
-            _ => Self::default(),
-        }
-    }
-
-    /// Adds those of a later stretch.
-    pub(super) fn add(&mut self, later: &Self) {
-        self.voltage_squared += later.voltage_squared;
-        self.voltage += later.voltage;
-        self.base_work += later.base_work;
-        self.damper_loss += later.damper_loss;
-        self.friction_loss += later.friction_loss;
-        self.field_work += later.field_work;
+/// The integrands.
+fn powers(physics: &Physics, motion: &Motion, direction: f64, base: f64) -> Integrals {
+    let voltage = physics.voltage(motion);
+    let [base_work, damper_loss, surface_work, field_work] = physics.powers(motion, direction, base);
+    let [into_store, diode_loss, leaked, drawn] = physics.store_powers(motion);
+    Integrals {
+        voltage_squared: voltage * voltage,
+        voltage,
+        base_work,
+        damper_loss,
+        surface_work,
+        field_work,
+        into_store,
+        diode_loss,
+        leaked,
+        drawn,
     }
 }
 
@@ -100,9 +73,15 @@ impl Accuracy {
         let [_, velocity, voltage] = scale;
         let energy = physics.beam.modal_mass * velocity * velocity;
         let squared = voltage * voltage * time;
-        let integrals = [squared, voltage * time, energy, energy, energy, energy];
+        let mut integrals = vec![squared, voltage * time, energy, energy, energy, energy];
+        let mut motion = scale.to_vec();
+        if let Some(store) = &physics.store {
+            let (gain, energies) = store.scales(physics.charge_scale(), energy);
+            motion.push(gain);
+            integrals.extend(energies);
+        }
         let scaled = |sizes: &[f64]| sizes.iter().map(|size| 1e-2 * relative * size).collect();
-        (scaled(&scale), scaled(&integrals))
+        (scaled(&motion), scaled(&integrals))
     }
 
     /// Displacement and velocity that are not told from zero at the start of a slip.
@@ -127,7 +106,7 @@ pub(super) struct Piece<'a> {
 }
 
 /// What ends a slip before its time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Event {
     /// The velocity is zero.
     Stop,
@@ -135,6 +114,8 @@ pub(super) enum Event {
     Middle,
     /// The discs do not overlap any more, to [`REACH`].
     End,
+    /// The bridge or the draw behind it switches.
+    Switch(Switch),
 }
 
 /// How a slip ended.
@@ -185,8 +166,12 @@ impl Slip<'_> {
         let failure = |elapsed: f64, motion: Motion| {
             move |error: DiffsolError| SlipFailure { elapsed, motion, reason: one_line(&error) }
         };
+        let (states, integrals_count) = if physics.store.is_some() { (4, ALL) } else { (3, WITHOUT_BRIDGE) };
         let motion_of = |values: &[f64]| match *values {
-            [displacement, velocity, voltage] => Motion { displacement, velocity, voltage, side: start.side },
+            [displacement, velocity, voltage] => Motion { displacement, velocity, voltage, ..start },
+            [displacement, velocity, voltage, gain] => {
+                Motion { displacement, velocity, voltage, bridge: Bridge { gain, ..start.bridge }, ..start }
+            }
             _ => Motion { displacement: f64::NAN, ..start },
         };
         let (absolute, out_absolute) = accuracy.absolute(physics);
@@ -197,25 +182,33 @@ impl Slip<'_> {
             .out_atol(out_absolute)
             .rhs_implicit(
                 |x: &[f64], _: &[f64], t: f64, rates: &mut [f64]| {
-                    rates.copy_from_slice(&physics.rates(&motion_of(x), direction, base.at(t)));
+                    let motion = motion_of(x);
+                    let [displacement, velocity, voltage] = physics.rates(&motion, direction, base.at(t));
+                    let gain = physics.gain_rate(&motion);
+                    rates.copy_from_slice(&[displacement, velocity, voltage, gain][..states]);
                 },
                 |x: &[f64], _: &[f64], _: f64, change: &[f64], rates: &mut [f64]| {
-                    rates.copy_from_slice(&physics.rates_along(&motion_of(x), direction, &motion_of(change)));
+                    let (motion, change) = (motion_of(x), motion_of(change));
+                    let [displacement, velocity, voltage] = physics.rates_along(&motion, direction, &change);
+                    let gain = physics.gain_rate_along(&motion, &change);
+                    rates.copy_from_slice(&[displacement, velocity, voltage, gain][..states]);
                 },
             )
             .init(
                 |_: &[f64], _: f64, x: &mut [f64]| {
-                    x.copy_from_slice(&[start.displacement, start.velocity, start.voltage]);
+                    let Motion { displacement, velocity, voltage, bridge, .. } = start;
+                    x.copy_from_slice(&[displacement, velocity, voltage, bridge.gain][..states]);
                 },
-                3,
+                states,
             )
             .out_implicit(
                 |x: &[f64], _: &[f64], t: f64, powers: &mut [f64]| {
-                    powers.copy_from_slice(&Integrals::rates(physics, &motion_of(x), direction, base.at(t)));
+                    let all = self::powers(physics, &motion_of(x), direction, base.at(t)).to_array();
+                    powers.copy_from_slice(&all[..integrals_count]);
                 },
                 // Asked for in sensitivity runs only.
                 |_: &[f64], _: &[f64], _: f64, _: &[f64], change: &mut [f64]| change.fill(0.0),
-                INTEGRALS,
+                integrals_count,
             )
             .integrate_out(true)
             .build()
@@ -225,6 +218,8 @@ impl Slip<'_> {
         solver.config_mut().minimum_timestep = 1e-30;
         solver.set_stop_time(span).map_err(failure(0.0, start))?;
 
+        let mut lookout =
+            physics.store.as_ref().map(|store| Lookout::new(store, start.bridge, start.voltage));
         let mut guards = Guards::new(physics, direction, &start, accuracy.clearance());
         let (mut from, mut last) = (0.0, start);
         let mut checked = (0, 0.0);
@@ -239,14 +234,14 @@ impl Slip<'_> {
             }
             let finished = matches!(stop?, OdeSolverStopReason::TstopReached);
             let to = solver.state().t;
-            let scratch = RefCell::new(NalgebraVec::zeros(3, *problem.context()));
+            let scratch = RefCell::new(NalgebraVec::zeros(states, *problem.context()));
             let motion = |t: f64| -> Result<Motion, DiffsolError> {
                 let mut scratch = scratch.borrow_mut();
                 solver.interpolate_inplace(t, &mut scratch)?;
                 Ok(motion_of(scratch.batch_as_slice(0)))
             };
             let integrals = |t: f64| -> Result<Integrals, DiffsolError> {
-                let mut values = NalgebraVec::zeros(INTEGRALS, *problem.context());
+                let mut values = NalgebraVec::zeros(integrals_count, *problem.context());
                 solver.interpolate_out_inplace(t, &mut values)?;
                 Ok(Integrals::of(values.batch_as_slice(0)))
             };
@@ -254,8 +249,17 @@ impl Slip<'_> {
                 let [_, acceleration, _] = physics.rates(&motion(t)?, direction, base.at(t));
                 Ok(acceleration)
             };
-            let found = guards.look(&motion, &acceleration, from, to).map_err(failure(from, last))?;
+            let mut found = guards.look(&motion, &acceleration, from, to).map_err(failure(from, last))?;
+            if let Some(lookout) = &mut lookout {
+                let at = |t: f64| motion(t).map(|motion| (physics.terminals(&motion), motion.bridge));
+                let until = found.event.map_or(to, |(t, _)| t);
+                let switch =
+                    lookout.first(&instants(from, until, &found.turns), &at).map_err(failure(from, last))?;
+                let switch = switch.map(|(t, switch)| (t, Event::Switch(switch)));
+                found.event = earlier(found.event, switch, to - from);
+            }
             let end = found.event.map_or(to, |(t, _)| t);
+            found.turns.retain(|turn| *turn < end);
             watch(&Piece { from, to: end, turns: &found.turns, motion: &motion, integrals: &integrals })
                 .map_err(failure(from, last))?;
             last = motion(end).map_err(failure(from, last))?;

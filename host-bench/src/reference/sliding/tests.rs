@@ -4,6 +4,7 @@ mod ledgers;
 mod limits;
 mod published;
 mod sticking;
+mod store;
 
 use crate::outcome::{Outcome, SlidingOutcome};
 use crate::reference::{self, ReferenceOptions};

@@ -7,16 +7,16 @@ use crate::reference::bump_stop::BumpStopModes;
 use crate::scene_file::Trace;
 
 /// The steady state to a sine: phasors of `a = B sin ωt` as imaginary parts.
-struct Steady {
-    modal: Vec<Complex<f64>>,
-    voltage: Complex<f64>,
+pub(super) struct Steady {
+    pub(super) modal: Vec<Complex<f64>>,
+    pub(super) voltage: Complex<f64>,
     tip: Complex<f64>,
 }
 
-const I: Complex<f64> = Complex::new(0.0, 1.0);
+pub(super) const I: Complex<f64> = Complex::new(0.0, 1.0);
 
 /// `v = B Σ (−jωθγ/D) / (jωC + 1/R + χ Σ jωθ²/D)`, `r = (−γB − χθv)/D`, `D = ω_i² − ω² + 2jζω_iω`.
-fn steady(model: &BumpStop, resistance: f64) -> Steady {
+pub(super) fn steady(model: &BumpStop, resistance: f64) -> Steady {
     let modes = BumpStopModes::new(&model.parameters, None);
     let angular = std::f64::consts::TAU * FREQUENCY;
     let coupled = if model.parameters.coupling == Coupling::TwoWay { 1.0 } else { 0.0 };

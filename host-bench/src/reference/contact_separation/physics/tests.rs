@@ -12,7 +12,7 @@ fn physics(force_law: ForceLaw, resistance_ohm: f64, charge_c: Option<f64>) -> (
 #[test]
 fn voltage_rate_agrees_with_the_charge_equation() {
     let (physics, _) = physics(ForceLaw::TransferredCharge, 1e8, None);
-    let motion = Motion { gap: 0.7e-3, velocity: 0.05, voltage: 23.0 };
+    let motion = Motion { gap: 0.7e-3, velocity: 0.05, voltage: 23.0, bridge: Bridge::default() };
     let spacing = motion.gap + physics.dielectric;
     let c = physics.permittivity_area;
     let q = physics.charge(&motion);
@@ -34,6 +34,7 @@ fn the_jacobian_is_the_derivative_of_the_rates() {
                 gap: 0.2e-3,
                 velocity: -0.03,
                 voltage: if start.voltage == 0.0 { 0.0 } else { 11.0 },
+                bridge: start.bridge,
             };
             for (gap, velocity, voltage) in [(1e-7, 0.0, 0.0), (0.0, 1e-5, 0.0), (0.0, 0.0, 1e-3)] {
                 let shifted = |sign: f64| {
@@ -42,12 +43,13 @@ fn the_jacobian_is_the_derivative_of_the_rates() {
                             gap: at.gap + sign * gap,
                             velocity: at.velocity + sign * velocity,
                             voltage: at.voltage + sign * voltage,
+                            ..at
                         },
                         0.0,
                     )
                 };
                 let (ahead, behind) = (shifted(1.0), shifted(-1.0));
-                let along = physics.rates_along(&at, &Motion { gap, velocity, voltage });
+                let along = physics.rates_along(&at, &Motion { gap, velocity, voltage, ..at });
                 for row in 0..3 {
                     let difference = 0.5 * (ahead[row] - behind[row]);
                     let scale = along.iter().fold(1e-12, |m: f64, x| m.max(x.abs()));
@@ -74,7 +76,7 @@ fn an_open_circuit_holds_its_total_charge() {
 
 #[test]
 fn a_tiny_resistance_continues_the_dynamic_circuit() {
-    let motion = Motion { gap: 0.4e-3, velocity: 0.05, voltage: 0.0 };
+    let motion = Motion { gap: 0.4e-3, velocity: 0.05, voltage: 0.0, bridge: Bridge::default() };
     let (fast, _) = physics(ForceLaw::TransferredCharge, 1e-10, None);
     assert_eq!(fast.circuit, Circuit::QuasiStatic);
     // The dynamic circuit's voltage at rest, V' = 0, with a resistance just large enough.

@@ -18,7 +18,7 @@ fn physics(force_law: ForceLaw, resistance_ohm: f64, charge_c: Option<f64>) -> (
 fn voltage_rate_agrees_with_the_charge_equation() {
     let (physics, start) = physics(ForceLaw::TransferredCharge, 1e8, None);
     for (displacement, side) in [(7e-3, 1.0), (-3e-3, -1.0)] {
-        let motion = Motion { displacement, velocity: 0.4, voltage: 23.0, side };
+        let motion = Motion { displacement, velocity: 0.4, voltage: 23.0, side, ..start };
         let [s1, s2, slope] = {
             let overlap = physics.overlap(&motion);
             [overlap.active, overlap.inert, overlap.slope]
@@ -56,8 +56,7 @@ fn the_jacobian_is_the_derivative_of_the_rates() {
                     physics.rates(&motion, 1.0, 0.0)
                 };
                 let (ahead, behind) = (shifted(1.0), shifted(-1.0));
-                let along =
-                    physics.rates_along(&at, 1.0, &Motion { displacement, velocity, voltage, side: -1.0 });
+                let along = physics.rates_along(&at, 1.0, &Motion { displacement, velocity, voltage, ..at });
                 for row in 0..3 {
                     let difference = 0.5 * (ahead[row] - behind[row]);
                     let scale = along.iter().fold(1e-12, |m: f64, x| m.max(x.abs()));
@@ -84,7 +83,7 @@ fn the_field_force_is_the_gradient_of_the_energy() {
         (charge - 80e-6 * area * overlap.inert).powi(2) / (2.0 * full * overlap.active)
     };
     for (displacement, side, voltage) in [(5e-3, 1.0, 40.0), (-8e-3, -1.0, -90.0), (2e-3, 1.0, -15.0)] {
-        let motion = Motion { displacement, velocity: 0.0, voltage, side };
+        let motion = Motion { displacement, velocity: 0.0, voltage, side, bridge: Bridge::default() };
         let charge = physics.charge(&motion);
         let step = 1e-6;
         let force = (energy(displacement - step, charge, side) - energy(displacement + step, charge, side))
@@ -113,7 +112,8 @@ fn an_open_circuit_holds_its_charge() {
 
 #[test]
 fn a_tiny_resistance_continues_the_dynamic_circuit() {
-    let motion = Motion { displacement: 4e-3, velocity: 0.5, voltage: 0.0, side: 1.0 };
+    let motion =
+        Motion { displacement: 4e-3, velocity: 0.5, voltage: 0.0, side: 1.0, bridge: Bridge::default() };
     let (fast, _) = physics(ForceLaw::TransferredCharge, 1e-7, None);
     assert_eq!(fast.circuit, Circuit::QuasiStatic);
     // The dynamic circuit's voltage at rest, V' = 0, with a resistance just large enough.

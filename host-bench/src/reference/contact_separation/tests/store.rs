@@ -1,0 +1,95 @@
+//! A full bridge into a bus or a store: closed forms, limits, and ledgers.
+
+use super::*;
+use crate::scene_file::{Draw, Lockout, RectifiedStore};
+
+fn number(value: Option<f64>) -> f64 {
+    value.unwrap_or(f64::NAN)
+}
+
+/// A stroke between two gaps that the charge does not slow moves `Q(g_max, U) − Q(g_min, −U)` with
+/// `Q = (σS g − c V)/(g + d_e) − C_p V` and `U = V_bus + 2 V_D`, and there are two in a period.
+#[test]
+fn a_bus_gets_the_charge_of_each_stroke() {
+    let (stroke, density) = (1e-3, 1e-9);
+    let parameters = ContactSeparationParameters {
+        damping_ratio: 0.0,
+        parasitic_capacitance_f: 3e-12,
+        ..table_2(density, ForceLaw::GapField)
+    };
+    let initial = ContactSeparationStart { gap_m: Some(3e-3 + stroke), ..Default::default() };
+    let period = std::f64::consts::TAU * (5e-3f64 / 80.0).sqrt();
+    let (permittivity, dielectric, area) = (8.854_187_812_8e-12, 25e-6, 4e-4);
+    let charge = |gap: f64, voltage: f64| {
+        (density * area * gap - permittivity * area * voltage) / (gap + dielectric) - 3e-12 * voltage
+    };
+    // Charge over capacitance: volts.
+    for (voltage_v, diode_drop_v) in [(1e-4, 0.0), (5e-5, 2e-5), (1e-4, 5e-5)] {
+        let span = [1.3 * period, 4.3 * period];
+        let mut scene = scene(parameters, initial, 0.0, Excitation::Silence, span);
+        scene.load = Load::DcBus { voltage_v, diode_drop_v };
+        let outcome = run(&scene);
+        let threshold = voltage_v + 2.0 * diode_drop_v;
+        let moved = charge(3e-3 + stroke, threshold) - charge(3e-3 - stroke, -threshold);
+        assert!(moved > 0.0);
+        close(outcome.delivered_energy_j, 3.0 * 2.0 * moved * voltage_v, 1e-8);
+        close(outcome.peak_voltage_v, threshold, 1e-9);
+        let store = outcome.store.expect("there is a bus");
+        assert_eq!((store.store_voltage_v, store.stored_energy_j), (Some(voltage_v), None));
+    }
+}
+
+/// A bus at 0 V behind ideal diodes is a short circuit, one that is never reached an open one.
+#[test]
+fn a_bus_has_the_limits_of_a_resistor() {
+    for (voltage_v, resistance_ohm) in [(0.0, 0.0), (1e6, f64::INFINITY)] {
+        let mut scene = shipped(resistance_ohm);
+        scene.run = RunSpan { settle_s: 0.0, duration_s: 0.4 };
+        let expected = run(&scene);
+        scene.load = Load::DcBus { voltage_v, diode_drop_v: 0.0 };
+        let found = run(&scene);
+        let (one, other) = (particular(&found), particular(&expected));
+        assert_eq!(one.impacts, other.impacts);
+        assert!(one.impacts > 0);
+        close(one.first_impact_s, number(other.first_impact_s), 1e-10);
+        close(one.peak_gap_m, number(other.peak_gap_m), 1e-8);
+        assert_eq!(found.mean_power_w, Some(0.0));
+        assert!(number(found.energy_residual) < 1e-9, "{:?}", found.energy_residual);
+    }
+}
+
+/// Every law, with everything that a node can draw, impacts and sticking included.
+#[test]
+fn the_ledgers_close_with_a_store() {
+    let lockout = Lockout { turn_on_v: 3.2, turn_off_v: 2.8 };
+    let draws = [
+        Draw::None,
+        Draw::Resistor { resistance_ohm: 1e7, lockout: Some(lockout) },
+        Draw::Current { current_a: 1e-6, lockout },
+        Draw::Power { power_w: 5e-6, lockout },
+    ];
+    for force_law in [ForceLaw::TransferredCharge, ForceLaw::GapField] {
+        for (index, draw) in draws.into_iter().enumerate() {
+            let stick_charge = if index % 2 == 0 { StickCharge::Frozen } else { StickCharge::Relaxing };
+            let parameters = ContactSeparationParameters { stick_charge, ..table_2(50e-6, force_law) };
+            let start = ContactSeparationStart::default();
+            let mut scene = scene(parameters, start, 0.0, sine(0.3 * 9.81, 15.0), [0.2, 0.6]);
+            scene.load = Load::RectifiedStore(RectifiedStore {
+                capacitance_f: 2e-7,
+                diode_drop_v: 0.3,
+                leakage_ohm: 1e8,
+                initial_v: 3.0,
+                draw,
+            });
+            let outcome = run(&scene);
+            let residual = number(outcome.energy_residual);
+            assert!(residual < 1e-9, "{force_law:?} {draw:?}: {residual:e}");
+            let store = outcome.store.expect("there is a store");
+            assert!(store.leaked_energy_j > Some(0.0) && store.diode_loss_j > Some(0.0));
+            assert_eq!(store.drawn_energy_j > Some(0.0), draw != Draw::None);
+            let voltage = number(store.store_voltage_v);
+            close(store.stored_energy_j, 0.5 * 2e-7 * voltage * voltage, 1e-12);
+            println!("{force_law:?} {draw:?}: {store:?} {residual:e} {} events", outcome.events);
+        }
+    }
+}
