@@ -15,7 +15,7 @@ const TRANSMIT_EVERY: u32 = 60;
 
 /// A ceramic capacitor behind the bridge, and a node that runs straight from it: 22 µF, used from 1.9 V up to
 /// 4.2 V.
-const STORAGE: StorageParameters<f32> = StorageParameters {
+pub(super) const STORAGE: StorageParameters<f32> = StorageParameters {
     capacitance: 22e-6,
     leakage_resistance: 100e6,
     // The diodes' loss is in the harvester's model.
@@ -74,13 +74,14 @@ impl Economy {
         let Self { budget, state, measure, transmit, .. } = self;
         budget.update(state, 1, harvested, 0.0);
         state.raise_uncertainty(uncertainty);
+        let now = state.income().second();
         self.since_measurement += 1;
         self.since_transmission += 1;
         let (decision, action) =
-            if self.since_transmission >= TRANSMIT_EVERY && budget.can_run_now(state, transmit) {
+            if self.since_transmission >= TRANSMIT_EVERY && budget.can_run_now(state, transmit, now) {
                 self.since_transmission = 0;
                 (Decision::Transmit, transmit)
-            } else if self.since_measurement >= MEASURE_EVERY && budget.can_run_now(state, measure) {
+            } else if self.since_measurement >= MEASURE_EVERY && budget.can_run_now(state, measure, now) {
                 self.since_measurement = 0;
                 (Decision::Measure, measure)
             } else {

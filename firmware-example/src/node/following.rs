@@ -34,7 +34,9 @@ impl<B: Board, M: Model<f32>> Following<B, M> {
         if let Some(volts) = board.store_voltage() {
             economy.read(volts);
         }
-        Ok(Self { board, estimator, economy, seconds: 0 })
+        let mut node = Self { board, estimator, economy, seconds: 0 };
+        node.estimator.set_store_voltage(node.economy.store_voltage());
+        Ok(node)
     }
 
     /// Follows the accelerometer for a second, and decides.
@@ -71,6 +73,8 @@ impl<B: Board, M: Model<f32>> Following<B, M> {
         }
         let harvested = estimate.energy;
         let decision = self.economy.second(harvested, harvested * estimate.uncertainty.relative);
+        // What leaked and what is spent is gone from the harvester's store too.
+        self.estimator.set_store_voltage(self.economy.store_voltage());
         self.board.carry_out(decision);
         self.seconds += 1;
         Ok(Report { second: self.seconds, harvested, stored: self.economy.stored(), decision, steps })

@@ -2,21 +2,54 @@
 
 use model_core::energy::estimator::{HybridModel, Model};
 use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::part::draw::NoDraw;
 use model_core::part::load::OpenCircuit;
 use model_core::part::monomorph::Layer;
+use model_core::part::parasitic::ParasiticCapacitance;
+use model_core::part::restitution::VelocityDependentRestitution;
+use model_core::part::store::Capacitor;
 use model_core::scene::bump_stop::{self, BumpStop, NoStop, OneWay, Stop};
+use model_core::scene::contact_separation::{self, FrozenCharge, TransferredCharge};
+use model_core::scene::rectified::{FullBridge, Rectified, STATES};
 
 use super::NodeError;
-use crate::workload::contact_separation::parts;
+use super::economy::STORAGE;
+use crate::workload::contact_separation::parts::{self, LAW_OF_SPEED, PARASITIC};
 use crate::workload::contact_separation::scenes::TOLERANCE;
 
-/// The contact-separation harvester, stepped with error control.
+/// Forward voltage in volts of each of the bridge's diodes.
+const DIODE_DROP: f32 = 0.3;
+
+/// Parts of the contact-separation harvester with its terminals open: the bridge is what is at them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Bridged;
+
+impl contact_separation::Parts<f32> for Bridged {
+    type ForceLaw = TransferredCharge;
+    type Load = OpenCircuit;
+    type Parasitic = ParasiticCapacitance<f32>;
+    type Restitution = VelocityDependentRestitution<f32>;
+    type Sticking = FrozenCharge;
+}
+
+/// The contact-separation harvester behind a full bridge that charges the node's store, stepped with error
+/// control. The node's budget says what the store's voltage is: here it neither leaks nor is drawn from.
 ///
 /// # Errors
 /// If its parameters are refused.
 pub fn following() -> Result<impl Model<f32>, NodeError> {
-    let scene = core::hint::black_box(parts::whole()).build().map_err(|_| NodeError::Parameters)?;
-    Ok(HybridModel::<_, _, _, 3, 1>::new(scene, TrBdf2, Adaptive::new(TOLERANCE)))
+    let refused = |_| NodeError::Parameters;
+    let parameters = parts::with_load::<Bridged>(OpenCircuit, PARASITIC, LAW_OF_SPEED, FrozenCharge);
+    let reservoir = Capacitor {
+        farads: STORAGE.capacitance,
+        leakage_ohms: f32::INFINITY,
+        initial_voltage: STORAGE.lock_out_voltage,
+        draw: NoDraw,
+    };
+    let bridge = FullBridge { diode_drop: DIODE_DROP, reservoir };
+    let alone = core::hint::black_box(parameters).build().map_err(refused)?;
+    let scene = Rectified::new(alone, core::hint::black_box(bridge)).map_err(refused)?;
+    Ok(HybridModel::<_, _, _, STATES, 1>::new(scene, TrBdf2, Adaptive::new(TOLERANCE)))
 }
 
 /// Parts of a piezoelectric cantilever with nothing to hit.
@@ -33,9 +66,6 @@ impl bump_stop::Parts<f32> for FreeBeam {
 /// A piezoelectric cantilever behind a full bridge, by its closed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beam(BumpStop<f32, FreeBeam, 1, 0>);
-
-/// Forward voltage in volts of each of the bridge's diodes.
-const DIODE_DROP: f32 = 0.3;
 
 impl Beam {
     /// Energy in joules that enters a store at `voltage` volts in a second, under a sine of `amplitude` m/s² and

@@ -364,6 +364,15 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         }
     }
 
+    /// Puts the store to a voltage in volts, for what the node has drawn from it or has read of it: between samples,
+    /// and where the harvester has no store without effect. What is no voltage changes nothing.
+    pub fn set_store_voltage(&mut self, volts: S) {
+        if volts >= S::ZERO && volts.is_finite() {
+            let State { stream, model, .. } = &mut self.state;
+            self.model.set_store_voltage(model, stream, volts);
+        }
+    }
+
     /// Sets energy, time and all counts to zero, for the mean of a new stretch of time: the harvester goes
     /// on.
     pub fn clear(&mut self) {

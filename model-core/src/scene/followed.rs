@@ -28,7 +28,7 @@ pub trait Followed<S: Scalar, const N: usize, const P: usize>: Harvester<S, N, P
     /// If parameters within their bounds leave no such start.
     fn at_rest<E: Excitation<S>, C: StepControl<S>>(
         &self,
-        before: Option<&[S; N]>,
+        before: Option<&HybridState<S, Self::Mode, N, P>>,
         excitation: &E,
         control: &C,
     ) -> Result<HybridState<S, Self::Mode, N, P>, ParameterError<S>>;
@@ -38,7 +38,11 @@ pub trait Followed<S: Scalar, const N: usize, const P: usize>: Harvester<S, N, P
     fn identify(&self, fingerprint: &mut Fingerprint);
 
     /// The store at `state`; `None` without one.
-    fn store(&self, _state: &[S; N]) -> Option<StoreReading<S>> {
+    fn store(&self, _state: &HybridState<S, Self::Mode, N, P>) -> Option<StoreReading<S>> {
         None
     }
+
+    /// Puts the store to a voltage in volts, at or above 0, under a base acceleration in m/s²: for what is drawn
+    /// from it, or read of it, from outside. Without a store nothing changes.
+    fn set_store_voltage(&self, _state: &mut HybridState<S, Self::Mode, N, P>, _volts: S, _acceleration: S) {}
 }

@@ -112,6 +112,7 @@
 mod automaton;
 mod electrics;
 mod flow;
+mod followed;
 
 pub use automaton::Mode;
 pub use flow::Flow;

@@ -65,6 +65,20 @@ pub fn parameters<P>(
 where
     P: Parts<f32, ForceLaw = TransferredCharge, Load = Resistor<f32>>,
 {
+    with_load(Resistor { ohms: 1e8 }, parasitic, restitution, sticking)
+}
+
+/// The same with any load.
+#[must_use]
+pub fn with_load<P>(
+    load: P::Load,
+    parasitic: P::Parasitic,
+    restitution: P::Restitution,
+    sticking: P::Sticking,
+) -> Parameters<f32, P>
+where
+    P: Parts<f32, ForceLaw = TransferredCharge>,
+{
     Parameters {
         mass: 5e-3,
         stiffness: 80.0,
@@ -75,7 +89,7 @@ where
         relative_permittivity: 2.0,
         charge_density: 50e-6,
         parasitic,
-        load: Resistor { ohms: 1e8 },
+        load,
         force_law: TransferredCharge,
         restitution,
         sticking,

@@ -57,6 +57,9 @@ pub trait Model<S: Scalar> {
     fn store(&self, _state: &Self::State) -> Option<StoreReading<S>> {
         None
     }
+
+    /// Puts the store to a voltage in volts; without one nothing changes.
+    fn set_store_voltage(&self, _state: &mut Self::State, _stream: &Stream<S>, _volts: S) {}
 }
 
 /// An acceleration that does not change: that of the sample at which a run starts.
@@ -119,7 +122,6 @@ where
         before: Option<&Self::State>,
         stream: &Stream<S>,
     ) -> Result<Self::State, ParameterError<S>> {
-        let before = before.map(|state| &state.point.state);
         let mut state = self.scene.at_rest(before, &Level::at_start(stream), &self.driver.control)?;
         state.clock = stream.known_until();
         Ok(state)
@@ -153,7 +155,11 @@ where
     }
 
     fn store(&self, state: &Self::State) -> Option<StoreReading<S>> {
-        self.scene.store(&state.point.state)
+        self.scene.store(state)
+    }
+
+    fn set_store_voltage(&self, state: &mut Self::State, stream: &Stream<S>, volts: S) {
+        self.scene.set_store_voltage(state, volts, stream.acceleration(state.clock));
     }
 }
 

@@ -13,7 +13,7 @@ use crate::scene::{Followed, ParameterError};
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> Followed<S, STATES, POWERS> for Sliding<S, P> {
     fn at_rest<E: Excitation<S>, C: StepControl<S>>(
         &self,
-        _before: Option<&[S; STATES]>,
+        _before: Option<&HybridState<S, Mode, STATES, POWERS>>,
         excitation: &E,
         control: &C,
     ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>> {
