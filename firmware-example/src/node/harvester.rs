@@ -54,7 +54,7 @@ pub fn following() -> Result<impl Model<f32>, NodeError> {
 
 /// Parts of a piezoelectric cantilever with nothing to hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FreeBeam;
+pub(super) struct FreeBeam;
 
 impl bump_stop::Parts<f32> for FreeBeam {
     // What the closed form is about stands behind a bridge.
