@@ -1,6 +1,7 @@
 //! What was harvested, whether it adds up, and what a node can do with it.
 
 mod account;
+mod action;
 mod budget;
 mod correction;
 mod cut_normal;
@@ -14,7 +15,8 @@ mod queries;
 mod storage;
 
 pub use account::Account;
-pub use budget::{Action, Budget, BudgetParameters, BudgetState};
+pub use action::Action;
+pub use budget::{Budget, BudgetParameters, BudgetState};
 pub use correction::{Correction, CorrectionParameters, CorrectionState, Reading};
 pub use estimator::{Estimate, Estimator, Uncertainty};
 pub use event_log::{EventLog, LoggedEvent};

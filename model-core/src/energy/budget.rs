@@ -56,6 +56,7 @@
 //! ```
 
 use super::account::Account;
+use super::action::Action;
 use super::income::{Income, IncomeParameters, IncomeState};
 use super::storage::{Storage, StorageParameters};
 use crate::part::bounds::{Bounds, ParameterError};
@@ -72,15 +73,6 @@ pub struct BudgetParameters<S> {
     /// Power in watts that the load draws whatever it does, converters' quiescent currents included; an
     /// upper bound, as an action's energy is.
     pub standing_power: S,
-}
-
-/// Something that a node can do, on top of its standing load.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Action<S> {
-    name: &'static str,
-    energy: S,
-    duration: S,
 }
 
 /// A budget whose parameters have been checked, with the day in `SLOTS` slots.
@@ -104,36 +96,6 @@ pub struct BudgetState<S, const SLOTS: usize> {
     /// Spent since the last update, at the store.
     pending: S,
     account: Account<S>,
-}
-
-impl<S: Scalar> Action<S> {
-    /// An action that takes at most `energy` joules at the load and at most `duration` seconds.
-    ///
-    /// # Errors
-    /// `energy` or `duration` negative, infinite or not a number.
-    pub fn new(name: &'static str, energy: S, duration: S) -> Result<Self, ParameterError<S>> {
-        Bounds::new(0.0, 1e9).check("energy", energy)?;
-        Bounds::new(0.0, 1e9).check("duration", duration)?;
-        Ok(Self { name, energy, duration })
-    }
-
-    /// Its name, for a log.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        self.name
-    }
-
-    /// Upper bound of what it takes at the load, in joules.
-    #[must_use]
-    pub fn energy(&self) -> S {
-        self.energy
-    }
-
-    /// Upper bound of how long it takes, in seconds.
-    #[must_use]
-    pub fn duration(&self) -> S {
-        self.duration
-    }
 }
 
 impl<S: Scalar, const SLOTS: usize> BudgetState<S, SLOTS> {
@@ -278,8 +240,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// At most one exponential.
     #[must_use]
     pub fn can_afford(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>, now: u32) -> bool {
-        let seconds = S::from_u32(state.income.seconds_until(now)) + action.duration;
-        let used = action.energy + self.standing_power * seconds;
+        let seconds = S::from_u32(state.income.seconds_until(now)) + action.duration();
+        let used = action.energy() + self.standing_power * seconds;
         // Leakage is largest if all is taken at the end.
         let kept = (state.energy - state.uncertainty) * self.storage.relaxation(seconds).kept;
         let left = kept - state.pending - self.storage.drawn(used);
@@ -419,6 +381,24 @@ mod tests {
                 budget.spend(&mut state, 0.9 * 1e-4 / after(seconds).recip());
                 assert_eq!(budget.can_afford(&state, &action, now), expected);
             }
+        }
+    }
+
+    #[test]
+    fn the_lower_end_is_that_of_all_income_first_and_all_expenditure_last() {
+        let storage = StorageParameters { leakage_resistance: 500e3, ..example::<f64>() };
+        let budget = with(storage);
+        let kept = (-2.0 * 60.0 / (500e3 * 220e-6_f64)).exp();
+        let capacity = budget.storage().capacity();
+        // With room for the income and without, and down to the lock-out.
+        for (start, income, spent) in [(1.5e-3, 2e-4, 1e-4), (2.2e-3, 9e-4, 2e-4), (1.2e-3, 0.0, 9e-4)] {
+            let mut state = budget.start(0);
+            budget.correct(&mut state, start, 1e-5);
+            budget.update(&mut state, 60, income / 0.8, spent * 0.9);
+            let least = start - 1e-5 + income;
+            let expected = (least.min(capacity) * kept - spent - 2e-6 * 60.0 / 0.9)
+                .max(least.min(budget.storage().lock_out()) * kept);
+            assert!((state.certain_energy() - expected).abs() < 1e-14, "{start}: {state:?} {expected:e}");
         }
     }
 

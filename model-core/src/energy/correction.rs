@@ -276,7 +276,7 @@ impl<S: Scalar> Correction<S> {
         state.gain_variance = (state.gain_variance + self.drift * seconds).smaller(highest);
     }
 
-    /// Takes in a reading of the voltage. A quadrature of 25 exponentials and a square root.
+    /// Takes in a reading of the voltage. A quadrature of 25 exponentials, and four square roots.
     pub fn observe(&self, state: &mut CorrectionState<S>, code: u32) -> Reading {
         let reach = S::literal(GATE) * state.energy_variance.square_root();
         if code >= self.full_code {

@@ -5,7 +5,8 @@
 //! turning on again. A *pass* below is one walk through the `SLOTS + 1` stretches of the coming day, with two
 //! multiplications and a few additions each; a forecast takes four exponentials once.
 
-use super::budget::{Action, Budget, BudgetState};
+use super::action::Action;
+use super::budget::{Budget, BudgetState};
 use super::forecast::{Forecast, largest};
 use super::income::DAY_SECONDS;
 use crate::scalar::Scalar;
