@@ -303,6 +303,7 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
     /// # Errors
     /// [`EstimatorError::Step`] and [`EstimatorError::Parameter`]: the harvester is lost until the next
     /// sample.
+    #[inline(never)]
     pub fn resume(&mut self, budget: u32) -> Result<Progress, EstimatorError<S>> {
         let mut work = Work::default();
         loop {
