@@ -21,6 +21,9 @@
 //! where `G_u`, `G_w` follow from the free motion over half a period. This is explicit in the base's
 //! acceleration `A`, so the amplitude `X` is found as a root.
 
+mod charge;
+
+use self::charge::{Increments, STAGES, WEIGHTS, sum};
 use super::flow::Circuit;
 use super::{Friction, Parts, Sliding};
 use crate::integrate::modal::ModalStep;
@@ -47,14 +50,6 @@ const COSINES: [f64; PLACES] = [
 ];
 /// A step, in radians.
 const STEP: f64 = core::f64::consts::FRAC_PI_2 / STEPS as f64;
-/// Weights of the stages of Lobatto's method, and its matrix.
-const WEIGHTS: [f64; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
-const STAGES: [[f64; 3]; 3] = [
-    [1.0 / 6.0, -1.0 / 3.0, 1.0 / 6.0],
-    [1.0 / 6.0, 5.0 / 12.0, -1.0 / 12.0],
-    [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
-];
-
 /// Largest amplitude that is claimed, as a part of the diameter.
 const REACH: f64 = 0.9;
 /// Largest third harmonic, as a part of the first.
@@ -260,7 +255,9 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         };
         let step_map = |step: usize| {
             let overlap = [0, 1, 2].map(|stage| active(step, stage));
-            lag.map_or(Increments::NONE, |lag| Increments::new(&overlap.map(|one| one.active), lag, tribo))
+            lag.map_or(Increments::NONE, |lag| {
+                Increments::new(&overlap.map(|one| one.active), lag * S::literal(1.0 / STEP), tribo)
+            })
         };
         // The charge after half a turn is (1 − e) of that before, and some more: periodic where both agree.
         let (mut forgotten, mut gained) = (S::ZERO, S::ZERO);
@@ -334,75 +331,6 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             }
         }
     }
-}
-
-/// What a step adds to the charge `P` at each stage's rate, times the step: a constant, and per charge at the
-/// start.
-struct Increments<S> {
-    constant: [S; 3],
-    by_charge: [S; 3],
-}
-
-impl<S: Scalar> Increments<S> {
-    /// Of a charge that stays.
-    const NONE: Self = Self { constant: [S::ZERO; 3], by_charge: [S::ZERO; 3] };
-
-    /// `κ s1 z/h + A z = σS s1 − P` at the three stages, by Cramer's rule.
-    fn new(active: &[S; 3], lag: S, tribo_charge: S) -> Self {
-        let per_step = lag * S::literal(1.0 / STEP);
-        // All rows by the largest that they hold, so that an open circuit overflows nothing.
-        let scale = S::ONE / (S::ONE + per_step);
-        let stages = STAGES.map(|row| row.map(S::literal));
-        let row = |stage: usize| {
-            let mut row = [S::ZERO; 3];
-            let own = active.get(stage).copied().unwrap_or(S::ZERO);
-            let coefficients = stages.get(stage).copied().unwrap_or([S::ZERO; 3]);
-            for (column, (place, coefficient)) in row.iter_mut().zip(coefficients).enumerate() {
-                let diagonal = if column == stage { per_step * own } else { S::ZERO };
-                *place = scale * (coefficient + diagonal);
-            }
-            row
-        };
-        let rows = [row(0), row(1), row(2)];
-        let cross = [cross(&rows[1], &rows[2]), cross(&rows[2], &rows[0]), cross(&rows[0], &rows[1])];
-        let determinant = sum(&rows[0], &cross[0]);
-        let factor = scale / determinant;
-        let solve = |right: [S; 3]| {
-            [0, 1, 2].map(|column| {
-                let along = |which: usize| {
-                    cross
-                        .get(which)
-                        .and_then(|vector: &[S; 3]| vector.get(column))
-                        .copied()
-                        .unwrap_or(S::ZERO)
-                };
-                factor * (along(0) * right[0] + along(1) * right[1] + along(2) * right[2])
-            })
-        };
-        let minus_one = -S::ONE;
-        Self { constant: solve(active.map(|own| tribo_charge * own)), by_charge: solve([minus_one; 3]) }
-    }
-
-    /// Over the whole step.
-    fn over_step(&self) -> [S; 2] {
-        let weights = WEIGHTS.map(S::literal);
-        [sum(&weights, &self.constant), sum(&weights, &self.by_charge)]
-    }
-
-    /// The rates, times the step, from a charge at the start.
-    fn at(&self, charge: S) -> [S; 3] {
-        let [a, b, c] = self.by_charge;
-        let [x, y, z] = self.constant;
-        [x + a * charge, y + b * charge, z + c * charge]
-    }
-}
-
-fn sum<S: Scalar>([a, b, c]: &[S; 3], [x, y, z]: &[S; 3]) -> S {
-    *a * *x + *b * *y + *c * *z
-}
-
-fn cross<S: Scalar>([a, b, c]: &[S; 3], [x, y, z]: &[S; 3]) -> [S; 3] {
-    [*b * *z - *c * *y, *c * *x - *a * *z, *a * *y - *b * *x]
 }
 
 /// Of a place on the way from one turn to the other.
