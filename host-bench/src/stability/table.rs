@@ -3,7 +3,7 @@
 use comfy_table::{CellAlignment, Table, presets};
 
 use super::grid::law_name;
-use super::{AGREEMENT, Class, Finding, LEDGER, Setting, TIGHT, TOLERANCE};
+use super::{AGREEMENT, Class, Finding, LEDGER, MOST_ATTEMPTS, Setting, TIGHT, TOLERANCE};
 use crate::method::Precision;
 use crate::outcome::number;
 use crate::scene_file::ForceLaw;
@@ -100,6 +100,7 @@ fn notes(findings: &[Finding]) -> Vec<String> {
         "Converging: off by more, but no further than f64 at ten times the tolerance, and in f64 the difference \
          falls with the tolerance to runs that agree: a graze makes more of the tolerance."
             .to_owned(),
+        format!("Too dear: given up after {MOST_ATTEMPTS:e} attempted steps."),
         format!("The reference was asked in {asked} of {} cases, and agrees in {agreed}.", findings.len()),
     ]
 }

@@ -73,6 +73,22 @@ fn the_ends_of_the_range_of_resistances_are_right_or_say_so() {
 }
 
 #[test]
+fn a_run_that_takes_too_many_steps_is_given_up() {
+    let scene = shipped();
+    let options = Options { most_attempts: Some(1000), ..Options::default() };
+    let Err(Failure::TooDear(told)) = run_scene(&scene, &options) else { panic!("it takes more steps") };
+    assert!(told.contains("1000 attempted steps") && told.contains(" at 0."), "{told}");
+    let options = Options { most_attempts: Some(MOST_ATTEMPTS), ..Options::default() };
+    assert_eq!(
+        run_scene(&scene, &options).expect("it takes fewer").mean_power_w,
+        run_scene(&scene, &Options::default()).expect("runs").mean_power_w
+    );
+    let options = ReferenceOptions { most_steps: Some(1000), ..ReferenceOptions::default() };
+    let failure = reference::run(&scene, &options).expect_err("it takes more steps");
+    assert!(failure.reason.contains("given up"), "{failure}");
+}
+
+#[test]
 fn the_grid_has_the_cases_that_it_says() {
     let settings = Grid::Whole.settings(Kind::Sliding);
     assert_eq!(settings.len(), 9 * 4 * 2 * 2 * 4 * 7);

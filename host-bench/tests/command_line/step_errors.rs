@@ -1,4 +1,5 @@
-//! A run that cannot be finished: an explicit method with a step a thousand times too long for the load.
+//! A run that cannot be finished: an explicit method with a step a thousand times too long for the load; and
+//! one that should not be believed.
 
 use super::tool::{SHIPPED, folder, host_bench};
 
@@ -21,6 +22,26 @@ fn a_run_ends_with_code_3_and_one_line() {
         assert!(told.contains(part), "{part:?} is not in {told}");
     }
     assert_eq!(std::fs::read_dir(&folder).expect("the folder").count(), 0, "no trace is written");
+}
+
+/// Seven steps a period, with a load whose current comes in spikes.
+#[test]
+fn a_run_whose_energy_ledger_does_not_close_warns() {
+    let run = |step| {
+        let span = ["--set", "run.duration_s=1", "--set", "run.settle_s=0", "--format", "json"];
+        let method = ["--method", "tr-bdf2", "--step", step, "--set", "load.resistance_ohm=1e7"];
+        let output = host_bench(&[&["run", SHIPPED], &method[..], &span[..]].concat());
+        assert_eq!(output.status.code(), Some(0));
+        let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+        let residual = outcome["energy_residual"].as_f64().expect("a number");
+        (residual, String::from_utf8(output.stderr).expect("text"))
+    };
+    let (residual, told) = run("3e-3");
+    assert!(residual > 1e-2);
+    assert_eq!(told.lines().count(), 1, "{told}");
+    assert!(told.starts_with("warning: energy_residual = ") && told.contains("0.01"), "{told}");
+    let (residual, told) = run("1e-3");
+    assert!(residual < 1e-2 && told.is_empty(), "{residual} {told}");
 }
 
 #[test]

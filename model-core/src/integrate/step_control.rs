@@ -292,10 +292,13 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         let allowed = target + S::EPSILON * S::literal(ENERGY_ROUNDINGS);
         let mut ratio = state.larger(energy_error / allowed).to_f32();
         if !(ratio <= 1.0) {
-            // What rounding the state makes of the energy, no shorter step can lessen: a shorter one
-            // divides the same rounding by less time.
-            let left = state.larger((errors.energy - rounding()) / per_radian / allowed).to_f32();
-            ratio = if left <= 1.0 { left } else { ratio };
+            // What rounding the state makes of the energy, no shorter step can lessen: it divides the same
+            // rounding by less time. A scene that has none of it compiles nothing of this.
+            let rounding = rounding();
+            if rounding > S::ZERO {
+                let left = state.larger((errors.energy - rounding) / per_radian / allowed).to_f32();
+                ratio = if left <= 1.0 { left } else { ratio };
+            }
         }
         let present = log2(ratio.larger(1e-8));
         // An error that a shorter step does not lessen was not made by this step: the derivative at
