@@ -249,14 +249,15 @@ where
     fn event(&mut self, event: &Event<'_, f64, Mode<Q>, STATES, WHOLE>) {
         let blocked = BridgeRegime::Blocked;
         self.begun += u32::from(event.before.regime == blocked && event.after.regime != blocked);
-        // No event moves charge or energy: what conduction has brought is taken up as it ends.
+        // No event moves charge or energy: what conduction has brought is taken up as it ends. An impact
+        // ends a fraction of a picometre beyond contact, and is taken back to it.
         let [before, after] =
             [(event.before, event.reached), (event.after, event.left)].map(|(mode, point)| {
                 let [_, _, charge] = self.scene.harvester_state(mode, &point.state);
                 (charge, self.scene.store_voltage(mode, &point.state))
             });
-        assert!((before.0 - after.0).abs() <= 1e-9 * before.0.abs().max(1.0), "{before:?} {after:?}");
-        assert!((before.1 - after.1).abs() <= 1e-9 * before.1, "{before:?} {after:?}");
+        assert!((before.0 - after.0).abs() <= 1e-7 * before.0.abs().max(1.0), "{before:?} {after:?}");
+        assert!((before.1 - after.1).abs() <= 1e-7 * before.1, "{before:?} {after:?}");
     }
 }
 
@@ -373,7 +374,7 @@ fn a_supercapacitor_fills_in_single_precision() {
     let in_single = single.store_gain_from(&found, 3.0);
     println!("{gained:e} J and {in_single:e} J stored, {:e} J delivered", exact.delivered_energy());
     assert!((in_single / gained - 1.0).abs() < 1e-3);
-    // A nanofarad... what leaks in 4 s through a gigaohm at 3 V is 36 nJ.
+    // What leaks in 4 s through a gigaohm at 3 V is 36 nJ.
     assert!(((gained + 4.0 * 9.0 / 1e9) / exact.delivered_energy() - 1.0).abs() < 1e-4);
     assert!(single.store_voltage(found.mode, &found.point.state) - 3.0 < 1e-5);
 }
@@ -463,6 +464,34 @@ fn an_explicit_method_finds_the_same_of_the_slider() {
     let expected = 10.0 * 2.0 * passed * volts;
     println!("reach {reach:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
     assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
+}
+
+/// A harvester that starts charged beyond the threshold shares its charge with the store at once: what the field
+/// gives is in the store or lost in the diodes.
+#[test]
+fn a_charge_beyond_the_threshold_is_shared_at_once() {
+    let (volts, farads, gap) = (10.0, 1e-11, 3e-3);
+    let reservoir = Capacitor { leakage_ohms: f64::INFINITY, ..store(farads, 1.0) };
+    let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), reservoir, 0.3);
+    let distance = gap + 5e-5 / 2.0;
+    let capacitance = VACUUM_PERMITTIVITY * 4e-4 / distance;
+    let charge = 50e-6 * 4e-4 * gap / distance - capacitance * volts;
+    let start = contact::Start { charge: Some(charge), ..contact::Start::default() };
+    let driver = Driver::new(TrBdf2, fixed(1e-9));
+    let still = sine::<f64>(0.0, 20.0);
+    let opening = scene.start::<_, _, WHOLE>(&start, &still, &driver.control).expect("in bounds");
+    let mut ledger = Ledger::open(&scene, &opening);
+    let end = run(&scene, &start, &still, &driver, 1e-8, &mut ledger);
+    // The capacitance at the terminals and the store's, joined from 10 V and 1.6 V.
+    let joined = capacitance + 1e-12;
+    let passed = (volts - 1.6) * joined * farads / (joined + farads);
+    let (delivered, lost) = (passed * (1.0 + 0.5 * passed / farads), passed * (0.6 + 0.5 * (volts - 1.6)));
+    let found = [account::LOAD, account::DIODES].map(|entry| ledger.integrals().integral(entry));
+    println!("{found:?} J, expected {delivered:e} J and {lost:e} J");
+    assert!((scene.store_voltage(end.mode, &end.point.state) - 1.0 - passed / farads).abs() < 1e-6);
+    assert!((found[0] / delivered - 1.0).abs() < 1e-6 && (found[1] / lost - 1.0).abs() < 1e-6);
+    let residual = ledger.residual();
+    assert!(residual.electrical.abs().max(residual.store.abs()) < 1e-6 * delivered, "{residual:?}");
 }
 
 /// A store with a draw and a harvester at rest: how long it lasts is known in closed form.
