@@ -576,3 +576,34 @@ fn what_is_out_of_bounds_is_refused_by_name() {
     let refused = Rectified::new(pad(f64::INFINITY, law), bridge(-0.1)).map(|_| ());
     assert_eq!(field(refused), Some(("diode_drop", -0.1)));
 }
+
+/// The derivatives from which the current and its rate are made, against differences of the voltage.
+#[test]
+fn derivatives_of_the_terminal_voltage_are_those_of_its_values() {
+    let pad = pad::<f64>(f64::INFINITY, AnyForceLaw::GapField);
+    let slider = slider::<f64>(f64::INFINITY);
+    for gap in [0.0, 2e-5, 3e-3] {
+        derivatives(&pad, contact::Mode::Free, gap, 1e-8);
+    }
+    for (ahead, displacement) in [(true, 3e-3), (false, -3e-3), (true, 0.015), (false, -0.018)] {
+        derivatives(&slider, sliding::Mode::Sliding { forward: true, ahead }, displacement, 1e-7);
+    }
+}
+
+fn derivatives<H: Terminals<f64>>(harvester: &H, mode: H::Mode, position: f64, step: f64) {
+    for charge in [-0.05, 0.0, 0.1] {
+        let at = |position, charge| harvester.terminal_voltage(mode, position, charge);
+        let [here, before, after] = [0.0, -step, step].map(|shift| at(position + shift, charge));
+        let more = at(position, charge + 1.0);
+        let close = |what: &str, found: f64, expected: f64, scale: f64| {
+            assert!((found - expected).abs() < 1e-6 * scale, "{what} at {position}: {found} {expected}");
+        };
+        let slope = here.by_position.abs();
+        close("dV/dx", (after.value - before.value) / (2.0 * step), here.by_position, slope);
+        close("dV/dQ", more.value - here.value, here.by_charge, here.by_charge.abs());
+        let bend = (after.by_position - before.by_position) / (2.0 * step);
+        close("d2V/dx2", bend, here.curvature, here.curvature.abs() + slope * 1e3);
+        close("d2V/dx dQ", more.by_position - here.by_position, here.by_both, here.by_both.abs());
+        assert!(here.magnitude >= here.value.abs() * 0.5 && here.by_charge < 0.0);
+    }
+}

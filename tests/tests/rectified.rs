@@ -160,3 +160,20 @@ fn precision_and_method_make_no_difference() {
         }
     }
 }
+
+/// The trace has the store's voltage in its last column, and ends at what the run reports.
+#[test]
+fn a_trace_has_the_voltage_of_the_store() {
+    let scene = contact(store(1e-8, 1.0, Draw::None), |scene| {
+        scene.run = RunSpan { duration_s: 1.0, settle_s: 0.0 };
+    });
+    let found = outcome(&scene, &Options { trace_every_s: Some(0.125), ..adaptive(1e-4) });
+    let store = found.store.expect("a store");
+    let trace = found.trace.expect("asked for");
+    assert_eq!(trace.columns.last(), Some(&"store_voltage_v"));
+    let volts: Vec<f64> = trace.rows.iter().filter_map(|row| row.last().copied()).collect();
+    assert_eq!((volts.len(), volts[0]), (9, 1.0));
+    assert!(volts.is_sorted());
+    assert_close("the last row", volts[8], value(store.store_voltage_v), 1e-9);
+    assert_close("energy", value(store.stored_energy_j), 0.5e-8 * volts[8] * volts[8], 1e-9);
+}
