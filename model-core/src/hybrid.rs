@@ -142,6 +142,19 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
         step: S,
     ) -> Jump<S, Self::Mode, N>;
 
+    /// The part of each power that passes in no time in that jump, to `after`, in joules: a capacitor that
+    /// is joined to another shares its charge at once.
+    #[inline(always)]
+    fn jump_energies(
+        &self,
+        _mode: Self::Mode,
+        _index: usize,
+        _point: &Point<S, N, P>,
+        _after: &Jump<S, Self::Mode, N>,
+    ) -> [S; P] {
+        [S::ZERO; P]
+    }
+
     /// The scales by which the step control measures errors.
     fn error_scale(&self) -> ErrorScale<S>;
 

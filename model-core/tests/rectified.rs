@@ -1,137 +1,18 @@
-//! Both triboelectric scenes behind a full bridge: energy ledgers, limits, closed forms.
+//! Both triboelectric scenes behind a full bridge: energy ledgers, the three regimes, equal bits.
 
+mod bridge;
+
+use bridge::{WHOLE, adaptive, behind, fixed, pad, run, sine, slider, store};
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, RunMeter};
-use model_core::excitation::{Excitation, Sine};
+use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, Event, HybridState, Observer, Span};
-use model_core::integrate::{Adaptive, AnyStepControl, FixedStep, Method, RungeKutta4, TrBdf2};
-use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
+use model_core::integrate::{AnyStepControl, Method, TrBdf2};
 use model_core::part::force_law::AnyForceLaw;
-use model_core::part::load::AnyLoad;
-use model_core::part::parasitic::ParasiticCapacitance;
-use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
-use model_core::part::stick_charge::AnyStickCharge;
 use model_core::part::store::{Capacitor, DcBus, Reservoir};
-use model_core::scalar::{Mathematics, Polynomial, Scalar};
+use model_core::scalar::Scalar;
 use model_core::scene::rectified::{BridgeRegime, FullBridge, Mode, Rectified, STATES, Terminals};
-use model_core::scene::{Harvester, account, contact_separation as contact, sliding};
-
-const WHOLE: usize = account::WHOLE;
-const GRAVITY: f64 = 9.81;
-const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
-
-type Contact<S> = contact::ContactSeparation<S, contact::AnyParts>;
-type Slider<S> = sliding::Sliding<S, sliding::AnyParts>;
-
-/// The mass over a dielectric of Table 2.
-fn pad<S: Scalar>(ohms: f64, force_law: AnyForceLaw) -> Contact<S>
-where
-    Polynomial: Mathematics<S>,
-{
-    let number = S::literal;
-    contact::Parameters {
-        mass: number(5e-3),
-        stiffness: number(80.0),
-        damping_ratio: number(0.005),
-        initial_gap: number(3e-3),
-        electrode_area: number(4e-4),
-        dielectric_thickness: number(5e-5),
-        relative_permittivity: number(2.0),
-        charge_density: number(50e-6),
-        parasitic: ParasiticCapacitance { farads: number(1e-12) },
-        load: AnyLoad { ohms: number(ohms) },
-        force_law,
-        restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: number(0.7) }),
-        sticking: AnyStickCharge::Frozen,
-    }
-    .build()
-    .expect("in bounds")
-}
-
-/// The slider of Table 1, with the field's lateral force so that the ledger closes as a whole.
-fn slider<S: Scalar>(ohms: f64) -> Slider<S> {
-    let number = S::literal;
-    sliding::Parameters {
-        beam_length: number(0.1),
-        beam_width: number(0.02),
-        beam_thickness: number(5e-4),
-        young_modulus: number(210e9),
-        density: number(7800.0),
-        damping_ratio: number(0.0035),
-        slider_mass: number(8e-3),
-        patch_radius: number(0.01),
-        friction: sliding::PatchFriction {
-            static_active: number(0.35),
-            static_inert: number(0.25),
-            kinetic_active: number(0.30),
-            kinetic_inert: number(0.20),
-        },
-        dielectric_thickness: number(5e-5),
-        relative_permittivity: number(2.0),
-        charge_density: number(80e-6),
-        load: AnyLoad { ohms: number(ohms) },
-        force_law: AnyForceLaw::TransferredCharge,
-        sticking: AnyStickCharge::Frozen,
-        lateral_force: sliding::AnyLateralForce::Field,
-    }
-    .build()
-    .expect("in bounds")
-}
-
-fn store<S: Scalar>(farads: f64, volts: f64) -> Capacitor<S, AnyDraw<S>> {
-    Capacitor {
-        farads: S::literal(farads),
-        leakage_ohms: S::literal(1e9),
-        initial_voltage: S::literal(volts),
-        draw: AnyDraw::None,
-    }
-}
-
-fn behind<S: Scalar, H: Terminals<S>, R: Reservoir<S>>(
-    harvester: H,
-    reservoir: R,
-    drop: f64,
-) -> Rectified<S, H, R> {
-    Rectified::new(harvester, FullBridge { diode_drop: S::literal(drop), reservoir }).expect("in bounds")
-}
-
-fn sine<S: Scalar>(gravities: f64, hertz: f64) -> Sine<S>
-where
-    Polynomial: Mathematics<S>,
-{
-    Sine::new(S::literal(gravities * GRAVITY), S::literal(hertz), S::ZERO).expect("in bounds")
-}
-
-fn fixed<S: Scalar>(seconds: f64) -> AnyStepControl<S> {
-    AnyStepControl::Fixed(FixedStep::of_seconds(S::literal(seconds)))
-}
-
-fn adaptive<S: Scalar>(tolerance: f64) -> AnyStepControl<S> {
-    AnyStepControl::Adaptive(Adaptive::new(S::literal(tolerance)))
-}
-
-/// Runs from the harvester's default start.
-fn run<S, H, R, M, E, O>(
-    scene: &Rectified<S, H, R>,
-    start: &H::Start,
-    shaking: &E,
-    driver: &Driver<M, AnyStepControl<S>>,
-    seconds: f64,
-    observer: &mut O,
-) -> HybridState<S, Mode<<H as Automaton<S, 3, 0>>::Mode>, STATES, WHOLE>
-where
-    S: Scalar,
-    H: Terminals<S> + Harvester<S, 3, 0>,
-    R: Reservoir<S>,
-    M: Method<S>,
-    E: Excitation<S>,
-    O: Observer<S, Mode<<H as Automaton<S, 3, 0>>::Mode>, STATES, WHOLE>,
-{
-    let mut state = scene.start::<_, _, WHOLE>(start, shaking, &driver.control).expect("in bounds");
-    let end = Instant::from_seconds(seconds).expect("in range");
-    driver.advance(scene, &mut state, shaking, end, u32::MAX, observer).expect("runs");
-    state
-}
+use model_core::scene::{Harvester, contact_separation as contact, sliding};
 
 /// What is left over in the ledgers of a run, relative: the sum of mechanics and field, and the store.
 fn residuals<S, H, R, M, E>(
@@ -228,7 +109,7 @@ where
         // A step that ends a regime ends a tick or two beyond it.
         let rounding = 1e-13 * terminal.magnitude + 2e-12 * (terminal.by_position * velocity).abs();
         // Nothing leaks, nothing is drawn: the store never falls by more than the end of a regime is late.
-        assert!(store >= self.highest * (1.0 - 1e-12), "{store} {}", self.highest);
+        assert!(store >= self.highest * (1.0 - 1e-8), "{store} {}", self.highest);
         self.highest = store.max(self.highest);
         match mode.regime {
             BridgeRegime::Blocked => {
@@ -249,14 +130,15 @@ where
     fn event(&mut self, event: &Event<'_, f64, Mode<Q>, STATES, WHOLE>) {
         let blocked = BridgeRegime::Blocked;
         self.begun += u32::from(event.before.regime == blocked && event.after.regime != blocked);
-        // No event moves charge or energy: what conduction has brought is taken up as it ends.
+        // No event moves charge or energy: what conduction has brought is taken up as it ends. An impact
+        // ends a fraction of a picometre beyond contact, and is taken back to it.
         let [before, after] =
             [(event.before, event.reached), (event.after, event.left)].map(|(mode, point)| {
                 let [_, _, charge] = self.scene.harvester_state(mode, &point.state);
                 (charge, self.scene.store_voltage(mode, &point.state))
             });
-        assert!((before.0 - after.0).abs() <= 1e-9 * before.0.abs().max(1.0), "{before:?} {after:?}");
-        assert!((before.1 - after.1).abs() <= 1e-9 * before.1, "{before:?} {after:?}");
+        assert!((before.0 - after.0).abs() <= 1e-7 * before.0.abs().max(1.0), "{before:?} {after:?}");
+        assert!((before.1 - after.1).abs() <= 1e-7 * before.1, "{before:?} {after:?}");
     }
 }
 
@@ -274,72 +156,6 @@ fn each_regime_is_what_it_says() {
     run(&scene, &sliding::Start::default(), &sine(0.36, 18.373), &driver, 4.0, &mut regimes);
     println!("sliding {:?}, {} conductions, {} V", regimes.steps, regimes.begun, regimes.highest);
     assert!(regimes.begun > 120 && regimes.steps.iter().all(|&steps| steps > 1000) && regimes.highest > 10.0);
-}
-
-/// A bus and diodes without voltage short the terminals: the charge follows the position as at 0 Ω.
-#[test]
-fn a_bus_without_voltage_is_a_short_circuit() {
-    let driver = Driver::new(TrBdf2, adaptive(1e-7));
-    let law = AnyForceLaw::TransferredCharge;
-    let (bus, shaking) = (DcBus { volts: 0.0 }, sine::<f64>(0.2, 20.0));
-    let end = Instant::from_whole_seconds(1);
-    let shorted = pad::<f64>(0.0, law);
-    let mut state = shorted
-        .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control)
-        .expect("in bounds");
-    driver.advance(&shorted, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
-    let scene = behind(pad::<f64>(f64::INFINITY, law), bus, 0.0);
-    let found = run(&scene, &contact::Start::default(), &shaking, &driver, 1.0, &mut ());
-    compare(
-        "contact",
-        [found.point.state[0], found.point.state[1]],
-        [state.point.state[0], state.point.state[1]],
-        [3e-3, 0.4],
-    );
-
-    let shaking = sine::<f64>(0.36, 18.373);
-    let shorted = slider::<f64>(0.0);
-    let mut state = shorted
-        .start::<_, _, WHOLE>(&sliding::Start::default(), &shaking, &driver.control)
-        .expect("in bounds");
-    driver.advance(&shorted, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
-    let scene = behind(slider::<f64>(f64::INFINITY), bus, 0.0);
-    let found = run(&scene, &sliding::Start::default(), &shaking, &driver, 1.0, &mut ());
-    compare(
-        "sliding",
-        [found.point.state[0], found.point.state[1]],
-        [state.point.state[0], state.point.state[1]],
-        [1e-2, 1.0],
-    );
-}
-
-fn compare(name: &str, found: [f64; 2], expected: [f64; 2], sizes: [f64; 2]) {
-    for ((found, expected), size) in found.into_iter().zip(expected).zip(sizes) {
-        let error = (found - expected).abs() / size;
-        println!("{name}: {found} {expected}, off by {error:.1e} of {size}");
-        assert!(error < 3e-5, "{name}: {found} {expected}");
-    }
-}
-
-/// A bus beyond the reach of the harvester is an open circuit, bit for bit.
-#[test]
-fn a_bus_out_of_reach_is_an_open_circuit() {
-    let driver = Driver::new(TrBdf2, adaptive(1e-4));
-    let law = AnyForceLaw::TransferredCharge;
-    let (bus, shaking) = (DcBus { volts: 1e6_f32 }, sine::<f32>(0.2, 20.0));
-    let end = Instant::from_whole_seconds(2);
-    let open = pad::<f32>(f64::INFINITY, law);
-    let mut state =
-        open.start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control).expect("in bounds");
-    let alone = driver.advance(&open, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
-    let scene = behind(open, bus, 0.3);
-    let mut found =
-        scene.start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control).expect("in bounds");
-    let bridged = driver.advance(&scene, &mut found, &shaking, end, u32::MAX, &mut ()).expect("runs");
-    assert!(alone.work.events > 10);
-    assert_eq!(bridged.work, alone.work);
-    assert_eq!(found.point.state[..3], state.point.state);
-    assert_eq!(found.point.remainder[..3], state.point.remainder);
 }
 
 #[test]
@@ -373,7 +189,7 @@ fn a_supercapacitor_fills_in_single_precision() {
     let in_single = single.store_gain_from(&found, 3.0);
     println!("{gained:e} J and {in_single:e} J stored, {:e} J delivered", exact.delivered_energy());
     assert!((in_single / gained - 1.0).abs() < 1e-3);
-    // A nanofarad... what leaks in 4 s through a gigaohm at 3 V is 36 nJ.
+    // What leaks in 4 s through a gigaohm at 3 V is 36 nJ.
     assert!(((gained + 4.0 * 9.0 / 1e9) / exact.delivered_energy() - 1.0).abs() < 1e-4);
     assert!(single.store_voltage(found.mode, &found.point.state) - 3.0 < 1e-5);
 }
@@ -394,146 +210,6 @@ where
     }
 }
 
-/// What a bus receives in a period of a smooth motion is given by the extremes of that motion alone: the
-/// charge follows the rectangle's sides in the plane of charge and voltage.
-#[test]
-fn a_bus_receives_what_the_extremes_of_the_motion_say() {
-    let (volts, drop) = (3.0, 0.3);
-    let threshold = volts + 2.0 * drop;
-    let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::TransferredCharge), DcBus { volts }, drop);
-    let hertz = 18.0;
-    let shaking = sine::<f64>(0.05, hertz);
-    let (area, thickness) = (VACUUM_PERMITTIVITY * 4e-4, 5e-5 / 2.0);
-    // Q = q − C_p V at a gap and a voltage.
-    let charge = |gap: f64, voltage: f64| {
-        let distance = gap + thickness;
-        (50e-6 * 4e-4 * gap - voltage * (area + 1e-12 * distance)) / distance
-    };
-    let settled = Instant::from_seconds(600.0 / hertz).expect("in range");
-    let end = Instant::from_seconds(610.0 / hertz).expect("in range");
-    let implicit = Driver::new(TrBdf2, adaptive(1e-6));
-    let mut state = scene
-        .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &implicit.control)
-        .expect("in bounds");
-    let mut meter = RunMeter::new(&scene);
-    implicit.advance(&scene, &mut state, &shaking, settled, u32::MAX, &mut ()).expect("runs");
-    implicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
-    let gap = meter.coordinate();
-    let passed = charge(gap.highest, threshold) - charge(gap.lowest, -threshold);
-    let expected = 10.0 * 2.0 * passed * volts;
-    println!("gap {gap:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
-    assert!(passed > 0.0 && meter.impacts() == 0);
-    assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
-    let lost = meter.integrals().integral(account::DIODES);
-    assert!((lost / (expected * 2.0 * drop / volts) - 1.0).abs() < 1e-5);
-    assert!((meter.charge_moved() / (20.0 * passed) - 1.0).abs() < 1e-5);
-}
-
-/// The same of the slider, whose voltage has an extreme at the centre too; by an explicit method, for which the
-/// circuit is not stiff.
-#[test]
-fn an_explicit_method_finds_the_same_of_the_slider() {
-    let (volts, drop) = (20.0, 0.3);
-    let threshold = volts + 2.0 * drop;
-    let scene = behind(slider::<f64>(f64::INFINITY), DcBus { volts }, drop);
-    let hertz = 18.373;
-    let shaking = sine::<f64>(0.36, hertz);
-    let patch = core::f64::consts::PI * 1e-4;
-    let overlap = |x: f64| {
-        let away = x.abs() / 0.02;
-        (away.acos() - away * (1.0 - away * away).sqrt()) * core::f64::consts::FRAC_2_PI
-    };
-    let charge = |x: f64, voltage: f64| {
-        let capacitance = VACUUM_PERMITTIVITY * 2.0 * patch * overlap(x) / 5e-5;
-        80e-6 * patch * (1.0 - overlap(x)) - capacitance * voltage
-    };
-    let settled = Instant::from_seconds(1000.0 / hertz).expect("in range");
-    let end = Instant::from_seconds(1010.0 / hertz).expect("in range");
-    let explicit = Driver::new(RungeKutta4, fixed(0.05 / 800.0));
-    let mut state = scene
-        .start::<_, _, WHOLE>(&sliding::Start::default(), &shaking, &explicit.control)
-        .expect("in bounds");
-    let mut meter = RunMeter::new(&scene);
-    explicit.advance(&scene, &mut state, &shaking, settled, u32::MAX, &mut ()).expect("runs");
-    explicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
-    let reach = meter.coordinate();
-    // Forward to either side, backward into the middle from each.
-    let passed: f64 =
-        [reach.lowest, reach.highest].map(|x| charge(x, threshold) - charge(0.0, -threshold)).iter().sum();
-    let expected = 10.0 * 2.0 * passed * volts;
-    println!("reach {reach:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
-    assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
-}
-
-/// A store with a draw and a harvester at rest: how long it lasts is known in closed form.
-#[test]
-fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
-    let lockout = Lockout { turn_on: 3.0, turn_off: 2.0 };
-    let (farads, full) = (1e-6, 3.0_f64);
-    let draws = [
-        (AnyDraw::Power(PowerDraw { watts: 5e-6, lockout }), farads * (full * full - 4.0) / (2.0 * 5e-6)),
-        (AnyDraw::Current(CurrentDraw { amperes: 2e-6, lockout }), farads * (full - 2.0) / 2e-6),
-        (
-            AnyDraw::Resistor(ResistiveDraw { ohms: 1e6, lockout: Some(lockout) }),
-            1e6 * farads * (full / 2.0).ln(),
-        ),
-    ];
-    let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive(1e-6)) };
-    let still = sine::<f64>(0.0, 20.0);
-    for (draw, seconds) in draws {
-        let reservoir = Capacitor { farads, leakage_ohms: f64::INFINITY, initial_voltage: full, draw };
-        let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), reservoir, 0.3);
-        let mut state = scene
-            .start::<_, _, WHOLE>(&contact::Start::default(), &still, &driver.control)
-            .expect("in bounds");
-        assert!(state.mode.connected);
-        let mut meter = RunMeter::new(&scene);
-        let end = Instant::from_whole_seconds(3);
-        driver.advance(&scene, &mut state, &still, end, u32::MAX, &mut meter).expect("runs");
-        let found = state.clock.seconds::<f64>();
-        println!("{draw:?}: {found} s, expected {seconds} s");
-        assert!(!state.mode.connected && (found / seconds - 1.0).abs() < 1e-6, "{draw:?}");
-        let drawn = meter.integrals().integral(account::DRAWN);
-        assert!((drawn / (0.5 * farads * (full * full - 4.0)) - 1.0).abs() < 1e-6, "{draw:?}: {drawn:e}");
-    }
-    // Charged from below: connected at each rise to the upper voltage, and not before.
-    let draw = PowerDraw { watts: 2e-4, lockout };
-    let reservoir = Capacitor { farads: 2e-8, leakage_ohms: f64::INFINITY, initial_voltage: 2.5, draw };
-    let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::TransferredCharge), single(reservoir), 0.3);
-    let shaking = sine::<f32>(0.2, 20.0);
-    let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive::<f32>(1e-4)) };
-    let mut state =
-        scene.start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control).expect("in bounds");
-    assert!(!state.mode.connected);
-    let mut toggles = 0;
-    let end = Instant::from_whole_seconds(4);
-    while state.clock < end {
-        let before = state.mode.connected;
-        driver.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
-        if state.mode.connected != before {
-            toggles += 1;
-            let level = if before { 2.0 } else { 3.0 };
-            let volts = scene.store_voltage(state.mode, &state.point.state);
-            assert!((volts - level).abs() < 1e-5, "{volts} {level}");
-        }
-    }
-    println!("{toggles} toggles");
-    assert!(toggles > 10);
-}
-
-fn single(store: Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f32, PowerDraw<f32>> {
-    let Lockout { turn_on, turn_off } = store.draw.lockout;
-    Capacitor {
-        farads: store.farads as f32,
-        leakage_ohms: f32::INFINITY,
-        initial_voltage: store.initial_voltage as f32,
-        draw: PowerDraw {
-            watts: store.draw.watts as f32,
-            lockout: Lockout { turn_on: turn_on as f32, turn_off: turn_off as f32 },
-        },
-    }
-}
-
 #[test]
 fn what_is_out_of_bounds_is_refused_by_name() {
     let law = AnyForceLaw::GapField;
@@ -546,4 +222,35 @@ fn what_is_out_of_bounds_is_refused_by_name() {
     assert_eq!(field(Rectified::new(slider(0.0), bridge(0.3)).map(|_| ())), Some(("resistance", 0.0)));
     let refused = Rectified::new(pad(f64::INFINITY, law), bridge(-0.1)).map(|_| ());
     assert_eq!(field(refused), Some(("diode_drop", -0.1)));
+}
+
+/// The derivatives from which the current and its rate are made, against differences of the voltage.
+#[test]
+fn derivatives_of_the_terminal_voltage_are_those_of_its_values() {
+    let pad = pad::<f64>(f64::INFINITY, AnyForceLaw::GapField);
+    let slider = slider::<f64>(f64::INFINITY);
+    for gap in [0.0, 2e-5, 3e-3] {
+        derivatives(&pad, contact::Mode::Free, gap, 1e-8);
+    }
+    for (ahead, displacement) in [(true, 3e-3), (false, -3e-3), (true, 0.015), (false, -0.018)] {
+        derivatives(&slider, sliding::Mode::Sliding { forward: true, ahead }, displacement, 1e-7);
+    }
+}
+
+fn derivatives<H: Terminals<f64>>(harvester: &H, mode: H::Mode, position: f64, step: f64) {
+    for charge in [-0.05, 0.0, 0.1] {
+        let at = |position, charge| harvester.terminal_voltage(mode, position, charge);
+        let [here, before, after] = [0.0, -step, step].map(|shift| at(position + shift, charge));
+        let more = at(position, charge + 1.0);
+        let close = |what: &str, found: f64, expected: f64, scale: f64| {
+            assert!((found - expected).abs() < 1e-6 * scale, "{what} at {position}: {found} {expected}");
+        };
+        let slope = here.by_position.abs();
+        close("dV/dx", (after.value - before.value) / (2.0 * step), here.by_position, slope);
+        close("dV/dQ", more.value - here.value, here.by_charge, here.by_charge.abs());
+        let bend = (after.by_position - before.by_position) / (2.0 * step);
+        close("d2V/dx2", bend, here.curvature, here.curvature.abs() + slope * 1e3);
+        close("d2V/dx dQ", more.by_position - here.by_position, here.by_both, here.by_both.abs());
+        assert!(here.magnitude >= here.value.abs() * 0.5 && here.by_charge < 0.0);
+    }
 }

@@ -57,7 +57,8 @@ pub(super) enum Switch {
     Draw { connected: bool },
 }
 
-/// Part of the threshold within which a voltage is not told from it: above the noise of the integrator.
+/// Part of the threshold, or of the voltages that there are, within which a voltage is not told from the
+/// threshold: above the noise of the integrator.
 const MARGIN: f64 = 1e-11;
 
 impl Store {
@@ -82,6 +83,11 @@ impl Store {
     /// Magnitude in V of the terminal voltage from which the bridge conducts.
     pub(super) fn threshold(&self, bridge: &Bridge) -> f64 {
         self.voltage(bridge) + self.drop
+    }
+
+    /// Difference in V that is not told from none.
+    fn margin(&self, bridge: &Bridge) -> f64 {
+        MARGIN * self.threshold(bridge).max(self.scale)
     }
 
     /// Current in A that the node draws at a voltage in V, and its derivative by the voltage.
@@ -228,14 +234,14 @@ impl Store {
         for sign in [1.0, -1.0] {
             let threshold = self.threshold(bridge);
             let excess = sign * terminals.voltage - threshold;
-            if excess < -MARGIN * threshold || sign == ended {
+            if excess < -self.margin(bridge) || sign == ended {
                 continue;
             }
             let ratio = terminals.capacitance * self.elastance();
             let charge = excess.max(0.0) * terminals.capacitance / (1.0 + ratio);
             let rise = charge * self.elastance();
             shared.into_store += charge * (self.voltage(bridge) + 0.5 * rise);
-            shared.diode_loss += charge * (self.drop + 0.5 * (excess.max(0.0) - rise));
+            shared.diode_loss += charge * (self.drop + 0.5 * excess.max(0.0));
             bridge.gain += rise;
             terminals.voltage = sign * self.threshold(bridge);
             let conducting = Bridge { sign, ..*bridge };
@@ -261,7 +267,7 @@ impl<'a> Lookout<'a> {
     /// From a terminal voltage in V on.
     pub(super) fn new(store: &'a Store, bridge: Bridge, voltage: f64) -> Self {
         let threshold = store.threshold(&bridge);
-        let margin = MARGIN * threshold;
+        let margin = store.margin(&bridge);
         let latched = [1.0, -1.0].map(|sign: f64| {
             ((sign * voltage - threshold).abs() <= margin && bridge.sign == 0.0).then_some(margin)
         });

@@ -38,9 +38,9 @@ const CLOSING_SPEED: f64 = 1e-5;
 /// Events that may happen within one grid step.
 const STORM: u32 = 10_000;
 
-/// Largest part by which the voltage of a store changes in a step in which a constant power is drawn: what the
-/// tangent to `P/V_s` misses is a third of the square of it at most.
-const POWER_STEP: f64 = 1e-4;
+/// Part by which the voltage of a store may change in a step in which a constant power is drawn: what the tangent
+/// to `P/V_s` misses is of the order of its square.
+const POWER_STEP: f64 = 3e-5;
 
 /// The contact closes or opens, or there is an impact.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -16,6 +16,8 @@ pub(super) struct Store {
     pub(super) draw: Draw,
     /// Voltage in V at the start.
     pub(super) initial: f64,
+    /// A voltage in V of the size that the terminals see, where it is known; what is far below is rounding.
+    pub(super) scale: f64,
 }
 
 impl Store {
@@ -35,6 +37,7 @@ impl Store {
                 leakage: leakage_ohm.recip(),
                 draw,
                 initial: initial_v,
+                scale: 0.0,
             }),
             Load::DcBus { voltage_v, diode_drop_v } => Some(Self {
                 capacitance: f64::INFINITY,
@@ -42,6 +45,7 @@ impl Store {
                 leakage: 0.0,
                 draw: Draw::None,
                 initial: voltage_v,
+                scale: 0.0,
             }),
         }
     }

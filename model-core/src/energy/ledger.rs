@@ -153,6 +153,7 @@ where
 
     fn event(&mut self, event: &Event<'_, S, H::Mode, N, { account::WHOLE }>) {
         self.losses.add(event.loss);
+        self.integrals.add_at_once(event.energies);
         self.look(event.after, event.left);
     }
 }

@@ -34,6 +34,16 @@ impl<S: Scalar, const P: usize> Integrals<S, P> {
         self.ticks = self.ticks.wrapping_add(u64::from(ticks));
     }
 
+    /// Adds what passed in no time.
+    #[inline(always)]
+    pub(crate) fn add_at_once(&mut self, energies: &[S; P]) {
+        for (sum, &energy) in self.sums.iter_mut().zip(energies) {
+            if energy != S::ZERO {
+                sum.add(energy);
+            }
+        }
+    }
+
     /// Integral of entry `index` of the account; 0 if it is not among the first `P`.
     #[must_use]
     pub fn integral(&self, index: usize) -> S {
@@ -134,6 +144,11 @@ impl<S: Scalar, Mode, const N: usize, const P: usize> Observer<S, Mode, N, P> fo
     #[inline(always)]
     fn step(&mut self, span: &Span<'_, S, Mode, N, P>) {
         self.0.add(span.energies, span.ticks);
+    }
+
+    #[inline(always)]
+    fn event(&mut self, event: &Event<'_, S, Mode, N, P>) {
+        self.0.add_at_once(event.energies);
     }
 }
 
@@ -298,6 +313,7 @@ where
     }
 
     fn event(&mut self, event: &Event<'_, S, H::Mode, N, P>) {
+        self.integrals.add_at_once(event.energies);
         if self.harvester.is_impact(event.before, event.guard) {
             self.impacts = self.impacts.saturating_add(1);
             self.fastest_impact =

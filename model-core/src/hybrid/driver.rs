@@ -366,6 +366,7 @@ where
     let moment = Moment::new(excitation, state.clock);
     let step = seconds_of_ticks(state.control.ticks);
     let jump = automaton.jump(state.mode, guard, &state.point, &moment, step);
+    let energies = automaton.jump_energies(state.mode, guard, &state.point, &jump);
     let input = moment.acceleration();
     let mut left = Point::with_derivative(&automaton.flow(jump.mode), jump.state, jump.derivative, input);
     left.remainder = jump.remainder;
@@ -377,6 +378,7 @@ where
         after: jump.mode,
         left: &left,
         loss: jump.loss,
+        energies: &energies,
     });
     state.mode = jump.mode;
     state.point = left;

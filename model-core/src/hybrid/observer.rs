@@ -45,6 +45,8 @@ pub struct Event<'a, S, Mode, const N: usize, const P: usize> {
     pub left: &'a Point<S, N, P>,
     /// Energy lost in the event, in joules.
     pub loss: S,
+    /// The part of each power that passed in no time, in joules; most events have none.
+    pub energies: &'a [S; P],
 }
 
 /// Sees every accepted step and every event of a run, in order of time.

@@ -48,7 +48,9 @@
 //!
 //! At `V_s = V_D = 0` the bridge is a short circuit; where `U` is beyond the reach of `V`, an open one. While the
 //! scene holds its charge frozen in stick, the bridge blocks and the terminals count as without voltage; where
-//! the store falls meanwhile, `V` may be beyond `U` at the release, and conduction begins with what is beyond.
+//! the store falls meanwhile, `V` may be beyond `U` at the release. Then, as with a start beyond it, the excess
+//! drives a charge through the bridge at once, and half of it times that charge is lost in the diodes beside
+//! `2 V_D` times it.
 //!
 //! ```
 //! use model_core::clock::Instant;

@@ -131,6 +131,9 @@ impl Physics {
         }
         let voltage = if physics.circuit == Circuit::Dynamic { voltage } else { 0.0 };
         let bridge = physics.store.map_or(Bridge::default(), |store| store.start());
+        let still = Motion { gap, velocity: 0.0, voltage, bridge };
+        let scale = physics.voltage_scale(&still, angular_frequency);
+        physics.store = physics.store.map(|store| Store { scale, ..store });
         let mut motion = Motion { gap, velocity: start.velocity_m_per_s.unwrap_or(0.0), voltage, bridge };
         physics.settle(&mut motion);
         (physics, motion)

@@ -146,6 +146,8 @@ impl Physics {
         } else {
             motion.voltage = (relaxed - charge) / (physics.capacitance * physics.overlap(&motion).active);
         }
+        let scale = physics.voltage_scale(&motion);
+        physics.store = physics.store.map(|store| Store { scale, ..store });
         physics.settle(&mut motion);
         (physics, motion)
     }

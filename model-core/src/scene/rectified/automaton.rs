@@ -9,7 +9,7 @@ use crate::integrate::step_control::ErrorScale;
 use crate::integrate::{Point, System};
 use crate::part::store::Reservoir;
 use crate::scalar::{Scalar, add_increment};
-use crate::scene::{Harvester, StoredEnergy};
+use crate::scene::{Harvester, StoredEnergy, account};
 
 /// The modes: the harvester's, the bridge's regime, and whether the draw is connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -257,6 +257,32 @@ where
                 || !(self.electrics(mode, &state).drive(sign, state[VELOCITY]) > S::ZERO));
         let jump = self.land::<POWERS>(mode, leaving, state, remainder, acceleration);
         Jump { loss: own.loss, armed: own.armed, ..jump }
+    }
+
+    /// Where conduction begins beyond the threshold, the terminals having been open before, the excess drives a
+    /// charge through the bridge at once, and half of it times the charge is lost in the diodes.
+    fn jump_energies(
+        &self,
+        mode: Self::Mode,
+        index: usize,
+        point: &Point<S, STATES, POWERS>,
+        after: &Jump<S, Self::Mode, STATES>,
+    ) -> [S; POWERS] {
+        let mut energies = [S::ZERO; account::WHOLE];
+        if let Watch::Begin(regime) = self.watch(mode, index) {
+            let sign: S = regime.sign();
+            let at = self.electrics(after.mode, &after.state);
+            let passed = sign * self.harvester.coulombs() * (at.charge - after.state[CHARGE]);
+            let base = point.state[STORE];
+            let drop = self.bridge.diode_drop;
+            let half = S::literal(0.5);
+            // V(x, Q0) − s (B + 2 V_D), which has fallen to what the store rises as the charge has passed.
+            let excess = sign * (at.charge - after.state[CHARGE]) / at.charge_by_voltage;
+            energies[account::LOAD] = passed * (base + half * at.gained);
+            energies[account::CURRENT_MAGNITUDE] = passed;
+            energies[account::DIODES] = passed * (drop + drop + half * excess);
+        }
+        account::first(&energies)
     }
 
     #[inline(always)]

@@ -78,7 +78,7 @@ fn a_bus_gets_the_charge_of_each_half_period() {
             close("digits", 1e6 * number(outcome.mean_power_w), known, 1e-6);
         }
         assert!(number(outcome.energy_residual) < 1e-12);
-        close("peak", number(outcome.peak_voltage_v), voltage_v + 2.0 * diode_drop_v, 1e-12);
+        close("peak", number(outcome.peak_voltage_v), voltage_v + 2.0 * diode_drop_v, 1e-11);
     }
     // The whole run, its start included: what the diodes lose is to what comes through as 2 V_D to the bus.
     let diode_drop_v = 0.3;
@@ -146,22 +146,23 @@ fn a_weak_coupling_is_that_of_shu_and_lien() {
         let stiffness = own * own - ANGULAR * ANGULAR + ANGULAR * coupling * coupling * resistance / q;
         let amplitude = mode.participation * AMPLITUDE / damping.hypot(stiffness);
         let voltage = ANGULAR * coupling.abs() * resistance * amplitude / q;
-        // Forty time constants of the beam's envelope, and ten of the store, from the value expected.
+        // Ten time constants of the store from the value expected; the beam's is far below.
         let capacitance_f = 2.0 / resistance;
-        scene.run.duration_s = 20.0;
+        scene.run = RunSpan { duration_s: 4400.0 / FREQUENCY, settle_s: 4000.0 / FREQUENCY };
         scene.load = Load::RectifiedStore(RectifiedStore {
             draw: resistor(resistance),
             ..store(capacitance_f, 0.0, voltage)
         });
         let (outcome, _) = run(&model, &scene, None);
-        close("store", store_voltage(&outcome), voltage, 5e-4);
+        // What enters leaves through the resistor.
+        close("store", (number(outcome.mean_power_w) * resistance).sqrt(), voltage, 5e-4);
     }
 }
 
 /// No more than `(γB)²/16ζω` can be taken from one mode.
 #[test]
 fn no_bus_takes_more_than_the_beam_can_give() {
-    for voltage_v in [2.0, 10.0, 40.0] {
+    for voltage_v in [2.0, 5.0, 10.0] {
         let (mut model, mut scene) = scene([1, 0], [0.5, 1.0]);
         let mode = BumpStopModes::new(&model.parameters, None).beam[0];
         let bound = (mode.participation * AMPLITUDE).powi(2)
@@ -207,7 +208,7 @@ fn the_draw_is_what_the_node_asks_for() {
     scene.load = Load::RectifiedStore(RectifiedStore { draw: Draw::Power { power_w, lockout }, ..base });
     let (outcome, _) = run(&model, &scene, None);
     let drawn = |outcome: &Outcome| number(outcome.store.and_then(|store| store.drawn_energy_j));
-    close("power", drawn(&outcome), power_w * END, 1e-8);
+    close("power", drawn(&outcome), power_w * END, 5e-9);
     assert!(number(outcome.energy_residual) < 1e-11, "{:?}", outcome.energy_residual);
 
     let current_a = 0.5e-6;

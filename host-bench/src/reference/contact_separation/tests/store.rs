@@ -61,7 +61,7 @@ fn a_bus_has_the_limits_of_a_resistor() {
 /// Every law, with everything that a node can draw, impacts and sticking included.
 #[test]
 fn the_ledgers_close_with_a_store() {
-    let lockout = Lockout { turn_on_v: 3.2, turn_off_v: 2.8 };
+    let lockout = Lockout { turn_on_v: 1.0, turn_off_v: 0.9 };
     let draws = [
         Draw::None,
         Draw::Resistor { resistance_ohm: 1e7, lockout: Some(lockout) },
@@ -71,14 +71,16 @@ fn the_ledgers_close_with_a_store() {
     for force_law in [ForceLaw::TransferredCharge, ForceLaw::GapField] {
         for (index, draw) in draws.into_iter().enumerate() {
             let stick_charge = if index % 2 == 0 { StickCharge::Frozen } else { StickCharge::Relaxing };
-            let parameters = ContactSeparationParameters { stick_charge, ..table_2(50e-6, force_law) };
-            let start = ContactSeparationStart::default();
+            let restitution = Restitution::Constant { coefficient: 0.3 };
+            let parameters =
+                ContactSeparationParameters { stick_charge, restitution, ..table_2(50e-6, force_law) };
+            let start = ContactSeparationStart { gap_m: Some(6.5e-3), ..Default::default() };
             let mut scene = scene(parameters, start, 0.0, sine(0.3 * 9.81, 15.0), [0.2, 0.6]);
             scene.load = Load::RectifiedStore(RectifiedStore {
                 capacitance_f: 2e-7,
                 diode_drop_v: 0.3,
                 leakage_ohm: 1e8,
-                initial_v: 3.0,
+                initial_v: 1.1,
                 draw,
             });
             let outcome = run(&scene);
@@ -89,6 +91,7 @@ fn the_ledgers_close_with_a_store() {
             assert_eq!(store.drawn_energy_j > Some(0.0), draw != Draw::None);
             let voltage = number(store.store_voltage_v);
             close(store.stored_energy_j, 0.5 * 2e-7 * voltage * voltage, 1e-12);
+            assert!(particular(&outcome).impacts > 0);
             println!("{force_law:?} {draw:?}: {store:?} {residual:e} {} events", outcome.events);
         }
     }

@@ -54,7 +54,7 @@ fn a_bus_has_the_limits_of_a_resistor() {
 /// Every law, with everything that a node can draw, sticking included.
 #[test]
 fn the_ledgers_close_with_a_store() {
-    let lockout = Lockout { turn_on_v: 3.2, turn_off_v: 2.8 };
+    let lockout = Lockout { turn_on_v: 1.0, turn_off_v: 0.9 };
     let draws = [
         Draw::None,
         Draw::Resistor { resistance_ohm: 1e7, lockout: Some(lockout) },
@@ -66,13 +66,13 @@ fn the_ledgers_close_with_a_store() {
             for (index, draw) in draws.into_iter().enumerate() {
                 let stick_charge = if index % 2 == 0 { StickCharge::Frozen } else { StickCharge::Relaxing };
                 let parameters =
-                    SlidingParameters { lateral_force, stick_charge, ..table_1(30e-6, force_law) };
+                    SlidingParameters { lateral_force, stick_charge, ..table_1(60e-6, force_law) };
                 let mut scene = shaken(parameters, 0.0, 0.4, 12.0, [1.0, 5.0]);
                 scene.load = Load::RectifiedStore(RectifiedStore {
                     capacitance_f: 2e-7,
                     diode_drop_v: 0.3,
                     leakage_ohm: 1e8,
-                    initial_v: 3.0,
+                    initial_v: 1.1,
                     draw,
                 });
                 let outcome = run(&scene);
@@ -80,6 +80,7 @@ fn the_ledgers_close_with_a_store() {
                 assert!(residual < 1e-9, "{force_law:?} {lateral_force} {draw:?}: {residual:e}");
                 let store = outcome.store.expect("there is a store");
                 assert!(store.leaked_energy_j > Some(0.0) && store.diode_loss_j > Some(0.0));
+                assert_eq!(store.drawn_energy_j > Some(0.0), draw != Draw::None);
                 println!("{force_law:?} {draw:?}: {store:?} {residual:e} {} events", outcome.events);
             }
         }

@@ -1,0 +1,135 @@
+//! What the tests of a bridge share: both harvesters, a store, a run.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use model_core::clock::Instant;
+use model_core::excitation::{Excitation, Sine};
+use model_core::hybrid::{Automaton, Driver, HybridState, Observer};
+use model_core::integrate::{Adaptive, AnyStepControl, FixedStep, Method};
+use model_core::part::draw::AnyDraw;
+use model_core::part::force_law::AnyForceLaw;
+use model_core::part::load::AnyLoad;
+use model_core::part::parasitic::ParasiticCapacitance;
+use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
+use model_core::part::stick_charge::AnyStickCharge;
+use model_core::part::store::{Capacitor, Reservoir};
+use model_core::scalar::{Mathematics, Polynomial, Scalar};
+use model_core::scene::rectified::{FullBridge, Mode, Rectified, STATES, Terminals};
+use model_core::scene::{Harvester, account, contact_separation as contact, sliding};
+
+pub(crate) const WHOLE: usize = account::WHOLE;
+pub(crate) const GRAVITY: f64 = 9.81;
+pub(crate) const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
+
+pub(crate) type Contact<S> = contact::ContactSeparation<S, contact::AnyParts>;
+pub(crate) type Slider<S> = sliding::Sliding<S, sliding::AnyParts>;
+
+/// The mass over a dielectric of Table 2.
+pub(crate) fn pad<S: Scalar>(ohms: f64, force_law: AnyForceLaw) -> Contact<S>
+where
+    Polynomial: Mathematics<S>,
+{
+    let number = S::literal;
+    contact::Parameters {
+        mass: number(5e-3),
+        stiffness: number(80.0),
+        damping_ratio: number(0.005),
+        initial_gap: number(3e-3),
+        electrode_area: number(4e-4),
+        dielectric_thickness: number(5e-5),
+        relative_permittivity: number(2.0),
+        charge_density: number(50e-6),
+        parasitic: ParasiticCapacitance { farads: number(1e-12) },
+        load: AnyLoad { ohms: number(ohms) },
+        force_law,
+        restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: number(0.7) }),
+        sticking: AnyStickCharge::Frozen,
+    }
+    .build()
+    .expect("in bounds")
+}
+
+/// The slider of Table 1, with the field's lateral force so that the ledger closes as a whole.
+pub(crate) fn slider<S: Scalar>(ohms: f64) -> Slider<S> {
+    let number = S::literal;
+    sliding::Parameters {
+        beam_length: number(0.1),
+        beam_width: number(0.02),
+        beam_thickness: number(5e-4),
+        young_modulus: number(210e9),
+        density: number(7800.0),
+        damping_ratio: number(0.0035),
+        slider_mass: number(8e-3),
+        patch_radius: number(0.01),
+        friction: sliding::PatchFriction {
+            static_active: number(0.35),
+            static_inert: number(0.25),
+            kinetic_active: number(0.30),
+            kinetic_inert: number(0.20),
+        },
+        dielectric_thickness: number(5e-5),
+        relative_permittivity: number(2.0),
+        charge_density: number(80e-6),
+        load: AnyLoad { ohms: number(ohms) },
+        force_law: AnyForceLaw::TransferredCharge,
+        sticking: AnyStickCharge::Frozen,
+        lateral_force: sliding::AnyLateralForce::Field,
+    }
+    .build()
+    .expect("in bounds")
+}
+
+pub(crate) fn store<S: Scalar>(farads: f64, volts: f64) -> Capacitor<S, AnyDraw<S>> {
+    Capacitor {
+        farads: S::literal(farads),
+        leakage_ohms: S::literal(1e9),
+        initial_voltage: S::literal(volts),
+        draw: AnyDraw::None,
+    }
+}
+
+pub(crate) fn behind<S: Scalar, H: Terminals<S>, R: Reservoir<S>>(
+    harvester: H,
+    reservoir: R,
+    drop: f64,
+) -> Rectified<S, H, R> {
+    Rectified::new(harvester, FullBridge { diode_drop: S::literal(drop), reservoir }).expect("in bounds")
+}
+
+pub(crate) fn sine<S: Scalar>(gravities: f64, hertz: f64) -> Sine<S>
+where
+    Polynomial: Mathematics<S>,
+{
+    Sine::new(S::literal(gravities * GRAVITY), S::literal(hertz), S::ZERO).expect("in bounds")
+}
+
+pub(crate) fn fixed<S: Scalar>(seconds: f64) -> AnyStepControl<S> {
+    AnyStepControl::Fixed(FixedStep::of_seconds(S::literal(seconds)))
+}
+
+pub(crate) fn adaptive<S: Scalar>(tolerance: f64) -> AnyStepControl<S> {
+    AnyStepControl::Adaptive(Adaptive::new(S::literal(tolerance)))
+}
+
+/// Runs from the harvester's default start.
+pub(crate) fn run<S, H, R, M, E, O>(
+    scene: &Rectified<S, H, R>,
+    start: &H::Start,
+    shaking: &E,
+    driver: &Driver<M, AnyStepControl<S>>,
+    seconds: f64,
+    observer: &mut O,
+) -> HybridState<S, Mode<<H as Automaton<S, 3, 0>>::Mode>, STATES, WHOLE>
+where
+    S: Scalar,
+    H: Terminals<S> + Harvester<S, 3, 0>,
+    R: Reservoir<S>,
+    M: Method<S>,
+    E: Excitation<S>,
+    O: Observer<S, Mode<<H as Automaton<S, 3, 0>>::Mode>, STATES, WHOLE>,
+{
+    let mut state = scene.start::<_, _, WHOLE>(start, shaking, &driver.control).expect("in bounds");
+    let end = Instant::from_seconds(seconds).expect("in range");
+    driver.advance(scene, &mut state, shaking, end, u32::MAX, observer).expect("runs");
+    state
+}

@@ -1,0 +1,247 @@
+//! Both triboelectric scenes behind a full bridge in the limits, and where there is a closed form.
+
+mod bridge;
+
+use bridge::{VACUUM_PERMITTIVITY, WHOLE, adaptive, behind, fixed, pad, run, sine, slider, store};
+use model_core::clock::Instant;
+use model_core::energy::{Ledger, RunMeter};
+use model_core::hybrid::Driver;
+use model_core::integrate::{RungeKutta4, TrBdf2};
+use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
+use model_core::part::force_law::AnyForceLaw;
+use model_core::part::store::{Capacitor, DcBus};
+use model_core::scene::{account, contact_separation as contact, sliding};
+
+/// A bus and diodes without voltage short the terminals: the charge follows the position as at 0 Ω.
+#[test]
+fn a_bus_without_voltage_is_a_short_circuit() {
+    let driver = Driver::new(TrBdf2, adaptive(1e-7));
+    let law = AnyForceLaw::TransferredCharge;
+    let (bus, shaking) = (DcBus { volts: 0.0 }, sine::<f64>(0.2, 20.0));
+    let end = Instant::from_whole_seconds(1);
+    let shorted = pad::<f64>(0.0, law);
+    let mut state = shorted
+        .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control)
+        .expect("in bounds");
+    driver.advance(&shorted, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
+    let scene = behind(pad::<f64>(f64::INFINITY, law), bus, 0.0);
+    let found = run(&scene, &contact::Start::default(), &shaking, &driver, 1.0, &mut ());
+    compare(
+        "contact",
+        [found.point.state[0], found.point.state[1]],
+        [state.point.state[0], state.point.state[1]],
+        [3e-3, 0.4],
+    );
+
+    let shaking = sine::<f64>(0.36, 18.373);
+    let shorted = slider::<f64>(0.0);
+    let mut state = shorted
+        .start::<_, _, WHOLE>(&sliding::Start::default(), &shaking, &driver.control)
+        .expect("in bounds");
+    driver.advance(&shorted, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
+    let scene = behind(slider::<f64>(f64::INFINITY), bus, 0.0);
+    let found = run(&scene, &sliding::Start::default(), &shaking, &driver, 1.0, &mut ());
+    compare(
+        "sliding",
+        [found.point.state[0], found.point.state[1]],
+        [state.point.state[0], state.point.state[1]],
+        [1e-2, 1.0],
+    );
+}
+
+fn compare(name: &str, found: [f64; 2], expected: [f64; 2], sizes: [f64; 2]) {
+    for ((found, expected), size) in found.into_iter().zip(expected).zip(sizes) {
+        let error = (found - expected).abs() / size;
+        println!("{name}: {found} {expected}, off by {error:.1e} of {size}");
+        assert!(error < 3e-5, "{name}: {found} {expected}");
+    }
+}
+
+/// A bus beyond the reach of the harvester is an open circuit, bit for bit.
+#[test]
+fn a_bus_out_of_reach_is_an_open_circuit() {
+    let driver = Driver::new(TrBdf2, adaptive(1e-4));
+    let law = AnyForceLaw::TransferredCharge;
+    let (bus, shaking) = (DcBus { volts: 1e6_f32 }, sine::<f32>(0.2, 20.0));
+    let end = Instant::from_whole_seconds(2);
+    let open = pad::<f32>(f64::INFINITY, law);
+    let mut state =
+        open.start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control).expect("in bounds");
+    let alone = driver.advance(&open, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
+    let scene = behind(open, bus, 0.3);
+    let mut found =
+        scene.start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control).expect("in bounds");
+    let bridged = driver.advance(&scene, &mut found, &shaking, end, u32::MAX, &mut ()).expect("runs");
+    assert!(alone.work.events > 10);
+    assert_eq!(bridged.work, alone.work);
+    assert_eq!(found.point.state[..3], state.point.state);
+    assert_eq!(found.point.remainder[..3], state.point.remainder);
+}
+
+/// What a bus receives in a period of a smooth motion is given by the extremes of that motion alone: the
+/// charge follows the rectangle's sides in the plane of charge and voltage.
+#[test]
+fn a_bus_receives_what_the_extremes_of_the_motion_say() {
+    let (volts, drop) = (3.0, 0.3);
+    let threshold = volts + 2.0 * drop;
+    let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::TransferredCharge), DcBus { volts }, drop);
+    let hertz = 18.0;
+    let shaking = sine::<f64>(0.05, hertz);
+    let (area, thickness) = (VACUUM_PERMITTIVITY * 4e-4, 5e-5 / 2.0);
+    // Q = q − C_p V at a gap and a voltage.
+    let charge = |gap: f64, voltage: f64| {
+        let distance = gap + thickness;
+        (50e-6 * 4e-4 * gap - voltage * (area + 1e-12 * distance)) / distance
+    };
+    let settled = Instant::from_seconds(600.0 / hertz).expect("in range");
+    let end = Instant::from_seconds(610.0 / hertz).expect("in range");
+    let implicit = Driver::new(TrBdf2, adaptive(1e-6));
+    let mut state = scene
+        .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &implicit.control)
+        .expect("in bounds");
+    let mut meter = RunMeter::new(&scene);
+    implicit.advance(&scene, &mut state, &shaking, settled, u32::MAX, &mut ()).expect("runs");
+    implicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
+    let gap = meter.coordinate();
+    let passed = charge(gap.highest, threshold) - charge(gap.lowest, -threshold);
+    let expected = 10.0 * 2.0 * passed * volts;
+    println!("gap {gap:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
+    assert!(passed > 0.0 && meter.impacts() == 0);
+    assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
+    let lost = meter.integrals().integral(account::DIODES);
+    assert!((lost / (expected * 2.0 * drop / volts) - 1.0).abs() < 1e-5);
+    assert!((meter.charge_moved() / (20.0 * passed) - 1.0).abs() < 1e-5);
+}
+
+/// The same of the slider, whose voltage has an extreme at the centre too; by an explicit method, for which the
+/// circuit is not stiff.
+#[test]
+fn an_explicit_method_finds_the_same_of_the_slider() {
+    let (volts, drop) = (20.0, 0.3);
+    let threshold = volts + 2.0 * drop;
+    let scene = behind(slider::<f64>(f64::INFINITY), DcBus { volts }, drop);
+    let hertz = 18.373;
+    let shaking = sine::<f64>(0.36, hertz);
+    let patch = core::f64::consts::PI * 1e-4;
+    let overlap = |x: f64| {
+        let away = x.abs() / 0.02;
+        (away.acos() - away * (1.0 - away * away).sqrt()) * core::f64::consts::FRAC_2_PI
+    };
+    let charge = |x: f64, voltage: f64| {
+        let capacitance = VACUUM_PERMITTIVITY * 2.0 * patch * overlap(x) / 5e-5;
+        80e-6 * patch * (1.0 - overlap(x)) - capacitance * voltage
+    };
+    let settled = Instant::from_seconds(1000.0 / hertz).expect("in range");
+    let end = Instant::from_seconds(1010.0 / hertz).expect("in range");
+    let explicit = Driver::new(RungeKutta4, fixed(0.05 / 800.0));
+    let mut state = scene
+        .start::<_, _, WHOLE>(&sliding::Start::default(), &shaking, &explicit.control)
+        .expect("in bounds");
+    let mut meter = RunMeter::new(&scene);
+    explicit.advance(&scene, &mut state, &shaking, settled, u32::MAX, &mut ()).expect("runs");
+    explicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
+    let reach = meter.coordinate();
+    // Forward to either side, backward into the middle from each.
+    let passed: f64 =
+        [reach.lowest, reach.highest].map(|x| charge(x, threshold) - charge(0.0, -threshold)).iter().sum();
+    let expected = 10.0 * 2.0 * passed * volts;
+    println!("reach {reach:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
+    assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
+}
+
+/// A harvester that starts charged beyond the threshold shares its charge with the store at once: what the field
+/// gives is in the store or lost in the diodes.
+#[test]
+fn a_charge_beyond_the_threshold_is_shared_at_once() {
+    let (volts, farads, gap) = (10.0, 1e-11, 3e-3);
+    let reservoir = Capacitor { leakage_ohms: f64::INFINITY, ..store(farads, 1.0) };
+    let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), reservoir, 0.3);
+    let distance = gap + 5e-5 / 2.0;
+    let capacitance = VACUUM_PERMITTIVITY * 4e-4 / distance;
+    let charge = 50e-6 * 4e-4 * gap / distance - capacitance * volts;
+    let start = contact::Start { charge: Some(charge), ..contact::Start::default() };
+    let driver = Driver::new(TrBdf2, fixed(1e-9));
+    let still = sine::<f64>(0.0, 20.0);
+    let opening = scene.start::<_, _, WHOLE>(&start, &still, &driver.control).expect("in bounds");
+    let mut ledger = Ledger::open(&scene, &opening);
+    let end = run(&scene, &start, &still, &driver, 1e-8, &mut ledger);
+    // The capacitance at the terminals and the store's, joined from 10 V and 1.6 V.
+    let joined = capacitance + 1e-12;
+    let passed = (volts - 1.6) * joined * farads / (joined + farads);
+    let (delivered, lost) = (passed * (1.0 + 0.5 * passed / farads), passed * (0.6 + 0.5 * (volts - 1.6)));
+    let found = [account::LOAD, account::DIODES].map(|entry| ledger.integrals().integral(entry));
+    println!("{found:?} J, expected {delivered:e} J and {lost:e} J");
+    assert!((scene.store_voltage(end.mode, &end.point.state) - 1.0 - passed / farads).abs() < 1e-6);
+    assert!((found[0] / delivered - 1.0).abs() < 1e-6 && (found[1] / lost - 1.0).abs() < 1e-6);
+    let residual = ledger.residual();
+    assert!(residual.electrical.abs().max(residual.store.abs()) < 1e-6 * delivered, "{residual:?}");
+}
+
+/// A store with a draw and a harvester at rest: how long it lasts is known in closed form.
+#[test]
+fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
+    let lockout = Lockout { turn_on: 3.0, turn_off: 2.0 };
+    let (farads, full) = (1e-6, 3.0_f64);
+    let draws = [
+        (AnyDraw::Power(PowerDraw { watts: 5e-6, lockout }), farads * (full * full - 4.0) / (2.0 * 5e-6)),
+        (AnyDraw::Current(CurrentDraw { amperes: 2e-6, lockout }), farads * (full - 2.0) / 2e-6),
+        (
+            AnyDraw::Resistor(ResistiveDraw { ohms: 1e6, lockout: Some(lockout) }),
+            1e6 * farads * (full / 2.0).ln(),
+        ),
+    ];
+    let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive(1e-6)) };
+    let still = sine::<f64>(0.0, 20.0);
+    for (draw, seconds) in draws {
+        let reservoir = Capacitor { farads, leakage_ohms: f64::INFINITY, initial_voltage: full, draw };
+        let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), reservoir, 0.3);
+        let mut state = scene
+            .start::<_, _, WHOLE>(&contact::Start::default(), &still, &driver.control)
+            .expect("in bounds");
+        assert!(state.mode.connected);
+        let mut meter = RunMeter::new(&scene);
+        let end = Instant::from_whole_seconds(3);
+        driver.advance(&scene, &mut state, &still, end, u32::MAX, &mut meter).expect("runs");
+        let found = state.clock.seconds::<f64>();
+        println!("{draw:?}: {found} s, expected {seconds} s");
+        assert!(!state.mode.connected && (found / seconds - 1.0).abs() < 1e-6, "{draw:?}");
+        let drawn = meter.integrals().integral(account::DRAWN);
+        assert!((drawn / (0.5 * farads * (full * full - 4.0)) - 1.0).abs() < 1e-6, "{draw:?}: {drawn:e}");
+    }
+    // Charged from below: connected at each rise to the upper voltage, and not before.
+    let draw = PowerDraw { watts: 2e-4, lockout };
+    let reservoir = Capacitor { farads: 2e-8, leakage_ohms: f64::INFINITY, initial_voltage: 2.5, draw };
+    let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::TransferredCharge), single(reservoir), 0.3);
+    let shaking = sine::<f32>(0.2, 20.0);
+    let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive::<f32>(1e-4)) };
+    let mut state =
+        scene.start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control).expect("in bounds");
+    assert!(!state.mode.connected);
+    let mut toggles = 0;
+    let end = Instant::from_whole_seconds(4);
+    while state.clock < end {
+        let before = state.mode.connected;
+        driver.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
+        if state.mode.connected != before {
+            toggles += 1;
+            let level = if before { 2.0 } else { 3.0 };
+            let volts = scene.store_voltage(state.mode, &state.point.state);
+            assert!((volts - level).abs() < 1e-5, "{volts} {level}");
+        }
+    }
+    println!("{toggles} toggles");
+    assert!(toggles > 10);
+}
+
+fn single(store: Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f32, PowerDraw<f32>> {
+    let Lockout { turn_on, turn_off } = store.draw.lockout;
+    Capacitor {
+        farads: store.farads as f32,
+        leakage_ohms: f32::INFINITY,
+        initial_voltage: store.initial_voltage as f32,
+        draw: PowerDraw {
+            watts: store.draw.watts as f32,
+            lockout: Lockout { turn_on: turn_on as f32, turn_off: turn_off as f32 },
+        },
+    }
+}
