@@ -76,10 +76,7 @@ impl<'a> Meters<'a> {
         piece: &Piece<'_>,
     ) -> Result<(), DiffsolError> {
         let ends = [(piece.from, (piece.motion)(piece.from)?), (piece.to, (piece.motion)(piece.to)?)];
-        let stored = self.physics.mechanical_energy(&ends[1].1) + self.physics.electrical_energy(&ends[1].1);
-        // Of a store that is not empty at the start, what it has gained or given.
-        let moved = self.store_gain(&ends[1].1).abs();
-        self.peak_stored_energy = self.peak_stored_energy.max(stored + moved);
+        self.look_at_stored(&ends[1].1);
         // The base's power changes sign twice a period; what one step around that loses is far below
         // what the denominator of a residual asks for.
         let before = (piece.integrals)(piece.from)?.base_work;
@@ -115,6 +112,7 @@ impl<'a> Meters<'a> {
         hold: &Hold<'_>,
     ) -> Result<(), DiffsolError> {
         self.add(&hold.integrals(elapsed));
+        self.look_at_stored(&hold.motion(elapsed));
         if self.in_window {
             self.stuck += elapsed;
             self.highest_gap = self.highest_gap.max(0.0);
@@ -167,6 +165,14 @@ impl<'a> Meters<'a> {
             row.extend(physics.store.map(|store| store.voltage(&motion.bridge)));
             Ok(row)
         })
+    }
+
+    /// Compares the energy stored with the largest so far.
+    fn look_at_stored(&mut self, motion: &Motion) {
+        let harvester = self.physics.mechanical_energy(motion) + self.physics.electrical_energy(motion);
+        // Of a store that is not empty at the start, what it has gained or given.
+        let moved = self.store_gain(motion).abs();
+        self.peak_stored_energy = self.peak_stored_energy.max(harvester + moved);
     }
 
     /// What a store has gained since the start, in J.

@@ -154,8 +154,8 @@ fn a_weak_coupling_is_that_of_shu_and_lien() {
             ..store(capacitance_f, 0.0, voltage)
         });
         let (outcome, _) = run(&model, &scene, None);
-        // What enters leaves through the resistor.
-        close("store", (number(outcome.mean_power_w) * resistance).sqrt(), voltage, 5e-4);
+        // What enters leaves through the resistor. The square of the coupling coefficient is 4.8e-4.
+        close("store", (number(outcome.mean_power_w) * resistance).sqrt(), voltage, 6e-4);
     }
 }
 
@@ -225,15 +225,18 @@ fn the_draw_is_what_the_node_asks_for() {
     let draw = Draw::Resistor { resistance_ohm: 50e3, lockout: Some(lockout) };
     scene.load = Load::RectifiedStore(RectifiedStore { draw, ..base });
     let (outcome, _) = run(&model, &scene, Some(every));
-    let voltages: Vec<f64> =
-        outcome.trace.as_ref().expect("a recording").rows.iter().map(|row| row[7]).collect();
-    let first = voltages.iter().position(|voltage| *voltage > 0.6499).expect("it turns on");
-    let after = &voltages[first..];
-    let lowest = after.iter().copied().fold(f64::INFINITY, f64::min);
-    let highest = after.iter().copied().fold(0.0, f64::max);
-    assert!(lowest >= 0.62 - 1e-3 && lowest < 0.621, "{lowest}");
-    assert!(highest <= 0.65 && highest > 0.649, "{highest}");
-    assert!(drawn(&outcome) > 0.0 && number(outcome.energy_residual) < 1e-11);
+    // The same hysteresis, followed from row to row.
+    let (mut connected, mut switches, mut sum) = (false, 0, 0.0);
+    for row in &outcome.trace.as_ref().expect("a recording").rows {
+        let voltage = row[7];
+        let before = connected;
+        connected = if connected { voltage > lockout.turn_off_v } else { voltage >= lockout.turn_on_v };
+        switches += u32::from(connected != before);
+        sum += if connected { every * voltage * voltage / 50e3 } else { 0.0 };
+    }
+    assert!(switches > 3, "{switches}");
+    close("resistor", drawn(&outcome), sum, 1e-2);
+    assert!(number(outcome.energy_residual) < 1e-11);
 }
 
 /// A harvester that starts above the threshold shares its charge with the store.
@@ -282,7 +285,7 @@ fn the_store_charges_without_a_stop() {
 
 #[test]
 fn the_store_charges_over_a_stop_in_the_middle() {
-    charging(with_gap(10e-6, 25e-3), 10, &[(0.5, 2.048)], 5e-3);
+    charging(with_gap(10e-6, 25e-3), 10, &[(0.5, 2.048), (1.0, 2.447)], 5e-3);
 }
 
 #[test]

@@ -43,8 +43,9 @@ fn a_bus_gets_the_charge_of_each_stroke() {
 #[test]
 fn a_bus_has_the_limits_of_a_resistor() {
     for (voltage_v, resistance_ohm) in [(0.0, 0.0), (1e6, f64::INFINITY)] {
-        let mut scene = shipped(resistance_ohm);
-        scene.run = RunSpan { settle_s: 0.0, duration_s: 0.4 };
+        let parameters = table_2(50e-6, ForceLaw::TransferredCharge);
+        let start = ContactSeparationStart { gap_m: Some(6.5e-3), ..Default::default() };
+        let mut scene = scene(parameters, start, resistance_ohm, sine(0.2 * 9.81, 20.0), [0.0, 0.2]);
         let expected = run(&scene);
         scene.load = Load::DcBus { voltage_v, diode_drop_v: 0.0 };
         let found = run(&scene);
@@ -75,7 +76,7 @@ fn the_ledgers_close_with_a_store() {
             let parameters =
                 ContactSeparationParameters { stick_charge, restitution, ..table_2(50e-6, force_law) };
             let start = ContactSeparationStart { gap_m: Some(6.5e-3), ..Default::default() };
-            let mut scene = scene(parameters, start, 0.0, sine(0.3 * 9.81, 15.0), [0.2, 0.6]);
+            let mut scene = scene(parameters, start, 0.0, sine(0.3 * 9.81, 15.0), [0.0, 0.5]);
             scene.load = Load::RectifiedStore(RectifiedStore {
                 capacitance_f: 2e-7,
                 diode_drop_v: 0.3,

@@ -54,7 +54,7 @@ fn a_bus_has_the_limits_of_a_resistor() {
 /// Every law, with everything that a node can draw, sticking included.
 #[test]
 fn the_ledgers_close_with_a_store() {
-    let lockout = Lockout { turn_on_v: 1.0, turn_off_v: 0.9 };
+    let lockout = Lockout { turn_on_v: 0.28, turn_off_v: 0.25 };
     let draws = [
         Draw::None,
         Draw::Resistor { resistance_ohm: 1e7, lockout: Some(lockout) },
@@ -66,13 +66,13 @@ fn the_ledgers_close_with_a_store() {
             for (index, draw) in draws.into_iter().enumerate() {
                 let stick_charge = if index % 2 == 0 { StickCharge::Frozen } else { StickCharge::Relaxing };
                 let parameters =
-                    SlidingParameters { lateral_force, stick_charge, ..table_1(60e-6, force_law) };
+                    SlidingParameters { lateral_force, stick_charge, ..table_1(30e-6, force_law) };
                 let mut scene = shaken(parameters, 0.0, 0.4, 12.0, [1.0, 5.0]);
                 scene.load = Load::RectifiedStore(RectifiedStore {
                     capacitance_f: 2e-7,
-                    diode_drop_v: 0.3,
+                    diode_drop_v: 0.05,
                     leakage_ohm: 1e8,
-                    initial_v: 1.1,
+                    initial_v: 0.3,
                     draw,
                 });
                 let outcome = run(&scene);
