@@ -301,7 +301,7 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S, N>, const N: usize> Run<'_,
     }
 
     /// The end of a run that has taken the most attempts it may.
-    fn given_up(&self, state: &HybridState<S, ModeOf<S, H>, STATES, WHOLE>) -> Failure {
+    fn given_up(&self, state: &HybridState<S, ModeOf<S, H, N>, N, WHOLE>) -> Failure {
         let (most, at) = (self.options.most_attempts.unwrap_or(0), state.clock.seconds::<f64>());
         Failure::TooDear(format!("given up after {most} attempted steps at {at} s"))
     }
