@@ -14,10 +14,12 @@
 //! before) shares the charge at once. A bus is a store with `1/C_s = 0`. The store's voltage is kept as its gain
 //! since the start, so that what one cycle brings to a large store is not lost in rounding.
 
+mod harvester;
 mod rest;
 
 use diffsol::error::DiffsolError;
 
+pub(super) use self::harvester::Harvester;
 pub(super) use self::rest::Rest;
 use super::integrals::Integrals;
 use super::root::far_side;

@@ -12,7 +12,7 @@ use self::hold::Hold;
 use self::measure::Meters;
 use self::physics::{Motion, Physics};
 use super::base::Base;
-use super::bridge::Bridge;
+use super::bridge::{Bridge, Harvester};
 use super::effort::Effort;
 use super::{ReferenceOptions, StepFailure};
 use crate::outcome::{Outcome, Particular};

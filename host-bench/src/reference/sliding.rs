@@ -13,6 +13,7 @@ use self::physics::{Motion, Physics};
 use self::slip::{Accuracy, Event, Slip};
 use self::stick::Stick;
 use super::base::Base;
+use super::bridge::Harvester;
 use super::effort::Effort;
 use super::{ReferenceOptions, StepFailure};
 use crate::outcome::{Outcome, Particular};

@@ -7,7 +7,7 @@ use std::convert::Infallible;
 
 use super::physics::{Circuit, Motion, Physics};
 use crate::reference::base::LocalBase;
-use crate::reference::bridge::{Rest, Switch};
+use crate::reference::bridge::{Harvester, Rest, Switch};
 use crate::reference::integrals::Integrals;
 use crate::reference::root::{far_side, lowest_point};
 use crate::scene_file::StickCharge;

@@ -17,8 +17,9 @@
 //! Nothing here cancels at small `R`, where `V = V_oc − q/C` is a difference of large numbers. To a bridge the
 //! harvester is a capacitance `C = c / (g + d_e) + C_p` and a current `j = (σS − q) v / (g + d_e)`.
 
-use crate::reference::bridge::{Bridge, Switch, Terminals};
-use crate::reference::integrals::Integrals;
+mod terminals;
+
+use crate::reference::bridge::{Bridge, Harvester};
 use crate::reference::store::Store;
 use crate::scene_file::{
     ContactSeparationParameters, ContactSeparationStart, ForceLaw, Load, Restitution, StickCharge,
@@ -137,77 +138,6 @@ impl Physics {
         let mut motion = Motion { gap, velocity: start.velocity_m_per_s.unwrap_or(0.0), voltage, bridge };
         physics.settle(&mut motion);
         (physics, motion)
-    }
-
-    /// The harvester as a bridge sees it.
-    pub(super) fn terminals(&self, motion: &Motion) -> Terminals {
-        let spacing = motion.gap + self.dielectric;
-        Terminals {
-            voltage: motion.voltage,
-            driven: self.top_charge(motion.gap, motion.voltage) * motion.velocity / spacing,
-            capacitance: self.total_capacitance_length(motion.gap) / spacing,
-        }
-    }
-
-    /// Lets a bridge find its regime after the motion has changed at once; the energies of that.
-    pub(super) fn settle(&self, motion: &mut Motion) -> Integrals {
-        let Some(store) = &self.store else { return Integrals::default() };
-        let (voltage, shared) = store.settle(self.terminals(motion), &mut motion.bridge, 0.0);
-        motion.voltage = voltage;
-        shared
-    }
-
-    /// The same where the motion has come to rest: while the charge is frozen the terminals are open.
-    pub(super) fn come_to_rest(&self, motion: &mut Motion) -> Integrals {
-        match self.stick_charge {
-            StickCharge::Frozen => {
-                motion.bridge.sign = 0.0;
-                Integrals::default()
-            }
-            StickCharge::Relaxing => self.settle(motion),
-        }
-    }
-
-    /// Switches the bridge or the draw behind it; the energies of that.
-    pub(super) fn switch(&self, switch: Switch, motion: &mut Motion) -> Integrals {
-        let Some(store) = &self.store else { return Integrals::default() };
-        let (voltage, shared) = store.switch(switch, self.terminals(motion), &mut motion.bridge);
-        motion.voltage = voltage;
-        shared
-    }
-
-    /// The same at rest: behind open terminals there is the draw only.
-    pub(super) fn switch_at_rest(&self, switch: Switch, motion: &mut Motion) -> Integrals {
-        match (self.stick_charge, switch) {
-            (StickCharge::Frozen, Switch::Draw { connected }) => {
-                motion.bridge.connected = connected;
-                Integrals::default()
-            }
-            _ => self.switch(switch, motion),
-        }
-    }
-
-    /// Rate in V/s of the gain of the store.
-    pub(super) fn gain_rate(&self, motion: &Motion) -> f64 {
-        self.store.map_or(0.0, |store| store.gain_rate(&self.terminals(motion), &motion.bridge))
-    }
-
-    /// Derivative of [`Self::gain_rate`] in the direction of `change`.
-    pub(super) fn gain_rate_along(&self, motion: &Motion, change: &Motion) -> f64 {
-        let Some(store) = &self.store else { return 0.0 };
-        let spacing = motion.gap + self.dielectric;
-        let terminals = self.terminals(motion);
-        let top = self.top_charge(motion.gap, motion.voltage);
-        let top_change = (self.permittivity_area * change.voltage - top * change.gap) / spacing;
-        let driven =
-            (top_change * motion.velocity + top * change.velocity - terminals.driven * change.gap) / spacing;
-        let capacitance = (self.parasitic - terminals.capacitance) * change.gap / spacing;
-        store.gain_rate_along(&terminals, &motion.bridge, [driven, capacitance, change.bridge.gain])
-    }
-
-    /// Powers in W behind a bridge: into the store, into the diodes, leaked, drawn.
-    pub(super) fn store_powers(&self, motion: &Motion) -> [f64; 4] {
-        self.store.map_or([0.0; 4], |store| store.powers(&self.terminals(motion), &motion.bridge))
     }
 
     /// `V_oc − q / C`, equations (12), (24) and (25).

@@ -22,10 +22,11 @@
 //! `−dW/dx = (ds1/dx) V (σS + c V / 2)`. The gap between the surfaces is taken as infinitely thin: its
 //! energy vanishes, its pressure does not.
 
+mod terminals;
+
 use super::overlap::Overlap;
 use crate::reference::Cantilever;
-use crate::reference::bridge::{Bridge, Switch, Terminals};
-use crate::reference::integrals::Integrals;
+use crate::reference::bridge::{Bridge, Harvester};
 use crate::reference::store::Store;
 use crate::scene_file::{ForceLaw, GRAVITY, Load, SlidingParameters, SlidingStart, StickCharge};
 
@@ -150,77 +151,6 @@ impl Physics {
         physics.store = physics.store.map(|store| Store { scale, ..store });
         physics.settle(&mut motion);
         (physics, motion)
-    }
-
-    /// The harvester as a bridge sees it.
-    pub(super) fn terminals(&self, motion: &Motion) -> Terminals {
-        let overlap = self.overlap(motion);
-        Terminals {
-            voltage: motion.voltage,
-            driven: -overlap.slope * motion.velocity * self.tribo_charge_and(motion.voltage),
-            capacitance: self.capacitance * overlap.active,
-        }
-    }
-
-    /// Lets a bridge find its regime after the motion has changed at once; the energies of that.
-    pub(super) fn settle(&self, motion: &mut Motion) -> Integrals {
-        let Some(store) = &self.store else { return Integrals::default() };
-        let (voltage, shared) = store.settle(self.terminals(motion), &mut motion.bridge, 0.0);
-        motion.voltage = voltage;
-        shared
-    }
-
-    /// The same where the motion has come to rest: while the charge is frozen the terminals are open.
-    pub(super) fn come_to_rest(&self, motion: &mut Motion) -> Integrals {
-        match self.stick_charge {
-            StickCharge::Frozen => {
-                motion.bridge.sign = 0.0;
-                Integrals::default()
-            }
-            StickCharge::Relaxing => self.settle(motion),
-        }
-    }
-
-    /// Switches the bridge or the draw behind it; the energies of that.
-    pub(super) fn switch(&self, switch: Switch, motion: &mut Motion) -> Integrals {
-        let Some(store) = &self.store else { return Integrals::default() };
-        let (voltage, shared) = store.switch(switch, self.terminals(motion), &mut motion.bridge);
-        motion.voltage = voltage;
-        shared
-    }
-
-    /// The same at rest: behind open terminals there is the draw only.
-    pub(super) fn switch_at_rest(&self, switch: Switch, motion: &mut Motion) -> Integrals {
-        match (self.stick_charge, switch) {
-            (StickCharge::Frozen, Switch::Draw { connected }) => {
-                motion.bridge.connected = connected;
-                Integrals::default()
-            }
-            _ => self.switch(switch, motion),
-        }
-    }
-
-    /// Rate in V/s of the gain of the store.
-    pub(super) fn gain_rate(&self, motion: &Motion) -> f64 {
-        self.store.map_or(0.0, |store| store.gain_rate(&self.terminals(motion), &motion.bridge))
-    }
-
-    /// Derivative of [`Self::gain_rate`] in the direction of `change`.
-    pub(super) fn gain_rate_along(&self, motion: &Motion, change: &Motion) -> f64 {
-        let Some(store) = &self.store else { return 0.0 };
-        let (overlap, c) = (self.overlap(motion), self.capacitance);
-        let total = self.tribo_charge_and(motion.voltage);
-        let driven = -(overlap.curvature * change.displacement * motion.velocity * total
-            + overlap.slope * change.velocity * total
-            + overlap.slope * motion.velocity * c * change.voltage);
-        let capacitance = c * overlap.slope * change.displacement;
-        let changes = [driven, capacitance, change.bridge.gain];
-        store.gain_rate_along(&self.terminals(motion), &motion.bridge, changes)
-    }
-
-    /// Powers in W behind a bridge: into the store, into the diodes, leaked, drawn.
-    pub(super) fn store_powers(&self, motion: &Motion) -> [f64; 4] {
-        self.store.map_or([0.0; 4], |store| store.powers(&self.terminals(motion), &motion.bridge))
     }
 
     fn overlap(&self, motion: &Motion) -> Overlap {

@@ -15,7 +15,7 @@ use diffsol::{
 
 use super::physics::{Motion, Physics};
 use crate::reference::base::LocalBase;
-use crate::reference::bridge::{Bridge, Lookout, Switch, earlier, instants};
+use crate::reference::bridge::{Bridge, Harvester, Lookout, Switch, earlier, instants};
 use crate::reference::effort::{Effort, one_line};
 use crate::reference::integrals::{ALL, Integrals, WITHOUT_BRIDGE};
 use crate::reference::root::far_side;
