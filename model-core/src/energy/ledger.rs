@@ -23,23 +23,27 @@ pub struct Residual<S> {
     pub mechanical: S,
     /// Of the electrical ledger.
     pub electrical: S,
+    /// Of the ledger of the store behind a rectifier; 0 without one.
+    pub store: S,
     /// The larger of `∫ |base power| dt` and the peak of the stored energy.
     pub scale: S,
 }
 
 impl<S: Scalar> Residual<S> {
-    /// Residual of the sum of both ledgers, relative to the scale; `None` if the scale is 0.
+    /// The larger residual of the sum of the mechanical and the electrical ledger and of the store's,
+    /// relative to the scale; `None` if the scale is 0.
     ///
-    /// Closes only where the force law is the field's own.
+    /// The sum closes only where the force law is the field's own.
     #[must_use]
     pub fn total(&self) -> Option<S> {
-        self.relative(self.mechanical + self.electrical)
+        self.relative((self.mechanical + self.electrical).absolute().larger(self.store.absolute()))
     }
 
-    /// The larger residual of the two ledgers, relative to the scale; `None` if the scale is 0.
+    /// The largest residual of the ledgers, relative to the scale; `None` if the scale is 0.
     #[must_use]
     pub fn larger(&self) -> Option<S> {
-        self.relative(self.mechanical.absolute().larger(self.electrical.absolute()))
+        let harvester = self.mechanical.absolute().larger(self.electrical.absolute());
+        self.relative(harvester.larger(self.store.absolute()))
     }
 
     fn relative(&self, residual: S) -> Option<S> {
@@ -90,6 +94,7 @@ impl<'a, S: Scalar, H> Ledger<'a, S, H> {
             mechanical: (now.mechanical - start.mechanical) - (income - outgoings),
             electrical: (now.electrical - start.electrical)
                 - (integral(account::TAKEN_UP) - integral(account::LOAD)),
+            store: S::ZERO,
             scale: integral(account::BASE_MAGNITUDE).larger(self.peak),
         }
     }
