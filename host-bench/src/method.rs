@@ -158,7 +158,8 @@ impl Options {
                 scene.file.display()
             )));
         }
-        if bridge {
+        let by_core = matches!(self.method, Method::Auto | Method::DiscreteGradient);
+        if bridge && !(by_core && matches!(scene.model, Model::BumpStop(_))) {
             return Err(Failure::Input(format!(
                 "{}: load.kind: must be \"resistor\" for this scene by this method",
                 scene.file.display()
