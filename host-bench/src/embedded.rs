@@ -3,6 +3,7 @@
 //! Every choice that firmware makes at compile time is made here at run time, by the core's `Any…`
 //! types; precision and elementary functions are type parameters and dispatched below.
 
+mod bridge;
 mod bump_stop;
 mod contact_separation;
 mod excitation;

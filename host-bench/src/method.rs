@@ -163,7 +163,8 @@ impl Options {
                 scene.file.display()
             )));
         }
-        if bridge && matches!(scene.model, Model::BumpStop(_)) && self.method != Method::Reference {
+        let by_peer = matches!(self.method, Method::TrBdf2 | Method::Rk4 | Method::Newmark);
+        if bridge && by_peer && matches!(scene.model, Model::BumpStop(_)) {
             return Err(Failure::Input(format!(
                 "{}: load.kind: must be \"resistor\" for this scene by this method",
                 scene.file.display()

@@ -6,6 +6,7 @@
 
 pub mod beam;
 pub mod bounds;
+pub mod bridge_step;
 pub mod circuit;
 pub mod disc_overlap;
 pub mod draw;
@@ -19,6 +20,7 @@ pub mod restitution;
 pub mod rod;
 pub mod stick_charge;
 pub mod store;
+pub mod store_step;
 
 /// Vacuum permittivity `ε0`, in F/m.
 pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;

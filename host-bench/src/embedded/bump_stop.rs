@@ -9,18 +9,22 @@ use model_core::hybrid::StepError;
 use model_core::integrate::cubic::Cubic;
 use model_core::part::load::AnyLoad;
 use model_core::part::monomorph::Layer;
+use model_core::part::store_step::StoreAccount;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::bump_stop::{
-    AnyContact, AnyCoupling, AnyParts, BumpStop as Harvester, ModalLedger, ModalMeter, ModalObserver,
-    ModalSpan, Parameters, Restitution, Start, State, Stepper, Stop,
+    AnyBridgedParts, AnyContact, AnyCoupling, AnyParts, BumpStop as Harvester, Circuit, ModalLedger,
+    ModalMeter, ModalObserver, ModalSpan, Parameters, Parts, Restitution, Start, StateOf, Stepper, Stop,
 };
 
 pub use self::shapes::{DeflectedShape, deflected_shapes};
+use super::bridge::{bridge, stored_energy};
 use super::excitation::{HostExcitation, with_excitation};
 use super::hybrid_run::{Total, ends_of, refuse_parameter, refuse_start};
 use super::precision_name;
 use crate::method::{Failure, Options};
-use crate::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, Recording};
+use crate::outcome::{
+    BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, Recording, StoreOutcome, with_store,
+};
 use crate::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
 
 /// Step near contact where none is given, in s.
@@ -28,12 +32,32 @@ const DEFAULT_SHORT_STEP_S: f64 = 1e-6;
 /// Step in free flight where none is given, in s.
 const DEFAULT_LONG_STEP_S: f64 = 2e-5;
 
-/// The core's parameters of a scene.
+/// Columns of a recording behind a bridge.
+const STORE_COLUMNS: [&str; 8] = with_store(BUMP_STOP_COLUMNS);
+
+/// Parts chosen at run time, the load aside.
+pub(super) trait HostedParts<S: Scalar>:
+    Parts<S, Coupling = AnyCoupling, Contact = AnyContact<S>>
+{
+}
+
+impl<S: Scalar> HostedParts<S> for AnyParts {}
+impl<S: Scalar> HostedParts<S> for AnyBridgedParts {}
+
+/// The core's parameters of a scene whose load is a resistor; a bridge is taken as it is while it blocks.
 #[must_use]
 pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyParts> {
+    parameters_with(model, resistance(load))
+}
+
+fn resistance<S: Scalar>(load: Load) -> AnyLoad<S> {
+    AnyLoad { ohms: S::literal(load.resistance_ohm()) }
+}
+
+/// The core's parameters of a scene with a load of the core.
+fn parameters_with<S: Scalar, P: HostedParts<S>>(model: &BumpStop, load: P::Load) -> Parameters<S, P> {
     let from = &model.parameters;
     let number = S::literal;
-    let resistance_ohm = load.resistance_ohm();
     let absent = Stop {
         length: S::ONE,
         section: S::ONE,
@@ -76,7 +100,7 @@ pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyP
         piezo_permittivity: number(from.piezo_permittivity_f_per_m),
         damping_ratio: number(from.damping_ratio),
         stop,
-        load: AnyLoad { ohms: number(resistance_ohm) },
+        load,
         coupling: match from.coupling {
             Coupling::TwoWay => AnyCoupling::TwoWay,
             Coupling::OneWay => AnyCoupling::OneWay,
@@ -94,11 +118,23 @@ pub(super) fn run<S: Scalar, M: Mathematics<S>>(
     model: &BumpStop,
     options: &Options,
 ) -> Result<Outcome, Failure> {
-    let modes = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
-    match modes {
-        (..=4, ..=2) => prepared::<S, M, 4, 2, _>(scene, model, options, |run, state| run.to_end(state)),
-        (..=10, ..=10) => prepared::<S, M, 10, 10, _>(scene, model, options, |run, state| run.to_end(state)),
-        _ => prepared::<S, M, 20, 20, _>(scene, model, options, |run, state| run.to_end(state)),
+    match bridge(scene.load) {
+        Some(bridge) => with_load::<S, M, AnyBridgedParts>(scene, model, options, bridge),
+        None => with_load::<S, M, AnyParts>(scene, model, options, resistance(scene.load)),
+    }
+}
+
+fn with_load<S: Scalar, M: Mathematics<S>, P: HostedParts<S>>(
+    scene: &Scene,
+    model: &BumpStop,
+    options: &Options,
+    load: P::Load,
+) -> Result<Outcome, Failure> {
+    let what = (scene, model, options);
+    match (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)) {
+        (..=4, ..=2) => prepared::<S, M, P, 4, 2, _>(what, load, |run, state| run.to_end(state)),
+        (..=10, ..=10) => prepared::<S, M, P, 10, 10, _>(what, load, |run, state| run.to_end(state)),
+        _ => prepared::<S, M, P, 20, 20, _>(what, load, |run, state| run.to_end(state)),
     }
 }
 
@@ -122,17 +158,16 @@ fn steps(options: &Options) -> Result<[f64; 2], Failure> {
     Ok([short, long])
 }
 
-/// Calls `with` with all that a run of the scene needs, and the state it starts in.
-fn prepared<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize, T>(
-    scene: &Scene,
-    model: &BumpStop,
-    options: &Options,
-    with: impl FnOnce(&Run<'_, S, M, B, R>, State<S, B, R>) -> Result<T, Failure>,
+/// Calls `with` with all that a run of the scene with a load of the core needs, and the state it starts in.
+fn prepared<S: Scalar, M: Mathematics<S>, P: HostedParts<S>, const B: usize, const R: usize, T>(
+    (scene, model, options): (&Scene, &BumpStop, &Options),
+    load: P::Load,
+    with: impl FnOnce(&Run<'_, S, M, P, B, R>, StateOf<S, P, B, R>) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     let [short, long] = steps(options)?;
     let (beam_modes, rod_modes) =
         (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
-    let harvester = parameters::<S>(model, scene.load)
+    let harvester = parameters_with::<S, P>(model, load)
         .build_first::<B, R>(beam_modes, rod_modes)
         .map_err(|error| refuse_parameter(scene, &error))?;
     let mut start = Start { voltage: S::literal(model.initial.voltage_v), ..Start::default() };
@@ -157,16 +192,16 @@ fn prepared<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize, T>(
 const BUDGET: u32 = 1 << 24;
 
 /// What a run needs.
-struct Run<'a, S: Scalar, M, const B: usize, const R: usize> {
+struct Run<'a, S: Scalar, M, P: Parts<S>, const B: usize, const R: usize> {
     scene: &'a Scene,
     model: &'a BumpStop,
     options: &'a Options,
-    stepper: &'a Stepper<S, AnyParts, B, R>,
+    stepper: &'a Stepper<S, P, B, R>,
     excitation: &'a HostExcitation<'a, S, M>,
 }
 
-impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M, B, R> {
-    fn to_end(&self, mut state: State<S, B, R>) -> Result<Outcome, Failure> {
+impl<S: Scalar, M: Mathematics<S>, P: Parts<S>, const B: usize, const R: usize> Run<'_, S, M, P, B, R> {
+    fn to_end(&self, mut state: StateOf<S, P, B, R>) -> Result<Outcome, Failure> {
         let Self { scene, model, options, stepper, excitation } = self;
         let harvester = stepper.scene();
         let [settled, end] = ends_of(scene, &scene.run)?;
@@ -234,16 +269,35 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
                 mean_force_n: with_stop(window.mean_force()),
                 end_state: self.scaled(&state),
             }),
-            store: None,
+            store: self.store(&state, &whole_run),
             steady_state: None,
             trace: options
                 .trace_every_s
-                .map(|_| Recording { columns: &BUMP_STOP_COLUMNS, rows: std::mem::take(&mut recorder.rows) }),
+                .map(|_| Recording { columns: recorder.columns(), rows: std::mem::take(&mut recorder.rows) }),
+        })
+    }
+
+    /// What the store holds at the end, and what the whole run spent; a `bare` run has no account.
+    fn store(
+        &self,
+        state: &StateOf<S, P, B, R>,
+        whole_run: &ModalMeter<'_, S, P, B, R>,
+    ) -> Option<StoreOutcome> {
+        let store = self.stepper.scene().store(state)?;
+        let volts = store.voltage.to_f64();
+        let account = (!self.options.bare).then(|| whole_run.store_account());
+        let spent = |of: fn(&StoreAccount<S>) -> S| account.as_ref().map(|account| of(account).to_f64());
+        Some(StoreOutcome {
+            store_voltage_v: Some(volts),
+            stored_energy_j: stored_energy(self.scene.load, volts),
+            diode_loss_j: spent(|account| account.diodes),
+            leaked_energy_j: spent(|account| account.leaked),
+            drawn_energy_j: spent(|account| account.drawn),
         })
     }
 
     /// The state with half the sum of its squares the energy in J of motion and charge.
-    fn scaled(&self, state: &State<S, B, R>) -> Vec<f64> {
+    fn scaled(&self, state: &StateOf<S, P, B, R>) -> Vec<f64> {
         let harvester = self.stepper.scene();
         let rod_modes = self.model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
         let beam = state.beam.iter().enumerate().take(self.model.parameters.beam_modes);
@@ -267,10 +321,10 @@ impl<S: Scalar, M: Mathematics<S>, const B: usize, const R: usize> Run<'_, S, M,
     }
 }
 
-fn step_failure<S: Scalar, const B: usize, const R: usize>(
+fn step_failure<S: Scalar, P: Parts<S>, const B: usize, const R: usize>(
     error: &StepError<S>,
-    harvester: &Harvester<S, AnyParts, B, R>,
-    state: &State<S, B, R>,
+    harvester: &Harvester<S, P, B, R>,
+    state: &StateOf<S, P, B, R>,
 ) -> Failure {
     Failure::Step(format!(
         "{error}: tip {:e} m, gap {:e} m, voltage {:e} V",
@@ -280,17 +334,29 @@ fn step_failure<S: Scalar, const B: usize, const R: usize>(
     ))
 }
 
-/// Rows of a trace at equal distances in time: the columns of [`BUMP_STOP_COLUMNS`].
-struct Recorder<'a, S: Scalar, const B: usize, const R: usize> {
-    harvester: &'a Harvester<S, AnyParts, B, R>,
+/// Rows of a trace at equal distances in time: the columns of [`BUMP_STOP_COLUMNS`], and behind a bridge of
+/// [`STORE_COLUMNS`].
+struct Recorder<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
+    harvester: &'a Harvester<S, P, B, R>,
     /// Without one there is no stop point, no rod and no force.
     has_stop: bool,
     every: f64,
     rows: Vec<Vec<f64>>,
 }
 
-impl<S: Scalar, const B: usize, const R: usize> ModalObserver<S, B, R> for Recorder<'_, S, B, R> {
-    fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Recorder<'_, S, P, B, R> {
+    fn columns(&self) -> &'static [&'static str] {
+        if P::Load::SWITCHES { &STORE_COLUMNS } else { &BUMP_STOP_COLUMNS }
+    }
+}
+
+/// What a load of the parts `P` remembers.
+type MemoryOf<S, P> = <<P as Parts<S>>::Load as Circuit<S>>::State;
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B, R, MemoryOf<S, P>>
+    for Recorder<'_, S, P, B, R>
+{
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R, MemoryOf<S, P>>) {
         let (from, end) = (span.start.clock.seconds::<f64>(), span.end.clock.seconds::<f64>());
         loop {
             let time = self.rows.len() as f64 * self.every;
@@ -298,7 +364,9 @@ impl<S: Scalar, const B: usize, const R: usize> ModalObserver<S, B, R> for Recor
                 return;
             }
             let theta = S::literal(((time - from) / (end - from)).clamp(0.0, 1.0));
-            let dense = |of: fn(&Harvester<S, AnyParts, B, R>, &State<S, B, R>) -> [S; 2]| {
+            type Of<S, P, const B: usize, const R: usize> =
+                fn(&Harvester<S, P, B, R>, &StateOf<S, P, B, R>) -> [S; 2];
+            let dense = |of: Of<S, P, B, R>| {
                 let [start, end] = [span.start, span.end].map(|state| of(self.harvester, state));
                 Cubic::new(start[0], start[1], end[0], end[1], span.step).value(theta).to_f64()
             };
@@ -306,7 +374,10 @@ impl<S: Scalar, const B: usize, const R: usize> ModalObserver<S, B, R> for Recor
             let voltage = Cubic::with_mean(voltages[0], voltages[1], span.mean_voltage).value(theta);
             let of_stop = |value: f64| if self.has_stop { value } else { f64::NAN };
             let [before, after] = span.accelerations().map(S::to_f64);
-            self.rows.push(vec![
+            let stores = [span.start, span.end].map(|state| self.harvester.store(state));
+            let [from_store, to_store] = stores.map(|store| store.map(|store| store.voltage));
+            let store = from_store.zip(to_store).map(|(from, to)| (from + (to - from) * theta).to_f64());
+            let mut row = vec![
                 time,
                 dense(Harvester::tip),
                 of_stop(dense(Harvester::stop_point)),
@@ -314,7 +385,9 @@ impl<S: Scalar, const B: usize, const R: usize> ModalObserver<S, B, R> for Recor
                 voltage.to_f64(),
                 of_stop(span.force.to_f64()),
                 before + (after - before) * theta.to_f64(),
-            ]);
+            ];
+            row.extend(store);
+            self.rows.push(row);
         }
     }
 }

@@ -47,6 +47,17 @@ macro_rules! floats {
 floats!(f32, f64);
 
 /// A byte that is 0 or 1.
+/// Nothing: no bytes.
+impl Image for () {
+    const BYTES: usize = 0;
+
+    fn write(&self, _out: &mut Writer<'_>) {}
+
+    fn read(_from: &mut Reader<'_>) -> Result<Self, ImageError> {
+        Ok(())
+    }
+}
+
 impl Image for bool {
     const BYTES: usize = 1;
 

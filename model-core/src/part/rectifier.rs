@@ -10,6 +10,7 @@
 
 use super::bounds::{Bounds, ParameterError};
 use super::store::Reservoir;
+use crate::image::Fingerprint;
 use crate::scalar::Scalar;
 
 /// A full bridge and what it charges.
@@ -53,6 +54,24 @@ impl<S: Scalar, R: Reservoir<S>> FullBridge<S, R> {
     #[inline(always)]
     pub fn threshold(&self, store_voltage: S) -> S {
         store_voltage + self.diode_drop + self.diode_drop
+    }
+
+    /// Takes in all that tells this bridge and its reservoir from others.
+    pub(crate) fn identify(&self, fingerprint: &mut Fingerprint) {
+        let reservoir = &self.reservoir;
+        // A draw shows itself in what it takes, at two voltages.
+        let [low, high] = [S::ONE, S::literal(2.0)].map(|volts| reservoir.drawn(volts));
+        fingerprint.numbers(&[
+            self.diode_drop,
+            reservoir.elastance(),
+            reservoir.initial_voltage(),
+            reservoir.leakage(S::ONE),
+            low,
+            high,
+        ]);
+        if let Some(lockout) = reservoir.lockout() {
+            fingerprint.numbers(&[lockout.turn_on, lockout.turn_off]);
+        }
     }
 
     /// Refuses what is out of bounds.

@@ -29,6 +29,7 @@
 //!
 //! The mode counts are type parameters, `B` of the beam and `R` of the rod.
 
+mod circuit;
 mod closed_form;
 mod contact_law;
 mod followed;
@@ -42,17 +43,21 @@ mod step_set;
 mod stepper;
 mod trial;
 
+pub use circuit::{Circuit, Flow, Memory};
 pub use contact_law::{
     AnyContact, ContactKind, ContactLaw, DisplacementConstraint, NoStop, ResidualFlexibility, Restitution,
 };
 pub use ledger::ModalLedger;
 pub use meter::ModalMeter;
 pub use observer::{ModalImpact, ModalObserver, ModalSpan};
-pub use parameters::{AnyCoupling, AnyParts, Coupling, OneWay, Parameters, Parts, Stop, TwoWay};
-pub use state::{Start, State};
-pub use step_set::StepSet;
+pub use parameters::{
+    AnyBridgedParts, AnyCoupling, AnyParts, Coupling, OneWay, Parameters, Parts, Stop, TwoWay,
+};
+pub use state::{Start, State, StateOf};
+pub use step_set::{StepSet, StepSetOf};
 pub use stepper::{LEAST_BUDGET, Stepper};
 
+use crate::part::store_step::StoreState;
 use crate::scalar::Scalar;
 
 /// Coefficients of a beam mode, in SI units with a modal mass of one.
@@ -125,19 +130,19 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 
     /// Displacement of the beam's tip towards the stop, and its rate, in m and m/s.
     #[must_use]
-    pub fn tip(&self, state: &State<S, B, R>) -> [S; 2] {
+    pub fn tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         self.along_beam(state, |mode| mode.tip)
     }
 
     /// Displacement of the beam at the stop, and its rate, in m and m/s.
     #[must_use]
-    pub fn stop_point(&self, state: &State<S, B, R>) -> [S; 2] {
+    pub fn stop_point<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         self.along_beam(state, |mode| mode.contact)
     }
 
     /// Displacement of the rod's face, and its rate, in m and m/s.
     #[must_use]
-    pub fn rod_tip(&self, state: &State<S, B, R>) -> [S; 2] {
+    pub fn rod_tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         let mut sums = [S::ZERO; 2];
         for (mode, coordinate) in self.rod.iter().zip(&state.rod) {
             sums[0] += mode.contact * coordinate[0];
@@ -148,11 +153,17 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 
     /// Voltage at the terminals in V.
     #[must_use]
-    pub fn voltage(&self, state: &State<S, B, R>) -> S {
+    pub fn voltage<C>(&self, state: &State<S, B, R, C>) -> S {
         (state.strain_charge - state.moved_charge) * self.elastance
     }
 
-    fn along_beam(&self, state: &State<S, B, R>, weight: impl Fn(&BeamCoefficients<S>) -> S) -> [S; 2] {
+    /// The store or the bus behind a bridge; `None` where the load is a resistor.
+    #[must_use]
+    pub fn store(&self, state: &StateOf<S, P, B, R>) -> Option<StoreState<S>> {
+        self.load.store(&state.circuit)
+    }
+
+    fn along_beam<C>(&self, state: &State<S, B, R, C>, weight: impl Fn(&BeamCoefficients<S>) -> S) -> [S; 2] {
         let mut sums = [S::ZERO; 2];
         for (mode, coordinate) in self.beam.iter().zip(&state.beam) {
             sums[0] += weight(mode) * coordinate[0];

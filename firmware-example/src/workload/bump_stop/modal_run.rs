@@ -5,7 +5,7 @@ use core::hint::black_box;
 use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
 use model_core::excitation::Sine;
-use model_core::scene::bump_stop::{Parameters, Parts, Start, State, Stepper};
+use model_core::scene::bump_stop::{Parameters, Parts, Start, StateOf, Stepper};
 
 use crate::workload::{Progress, Workload};
 
@@ -51,7 +51,7 @@ pub struct ModalRun<P: Parts<f32>, const B: usize, const R: usize> {
     plan: Plan,
     stepper: Stepper<f32, P, B, R>,
     excitation: Sine<f32>,
-    state: State<f32, B, R>,
+    state: StateOf<f32, P, B, R>,
     meter: PowerMeter<f32, 1>,
     samples: u32,
     rejected: u32,

@@ -4,11 +4,11 @@ use model_core::clock::Instant;
 use model_core::part::beam::{BeamMode, Cantilever};
 use model_core::part::monomorph::Monomorph;
 use model_core::scalar::Polynomial;
-use model_core::scene::bump_stop::{ModalObserver, ModalSpan};
+use model_core::scene::bump_stop::{AnyBridgedParts, AnyParts, Memory, ModalObserver, ModalSpan};
 
-use super::{BUDGET, parameters, prepared, step_failure};
+use super::{BUDGET, HostedParts, bridge, parameters, prepared, resistance, step_failure};
 use crate::method::{Failure, Options};
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::{BumpStop, Model, Scene};
 
 /// The deflected beam at an instant.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,19 +54,10 @@ pub fn deflected_shapes(
     let modes: Vec<BeamMode<f64>> =
         (1..).take(model.parameters.beam_modes).map(|number| beam.mode(number)).collect();
     let mut shapes = Shapes { modes, length: core.beam_length, stations, instants, found: Vec::new() };
-    prepared::<f64, Polynomial, 20, 20, _>(scene, model, options, |run, mut state| {
-        let last = instants.last().copied().unwrap_or(0.0);
-        let end = Instant::from_seconds(last.max(scene.run.duration_s)).ok_or_else(|| {
-            Failure::Input(format!("{}: run: {last} s, must be below 16777216", scene.file.display()))
-        })?;
-        // To the end of the last step that is wanted, and no step is cut short for it.
-        while state.clock < end && shapes.found.len() < instants.len() {
-            run.stepper
-                .advance(&mut state, run.excitation, end, BUDGET.min(1 << 12), &mut shapes)
-                .map_err(|error| step_failure(&error, run.stepper.scene(), &state))?;
-        }
-        Ok(())
-    })?;
+    match bridge(scene.load) {
+        Some(bridge) => shapes.take::<AnyBridgedParts>((scene, model, options), bridge)?,
+        None => shapes.take::<AnyParts>((scene, model, options), resistance(scene.load))?,
+    }
     Ok(shapes.found)
 }
 
@@ -79,8 +70,32 @@ struct Shapes<'a> {
     found: Vec<DeflectedShape>,
 }
 
-impl<const B: usize, const R: usize> ModalObserver<f64, B, R> for Shapes<'_> {
-    fn step(&mut self, span: &ModalSpan<'_, f64, B, R>) {
+impl Shapes<'_> {
+    /// Runs the scene until all are taken.
+    fn take<P: HostedParts<f64>>(
+        &mut self,
+        what: (&Scene, &BumpStop, &Options),
+        load: P::Load,
+    ) -> Result<(), Failure> {
+        let (scene, instants) = (what.0, self.instants);
+        prepared::<f64, Polynomial, P, 20, 20, _>(what, load, |run, mut state| {
+            let last = instants.last().copied().unwrap_or(0.0);
+            let end = Instant::from_seconds(last.max(scene.run.duration_s)).ok_or_else(|| {
+                Failure::Input(format!("{}: run: {last} s, must be below 16777216", scene.file.display()))
+            })?;
+            // To the end of the last step that is wanted, and no step is cut short for it.
+            while state.clock < end && self.found.len() < instants.len() {
+                run.stepper
+                    .advance(&mut state, run.excitation, end, BUDGET.min(1 << 12), self)
+                    .map_err(|error| step_failure(&error, run.stepper.scene(), &state))?;
+            }
+            Ok(())
+        })
+    }
+}
+
+impl<const B: usize, const R: usize, C: Memory> ModalObserver<f64, B, R, C> for Shapes<'_> {
+    fn step(&mut self, span: &ModalSpan<'_, f64, B, R, C>) {
         let time_s = span.end.clock.seconds::<f64>();
         while self.instants.get(self.found.len()).is_some_and(|instant| *instant <= time_s) {
             let points = (0..=self.stations).map(|station| {

@@ -170,18 +170,21 @@ where
     S: Scalar,
     P: bump_stop::Parts<S>,
 {
-    type State = bump_stop::State<S, B, R>;
+    type State = bump_stop::StateOf<S, P, B, R>;
 
     const ESTIMATES_ERROR: bool = false;
     const LEAST_BUDGET: u32 = bump_stop::LEAST_BUDGET;
 
     fn at_rest(
         &self,
-        _before: Option<&Self::State>,
+        before: Option<&Self::State>,
         stream: &Stream<S>,
     ) -> Result<Self::State, ParameterError<S>> {
         let mut state = self.scene().start(&bump_stop::Start::default(), &Level::at_start(stream))?;
         state.clock = stream.known_until();
+        if let Some(before) = before {
+            state.circuit = before.circuit;
+        }
         Ok(state)
     }
 
@@ -207,5 +210,13 @@ where
 
     fn identify(&self, fingerprint: &mut Fingerprint) {
         Stepper::identify(self, fingerprint);
+    }
+
+    fn store(&self, state: &Self::State) -> Option<StoreReading<S>> {
+        self.scene().reading(state)
+    }
+
+    fn set_store_voltage(&self, state: &mut Self::State, _stream: &Stream<S>, volts: S) {
+        self.scene().set_store_voltage(state, volts);
     }
 }

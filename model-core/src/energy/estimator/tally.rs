@@ -6,7 +6,7 @@ use crate::image::{Image, ImageError, Reader, Writer};
 use crate::integrate::step_control::REMEMBERED_RADIANS;
 use crate::scalar::{CompensatedSum, Scalar};
 use crate::scene::StoreReading;
-use crate::scene::bump_stop::{ModalObserver, ModalSpan};
+use crate::scene::bump_stop::{Memory, ModalObserver, ModalSpan};
 
 /// A power is a square: a small error of the state moves it twice as much.
 const POWER_PER_STATE: f64 = 2.0;
@@ -78,9 +78,9 @@ impl<S: Scalar, Mode, const N: usize, const P: usize> Observer<S, Mode, N, P> fo
     }
 }
 
-impl<S: Scalar, const B: usize, const R: usize> ModalObserver<S, B, R> for Tally<S> {
+impl<S: Scalar, const B: usize, const R: usize, C: Memory> ModalObserver<S, B, R, C> for Tally<S> {
     #[inline(always)]
-    fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R, C>) {
         self.add(span.delivered, span.ticks);
     }
 }

@@ -30,7 +30,7 @@ pub(super) struct Response<S> {
     gap: [Complex<S>; 2],
 }
 
-impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
+impl<S: Scalar, P: Parts<S, Load: Load<S>>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Mean power under the base acceleration `amplitude · sin(2π · hertz · t)`, in m/s² and Hz, of the motion
     /// that does not reach the stop: exact, for any resistance, in the one-way and in the two-way model.
     ///
@@ -65,7 +65,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             validity: Validity::of(self.clearance(&response, amplitude, voltage)),
         }
     }
+}
 
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// The requirements that the gap puts on a motion with the terminal voltage `voltage`.
     pub(super) fn clearance(
         &self,

@@ -1,11 +1,12 @@
 //! What a node that follows an accelerometer needs beside the steps: a fingerprint and the state as bytes.
 
+use super::circuit::Circuit;
 use super::contact_law::{ContactKind, ContactLaw};
 use super::parameters::Coupling;
-use super::{BumpStop, Parts, State, Stepper};
+use super::{BumpStop, Parts, State, StateOf, Stepper};
 use crate::image::{Fingerprint, Image, ImageError, Reader, Writer};
-use crate::part::load::Load;
 use crate::scalar::Scalar;
+use crate::scene::StoreReading;
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Takes everything that tells this harvester from another into a fingerprint.
@@ -20,7 +21,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             fingerprint.numbers(&[mode.angular_frequency, mode.base, mode.contact]);
         }
         fingerprint.numbers(&[self.damping_ratio, self.capacitance, self.gap, self.stiffness]);
-        self.load.resistance().identify(fingerprint);
+        self.load.identify(fingerprint);
         fingerprint.count(u32::from(self.coupling.is_two_way()));
         match self.contact.kind() {
             ContactKind::None => fingerprint.count(0),
@@ -28,6 +29,21 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             ContactKind::Constrained => fingerprint.count(2),
             ContactKind::Impulsive { restitution } => fingerprint.numbers(&[restitution]),
         }
+    }
+}
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
+    /// Voltage and energy of the store; `None` without one.
+    #[must_use]
+    pub fn reading(&self, state: &StateOf<S, P, B, R>) -> Option<StoreReading<S>> {
+        let voltage = self.load.store(&state.circuit)?.voltage;
+        self.load.stored(&state.circuit).map(|energy| StoreReading { voltage, energy })
+    }
+
+    /// Puts the store to a voltage in V, at or above 0: for what is drawn from it, or read of it, from outside.
+    /// Without a store nothing changes.
+    pub fn set_store_voltage(&self, state: &mut StateOf<S, P, B, R>, volts: S) {
+        P::Load::set_store_voltage(&mut state.circuit, volts);
     }
 }
 
@@ -46,8 +62,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     }
 }
 
-impl<S: Scalar, const B: usize, const R: usize> Image for State<S, B, R> {
-    const BYTES: usize = u64::BYTES + (2 * (B + R) + 6) * S::BYTES + bool::BYTES + u16::BYTES;
+impl<S: Scalar, const B: usize, const R: usize, C: Image> Image for State<S, B, R, C> {
+    const BYTES: usize = u64::BYTES + (2 * (B + R) + 6) * S::BYTES + bool::BYTES + u16::BYTES + C::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
         self.clock.write(out);
@@ -61,6 +77,7 @@ impl<S: Scalar, const B: usize, const R: usize> Image for State<S, B, R> {
         self.acceleration.write(out);
         self.closed.write(out);
         self.short_steps.write(out);
+        self.circuit.write(out);
     }
 
     fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
@@ -76,6 +93,7 @@ impl<S: Scalar, const B: usize, const R: usize> Image for State<S, B, R> {
             acceleration: Image::read(from)?,
             closed: Image::read(from)?,
             short_steps: Image::read(from)?,
+            circuit: Image::read(from)?,
         })
     }
 }

@@ -5,16 +5,28 @@
 //!     = −∫ a (Σ γ ṙ + Σ g q̇) dt − ∫ 2ζ (Σ ω ṙ² + Σ Ω q̇²) dt − χ ∫ v²/R dt − losses in contact
 //! ```
 //!
+//! Behind a bridge `v²/R` is what enters the store and what the diodes take, and the store has a ledger of its
+//! own,
+//!
+//! ```text
+//! Δ(½ C V²) = ∫ V i dt − ∫ leaked − ∫ drawn
+//! ```
+//!
+//! which a bus, that has no end, has not. The store is left out of the energy that a residual is compared with:
+//! a large one would hide any error.
+//!
 //! Over a step each mode moves under a force that is linear in time, so its velocity is known in closed
 //! form: `ẇ` of the same oscillator, driven by the constant rate of the force. The integrals of the
 //! velocity's square (damping) and of its product with the base's acceleration (work) are then
 //! quadratic and linear in the state, with coefficients that are made once for each length of step by
 //! Gauss's rule. What is left over is what the contact and the circuit did wrong.
 
+use super::circuit::Circuit;
 use super::contact_law::ContactKind;
 use super::contact_law::ContactLaw;
 use super::observer::{ModalImpact, ModalObserver, ModalSpan};
 use super::parameters::Coupling;
+use super::state::StateOf;
 use super::{BumpStop, Parts, State};
 use crate::energy::Residual;
 use crate::integrate::modal::ModalStep;
@@ -119,9 +131,11 @@ pub struct ModalLedger<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usiz
     base: CompensatedSum<S>,
     base_magnitude: CompensatedSum<S>,
     damped: CompensatedSum<S>,
-    /// Electrical energy that the modes brought, and what the load took.
+    /// Electrical energy that the modes brought, and what the load took, lost in diodes included.
     brought: CompensatedSum<S>,
     delivered: CompensatedSum<S>,
+    /// What is left over of a store's gain.
+    store: CompensatedSum<S>,
     lost: CompensatedSum<S>,
     start: [S; 2],
     now: [S; 2],
@@ -131,7 +145,7 @@ pub struct ModalLedger<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usiz
 impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a, S, P, B, R> {
     /// A ledger that opens at `state`.
     #[must_use]
-    pub fn open(scene: &'a BumpStop<S, P, B, R>, state: &State<S, B, R>) -> Self {
+    pub fn open(scene: &'a BumpStop<S, P, B, R>, state: &StateOf<S, P, B, R>) -> Self {
         let start = scene.stored_energy(state);
         Self {
             scene,
@@ -141,6 +155,7 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a,
             damped: CompensatedSum::ZERO,
             brought: CompensatedSum::ZERO,
             delivered: CompensatedSum::ZERO,
+            store: CompensatedSum::ZERO,
             lost: CompensatedSum::ZERO,
             start,
             now: start,
@@ -158,7 +173,7 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a,
         Residual {
             mechanical: (self.now[0] - self.start[0]) - income,
             electrical: (self.now[1] - self.start[1]) - (brought - self.delivered.value()),
-            store: S::ZERO,
+            store: self.store.value(),
             scale: self.base_magnitude.value().larger(self.peak),
         }
     }
@@ -206,7 +221,7 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a,
         made
     }
 
-    fn look(&mut self, state: &State<S, B, R>) {
+    fn look<C>(&mut self, state: &State<S, B, R, C>) {
         self.now = self.scene.stored_energy(state);
         self.peak = self.peak.larger(self.now[0] + self.now[1]);
     }
@@ -215,7 +230,7 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a,
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Stored energy in joules: mechanical (modes and contact), and in the capacitance.
     #[must_use]
-    pub fn stored_energy(&self, state: &State<S, B, R>) -> [S; 2] {
+    pub fn stored_energy<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         let half = S::literal(0.5);
         let mut mechanical = self.contact_energy(state);
         let of = |omega: S, [displacement, velocity]: [S; 2]| {
@@ -233,7 +248,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 
     /// Energy of the contact's spring; a rigid contact has none.
-    fn contact_energy(&self, state: &State<S, B, R>) -> S {
+    fn contact_energy<C>(&self, state: &State<S, B, R, C>) -> S {
         if P::Contact::POSSIBLE && self.contact.kind() == ContactKind::Compliant {
             let pressed = state.gap.larger(S::ZERO);
             S::literal(0.5) * self.stiffness * pressed * pressed
@@ -243,10 +258,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 }
 
-impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B, R>
-    for ModalLedger<'_, S, P, B, R>
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize>
+    ModalObserver<S, B, R, <P::Load as Circuit<S>>::State> for ModalLedger<'_, S, P, B, R>
 {
-    fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R, <P::Load as Circuit<S>>::State>) {
         let gramians = self.prepared(span.ticks, span.step);
         let scene = self.scene;
         let voltage = if scene.coupling.is_two_way() { span.mean_voltage } else { S::ZERO };
@@ -279,6 +294,13 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
         self.damped.add(damped);
         self.brought.add(span.mean_voltage * (span.end.strain_charge - span.start.strain_charge));
         self.delivered.add(span.delivered);
+        if P::Load::SWITCHES {
+            let account = P::Load::account(&span.account);
+            self.delivered.add(account.diodes);
+            if let Some(gain) = scene.load.gained(&span.start.circuit, &span.end.circuit) {
+                self.store.add(gain - (account.delivered - account.leaked - account.drawn));
+            }
+        }
         // The force took F Δg from the modes and left it in the spring, where there is one.
         let stored = scene.contact_energy(span.end) - scene.contact_energy(span.start);
         if scene.contact.kind() != ContactKind::Compliant {

@@ -1,16 +1,23 @@
 //! Meters of a run by modal steps.
 
+use super::circuit::{Circuit, Memory};
 use super::contact_law::{ContactKind, ContactLaw};
 use super::observer::{ModalImpact, ModalObserver, ModalSpan};
-use super::{BumpStop, Parts, State};
+use super::state::StateOf;
+use super::{BumpStop, Parts};
 use crate::clock::Instant;
 use crate::energy::{Integrals, Peak, PowerMeter};
 use crate::integrate::cubic::Cubic;
+use crate::part::store_step::StoreAccount;
 use crate::scalar::{CompensatedSum, Scalar};
 
-impl<S: Scalar, const P: usize, const B: usize, const R: usize> ModalObserver<S, B, R> for PowerMeter<S, P> {
+impl<S, C, const P: usize, const B: usize, const R: usize> ModalObserver<S, B, R, C> for PowerMeter<S, P>
+where
+    S: Scalar,
+    C: Memory,
+{
     #[inline(always)]
-    fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R, C>) {
         self.add_delivered(span.delivered, span.ticks);
     }
 }
@@ -24,6 +31,8 @@ pub struct ModalMeter<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize
     tip: Peak<S>,
     stop_point: Peak<S>,
     voltage: Peak<S>,
+    /// Behind a bridge: lost in the diodes, leaked, drawn.
+    losses: [CompensatedSum<S>; 3],
     contacts: u32,
     in_contact: CompensatedSum<S>,
     first_contact: Option<Instant>,
@@ -48,6 +57,7 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalMeter<'a, 
             tip: Peak::new(),
             stop_point: Peak::new(),
             voltage: Peak::new(),
+            losses: [CompensatedSum::ZERO; 3],
             contacts: 0,
             in_contact: CompensatedSum::ZERO,
             first_contact: None,
@@ -58,7 +68,7 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalMeter<'a, 
 
     /// The same from `state` on: a contact that is then closed is not counted.
     #[must_use]
-    pub fn from(scene: &'a BumpStop<S, P, B, R>, state: &State<S, B, R>) -> Self {
+    pub fn from(scene: &'a BumpStop<S, P, B, R>, state: &StateOf<S, P, B, R>) -> Self {
         Self { touching: state.gap > S::ZERO || state.closed, ..Self::new(scene) }
     }
 
@@ -72,6 +82,13 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalMeter<'a, 
     #[must_use]
     pub fn mean_power(&self) -> S {
         self.integrals.mean(DELIVERED)
+    }
+
+    /// Energies behind a bridge; without one, zeros and what the load took.
+    #[must_use]
+    pub fn store_account(&self) -> StoreAccount<S> {
+        let [diodes, leaked, drawn] = self.losses.map(|sum| sum.value());
+        StoreAccount { delivered: self.delivered_energy(), diodes, leaked, drawn }
     }
 
     /// Root mean square of the terminal voltage, in volts.
@@ -142,10 +159,10 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalMeter<'a, 
     }
 }
 
-impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B, R>
-    for ModalMeter<'_, S, P, B, R>
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize>
+    ModalObserver<S, B, R, <P::Load as Circuit<S>>::State> for ModalMeter<'_, S, P, B, R>
 {
-    fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R, <P::Load as Circuit<S>>::State>) {
         let step = span.step;
         let energies =
             [span.delivered, span.mean_square_voltage * step, span.mean_voltage * step, span.force * step];
@@ -156,7 +173,16 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
         include(&mut self.tip, [span.start, span.end].map(|state| self.scene.tip(state)));
         include(&mut self.stop_point, [span.start, span.end].map(|state| self.scene.stop_point(state)));
         let [start, end] = [span.start, span.end].map(|state| self.scene.voltage(state));
-        self.voltage.include(&Cubic::with_mean(start, end, span.mean_voltage));
+        // Behind a bridge a step has its extremes at its ends, or at the corner of a polyline, which is level
+        // with the end or below it.
+        let mean = if P::Load::SWITCHES { S::literal(0.5) * (start + end) } else { span.mean_voltage };
+        self.voltage.include(&Cubic::with_mean(start, end, mean));
+        if P::Load::SWITCHES {
+            let account = P::Load::account(&span.account);
+            for (sum, energy) in self.losses.iter_mut().zip([account.diodes, account.leaked, account.drawn]) {
+                sum.add(energy);
+            }
+        }
         if !(span.force > S::ZERO) {
             self.touching = false;
             return;

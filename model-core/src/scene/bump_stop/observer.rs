@@ -1,31 +1,34 @@
 //! What a meter sees of a run by modal steps.
 
 use super::State;
+use super::circuit::Memory;
 use crate::clock::Instant;
 use crate::scalar::Scalar;
 
 /// One step.
 #[derive(Debug, Clone, Copy)]
-pub struct ModalSpan<'a, S, const B: usize, const R: usize> {
+pub struct ModalSpan<'a, S, const B: usize, const R: usize, C: Memory = ()> {
     /// Length in ticks.
     pub ticks: u32,
     /// Length in seconds.
     pub step: S,
     /// Where the step started.
-    pub start: &'a State<S, B, R>,
+    pub start: &'a State<S, B, R, C>,
     /// Where it ended.
-    pub end: &'a State<S, B, R>,
+    pub end: &'a State<S, B, R, C>,
     /// Contact force, constant over the step, in N.
     pub force: S,
     /// Mean terminal voltage in V.
     pub mean_voltage: S,
     /// Mean of the square of the terminal voltage in V².
     pub mean_square_voltage: S,
-    /// Energy delivered to the load in J.
+    /// Energy delivered to the load in J; behind a bridge, what enters the store.
     pub delivered: S,
+    /// What else the load accounts for.
+    pub account: C::Account,
 }
 
-impl<S: Scalar, const B: usize, const R: usize> ModalSpan<'_, S, B, R> {
+impl<S: Scalar, const B: usize, const R: usize, C: Memory> ModalSpan<'_, S, B, R, C> {
     /// Base acceleration in m/s² at both ends; linear between them.
     #[must_use]
     pub fn accelerations(&self) -> [S; 2] {
@@ -47,9 +50,9 @@ pub struct ModalImpact<S> {
 }
 
 /// Sees every step and every impact of a run, in order of time.
-pub trait ModalObserver<S: Scalar, const B: usize, const R: usize> {
+pub trait ModalObserver<S: Scalar, const B: usize, const R: usize, C: Memory = ()> {
     /// A step was taken.
-    fn step(&mut self, span: &ModalSpan<'_, S, B, R>);
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R, C>);
 
     /// Beam and rod collided.
     #[inline(always)]
@@ -57,17 +60,20 @@ pub trait ModalObserver<S: Scalar, const B: usize, const R: usize> {
 }
 
 /// Sees nothing.
-impl<S: Scalar, const B: usize, const R: usize> ModalObserver<S, B, R> for () {
+impl<S: Scalar, const B: usize, const R: usize, C: Memory> ModalObserver<S, B, R, C> for () {
     #[inline(always)]
-    fn step(&mut self, _span: &ModalSpan<'_, S, B, R>) {}
+    fn step(&mut self, _span: &ModalSpan<'_, S, B, R, C>) {}
 }
 
 /// An observer, or none.
-impl<S: Scalar, O: ModalObserver<S, B, R>, const B: usize, const R: usize> ModalObserver<S, B, R>
-    for Option<&mut O>
+impl<S, O, const B: usize, const R: usize, C> ModalObserver<S, B, R, C> for Option<&mut O>
+where
+    S: Scalar,
+    C: Memory,
+    O: ModalObserver<S, B, R, C>,
 {
     #[inline(always)]
-    fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R, C>) {
         if let Some(observer) = self {
             observer.step(span);
         }
@@ -82,14 +88,15 @@ impl<S: Scalar, O: ModalObserver<S, B, R>, const B: usize, const R: usize> Modal
 }
 
 /// Two observers of the same run.
-impl<S, A, C, const B: usize, const R: usize> ModalObserver<S, B, R> for (&mut A, &mut C)
+impl<S, O, Q, const B: usize, const R: usize, C> ModalObserver<S, B, R, C> for (&mut O, &mut Q)
 where
     S: Scalar,
-    A: ModalObserver<S, B, R>,
-    C: ModalObserver<S, B, R>,
+    C: Memory,
+    O: ModalObserver<S, B, R, C>,
+    Q: ModalObserver<S, B, R, C>,
 {
     #[inline(always)]
-    fn step(&mut self, span: &ModalSpan<'_, S, B, R>) {
+    fn step(&mut self, span: &ModalSpan<'_, S, B, R, C>) {
         self.0.step(span);
         self.1.step(span);
     }

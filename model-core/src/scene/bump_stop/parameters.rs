@@ -2,13 +2,16 @@
 
 use core::fmt::Debug;
 
+use super::circuit::Circuit;
 use super::contact_law::{AnyContact, ContactLaw};
 use super::{BeamCoefficients, BumpStop, RodCoefficients};
 use crate::part::beam::Cantilever;
 use crate::part::bounds::{Bounds, ParameterError};
-use crate::part::load::{AnyLoad, Load, Resistance};
+use crate::part::load::AnyLoad;
 use crate::part::monomorph::{Layer, Monomorph};
+use crate::part::rectifier::FullBridge;
 use crate::part::rod::Rod;
+use crate::part::store::AnyReservoir;
 use crate::scalar::Scalar;
 
 /// Whether the voltage acts back on the beam.
@@ -60,20 +63,30 @@ impl Coupling for AnyCoupling {
 
 /// The parts a bump-stop harvester is made of: one type for each choice.
 pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
-    /// The load.
-    type Load: Load<S>;
+    /// The load: a resistance, or a [`FullBridge`] and what it charges.
+    type Load: Circuit<S>;
     /// Whether the voltage acts back.
     type Coupling: Coupling;
     /// How beam and rod touch, if they can.
     type Contact: ContactLaw<S>;
 }
 
-/// Every choice at run time.
+/// Every choice at run time, with a resistance as the load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AnyParts;
 
 impl<S: Scalar> Parts<S> for AnyParts {
     type Load = AnyLoad<S>;
+    type Coupling = AnyCoupling;
+    type Contact = AnyContact<S>;
+}
+
+/// Every choice at run time, with a bridge as the load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AnyBridgedParts;
+
+impl<S: Scalar> Parts<S> for AnyBridgedParts {
+    type Load = FullBridge<S, AnyReservoir<S>>;
     type Coupling = AnyCoupling;
     type Contact = AnyContact<S>;
 }
@@ -243,9 +256,7 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         Bounds::new(-1e-8, 1e-8).check("piezo_d31", self.piezo_d31)?;
         Bounds::new(1e-12, 1e-6).check("piezo_permittivity", self.piezo_permittivity)?;
         Bounds::new(0.0, 0.9).check("damping_ratio", self.damping_ratio)?;
-        if let Resistance::Finite(ohms) = self.load.resistance() {
-            Bounds::new(1e-9, 1e30).check("resistance", ohms)?;
-        }
+        self.load.check()?;
         if !P::Contact::POSSIBLE {
             return Ok(());
         }

@@ -1,17 +1,20 @@
 //! What changes while a bump-stop harvester runs, and where it starts.
 
+use super::circuit::Circuit;
 use super::contact_law::ContactLaw;
 use super::{BumpStop, Parts};
 use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::part::bounds::{Bounds, ParameterError};
-use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
 
 /// The state: a plain value that can be copied, saved, compared and restored, and resumes with the
 /// same bits.
+///
+/// `C` is what the load remembers: nothing if it is a resistance, a [`crate::part::store_step::StoreState`]
+/// if it is a bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct State<S, const B: usize, const R: usize> {
+pub struct State<S, const B: usize, const R: usize, C = ()> {
     /// Simulated time.
     pub clock: Instant,
     /// Displacement in √kg·m and velocity in √kg·m/s of each beam mode.
@@ -34,9 +37,15 @@ pub struct State<S, const B: usize, const R: usize> {
     pub(super) closed: bool,
     /// Short steps still to take before a long one is tried again.
     pub(super) short_steps: u16,
+    /// What the load remembers.
+    pub circuit: C,
 }
 
-impl<S: Scalar, const B: usize, const R: usize> State<S, B, R> {
+/// The state of a harvester made of the parts `P`.
+pub type StateOf<S, P, const B: usize, const R: usize> =
+    State<S, B, R, <<P as Parts<S>>::Load as Circuit<S>>::State>;
+
+impl<S: Scalar, const B: usize, const R: usize, C> State<S, B, R, C> {
     /// The gap coordinate `g = y(X_c) − z(L_r) − Δ` in m: below zero where the gap is open.
     #[must_use]
     pub fn gap(&self) -> S {
@@ -70,13 +79,12 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         &self,
         start: &Start<S, B, R>,
         excitation: &E,
-    ) -> Result<State<S, B, R>, ParameterError<S>> {
+    ) -> Result<StateOf<S, P, B, R>, ParameterError<S>> {
         for [displacement, velocity] in start.beam.iter().chain(&start.rod) {
             Bounds::new(-1e3, 1e3).check("modal displacement", *displacement)?;
             Bounds::new(-1e6, 1e6).check("modal velocity", *velocity)?;
         }
         Bounds::new(-1e6, 1e6).check("voltage", start.voltage)?;
-        let shorted = matches!(self.load.resistance(), Resistance::Short);
         let mut state = State {
             clock: Instant::START,
             beam: start.beam,
@@ -89,11 +97,12 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             acceleration: excitation.acceleration(Instant::START),
             closed: false,
             short_steps: 0,
+            circuit: self.load.start(),
         };
         for (mode, [displacement, _]) in self.beam.iter().zip(&start.beam) {
             state.strain_charge += mode.voltage * *displacement;
         }
-        let voltage = if shorted { S::ZERO } else { start.voltage };
+        let voltage = if self.load.is_short() { S::ZERO } else { start.voltage };
         state.moved_charge = state.strain_charge - self.capacitance * voltage;
         if P::Contact::POSSIBLE {
             state.gap = self.stop_point(&state)[0] - self.rod_tip(&state)[0] - self.gap;

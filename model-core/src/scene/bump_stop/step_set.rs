@@ -1,11 +1,11 @@
 //! The coefficients of one length of step.
 
+use super::circuit::Circuit;
 use super::parameters::Coupling;
 use super::{BumpStop, Parts};
 use crate::clock::seconds_of_ticks;
 use crate::integrate::modal::ModalStep;
 use crate::part::circuit::CircuitStep;
-use crate::part::load::Load;
 use crate::scalar::Scalar;
 
 /// What a step does to one mode, on its displacement and on its velocity: increments, so that in `f32` a
@@ -54,16 +54,17 @@ impl<S: Scalar> ModeStep<S> {
     }
 }
 
-/// Everything about a step that depends on its length and the parameters only.
+/// Everything about a step that depends on its length and the parameters only; `K` are the load's
+/// coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StepSet<S, const B: usize, const R: usize> {
+pub struct StepSet<S, const B: usize, const R: usize, K = CircuitStep<S>> {
     pub(super) ticks: u32,
     /// Its length in s.
     pub(super) step: S,
     pub(super) beam: [ModeStep<S>; B],
     pub(super) rod: [ModeStep<S>; R],
-    pub(super) circuit: CircuitStep<S>,
-    /// `H`: how far a unit force moves the gap, the circuit's answer included, in m/N.
+    pub(super) circuit: K,
+    /// `H`: how far a unit force moves the gap, the answer of the circuit's first line included, in m/N.
     pub(super) flexibility: S,
     /// `Σ φ θ s`: how far a unit voltage moves the gap, and a unit force the strain charge.
     pub(super) gap_by_voltage: S,
@@ -77,10 +78,14 @@ pub struct StepSet<S, const B: usize, const R: usize> {
     pub(super) rate_by_voltage: S,
 }
 
+/// The coefficients of a harvester made of the parts `P`.
+pub type StepSetOf<S, P, const B: usize, const R: usize> =
+    StepSet<S, B, R, <<P as Parts<S>>::Load as Circuit<S>>::Step>;
+
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// The coefficients of a step of `ticks` clock ticks, at least 1.
     #[must_use]
-    pub fn step_set(&self, ticks: u32) -> StepSet<S, B, R> {
+    pub fn step_set(&self, ticks: u32) -> StepSetOf<S, P, B, R> {
         let ticks = ticks.max(1);
         let step = seconds_of_ticks::<S>(ticks);
         let of = |angular_frequency, base, voltage| {
@@ -90,7 +95,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             self.beam.map(|mode| of(mode.angular_frequency, mode.base, mode.voltage)),
             self.rod.map(|mode| of(mode.angular_frequency, mode.base, S::ZERO)),
         );
-        let circuit = CircuitStep::new(self.capacitance, self.load.resistance(), step);
+        let circuit = self.load.step(self.capacitance, step);
+        let mean_by_charge = P::Load::line(&circuit).mean_by_charge;
         let mut flexibility = S::ZERO;
         let (mut gap_by_voltage, mut rate_by_voltage, mut charge_by_voltage) = (S::ZERO, S::ZERO, S::ZERO);
         for (mode, modal) in self.beam.iter().zip(&beam) {
@@ -103,9 +109,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             flexibility += mode.contact * mode.contact * modal.by_force[0];
         }
         let two_way = self.coupling.is_two_way();
-        let back = if two_way { circuit.mean_by_charge * charge_by_voltage } else { S::ZERO };
+        let back = if two_way { mean_by_charge * charge_by_voltage } else { S::ZERO };
         let per_circuit = S::ONE / (S::ONE + back);
-        let voltage_by_force = circuit.mean_by_charge * gap_by_voltage * per_circuit;
+        let voltage_by_force = mean_by_charge * gap_by_voltage * per_circuit;
         if two_way {
             flexibility -= gap_by_voltage * voltage_by_force;
         }

@@ -1,10 +1,12 @@
 //! Advancing: short steps near contact, long ones where none can be, and impacts where they are located.
 
+use super::circuit::{Circuit, Memory};
 use super::contact_law::{ContactKind, ContactLaw};
 use super::observer::{ModalImpact, ModalObserver};
 use super::parameters::Coupling;
-use super::step_set::StepSet;
-use super::trial::Trial;
+use super::state::StateOf;
+use super::step_set::StepSetOf;
+use super::trial::{Trial, TrialOf};
 use super::{BumpStop, Parts, State};
 use crate::clock::{Instant, seconds_of_ticks, ticks_of_seconds};
 use crate::excitation::Excitation;
@@ -22,6 +24,9 @@ const CLOSING_SPEED: f64 = 1e-5;
 /// A gap this many times as wide as what has drifted is open.
 const OPENED: f64 = 16.0;
 
+/// What the load of the parts `P` remembers.
+type MemoryOf<S, P> = <<P as Parts<S>>::Load as Circuit<S>>::State;
+
 /// A harvester with its two lengths of step, and what a bound on the gap's curvature is made of.
 ///
 /// The gap cannot come to zero within a step of `h` if `max(g, g⁺) + M h²/8 < 0`, where `M` bounds
@@ -29,11 +34,14 @@ const OPENED: f64 = 16.0;
 /// `|r̈| ≤ √(1 + 4ζ²) ω √(ω² r² + ṙ²) + 3 (|γ| a + χ |θ| v)`, with `a` and `v` the largest
 /// magnitudes over the step: of the base's acceleration and of the voltage, the first linear, the second
 /// constant.
+///
+/// A bridge sees the voltage at the ends of a step: a long one is taken where the modes' part in a like bound
+/// says that it blocks throughout, or that the voltage strays little from a straight line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
     pub(super) scene: BumpStop<S, P, B, R>,
-    pub(super) short: StepSet<S, B, R>,
-    pub(super) long: StepSet<S, B, R>,
+    pub(super) short: StepSetOf<S, P, B, R>,
+    pub(super) long: StepSetOf<S, P, B, R>,
     /// Short steps in a long one.
     ratio: u16,
     /// `|φ| √(1 + 4ζ²) ω` of each beam mode, and of each rod mode.
@@ -94,7 +102,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// [`StepError`] where the state is no longer finite; `state` is then the last good one.
     pub fn advance<E, O>(
         &self,
-        state: &mut State<S, B, R>,
+        state: &mut StateOf<S, P, B, R>,
         excitation: &E,
         until: Instant,
         budget: u32,
@@ -102,7 +110,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     ) -> Result<Advance, StepError<S>>
     where
         E: Excitation<S>,
-        O: ModalObserver<S, B, R>,
+        O: ModalObserver<S, B, R, MemoryOf<S, P>>,
     {
         self.run::<true, E, O>(state, excitation, until, budget, observer)
     }
@@ -117,7 +125,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// As [`Stepper::advance`].
     pub fn advance_beyond<E, O>(
         &self,
-        state: &mut State<S, B, R>,
+        state: &mut StateOf<S, P, B, R>,
         excitation: &E,
         until: Instant,
         budget: u32,
@@ -125,7 +133,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     ) -> Result<Advance, StepError<S>>
     where
         E: Excitation<S>,
-        O: ModalObserver<S, B, R>,
+        O: ModalObserver<S, B, R, MemoryOf<S, P>>,
     {
         self.run::<false, E, O>(state, excitation, until, budget, observer)
     }
@@ -133,7 +141,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     #[inline]
     fn run<const CUT: bool, E, O>(
         &self,
-        state: &mut State<S, B, R>,
+        state: &mut StateOf<S, P, B, R>,
         excitation: &E,
         until: Instant,
         budget: u32,
@@ -141,7 +149,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     ) -> Result<Advance, StepError<S>>
     where
         E: Excitation<S>,
-        O: ModalObserver<S, B, R>,
+        O: ModalObserver<S, B, R, MemoryOf<S, P>>,
     {
         let mut work = Work::default();
         let budget = budget.max(LEAST_BUDGET);
@@ -160,10 +168,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
                 // Most of the long steps that are refused start too near to contact: seen before they are
                 // computed.
                 let modes = self.curvature_of_modes(state);
-                if self.is_clear(state.gap + modes * self.sagitta) {
+                let sag = self.sag_of_voltage(state);
+                if self.is_clear(state.gap + modes * self.sagitta) && self.resolves_voltage(state, sag) {
                     let trial = self.attempt(&self.long, state, excitation);
-                    if self.cannot_touch(state, &trial, modes) {
-                        take(state, &trial, &self.long, observer, &mut work)?;
+                    if self.cannot_touch(state, &trial, modes) && self.resolves_voltage(&trial.end, sag) {
+                        take(state, &trial, (self.long.ticks, self.long.step), observer, &mut work)?;
                         continue;
                     }
                 }
@@ -183,10 +192,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     #[inline(always)]
     fn attempt<E: Excitation<S>>(
         &self,
-        set: &StepSet<S, B, R>,
-        state: &State<S, B, R>,
+        set: &StepSetOf<S, P, B, R>,
+        state: &StateOf<S, P, B, R>,
         excitation: &E,
-    ) -> Trial<S, B, R> {
+    ) -> TrialOf<S, P, B, R> {
         self.scene.trial(set, state, excitation.acceleration(state.clock.after(set.ticks)))
     }
 
@@ -203,7 +212,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// Whether no contact can have been in the long step to `trial`; `modes` is the start's
     /// [`Self::curvature_of_modes`].
     #[inline(always)]
-    fn cannot_touch(&self, start: &State<S, B, R>, trial: &Trial<S, B, R>, modes: S) -> bool {
+    fn cannot_touch(&self, start: &StateOf<S, P, B, R>, trial: &TrialOf<S, P, B, R>, modes: S) -> bool {
         let nearest = start.gap.larger(trial.end.gap);
         let base = start.acceleration.absolute().larger(trial.end.acceleration.absolute());
         let curvature =
@@ -211,9 +220,30 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         self.is_clear(nearest + curvature * self.sagitta)
     }
 
+    /// What the modes as they are contribute to a bound on how far the voltage strays from a straight line
+    /// over a free long step, in V; 0 where nobody asks.
+    #[inline(always)]
+    fn sag_of_voltage(&self, start: &StateOf<S, P, B, R>) -> S {
+        let mut bound = S::ZERO;
+        if P::Load::SWITCHES {
+            for (mode, coordinate) in self.scene.beam.iter().zip(&start.beam) {
+                let omega = mode.angular_frequency;
+                bound +=
+                    mode.voltage.absolute() * omega * at_least_norm(omega * coordinate[0], coordinate[1]);
+            }
+        }
+        bound * self.scene.elastance * self.sagitta
+    }
+
+    /// Whether the load may take the voltage at `state` for one that strays from it by at most `sag`.
+    #[inline(always)]
+    fn resolves_voltage(&self, state: &StateOf<S, P, B, R>, sag: S) -> bool {
+        !P::Load::SWITCHES || self.scene.load.resolves(self.scene.voltage(state), sag, &state.circuit)
+    }
+
     /// What the modes as they are contribute to a bound on `|g̈|` over a free step, in m/s².
     #[inline(always)]
-    fn curvature_of_modes(&self, start: &State<S, B, R>) -> S {
+    fn curvature_of_modes(&self, start: &StateOf<S, P, B, R>) -> S {
         let mut bound = S::ZERO;
         for ((weight, mode), coordinate) in self.beam_curvature.iter().zip(&self.scene.beam).zip(&start.beam)
         {
@@ -228,10 +258,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// A step of `ticks`, to where the run is divided: coefficients of its own, once.
     #[cold]
     #[inline(never)]
-    fn cut_step<E: Excitation<S>, O: ModalObserver<S, B, R>>(
+    fn cut_step<E: Excitation<S>, O: ModalObserver<S, B, R, MemoryOf<S, P>>>(
         &self,
         ticks: u32,
-        state: &mut State<S, B, R>,
+        state: &mut StateOf<S, P, B, R>,
         excitation: &E,
         observer: &mut O,
         work: &mut Work,
@@ -242,10 +272,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
 
     /// A step near contact, up to the first impact in it.
     #[inline(always)]
-    fn short_step<E: Excitation<S>, O: ModalObserver<S, B, R>>(
+    fn short_step<E: Excitation<S>, O: ModalObserver<S, B, R, MemoryOf<S, P>>>(
         &self,
-        set: &StepSet<S, B, R>,
-        state: &mut State<S, B, R>,
+        set: &StepSetOf<S, P, B, R>,
+        state: &mut StateOf<S, P, B, R>,
         excitation: &E,
         observer: &mut O,
         work: &mut Work,
@@ -259,7 +289,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             return self.locate_impact((*set, trial), restitution, state, excitation, observer, work);
         }
         let was_closed = state.closed;
-        take(state, &trial, set, observer, work)?;
+        take(state, &trial, (set.ticks, set.step), observer, work)?;
         if P::Contact::POSSIBLE && was_closed && !state.closed {
             BumpStop::<S, P, B, R>::close_gap(state);
         }
@@ -271,11 +301,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// The gap is at or below zero at the start and above it at the end of the attempt `beyond`.
     #[cold]
     #[inline(never)]
-    fn locate_impact<E: Excitation<S>, O: ModalObserver<S, B, R>>(
+    fn locate_impact<E: Excitation<S>, O: ModalObserver<S, B, R, MemoryOf<S, P>>>(
         &self,
-        beyond: (StepSet<S, B, R>, Trial<S, B, R>),
+        beyond: (StepSetOf<S, P, B, R>, TrialOf<S, P, B, R>),
         restitution: S,
-        state: &mut State<S, B, R>,
+        state: &mut StateOf<S, P, B, R>,
         excitation: &E,
         observer: &mut O,
         work: &mut Work,
@@ -306,7 +336,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             }
         }
         work.locating += attempts;
-        take(state, &reached, &set, observer, work)?;
+        take(state, &reached, (set.ticks, set.step), observer, work)?;
         BumpStop::<S, P, B, R>::close_gap(state);
         let speed = reached.gap_rate;
         if !(speed > S::ZERO) {
@@ -333,7 +363,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Calls a gap coordinate zero that is above it by the rounding of an impact's time or the drift of a
     /// closed contact: the rod's face is taken to stand that much further, until the gap has opened.
-    fn close_gap(state: &mut State<S, B, R>) {
+    fn close_gap(state: &mut StateOf<S, P, B, R>) {
         if state.gap > S::ZERO {
             state.drift += state.gap;
             state.gap = S::ZERO;
@@ -343,10 +373,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 
 /// Keeps a step.
 #[inline(always)]
-fn take<S: Scalar, O: ModalObserver<S, B, R>, const B: usize, const R: usize>(
-    state: &mut State<S, B, R>,
-    trial: &Trial<S, B, R>,
-    set: &StepSet<S, B, R>,
+fn take<S: Scalar, C: Memory, O: ModalObserver<S, B, R, C>, const B: usize, const R: usize>(
+    state: &mut State<S, B, R, C>,
+    trial: &Trial<S, B, R, C>,
+    length: (u32, S),
     observer: &mut O,
     work: &mut Work,
 ) -> Result<(), StepError<S>> {
@@ -354,7 +384,7 @@ fn take<S: Scalar, O: ModalObserver<S, B, R>, const B: usize, const R: usize>(
         let failure = StepFailure::OutsideDomain { quantity: "gap coordinate", value: trial.end.gap };
         return Err(StepError { failure, at: state.clock });
     }
-    observer.step(&trial.span(state, set));
+    observer.step(&trial.span(state, length));
     *state = State { short_steps: state.short_steps, ..trial.end };
     if state.drift > S::ZERO && state.gap < -S::literal(OPENED) * state.drift {
         state.gap += state.drift;

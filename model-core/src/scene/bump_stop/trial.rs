@@ -1,43 +1,89 @@
 //! One step: modes, circuit and contact in one scalar equation.
+//!
+//! Where the circuit's mean voltage is one line `e0 + e1 Δq`, the equation has a closed form. A bridge has a
+//! line for each regime, and a curve where it begins to conduct within the step: the step is then solved again
+//! with the tangent at the charge that was found, up to [`MOST_REDONE`] times, until the charge stays where it
+//! is. Modes do not enter these repetitions, only what they add up to.
 
+use super::circuit::{Circuit, Flow, Memory};
 use super::contact_law::{ContactKind, ContactLaw};
 use super::observer::ModalSpan;
 use super::parameters::Coupling;
-use super::step_set::StepSet;
+use super::state::StateOf;
+use super::step_set::StepSetOf;
 use super::{BumpStop, Parts, State};
 use crate::integrate::discrete_gradient::{ContactStep, contact_step};
-use crate::part::load::{Load, Resistance};
 use crate::scalar::{Scalar, add_increment};
 
 /// The end of a step and what happened in it.
-pub(super) struct Trial<S, const B: usize, const R: usize> {
-    pub(super) end: State<S, B, R>,
+pub(super) struct Trial<S, const B: usize, const R: usize, C: Memory> {
+    pub(super) end: State<S, B, R, C>,
     /// Rate of the gap coordinate at the end of a step without contact force.
     pub(super) gap_rate: S,
     force: S,
     pub(super) mean_voltage: S,
     mean_square_voltage: S,
     delivered: S,
+    account: C::Account,
 }
 
-impl<S: Scalar, const B: usize, const R: usize> Trial<S, B, R> {
-    /// What a meter sees of it.
+/// The trial of a harvester made of the parts `P`.
+pub(super) type TrialOf<S, P, const B: usize, const R: usize> =
+    Trial<S, B, R, <<P as Parts<S>>::Load as Circuit<S>>::State>;
+
+impl<S: Scalar, const B: usize, const R: usize, C: Memory> Trial<S, B, R, C> {
+    /// What a meter sees of it, given the ticks and the seconds that it took.
     pub(super) fn span<'a>(
         &'a self,
-        start: &'a State<S, B, R>,
-        set: &StepSet<S, B, R>,
-    ) -> ModalSpan<'a, S, B, R> {
+        start: &'a State<S, B, R, C>,
+        (ticks, step): (u32, S),
+    ) -> ModalSpan<'a, S, B, R, C> {
         ModalSpan {
-            ticks: set.ticks,
-            step: set.step,
+            ticks,
+            step,
             start,
             end: &self.end,
             force: self.force,
             mean_voltage: self.mean_voltage,
             mean_square_voltage: self.mean_square_voltage,
             delivered: self.delivered,
+            account: self.account,
         }
     }
+}
+
+/// Times that a step is solved again at most.
+///
+/// The charges that are found rise or fall to the solution, and their relative distance to it is at least
+/// squared by each: from a half, which takes a coupling that no material has, five reach a rounding of `f64`.
+const MOST_REDONE: u32 = 8;
+
+/// A step of all modes without contact force and voltage.
+#[derive(Clone, Copy)]
+struct Unloaded<S> {
+    /// Strain charge and gap coordinate at its end, and the gap's rate.
+    strain: S,
+    gap: S,
+    rate: S,
+}
+
+/// A line of the circuit, solved for what it depends on.
+struct Line<S> {
+    /// Mean voltage without contact force.
+    mean_voltage: S,
+    /// Mean voltage per unit force, negated.
+    voltage_by_force: S,
+    /// How far a unit force moves the gap.
+    flexibility: S,
+}
+
+/// The solution of the scalar equation.
+struct Solution<S> {
+    strain: S,
+    /// Rate of the gap without contact force.
+    rate: S,
+    mean_voltage: S,
+    contact: ContactStep<S>,
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
@@ -45,53 +91,40 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     #[inline(always)]
     pub(super) fn trial(
         &self,
-        set: &StepSet<S, B, R>,
-        start: &State<S, B, R>,
+        set: &StepSetOf<S, P, B, R>,
+        start: &StateOf<S, P, B, R>,
         acceleration: S,
-    ) -> Trial<S, B, R> {
+    ) -> TrialOf<S, P, B, R> {
         let mut end = *start;
         end.clock = start.clock.after(set.ticks);
         end.acceleration = acceleration;
         // The modes without contact force and voltage.
         let rise = acceleration - start.acceleration;
-        let (mut strain, mut gap, mut rate) = (S::ZERO, -self.gap - start.drift, S::ZERO);
+        let mut unloaded = Unloaded { strain: S::ZERO, gap: -self.gap - start.drift, rate: S::ZERO };
         for ((coordinate, mode), modal) in end.beam.iter_mut().zip(&self.beam).zip(&set.beam) {
             *coordinate = modal.free(*coordinate, start.acceleration, rise);
-            strain += mode.voltage * coordinate[0];
-            gap += mode.contact * coordinate[0];
-            rate += mode.contact * coordinate[1];
+            unloaded.strain += mode.voltage * coordinate[0];
+            unloaded.gap += mode.contact * coordinate[0];
+            unloaded.rate += mode.contact * coordinate[1];
         }
         if P::Contact::POSSIBLE {
             for ((coordinate, mode), modal) in end.rod.iter_mut().zip(&self.rod).zip(&set.rod) {
                 *coordinate = modal.free(*coordinate, start.acceleration, rise);
-                gap -= mode.contact * coordinate[0];
-                rate -= mode.contact * coordinate[1];
+                unloaded.gap -= mode.contact * coordinate[0];
+                unloaded.rate -= mode.contact * coordinate[1];
             }
         }
-        // The circuit without contact force.
+        // The circuit and the contact.
+        let mut account = self.begin(set, &mut end);
+        let start_voltage = self.voltage(&end);
+        let solution = self.solution(set, start, &end.circuit, start_voltage, unloaded);
+        let Solution { strain, rate, mean_voltage, contact } = solution;
+        // What both do to the modes.
         let two_way = self.coupling.is_two_way();
-        let start_voltage = self.voltage(start);
-        let circuit = &set.circuit;
-        let mut mean_voltage = set.per_circuit
-            * (circuit.mean_by_voltage * start_voltage
-                + circuit.mean_by_charge * (strain - start.strain_charge));
-        if two_way {
-            gap -= set.gap_by_voltage * mean_voltage;
-            rate -= set.rate_by_voltage * mean_voltage;
-            strain -= set.charge_by_voltage * mean_voltage;
-        }
-        // The contact, and what it does to both.
-        let contact = self.touch(set, start, gap);
         let force = contact.force;
         end.gap = contact.gap;
         end.closed = start.closed && force > S::ZERO;
         if P::Contact::POSSIBLE && force != S::ZERO {
-            let by_force = set.voltage_by_force * force;
-            mean_voltage -= by_force;
-            strain -= set.gap_by_voltage * force;
-            if two_way {
-                strain += set.charge_by_voltage * by_force;
-            }
             for ((coordinate, mode), modal) in end.rod.iter_mut().zip(&self.rod).zip(&set.rod) {
                 let push = mode.contact * force;
                 coordinate[0] += modal.by_force[0] * push;
@@ -110,43 +143,145 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             }
         }
         end.strain_charge = strain;
-        if matches!(self.load.resistance(), Resistance::Short) {
+        let flow = Flow { voltage: start_voltage, charge: strain - start.strain_charge, mean_voltage };
+        let passed = self.load.conclude(&set.circuit, &flow, &mut end.circuit, &mut account);
+        if self.load.is_short() {
             end.moved_charge = strain;
         } else {
-            (end.moved_charge, end.charge_remainder) = add_increment(
-                start.moved_charge,
-                start.charge_remainder,
-                circuit.charge_by_mean * mean_voltage,
-            );
+            (end.moved_charge, end.charge_remainder) =
+                add_increment(end.moved_charge, end.charge_remainder, passed.charge);
         }
         let change = self.voltage(&end) - start_voltage;
-        let mean_square_voltage = mean_voltage * mean_voltage + circuit.square_by_change * change * change;
+        let of_line =
+            mean_voltage * mean_voltage + P::Load::line(&set.circuit).square_by_change * change * change;
+        let mean_square_voltage = passed.mean_square_voltage.unwrap_or(of_line);
         Trial {
             end,
             gap_rate: rate,
             force,
             mean_voltage,
             mean_square_voltage,
-            delivered: circuit.charge_by_mean * mean_square_voltage,
+            delivered: P::Load::delivered(&set.circuit, mean_square_voltage, &account),
+            account,
         }
+    }
+
+    /// What the circuit does before the current flows.
+    #[inline(always)]
+    fn begin(
+        &self,
+        set: &StepSetOf<S, P, B, R>,
+        end: &mut StateOf<S, P, B, R>,
+    ) -> <<P::Load as Circuit<S>>::State as Memory>::Account {
+        let voltage = self.voltage(end);
+        let (moved, account) = self.load.begin(&set.circuit, voltage, &mut end.circuit);
+        if P::Load::SWITCHES {
+            (end.moved_charge, end.charge_remainder) =
+                add_increment(end.moved_charge, end.charge_remainder, moved);
+        }
+        account
+    }
+
+    /// Solves the scalar equation of a step that starts at a voltage.
+    #[inline(always)]
+    fn solution(
+        &self,
+        set: &StepSetOf<S, P, B, R>,
+        start: &StateOf<S, P, B, R>,
+        circuit: &<P::Load as Circuit<S>>::State,
+        start_voltage: S,
+        unloaded: Unloaded<S>,
+    ) -> Solution<S> {
+        let unloaded_charge = unloaded.strain - start.strain_charge;
+        let first = P::Load::line(&set.circuit);
+        let line = Line {
+            mean_voltage: set.per_circuit
+                * (first.mean_by_voltage * start_voltage + first.mean_by_charge * unloaded_charge),
+            voltage_by_force: set.voltage_by_force,
+            flexibility: set.flexibility,
+        };
+        let mut solution = self.on_line(set, start, &line, unloaded);
+        if !P::Load::SWITCHES {
+            return solution;
+        }
+        let two_way = self.coupling.is_two_way();
+        let without_circuit = if two_way {
+            set.flexibility + set.gap_by_voltage * set.voltage_by_force
+        } else {
+            set.flexibility
+        };
+        let mut charge = solution.strain - start.strain_charge;
+        for _ in 0..MOST_REDONE {
+            let Some([at_zero, slope]) = self.load.tangent(&set.circuit, start_voltage, charge, circuit)
+            else {
+                break;
+            };
+            let back = if two_way { slope * set.charge_by_voltage } else { S::ZERO };
+            let per_circuit = S::ONE / (S::ONE + back);
+            let voltage_by_force = slope * set.gap_by_voltage * per_circuit;
+            let by_circuit = if two_way { set.gap_by_voltage * voltage_by_force } else { S::ZERO };
+            let line = Line {
+                mean_voltage: per_circuit * (at_zero + slope * unloaded_charge),
+                voltage_by_force,
+                flexibility: without_circuit - by_circuit,
+            };
+            solution = self.on_line(set, start, &line, unloaded);
+            let found = solution.strain - start.strain_charge;
+            let apart = found - charge;
+            charge = found;
+            // What is left is below the square of this.
+            if apart * apart <= S::EPSILON * charge * charge {
+                break;
+            }
+        }
+        solution
+    }
+
+    /// Solves it where the mean voltage is on a line.
+    #[inline(always)]
+    fn on_line(
+        &self,
+        set: &StepSetOf<S, P, B, R>,
+        start: &StateOf<S, P, B, R>,
+        line: &Line<S>,
+        unloaded: Unloaded<S>,
+    ) -> Solution<S> {
+        let Unloaded { mut strain, mut gap, mut rate } = unloaded;
+        let two_way = self.coupling.is_two_way();
+        let mut mean_voltage = line.mean_voltage;
+        if two_way {
+            gap -= set.gap_by_voltage * mean_voltage;
+            rate -= set.rate_by_voltage * mean_voltage;
+            strain -= set.charge_by_voltage * mean_voltage;
+        }
+        let contact = self.touch(line.flexibility, start, gap);
+        if P::Contact::POSSIBLE && contact.force != S::ZERO {
+            let by_force = line.voltage_by_force * contact.force;
+            mean_voltage -= by_force;
+            strain -= set.gap_by_voltage * contact.force;
+            if two_way {
+                strain += set.charge_by_voltage * by_force;
+            }
+        }
+        Solution { strain, rate, mean_voltage, contact }
     }
 
     /// The contact force and the gap at the end of a step that without it would come to `gap`.
     #[inline(always)]
-    fn touch(&self, set: &StepSet<S, B, R>, start: &State<S, B, R>, gap: S) -> ContactStep<S> {
+    fn touch(&self, flexibility: S, start: &StateOf<S, P, B, R>, gap: S) -> ContactStep<S> {
         let open = ContactStep { force: S::ZERO, gap };
         if !P::Contact::POSSIBLE {
             return open;
         }
         match self.contact.kind() {
             ContactKind::None => open,
-            ContactKind::Compliant => contact_step(start.gap, gap, set.flexibility, self.stiffness),
+            ContactKind::Compliant => contact_step(start.gap, gap, flexibility, self.stiffness),
             // The force that makes the gap zero; it does no work on a gap that was zero before.
-            ContactKind::Constrained if gap > S::ZERO && set.flexibility > S::ZERO => {
-                ContactStep { force: gap / set.flexibility, gap: S::ZERO }
+            ContactKind::Constrained if gap > S::ZERO && flexibility > S::ZERO => {
+                ContactStep { force: gap / flexibility, gap: S::ZERO }
             }
-            ContactKind::Impulsive { .. } if start.closed && gap > S::ZERO && set.flexibility > S::ZERO => {
-                ContactStep { force: gap / set.flexibility, gap: S::ZERO }
+            ContactKind::Impulsive { .. } if start.closed && gap > S::ZERO && flexibility > S::ZERO => {
+                ContactStep { force: gap / flexibility, gap: S::ZERO }
             }
             ContactKind::Constrained | ContactKind::Impulsive { .. } => open,
         }

@@ -37,20 +37,7 @@ where
     fn identify(&self, fingerprint: &mut Fingerprint) {
         fingerprint.name("rectified");
         self.harvester.identify(fingerprint);
-        let reservoir = &self.bridge.reservoir;
-        // A draw shows itself in what it takes, at two voltages.
-        let [low, high] = [S::ONE, S::literal(2.0)].map(|volts| reservoir.drawn(volts));
-        fingerprint.numbers(&[
-            self.bridge.diode_drop,
-            self.per_farad,
-            reservoir.initial_voltage(),
-            reservoir.leakage(S::ONE),
-            low,
-            high,
-        ]);
-        if let Some(lockout) = reservoir.lockout() {
-            fingerprint.numbers(&[lockout.turn_on, lockout.turn_off]);
-        }
+        self.bridge.identify(fingerprint);
     }
 
     fn store(&self, state: &HybridState<S, ModeOf<S, H>, STATES, POWERS>) -> Option<StoreReading<S>> {

@@ -1,0 +1,58 @@
+//! The core's bridge, and what it charges, of a scene's load.
+
+use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
+use model_core::part::rectifier::FullBridge;
+use model_core::part::store::{AnyReservoir, Capacitor, DcBus};
+use model_core::scalar::Scalar;
+
+use crate::scene_file::{self, Draw, Load};
+
+/// The bridge; `None` where the load is a resistor.
+pub(super) fn bridge<S: Scalar>(load: Load) -> Option<FullBridge<S, AnyReservoir<S>>> {
+    let number = S::literal;
+    match load {
+        Load::Resistor { .. } => None,
+        Load::RectifiedStore(store) => Some(FullBridge {
+            diode_drop: number(store.diode_drop_v),
+            reservoir: AnyReservoir::Capacitor(Capacitor {
+                farads: number(store.capacitance_f),
+                leakage_ohms: number(store.leakage_ohm),
+                initial_voltage: number(store.initial_v),
+                draw: draw(store.draw),
+            }),
+        }),
+        Load::DcBus { voltage_v, diode_drop_v } => Some(FullBridge {
+            diode_drop: number(diode_drop_v),
+            reservoir: AnyReservoir::DcBus(DcBus { volts: number(voltage_v) }),
+        }),
+    }
+}
+
+fn draw<S: Scalar>(draw: Draw) -> AnyDraw<S> {
+    let number = S::literal;
+    let thresholds = |lockout: scene_file::Lockout| Lockout {
+        turn_on: number(lockout.turn_on_v),
+        turn_off: number(lockout.turn_off_v),
+    };
+    match draw {
+        Draw::None => AnyDraw::None,
+        Draw::Resistor { resistance_ohm, lockout } => AnyDraw::Resistor(ResistiveDraw {
+            ohms: number(resistance_ohm),
+            lockout: lockout.map(thresholds),
+        }),
+        Draw::Current { current_a, lockout } => {
+            AnyDraw::Current(CurrentDraw { amperes: number(current_a), lockout: thresholds(lockout) })
+        }
+        Draw::Power { power_w, lockout } => {
+            AnyDraw::Power(PowerDraw { watts: number(power_w), lockout: thresholds(lockout) })
+        }
+    }
+}
+
+/// Energy in J that the store of a load holds at a voltage in V; `None` for a bus, which has no end.
+pub(super) fn stored_energy(load: Load, volts: f64) -> Option<f64> {
+    match load {
+        Load::RectifiedStore(store) => Some(0.5 * store.capacitance_f * volts * volts),
+        Load::Resistor { .. } | Load::DcBus { .. } => None,
+    }
+}

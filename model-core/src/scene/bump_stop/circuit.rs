@@ -1,0 +1,297 @@
+//! What is at the terminals, as a step sees it.
+
+use core::fmt::Debug;
+
+use crate::image::{Fingerprint, Image};
+use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::bridge_step::{BridgeStep, Passed};
+use crate::part::circuit::CircuitStep;
+use crate::part::load::{AnyLoad, Load, OpenCircuit, Resistance, Resistor, ShortCircuit};
+use crate::part::rectifier::FullBridge;
+use crate::part::store::Reservoir;
+use crate::part::store_step::{StoreAccount, StoreState};
+use crate::scalar::Scalar;
+
+/// What a circuit remembers from step to step.
+pub trait Memory: Copy + Debug + PartialEq + Image {
+    /// What a step has to account for besides the delivered energy.
+    type Account: Copy + Debug + PartialEq;
+}
+
+/// A resistor remembers nothing.
+impl Memory for () {
+    type Account = ();
+}
+
+/// A bridge remembers its store.
+impl<S: Scalar> Memory for StoreState<S> {
+    type Account = StoreAccount<S>;
+}
+
+/// What a circuit remembers, and what it accounts for.
+type AccountOf<S, C> = <<C as Circuit<S>>::State as Memory>::Account;
+
+/// The current of a step, taken as constant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flow<S> {
+    /// Voltage in V at the start.
+    pub voltage: S,
+    /// Charge in C that strain brings to the electrodes.
+    pub charge: S,
+    /// Mean voltage in V.
+    pub mean_voltage: S,
+}
+
+/// A circuit at the terminals: over a step its mean voltage is linear, `v̄ = e0 + e1 Δq`, in the charge Δq that
+/// strain brings to the electrodes, or it is found from such lines.
+pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
+    /// What it remembers.
+    type State: Memory;
+    /// Its coefficients for one length of step.
+    type Step: Copy + Debug + PartialEq;
+    /// Whether it has other lines than the one tried first; if not, the code for them is not there.
+    const SWITCHES: bool;
+
+    /// Whether its terminals are joined, so that the charge follows the strain.
+    fn is_short(&self) -> bool;
+
+    /// Refuses what is out of bounds.
+    ///
+    /// # Errors
+    /// The field, its value and its bounds.
+    fn check(&self) -> Result<(), ParameterError<S>>;
+
+    /// What it remembers before the first step.
+    fn start(&self) -> Self::State;
+
+    /// The coefficients of a step in s, on a capacitance in F.
+    fn step(&self, capacitance: S, step: S) -> Self::Step;
+
+    /// The line that is tried first.
+    fn line(step: &Self::Step) -> &CircuitStep<S>;
+
+    /// The store behind it, or the bus; `None` for a resistor.
+    fn store(&self, state: &Self::State) -> Option<StoreState<S>>;
+
+    /// Whether a voltage may be taken for one that strays from it by at most `sag`, both in V.
+    fn resolves(&self, voltage: S, sag: S, state: &Self::State) -> bool;
+
+    /// What happens at a voltage before the current flows; gives the charge in C that leaves the electrodes.
+    fn begin(&self, step: &Self::Step, voltage: S, state: &mut Self::State) -> (S, AccountOf<S, Self>);
+
+    /// The line `[e0, e1]` that touches the mean voltage at a charge, where that is not the first.
+    fn tangent(&self, step: &Self::Step, voltage: S, charge: S, state: &Self::State) -> Option<[S; 2]>;
+
+    /// Lets the current flow, and what happens after it.
+    fn conclude(
+        &self,
+        step: &Self::Step,
+        flow: &Flow<S>,
+        state: &mut Self::State,
+        account: &mut AccountOf<S, Self>,
+    ) -> Passed<S>;
+
+    /// Energy in J delivered to the load in a step with this mean square voltage in V².
+    fn delivered(step: &Self::Step, mean_square_voltage: S, account: &AccountOf<S, Self>) -> S;
+
+    /// The account of a step behind a bridge; zeros for a resistor.
+    fn account(account: &AccountOf<S, Self>) -> StoreAccount<S>;
+
+    /// Energy in J that the store has gained from one state to another; `None` where there is none.
+    fn gained(&self, from: &Self::State, to: &Self::State) -> Option<S>;
+
+    /// Energy in J in the store; `None` without one.
+    fn stored(&self, state: &Self::State) -> Option<S>;
+
+    /// Puts the store to a voltage in V; without one nothing changes.
+    fn set_store_voltage(state: &mut Self::State, volts: S);
+
+    /// Takes in all that tells this circuit from others.
+    fn identify(&self, fingerprint: &mut Fingerprint);
+}
+
+/// A load without diodes is one line.
+macro_rules! resistive {
+    ($($load:ty),*) => {$(
+        impl<S: Scalar> Circuit<S> for $load {
+            type State = ();
+            type Step = CircuitStep<S>;
+            const SWITCHES: bool = false;
+
+            #[inline(always)]
+            fn is_short(&self) -> bool {
+                matches!(self.resistance(), Resistance::<S>::Short)
+            }
+
+            fn check(&self) -> Result<(), ParameterError<S>> {
+                match self.resistance() {
+                    Resistance::Finite(ohms) => Bounds::new(1e-9, 1e30).check("resistance", ohms),
+                    Resistance::Short | Resistance::Open => Ok(()),
+                }
+            }
+
+            fn start(&self) {}
+
+            fn step(&self, capacitance: S, step: S) -> CircuitStep<S> {
+                CircuitStep::new(capacitance, self.resistance(), step)
+            }
+
+            #[inline(always)]
+            fn line(step: &CircuitStep<S>) -> &CircuitStep<S> {
+                step
+            }
+
+            fn store(&self, _state: &()) -> Option<StoreState<S>> {
+                None
+            }
+
+            #[inline(always)]
+            fn resolves(&self, _voltage: S, _sag: S, _state: &()) -> bool {
+                true
+            }
+
+            #[inline(always)]
+            fn begin(&self, _step: &CircuitStep<S>, _voltage: S, _state: &mut ()) -> (S, ()) {
+                (S::ZERO, ())
+            }
+
+            #[inline(always)]
+            fn tangent(&self, _step: &CircuitStep<S>, _voltage: S, _charge: S, _state: &()) -> Option<[S; 2]> {
+                None
+            }
+
+            #[inline(always)]
+            fn conclude(
+                &self,
+                step: &CircuitStep<S>,
+                flow: &Flow<S>,
+                _state: &mut (),
+                _account: &mut (),
+            ) -> Passed<S> {
+                Passed { charge: step.charge_by_mean * flow.mean_voltage, mean_square_voltage: None }
+            }
+
+            #[inline(always)]
+            fn delivered(step: &CircuitStep<S>, mean_square_voltage: S, _account: &()) -> S {
+                step.charge_by_mean * mean_square_voltage
+            }
+
+            #[inline(always)]
+            fn account(_account: &()) -> StoreAccount<S> {
+                StoreAccount::default()
+            }
+
+            #[inline(always)]
+            fn gained(&self, _from: &(), _to: &()) -> Option<S> {
+                None
+            }
+
+            fn stored(&self, _state: &()) -> Option<S> {
+                None
+            }
+
+            fn set_store_voltage(_state: &mut (), _volts: S) {}
+
+            fn identify(&self, fingerprint: &mut Fingerprint) {
+                Load::<S>::resistance(self).identify(fingerprint);
+            }
+        }
+    )*};
+}
+
+resistive!(Resistor<S>, ShortCircuit, OpenCircuit, AnyLoad<S>);
+
+/// What a voltage may stray by, beside the bridge's threshold: an error of that kind in the voltage to which a
+/// store is charged is bounded by it.
+const RESOLUTION: f64 = 1.0 / 128.0;
+
+impl<S: Scalar, R: Reservoir<S>> Circuit<S> for FullBridge<S, R> {
+    type State = StoreState<S>;
+    type Step = BridgeStep<S>;
+    const SWITCHES: bool = true;
+
+    #[inline(always)]
+    fn is_short(&self) -> bool {
+        false
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        FullBridge::check(self)
+    }
+
+    fn start(&self) -> StoreState<S> {
+        StoreState::of(&self.reservoir)
+    }
+
+    fn step(&self, capacitance: S, step: S) -> BridgeStep<S> {
+        BridgeStep::new(capacitance, &self.reservoir, step)
+    }
+
+    #[inline(always)]
+    fn line(step: &BridgeStep<S>) -> &CircuitStep<S> {
+        &step.blocked
+    }
+
+    fn store(&self, state: &StoreState<S>) -> Option<StoreState<S>> {
+        Some(*state)
+    }
+
+    /// Where it blocks either way, or the difference is small beside the threshold.
+    #[inline(always)]
+    fn resolves(&self, voltage: S, sag: S, state: &StoreState<S>) -> bool {
+        let threshold = self.threshold(state.voltage);
+        sag <= S::literal(RESOLUTION) * threshold || voltage.absolute() + sag < threshold
+    }
+
+    #[inline(always)]
+    fn begin(&self, step: &BridgeStep<S>, voltage: S, state: &mut StoreState<S>) -> (S, StoreAccount<S>) {
+        let mut account = StoreAccount::default();
+        (step.drain(self, voltage, state, &mut account), account)
+    }
+
+    #[inline(always)]
+    fn tangent(&self, step: &BridgeStep<S>, voltage: S, charge: S, state: &StoreState<S>) -> Option<[S; 2]> {
+        step.tangent(self.threshold(state.voltage), voltage, charge)
+    }
+
+    #[inline(always)]
+    fn conclude(
+        &self,
+        step: &BridgeStep<S>,
+        flow: &Flow<S>,
+        state: &mut StoreState<S>,
+        account: &mut StoreAccount<S>,
+    ) -> Passed<S> {
+        step.conclude(self, [flow.voltage, flow.charge], state, account)
+    }
+
+    #[inline(always)]
+    fn delivered(_step: &BridgeStep<S>, _mean_square_voltage: S, account: &StoreAccount<S>) -> S {
+        account.delivered
+    }
+
+    #[inline(always)]
+    fn account(account: &StoreAccount<S>) -> StoreAccount<S> {
+        *account
+    }
+
+    /// `½ C (V² − V₀²)` as a product, so that a large store shows small gains.
+    #[inline(always)]
+    fn gained(&self, from: &StoreState<S>, to: &StoreState<S>) -> Option<S> {
+        let elastance = self.reservoir.elastance();
+        let charge = S::literal(0.5) * to.above(from) / elastance;
+        (elastance > S::ZERO).then(|| charge * (to.voltage + from.voltage))
+    }
+
+    fn stored(&self, state: &StoreState<S>) -> Option<S> {
+        Some(self.reservoir.stored_energy(state.voltage))
+    }
+
+    fn set_store_voltage(state: &mut StoreState<S>, volts: S) {
+        state.put(volts);
+    }
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        FullBridge::identify(self, fingerprint);
+    }
+}

@@ -1,0 +1,125 @@
+//! A bump-stop harvester behind a full bridge, and how the tests of it run one.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use model_core::clock::Instant;
+use model_core::excitation::{Excitation, Sine};
+use model_core::part::draw::{AnyDraw, ResistiveDraw};
+use model_core::part::monomorph::Layer;
+use model_core::part::rectifier::FullBridge;
+use model_core::part::store::{AnyReservoir, Capacitor, DcBus, Reservoir};
+use model_core::scalar::Scalar;
+use model_core::scene::bump_stop::{
+    AnyContact, AnyCoupling, ModalMeter, Parameters, Parts, StateOf, Stepper, Stop,
+};
+
+/// Everything at run time but the load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct With<L>(core::marker::PhantomData<L>);
+
+impl<S: Scalar, L: model_core::scene::bump_stop::Circuit<S>> Parts<S> for With<L> {
+    type Load = L;
+    type Coupling = AnyCoupling;
+    type Contact = AnyContact<S>;
+}
+
+/// A bridge chosen at run time.
+pub(crate) type AnyBridge<S> = FullBridge<S, AnyReservoir<S>>;
+/// A harvester behind one.
+pub(crate) type Bridged<S> = With<AnyBridge<S>>;
+
+/// The baseline: 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A, an aluminium rod of 20 × 2 × 2 mm at a gap of
+/// 10 µm from its tip.
+pub(crate) fn baseline<S: Scalar, L>(load: L) -> Parameters<S, With<L>>
+where
+    L: model_core::scene::bump_stop::Circuit<S>,
+{
+    let number = S::literal;
+    Parameters {
+        beam_length: number(0.05),
+        beam_width: number(0.01),
+        substrate: Layer { thickness: number(5e-4), young_modulus: number(200e9), density: number(7850.0) },
+        piezo: Layer { thickness: number(5e-4), young_modulus: number(66e9), density: number(7800.0) },
+        piezo_d31: number(-190e-12),
+        piezo_permittivity: number(15.93e-9),
+        damping_ratio: number(0.01),
+        stop: Stop {
+            length: number(0.02),
+            section: number(4e-6),
+            young_modulus: number(70e9),
+            density: number(2700.0),
+            position: number(0.05),
+            gap: number(10e-6),
+            contact_compliance: S::ZERO,
+        },
+        load,
+        coupling: AnyCoupling::TwoWay,
+        contact: AnyContact::ResidualFlexibility,
+    }
+}
+
+/// A store without leakage: farads, volts at the start, what is drawn, volts of each diode.
+pub(crate) fn store<S: Scalar>(farads: f64, volts: f64, draw: AnyDraw<S>, drop: f64) -> AnyBridge<S> {
+    let number = S::literal;
+    let reservoir = AnyReservoir::Capacitor(Capacitor {
+        farads: number(farads),
+        leakage_ohms: S::INFINITY,
+        initial_voltage: number(volts),
+        draw,
+    });
+    FullBridge { diode_drop: number(drop), reservoir }
+}
+
+/// A bus.
+pub(crate) fn bus(volts: f64, drop: f64) -> AnyBridge<f64> {
+    FullBridge { diode_drop: drop, reservoir: AnyReservoir::DcBus(DcBus { volts }) }
+}
+
+/// A resistor that is always connected.
+pub(crate) fn resistor<S: Scalar>(ohms: f64) -> AnyDraw<S> {
+    AnyDraw::Resistor(ResistiveDraw { ohms: S::literal(ohms), lockout: None })
+}
+
+/// 20 m/s² at a frequency in Hz.
+pub(crate) fn shaking<S: Scalar>(hertz: f64) -> Sine<S, S::Build> {
+    Sine::new(S::literal(20.0), S::literal(hertz), S::ZERO).expect("valid")
+}
+
+pub(crate) fn seconds(seconds: f64) -> Instant {
+    Instant::from_seconds(seconds).expect("a time")
+}
+
+pub(crate) fn close(what: &str, value: f64, expected: f64, relative: f64) {
+    println!("{what}: {value} for {expected}, {:.1e} of {relative:.0e}", value / expected - 1.0);
+    assert!((value / expected - 1.0).abs() < relative, "{what}: {value} is not {expected} within {relative}");
+}
+
+/// Advances to a time in s.
+pub(crate) fn advance<S, R, E, const B: usize, const Q: usize>(
+    stepper: &Stepper<S, With<FullBridge<S, R>>, B, Q>,
+    state: &mut StateOf<S, With<FullBridge<S, R>>, B, Q>,
+    excitation: &E,
+    to: f64,
+) where
+    S: Scalar,
+    R: Reservoir<S>,
+    E: Excitation<S>,
+{
+    stepper.advance(state, excitation, seconds(to), u32::MAX, &mut ()).expect("runs");
+}
+
+/// The same, and what a meter sees on the way.
+pub(crate) fn measured<'a, P, E, const B: usize, const Q: usize>(
+    stepper: &'a Stepper<f64, P, B, Q>,
+    state: &mut StateOf<f64, P, B, Q>,
+    excitation: &E,
+    to: f64,
+) -> ModalMeter<'a, f64, P, B, Q>
+where
+    P: Parts<f64>,
+    E: Excitation<f64>,
+{
+    let mut meter = ModalMeter::new(stepper.scene());
+    stepper.advance(state, excitation, seconds(to), u32::MAX, &mut meter).expect("runs");
+    meter
+}
