@@ -8,6 +8,7 @@ mod any;
 mod sampled;
 mod silence;
 mod sine;
+mod tone_meter;
 mod tones;
 
 use crate::clock::Instant;
@@ -17,6 +18,7 @@ pub use any::AnyExcitation;
 pub use sampled::{AfterLastSample, Sampled};
 pub use silence::Silence;
 pub use sine::Sine;
+pub use tone_meter::{Line, ToneMeter, ToneMeterState};
 pub use tones::Tones;
 
 /// Base acceleration over time.

@@ -91,12 +91,28 @@ fn a_word_that_is_not_one_of_the_choices() {
 }
 
 #[test]
-fn a_load_of_a_later_version() {
+fn a_bridge_without_its_numbers() {
     for (change, key) in [
-        ("load.kind=rectified-store", "load.kind = \"rectified-store\""),
-        ("load.kind=dc-bus", "load.kind = \"dc-bus\""),
+        ("load={kind='rectified-store'}", "load.capacitance_f is missing"),
+        ("load={kind='dc-bus'}", "load.voltage_v is missing"),
+        ("load={kind='dc-bus',voltage_v=3.0}", "load.diode_drop_v is missing"),
+        ("load={kind='dc-bus',voltage_v=-1.0,diode_drop_v=0.3}", "load.voltage_v = -1"),
     ] {
-        refused_with(&[change], &[key, "not available in this version"]);
+        refused_with(&[change], &[key, "a number from 0"]);
+    }
+}
+
+#[test]
+fn a_draw_that_has_no_consistent_switching() {
+    let store = "capacitance_f=1e-6,diode_drop_v=0.3,leakage_ohm=inf,initial_v=0.0";
+    for (draw, told) in [
+        ("{kind='power',value=1e-6,turn_on_v=3.0,turn_off_v=0.0}", "load.draw.turn_off_v = 0"),
+        ("{kind='power',value=1e-6,turn_on_v=2.0,turn_off_v=2.0}", "must be below turn_on_v = 2"),
+        ("{kind='current',value=1e-6,turn_on_v=2.0,turn_off_v=3.0}", "must be below turn_on_v = 2"),
+        ("{kind='current',value=1e-6}", "load.draw.turn_on_v is missing"),
+        ("{kind='lamp'}", "\"none\" or \"resistor\" or \"current\" or \"power\""),
+    ] {
+        refused_with(&[&format!("load={{kind='rectified-store',{store},draw={draw}}}")], &[told]);
     }
 }
 

@@ -1,0 +1,275 @@
+//! Amplitude and frequency of the strongest line in an accelerometer's samples.
+//!
+//! What a closed-form estimate of the harvested power asks for, at a cost that a core without floating
+//! point can bear: two multiplications a sample. A first frequency comes from the upward zero crossings in a
+//! window of samples, interpolated, with a hysteresis that noise does not cross. Goertzel's recursion
+//! (G. Goertzel, Amer. Math. Monthly 65, 1958) at that frequency gives the line's amplitude and its phase in
+//! the middle of the window, and what the phase of two windows in a row is ahead of the frequency corrects the frequency:
+//! other lines shift zero crossings by per cents, but hardly a phase. The offset, gravity above all, is
+//! the mean of the window before.
+
+use super::ExcitationError;
+use crate::clock::{Frequency, Instant};
+use crate::scalar::{Mathematics, Scalar, arcsine};
+
+/// Part of the present RMS acceleration by which a sample must be below zero before the next upward
+/// crossing counts.
+const HYSTERESIS: f64 = 0.5;
+/// Most samples in a window.
+const MOST_SAMPLES: u32 = 1 << 16;
+
+/// The strongest line of one window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Line<S> {
+    /// Amplitude in m/s².
+    pub amplitude: S,
+    /// Frequency in Hz.
+    pub frequency: S,
+    /// Part of the signal's mean square, 0 to 1, that the line has: near 1 where one sine is all there is.
+    pub purity: S,
+}
+
+/// The rate and the length of the windows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToneMeter<S> {
+    samples_per_second: S,
+    per_window: S,
+    window: u32,
+}
+
+/// What changes from sample to sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToneMeterState<S> {
+    /// Samples of this window so far.
+    count: u32,
+    /// Mean of the window before.
+    offset: S,
+    /// Sums over this window: of the samples less the offset, and of their squares.
+    sum: S,
+    squares: S,
+    /// What is below zero by more than this is armed for a crossing.
+    hysteresis: S,
+    armed: bool,
+    last: S,
+    /// Place of the first and of the last upward crossing in samples, and how many there were.
+    first_crossing: S,
+    last_crossing: S,
+    crossings: u32,
+    /// Frequency of the recursion in Hz; 0 as long as none is known.
+    frequency: S,
+    /// Cosine and sine of its phase per sample.
+    per_sample: [S; 2],
+    /// The two sums of the recursion.
+    sums: [S; 2],
+    /// The line in the middle of the window before, as a complex number; 0 if there was none.
+    before: [S; 2],
+    /// Whether a window came before, which knew the offset.
+    offset_known: bool,
+}
+
+impl<S: Scalar> ToneMeter<S> {
+    /// For `rate` samples a second, 1 to 10⁵, in windows of `window` samples, 16 to 65536: a line is
+    /// resolved where a window holds two of its periods and a period three samples.
+    ///
+    /// # Errors
+    /// A rate or a window out of its bounds.
+    pub fn new(rate: S, window: u32) -> Result<Self, ExcitationError> {
+        let in_bounds = rate >= S::ONE && rate <= S::literal(1e5);
+        if !in_bounds {
+            return Err(ExcitationError::Frequency);
+        }
+        if !(16..=MOST_SAMPLES).contains(&window) {
+            return Err(ExcitationError::TooFewSamples);
+        }
+        Ok(Self { samples_per_second: rate, per_window: S::ONE / S::from_u32(window), window })
+    }
+
+    /// The state before the first sample.
+    #[must_use]
+    pub fn start(&self) -> ToneMeterState<S> {
+        ToneMeterState {
+            count: 0,
+            offset: S::ZERO,
+            sum: S::ZERO,
+            squares: S::ZERO,
+            hysteresis: S::ZERO,
+            armed: false,
+            last: S::ZERO,
+            first_crossing: S::ZERO,
+            last_crossing: S::ZERO,
+            crossings: 0,
+            frequency: S::ZERO,
+            per_sample: [S::ZERO; 2],
+            sums: [S::ZERO; 2],
+            before: [S::ZERO; 2],
+            offset_known: false,
+        }
+    }
+
+    /// Takes in a sample in m/s²; the last one of a window gives the line, if there is one, from the third
+    /// window on. A sample that is not finite is taken as the one before.
+    #[inline]
+    pub fn push<M: Mathematics<S>>(&self, state: &mut ToneMeterState<S>, sample: S) -> Option<Line<S>> {
+        let value = if sample.is_finite() { sample - state.offset } else { state.last };
+        state.sum += value;
+        state.squares += value * value;
+        let [previous, before] = state.sums;
+        let turned = state.per_sample[0] * previous;
+        state.sums = [value + (turned + turned) - before, previous];
+        if value < -state.hysteresis {
+            state.armed = true;
+        } else if state.armed && value >= S::ZERO {
+            // The straight line from the last sample to this one; the last may be above zero too.
+            let back = if state.last < S::ZERO { value / (value - state.last) } else { S::ZERO };
+            let place = S::from_u32(state.count) - back;
+            if state.crossings == 0 {
+                state.first_crossing = place;
+            }
+            state.last_crossing = place;
+            state.crossings += 1;
+            state.armed = false;
+        }
+        state.last = value;
+        state.count += 1;
+        if state.count < self.window { None } else { self.close::<M>(state) }
+    }
+
+    /// The end of a window: its line, and what the next one starts with.
+    #[cold]
+    #[inline(never)]
+    fn close<M: Mathematics<S>>(&self, state: &mut ToneMeterState<S>) -> Option<Line<S>> {
+        let mean = state.sum * self.per_window;
+        let variance = (state.squares * self.per_window - mean * mean).larger(S::ZERO);
+        // y = s − e^(−jω) s' = Σ x e^(jω(N−1−n)); turned back by half a window it has the phase of the line in
+        // the middle, whether or not ω is quite the line's, and of a sine of amplitude A the magnitude A N/2.
+        let [last, previous] = state.sums;
+        let [cosine, sine] = state.per_sample;
+        let raw = [last - cosine * previous, sine * previous];
+        let half_window = self.phase_after::<M>(S::literal(0.5) * state.frequency, self.window - 1);
+        let middle = turned_back(raw, half_window);
+        let square = middle[0] * middle[0] + middle[1] * middle[1];
+        let amplitude = S::literal(2.0) * square.square_root() * self.per_window;
+        let line = (state.frequency > S::ZERO && variance > S::ZERO).then(|| Line {
+            amplitude,
+            frequency: state.frequency,
+            purity: (S::literal(0.5) * amplitude * amplitude / variance).smaller(S::ONE),
+        });
+        let frequency = self.next_frequency::<M>(state, middle, square);
+        *state = ToneMeterState {
+            offset: state.offset + mean,
+            hysteresis: S::literal(HYSTERESIS) * variance.square_root(),
+            // The last sample as the next window sees it.
+            last: state.last - mean,
+            frequency,
+            per_sample: self.phase_after::<M>(frequency, 1),
+            before: if line.is_some() { middle } else { [S::ZERO; 2] },
+            offset_known: true,
+            ..self.start()
+        };
+        line
+    }
+
+    /// The frequency for the next window, from the line in the middle of this one and the square of its magnitude.
+    fn next_frequency<M: Mathematics<S>>(&self, state: &ToneMeterState<S>, middle: [S; 2], square: S) -> S {
+        if !state.offset_known {
+            return S::ZERO;
+        }
+        let between = state.last_crossing - state.first_crossing;
+        if state.crossings < 2 || !(between > S::ZERO) {
+            return S::ZERO;
+        }
+        let crossing = S::from_u32(state.crossings - 1) / between * self.samples_per_second;
+        // How far the line has turned since the window before, less what its frequency makes of that.
+        let predicted = turned_back(middle, self.phase_after::<M>(state.frequency, self.window));
+        let [ahead, across] = turned_back(predicted, state.before);
+        let [real, imaginary] = state.before;
+        let magnitudes = (square * (real * real + imaginary * imaginary)).square_root();
+        let turns_per_window = S::literal(0.5 * core::f64::consts::FRAC_1_PI) * arcsine(across / magnitudes);
+        let windows_per_second = self.samples_per_second * self.per_window;
+        let corrected = state.frequency + turns_per_window * windows_per_second;
+        // Behind by more than a quarter of a turn, or another line altogether: begin anew.
+        let off = (corrected - crossing).absolute();
+        let locked = ahead > S::ZERO && off < windows_per_second;
+        if locked && corrected > S::ZERO { corrected } else { crossing }
+    }
+
+    /// Cosine and sine of the phase of `frequency` after `samples` samples.
+    fn phase_after<M: Mathematics<S>>(&self, frequency: S, samples: u32) -> [S; 2] {
+        let phase = Frequency::from_hertz(frequency)
+            .zip(Instant::from_seconds(S::from_u32(samples) / self.samples_per_second))
+            .map_or(0, |(frequency, at)| frequency.phase(at));
+        [M::sine_of_turns(phase.wrapping_add(1 << 62)), M::sine_of_turns(phase)]
+    }
+}
+
+/// `a` times the conjugate of `b`.
+fn turned_back<S: Scalar>([a, b]: [S; 2], [c, d]: [S; 2]) -> [S; 2] {
+    [a * c + b * d, b * c - a * d]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scalar::Polynomial;
+
+    fn lines(rate: f64, window: u32, signal: impl Fn(f64) -> f64) -> Vec<Line<f32>> {
+        let meter = ToneMeter::<f32>::new(rate as f32, window).expect("in bounds");
+        let mut state = meter.start();
+        let count = 8 * window;
+        (0..count)
+            .filter_map(|k| meter.push::<Polynomial>(&mut state, signal(f64::from(k) / rate) as f32))
+            .collect()
+    }
+
+    #[test]
+    fn a_sine_on_gravity_is_found_to_its_leakage() {
+        for (frequency, amplitude) in [(5.3, 0.4), (20.0, 1.962), (37.77, 12.0), (120.9, 0.05)] {
+            let found = lines(400.0, 400, |t| 9.81 + amplitude * (TAU * frequency * t + 0.3).sin());
+            assert_eq!(found.len(), 6);
+            for line in &found {
+                // The other sideband leaks at most 1/(2π f T) into the line.
+                let leak = 1.0 / (std::f64::consts::TAU * frequency);
+                let close = |a: f32, b: f64, part: f64| ((f64::from(a) / b) - 1.0).abs() < part;
+                assert!(close(line.amplitude, amplitude, 1.2 * leak + 2e-3), "{frequency} {line:?}");
+                assert!(close(line.frequency, frequency, 3e-3), "{frequency} {line:?}");
+                assert!(line.purity > 0.9, "{frequency} {line:?}");
+            }
+            let last = found.last().map_or(f32::NAN, |line| line.frequency);
+            let leak = 1.0 / (TAU * frequency);
+            assert!((f64::from(last) / frequency - 1.0).abs() < 0.03 * leak + 5e-5, "{frequency} {last}");
+        }
+    }
+
+    const TAU: f64 = std::f64::consts::TAU;
+
+    #[test]
+    fn the_strongest_of_two_lines_is_found_and_is_not_taken_as_pure() {
+        let found = lines(400.0, 400, |t| 2.0 * (TAU * 20.05 * t).sin() + 1.0 * (TAU * 61.3 * t + 1.0).sin());
+        // The first frequency is that of the crossings, which the other line shifts; two windows later it
+        // is that of the phase.
+        assert!((found[0].frequency - 20.05).abs() < 0.2, "{found:?}");
+        for line in &found[2..] {
+            assert!((line.frequency - 20.05).abs() < 0.01, "{line:?}");
+            assert!((line.amplitude / 2.0 - 1.0).abs() < 0.02, "{line:?}");
+            // 2²/(2² + 1²).
+            assert!((line.purity - 0.8).abs() < 0.05, "{line:?}");
+        }
+    }
+
+    #[test]
+    fn silence_has_no_line_and_a_gap_does_no_harm() {
+        assert!(lines(400.0, 400, |_| 9.81).is_empty());
+        let found =
+            lines(400.0, 400, |t| if (t * 400.0) as u32 == 1000 { f64::NAN } else { (TAU * 20.0 * t).sin() });
+        assert!(found.iter().all(|line| (line.amplitude - 1.0).abs() < 0.03), "{found:?}");
+    }
+
+    #[test]
+    fn rates_and_windows_out_of_bounds_are_refused() {
+        assert_eq!(ToneMeter::<f32>::new(0.0, 400).err(), Some(ExcitationError::Frequency));
+        assert_eq!(ToneMeter::<f32>::new(f32::NAN, 400).err(), Some(ExcitationError::Frequency));
+        assert_eq!(ToneMeter::<f32>::new(400.0, 15).err(), Some(ExcitationError::TooFewSamples));
+        assert_eq!(ToneMeter::<f32>::new(400.0, 65_537).err(), Some(ExcitationError::TooFewSamples));
+    }
+}
