@@ -108,7 +108,7 @@ fn numbers(outcome: &Outcome) -> [(&'static str, f64); 6] {
     ]
 }
 
-/// At a tolerance of 1e-6 the core is as near to the reference as with a resistor.
+/// At a tolerance of 1e-6 the core is within 1e-5 of the reference, as with a resistor.
 #[test]
 fn the_core_agrees_with_the_reference() {
     let reference = Options { method: Method::Reference, ..Options::default() };
@@ -132,7 +132,7 @@ fn the_core_agrees_with_the_reference() {
     }
     for ((name, _), [exact, found]) in scenes.iter().zip(&found) {
         for ((what, expected), (_, number)) in numbers(exact).into_iter().zip(numbers(found)) {
-            assert_close(&format!("{name}: {what}"), number, expected, 1e-4);
+            assert_close(&format!("{name}: {what}"), number, expected, 1e-5);
         }
     }
     println!("worst {worst:.1e}");
@@ -145,16 +145,16 @@ fn precision_and_method_make_no_difference() {
     {
         let exact = outcome(&scene, &adaptive(1e-6));
         let others = [
-            ("f32", single(adaptive(1e-5))),
-            ("rk4", Options { method: Method::Rk4, ..Options::default() }),
-            ("rk4 in f32", single(Options { method: Method::Rk4, ..fixed(2e-5) })),
+            ("f32", single(adaptive(1e-5)), 2e-3),
+            ("rk4", Options { method: Method::Rk4, ..Options::default() }, 1e-4),
+            ("rk4 in f32", single(Options { method: Method::Rk4, ..fixed(2e-5) }), 1e-4),
         ];
-        for (name, options) in others {
+        for (name, options, allowed) in others {
             let found = outcome(&scene, &options);
             println!("{name}: residual {:.1e}", value(found.energy_residual));
             for ((what, expected), (_, number)) in numbers(&exact).into_iter().zip(numbers(&found)) {
                 println!("{name}: {what} off by {:.1e}", number / expected - 1.0);
-                assert_close(&format!("{}, {name}: {what}", scene.name()), number, expected, 2e-3);
+                assert_close(&format!("{}, {name}: {what}", scene.name()), number, expected, allowed);
             }
             assert!(value(found.energy_residual) < 1e-4);
         }

@@ -10,7 +10,7 @@
 //! of second order where it is not (a constant power). The energy `½ C (V² − V⁺²)` that leaves is divided
 //! between leakage and draw in the ratio of their currents at the mean voltage.
 //!
-//! The draw's lock-out is looked at where a step ends ([`StoreState::switch`]): in a step of 80 µs a store of
+//! The draw's lock-out is looked at where a step ends: in a step of 80 µs a store of
 //! 1 µF that gives 100 µA falls by 8 mV, and one of 1 mF by 8 µV.
 
 use super::store::Reservoir;
