@@ -1,9 +1,19 @@
-//! What was harvested, and whether it adds up.
+//! What was harvested, whether it adds up, and what a node can do with it.
 
+mod budget;
+mod correction;
 mod event_log;
+mod forecast;
+mod income;
 mod ledger;
 mod meter;
+mod queries;
+mod storage;
 
+pub use budget::{Account, Action, Budget, BudgetParameters, BudgetState};
+pub use correction::{Correction, CorrectionParameters, CorrectionState, Reading};
 pub use event_log::{EventLog, LoggedEvent};
+pub use income::{DAY_SECONDS, Income, IncomeParameters, IncomeState};
 pub use ledger::{Ledger, Residual};
 pub use meter::{Integrals, Peak, PowerMeter, RunMeter};
+pub use storage::{Relaxation, Storage, StorageParameters, StorageStep};

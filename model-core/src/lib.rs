@@ -62,7 +62,7 @@
 //!
 //! | module | what it is for |
 //! | --- | --- |
-//! | [`energy`] | meters, the energy ledger, the event log |
+//! | [`energy`] | meters, the energy ledger, the event log; a node's energy budget |
 //! | [`scene`] | the harvesters: parameters, checked once, and pure functions |
 //! | [`part`] | what harvesters are put together from: loads, restitution |
 //! | [`hybrid`] | the driver: flow, guard, jump; event location |

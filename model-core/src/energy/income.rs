@@ -1,0 +1,343 @@
+//! What the harvester has brought, and what it is expected to bring.
+//!
+//! Two memories of the same income. The exponentially weighted mean forgets with a time constant and asks
+//! nothing of the environment. The mean by slot of the day expects of a part of the day what the same part
+//! brought on the days before, newer days weighing more: `x̄ ← (1 − a) x̄ + a x` for each slot once a day,
+//! after Kansal, Hsu, Zahedi and Srivastava, *Power management in energy harvesting sensor networks*, ACM
+//! Transactions on Embedded Computing Systems 6(4), 2007, who find `a = 1/2` with 48 slots good for sunlight.
+//!
+//! Time is a count of whole seconds and no clock drifts against another. A slot whose greater part was not
+//! observed is left as it is, and one that never was is predicted by the exponentially weighted mean.
+
+use super::storage::Relaxation;
+use crate::part::bounds::{Bounds, ParameterError};
+use crate::scalar::{CompensatedSum, Scalar, add_increment};
+
+/// Seconds in a day.
+pub const DAY_SECONDS: u32 = 86_400;
+
+/// How income is remembered.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct IncomeParameters<S> {
+    /// Time constant of the exponentially weighted mean, in seconds.
+    pub time_constant: S,
+    /// Weight of the newest day in the mean of a slot, above 0 and at most 1.
+    pub day_weight: S,
+}
+
+/// Remembers income, with the day divided into `SLOTS` parts, 1 to 1440, equal to the second.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Income<S, const SLOTS: usize> {
+    per_time_constant: S,
+    day_weight: S,
+}
+
+/// What is remembered of the income. Energies in joules and powers in watts at the harvester's terminals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct IncomeState<S, const SLOTS: usize> {
+    /// Whole seconds since a midnight.
+    second: u32,
+    /// Exponentially weighted mean and what rounding took from it.
+    mean: [S; 2],
+    /// Weight of all that the mean has seen, 0 before any, towards 1; and what rounding took from it.
+    weight: [S; 2],
+    /// Mean power of each slot; −1, which no income is, where none has been learnt.
+    slots: [S; SLOTS],
+    /// Energy in the observed part of the present slot.
+    energy: CompensatedSum<S>,
+    /// Length of that part in seconds.
+    observed: u32,
+}
+
+impl<S: Scalar> IncomeParameters<S> {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// The first field that is out of its bounds.
+    pub fn build<const SLOTS: usize>(self) -> Result<Income<S, SLOTS>, ParameterError<S>> {
+        Bounds::new(1.0, 1e9).check("time_constant", self.time_constant)?;
+        Bounds::new(1e-3, 1.0).check("day_weight", self.day_weight)?;
+        Ok(Income { per_time_constant: S::ONE / self.time_constant, day_weight: self.day_weight })
+    }
+}
+
+impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
+    /// Nothing is known; `second` is the present time in whole seconds since a midnight.
+    #[must_use]
+    pub fn at(second: u32) -> Self {
+        const { assert!(SLOTS >= 1 && SLOTS <= 1440, "from 1 to 1440 slots") };
+        Self {
+            second,
+            mean: [S::ZERO; 2],
+            weight: [S::ZERO; 2],
+            slots: [-S::ONE; SLOTS],
+            energy: CompensatedSum::ZERO,
+            observed: 0,
+        }
+    }
+
+    /// The present time in whole seconds since a midnight; wraps after 136 years.
+    #[must_use]
+    pub fn second(&self) -> u32 {
+        self.second
+    }
+
+    /// Exponentially weighted mean of the income in watts; 0 before any.
+    #[must_use]
+    pub fn mean_power(&self) -> S {
+        self.mean[0]
+    }
+
+    /// Mean power in watts that is expected in a slot: what was learnt, or else the exponentially weighted
+    /// mean.
+    #[must_use]
+    pub fn expected_power(&self, slot: usize) -> S {
+        match self.slots.get(slot) {
+            Some(&learnt) if learnt >= S::ZERO => learnt,
+            _ => self.mean_power(),
+        }
+    }
+
+    /// Number of slots of which something has been learnt.
+    #[must_use]
+    pub fn slots_learnt(&self) -> usize {
+        self.slots.iter().filter(|&&learnt| learnt >= S::ZERO).count()
+    }
+
+    /// The present slot.
+    #[must_use]
+    pub fn slot(&self) -> usize {
+        slot_at::<SLOTS>(self.second % DAY_SECONDS)
+    }
+}
+
+impl<S: Scalar, const SLOTS: usize> Income<S, SLOTS> {
+    /// Time moves on by `interval` seconds, in which `energy` joules came in evenly.
+    ///
+    /// At most two slots are touched: an interval longer than the shortest slot says nothing about slots,
+    /// and only the exponentially weighted mean learns from it. One of 0 s changes nothing.
+    pub fn update(&self, state: &mut IncomeState<S, SLOTS>, interval: u32, energy: S) {
+        if interval == 0 {
+            return;
+        }
+        let seconds = S::from_u32(interval);
+        let power = energy / seconds;
+        self.remember(state, seconds, power);
+        if interval > shortest_slot::<SLOTS>() {
+            self.gap(state, interval);
+            return;
+        }
+        let slot = state.slot();
+        let before_end = end_of::<SLOTS>(slot) - state.second % DAY_SECONDS;
+        if interval < before_end {
+            state.observe(interval, energy);
+        } else {
+            state.observe(before_end, power * S::from_u32(before_end));
+            self.close(state, slot);
+            let rest = interval - before_end;
+            state.observe(rest, power * S::from_u32(rest));
+        }
+        state.second = state.second.wrapping_add(interval);
+    }
+
+    /// Time moves on by `interval` seconds of which nothing is known: slots in it stay as they are.
+    pub fn gap(&self, state: &mut IncomeState<S, SLOTS>, interval: u32) {
+        let slot = state.slot();
+        let before_end = end_of::<SLOTS>(slot) - state.second % DAY_SECONDS;
+        if interval >= before_end {
+            self.close(state, slot);
+        }
+        state.second = state.second.wrapping_add(interval);
+    }
+
+    fn remember(&self, state: &mut IncomeState<S, SLOTS>, seconds: S, power: S) {
+        let new = Relaxation::of_ratio(seconds * self.per_time_constant).lost();
+        // The weights of all that was seen add up to `weight`: their mean is not drawn to a start at zero.
+        state.weight = moved(state.weight, (S::ONE - state.weight[0]) * new);
+        state.mean = moved(state.mean, (power - state.mean[0]) * (new / state.weight[0]));
+    }
+
+    /// The present slot is over: it is learnt from if at least half of it was observed.
+    fn close(&self, state: &mut IncomeState<S, SLOTS>, slot: usize) {
+        let length = end_of::<SLOTS>(slot) - start_of::<SLOTS>(slot);
+        if 2 * state.observed >= length
+            && let Some(learnt) = state.slots.get_mut(slot)
+        {
+            let power = state.energy.value() / S::from_u32(state.observed);
+            *learnt = if *learnt < S::ZERO { power } else { *learnt + self.day_weight * (power - *learnt) };
+        }
+        (state.energy, state.observed) = (CompensatedSum::ZERO, 0);
+    }
+}
+
+impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
+    fn observe(&mut self, seconds: u32, energy: S) {
+        self.energy.add(energy);
+        self.observed += seconds;
+    }
+}
+
+/// A number and its remainder after a small increment.
+fn moved<S: Scalar>([high, low]: [S; 2], increment: S) -> [S; 2] {
+    let (high, low) = add_increment(high, low, increment);
+    [high, low]
+}
+
+/// `SLOTS` as the integer that seconds are.
+const fn count<const SLOTS: usize>() -> u32 {
+    const { SLOTS as u32 }
+}
+
+/// The slot that a second of the day falls into.
+pub(super) fn slot_at<const SLOTS: usize>(second_of_day: u32) -> usize {
+    (second_of_day * count::<SLOTS>() / DAY_SECONDS) as usize
+}
+
+/// First second of the day in a slot.
+pub(super) fn start_of<const SLOTS: usize>(slot: usize) -> u32 {
+    let slots = count::<SLOTS>();
+    (slot as u32 * DAY_SECONDS + (slots - 1)).checked_div(slots).unwrap_or(0)
+}
+
+/// First second after a slot.
+pub(super) fn end_of<const SLOTS: usize>(slot: usize) -> u32 {
+    start_of::<SLOTS>(slot + 1)
+}
+
+/// Length in seconds of the shortest slot; the longest is at most a second longer.
+pub(super) const fn shortest_slot<const SLOTS: usize>() -> u32 {
+    const { DAY_SECONDS / SLOTS as u32 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model<const SLOTS: usize>() -> Income<f64, SLOTS> {
+        IncomeParameters { time_constant: 3600.0, day_weight: 0.5 }.build().expect("within bounds")
+    }
+
+    #[test]
+    fn slots_cover_the_day_without_gap_or_overlap() {
+        fn check<const SLOTS: usize>() {
+            assert_eq!((start_of::<SLOTS>(0), end_of::<SLOTS>(SLOTS - 1)), (0, DAY_SECONDS));
+            for second in 0..DAY_SECONDS {
+                let slot = slot_at::<SLOTS>(second);
+                assert!(start_of::<SLOTS>(slot) <= second && second < end_of::<SLOTS>(slot));
+            }
+            for slot in 0..SLOTS {
+                let length = end_of::<SLOTS>(slot) - start_of::<SLOTS>(slot);
+                assert!(length - shortest_slot::<SLOTS>() <= 1, "{SLOTS} {slot} {length}");
+            }
+        }
+        check::<1>();
+        check::<7>();
+        check::<48>();
+        check::<1439>();
+        check::<1440>();
+    }
+
+    #[test]
+    fn the_mean_weighs_by_age_and_not_by_number() {
+        // However finely an income is cut into intervals, the mean is that of the weighted integral.
+        let income = model::<48>();
+        for interval in [1_u32, 7, 60, 600] {
+            let mut state = IncomeState::at(0);
+            let (mut integral, mut weight) = (0.0, 0.0);
+            for k in 0..(16_800 / interval) {
+                let power = if k * interval < 8_400 { 1e-3 } else { 5e-3 };
+                income.update(&mut state, interval, power * f64::from(interval));
+                let end = f64::from((k + 1) * interval);
+                let part = ((end - 16_800.0) / 3600.0).exp()
+                    - ((end - f64::from(interval) - 16_800.0) / 3600.0).exp();
+                integral += power * part;
+                weight += part;
+            }
+            assert!((state.mean_power() / (integral / weight) - 1.0).abs() < 1e-12, "{interval}");
+        }
+    }
+
+    #[test]
+    fn a_slot_is_the_weighted_mean_over_days() {
+        let income = model::<7>();
+        let mut state = IncomeState::at(5);
+        let power = |day: u32, slot: usize| f64::from(day + 1) * 1e-3 * (slot + 1) as f64;
+        // Updates of 61 s fall across slots: 12 342 s is not a multiple of it. Constant within a slot.
+        for second in (5..4 * DAY_SECONDS).step_by(61) {
+            let day_of = |s: u32| power(s / DAY_SECONDS, slot_at::<7>(s % DAY_SECONDS));
+            let energy: f64 = (second..second + 61).map(day_of).sum();
+            income.update(&mut state, 61, energy);
+        }
+        assert_eq!(state.slots_learnt(), 7);
+        for slot in 0..6 {
+            let expected = [0.125, 0.125, 0.25, 0.5]
+                .iter()
+                .zip(0..)
+                .map(|(weight, day)| weight * power(day, slot))
+                .sum::<f64>();
+            // An update across the edge spreads evenly what came unevenly: 61 s in 12 342 s.
+            assert!((state.expected_power(slot) / expected - 1.0).abs() < 61.0 / 12_342.0, "{slot}");
+        }
+    }
+
+    #[test]
+    fn a_gap_leaves_slots_unlearnt_and_not_zero() {
+        let income = model::<24>();
+        let mut state = IncomeState::at(0);
+        for _ in 0..60 {
+            income.update(&mut state, 60, 0.06);
+        }
+        // Twenty minutes of the second hour are too few; then it is off until 05:30.
+        for _ in 0..20 {
+            income.update(&mut state, 60, 0.12);
+        }
+        income.gap(&mut state, 5 * 3600 + 1800 - 4800);
+        assert_eq!((state.second(), state.slots_learnt()), (19_800, 1));
+        assert_eq!(state.expected_power(1), state.mean_power());
+        assert!(state.mean_power() > 1e-3 && state.mean_power() < 2e-3);
+        // From half past, half of the sixth hour suffices.
+        for _ in 0..30 {
+            income.update(&mut state, 60, 0.24);
+        }
+        assert_eq!(state.slots_learnt(), 2);
+        assert!((state.expected_power(5) - 4e-3).abs() < 1e-15);
+        // A day without word changes nothing but the time.
+        let before = state;
+        income.gap(&mut state, DAY_SECONDS);
+        assert_eq!(state, IncomeState { second: before.second + DAY_SECONDS, ..before });
+    }
+
+    #[test]
+    fn intervals_longer_than_a_slot_teach_the_mean_only() {
+        let income = model::<48>();
+        let mut state = IncomeState::at(0);
+        for _ in 0..48 {
+            income.update(&mut state, 3600, 3.6);
+        }
+        assert_eq!(state.slots_learnt(), 0);
+        assert!((state.expected_power(3) - 1e-3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn single_precision_forgets_as_double_does_at_an_update_a_second() {
+        // A weight of 2e-6 an update: without the remainder the mean would stall a few per cent off.
+        let parameters = |time_constant| IncomeParameters { time_constant, day_weight: 0.5 };
+        let double = parameters(500_000.0).build::<48>().expect("within bounds");
+        let single = IncomeParameters::<f32> { time_constant: 500_000.0, day_weight: 0.5 };
+        let single = single.build::<48>().expect("within bounds");
+        let (mut wide, mut narrow) = (IncomeState::at(0), IncomeState::at(0));
+        for k in 0..DAY_SECONDS {
+            let energy = 1e-5_f32 * (1.0 + ((k * 37) % 101) as f32 * 0.02 + (k / 20_000) as f32);
+            double.update(&mut wide, 1, f64::from(energy));
+            single.update(&mut narrow, 1, energy);
+        }
+        let close = |a: f32, b: f64| assert!((f64::from(a) / b - 1.0).abs() < 2e-6, "{a} {b}");
+        close(narrow.mean_power(), wide.mean_power());
+        for slot in 0..48 {
+            close(narrow.expected_power(slot), wide.expected_power(slot));
+        }
+    }
+}

@@ -1,0 +1,381 @@
+//! The energy store as a budget sees it: one number, the energy in it, and what becomes of that over time.
+//!
+//! A capacitor of capacitance `C` at voltage `V` holds `E = C V²/2`. Its leakage resistance `R` takes
+//! `V²/R = 2 E/(R C)`, so between two updates, with an income and a load that are constant,
+//!
+//! ```text
+//! E' = p − λ E,   λ = 2/(R C):      E(h) = E₀ e^(−x) + p h (1 − e^(−x))/x,   x = λ h
+//! ```
+//!
+//! which is exact however long the interval. Above the highest voltage the income is shunted; below the
+//! lock-out voltage the load gets nothing until the turn-on voltage is reached again. Converters lose a
+//! constant part of what passes through them; what they draw when idle belongs to the load.
+
+use crate::part::bounds::{Bounds, ParameterError};
+use crate::scalar::{Mathematics, Scalar, horner};
+
+/// What a store is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct StorageParameters<S> {
+    /// Capacitance in farads.
+    pub capacitance: S,
+    /// Leakage resistance across it in ohms; infinity: no leakage.
+    pub leakage_resistance: S,
+    /// Part of the harvested energy that reaches the store, above 0 and at most 1.
+    pub charging_efficiency: S,
+    /// Part of the energy taken from the store that reaches the load, above 0 and at most 1.
+    pub discharging_efficiency: S,
+    /// Voltage in volts at which further income is shunted.
+    pub highest_voltage: S,
+    /// Voltage in volts at or below which the load is switched off.
+    pub lock_out_voltage: S,
+    /// Voltage in volts at which a load that was switched off is switched on again.
+    pub turn_on_voltage: S,
+}
+
+impl<S: Scalar> StorageParameters<S> {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// The first field that is out of its bounds.
+    pub fn build(self) -> Result<Storage<S>, ParameterError<S>> {
+        Bounds::new(1e-9, 1e5).check("capacitance", self.capacitance)?;
+        Bounds::new(1.0, f64::INFINITY).check("leakage_resistance", self.leakage_resistance)?;
+        Bounds::new(0.01, 1.0).check("charging_efficiency", self.charging_efficiency)?;
+        Bounds::new(0.01, 1.0).check("discharging_efficiency", self.discharging_efficiency)?;
+        Bounds::new(0.01, 1e3).check("highest_voltage", self.highest_voltage)?;
+        let highest = self.highest_voltage;
+        Bounds { lowest: S::ZERO, highest }.check("lock_out_voltage", self.lock_out_voltage)?;
+        Bounds { lowest: self.lock_out_voltage, highest }.check("turn_on_voltage", self.turn_on_voltage)?;
+        let half_capacitance = S::literal(0.5) * self.capacitance;
+        let energy = |voltage: S| half_capacitance * voltage * voltage;
+        Ok(Storage {
+            leakage_rate: S::ONE / (half_capacitance * self.leakage_resistance),
+            drawn_per_used: S::ONE / self.discharging_efficiency,
+            capacity: energy(highest),
+            lock_out: energy(self.lock_out_voltage),
+            turn_on: energy(self.turn_on_voltage),
+            parameters: self,
+        })
+    }
+}
+
+/// A store whose parameters have been checked. Energies are in joules at the store.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Storage<S> {
+    parameters: StorageParameters<S>,
+    /// `λ` in 1/s.
+    leakage_rate: S,
+    /// Joules drawn from the store per joule used by the load.
+    drawn_per_used: S,
+    capacity: S,
+    lock_out: S,
+    turn_on: S,
+}
+
+impl<S: Scalar> Storage<S> {
+    /// What it is made of.
+    #[must_use]
+    pub fn parameters(&self) -> &StorageParameters<S> {
+        &self.parameters
+    }
+
+    /// Stored energy at a voltage in volts, without the limit of the highest voltage.
+    #[must_use]
+    pub fn energy(&self, voltage: S) -> S {
+        S::literal(0.5) * self.parameters.capacitance * voltage * voltage
+    }
+
+    /// Voltage in volts at a stored energy; 0 at or below none. One square root.
+    #[must_use]
+    pub fn voltage(&self, energy: S) -> S {
+        (S::literal(2.0) * energy / self.parameters.capacitance).square_root()
+    }
+
+    /// Energy at the highest voltage.
+    #[must_use]
+    pub fn capacity(&self) -> S {
+        self.capacity
+    }
+
+    /// Energy at the lock-out voltage, which no load can use.
+    #[must_use]
+    pub fn lock_out(&self) -> S {
+        self.lock_out
+    }
+
+    /// Energy at the turn-on voltage.
+    #[must_use]
+    pub fn turn_on(&self) -> S {
+        self.turn_on
+    }
+
+    /// Energy above the lock-out as the load sees it, through the discharging efficiency; 0 below.
+    #[must_use]
+    pub fn usable(&self, energy: S) -> S {
+        (energy - self.lock_out).larger(S::ZERO) * self.parameters.discharging_efficiency
+    }
+
+    /// What reaches the store of an energy harvested.
+    #[must_use]
+    #[inline(always)]
+    pub fn stored(&self, harvested: S) -> S {
+        harvested * self.parameters.charging_efficiency
+    }
+
+    /// What the store gives for an energy used by the load.
+    #[must_use]
+    #[inline(always)]
+    pub fn drawn(&self, used: S) -> S {
+        used * self.drawn_per_used
+    }
+
+    /// How the store relaxes over an interval in seconds, at or above 0. At most one exponential.
+    #[must_use]
+    pub fn relaxation(&self, seconds: S) -> Relaxation<S> {
+        Relaxation::new(self.leakage_rate * seconds)
+    }
+
+    /// What becomes of `energy` over the interval of `relaxation`, in which `income` comes in and `outgo`
+    /// is asked for, each evenly and both in joules at the store.
+    ///
+    /// The load can take the store down to its lock-out, which only leakage goes below. The store ends
+    /// where it exactly would; of what is lost at a full store, the leakage is taken as if nothing were
+    /// shunted before the end, so that up to `x/2` of the shunted energy may stand under leakage.
+    #[must_use]
+    pub fn step(&self, energy: S, relaxation: &Relaxation<S>, income: S, outgo: S) -> StorageStep<S> {
+        let net = income - outgo;
+        let leaked = relaxation.leaked(energy, net);
+        let change = net - leaked;
+        let end = energy + change;
+        if end > self.capacity {
+            let shunted = end - self.capacity;
+            return StorageStep { end: self.capacity, change, leaked, shunted, unserved: S::ZERO };
+        }
+        let without_load = energy + (income - relaxation.leaked(energy, income));
+        let floor = self.lock_out.smaller(without_load);
+        if end < floor {
+            let unserved = ((floor - end) / relaxation.of_income).smaller(outgo);
+            let leaked = leaked + unserved * relaxation.lost_of_income();
+            return StorageStep { end: floor, change, leaked, shunted: S::ZERO, unserved };
+        }
+        StorageStep { end, change, leaked, shunted: S::ZERO, unserved: S::ZERO }
+    }
+}
+
+/// What an interval did to a store, in joules at the store.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct StorageStep<S> {
+    /// Energy at the end.
+    pub end: S,
+    /// Change that a store without limits would have seen: `end` less the start where nothing was shunted
+    /// or left unserved, and not rounded to the size of the store.
+    pub change: S,
+    /// Lost by leakage.
+    pub leaked: S,
+    /// Income for which there was no room.
+    pub shunted: S,
+    /// What the load asked for and did not get.
+    pub unserved: S,
+}
+
+/// The closed forms of an interval of ratio `x = λ h`: 0 where nothing leaks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Relaxation<S> {
+    ratio: S,
+    /// `e^(−x)`: part of the energy at the start that is left at the end.
+    pub kept: S,
+    /// `(1 − e^(−x))/x`: part of an even income that is left at the end.
+    pub of_income: S,
+    /// `(1 − (1 − e^(−x))/x)/x`.
+    second: S,
+}
+
+/// Below this ratio the closed forms cancel and their series are used.
+const SERIES_RATIO: f64 = 0.5;
+
+/// `Σ (−x)ⁿ/(n+2)!` up to the rounding of `f64` at [`SERIES_RATIO`].
+const SECOND: [f64; 14] = {
+    let mut coefficients = [0.5; 14];
+    let mut n = 1;
+    while n < 14 {
+        coefficients[n] = -coefficients[n - 1] / (n as f64 + 2.0);
+        n += 1;
+    }
+    coefficients
+};
+
+impl<S: Scalar> Relaxation<S> {
+    fn new(ratio: S) -> Self {
+        if ratio < S::literal(SERIES_RATIO) {
+            let second = horner(&SECOND.map(S::literal), ratio);
+            let of_income = S::ONE - ratio * second;
+            Self { ratio, kept: S::ONE - ratio * of_income, of_income, second }
+        } else {
+            let kept = S::Build::exponential(-ratio);
+            let of_income = (S::ONE - kept) / ratio;
+            Self { ratio, kept, of_income, second: (S::ONE - of_income) / ratio }
+        }
+    }
+
+    /// What leaks of `energy` at the start and of `net` that comes in evenly, without a difference of large
+    /// numbers.
+    #[inline(always)]
+    fn leaked(&self, energy: S, net: S) -> S {
+        self.ratio * (energy * self.of_income + net * self.second)
+    }
+
+    /// `1 − e^(−x)`: part of the energy at the start that leaks.
+    #[must_use]
+    #[inline(always)]
+    pub fn lost(&self) -> S {
+        self.ratio * self.of_income
+    }
+
+    /// Part of an even income that leaks.
+    #[must_use]
+    #[inline(always)]
+    pub fn lost_of_income(&self) -> S {
+        self.ratio * self.second
+    }
+
+    /// What is left of an even income above what is left of one that came at the start, per joule.
+    #[must_use]
+    #[inline(always)]
+    pub fn lost_by_early_income(&self) -> S {
+        self.ratio * (self.of_income - self.second)
+    }
+}
+
+impl<S: Scalar> Relaxation<S> {
+    /// For an exponential mean: `x` is the interval over the time constant.
+    #[inline(always)]
+    pub(super) fn of_ratio(ratio: S) -> Self {
+        Self::new(ratio)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// 220 µF with 10 MΩ across it, 0.8 and 0.9 efficient, used from 1.8 V to 4.5 V, on again at 2.4 V.
+    pub(crate) fn example<S: Scalar>() -> StorageParameters<S> {
+        StorageParameters {
+            capacitance: S::literal(220e-6),
+            leakage_resistance: S::literal(10e6),
+            charging_efficiency: S::literal(0.8),
+            discharging_efficiency: S::literal(0.9),
+            highest_voltage: S::literal(4.5),
+            lock_out_voltage: S::literal(1.8),
+            turn_on_voltage: S::literal(2.4),
+        }
+    }
+
+    #[test]
+    fn energy_and_voltage_are_inverse() {
+        let storage = example::<f64>().build().expect("within bounds");
+        for voltage in [0.0, 1e-3, 1.8, 4.5, 100.0] {
+            assert!((storage.voltage(storage.energy(voltage)) - voltage).abs() <= 1e-15 * voltage);
+        }
+        assert!((storage.capacity() - 2.2275e-3).abs() < 1e-15);
+        assert_eq!(storage.usable(storage.lock_out() * 0.5), 0.0);
+        assert!((storage.usable(storage.lock_out() + 1e-4) - 0.9e-4).abs() < 1e-15);
+    }
+
+    #[test]
+    fn closed_form_is_the_solution_of_the_differential_equation() {
+        // RK4 with steps of a thousandth of the interval, or of the time constant.
+        for resistance in [f64::INFINITY, 1e9, 10e6, 1.2e6, 1e5, 3e3] {
+            // With a lock-out, the leakier ones would reach it.
+            let parameters = StorageParameters {
+                leakage_resistance: resistance,
+                lock_out_voltage: 0.0,
+                ..example::<f64>()
+            };
+            let storage = parameters.build().expect("within bounds");
+            let (start, income, outgo, seconds) = (1e-3, 4e-5, 1e-5, 60.0);
+            let rate = 2.0 / (resistance * 220e-6);
+            let slope = |energy: f64| (income - outgo) / seconds - rate * energy;
+            let count = 1000.0 * (rate * seconds).max(1.0).ceil();
+            let step = seconds / count;
+            let (mut energy, mut leaked) = (start, 0.0);
+            for _ in 0..count as usize {
+                let k1 = slope(energy);
+                let k2 = slope(energy + 0.5 * step * k1);
+                let k3 = slope(energy + 0.5 * step * k2);
+                let k4 = slope(energy + step * k3);
+                let next = energy + step / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
+                leaked += (income - outgo) / count - (next - energy);
+                energy = next;
+            }
+            let relaxation = storage.relaxation(seconds);
+            let step = storage.step(start, &relaxation, income, outgo);
+            assert!((step.end / energy - 1.0).abs() < 1e-11, "{resistance}: {} {energy}", step.end);
+            assert!((step.leaked - leaked).abs() < 1e-11 * start, "{resistance}");
+            let single = StorageParameters {
+                leakage_resistance: resistance as f32,
+                lock_out_voltage: 0.0,
+                ..example::<f32>()
+            };
+            let single = single.build().expect("within bounds");
+            let step = single.step(1e-3, &single.relaxation(60.0), 4e-5, 1e-5);
+            // The rounding of x is one of its exponential; changes are rounded as the start is.
+            let allowed = 4e-7 * (1.0 + rate * seconds) * energy + 2e-7 * start;
+            assert!((f64::from(step.end) - energy).abs() < allowed, "{resistance}");
+        }
+    }
+
+    #[test]
+    fn series_and_exponential_meet() {
+        for x in [0.499_999_f64, 0.500_001, 1e-9, 3.0, 800.0] {
+            let relaxation = Relaxation::new(x);
+            assert!((relaxation.kept - (-x).exp()).abs() < 3e-16);
+            assert!((relaxation.of_income + (-x).exp_m1() / x).abs() < 3e-16);
+            assert!((relaxation.lost_of_income() - (1.0 + (-x).exp_m1() / x)).abs() < 3e-16);
+            let early = -(-x).exp_m1() / x - (-x).exp();
+            assert!((relaxation.lost_by_early_income() - early).abs() < 3e-16, "{x}");
+        }
+    }
+
+    #[test]
+    fn a_full_store_shunts_and_an_empty_one_leaves_the_load_unserved() {
+        let storage = example::<f64>().build().expect("within bounds");
+        let relaxation = storage.relaxation(60.0);
+        let balance = |start: f64, income: f64, outgo: f64| {
+            let step = storage.step(start, &relaxation, income, outgo);
+            let residual =
+                (step.end - start) - (income - step.shunted - step.leaked - (outgo - step.unserved));
+            assert!(residual.abs() < 1e-17, "{residual}");
+            step
+        };
+        let full = balance(storage.capacity() * 0.999, 1e-3, 0.0);
+        assert!(full.end == storage.capacity() && full.shunted > 8e-4);
+        let empty = balance(storage.lock_out() + 5e-5, 0.0, 1e-4);
+        assert!(empty.end == storage.lock_out() && empty.unserved > 5e-5);
+        // What is below the lock-out already only leaks.
+        let below = balance(storage.lock_out() * 0.5, 0.0, 1e-4);
+        assert!((below.unserved - 1e-4).abs() < 1e-17);
+        assert!((below.end - storage.lock_out() * 0.5 * relaxation.kept).abs() < 1e-18);
+    }
+
+    #[test]
+    fn parameters_are_refused_by_name() {
+        let refused = |change: fn(&mut StorageParameters<f32>)| {
+            let mut parameters = example();
+            change(&mut parameters);
+            parameters.build().expect_err("out of bounds").field
+        };
+        assert_eq!(refused(|p| p.capacitance = 0.0), "capacitance");
+        assert_eq!(refused(|p| p.leakage_resistance = f32::NAN), "leakage_resistance");
+        assert_eq!(refused(|p| p.charging_efficiency = 1.1), "charging_efficiency");
+        assert_eq!(refused(|p| p.discharging_efficiency = 0.0), "discharging_efficiency");
+        assert_eq!(refused(|p| p.highest_voltage = -1.0), "highest_voltage");
+        assert_eq!(refused(|p| p.lock_out_voltage = 4.6), "lock_out_voltage");
+        assert_eq!(refused(|p| p.turn_on_voltage = 1.7), "turn_on_voltage");
+    }
+}
