@@ -11,6 +11,7 @@ mod recorder;
 mod shooting;
 mod sliding;
 mod steady_state;
+mod whole_day;
 
 use model_core::scalar::{Libm, Mathematics, Micromath, Polynomial, Scalar};
 
@@ -22,6 +23,7 @@ use crate::steady_state::{Resonance, Spent, resonance};
 pub use bump_stop::{DeflectedShape, deflected_shapes, parameters as bump_stop_parameters};
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use sliding::parameters as sliding_parameters;
+pub use whole_day::{WholeDay, whole_day};
 
 /// Relative tolerance per radian where neither step nor tolerance is given.
 pub const DEFAULT_TOLERANCE: f64 = 1e-5;
