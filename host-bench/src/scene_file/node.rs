@@ -88,27 +88,22 @@ fn storage(
     let own = preset::preset(&mut table)?;
     let part = own.or(part_of_load);
     let lockout = own
-        .and_then(|part| part.lockout)
-        .map(|lockout| Lockout { turn_on_v: lockout.turn_on, turn_off_v: lockout.turn_off })
-        .or_else(|| of_load.and_then(|store| lockout_of(store.draw)))
-        .or_else(|| {
-            let lockout = part.and_then(|part| part.lockout)?;
-            Some(Lockout { turn_on_v: lockout.turn_on, turn_off_v: lockout.turn_off })
-        });
+        .and_then(lockout_of_part)
+        .or(of_load.and_then(|store| lockout_of_draw(store.draw)))
+        .or(part.and_then(lockout_of_part));
+    let leakage_ohm = own
+        .map(|part| part.leakage_ohms())
+        .or(of_load.map(|store| store.leakage_ohm))
+        .or(part.map(|part| part.leakage_ohms()));
     let mut number =
         |key: &'static str, bound: &str, other: Option<f64>| table.number_or(key, &bounds::of(bound), other);
-    let leakage = own.map(|part| part.leakage_ohms()).or(of_load.map(|store| store.leakage_ohm));
     let storage = Storage {
         capacitance_f: number(
             "capacitance_f",
             "storage.capacitance_f",
             of_load.map(|store| store.capacitance_f),
         )?,
-        leakage_ohm: number(
-            "leakage_ohm",
-            "storage.leakage_ohm",
-            leakage.or(part.map(|p| p.leakage_ohms())),
-        )?,
+        leakage_ohm: number("leakage_ohm", "storage.leakage_ohm", leakage_ohm)?,
         initial_v: number("initial_v", "storage.initial_v", of_load.map(|store| store.initial_v))?,
         charging_efficiency: number(
             "charging_efficiency",
@@ -134,8 +129,11 @@ fn storage(
     Ok(storage)
 }
 
-/// The thresholds of a draw, if it has any.
-fn lockout_of(draw: Draw) -> Option<Lockout> {
+fn lockout_of_part(part: Preset<f64>) -> Option<Lockout> {
+    part.lockout.map(|lockout| Lockout { turn_on_v: lockout.turn_on, turn_off_v: lockout.turn_off })
+}
+
+fn lockout_of_draw(draw: Draw) -> Option<Lockout> {
     match draw {
         Draw::None => None,
         Draw::Resistor { lockout, .. } => lockout,
