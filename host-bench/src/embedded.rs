@@ -8,6 +8,7 @@ mod contact_separation;
 mod excitation;
 mod hybrid_run;
 mod recorder;
+mod rectified;
 mod shooting;
 mod sliding;
 mod steady_state;
@@ -52,12 +53,16 @@ pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 
 fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     match &scene.model {
-        Model::ContactSeparation(model) => {
-            contact_separation::prepared::<S, M, _>(scene, model, options, |run, state| run.to_end(state))
-        }
-        Model::Sliding(model) => {
-            sliding::prepared::<S, M, _>(scene, model, options, |run, state| run.to_end(state))
-        }
+        Model::ContactSeparation(model) => match rectified::bridge(scene.load) {
+            Some(bridge) => contact_separation::rectified::<S, M>(scene, model, options, bridge),
+            None => {
+                contact_separation::prepared::<S, M, _>(scene, model, options, |run, state| run.to_end(state))
+            }
+        },
+        Model::Sliding(model) => match rectified::bridge(scene.load) {
+            Some(bridge) => sliding::rectified::<S, M>(scene, model, options, bridge),
+            None => sliding::prepared::<S, M, _>(scene, model, options, |run, state| run.to_end(state)),
+        },
         Model::BumpStop(model) => bump_stop::run::<S, M>(scene, model, options),
     }
 }

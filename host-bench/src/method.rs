@@ -158,7 +158,7 @@ impl Options {
                 scene.file.display()
             )));
         }
-        if bridge {
+        if bridge && (matches!(scene.model, Model::BumpStop(_)) || self.method == Method::Reference) {
             return Err(Failure::Input(format!(
                 "{}: load.kind: must be \"resistor\" for this scene by this method",
                 scene.file.display()

@@ -208,6 +208,13 @@ pub const SLIDING_COLUMNS: [&str; 7] = [
     "stuck",
 ];
 
+/// Columns of a recording behind a bridge: those without one, and the voltage of the store or bus.
+#[must_use]
+pub const fn with_store(columns: [&'static str; 7]) -> [&'static str; 8] {
+    let [one, two, three, four, five, six, seven] = columns;
+    [one, two, three, four, five, six, seven, "store_voltage_v"]
+}
+
 /// Sampled motion: columns by name, one row for each instant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {

@@ -193,6 +193,11 @@ impl<S: Scalar, Mode: Copy, const N: usize, const P: usize> HybridState<S, Mode,
         }
     }
 
+    /// Whether the guards are watched.
+    pub(crate) fn is_armed(&self) -> bool {
+        self.armed
+    }
+
     /// The same state with its guards not watched until [`Automaton::rearms`] says so: for a start
     /// at which a guard is zero with no rate.
     #[must_use]

@@ -6,7 +6,9 @@
 pub mod bump_stop;
 pub mod contact_separation;
 mod coupled;
+pub mod rectified;
 pub mod sliding;
+mod terminals;
 
 use crate::hybrid::{Automaton, Guard};
 use crate::integrate::Point;
@@ -85,4 +87,18 @@ pub trait Harvester<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, 
 
     /// Whether guard number `guard` of `mode` is an impact.
     fn is_impact(&self, mode: Self::Mode, guard: usize) -> bool;
+
+    /// Voltage in V of the store behind a rectifier, and what rounding took from it: a step brings a large
+    /// store less than a rounding of its voltage. Zeros where there is none.
+    #[inline(always)]
+    fn compensated_store_voltage(&self, _mode: Self::Mode, _point: &Point<S, N, P>) -> [S; 2] {
+        [S::ZERO; 2]
+    }
+
+    /// Energy in J that the store gains from one such voltage to another; `None` where there is none, and
+    /// for a bus, which has no end.
+    #[inline(always)]
+    fn store_gain(&self, _from: [S; 2], _to: [S; 2]) -> Option<S> {
+        None
+    }
 }

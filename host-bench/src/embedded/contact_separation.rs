@@ -8,7 +8,9 @@ use model_core::hybrid::HybridState;
 use model_core::part::VACUUM_PERMITTIVITY;
 use model_core::part::load::AnyLoad;
 use model_core::part::parasitic::ParasiticCapacitance;
+use model_core::part::rectifier::FullBridge;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution, VelocityDependentRestitution};
+use model_core::part::store::AnyReservoir;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::contact_separation::{
     AnyForceLaw, AnyParts, AnyStickCharge, ContactSeparation as Harvester, Mode, Parameters, STATES, Start,
@@ -18,8 +20,9 @@ use super::excitation::with_excitation;
 use super::hybrid_run::{
     Found, HostedScene, Run, WHOLE, refuse_parameter, refuse_start, step_control, unit_of_charge,
 };
+use super::rectified;
 use crate::method::{Failure, Options};
-use crate::outcome::{CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Particular};
+use crate::outcome::{self, CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Outcome, Particular};
 use crate::scene_file::{ContactSeparation, ForceLaw, Load, Restitution, Scene, StickCharge};
 
 /// The core's parameters of a scene.
@@ -81,22 +84,49 @@ pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
     scene: &Scene,
     model: &ContactSeparation,
     options: &Options,
-    with: impl FnOnce(&Run<'_, S, M, Hosted<'_, S, M>>, HybridState<S, Mode, STATES, WHOLE>) -> Result<R, Failure>,
+    with: impl FnOnce(
+        &Run<'_, S, M, Hosted<'_, S, M>, STATES>,
+        HybridState<S, Mode, STATES, WHOLE>,
+    ) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
+    let hosted = hosted::<S, M>(scene, model)?;
+    let control = step_control(scene, options, explicit_step(model, scene.load))?;
+    with_excitation::<S, M, _>(scene, |excitation| {
+        let state = hosted
+            .harvester
+            .start(&start(model), excitation, &control)
+            .map_err(|error| refuse_start(scene, &error))?;
+        with(&Run { scene, options, hosted: &hosted, excitation, control }, state)
+    })
+}
+
+/// The outcome of the scene behind a bridge.
+pub(super) fn rectified<S: Scalar, M: Mathematics<S>>(
+    scene: &Scene,
+    model: &ContactSeparation,
+    options: &Options,
+    bridge: FullBridge<S, AnyReservoir<S>>,
+) -> Result<Outcome, Failure> {
+    let hosted = hosted::<S, M>(scene, model)?;
+    let motion_s = explicit_step(model, scene.load);
+    rectified::run::<S, M, _>(scene, options, hosted, &start(model), bridge, motion_s)
+}
+
+fn hosted<'a, S: Scalar, M: Mathematics<S>>(
+    scene: &Scene,
+    model: &'a ContactSeparation,
+) -> Result<Hosted<'a, S, M>, Failure> {
     let harvester =
         parameters::<S, M>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))?;
-    let start = Start {
+    Ok(Hosted { harvester, model })
+}
+
+fn start<S: Scalar>(model: &ContactSeparation) -> Start<S> {
+    Start {
         gap: model.initial.gap_m.map(S::literal),
         velocity: model.initial.velocity_m_per_s.map(S::literal),
         charge: model.initial.charge_c.map(S::literal),
-    };
-    let control = step_control(scene, options, explicit_step(model, scene.load))?;
-    with_excitation::<S, M, _>(scene, |excitation| {
-        let state =
-            harvester.start(&start, excitation, &control).map_err(|error| refuse_start(scene, &error))?;
-        let hosted = Hosted { harvester, model };
-        with(&Run { scene, options, hosted: &hosted, excitation, control }, state)
-    })
+    }
 }
 
 /// A step at which the explicit method is stable and accurate: an 800th of the natural period, and
@@ -117,18 +147,19 @@ pub(super) struct Hosted<'a, S: Scalar, M: Mathematics<S>> {
     model: &'a ContactSeparation,
 }
 
-impl<S: Scalar, M: Mathematics<S>> HostedScene<S> for Hosted<'_, S, M> {
+impl<S: Scalar, M: Mathematics<S>> HostedScene<S, STATES> for Hosted<'_, S, M> {
     type Core = Harvester<S, AnyParts<M>>;
 
     fn core(&self) -> &Self::Core {
         &self.harvester
     }
 
-    fn columns(&self) -> &'static [&'static str] {
-        &CONTACT_SEPARATION_COLUMNS
+    fn columns(&self, with_store: bool) -> &'static [&'static str] {
+        const WITH_STORE: [&str; 8] = outcome::with_store(CONTACT_SEPARATION_COLUMNS);
+        if with_store { &WITH_STORE } else { &CONTACT_SEPARATION_COLUMNS }
     }
 
-    fn coulombs(&self, [gap, _, charge]: [S; STATES]) -> S {
+    fn coulombs(&self, gap: S, charge: S) -> S {
         self.harvester.transferred_charge(gap, charge)
     }
 
@@ -150,19 +181,18 @@ impl<S: Scalar, M: Mathematics<S>> HostedScene<S> for Hosted<'_, S, M> {
         }
     }
 
-    fn particular(&self, found: &Found<'_, S, Self::Core>) -> Particular {
+    fn particular(&self, found: &Found<S>) -> Particular {
         let number = |value: S| Some(value.to_f64());
-        let meter = found.meter;
-        let impacts = u64::from(meter.impacts());
+        let impacts = u64::from(found.impacts);
         Particular::ContactSeparation(ContactSeparationOutcome {
-            peak_gap_m: number(meter.coordinate().highest),
+            peak_gap_m: number(found.coordinate.highest),
             // A step that ends in an impact ends up to a tick beyond contact.
-            min_gap_m: number(meter.coordinate().lowest.larger(S::ZERO)),
+            min_gap_m: number(found.coordinate.lowest.larger(S::ZERO)),
             impacts,
             impacts_per_period: found.periods.map(|periods| impacts as f64 / periods),
-            max_impact_speed_m_per_s: (impacts > 0).then(|| meter.fastest_impact().to_f64()),
+            max_impact_speed_m_per_s: (impacts > 0).then(|| found.fastest_impact.to_f64()),
             first_impact_s: found.first_impact.map(Instant::seconds),
-            stuck_fraction: number(meter.held_fraction()),
+            stuck_fraction: number(found.held_fraction),
         })
     }
 }

@@ -1,10 +1,11 @@
-//! A run of any scene that advances by the core's hybrid driver: a position, a velocity and a charge.
+//! A run of any scene that advances by the core's hybrid driver: a position, a velocity, a charge, and behind a
+//! bridge the voltage of a store.
 
 use std::fmt::Display;
 use std::time::Instant as Stopwatch;
 
 use model_core::clock::{Instant, LONGEST_STEP_S};
-use model_core::energy::{Ledger, Residual, RunMeter};
+use model_core::energy::{Ledger, Peak, Residual, RunMeter};
 use model_core::hybrid::{Automaton, Driver, Event, HybridState, Observer, Span, StepError, Work};
 use model_core::integrate::{Adaptive, AnyStepControl, FixedStep, Method as Integrator, RungeKutta4, TrBdf2};
 use model_core::scalar::{Mathematics, Scalar};
@@ -14,30 +15,42 @@ use super::excitation::HostExcitation;
 use super::recorder::Recorder;
 use super::{DEFAULT_TOLERANCE, method_name, precision_name};
 use crate::method::{Failure, Method, Options};
-use crate::outcome::{Outcome, Particular, Recording};
+use crate::outcome::{Outcome, Particular, Recording, StoreOutcome};
 use crate::scene_file::{RunSpan, Scene};
 
-/// States of every such scene: position in m, velocity in m/s, charge in units of the scene.
+/// States of a scene without a store: position in m, velocity in m/s, charge in units of the scene.
 pub(super) const STATES: usize = 3;
 /// Entries of the account that a run integrates: all.
 pub(super) const WHOLE: usize = account::WHOLE;
 
-/// The modes of a hosted scene.
-pub(super) type ModeOf<S, H> = <<H as HostedScene<S>>::Core as Automaton<S, STATES, WHOLE>>::Mode;
+/// The modes of a hosted scene of `N` states.
+pub(super) type ModeOf<S, H, const N: usize> =
+    <<H as HostedScene<S, N>>::Core as Automaton<S, N, WHOLE>>::Mode;
 
-/// A scene of the core, with what a report asks beside.
-pub(super) trait HostedScene<S: Scalar> {
+/// A scene of the core, with what a report asks beside. The first three states are those of every such scene.
+pub(super) trait HostedScene<S: Scalar, const N: usize> {
     /// The harvester of the core.
-    type Core: Harvester<S, STATES, WHOLE>;
+    type Core: Harvester<S, N, WHOLE>;
 
     /// The harvester.
     fn core(&self) -> &Self::Core;
 
-    /// Columns of a trace: time, position, velocity, charge, voltage, base acceleration, held.
-    fn columns(&self) -> &'static [&'static str];
+    /// Columns of a trace: time, position, velocity, charge, voltage, base acceleration, held, and with a
+    /// store its voltage.
+    fn columns(&self, with_store: bool) -> &'static [&'static str];
 
-    /// The transferred charge of a state in coulombs.
-    fn coulombs(&self, state: [S; STATES]) -> S;
+    /// The charge in a state, in units of the scene.
+    fn charge(&self, _mode: ModeOf<S, Self, N>, state: &[S; N]) -> S {
+        state[2]
+    }
+
+    /// The store behind a bridge, if there is one.
+    fn store(&self, _mode: ModeOf<S, Self, N>, _state: &[S; N]) -> Option<Store<S>> {
+        None
+    }
+
+    /// The transferred charge in coulombs at a position and a charge.
+    fn coulombs(&self, position: S, charge: S) -> S;
 
     /// How large position, velocity and charge of the state typically are.
     fn typical(&self) -> [f64; STATES];
@@ -46,12 +59,26 @@ pub(super) trait HostedScene<S: Scalar> {
     fn residual(&self, residual: &Residual<S>) -> Option<S>;
 
     /// The numbers that only this kind of scene has.
-    fn particular(&self, found: &Found<'_, S, Self::Core>) -> Particular;
+    fn particular(&self, found: &Found<S>) -> Particular;
+}
+
+/// What a store holds.
+pub(super) struct Store<S> {
+    /// Voltage in V.
+    pub(super) voltage: S,
+    /// Energy in J; `None` for a bus, which has no end.
+    pub(super) energy: Option<S>,
 }
 
 /// What a run found, for the scene to make its own numbers of.
-pub(super) struct Found<'a, S: Scalar, H> {
-    pub(super) meter: &'a RunMeter<'a, S, H, WHOLE>,
+pub(super) struct Found<S> {
+    /// Extremes of the position in the window, in m.
+    pub(super) coordinate: Peak<S>,
+    pub(super) impacts: u32,
+    /// Largest impact speed in the window, in m/s.
+    pub(super) fastest_impact: S,
+    pub(super) sticks: u32,
+    pub(super) held_fraction: S,
     /// Time of the first impact of the whole run.
     pub(super) first_impact: Option<Instant>,
     /// Periods of the base in the window, where it moves in one sine.
@@ -139,10 +166,14 @@ struct FirstImpact<'a, H> {
     at: Option<Instant>,
 }
 
-impl<S: Scalar, H: Harvester<S, STATES, WHOLE>> Observer<S, H::Mode, STATES, WHOLE> for FirstImpact<'_, H> {
-    fn step(&mut self, _span: &Span<'_, S, H::Mode, STATES, WHOLE>) {}
+impl<S, H, const N: usize> Observer<S, H::Mode, N, WHOLE> for FirstImpact<'_, H>
+where
+    S: Scalar,
+    H: Harvester<S, N, WHOLE>,
+{
+    fn step(&mut self, _span: &Span<'_, S, H::Mode, N, WHOLE>) {}
 
-    fn event(&mut self, event: &Event<'_, S, H::Mode, STATES, WHOLE>) {
+    fn event(&mut self, event: &Event<'_, S, H::Mode, N, WHOLE>) {
         if self.at.is_none() && self.harvester.is_impact(event.before, event.guard) {
             self.at = Some(event.at);
         }
@@ -152,8 +183,8 @@ impl<S: Scalar, H: Harvester<S, STATES, WHOLE>> Observer<S, H::Mode, STATES, WHO
 /// Attempts per call: the counts of a call fit in 32 bits.
 const BUDGET: u32 = 1 << 24;
 
-/// What a run needs.
-pub(super) struct Run<'a, S: Scalar, M, H> {
+/// What a run of a scene of `N` states needs.
+pub(super) struct Run<'a, S: Scalar, M, H, const N: usize> {
     pub(super) scene: &'a Scene,
     pub(super) options: &'a Options,
     pub(super) hosted: &'a H,
@@ -161,11 +192,11 @@ pub(super) struct Run<'a, S: Scalar, M, H> {
     pub(super) control: AnyStepControl<S>,
 }
 
-impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
+impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S, N>, const N: usize> Run<'_, S, M, H, N> {
     /// Runs from `state` to the end of the scene by the method of the options.
     pub(super) fn to_end(
         &self,
-        state: HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
+        state: HybridState<S, ModeOf<S, H, N>, N, WHOLE>,
     ) -> Result<Outcome, Failure> {
         match self.options.method {
             Method::Rk4 => self.with(RungeKutta4, state),
@@ -180,7 +211,7 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
     fn with<I: Integrator<S>>(
         &self,
         integrator: I,
-        state: HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
+        state: HybridState<S, ModeOf<S, H, N>, N, WHOLE>,
     ) -> Result<Outcome, Failure> {
         self.measured(&Driver::new(integrator, self.control), state, &self.scene.run)
     }
@@ -189,7 +220,7 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
     pub(super) fn measured<I: Integrator<S>>(
         &self,
         driver: &Driver<I, AnyStepControl<S>>,
-        mut state: HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
+        mut state: HybridState<S, ModeOf<S, H, N>, N, WHOLE>,
         span: &RunSpan,
     ) -> Result<Outcome, Failure> {
         let Self { scene, options, hosted, excitation, .. } = self;
@@ -218,7 +249,17 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
         }
         let wall_s = began.elapsed().as_secs_f64();
         let number = |value: S| Some(value.to_f64());
-        let periods = scene.excitation.single_frequency().map(|frequency| frequency * span.window_s());
+        let whole = |entry| number(ledger.integrals().integral(entry));
+        let store = hosted.store(state.mode, &state.point.state);
+        let found = Found {
+            coordinate: meter.coordinate(),
+            impacts: meter.impacts(),
+            fastest_impact: meter.fastest_impact(),
+            sticks: meter.sticks(),
+            held_fraction: meter.held_fraction(),
+            first_impact: first_impact.at,
+            periods: scene.excitation.single_frequency().map(|frequency| frequency * span.window_s()),
+        };
         Ok(Outcome {
             scene: scene.name(),
             method: method_name(options.method).to_owned(),
@@ -237,27 +278,35 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
             newton_iterations: total.iterations,
             events: total.events,
             wall_s,
-            particular: hosted.particular(&Found { meter: &meter, first_impact: first_impact.at, periods }),
-            store: None,
+            particular: hosted.particular(&found),
+            store: store.as_ref().map(|store| StoreOutcome {
+                store_voltage_v: number(store.voltage),
+                stored_energy_j: store.energy.and_then(number),
+                diode_loss_j: whole(account::DIODES),
+                leaked_energy_j: whole(account::LEAKED),
+                drawn_energy_j: whole(account::DRAWN),
+            }),
             steady_state: None,
-            trace: options
-                .trace_every_s
-                .map(|_| Recording { columns: hosted.columns(), rows: std::mem::take(&mut recorder.rows) }),
+            trace: options.trace_every_s.map(|_| Recording {
+                columns: hosted.columns(store.is_some()),
+                rows: std::mem::take(&mut recorder.rows),
+            }),
         })
     }
 
     pub(super) fn step_failure(
         &self,
         error: &StepError<S>,
-        state: &HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
+        state: &HybridState<S, ModeOf<S, H, N>, N, WHOLE>,
     ) -> Failure {
-        let [position, velocity, _] = state.point.state;
+        let [position, velocity] = [state.point.state[0], state.point.state[1]];
+        let charge = self.hosted.charge(state.mode, &state.point.state);
         Failure::Step(format!(
             "{error}: {} {:e}, velocity {:e} m/s, charge {:e} C, {:?}",
-            self.hosted.columns()[1],
+            self.hosted.columns(false)[1],
             position.to_f64(),
             velocity.to_f64(),
-            self.hosted.coulombs(state.point.state).to_f64(),
+            self.hosted.coulombs(position, charge).to_f64(),
             state.mode
         ))
     }

@@ -12,9 +12,9 @@ use crate::outcome::{Outcome, Particular};
 use crate::steady_state::{Orbit, Response, Search, Shaken, Spent};
 
 /// A state of a hosted scene.
-type State<H> = HybridState<f64, ModeOf<f64, H>, STATES, WHOLE>;
+type State<H> = HybridState<f64, ModeOf<f64, H, STATES>, STATES, WHOLE>;
 
-impl<M: Mathematics<f64>, H: HostedScene<f64>> Run<'_, f64, M, H> {
+impl<M: Mathematics<f64>, H: HostedScene<f64, STATES>> Run<'_, f64, M, H, STATES> {
     /// The steady state by shooting; the scene's own run where it has no stable orbit of one period.
     pub(super) fn steady_state(&self, start: State<H>) -> Result<Outcome, Failure> {
         match self.options.method {
@@ -31,7 +31,7 @@ impl<M: Mathematics<f64>, H: HostedScene<f64>> Run<'_, f64, M, H> {
     pub(super) fn response(
         &self,
         start: State<H>,
-        known: &mut Option<Orbit<ModeOf<f64, H>, STATES, WHOLE>>,
+        known: &mut Option<Orbit<ModeOf<f64, H, STATES>, STATES, WHOLE>>,
         spent: &mut Spent,
     ) -> Result<Option<Response>, Failure> {
         match self.options.method {
@@ -79,7 +79,7 @@ impl<M: Mathematics<f64>, H: HostedScene<f64>> Run<'_, f64, M, H> {
         &self,
         integrator: I,
         start: State<H>,
-        known: &mut Option<Orbit<ModeOf<f64, H>, STATES, WHOLE>>,
+        known: &mut Option<Orbit<ModeOf<f64, H, STATES>, STATES, WHOLE>>,
         spent: &mut Spent,
     ) -> Result<Option<Response>, Failure> {
         let driver = Driver::new(integrator, self.control);

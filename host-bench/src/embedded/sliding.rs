@@ -4,6 +4,8 @@ use model_core::energy::Residual;
 use model_core::hybrid::HybridState;
 use model_core::part::VACUUM_PERMITTIVITY;
 use model_core::part::load::AnyLoad;
+use model_core::part::rectifier::FullBridge;
+use model_core::part::store::AnyReservoir;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::sliding::{
     AnyLateralForce, AnyParts, Mode, Parameters, PatchFriction, STATES, Sliding as Harvester, Start,
@@ -14,8 +16,9 @@ use super::excitation::with_excitation;
 use super::hybrid_run::{
     Found, HostedScene, Run, WHOLE, refuse_parameter, refuse_start, step_control, unit_of_charge,
 };
+use super::rectified;
 use crate::method::{Failure, Options};
-use crate::outcome::{Particular, SLIDING_COLUMNS, SlidingOutcome};
+use crate::outcome::{self, Outcome, Particular, SLIDING_COLUMNS, SlidingOutcome};
 use crate::scene_file::{Load, Scene, Sliding};
 
 /// The core's parameters of a scene.
@@ -54,22 +57,46 @@ pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
     scene: &Scene,
     model: &Sliding,
     options: &Options,
-    with: impl FnOnce(&Run<'_, S, M, Hosted<'_, S>>, HybridState<S, Mode, STATES, WHOLE>) -> Result<R, Failure>,
+    with: impl FnOnce(
+        &Run<'_, S, M, Hosted<'_, S>, STATES>,
+        HybridState<S, Mode, STATES, WHOLE>,
+    ) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
+    let hosted = hosted::<S>(scene, model)?;
+    let control = step_control(scene, options, explicit_step(&hosted.harvester, model, scene.load))?;
+    with_excitation::<S, M, _>(scene, |excitation| {
+        let state = hosted
+            .harvester
+            .start(&start(model), excitation, &control)
+            .map_err(|error| refuse_start(scene, &error))?;
+        with(&Run { scene, options, hosted: &hosted, excitation, control }, state)
+    })
+}
+
+/// The outcome of the scene behind a bridge.
+pub(super) fn rectified<S: Scalar, M: Mathematics<S>>(
+    scene: &Scene,
+    model: &Sliding,
+    options: &Options,
+    bridge: FullBridge<S, AnyReservoir<S>>,
+) -> Result<Outcome, Failure> {
+    let hosted = hosted::<S>(scene, model)?;
+    let motion_s = explicit_step(&hosted.harvester, model, scene.load);
+    rectified::run::<S, M, _>(scene, options, hosted, &start(model), bridge, motion_s)
+}
+
+fn hosted<'a, S: Scalar>(scene: &Scene, model: &'a Sliding) -> Result<Hosted<'a, S>, Failure> {
     let harvester =
         parameters::<S>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))?;
-    let start = Start {
+    Ok(Hosted { harvester, model })
+}
+
+fn start<S: Scalar>(model: &Sliding) -> Start<S> {
+    Start {
         displacement: model.initial.displacement_m.map(S::literal),
         velocity: model.initial.velocity_m_per_s.map(S::literal),
         charge: model.initial.charge_c.map(S::literal),
-    };
-    let control = step_control(scene, options, explicit_step(&harvester, model, scene.load))?;
-    with_excitation::<S, M, _>(scene, |excitation| {
-        let state =
-            harvester.start(&start, excitation, &control).map_err(|error| refuse_start(scene, &error))?;
-        let hosted = Hosted { harvester, model };
-        with(&Run { scene, options, hosted: &hosted, excitation, control }, state)
-    })
+    }
 }
 
 /// A step at which the explicit method is stable and accurate: an 800th of the natural period, and
@@ -91,18 +118,19 @@ pub(super) struct Hosted<'a, S: Scalar> {
     model: &'a Sliding,
 }
 
-impl<S: Scalar> HostedScene<S> for Hosted<'_, S> {
+impl<S: Scalar> HostedScene<S, STATES> for Hosted<'_, S> {
     type Core = Harvester<S, AnyParts>;
 
     fn core(&self) -> &Self::Core {
         &self.harvester
     }
 
-    fn columns(&self) -> &'static [&'static str] {
-        &SLIDING_COLUMNS
+    fn columns(&self, with_store: bool) -> &'static [&'static str] {
+        const WITH_STORE: [&str; 8] = outcome::with_store(SLIDING_COLUMNS);
+        if with_store { &WITH_STORE } else { &SLIDING_COLUMNS }
     }
 
-    fn coulombs(&self, [_, _, charge]: [S; STATES]) -> S {
+    fn coulombs(&self, _displacement: S, charge: S) -> S {
         self.harvester.charge_unit() * charge
     }
 
@@ -124,17 +152,17 @@ impl<S: Scalar> HostedScene<S> for Hosted<'_, S> {
         if self.model.parameters.lateral_force { residual.total() } else { residual.larger() }
     }
 
-    fn particular(&self, found: &Found<'_, S, Self::Core>) -> Particular {
+    fn particular(&self, found: &Found<S>) -> Particular {
         let number = |value: S| Some(value.to_f64());
-        let displacement = found.meter.coordinate();
+        let displacement = found.coordinate;
         let half = S::literal(0.5);
         let hertz = self.harvester.angular_frequency().to_f64() / std::f64::consts::TAU;
         Particular::Sliding(SlidingOutcome {
             natural_frequency_hz: Some(hertz),
             peak_displacement_m: number(displacement.magnitude()),
             amplitude_m: number(half * (displacement.highest - displacement.lowest)),
-            stick_fraction: number(found.meter.held_fraction()),
-            sticks_per_period: found.periods.map(|periods| f64::from(found.meter.sticks()) / periods),
+            stick_fraction: number(found.held_fraction),
+            sticks_per_period: found.periods.map(|periods| f64::from(found.sticks) / periods),
         })
     }
 }

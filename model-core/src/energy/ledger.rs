@@ -2,8 +2,11 @@
 //!
 //! ```text
 //! Δ(mechanical)  = ∫ base − ∫ dissipation − ∫ given up − losses in contact
-//! Δ(electrical)  = ∫ taken up − ∫ load
+//! Δ(electrical)  = ∫ taken up − ∫ load − ∫ diodes
+//! Δ(store)       = ∫ load − ∫ leaked − ∫ drawn
 //! ```
+//!
+//! The third only where there is a store behind a rectifier.
 //!
 //! The identities of sections 6.3 and 6.4 of the model's derivation: they hold along any exact
 //! trajectory, so what is left over is the error of the integration. No reference is needed.
@@ -23,23 +26,27 @@ pub struct Residual<S> {
     pub mechanical: S,
     /// Of the electrical ledger.
     pub electrical: S,
+    /// Of the ledger of the store behind a rectifier; 0 without one.
+    pub store: S,
     /// The larger of `∫ |base power| dt` and the peak of the stored energy.
     pub scale: S,
 }
 
 impl<S: Scalar> Residual<S> {
-    /// Residual of the sum of both ledgers, relative to the scale; `None` if the scale is 0.
+    /// The larger residual of the sum of the mechanical and the electrical ledger and of the store's,
+    /// relative to the scale; `None` if the scale is 0.
     ///
-    /// Closes only where the force law is the field's own.
+    /// The sum closes only where the force law is the field's own.
     #[must_use]
     pub fn total(&self) -> Option<S> {
-        self.relative(self.mechanical + self.electrical)
+        self.relative((self.mechanical + self.electrical).absolute().larger(self.store.absolute()))
     }
 
-    /// The larger residual of the two ledgers, relative to the scale; `None` if the scale is 0.
+    /// The largest residual of the ledgers, relative to the scale; `None` if the scale is 0.
     #[must_use]
     pub fn larger(&self) -> Option<S> {
-        self.relative(self.mechanical.absolute().larger(self.electrical.absolute()))
+        let harvester = self.mechanical.absolute().larger(self.electrical.absolute());
+        self.relative(harvester.larger(self.store.absolute()))
     }
 
     fn relative(&self, residual: S) -> Option<S> {
@@ -56,6 +63,10 @@ pub struct Ledger<'a, S, H> {
     start: StoredEnergy<S>,
     now: StoredEnergy<S>,
     peak: S,
+    /// Compensated voltage of the store at the start.
+    opening_voltage: [S; 2],
+    /// What the store has gained; `None` without a store.
+    stored: Option<S>,
 }
 
 impl<'a, S: Scalar, H> Ledger<'a, S, H> {
@@ -76,7 +87,15 @@ impl<'a, S: Scalar, H> Ledger<'a, S, H> {
             start,
             now: start,
             peak: start.mechanical + start.electrical,
+            opening_voltage: harvester.compensated_store_voltage(state.mode, &state.point),
+            stored: None,
         }
+    }
+
+    /// The integrals of the powers.
+    #[must_use]
+    pub fn integrals(&self) -> &Integrals<S, { account::WHOLE }> {
+        &self.integrals
     }
 
     /// What is left over so far.
@@ -86,10 +105,12 @@ impl<'a, S: Scalar, H> Ledger<'a, S, H> {
         let (start, now) = (self.start, self.now);
         let income = integral(account::BASE) - integral(account::DISSIPATION);
         let outgoings = integral(account::GIVEN_UP) + self.losses.value();
+        let left = integral(account::LOAD) - integral(account::LEAKED) - integral(account::DRAWN);
         Residual {
             mechanical: (now.mechanical - start.mechanical) - (income - outgoings),
             electrical: (now.electrical - start.electrical)
-                - (integral(account::TAKEN_UP) - integral(account::LOAD)),
+                - (integral(account::TAKEN_UP) - integral(account::LOAD) - integral(account::DIODES)),
+            store: self.stored.map_or(S::ZERO, |stored| stored - left),
             scale: integral(account::BASE_MAGNITUDE).larger(self.peak),
         }
     }
@@ -114,6 +135,8 @@ impl<S: Scalar, H> Ledger<'_, S, H> {
         H: Harvester<S, N, { account::WHOLE }>,
     {
         self.now = self.harvester.stored_energy(mode, point);
+        let voltage = self.harvester.compensated_store_voltage(mode, point);
+        self.stored = self.harvester.store_gain(self.opening_voltage, voltage);
         self.peak = self.peak.larger(self.now.mechanical + self.now.electrical);
     }
 }

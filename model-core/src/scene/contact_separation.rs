@@ -32,6 +32,7 @@ mod flow;
 mod force_law;
 mod parameters;
 mod start;
+mod terminals;
 
 pub use crate::scene::coupled::ModeFactor;
 pub use automaton::Mode;

@@ -22,7 +22,8 @@ pub(crate) const VELOCITY: usize = 1;
 pub(crate) const CHARGE: usize = 2;
 
 /// Derivatives of the restoring force per mass, `−f`, and of the current `i`.
-pub(crate) struct Derivatives<S> {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Derivatives<S> {
     /// `−∂f/∂x` in 1/s².
     pub(crate) stiffness: S,
     /// `−∂f/∂v` in 1/s.

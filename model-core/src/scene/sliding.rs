@@ -42,6 +42,7 @@ mod force_law;
 mod lateral_force;
 mod parameters;
 mod start;
+mod terminals;
 
 pub use automaton::Mode;
 pub use flow::Flow;

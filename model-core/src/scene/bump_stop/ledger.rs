@@ -158,6 +158,7 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a,
         Residual {
             mechanical: (self.now[0] - self.start[0]) - income,
             electrical: (self.now[1] - self.start[1]) - (brought - self.delivered.value()),
+            store: S::ZERO,
             scale: self.base_magnitude.value().larger(self.peak),
         }
     }

@@ -69,7 +69,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
 
     /// Smallest gap that is told from contact after a release.
     #[inline(always)]
-    fn release_margin(&self) -> S {
+    pub(super) fn release_margin(&self) -> S {
         S::literal(RELEASE_ROUNDINGS) * S::EPSILON * self.initial_gap
     }
 

@@ -118,9 +118,30 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         }
     }
 
+    /// Derivatives of force and current while the mass is free.
+    #[inline(always)]
+    pub(super) fn derivatives(&self, state: &[S; STATES]) -> Derivatives<S> {
+        let scene = self.scene;
+        let circuit = scene.circuit(state[GAP], state[CHARGE]);
+        let rate = self.circuit_rate();
+        let [by_gap, force_by_charge] = scene.force_law.derivatives(&circuit, scene.tribo_charge);
+        Derivatives {
+            stiffness: scene.stiffness_per_mass + by_gap,
+            damping: scene.damping_per_mass,
+            force_by_charge,
+            current_by_position: rate * circuit.voltage_by_gap,
+            current_by_charge: rate * circuit.voltage_by_charge,
+        }
+    }
+
     /// The whole account of powers; see [`account`].
     #[inline(always)]
-    fn account(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; account::WHOLE] {
+    pub(super) fn account(
+        &self,
+        state: &[S; STATES],
+        rate: &[S; STATES],
+        acceleration: S,
+    ) -> [S; account::WHOLE] {
         let scene = self.scene;
         let (voltage, current) = scene.voltage_and_current(self.mode, state, rate);
         let velocity = state[VELOCITY];
@@ -167,24 +188,11 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
 
     #[inline(always)]
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
-        let scene = self.scene;
-        let circuit = scene.circuit(state[GAP], state[CHARGE]);
-        let rate = self.circuit_rate();
-        let current_by_charge = rate * circuit.voltage_by_charge;
+        let derivatives = self.derivatives(state);
         if self.mode == Mode::Stuck {
-            return Some(ModeFactor::held(weight, current_by_charge));
+            return Some(ModeFactor::held(weight, derivatives.current_by_charge));
         }
-        let [by_gap, force_by_charge] = scene.force_law.derivatives(&circuit, scene.tribo_charge);
-        ModeFactor::moving(
-            weight,
-            &Derivatives {
-                stiffness: scene.stiffness_per_mass + by_gap,
-                damping: scene.damping_per_mass,
-                force_by_charge,
-                current_by_position: rate * circuit.voltage_by_gap,
-                current_by_charge,
-            },
-        )
+        ModeFactor::moving(weight, &derivatives)
     }
 
     #[inline(always)]

@@ -16,7 +16,7 @@ use crate::scene::coupled::{self, Derivatives, ModeFactor};
 pub(super) struct Circuit<S> {
     overlap: DiscOverlap<S>,
     /// `1/s1`.
-    per_active: S,
+    pub(super) per_active: S,
     /// Transferred charge: the state, or in a short circuit what the displacement makes it.
     transferred: S,
     pub(super) voltage: S,
@@ -60,6 +60,17 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     pub(super) fn active_by_displacement(&self, ahead: bool, displacement: S) -> S {
         let by_xi = self.per_diameter * DiscOverlap::active_by_xi(self.xi(ahead, displacement));
         if ahead { by_xi } else { -by_xi }
+    }
+
+    /// `d²s1/dx²` in 1/m², as of the side `ahead` or the other.
+    #[inline(always)]
+    pub(super) fn active_curvature(&self, ahead: bool, displacement: S) -> S {
+        // d²s1/dξ² = (16/π²) ξ / −(ds1/dξ); at the rim of the domain it has a pole.
+        let xi = self.xi(ahead, displacement);
+        let by_xi = DiscOverlap::active_by_xi(xi).absolute().larger(S::literal(1e-3));
+        S::literal(16.0 / (core::f64::consts::PI * core::f64::consts::PI)) * xi / by_xi
+            * self.per_diameter
+            * self.per_diameter
     }
 
     #[inline(always)]
@@ -141,12 +152,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         if !self.lateral_force.acts() {
             return S::ZERO;
         }
-        // d²s1/dξ² = (16/π²) ξ / −(ds1/dξ); at the rim of the domain it has a pole.
-        let xi = self.xi(ahead, displacement);
-        let by_xi = DiscOverlap::active_by_xi(xi).absolute().larger(S::literal(1e-3));
-        let curvature = S::literal(16.0 / (core::f64::consts::PI * core::f64::consts::PI)) * xi / by_xi
-            * self.per_diameter
-            * self.per_diameter;
+        let curvature = self.active_curvature(ahead, displacement);
         let tribo = self.surface.tribo_charge;
         let voltage = circuit.voltage;
         self.dielectric
@@ -223,9 +229,39 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         }
     }
 
+    /// Derivatives of force and current while the slider slides.
+    #[inline(always)]
+    pub(super) fn derivatives(&self, state: &[S; STATES]) -> Derivatives<S> {
+        let scene = self.scene;
+        let [displacement, _, charge] = *state;
+        let ahead = self.mode.is_ahead(displacement);
+        let circuit = scene.circuit(ahead, displacement, charge);
+        let rate = self.circuit_rate();
+        let slope = scene.slope(ahead, displacement, &circuit);
+        let coefficient = self.direction() * scene.friction.kinetic_coefficient(circuit.overlap.active);
+        let by_share = self.direction() * scene.friction.kinetic_by_share();
+        let [normal, normal_by_charge] = scene.normal(&circuit);
+        let [_, lateral_by_charge] = scene.lateral(ahead, displacement, &circuit);
+        let friction_by_displacement =
+            by_share * slope.active * normal + coefficient * scene.normal_by_displacement(&circuit, &slope);
+        let lateral_by_displacement = scene.lateral_by_displacement(ahead, displacement, &circuit, &slope);
+        Derivatives {
+            stiffness: scene.stiffness_per_mass + friction_by_displacement - lateral_by_displacement,
+            damping: scene.damping_per_mass,
+            force_by_charge: coefficient * normal_by_charge - lateral_by_charge,
+            current_by_position: rate * slope.voltage,
+            current_by_charge: -rate * circuit.per_active,
+        }
+    }
+
     /// The whole account of powers; see [`account`].
     #[inline(always)]
-    fn account(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; account::WHOLE] {
+    pub(super) fn account(
+        &self,
+        state: &[S; STATES],
+        rate: &[S; STATES],
+        acceleration: S,
+    ) -> [S; account::WHOLE] {
         let scene = self.scene;
         let [displacement, velocity, charge] = *state;
         let (voltage, current) = scene.voltage_and_current(self.mode, state, rate);
@@ -281,33 +317,11 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
 
     #[inline(always)]
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
-        let scene = self.scene;
-        let [displacement, _, charge] = *state;
-        let ahead = self.mode.is_ahead(displacement);
-        let circuit = scene.circuit(ahead, displacement, charge);
-        let rate = self.circuit_rate();
-        let current_by_charge = -rate * circuit.per_active;
+        let derivatives = self.derivatives(state);
         if self.is_stuck() {
-            return Some(ModeFactor::held(weight, current_by_charge));
+            return Some(ModeFactor::held(weight, derivatives.current_by_charge));
         }
-        let slope = scene.slope(ahead, displacement, &circuit);
-        let coefficient = self.direction() * scene.friction.kinetic_coefficient(circuit.overlap.active);
-        let by_share = self.direction() * scene.friction.kinetic_by_share();
-        let [normal, normal_by_charge] = scene.normal(&circuit);
-        let [_, lateral_by_charge] = scene.lateral(ahead, displacement, &circuit);
-        let friction_by_displacement =
-            by_share * slope.active * normal + coefficient * scene.normal_by_displacement(&circuit, &slope);
-        let lateral_by_displacement = scene.lateral_by_displacement(ahead, displacement, &circuit, &slope);
-        ModeFactor::moving(
-            weight,
-            &Derivatives {
-                stiffness: scene.stiffness_per_mass + friction_by_displacement - lateral_by_displacement,
-                damping: scene.damping_per_mass,
-                force_by_charge: coefficient * normal_by_charge - lateral_by_charge,
-                current_by_position: rate * slope.voltage,
-                current_by_charge,
-            },
-        )
+        ModeFactor::moving(weight, &derivatives)
     }
 
     #[inline(always)]

@@ -1,0 +1,149 @@
+//! Any scene on the hybrid driver behind a full bridge.
+
+use model_core::energy::Residual;
+use model_core::hybrid::Automaton;
+use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
+use model_core::part::rectifier::FullBridge;
+use model_core::part::store::{AnyReservoir, Capacitor, DcBus};
+use model_core::scalar::{Mathematics, Scalar};
+use model_core::scene::rectified::{Mode, Rectified, STATES, Terminals};
+
+use super::excitation::with_excitation;
+use super::hybrid_run::{Found, HostedScene, Run, Store, refuse_start, step_control};
+use crate::method::{Failure, Options};
+use crate::outcome::{Outcome, Particular};
+use crate::scene_file::{self, Draw, Load, Scene};
+
+/// The bridge of a scene; `None` where its load is a resistor.
+pub(super) fn bridge<S: Scalar>(load: Load) -> Option<FullBridge<S, AnyReservoir<S>>> {
+    let number = S::literal;
+    match load {
+        Load::Resistor { .. } => None,
+        Load::DcBus { voltage_v, diode_drop_v } => Some(FullBridge {
+            diode_drop: number(diode_drop_v),
+            reservoir: AnyReservoir::DcBus(DcBus { volts: number(voltage_v) }),
+        }),
+        Load::RectifiedStore(store) => Some(FullBridge {
+            diode_drop: number(store.diode_drop_v),
+            reservoir: AnyReservoir::Capacitor(Capacitor {
+                farads: number(store.capacitance_f),
+                leakage_ohms: number(store.leakage_ohm),
+                initial_voltage: number(store.initial_v),
+                draw: draw(store.draw),
+            }),
+        }),
+    }
+}
+
+fn draw<S: Scalar>(draw: Draw) -> AnyDraw<S> {
+    let lockout = |from: scene_file::Lockout| Lockout {
+        turn_on: S::literal(from.turn_on_v),
+        turn_off: S::literal(from.turn_off_v),
+    };
+    match draw {
+        Draw::None => AnyDraw::None,
+        Draw::Resistor { resistance_ohm, lockout: thresholds } => AnyDraw::Resistor(ResistiveDraw {
+            ohms: S::literal(resistance_ohm),
+            lockout: thresholds.map(lockout),
+        }),
+        Draw::Current { current_a, lockout: thresholds } => {
+            AnyDraw::Current(CurrentDraw { amperes: S::literal(current_a), lockout: lockout(thresholds) })
+        }
+        Draw::Power { power_w, lockout: thresholds } => {
+            AnyDraw::Power(PowerDraw { watts: S::literal(power_w), lockout: lockout(thresholds) })
+        }
+    }
+}
+
+/// A step at which an explicit method is stable and accurate: as good as the motion alone needs, and 2
+/// times the time constant of what empties the store.
+fn explicit_step(motion_s: f64, load: Load) -> f64 {
+    let Load::RectifiedStore(store) = load else { return motion_s };
+    let drawn = match store.draw {
+        Draw::Resistor { resistance_ohm, .. } => resistance_ohm,
+        // Steepest where the draw is disconnected.
+        Draw::Power { power_w, lockout } => lockout.turn_off_v.powi(2) / power_w,
+        Draw::None | Draw::Current { .. } => f64::INFINITY,
+    };
+    motion_s.min(2.0 * store.capacitance_f * store.leakage_ohm.min(drawn))
+}
+
+/// The outcome of a scene whose harvester is `inner`, behind `bridge`; `motion_s` is the step that the motion
+/// by itself asks of an explicit method.
+pub(super) fn run<S, M, H>(
+    scene: &Scene,
+    options: &Options,
+    inner: H,
+    start: &<H::Core as Terminals<S>>::Start,
+    bridge: FullBridge<S, AnyReservoir<S>>,
+    motion_s: f64,
+) -> Result<Outcome, Failure>
+where
+    S: Scalar,
+    M: Mathematics<S>,
+    H: HostedScene<S, 3>,
+    H::Core: Terminals<S>,
+{
+    let core = Rectified::new(*inner.core(), bridge)
+        .map_err(|error| Failure::Input(format!("{}: load.{error}", scene.file.display())))?;
+    let control = step_control(scene, options, explicit_step(motion_s, scene.load))?;
+    let hosted = Hosted { core, inner };
+    with_excitation::<S, M, _>(scene, |excitation| {
+        let state =
+            hosted.core.start(start, excitation, &control).map_err(|error| refuse_start(scene, &error))?;
+        Run { scene, options, hosted: &hosted, excitation, control }.to_end(state)
+    })
+}
+
+/// The core's harvester behind its bridge.
+struct Hosted<S: Scalar, H: HostedScene<S, 3>> {
+    core: Rectified<S, H::Core, AnyReservoir<S>>,
+    inner: H,
+}
+
+impl<S, H> HostedScene<S, STATES> for Hosted<S, H>
+where
+    S: Scalar,
+    H: HostedScene<S, 3>,
+    H::Core: Terminals<S>,
+{
+    type Core = Rectified<S, H::Core, AnyReservoir<S>>;
+
+    fn core(&self) -> &Self::Core {
+        &self.core
+    }
+
+    fn columns(&self, with_store: bool) -> &'static [&'static str] {
+        self.inner.columns(with_store)
+    }
+
+    fn charge(&self, mode: BridgedMode<S, H>, state: &[S; STATES]) -> S {
+        let [_, _, charge] = self.core.harvester_state(mode, state);
+        charge
+    }
+
+    fn store(&self, mode: BridgedMode<S, H>, state: &[S; STATES]) -> Option<Store<S>> {
+        let voltage = self.core.store_voltage(mode, state);
+        let has_end = matches!(self.core.bridge().reservoir, AnyReservoir::Capacitor(_));
+        Some(Store { voltage, energy: has_end.then(|| self.core.stored_in_reservoir(voltage)) })
+    }
+
+    fn coulombs(&self, position: S, charge: S) -> S {
+        self.inner.coulombs(position, charge)
+    }
+
+    fn typical(&self) -> [f64; 3] {
+        self.inner.typical()
+    }
+
+    fn residual(&self, residual: &Residual<S>) -> Option<S> {
+        self.inner.residual(residual)
+    }
+
+    fn particular(&self, found: &Found<S>) -> Particular {
+        self.inner.particular(found)
+    }
+}
+
+/// The modes behind a bridge.
+type BridgedMode<S, H> = Mode<<<H as HostedScene<S, 3>>::Core as Automaton<S, 3, 0>>::Mode>;

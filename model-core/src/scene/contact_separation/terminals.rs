@@ -1,0 +1,79 @@
+//! The open terminals, for a circuit behind them.
+
+use super::automaton::Mode;
+use super::flow::Flow;
+use super::{ContactSeparation, GAP, Parts, STATES, Start, Sticking};
+use crate::excitation::Excitation;
+use crate::hybrid::HybridState;
+use crate::integrate::StepControl;
+use crate::part::bounds::ParameterError;
+use crate::part::load::{Load, Resistance};
+use crate::scalar::Scalar;
+use crate::scene::account;
+use crate::scene::coupled::Derivatives;
+use crate::scene::terminals::{TerminalVoltage, Terminals};
+
+impl<S: Scalar, P: Parts<S>> Terminals<S> for ContactSeparation<S, P> {
+    type Start = Start<S>;
+
+    fn begin<E: Excitation<S>, C: StepControl<S>>(
+        &self,
+        start: &Start<S>,
+        excitation: &E,
+        control: &C,
+    ) -> Result<HybridState<S, Mode, STATES, 0>, ParameterError<S>> {
+        self.start(start, excitation, control)
+    }
+
+    #[inline(always)]
+    fn resistance(&self) -> Resistance<S> {
+        self.load.resistance()
+    }
+
+    #[inline(always)]
+    fn coulombs(&self) -> S {
+        self.charge_unit
+    }
+
+    fn typical_voltage(&self) -> S {
+        self.field * self.tribo_charge * self.initial_gap
+    }
+
+    /// `V = (σ S g − Q (g + d_e)) / (ε0 S + C_p (g + d_e))`.
+    #[inline(always)]
+    fn terminal_voltage(&self, _mode: Mode, gap: S, charge: S) -> TerminalVoltage<S> {
+        let circuit = self.circuit(gap, charge);
+        let sharing = self.field * circuit.sharing;
+        let by_gap = self.field * circuit.voltage_by_gap;
+        // ∂V/∂g = field (σ S (1 + c d_e) − Q) s², with s = 1/(1 + c (g + d_e)).
+        TerminalVoltage {
+            value: self.field * circuit.voltage,
+            by_position: by_gap,
+            by_charge: self.field * circuit.voltage_by_charge,
+            curvature: -S::literal(2.0) * circuit.parasitic * circuit.sharing * by_gap,
+            by_both: -sharing * circuit.sharing,
+            magnitude: sharing * self.tribo_charge.larger(charge.absolute()) * (gap + self.dielectric),
+        }
+    }
+
+    #[inline(always)]
+    fn is_frozen(&self, mode: Mode) -> bool {
+        P::Sticking::POSSIBLE && mode == Mode::Stuck && !self.sticking.relaxes()
+    }
+
+    #[inline(always)]
+    fn is_clear(&self, mode: Mode, state: &[S; STATES]) -> bool {
+        mode == Mode::Stuck || state[GAP] > self.release_margin()
+    }
+
+    #[inline(always)]
+    fn derivatives(&self, mode: Mode, state: &[S; STATES]) -> Derivatives<S> {
+        Flow { scene: self, mode }.derivatives(state)
+    }
+
+    #[inline(always)]
+    fn account(&self, mode: Mode, state: &[S; STATES], acceleration: S) -> [S; account::WHOLE] {
+        // Of the rates the account asks for the current in a resistor only.
+        Flow { scene: self, mode }.account(state, &[S::ZERO; STATES], acceleration)
+    }
+}

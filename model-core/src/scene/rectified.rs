@@ -1,0 +1,241 @@
+//! A triboelectric harvester behind a full bridge of diodes that charges a store or feeds a DC bus.
+//!
+//! Either triboelectric scene, with its terminals open, and a [`FullBridge`]. A scene with a plain resistor
+//! contains nothing of this.
+//!
+//! # The three regimes
+//!
+//! With `Q` the charge that has passed the terminals and `x` the gap or the displacement, equations (23) to (25)
+//! of Fu, Ouyang and Davis, J. Phys. D 53 (2020), for contact-separation (`Q = q − C_p V`), and (12) to (15) for
+//! sliding (`Q = q`) give a voltage at the terminals that is linear in the charge:
+//!
+//! ```text
+//! V(x, Q) = (σ S x − Q (x + d_e)) / (ε0 S + C_p (x + d_e))        contact-separation
+//! V(x, Q) = (σ S2(x) − Q) d / (ε0 ε_r S1(x))                      sliding
+//! ```
+//!
+//! The bridge passes no current while `|V|` is below its threshold `U = V_s + 2 V_D`, with the store's voltage
+//! `V_s` and the drop `V_D` of each of two diodes; and while it passes one it holds `V` at `s U`, `s = ±1` the
+//! current's direction. The store, with what leaks from it and is drawn from it, `i_out`, follows
+//! `C_s V_s' = s Q' − i_out(V_s)`. So there are three regimes:
+//!
+//! | regime | charge | store | ends where |
+//! | --- | --- | --- | --- |
+//! | blocked | `Q' = 0` | `C_s V_s' = −i_out` | `V` rises through `U`, or falls through `−U` |
+//! | forward `s = 1`, backward `s = −1` | `V(x, Q) = s (V_s + 2 V_D)` | `C_s V_s' = s Q' − i_out` | `s Q'` falls through 0 |
+//!
+//! The derivative of the condition in the second row gives the current without a difference of voltages,
+//!
+//! ```text
+//! Q' = (∂V/∂x · x' + s i_out/C_s) / (1/C_s − ∂V/∂Q)
+//! ```
+//!
+//! in which the denominator is above zero.
+//!
+//! # The electrical state
+//!
+//! While the bridge conducts, the charge is not integrated. The state keeps the charge `Q0` with which
+//! conduction began, and a voltage `B` that the store would have without what has come in since, `C_s B' =
+//! −i_out(V_s)`. With `ΔQ = Q − Q0` and `V_s = B + s ΔQ/C_s` the condition is linear in `ΔQ`:
+//!
+//! ```text
+//! ΔQ = (V(x, Q0) − s (B + 2 V_D)) / (1/C_s − ∂V/∂Q)
+//! ```
+//!
+//! So there is no fast circuit whatever the diodes, an explicit method is as good as an implicit one, and conduction
+//! begins without a change of state. Where it ends, `Q0` and `B` take up `ΔQ` and `s ΔQ/C_s`; a step brings a
+//! large store less than a rounding of its voltage, so what rounding takes is kept, through every event.
+//!
+//! At `V_s = V_D = 0` the bridge is a short circuit; where `U` is beyond the reach of `V`, an open one. While the
+//! scene holds its charge frozen in stick, the bridge blocks and the terminals count as without voltage; where
+//! the store falls meanwhile, `V` may be beyond `U` at the release, and conduction begins with what is beyond.
+//!
+//! ```
+//! use model_core::clock::Instant;
+//! use model_core::energy::PowerMeter;
+//! use model_core::excitation::Sine;
+//! use model_core::hybrid::Driver;
+//! use model_core::integrate::{Adaptive, TrBdf2};
+//! use model_core::part::draw::{Lockout, PowerDraw};
+//! use model_core::part::load::OpenCircuit;
+//! use model_core::part::parasitic::ParasiticCapacitance;
+//! use model_core::part::rectifier::FullBridge;
+//! use model_core::part::restitution::ConstantRestitution;
+//! use model_core::part::store::Capacitor;
+//! use model_core::scene::contact_separation::{FrozenCharge, Parameters, Parts, Start, TransferredCharge};
+//! use model_core::scene::rectified::Rectified;
+//!
+//! #[derive(Debug, Clone, Copy, PartialEq)]
+//! struct MyHarvester;
+//! impl Parts<f32> for MyHarvester {
+//!     type ForceLaw = TransferredCharge;
+//!     type Load = OpenCircuit; // the bridge is what is at the terminals
+//!     type Parasitic = ParasiticCapacitance<f32>;
+//!     type Restitution = ConstantRestitution<f32>;
+//!     type Sticking = FrozenCharge;
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let harvester = Parameters::<f32, MyHarvester> {
+//!     mass: 5e-3,
+//!     stiffness: 80.0,
+//!     damping_ratio: 0.005,
+//!     initial_gap: 3e-3,
+//!     electrode_area: 4e-4,
+//!     dielectric_thickness: 5e-5,
+//!     relative_permittivity: 2.0,
+//!     charge_density: 50e-6,
+//!     parasitic: ParasiticCapacitance { farads: 1e-12 },
+//!     load: OpenCircuit,
+//!     force_law: TransferredCharge,
+//!     restitution: ConstantRestitution { coefficient: 0.75 },
+//!     sticking: FrozenCharge,
+//! }
+//! .build()?;
+//! // A 1 µF store behind diodes of 0.3 V, whose node draws 2 µW from 4.5 V on and down to 3 V.
+//! let draw = PowerDraw { watts: 2e-6, lockout: Lockout { turn_on: 4.5, turn_off: 3.0 } };
+//! let reservoir = Capacitor { farads: 1e-6, leakage_ohms: 1e9, initial_voltage: 0.0, draw };
+//! let scene = Rectified::new(harvester, FullBridge { diode_drop: 0.3, reservoir })?;
+//! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
+//! let driver = Driver::new(TrBdf2, Adaptive::new(1e-3));
+//! let mut state = scene.start(&Start::default(), &shaking, &driver.control)?;
+//! let mut meter = PowerMeter::<f32, 1>::new();
+//! driver.advance(&scene, &mut state, &shaking, Instant::from_whole_seconds(2), 100_000, &mut meter)?;
+//! let volts = scene.store_voltage(state.mode, &state.point.state);
+//! assert!((0.5..3.0).contains(&volts));
+//! // Nothing is drawn yet and hardly anything leaks: what was delivered is stored.
+//! assert!((meter.delivered_energy() / scene.stored_in_reservoir(volts) - 1.0).abs() < 1e-2);
+//! # Ok(())
+//! # }
+//! ```
+
+mod automaton;
+mod electrics;
+mod flow;
+
+pub use automaton::Mode;
+pub use flow::Flow;
+
+pub use crate::part::rectifier::{BridgeRegime, FullBridge};
+pub use crate::scene::terminals::{TerminalVoltage, Terminals};
+
+use crate::excitation::Excitation;
+use crate::hybrid::HybridState;
+use crate::integrate::StepControl;
+use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::load::Resistance;
+use crate::part::store::Reservoir;
+use crate::scalar::Scalar;
+use crate::scene::coupled;
+
+/// Number of states: those of the harvester, and the store's voltage.
+pub const STATES: usize = coupled::STATES + 1;
+/// Place of the position in the state, in metres.
+pub const POSITION: usize = coupled::POSITION;
+/// Place of the velocity, in m/s.
+pub const VELOCITY: usize = coupled::VELOCITY;
+/// Place of the charge in units of the harvester: while the bridge conducts, that with which it began to.
+pub const CHARGE: usize = coupled::CHARGE;
+/// Place of the store's voltage in volts: while the bridge conducts, without what has come in since it began to.
+pub const STORE: usize = coupled::STATES;
+
+/// A triboelectric harvester `H` behind a full bridge into a reservoir `R`, checked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rectified<S, H, R> {
+    harvester: H,
+    bridge: FullBridge<S, R>,
+    /// `1/C_s` in 1/F.
+    per_farad: S,
+    /// Volts that a charge unit adds to the store.
+    elastance: S,
+    /// Volts below which the store's voltage is not resolved.
+    voltage_floor: S,
+}
+
+/// Part of the voltage that the harvester makes below which that of the store need not be resolved.
+const LEAST_VOLTAGE: f64 = 1e-6;
+
+impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
+    /// The harvester with the bridge at its terminals.
+    ///
+    /// # Errors
+    /// A harvester whose own load is not open, or a parameter of the bridge, of the store or of its draw
+    /// that is out of bounds.
+    pub fn new(harvester: H, bridge: FullBridge<S, R>) -> Result<Self, ParameterError<S>> {
+        let ohms = match harvester.resistance() {
+            Resistance::Short => S::ZERO,
+            Resistance::Finite(ohms) => ohms,
+            Resistance::Open => S::INFINITY,
+        };
+        Bounds { lowest: S::INFINITY, highest: S::INFINITY }.check("resistance", ohms)?;
+        bridge.check()?;
+        let per_farad = bridge.reservoir.elastance();
+        let elastance = harvester.coulombs() * per_farad;
+        Ok(Self {
+            harvester,
+            bridge,
+            per_farad,
+            elastance,
+            voltage_floor: (S::literal(LEAST_VOLTAGE) * harvester.typical_voltage()).larger(S::TINY),
+        })
+    }
+
+    /// The state at time zero: the harvester's own start, the bridge blocking, the store as charged as it is
+    /// said to be.
+    ///
+    /// # Errors
+    /// A start that the harvester refuses.
+    pub fn start<E, C, const POWERS: usize>(
+        &self,
+        start: &H::Start,
+        excitation: &E,
+        control: &C,
+    ) -> Result<HybridState<S, Mode<H::Mode>, STATES, POWERS>, ParameterError<S>>
+    where
+        E: Excitation<S>,
+        C: StepControl<S>,
+    {
+        let alone = self.harvester.begin(start, excitation, control)?;
+        let reservoir = &self.bridge.reservoir;
+        let mode = Mode {
+            inner: alone.mode,
+            regime: BridgeRegime::Blocked,
+            connected: reservoir.starts_connected(),
+        };
+        let [position, velocity, charge] = alone.point.state;
+        let state = [position, velocity, charge, reservoir.initial_voltage()];
+        let begun = HybridState::start(self, mode, state, excitation, control);
+        Ok(if alone.is_armed() { begun } else { begun.disarmed() })
+    }
+
+    /// The harvester.
+    #[must_use]
+    pub fn harvester(&self) -> &H {
+        &self.harvester
+    }
+
+    /// The bridge and what is behind it.
+    #[must_use]
+    pub fn bridge(&self) -> &FullBridge<S, R> {
+        &self.bridge
+    }
+
+    /// Voltage of the store or bus in volts.
+    #[must_use]
+    pub fn store_voltage(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> S {
+        self.electrics(mode, state).store_voltage
+    }
+
+    /// Energy in the store in joules at a voltage in volts; 0 for a bus, which has no end.
+    #[must_use]
+    pub fn stored_in_reservoir(&self, voltage: S) -> S {
+        self.bridge.reservoir.stored_energy(voltage)
+    }
+
+    /// The harvester's own state: position, velocity, and the charge that has passed its terminals, in its units.
+    #[must_use]
+    #[inline(always)]
+    pub fn harvester_state(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> [S; coupled::STATES] {
+        [state[POSITION], state[VELOCITY], self.electrics(mode, state).charge]
+    }
+}

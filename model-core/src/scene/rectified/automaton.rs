@@ -1,0 +1,325 @@
+//! Modes, guards and jumps: those of the harvester, the bridge's, and the lock-out's.
+
+use super::electrics::Electrics;
+use super::flow::Flow;
+use super::{BridgeRegime, CHARGE, POSITION, Rectified, STATES, STORE, Terminals, VELOCITY};
+use crate::excitation::Excitation;
+use crate::hybrid::{Automaton, Guard, Jump, Moment};
+use crate::integrate::step_control::ErrorScale;
+use crate::integrate::{Point, System};
+use crate::part::store::Reservoir;
+use crate::scalar::{Scalar, add_increment};
+use crate::scene::{Harvester, StoredEnergy};
+
+/// The modes: the harvester's, the bridge's regime, and whether the draw is connected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Mode<M> {
+    /// The mode of the harvester.
+    pub inner: M,
+    /// The regime of the bridge.
+    pub regime: BridgeRegime,
+    /// Whether the draw is connected to the store.
+    pub connected: bool,
+}
+
+/// What a guard is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Watch {
+    /// A guard of the harvester, by its number.
+    Harvester(usize),
+    /// The voltage comes to the threshold from which the bridge conducts in this regime.
+    Begin(BridgeRegime),
+    /// The current through the bridge ends.
+    End,
+    /// The store comes to a voltage of the lock-out.
+    Lockout,
+}
+
+/// Roundings of a voltage within which it is not told from the threshold at which conduction has just ended.
+const THRESHOLD_ROUNDINGS: f64 = 8.0;
+
+impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
+    /// Guards of the harvester and of the bridge in a mode.
+    #[inline(always)]
+    fn counts(&self, mode: Mode<H::Mode>) -> [usize; 2] {
+        let own = self.harvester.guards(mode.inner);
+        let bridge = match mode.regime {
+            BridgeRegime::Blocked if self.harvester.is_frozen(mode.inner) => 0,
+            BridgeRegime::Blocked => 2,
+            BridgeRegime::Forward | BridgeRegime::Backward => 1,
+        };
+        [own, bridge]
+    }
+
+    /// What guard number `index` of `mode` is for: the harvester's first, then the bridge's.
+    #[inline(always)]
+    fn watch(&self, mode: Mode<H::Mode>, index: usize) -> Watch {
+        let [own, bridge] = self.counts(mode);
+        if index < own {
+            Watch::Harvester(index)
+        } else if index >= own + bridge {
+            Watch::Lockout
+        } else if mode.regime != BridgeRegime::Blocked {
+            Watch::End
+        } else if index == own {
+            Watch::Begin(BridgeRegime::Forward)
+        } else {
+            Watch::Begin(BridgeRegime::Backward)
+        }
+    }
+
+    /// The harvester's own point.
+    #[inline(always)]
+    fn own_point<const POWERS: usize>(
+        &self,
+        mode: Mode<H::Mode>,
+        point: &Point<S, STATES, POWERS>,
+    ) -> Point<S, 3, 0> {
+        let at = self.electrics(mode, &point.state);
+        let sign: S = mode.regime.sign();
+        let velocity = point.state[VELOCITY];
+        Point {
+            state: [point.state[POSITION], velocity, at.charge],
+            remainder: [point.remainder[POSITION], point.remainder[VELOCITY], S::ZERO],
+            derivative: [
+                point.derivative[POSITION],
+                point.derivative[VELOCITY],
+                sign * at.rectified(sign, velocity),
+            ],
+            powers: [],
+        }
+    }
+
+    /// How far the voltage is below the threshold at which conduction in the direction of `regime` begins.
+    ///
+    /// Lowered by the roundings of a voltage: where conduction has ended the voltage is at the threshold.
+    #[inline(always)]
+    fn begin_guard(&self, mode: Mode<H::Mode>, regime: BridgeRegime, state: &[S; STATES]) -> Guard<S> {
+        let sign: S = regime.sign();
+        let at = self.electrics(mode, state);
+        let terminal = self.harvester.terminal_voltage(mode.inner, state[POSITION], state[CHARGE]);
+        let threshold = self.bridge.threshold(at.store_voltage);
+        let margin = S::literal(THRESHOLD_ROUNDINGS) * S::EPSILON * (terminal.magnitude + threshold);
+        Guard {
+            value: threshold - sign * terminal.value + margin,
+            rate: -at.fall - sign * terminal.by_position * state[VELOCITY],
+        }
+    }
+
+    /// The current through the bridge in the measure of [`Electrics::drive`], and its rate.
+    #[inline(always)]
+    fn end_guard<const POWERS: usize>(
+        &self,
+        mode: Mode<H::Mode>,
+        point: &Point<S, STATES, POWERS>,
+    ) -> Guard<S> {
+        let sign: S = mode.regime.sign();
+        let (state, velocity) = (&point.state, point.state[VELOCITY]);
+        let at = self.electrics(mode, state);
+        let terminal = self.harvester.terminal_voltage(mode.inner, state[POSITION], at.charge);
+        let rectified = at.rectified(sign, velocity);
+        let slope_rate = terminal.curvature * velocity + terminal.by_both * sign * rectified;
+        let voltage_rate = slope_rate * velocity + at.voltage_by_position * point.derivative[VELOCITY];
+        let store_rate = self.elastance * rectified - at.fall;
+        Guard {
+            value: at.drive(sign, velocity),
+            rate: sign * voltage_rate + self.fall_by_voltage(mode, &at) * store_rate,
+        }
+    }
+
+    /// How far the store is from the voltage of the lock-out that it is to come to next.
+    #[inline(always)]
+    fn lockout_guard<const POWERS: usize>(
+        &self,
+        mode: Mode<H::Mode>,
+        point: &Point<S, STATES, POWERS>,
+    ) -> Guard<S> {
+        let Some(lockout) = self.bridge.reservoir.lockout() else {
+            return Guard { value: S::ONE, rate: S::ZERO };
+        };
+        let at = self.electrics(mode, &point.state);
+        let rise = self.elastance * at.rectified(mode.regime.sign(), point.state[VELOCITY]) - at.fall;
+        // The remainder counts: near the level the first difference is exact.
+        let above = |level: S| (point.state[STORE] - level) + (point.remainder[STORE] + at.gained);
+        if mode.connected {
+            Guard { value: above(lockout.turn_off), rate: rise }
+        } else {
+            Guard { value: -above(lockout.turn_on), rate: -rise }
+        }
+    }
+
+    /// The jump to a mode at a state that has the electrics of `mode.regime`, or of `leaving` if conduction
+    /// is to end with it.
+    #[inline(always)]
+    fn land<const POWERS: usize>(
+        &self,
+        mode: Mode<H::Mode>,
+        leaving: bool,
+        mut state: [S; STATES],
+        mut remainder: [S; STATES],
+        acceleration: S,
+    ) -> Jump<S, Mode<H::Mode>, STATES> {
+        let mut mode = mode;
+        if leaving {
+            let Electrics { charge, gained, .. } = self.electrics(mode, &state);
+            let passed = charge - state[CHARGE];
+            (state[CHARGE], remainder[CHARGE]) = add_increment(state[CHARGE], remainder[CHARGE], passed);
+            (state[STORE], remainder[STORE]) = add_increment(state[STORE], remainder[STORE], gained);
+            mode.regime = BridgeRegime::Blocked;
+        }
+        let flow = Flow { scene: self, mode };
+        let derivative = System::<S, STATES, POWERS>::flow(&flow, &state, acceleration);
+        let own = [state[POSITION], state[VELOCITY], state[CHARGE]];
+        let armed = self.harvester.is_clear(mode.inner, &own);
+        Jump { mode, state, remainder, derivative, loss: S::ZERO, armed }
+    }
+}
+
+impl<S, H, R, const POWERS: usize> Automaton<S, STATES, POWERS> for Rectified<S, H, R>
+where
+    S: Scalar,
+    H: Terminals<S>,
+    R: Reservoir<S>,
+{
+    type Mode = Mode<H::Mode>;
+    type Flow<'a>
+        = Flow<'a, S, H, R, H::Mode>
+    where
+        Self: 'a;
+
+    #[inline(always)]
+    fn flow(&self, mode: Self::Mode) -> Flow<'_, S, H, R, H::Mode> {
+        Flow { scene: self, mode }
+    }
+
+    #[inline(always)]
+    fn guards(&self, mode: Self::Mode) -> usize {
+        let [own, bridge] = self.counts(mode);
+        let switches = R::SWITCHES && self.bridge.reservoir.lockout().is_some();
+        own + bridge + usize::from(switches)
+    }
+
+    #[inline(always)]
+    fn guard<E: Excitation<S>>(
+        &self,
+        mode: Self::Mode,
+        index: usize,
+        armed: bool,
+        point: &Point<S, STATES, POWERS>,
+        moment: &Moment<'_, E>,
+    ) -> Guard<S> {
+        match self.watch(mode, index) {
+            Watch::Harvester(index) => {
+                self.harvester.guard(mode.inner, index, armed, &self.own_point(mode, point), moment)
+            }
+            Watch::Begin(regime) => self.begin_guard(mode, regime, &point.state),
+            Watch::End => self.end_guard(mode, point),
+            Watch::Lockout => self.lockout_guard(mode, point),
+        }
+    }
+
+    #[inline(always)]
+    fn rearms(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> bool {
+        self.harvester.rearms(mode.inner, &self.own_point(mode, point))
+    }
+
+    fn jump<E: Excitation<S>>(
+        &self,
+        mode: Self::Mode,
+        index: usize,
+        point: &Point<S, STATES, POWERS>,
+        moment: &Moment<'_, E>,
+        step: S,
+    ) -> Jump<S, Self::Mode, STATES> {
+        let acceleration = moment.acceleration();
+        let Point { state, remainder, .. } = *point;
+        let watch = self.watch(mode, index);
+        let Watch::Harvester(index) = watch else {
+            let (regime, connected) = match watch {
+                Watch::Begin(regime) => (regime, mode.connected),
+                Watch::Lockout => (mode.regime, !mode.connected),
+                Watch::End | Watch::Harvester(_) => (mode.regime, mode.connected),
+            };
+            let mode = Mode { regime, connected, ..mode };
+            return self.land::<POWERS>(mode, watch == Watch::End, state, remainder, acceleration);
+        };
+        let own = self.harvester.jump(mode.inner, index, &self.own_point(mode, point), moment, step);
+        let mode = Mode { inner: own.mode, ..mode };
+        let state = [own.state[POSITION], own.state[VELOCITY], state[CHARGE], state[STORE]];
+        let remainder =
+            [own.remainder[POSITION], own.remainder[VELOCITY], remainder[CHARGE], remainder[STORE]];
+        // An impact turns the voltage's rate with the velocity, a stick takes it away.
+        let sign: S = mode.regime.sign();
+        let conducts = mode.regime != BridgeRegime::Blocked;
+        let leaving = conducts
+            && (self.harvester.is_frozen(mode.inner)
+                || !(self.electrics(mode, &state).drive(sign, state[VELOCITY]) > S::ZERO));
+        let jump = self.land::<POWERS>(mode, leaving, state, remainder, acceleration);
+        Jump { loss: own.loss, armed: own.armed, ..jump }
+    }
+
+    #[inline(always)]
+    fn error_scale(&self) -> ErrorScale<S> {
+        self.harvester.error_scale()
+    }
+
+    #[inline(always)]
+    fn check(&self, mode: Self::Mode, state: &[S; STATES]) -> Result<(), (&'static str, S)> {
+        self.harvester.check(mode.inner, &[state[POSITION], state[VELOCITY], state[CHARGE]])
+    }
+}
+
+impl<S, H, R, const POWERS: usize> Harvester<S, STATES, POWERS> for Rectified<S, H, R>
+where
+    S: Scalar,
+    H: Terminals<S>,
+    R: Reservoir<S>,
+{
+    fn coordinate(&self, point: &Point<S, STATES, POWERS>) -> Guard<S> {
+        // Position and velocity are the harvester's whatever the bridge does.
+        let own = Point {
+            state: [point.state[POSITION], point.state[VELOCITY], point.state[CHARGE]],
+            remainder: [S::ZERO; 3],
+            derivative: [point.derivative[POSITION], point.derivative[VELOCITY], S::ZERO],
+            powers: [],
+        };
+        self.harvester.coordinate(&own)
+    }
+
+    fn voltage(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> S {
+        if mode.regime == BridgeRegime::Blocked {
+            self.harvester.voltage(mode.inner, &self.own_point(mode, point))
+        } else {
+            mode.regime.sign::<S>() * self.bridge.threshold(self.store_voltage(mode, &point.state))
+        }
+    }
+
+    /// Of the harvester; for the store see [`Rectified::stored_in_reservoir`].
+    fn stored_energy(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> StoredEnergy<S> {
+        self.harvester.stored_energy(mode.inner, &self.own_point(mode, point))
+    }
+
+    fn is_held(&self, mode: Self::Mode) -> bool {
+        self.harvester.is_held(mode.inner)
+    }
+
+    fn is_impact(&self, mode: Self::Mode, guard: usize) -> bool {
+        match self.watch(mode, guard) {
+            Watch::Harvester(index) => self.harvester.is_impact(mode.inner, index),
+            Watch::Begin(_) | Watch::End | Watch::Lockout => false,
+        }
+    }
+
+    fn compensated_store_voltage(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> [S; 2] {
+        let gained = self.electrics(mode, &point.state).gained;
+        let (voltage, rest) = add_increment(point.state[STORE], point.remainder[STORE], gained);
+        [voltage, rest]
+    }
+
+    fn store_gain(&self, from: [S; 2], to: [S; 2]) -> Option<S> {
+        let rise = (to[0] - from[0]) + (to[1] - from[1]);
+        let half = S::literal(0.5) / self.per_farad;
+        (self.per_farad > S::ZERO).then(|| half * rise * (to[0] + from[0]))
+    }
+}

@@ -1,0 +1,78 @@
+//! The circuit at a state: charge, store, current.
+
+use super::{BridgeRegime, CHARGE, Mode, POSITION, Rectified, STATES, STORE, Terminals};
+use crate::part::store::Reservoir;
+use crate::scalar::Scalar;
+
+/// The circuit at a state.
+pub(super) struct Electrics<S> {
+    /// Charge that has passed the terminals, in charge units.
+    pub(super) charge: S,
+    /// What it has added to the store's voltage since conduction began, in volts.
+    pub(super) gained: S,
+    /// Voltage of the store in volts.
+    pub(super) store_voltage: S,
+    /// `i_out/C_s` in V/s.
+    pub(super) fall: S,
+    /// `∂V/∂x` in V/m.
+    pub(super) voltage_by_position: S,
+    /// `1/(1/C_s − ∂V/∂Q)` in charge units per volt while the bridge conducts, else 0.
+    pub(super) charge_by_voltage: S,
+    /// `dV_s/dB`: what the harvester's capacitance leaves the store of a change.
+    pub(super) share: S,
+}
+
+impl<S: Scalar> Electrics<S> {
+    /// `s Q' (1/C_s − ∂V/∂Q)` in V/s at a velocity: positive while the bridge conducts.
+    #[inline(always)]
+    pub(super) fn drive(&self, sign: S, velocity: S) -> S {
+        sign * self.voltage_by_position * velocity + self.fall
+    }
+
+    /// `s Q'` in charge units per second: the rectified current.
+    #[inline(always)]
+    pub(super) fn rectified(&self, sign: S, velocity: S) -> S {
+        self.charge_by_voltage * self.drive(sign, velocity)
+    }
+}
+
+impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
+    /// The circuit at a state; see [`super`].
+    #[inline(always)]
+    pub(super) fn electrics(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> Electrics<S> {
+        let (start, base) = (state[CHARGE], state[STORE]);
+        let fall_at = |voltage| self.per_farad * self.bridge.reservoir.outflow(voltage, mode.connected);
+        if mode.regime == BridgeRegime::Blocked {
+            return Electrics {
+                charge: start,
+                gained: S::ZERO,
+                store_voltage: base,
+                fall: fall_at(base),
+                voltage_by_position: S::ZERO,
+                charge_by_voltage: S::ZERO,
+                share: S::ONE,
+            };
+        }
+        let sign: S = mode.regime.sign();
+        let terminal = self.harvester.terminal_voltage(mode.inner, state[POSITION], start);
+        let charge_by_voltage = S::ONE / (self.elastance - terminal.by_charge);
+        let passed = (terminal.value - sign * self.bridge.threshold(base)) * charge_by_voltage;
+        let gained = sign * passed * self.elastance;
+        let store_voltage = base + gained;
+        Electrics {
+            charge: start + passed,
+            gained,
+            store_voltage,
+            fall: fall_at(store_voltage),
+            voltage_by_position: terminal.by_position + terminal.by_both * passed,
+            charge_by_voltage,
+            share: -terminal.by_charge * charge_by_voltage,
+        }
+    }
+
+    /// Derivative of [`Electrics::fall`] by the store's voltage, in 1/s.
+    #[inline(always)]
+    pub(super) fn fall_by_voltage(&self, mode: Mode<H::Mode>, at: &Electrics<S>) -> S {
+        self.per_farad * self.bridge.reservoir.outflow_by_voltage(at.store_voltage, mode.connected)
+    }
+}

@@ -1,0 +1,150 @@
+//! The flow of each mode, its iteration matrix, and the powers along it.
+
+use super::electrics::Electrics;
+use super::{BridgeRegime, Mode, POSITION, Rectified, STATES, STORE, Terminals, VELOCITY};
+use crate::integrate::System;
+use crate::part::store::Reservoir;
+use crate::scalar::Scalar;
+use crate::scene::account;
+use crate::scene::coupled::{Derivatives, ModeFactor};
+
+/// The flow of one mode, `M` the harvester's own.
+#[derive(Debug, Clone, Copy)]
+pub struct Flow<'a, S, H, R, M> {
+    pub(super) scene: &'a Rectified<S, H, R>,
+    pub(super) mode: Mode<M>,
+}
+
+impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Flow<'_, S, H, R, H::Mode> {
+    /// The circuit at a state, and the harvester's own state.
+    #[inline(always)]
+    fn parts(&self, state: &[S; STATES]) -> (Electrics<S>, [S; 3]) {
+        let at = self.scene.electrics(self.mode, state);
+        let own = [state[POSITION], state[VELOCITY], at.charge];
+        (at, own)
+    }
+
+    /// Whether the harvester's position is held.
+    #[inline(always)]
+    fn is_held(&self) -> bool {
+        self.scene.harvester.is_held(self.mode.inner)
+    }
+
+    /// The whole account of powers; see [`account`].
+    #[inline(always)]
+    fn account(&self, state: &[S; STATES], acceleration: S) -> [S; account::WHOLE] {
+        let scene = self.scene;
+        let (at, own) = self.parts(state);
+        let reservoir = &scene.bridge.reservoir;
+        let volts = at.store_voltage;
+        let mut powers = scene.harvester.account(self.mode.inner, &own, acceleration);
+        if self.mode.regime != BridgeRegime::Blocked {
+            let sign: S = self.mode.regime.sign();
+            let current = scene.harvester.coulombs() * at.rectified(sign, state[VELOCITY]);
+            let threshold = scene.bridge.threshold(volts);
+            let drop = scene.bridge.diode_drop;
+            powers[account::LOAD] = volts * current;
+            powers[account::VOLTAGE_SQUARED] = threshold * threshold;
+            powers[account::VOLTAGE] = sign * threshold;
+            powers[account::CURRENT_MAGNITUDE] = current.absolute();
+            powers[account::DIODES] = (drop + drop) * current;
+        }
+        powers[account::LEAKED] = volts * reservoir.leakage(volts);
+        powers[account::DRAWN] = if self.mode.connected { volts * reservoir.drawn(volts) } else { S::ZERO };
+        powers
+    }
+}
+
+impl<S, H, R, const POWERS: usize> System<S, STATES, POWERS> for Flow<'_, S, H, R, H::Mode>
+where
+    S: Scalar,
+    H: Terminals<S>,
+    R: Reservoir<S>,
+{
+    type Factor = ModeFactor<S>;
+
+    #[inline(always)]
+    fn flow(&self, state: &[S; STATES], acceleration: S) -> [S; STATES] {
+        let (at, own) = self.parts(state);
+        let [velocity, rate, _] =
+            System::<S, 3, 0>::flow(&self.scene.harvester.flow(self.mode.inner), &own, acceleration);
+        [velocity, rate, S::ZERO, -at.fall]
+    }
+
+    /// With the charge following the position, and without what the store's slow voltage does to the motion.
+    #[inline(always)]
+    fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
+        if self.is_held() {
+            return Some(ModeFactor::held(weight, S::ZERO));
+        }
+        let (at, own) = self.parts(state);
+        let open = self.scene.harvester.derivatives(self.mode.inner, &own);
+        let charge_by_position = at.charge_by_voltage * at.voltage_by_position;
+        let stiffness = open.stiffness + open.force_by_charge * charge_by_position;
+        ModeFactor::moving(weight, &Derivatives { stiffness, ..open })
+    }
+
+    #[inline(always)]
+    fn solve(&self, factor: &ModeFactor<S>, [position, velocity, charge, store]: [S; STATES]) -> [S; STATES] {
+        let [position, velocity, charge] = factor.solve([position, velocity, charge]);
+        [position, velocity, charge, store]
+    }
+
+    /// Newton's iteration on the velocity; the store takes one of its own in each.
+    #[inline(always)]
+    fn iterate(
+        &self,
+        factor: &ModeFactor<S>,
+        base: &[S; STATES],
+        increment: &mut [S; STATES],
+        acceleration: S,
+        weight: S,
+    ) -> [S; STATES] {
+        let before = increment[STORE];
+        System::<S, STATES, POWERS>::eliminate(self, base, increment, weight);
+        let store = increment[STORE] - before;
+        if self.is_held() {
+            return [S::ZERO, S::ZERO, S::ZERO, store];
+        }
+        let state = core::array::from_fn(|i| base[i] + increment[i]);
+        let [_, rate, _, _] = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
+        let [position, velocity, _] = factor.correction(weight * rate - increment[VELOCITY]);
+        increment[VELOCITY] += velocity;
+        [position, velocity, S::ZERO, store]
+    }
+
+    #[inline(always)]
+    fn eliminate(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
+        if !self.is_held() {
+            increment[POSITION] = weight * (base[VELOCITY] + increment[VELOCITY]);
+        }
+        if R::CHARGES {
+            let state = core::array::from_fn(|i| base[i] + increment[i]);
+            let at = self.scene.electrics(self.mode, &state);
+            let slope = weight * self.scene.fall_by_voltage(self.mode, &at) * at.share;
+            let residual = -weight * at.fall - increment[STORE];
+            increment[STORE] += residual / (S::ONE + slope);
+        }
+    }
+
+    #[inline(always)]
+    fn powers(&self, state: &[S; STATES], _rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
+        account::first(&self.account(state, acceleration))
+    }
+
+    /// The harvester's own measure; the store relative to the threshold that its voltage makes.
+    #[inline(always)]
+    fn weigh(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
+        let [position, velocity, charge, store] = *change;
+        let own = [state[POSITION], state[VELOCITY], state[super::CHARGE]];
+        let flow = self.scene.harvester.flow(self.mode.inner);
+        let size = System::<S, 3, 0>::weigh(&flow, &own, &[position, velocity, charge]);
+        if !R::CHARGES {
+            return size;
+        }
+        let threshold = self.scene.bridge.threshold(state[STORE]).larger(self.scene.voltage_floor);
+        // A reciprocal, because it is the same for every change that is weighed in a step.
+        let per_threshold = S::ONE / threshold;
+        size.larger(store.absolute() * per_threshold)
+    }
+}

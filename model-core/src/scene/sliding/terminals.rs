@@ -1,0 +1,84 @@
+//! The open terminals, for a circuit behind them.
+
+use super::automaton::Mode;
+use super::flow::Flow;
+use super::{Parts, STATES, Sliding, Start, Sticking, VELOCITY};
+use crate::excitation::Excitation;
+use crate::hybrid::HybridState;
+use crate::integrate::StepControl;
+use crate::part::bounds::ParameterError;
+use crate::part::load::{Load, Resistance};
+use crate::scalar::Scalar;
+use crate::scene::account;
+use crate::scene::coupled::Derivatives;
+use crate::scene::terminals::{TerminalVoltage, Terminals};
+
+impl<S: Scalar, P: Parts<S>> Terminals<S> for Sliding<S, P> {
+    type Start = Start<S>;
+
+    fn begin<E: Excitation<S>, C: StepControl<S>>(
+        &self,
+        start: &Start<S>,
+        excitation: &E,
+        control: &C,
+    ) -> Result<HybridState<S, Mode, STATES, 0>, ParameterError<S>> {
+        self.start(start, excitation, control)
+    }
+
+    #[inline(always)]
+    fn resistance(&self) -> Resistance<S> {
+        self.load.resistance()
+    }
+
+    #[inline(always)]
+    fn coulombs(&self) -> S {
+        self.charge_unit
+    }
+
+    fn typical_voltage(&self) -> S {
+        self.field * self.surface.tribo_charge
+    }
+
+    /// `V = (σ S2 − q) d / (ε0 ε_r S1)`.
+    #[inline(always)]
+    fn terminal_voltage(&self, mode: Mode, displacement: S, charge: S) -> TerminalVoltage<S> {
+        let ahead = mode.is_ahead(displacement);
+        let circuit = self.circuit(ahead, displacement, charge);
+        let slope = self.active_by_displacement(ahead, displacement);
+        // With s2 = 1 − s1 the voltage is field ((t − q)/s1 − t), so that −s1'/s1 takes its first part to
+        // its derivative.
+        let per_active = self.field * circuit.per_active;
+        let growth = -slope * circuit.per_active;
+        let first = per_active * (self.surface.tribo_charge - charge);
+        let bend = self.active_curvature(ahead, displacement) * circuit.per_active;
+        TerminalVoltage {
+            value: self.field * circuit.voltage,
+            by_position: first * growth,
+            by_charge: -per_active,
+            curvature: first * (S::literal(2.0) * growth * growth - bend),
+            by_both: -per_active * growth,
+            magnitude: per_active * self.surface.tribo_charge.larger(charge.absolute()),
+        }
+    }
+
+    #[inline(always)]
+    fn is_frozen(&self, mode: Mode) -> bool {
+        Self::STICKS && mode == Mode::Stuck && !self.sticking.relaxes()
+    }
+
+    #[inline(always)]
+    fn is_clear(&self, mode: Mode, state: &[S; STATES]) -> bool {
+        mode == Mode::Stuck || state[VELOCITY].absolute() > self.velocity_margin
+    }
+
+    #[inline(always)]
+    fn derivatives(&self, mode: Mode, state: &[S; STATES]) -> Derivatives<S> {
+        Flow { scene: self, mode }.derivatives(state)
+    }
+
+    #[inline(always)]
+    fn account(&self, mode: Mode, state: &[S; STATES], acceleration: S) -> [S; account::WHOLE] {
+        // Of the rates the account asks for the current in a resistor only.
+        Flow { scene: self, mode }.account(state, &[S::ZERO; STATES], acceleration)
+    }
+}
