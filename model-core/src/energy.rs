@@ -1,7 +1,9 @@
 //! What was harvested, whether it adds up, and what a node can do with it.
 
+mod account;
 mod budget;
 mod correction;
+mod cut_normal;
 mod event_log;
 mod forecast;
 mod income;
@@ -10,7 +12,8 @@ mod meter;
 mod queries;
 mod storage;
 
-pub use budget::{Account, Action, Budget, BudgetParameters, BudgetState};
+pub use account::Account;
+pub use budget::{Action, Budget, BudgetParameters, BudgetState};
 pub use correction::{Correction, CorrectionParameters, CorrectionState, Reading};
 pub use event_log::{EventLog, LoggedEvent};
 pub use income::{DAY_SECONDS, Income, IncomeParameters, IncomeState};

@@ -31,21 +31,21 @@
 //! let transmit = Action::new("transmit", 600e-6, 0.15)?;
 //!
 //! // At power-up, 06:00: the store as the ADC reads it, good to 2 mV.
-//! let mut state = budget.start(6 * 3600);
+//! let mut now = 6 * 3600;
+//! let mut state = budget.start(now);
 //! budget.correct_by_voltage(&mut state, 2.5, 2e-3);
 //! let (mut measured, mut transmitted) = (0, 0);
 //! for _minute in 0..120 {
-//!     let mut spent = 0.0;
-//!     if budget.can_run_now(&state, &measure) {
+//!     if budget.can_run_now(&state, &measure, now) {
 //!         measured += 1;
-//!         spent += measure.energy();
 //!         budget.spend(&mut state, measure.energy());
 //!     }
-//!     if budget.can_run_now(&state, &transmit) {
+//!     if budget.can_run_now(&state, &transmit, now + 1) {
 //!         transmitted += 1;
 //!         budget.spend(&mut state, transmit.energy());
 //!     }
-//!     let harvested = 30e-6 * 60.0; // joules: what the estimator says of this minute
+//!     now += 60; // asleep for the rest of the minute
+//!     let harvested = 30e-6 * 60.0; // joules: what the estimator says of it
 //!     budget.update(&mut state, 60, harvested, 0.0);
 //! }
 //! assert!(measured > 100 && transmitted > 50);
@@ -55,10 +55,11 @@
 //! # }
 //! ```
 
+use super::account::Account;
 use super::income::{Income, IncomeParameters, IncomeState};
 use super::storage::{Storage, StorageParameters};
 use crate::part::bounds::{Bounds, ParameterError};
-use crate::scalar::{CompensatedSum, Scalar, add_increment};
+use crate::scalar::{Scalar, add_increment};
 
 /// What a budget is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,21 +92,6 @@ pub struct Budget<S, const SLOTS: usize> {
     pub(super) standing_power: S,
 }
 
-/// Where energy came from and went since the start, in joules at the store.
-///
-/// `opening + income − shunted − leaked − (drawn − unserved) + corrected` is the stored energy.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Account<S> {
-    income: CompensatedSum<S>,
-    drawn: CompensatedSum<S>,
-    leaked: CompensatedSum<S>,
-    shunted: CompensatedSum<S>,
-    unserved: CompensatedSum<S>,
-    corrected: CompensatedSum<S>,
-    refused: u32,
-}
-
 /// What a budget knows at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -115,7 +101,8 @@ pub struct BudgetState<S, const SLOTS: usize> {
     /// What rounding took from `energy`.
     energy_low: S,
     uncertainty: S,
-    supplied: bool,
+    /// Spent since the last update, at the store.
+    pending: S,
     account: Account<S>,
 }
 
@@ -149,82 +136,8 @@ impl<S: Scalar> Action<S> {
     }
 }
 
-impl<S: Scalar> Account<S> {
-    const EMPTY: Self = Self {
-        income: CompensatedSum::ZERO,
-        drawn: CompensatedSum::ZERO,
-        leaked: CompensatedSum::ZERO,
-        shunted: CompensatedSum::ZERO,
-        unserved: CompensatedSum::ZERO,
-        corrected: CompensatedSum::ZERO,
-        refused: 0,
-    };
-
-    /// Harvested, through the charging efficiency.
-    #[must_use]
-    pub fn income(&self) -> S {
-        self.income.value()
-    }
-
-    /// Asked for by the load, through the discharging efficiency.
-    #[must_use]
-    pub fn drawn(&self) -> S {
-        self.drawn.value()
-    }
-
-    /// Leaked.
-    #[must_use]
-    pub fn leaked(&self) -> S {
-        self.leaked.value()
-    }
-
-    /// Income for which the store had no room.
-    #[must_use]
-    pub fn shunted(&self) -> S {
-        self.shunted.value()
-    }
-
-    /// Of what the load asked for, the part that the store could not give above its lock-out. On a node that
-    /// did spend it, a sign that the store was thought lower than it was.
-    #[must_use]
-    pub fn unserved(&self) -> S {
-        self.unserved.value()
-    }
-
-    /// Put right by measurements, the first one included: positive where the store held more than thought.
-    #[must_use]
-    pub fn corrected(&self) -> S {
-        self.corrected.value()
-    }
-
-    /// Number of energies that were negative or not finite, and were not counted.
-    #[must_use]
-    pub fn refused(&self) -> u32 {
-        self.refused
-    }
-
-    /// What the store holds by this account: it began with nothing.
-    #[must_use]
-    pub fn balance(&self) -> S {
-        let mut sum = self.corrected;
-        for term in [self.income(), -self.shunted(), -self.leaked(), -self.drawn(), self.unserved()] {
-            sum.add(term);
-        }
-        sum.value()
-    }
-
-    /// `value` if it can be an amount of energy.
-    fn admit(&mut self, value: S) -> Option<S> {
-        if value >= S::ZERO && value < S::INFINITY {
-            return Some(value);
-        }
-        self.refused = self.refused.saturating_add(1);
-        None
-    }
-}
-
 impl<S: Scalar, const SLOTS: usize> BudgetState<S, SLOTS> {
-    /// Stored energy in joules.
+    /// Stored energy in joules at the last update.
     #[must_use]
     pub fn energy(&self) -> S {
         self.energy
@@ -236,16 +149,10 @@ impl<S: Scalar, const SLOTS: usize> BudgetState<S, SLOTS> {
         self.uncertainty
     }
 
-    /// Stored energy that is certain, in joules.
+    /// Stored energy that is certain, in joules: at the last update, less what was spent since.
     #[must_use]
     pub fn certain_energy(&self) -> S {
-        self.energy - self.uncertainty
-    }
-
-    /// Whether the load is switched on: not since the lock-out was met, until the turn-on voltage is.
-    #[must_use]
-    pub fn is_supplied(&self) -> bool {
-        self.supplied
+        (self.energy - self.uncertainty) - self.pending
     }
 
     /// What is remembered of the income, and the time.
@@ -301,33 +208,36 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
             energy: S::ZERO,
             energy_low: S::ZERO,
             uncertainty: S::ZERO,
-            supplied: false,
+            pending: S::ZERO,
             account: Account::EMPTY,
         }
     }
 
     /// Time moves on by `interval` seconds, in which `harvested` joules came from the harvester and `spent`
-    /// joules went into actions; the standing load, while switched on, is added here.
+    /// joules went into actions, on top of what [`Budget::spend`] was told of. The standing load is
+    /// added here: whoever calls is switched on, and for a time in which it was not there is [`Budget::gap`].
     ///
     /// An energy that is negative or not finite is refused and counted: an income as none at all and unknown
     /// to the memory, an expenditure as one that may have emptied the store. At most two exponentials.
     pub fn update(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, harvested: S, spent: S) {
-        let (harvested, spent) = (state.account.admit(harvested), state.account.admit(spent));
+        self.spend(state, spent);
+        let harvested = state.account.admit(harvested);
         match harvested {
             Some(energy) => self.income.update(&mut state.income, interval, energy),
             None => self.income.gap(&mut state.income, interval),
         }
-        let standing = if state.supplied { self.standing_power * S::from_u32(interval) } else { S::ZERO };
-        let used = spent.unwrap_or(S::ZERO) + standing;
-        self.move_store(state, interval, harvested.unwrap_or(S::ZERO), used);
-        if spent.is_none() {
-            state.uncertainty = state.energy;
-        }
+        let income = self.storage.stored(harvested.unwrap_or(S::ZERO));
+        let standing = self.storage.drawn(self.standing_power * S::from_u32(interval));
+        self.move_store(state, interval, income, standing);
     }
 
-    /// An action has just taken `spent` joules: an update of no length. No exponential.
+    /// Actions have just taken `spent` joules: to be booked by the next update, and no longer there to be spent
+    /// again. No exponential.
     pub fn spend(&self, state: &mut BudgetState<S, SLOTS>, spent: S) {
-        self.update(state, 0, S::ZERO, spent);
+        match state.account.admit(spent) {
+            Some(spent) => state.pending += self.storage.drawn(spent),
+            None => state.uncertainty = state.energy,
+        }
     }
 
     /// Time moves on by `interval` seconds of which nothing is known, the node having been off: the store
@@ -337,17 +247,18 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         self.move_store(state, interval, S::ZERO, S::ZERO);
     }
 
-    /// The store holds `energy` joules, and may hold `uncertainty` joules less: by a measurement. Whoever
-    /// can measure is supplied, if above the lock-out. Not-a-number is refused.
+    /// The store holds `energy` joules, and may hold `uncertainty` joules less: by a measurement.
+    /// An energy that is negative or not a number is refused.
     pub fn correct(&self, state: &mut BudgetState<S, SLOTS>, energy: S, uncertainty: S) {
         let Some(energy) = state.account.admit(energy) else { return };
         let energy = energy.smaller(self.storage.capacity());
-        state.account.corrected.add(energy - state.energy);
-        state.account.corrected.add(-state.energy_low);
+        // What was spent since the last update is in the measurement.
+        self.move_store(state, 0, S::ZERO, S::ZERO);
+        state.account.correct(energy - state.energy);
+        state.account.correct(-state.energy_low);
         (state.energy, state.energy_low) = (energy, S::ZERO);
         state.uncertainty = S::ZERO;
         state.raise_uncertainty(uncertainty);
-        state.supplied = energy > self.storage.lock_out();
     }
 
     /// The store is at `voltage` volts to within `error` volts: a reading whose error is bounded, by the
@@ -359,44 +270,42 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         self.correct(state, energy, (energy - least).larger(S::ZERO));
     }
 
-    /// Whether an action can be afforded now, whatever income does: whether what is certain of the store,
-    /// after all that the action and the standing load may take of it and all that may leak meanwhile, with
-    /// no income, is still at or above the lock-out.
+    /// Whether an action can be afforded at a second of the clock, whatever income does: whether what is
+    /// certain of the store, after all that the action and the standing load may take of it and all that may
+    /// leak from the last update to the action's end, with no income, is still at or above the lock-out.
     ///
-    /// No prediction enters. At most one exponential.
+    /// `now` is the present second of the clock, a second that has begun counting as over. No prediction enters.
+    /// At most one exponential.
     #[must_use]
-    pub fn can_afford(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>) -> bool {
-        let used = action.energy + self.standing_power * action.duration;
+    pub fn can_afford(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>, now: u32) -> bool {
+        let seconds = S::from_u32(state.income.seconds_until(now)) + action.duration;
+        let used = action.energy + self.standing_power * seconds;
         // Leakage is largest if all is taken at the end.
-        let kept = state.certain_energy() * self.storage.relaxation(action.duration).kept;
+        let kept = (state.energy - state.uncertainty) * self.storage.relaxation(seconds).kept;
+        let left = kept - state.pending - self.storage.drawn(used);
         let rounding = S::literal(4.0) * S::EPSILON * self.storage.capacity();
-        state.supplied && kept - self.storage.drawn(used) >= self.storage.lock_out() + rounding
+        left >= self.storage.lock_out() + rounding
     }
 
-    fn move_store(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, harvested: S, used: S) {
+    /// The store over an interval, with what is pending; `income` and `standing` in joules at the store.
+    fn move_store(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, income: S, standing: S) {
         let storage = &self.storage;
-        let (income, outgo) = (storage.stored(harvested), storage.drawn(used));
         let relaxation = storage.relaxation(S::from_u32(interval));
-        // A load that is off takes nothing: what it is said to have taken is unserved.
-        let served = if state.supplied { outgo } else { S::ZERO };
-        let step = storage.step(state.energy, &relaxation, income, served);
-        let account = &mut state.account;
-        account.income.add(income);
-        account.drawn.add(outgo);
-        account.leaked.add(step.leaked);
-        account.shunted.add(step.shunted);
-        account.unserved.add(step.unserved + (outgo - served));
+        let least = state.energy - state.uncertainty;
+        let wanted = standing + state.pending;
+        state.pending = S::ZERO;
+        let step = storage.step(state.energy, &relaxation, income, wanted);
+        state.account.enter(income, wanted, &step);
 
-        // The lower end: all income first, what has no room lost, leakage, all expenditure last. Followed by
-        // its distance from the stored energy, term by term, so that nothing cancels.
-        let early = state.certain_energy() + income - storage.capacity();
-        let limited = step.shunted > S::ZERO || step.unserved > S::ZERO;
+        // The lower end: all income first, what has no room lost, leakage, all
+        // expenditure last. Followed by its distance from the stored energy, term by term, so that nothing
+        // cancels.
         let mut distance = state.uncertainty * relaxation.kept
             + income * relaxation.lost_by_early_income()
-            + served * relaxation.lost_of_income()
-            + early.larger(S::ZERO) * relaxation.kept;
-        let mut rounded = income + served + step.leaked;
-        if limited {
+            + wanted * relaxation.lost_of_income()
+            + (least + income - storage.capacity()).larger(S::ZERO) * relaxation.kept;
+        let mut rounded = income + wanted + step.leaked;
+        if step.shunted > S::ZERO || step.unserved > S::ZERO {
             distance += step.end - (state.energy + step.change);
             rounded += storage.capacity();
             (state.energy, state.energy_low) = (step.end, S::ZERO);
@@ -404,11 +313,137 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
             (state.energy, state.energy_low) = add_increment(state.energy, state.energy_low, step.change);
         }
         distance += S::literal(4.0) * S::EPSILON * rounded;
-        state.uncertainty = distance.larger(S::ZERO).smaller(state.energy);
-        if state.energy <= storage.lock_out() {
-            state.supplied = false;
-        } else if state.energy >= storage.turn_on() {
-            state.supplied = true;
+        // The load is cut at the lock-out, from where the store leaks till the end at worst.
+        let floor = storage.lock_out().smaller(least + income) * relaxation.kept;
+        let above_floor = state.energy - floor + S::literal(4.0) * S::EPSILON * storage.capacity();
+        state.uncertainty = distance.smaller(above_floor).larger(S::ZERO).smaller(state.energy);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::storage::tests::example;
+    use super::*;
+
+    fn budget<S: Scalar>() -> Budget<S, 48> {
+        with(example())
+    }
+
+    fn with<S: Scalar>(storage: StorageParameters<S>) -> Budget<S, 48> {
+        let income = IncomeParameters { time_constant: S::literal(7200.0), day_weight: S::literal(0.5) };
+        let parameters = BudgetParameters { storage, income, standing_power: S::literal(2e-6) };
+        parameters.build().expect("within bounds")
+    }
+
+    /// Ten times what comes in a day, or a fiftieth of it.
+    fn stores<S: Scalar>() -> [StorageParameters<S>; 2] {
+        let large = StorageParameters {
+            capacitance: S::literal(1.0),
+            leakage_resistance: S::literal(1e6),
+            ..example()
+        };
+        [large, example()]
+    }
+
+    /// A day of updates of `interval` seconds with an uneven income, and an action every ten minutes.
+    fn day<S: Scalar>(budget: &Budget<S, 48>, interval: u32) -> BudgetState<S, 48> {
+        let mut state = budget.start(0);
+        budget.correct(&mut state, S::literal(0.5) * budget.storage.capacity(), S::ZERO);
+        for k in 0..86_400 / interval {
+            let (minute, seconds) = (k * interval / 60, S::from_u32(interval));
+            // Up to 60 µW: the store is full at times, and nearly empty at others.
+            let income = S::from_u32((k * 7919) % 101 * (minute / 120 % 3)) * S::literal(3e-7) * seconds;
+            let spent = if (k * interval) % 600 < interval { S::literal(6e-3) } else { S::ZERO };
+            budget.update(&mut state, interval, income, spent);
+        }
+        state
+    }
+
+    #[test]
+    fn single_precision_ends_a_day_where_double_does() {
+        for (narrow, wide) in stores().into_iter().zip(stores()) {
+            for interval in [60, 1] {
+                let capacity = with(wide).storage().capacity();
+                let (single, double) =
+                    (day(&with::<f32>(narrow), interval), day(&with::<f64>(wide), interval));
+                let off = |a: f32, b: f64| (f64::from(a) - b).abs() / capacity;
+                println!(
+                    "{capacity:.4} J, {interval} s: {:.1e} of the capacity off, {:.1e} and {:.1e} uncertain",
+                    off(single.energy(), double.energy()),
+                    f64::from(single.uncertainty()) / capacity,
+                    double.uncertainty() / capacity,
+                );
+                assert!(off(single.energy(), double.energy()) < 3e-7, "{capacity} J, {interval} s");
+            }
+        }
+    }
+
+    #[test]
+    fn the_account_adds_up_to_what_is_in_the_store() {
+        for (storage, interval) in stores().into_iter().flat_map(|storage| [(storage, 60), (storage, 1)]) {
+            let state = day(&with::<f32>(storage), interval);
+            let account = state.account();
+            let turned_over = account.income() + account.corrected();
+            let off = (account.balance() - state.energy()).abs() / turned_over;
+            println!(
+                "{} F, {interval} s: {off:.1e} of what came in is not accounted for",
+                storage.capacitance
+            );
+            assert!(off < 1e-5 && account.leaked() > 0.0, "{interval}: {account:?}");
+        }
+        let account = *day(&budget::<f32>(), 60).account();
+        assert!(account.shunted() > 0.0 && account.unserved() > 0.0);
+    }
+
+    #[test]
+    fn an_action_is_affordable_down_to_the_last_microjoule() {
+        let budget = budget::<f64>();
+        let storage = budget.storage();
+        let action = Action::new("transmit", 300e-6, 2.0).expect("finite");
+        let after = |seconds: f64| (-2.0 * seconds / (220e-6 * 10e6)).exp();
+        let cost = |seconds: f64| (300e-6 + 2e-6 * seconds) / 0.9;
+        let mut state = budget.start(100);
+        assert!(!budget.can_afford(&state, &action, 100), "nothing is known");
+        for (now, seconds) in [(100, 2.0), (130, 32.0), (90, 2.0)] {
+            let just = (storage.lock_out() + cost(seconds)) / after(seconds);
+            for (energy, expected) in [(just + 1e-9, true), (just - 1e-9, false)] {
+                budget.correct(&mut state, energy, 0.0);
+                assert_eq!(budget.can_afford(&state, &action, now), expected);
+                // What is uncertain is not there, nor what has been spent.
+                budget.correct(&mut state, energy + 1e-5, 1e-5);
+                assert_eq!(budget.can_afford(&state, &action, now), expected);
+                budget.correct(&mut state, energy, 0.0);
+                state.raise_uncertainty(1e-8);
+                assert!(!budget.can_afford(&state, &action, now));
+                budget.correct(&mut state, energy + 1e-4, 0.0);
+                budget.spend(&mut state, 0.9 * 1e-4 / after(seconds).recip());
+                assert_eq!(budget.can_afford(&state, &action, now), expected);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_amount_of_energy_is_refused_and_never_helps() {
+        let budget = budget::<f32>();
+        let action = Action::new("measure", 1e-6, 0.1).expect("finite");
+        for wrong in [f32::NAN, f32::INFINITY, -1.0] {
+            let mut state = budget.start(0);
+            budget.correct_by_voltage(&mut state, 4.0, 0.01);
+            budget.update(&mut state, 60, wrong, 0.0);
+            assert!(budget.can_afford(&state, &action, 60) && state.account().income() == 0.0);
+            let mut blind = state;
+            budget.update(&mut blind, 60, 0.0, wrong);
+            assert!(!budget.can_afford(&blind, &action, 120), "it may have emptied the store");
+            let mut doubtful = state;
+            doubtful.raise_uncertainty(wrong);
+            assert!(!budget.can_afford(&doubtful, &action, 60));
+            let mut unmeasured = state;
+            budget.correct(&mut unmeasured, wrong, 0.0);
+            assert_eq!(unmeasured.energy(), state.energy());
+            for refused in [blind, doubtful, unmeasured] {
+                assert_eq!(refused.account().refused(), 2);
+            }
+            assert!(Action::new("wrong", wrong, 0.0).is_err() && Action::new("wrong", 0.0, wrong).is_err());
         }
     }
 }

@@ -85,6 +85,13 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
         self.second
     }
 
+    /// Seconds from the present time to a later one; 0 if it has passed, by up to half of the clock's range.
+    #[must_use]
+    pub fn seconds_until(&self, second: u32) -> u32 {
+        let ahead = second.wrapping_sub(self.second);
+        if ahead > u32::MAX / 2 { 0 } else { ahead }
+    }
+
     /// Exponentially weighted mean of the income in watts; 0 before any.
     #[must_use]
     pub fn mean_power(&self) -> S {

@@ -30,7 +30,8 @@ pub struct StorageParameters<S> {
     pub highest_voltage: S,
     /// Voltage in volts at or below which the load is switched off.
     pub lock_out_voltage: S,
-    /// Voltage in volts at which a load that was switched off is switched on again.
+    /// Voltage in volts at which a load that was switched off is switched on again. Nothing here depends on it:
+    /// a node that runs has passed it.
     pub turn_on_voltage: S,
 }
 
@@ -106,7 +107,7 @@ impl<S: Scalar> Storage<S> {
         self.lock_out
     }
 
-    /// Energy at the turn-on voltage.
+    /// Energy at the turn-on voltage, for whoever simulates the node from outside.
     #[must_use]
     pub fn turn_on(&self) -> S {
         self.turn_on

@@ -1,0 +1,76 @@
+//! The moments of a normal number of which an interval is known.
+
+use crate::scalar::{Mathematics, Scalar};
+
+/// Panels of Simpson's rule.
+const PANELS: u32 = 12;
+
+/// Mean and variance of a standard normal number that is known to lie from `low` to `high`.
+///
+/// Simpson's rule on the density relative to its largest value there, which neither underflows nor cancels
+/// however far out: mean within 10⁻³, variance within
+/// 5·10⁻³ of itself.
+pub(super) fn moments_within<S: Scalar>(low: S, high: S) -> (S, S) {
+    // The point of largest density, and the distance outwards in which it falls by e^(−12.5).
+    let peak = S::ZERO.larger(low).smaller(high);
+    let square = S::literal(25.0);
+    let reach = square / ((peak * peak + square).square_root() + peak.absolute());
+    let (start, end) = (low.larger(peak - reach), high.smaller(peak + reach));
+    let step = (end - start) / S::from_u32(2 * PANELS);
+    let half = S::literal(0.5);
+    let (mut mass, mut first, mut second) = (S::ZERO, S::ZERO, S::ZERO);
+    for k in 0..=2 * PANELS {
+        let weight = if k == 0 || k == 2 * PANELS { 1 } else { 2 + 2 * (k & 1) };
+        // From the peak, so that a narrow cell far out keeps its digits.
+        let distance = (start - peak) + step * S::from_u32(k);
+        let density = S::Build::exponential(-distance * (peak + half * distance));
+        let part = density * S::from_u32(weight);
+        mass += part;
+        first += part * distance;
+        second += part * distance * distance;
+    }
+    let mean = first / mass;
+    let spread = (second / mass - mean * mean).larger(S::ZERO).smaller(S::ONE);
+    (peak + mean, spread)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By the midpoint rule with a million steps, over what of the interval is within 40 of 0.
+    fn exact(low: f64, high: f64) -> (f64, f64) {
+        let (low, high) = (low.max(-40.0), high.min(40.0));
+        let step = (high - low) / 1e6;
+        let shift = 0.5 * 0.0_f64.clamp(low, high).powi(2);
+        let sums = (0..1_000_000).fold([0.0; 3], |[mass, first, second], k| {
+            let x = low + (f64::from(k) + 0.5) * step;
+            let density = (shift - 0.5 * x * x).exp();
+            [mass + density, first + density * x, second + density * x * x]
+        });
+        let mean = sums[1] / sums[0];
+        (mean, sums[2] / sums[0] - mean * mean)
+    }
+
+    #[test]
+    pub(super) fn moments_within_a_cell_are_those_of_the_cut_normal() {
+        for (low, high) in [
+            (-0.01, 0.02),
+            (-1.0, 1.0),
+            (-3.0, -1.0),
+            (-200.0, 300.0),
+            (-50.0, 0.3),
+            (2.0, 2.1),
+            (4.9, 90.0),
+            (-35.0, -20.0),
+        ] {
+            let (mean, spread) = exact(low, high);
+            let double = moments_within(low, high);
+            let (first, second) = moments_within(low as f32, high as f32);
+            for (m, s) in [double, (f64::from(first), f64::from(second))] {
+                assert!((m - mean).abs() < 1e-3, "{low} {high}: {m} {mean}");
+                assert!((s - spread).abs() < 5e-3 * spread.max(1e-3), "{low} {high}: {s} {spread}");
+            }
+        }
+    }
+}
