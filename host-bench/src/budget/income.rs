@@ -118,17 +118,37 @@ fn scaled(excitation: &Excitation, factor: f64) -> Excitation {
 /// # Errors
 /// [`Failure::Input`] if the scene cannot be run for a day, and as a run.
 pub fn exact(scene: &Scene, node: &Node, options: &Options) -> Result<(Income, WholeDay), Failure> {
-    if let Excitation::File(trace) = &scene.excitation
-        && !trace.repeat
-    {
-        return Err(Failure::Input(format!(
-            "{}: excitation.repeat: must be true with --exact",
-            scene.file.display()
-        )));
-    }
+    check_trace(scene)?;
     let day = whole_day(scene, &node.hours, node.update_s, options)?;
     let powers_w = day.energies_j.iter().map(|energy| energy / f64::from(node.update_s)).collect();
     Ok((Income::Exact { interval_s: node.update_s, powers_w }, day))
+}
+
+/// A trace that ends does not last a day.
+fn check_trace(scene: &Scene) -> Result<(), Failure> {
+    match &scene.excitation {
+        Excitation::File(trace) if !trace.repeat => Err(Failure::Input(format!(
+            "{}: excitation.repeat: must be true with --exact",
+            scene.file.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Whether the harvester and the store of a node can be one trajectory: the bridge charges the store itself.
+///
+/// # Errors
+/// [`Failure::Input`] if a converter stands between them, or the excitation ends.
+pub fn check_looped(scene: &Scene, node: &Node) -> Result<(), Failure> {
+    check_trace(scene)?;
+    let efficiency = node.storage.charging_efficiency;
+    if efficiency < 1.0 {
+        return Err(Failure::Input(format!(
+            "{}: node.storage.charging_efficiency: {efficiency} must be 1 with --exact behind a bridge",
+            scene.file.display()
+        )));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

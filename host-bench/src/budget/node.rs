@@ -103,12 +103,13 @@ impl<'a, S: Scalar, const SLOTS: usize> Mind<'a, S, SLOTS> {
     /// The actions that it runs now, by number, their energy spent.
     pub(super) fn decide(&mut self) -> Vec<usize> {
         let rates = self.rates();
+        let now = self.state.income().second();
         let mut run = Vec::new();
         for (index, (due, rate)) in self.due.iter_mut().zip(rates).enumerate() {
             let granted = rate * f64::from(self.node.decision_s);
             // What could not be run is not saved up.
             due.credit = (due.credit + granted).min(1.0 + granted);
-            while due.credit >= 1.0 - ROUNDING && self.budget.can_run_now(&self.state, &due.action) {
+            while due.credit >= 1.0 - ROUNDING && self.budget.can_run_now(&self.state, &due.action, now) {
                 self.budget.spend(&mut self.state, due.action.energy());
                 due.credit -= 1.0;
                 run.push(index);

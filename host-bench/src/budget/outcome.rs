@@ -114,6 +114,10 @@ impl NodeDay {
             fields.push(("steps", steps.into()));
             fields.push(("energy_residual", residual.into()));
         }
+        if account.steps > 0 {
+            fields.push(("steps", account.steps.into()));
+            fields.push(("diode_loss_j", account.diodes.into()));
+        }
         fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }
 

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use super::{make_folder, print, report_folder, writable, write_whole};
 use crate::budget::outcome::Source;
-use crate::budget::{income, picture, simulate};
+use crate::budget::{InLoop, income, picture, simulate};
 use crate::method::{Failure, Precision};
 use crate::outcome::Format;
-use crate::scene_file::{self, Override};
+use crate::scene_file::{self, Load, Override};
 
 /// Most days before the one that is told of.
 const MOST_LEARNING_DAYS: u32 = 366;
@@ -57,13 +57,20 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     let (scene, node) = scene_file::read_with_node(&arguments.scene, &arguments.overrides)?;
     let options = income::options(&scene, arguments.precision, arguments.tolerance);
     options.check()?;
-    let (income, whole_day) = if arguments.exact {
+    let bridged = matches!(scene.load, Load::RectifiedStore(_));
+    let (income, whole_day) = if arguments.exact && !bridged {
         let (income, day) = income::exact(&scene, &node, &options)?;
         (income, Some((day.steps, day.energy_residual)))
     } else {
         (income::by_level(&scene, &node, &options)?, None)
     };
-    let day = simulate(&node, &income, learning_days, arguments.precision)?;
+    let in_loop = if arguments.exact && bridged {
+        income::check_looped(&scene, &node)?;
+        Some(InLoop { scene: &scene, options: &options })
+    } else {
+        None
+    };
+    let day = simulate(&node, &income, learning_days, arguments.precision, in_loop)?;
     let source = Source {
         scene: scene.name(),
         precision: match arguments.precision {

@@ -10,7 +10,7 @@ use model_core::scalar::{Mathematics, Scalar};
 use super::hybrid_run::{HostedScene, ModeOf, Run, STATES, WHOLE};
 use super::{contact_separation, sliding};
 use crate::method::{Failure, Options, Precision};
-use crate::scene_file::{HOURS, Model, Scene};
+use crate::scene_file::{HOURS, Load, Model, Scene};
 
 /// Seconds in a day.
 const DAY_S: u32 = 86_400;
@@ -43,6 +43,12 @@ pub fn whole_day(
 ) -> Result<WholeDay, Failure> {
     options.check()?;
     options.check_scene(scene)?;
+    if !matches!(scene.load, Load::Resistor { .. }) {
+        return Err(Failure::Input(format!(
+            "{}: load.kind: must be \"resistor\" or \"rectified-store\" with --exact",
+            scene.file.display()
+        )));
+    }
     match options.precision {
         Some(Precision::F32) => whole_day_as::<f32>(scene, hours, interval_s, options),
         _ => whole_day_as::<f64>(scene, hours, interval_s, options),
@@ -64,19 +70,23 @@ fn whole_day_as<S: Scalar>(
         Model::Sliding(model) => sliding::prepared::<S, S::Build, _>(scene, model, options, |run, state| {
             run.whole_day(state, hours, interval_s)
         }),
-        // At 10⁵ steps a second a day would take hours.
-        Model::BumpStop(_) => Err(Failure::Input(format!(
-            "{}: scene = {:?}: must be \"contact-separation\" or \"sliding\" with --exact",
-            scene.file.display(),
-            scene.name()
-        ))),
+        Model::BumpStop(_) => Err(refuse_bump_stop(scene)),
     }
 }
 
-impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
+/// The refusal of a bump-stop scene: at 10⁵ steps a second a day would take hours.
+pub(super) fn refuse_bump_stop(scene: &Scene) -> Failure {
+    Failure::Input(format!(
+        "{}: scene = {:?}: must be \"contact-separation\" or \"sliding\" with --exact",
+        scene.file.display(),
+        scene.name()
+    ))
+}
+
+impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S, STATES>> Run<'_, S, M, H, STATES> {
     fn whole_day(
         &self,
-        mut state: HybridState<S, ModeOf<S, H>, STATES, WHOLE>,
+        mut state: HybridState<S, ModeOf<S, H, STATES>, STATES, WHOLE>,
         hours: &[f64; HOURS],
         interval_s: u32,
     ) -> Result<WholeDay, Failure> {
@@ -106,9 +116,9 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S>> Run<'_, S, M, H> {
 /// An excitation multiplied with a factor for each hour of the day. In the first second of an hour the factor goes
 /// in a straight line from the one before, so that the acceleration has no jump.
 #[derive(Debug)]
-struct Daily<'a, S, E> {
-    base: &'a E,
-    factors: [S; HOURS],
+pub(super) struct Daily<'a, S, E> {
+    pub(super) base: &'a E,
+    pub(super) factors: [S; HOURS],
 }
 
 impl<S: Scalar, E> Daily<'_, S, E> {

@@ -13,7 +13,7 @@
 //! # What becomes of a part in the models
 //!
 //! * The store behind a bridge has leakage as a resistance. A quiescent current `I_q` becomes the resistance that
-//!   takes as much at the turn-on voltage, `V_on/I_q`: right there, and less than the part takes below.
+//!   takes as much at the turn-on voltage, `V_on/I_q`: right there, less than the part takes below, more above.
 //! * While the node is connected the part takes more. The difference, at the turn-on voltage, is added to what the
 //!   node draws at constant power.
 //! * A converter between store and node takes `P/η` from the store for a node that consumes `P`. An efficiency
@@ -95,7 +95,7 @@ impl<S: Scalar> Preset<S> {
     ///   revisions from 2011 to G (August 2023). The larger is taken for running.
     /// * Cold start at 600 mV (revision G); 330 mV up to revision C (June 2015).
     /// * Thresholds are set by resistors. Those of the solar application, for two NiMH cells: power-good from
-    ///   2.80 V rising to 2.44 V falling, charging up to 3.15 V; confirmed from designs that quote it.
+    ///   2.80 V rising to 2.44 V falling, charging up to 3.15 V; confirmed by designs that quote it.
     /// * Charging efficiency 0.80 for some tens of microwatts at 0.5 to 1 V: read off the efficiency curves; *not
     ///   confirmed*. The node is fed by the store itself.
     #[must_use]
