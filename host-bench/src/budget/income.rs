@@ -86,6 +86,10 @@ pub fn by_level(scene: &Scene, node: &Node, options: &Options) -> Result<Income,
 
 /// The power at one amplitude over the voltage of the store.
 fn curve(scene: &Scene, node: &Node, factor: f64, options: &Options) -> Result<Vec<(f64, f64)>, Failure> {
+    if factor == 0.0 {
+        // At rest nothing comes; a short run would still show how the start of the scene fades.
+        return Ok(vec![(0.0, 0.0)]);
+    }
     let excitation = scaled(&scene.excitation, factor);
     let power = |load: Load| -> Result<f64, Failure> {
         let scene = Scene { load, excitation: excitation.clone(), ..scene.clone() };

@@ -196,7 +196,7 @@ mod tests {
     use crate::scene_file::{Override, read};
 
     const STORAGE: Storage = Storage {
-        capacitance_f: 10e-6,
+        capacitance_f: 100e-6,
         leakage_ohm: 1e8,
         initial_v: 4.5,
         charging_efficiency: 1.0,
@@ -222,12 +222,12 @@ mod tests {
         with_store_in_loop(&scene(), 0.2, &STORAGE, 4.5, &hours, &options, |looped| {
             let stored = |volts: f64| 0.5 * STORAGE.capacitance_f * volts * volts;
             let (mut sum, mut delivered, start) = (0.0, 0.0, looped.voltage());
-            for (until_s, draw_w) in [(5, 0.0), (10, 20e-6), (20, 3e-6), (30, 40e-6)] {
+            for (until_s, draw_w) in [(5, 0.0), (10, 20e-6), (20, 3e-6), (30, 80e-6)] {
                 let connected = looped.is_connected();
                 let stretch = looped.advance(until_s, draw_w)?;
                 let length = if until_s <= 10 { 5.0 } else { 10.0 };
                 if connected && looped.is_connected() {
-                    assert!((stretch.drawn_j - draw_w * length).abs() < 1e-5 * draw_w * length);
+                    assert!((stretch.drawn_j - draw_w * length).abs() <= 1e-5 * draw_w * length);
                 }
                 assert!(stretch.delivered_j > 0.0 && stretch.diodes_j > 0.0 && stretch.steps > 1000);
                 sum += stretch.delivered_j - stretch.leaked_j - stretch.drawn_j;
@@ -235,7 +235,7 @@ mod tests {
             }
             let change = stored(looped.voltage()) - stored(start);
             assert!((change - sum).abs() < 1e-4 * delivered, "{change} {sum}");
-            // 400 µJ in ten seconds are more than there is: the node is switched off at 3 V, and what comes
+            // 800 µJ in ten seconds are more than there is: the node is switched off at 3 V, and what comes
             // in after that does not reach 4 V.
             assert!(!looped.is_connected() && (3.0..4.0).contains(&looped.voltage()));
             Ok(())

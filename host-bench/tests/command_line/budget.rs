@@ -35,7 +35,7 @@ fn a_day_adds_up_and_is_drawn() {
     let spent: f64 = actions.iter().map(|action| number(action, "spent_j")).sum();
     assert!((of("actions_j") / spent - 1.0).abs() < 1e-9, "{told}");
     for (action, joules) in actions.iter().zip([300e-6, 6.6e-3]) {
-        assert!((number(action, "spent_j") / (number(action, "runs") * joules) - 1.0).abs() < 1e-9);
+        assert!((number(action, "spent_j") - number(action, "runs") * joules).abs() < 1e-9);
         assert!(number(action, "runs") <= number(action, "wished_runs") + 1.0);
         // What the budget holds for sustainable in the morning is what comes of the day, to a tenth.
         let kept = number(action, "runs") / number(action, "predicted_runs");
@@ -86,7 +86,8 @@ fn a_node_without_income_stops_before_its_lock_out() {
 fn a_store_below_its_lock_out_waits_for_the_turn_on_voltage() {
     let day = json("budget-empty", &["--set", "node.storage.initial_v=2.0", "--learning-days", "0"]);
     assert!(number(&day, "lockout_s") > 5.0 * 3600.0);
-    assert!((number(&day, "lowest_voltage_v") - 2.0).abs() < 0.05);
+    // It leaks until the morning, with a time constant of nine days.
+    assert!((1.9..2.0).contains(&number(&day, "lowest_voltage_v")));
     assert!(number(&day, "budget_error") < 1e-3);
 }
 
@@ -108,7 +109,7 @@ fn what_a_node_must_not_be_is_refused() {
     with("node.storage.turn_off_v=3.0", &["node.storage.turn_off_v = 3.0", "below turn_on_v = 2.8"]);
     with("node.storage.highest_v=2.7", &["turn_on_v", "below highest_v = 2.7"]);
     with("node.storage.initial_v=4", &["node.storage.initial_v = 4", "at most highest_v = 3.15"]);
-    with("node.storage={}", &["node.storage.capacitance_f is missing"]);
+    with("node.storage={}", &["node.storage.capacitance_f: is missing"]);
     refused(&["budget", NODE, "--learning-days", "1000"], &["--learning-days 1000", "at most 366"]);
     refused(&["budget", NODE, "--svg", "/nowhere/day.svg"], &["--svg /nowhere/day.svg", "must be a folder"]);
     let bump_stop = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
