@@ -7,7 +7,7 @@
 
 use crate::embedded::{WholeDay, whole_day};
 use crate::method::{Failure, Options, Precision, run_scene};
-use crate::scene_file::{Excitation, HOURS, Load, Model, Node, Scene, Trace};
+use crate::scene_file::{Excitation, Load, Model, Node, Scene, Trace};
 
 /// Tolerance of the step control of a triboelectric scene, that of firmware.
 pub const NODE_TOLERANCE: f64 = 0.05;
@@ -19,7 +19,7 @@ const VOLTAGES: u32 = 9;
 pub enum Income {
     /// For each hour the power in W at voltages of the store in V, rising; one that does not depend on it stands
     /// alone.
-    ByLevel([Vec<(f64, f64)>; HOURS]),
+    ByLevel(Vec<Vec<(f64, f64)>>),
     /// Mean power in W in equal intervals of so many seconds.
     Exact {
         /// Length of an interval in s.
@@ -34,7 +34,9 @@ impl Income {
     #[must_use]
     pub fn power_w(&self, second: u32, store_v: f64) -> f64 {
         match self {
-            Self::ByLevel(hours) => at_voltage(&hours[(second / 3600) as usize % HOURS], store_v),
+            Self::ByLevel(hours) => {
+                hours.get((second / 3600) as usize).map_or(0.0, |curve| at_voltage(curve, store_v))
+            }
             Self::Exact { interval_s, powers_w } => {
                 powers_w.get((second / interval_s) as usize).copied().unwrap_or(0.0)
             }
@@ -44,7 +46,7 @@ impl Income {
     /// The same power all day.
     #[cfg(test)]
     pub(super) fn constant(power_w: f64) -> Self {
-        Self::ByLevel(std::array::from_fn(|_| vec![(0.0, power_w)]))
+        Self::ByLevel(vec![vec![(0.0, power_w)]; crate::scene_file::HOURS])
     }
 }
 
@@ -81,7 +83,7 @@ pub fn by_level(scene: &Scene, node: &Node, options: &Options) -> Result<Income,
         }
     }
     let of = |factor: f64| known.iter().find(|(other, _)| *other == factor).map(|(_, curve)| curve.clone());
-    Ok(Income::ByLevel(node.hours.map(|factor| of(factor).unwrap_or_default())))
+    Ok(Income::ByLevel(node.hours.into_iter().filter_map(of).collect()))
 }
 
 /// The power at one amplitude over the voltage of the store.

@@ -91,6 +91,33 @@ fn a_store_below_its_lock_out_waits_for_the_turn_on_voltage() {
     assert!(number(&day, "budget_error") < 1e-3);
 }
 
+const BRIDGED: &str = "load={kind='rectified-store',preset='ltc3588-1-3v3',capacitance_f=4e-3,initial_v=6.0}";
+
+#[test]
+fn a_bridge_feeds_the_store_of_its_part() {
+    let day = json("budget-bridged", &["--set", BRIDGED, "--set", "node.storage={}"]);
+    let of = |key: &str| number(&day, key);
+    assert!(of("store_residual") < 1e-12 && of("harvested_energy_j") > 0.1, "{day}");
+    assert!((of("income_j") / of("harvested_energy_j") - 1.0).abs() < 1e-12);
+    let spent: f64 = day["actions"]
+        .as_array()
+        .map_or(f64::NAN, |actions| actions.iter().map(|action| number(action, "spent_j")).sum());
+    assert!(spent > 0.0 && (of("actions_j") * 0.85 / spent - 1.0).abs() < 1e-9, "{day}");
+    assert!(of("lowest_voltage_v") >= 3.67 && of("lockouts") == 0.0, "{day}");
+}
+
+#[test]
+#[ignore = "25 million steps of a day, and the events of its bridge: minutes"]
+fn the_ledger_of_a_whole_day_on_the_store_closes_in_single_precision() {
+    let day = json("budget-exact", &["--set", BRIDGED, "--set", "node.storage={}", "--exact"]);
+    assert!(number(&day, "store_residual") < 1e-3, "{day}");
+    assert!(number(&day, "steps") > 2e7 && number(&day, "lockouts") == 0.0, "{day}");
+    // The mean power at each amplitude is that of the whole day but for its starts and stops.
+    let fast = json("budget-by-level", &["--set", BRIDGED, "--set", "node.storage={}"]);
+    let ratio = number(&day, "harvested_energy_j") / number(&fast, "harvested_energy_j");
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}
+
 #[test]
 fn what_a_node_must_not_be_is_refused() {
     let with = |change: &'static str, parts: &[&str]| {
@@ -112,6 +139,7 @@ fn what_a_node_must_not_be_is_refused() {
     with("node.storage={}", &["node.storage.capacitance_f: is missing"]);
     refused(&["budget", NODE, "--learning-days", "1000"], &["--learning-days 1000", "at most 366"]);
     refused(&["budget", NODE, "--svg", "/nowhere/day.svg"], &["--svg /nowhere/day.svg", "must be a folder"]);
+    refused(&["budget", NODE, "--set", BRIDGED, "--exact"], &["charging_efficiency: 0.8 must be 1"]);
     let bump_stop = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
     refused(&["budget", bump_stop, "--exact"], &["node: is missing"]);
 }
