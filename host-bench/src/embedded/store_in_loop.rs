@@ -217,31 +217,34 @@ mod tests {
 
     #[test]
     fn the_energy_of_the_store_is_what_came_less_what_went_however_the_draw_changes() {
-        let options =
-            Options { precision: Some(Precision::F32), tolerance: Some(0.05), ..Options::default() };
         let hours = [1.0; HOURS];
-        with_store_in_loop(&scene(), 0.2, &STORAGE, 4.5, &hours, &options, |looped| {
-            let stored = |volts: f64| 0.5 * STORAGE.capacitance_f * volts * volts;
-            let (mut sum, mut delivered, start) = (0.0, 0.0, looped.voltage());
-            for (until_s, draw_w) in [(5, 0.0), (10, 20e-6), (20, 3e-6), (30, 80e-6)] {
-                let connected = looped.is_connected();
-                let stretch = looped.advance(until_s, draw_w)?;
-                let length = if until_s <= 10 { 5.0 } else { 10.0 };
-                if connected && looped.is_connected() {
-                    assert!((stretch.drawn_j - draw_w * length).abs() <= 1e-3 * draw_w * length);
+        // What enters the store is integrated; what the store holds follows from the charge, without a quadrature.
+        for (tolerance, bound) in [(0.05, 0.04), (1e-3, 2e-3)] {
+            let options =
+                Options { precision: Some(Precision::F32), tolerance: Some(tolerance), ..Options::default() };
+            with_store_in_loop(&scene(), 0.2, &STORAGE, 4.5, &hours, &options, |looped| {
+                let stored = |volts: f64| 0.5 * STORAGE.capacitance_f * volts * volts;
+                let (mut sum, mut delivered, start) = (0.0, 0.0, looped.voltage());
+                for (until_s, draw_w) in [(5, 0.0), (10, 20e-6), (20, 3e-6), (30, 80e-6)] {
+                    let connected = looped.is_connected();
+                    let stretch = looped.advance(until_s, draw_w)?;
+                    let length = if until_s <= 10 { 5.0 } else { 10.0 };
+                    if connected && looped.is_connected() {
+                        assert!((stretch.drawn_j - draw_w * length).abs() <= 1e-3 * draw_w * length);
+                    }
+                    assert!(stretch.delivered_j > 0.0 && stretch.diodes_j > 0.0 && stretch.steps > 1000);
+                    sum += stretch.delivered_j - stretch.leaked_j - stretch.drawn_j;
+                    delivered += stretch.delivered_j;
                 }
-                assert!(stretch.delivered_j > 0.0 && stretch.diodes_j > 0.0 && stretch.steps > 1000);
-                sum += stretch.delivered_j - stretch.leaked_j - stretch.drawn_j;
-                delivered += stretch.delivered_j;
-            }
-            let change = stored(looped.voltage()) - stored(start);
-            assert!((change - sum).abs() < 1e-4 * delivered, "{change} {sum}");
-            // 800 µJ in ten seconds are more than there is: the node is switched off at 3 V, and what comes
-            // in after that does not reach 4 V.
-            assert!(!looped.is_connected() && (3.0..4.0).contains(&looped.voltage()));
-            Ok(())
-        })
-        .expect("the run gets to its end");
+                let residual = (stored(looped.voltage()) - stored(start) - sum).abs() / delivered;
+                assert!(residual < bound, "{tolerance}: {residual}");
+                // 800 µJ in ten seconds are more than there is: the node is switched off at 3 V, and what comes
+                // in after that does not reach 4 V.
+                assert!(!looped.is_connected() && (3.0..4.0).contains(&looped.voltage()));
+                Ok(())
+            })
+            .expect("the run gets to its end");
+        }
     }
 
     #[test]
