@@ -85,27 +85,38 @@ pub struct Report {
     pub steps: u32,
 }
 
+impl Report {
+    /// Harvested and stored energy in microjoules.
+    #[must_use]
+    pub fn microjoules(&self) -> [f32; 2] {
+        [1e6 * self.harvested, 1e6 * self.stored]
+    }
+}
+
 /// Writes a report to the log.
 #[cfg(target_os = "none")]
 pub fn log(report: &Report) {
-    let Report { second, harvested, stored, decision, steps } = report;
-    let decided = decision.name();
+    let [harvested, stored] = report.microjoules();
     defmt::info!(
-        "second {=u32}: {=f32} J in, {=f32} J stored, {=str}, {=u32} steps",
-        second,
+        "second {=u32}: {=f32} uJ in, {=f32} uJ stored, {=str}, {=u32} steps",
+        report.second,
         harvested,
         stored,
-        decided,
-        steps
+        report.decision.name(),
+        report.steps
     );
 }
 
 impl core::fmt::Display for Report {
-    /// As the log has it.
+    /// As the log has it: numbers with as many digits as tell them from their neighbours.
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { second, harvested, stored, decision, steps } = self;
-        let decided = decision.name();
-        write!(f, "second {second}: {harvested} J in, {stored} J stored, {decided}, {steps} steps")
+        let Self { second, decision, steps, .. } = self;
+        let [harvested, stored] = self.microjoules();
+        write!(
+            f,
+            "second {second}: {harvested:?} uJ in, {stored:?} uJ stored, {}, {steps} steps",
+            decision.name()
+        )
     }
 }
 

@@ -1,5 +1,6 @@
 //! The commands of the binary.
 
+pub mod budget;
 pub mod closed_form;
 pub mod figures;
 pub mod on_target;

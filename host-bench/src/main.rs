@@ -5,7 +5,8 @@ use std::process::ExitCode;
 use clap::Parser;
 use clap::error::ErrorKind;
 use host_bench::command::{
-    closed_form, figures, on_target, overview, report, resonance, run, stability, sweep, work_precision,
+    budget, closed_form, figures, on_target, overview, report, resonance, run, stability, sweep,
+    work_precision,
 };
 use host_bench::method::Failure;
 
@@ -20,6 +21,8 @@ struct Arguments {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
+    /// Simulate a day of a sensor node: stored energy, income and actions
+    Budget(budget::BudgetArguments),
     /// Mean power without a trajectory, whether that holds, and the map of its error
     ClosedForm(closed_form::ClosedFormArguments),
     /// Rebuild the figures of the two papers: sliding 3 to 6, contact-separation 8 to 11, bump-stop 6 to 10
@@ -45,6 +48,7 @@ fn main() -> ExitCode {
     };
     let done = match &arguments.command {
         None => overview::run(),
+        Some(Command::Budget(arguments)) => budget::run(arguments),
         Some(Command::ClosedForm(arguments)) => closed_form::run(arguments),
         Some(Command::Figures(arguments)) => figures::run(arguments),
         Some(Command::Resonance(arguments)) => resonance::run(arguments),

@@ -10,6 +10,8 @@ mod contact_separation;
 mod document;
 mod excitation;
 mod load;
+mod node;
+mod preset;
 mod run_span;
 mod scene;
 mod section;
@@ -39,6 +41,20 @@ enum Kind {
 /// # Errors
 /// The first thing that is wrong, in one line.
 pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
+    read_all(file, overrides).map(|(scene, _)| scene)
+}
+
+/// As [`read`], for a file that has a node.
+///
+/// # Errors
+/// As [`read`], and if there is no `[node]`.
+pub fn read_with_node(file: &Path, overrides: &[Override]) -> Result<(Scene, Node), SceneError> {
+    let (scene, node) = read_all(file, overrides)?;
+    let absent = || SceneError::of_absent(file, "node", "is missing; must be a table");
+    node.map(|node| (scene, node)).ok_or_else(absent)
+}
+
+fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>), SceneError> {
     let document = Document::read(file, overrides)?;
     let mut root = Section::root(&document);
     let model = match root.choice(
@@ -67,9 +83,13 @@ pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
         }
         Kind::BumpStop => Model::BumpStop(bump_stop::model(&mut root)?),
     };
-    let load = load::load(root.table("load")?)?;
+    let (load, part) = load::load(root.table("load")?)?;
     let excitation = excitation::excitation(root.table("excitation")?)?;
     let run = run_span::run_span(root.table("run")?, &excitation)?;
+    let node = match root.optional_table("node")? {
+        Some(section) => Some(node::node(section, load, part)?),
+        None => None,
+    };
     root.finish()?;
-    Ok(Scene { file: file.to_owned(), model, load, excitation, run })
+    Ok((Scene { file: file.to_owned(), model, load, excitation, run }, node))
 }

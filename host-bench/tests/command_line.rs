@@ -1,9 +1,11 @@
 //! The command line through the real binary: what it refuses and how, and what a good run prints.
 
 mod command_line {
+    mod budget;
     mod bump_stop;
     mod closed_form;
     mod good_runs;
+    mod presets;
     mod refused_options;
     mod refused_scenes;
     mod refused_traces;

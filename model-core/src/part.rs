@@ -15,6 +15,7 @@ pub mod friction;
 pub mod load;
 pub mod monomorph;
 pub mod parasitic;
+pub mod preset;
 pub mod rectifier;
 pub mod restitution;
 pub mod rod;

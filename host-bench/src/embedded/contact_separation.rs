@@ -121,7 +121,16 @@ fn hosted<'a, S: Scalar, M: Mathematics<S>>(
     Ok(Hosted { harvester, model })
 }
 
-fn start<S: Scalar>(model: &ContactSeparation) -> Start<S> {
+/// The core's harvester of a scene.
+pub(super) fn core<S: Scalar, M: Mathematics<S>>(
+    scene: &Scene,
+    model: &ContactSeparation,
+) -> Result<Harvester<S, AnyParts<M>>, Failure> {
+    hosted(scene, model).map(|hosted| hosted.harvester)
+}
+
+/// The core's initial values of a scene.
+pub(super) fn start<S: Scalar>(model: &ContactSeparation) -> Start<S> {
     Start {
         gap: model.initial.gap_m.map(S::literal),
         velocity: model.initial.velocity_m_per_s.map(S::literal),

@@ -91,7 +91,13 @@ fn hosted<'a, S: Scalar>(scene: &Scene, model: &'a Sliding) -> Result<Hosted<'a,
     Ok(Hosted { harvester, model })
 }
 
-fn start<S: Scalar>(model: &Sliding) -> Start<S> {
+/// The core's harvester of a scene.
+pub(super) fn core<S: Scalar>(scene: &Scene, model: &Sliding) -> Result<Harvester<S, AnyParts>, Failure> {
+    hosted(scene, model).map(|hosted| hosted.harvester)
+}
+
+/// The core's initial values of a scene.
+pub(super) fn start<S: Scalar>(model: &Sliding) -> Start<S> {
     Start {
         displacement: model.initial.displacement_m.map(S::literal),
         velocity: model.initial.velocity_m_per_s.map(S::literal),

@@ -152,7 +152,7 @@ fn start(
         ("rod_modal_displacement", &mut start.rod_modal_displacement),
         ("rod_modal_velocity", &mut start.rod_modal_velocity),
     ] {
-        if let Some(values) = section.optional_numbers(key, &bound(key), place.len())? {
+        if let Some(values) = section.optional_numbers(key, &bound(key), place.len(), "mode")? {
             *place = values;
         }
     }

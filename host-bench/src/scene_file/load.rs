@@ -1,7 +1,14 @@
 //! `[load]`.
+//!
+//! A `preset` names a part and gives what the table does not: the diode drop, its quiescent current as leakage, the
+//! thresholds of the draw. A constant power is then what the node consumes, and the draw what leaves the store for
+//! it; a resistor or a current is at the store, with or without a preset.
+
+use model_core::part::preset::Preset;
 
 use super::bounds::{self, Short};
 use super::document::SceneError;
+use super::preset;
 use super::scene::{Draw, Load, Lockout, RectifiedStore};
 use super::section::Section;
 
@@ -20,30 +27,53 @@ enum DrawKind {
     Power,
 }
 
-/// Reads `[load]`.
-pub(super) fn load(mut section: Section<'_>) -> Result<Load, SceneError> {
+/// Reads `[load]`, and the part that it names.
+pub(super) fn load(mut section: Section<'_>) -> Result<(Load, Option<Preset<f64>>), SceneError> {
     let kinds =
         [("resistor", Kind::Resistor), ("rectified-store", Kind::RectifiedStore), ("dc-bus", Kind::DcBus)];
-    let load = match section.choice("kind", &kinds)? {
+    let kind = section.choice("kind", &kinds)?;
+    let part = match kind {
+        Kind::Resistor => None,
+        Kind::RectifiedStore | Kind::DcBus => preset::preset(&mut section)?,
+    };
+    let of_part = |value: fn(&Preset<f64>) -> f64| part.as_ref().map(value);
+    let load = match kind {
         Kind::Resistor => Load::Resistor { resistance_ohm: number(&mut section, "resistance_ohm")? },
         Kind::RectifiedStore => Load::RectifiedStore(RectifiedStore {
             capacitance_f: number(&mut section, "capacitance_f")?,
-            diode_drop_v: number(&mut section, "diode_drop_v")?,
-            leakage_ohm: number(&mut section, "leakage_ohm")?,
+            diode_drop_v: number_or(&mut section, "diode_drop_v", of_part(|part| part.diode_drop))?,
+            leakage_ohm: number_or(&mut section, "leakage_ohm", of_part(Preset::leakage_ohms))?,
             initial_v: number(&mut section, "initial_v")?,
-            draw: section.optional_table("draw")?.map_or(Ok(Draw::None), draw)?,
+            draw: match section.optional_table("draw")? {
+                Some(table) => draw(table, part.as_ref())?,
+                None => Draw::None,
+            },
         }),
         Kind::DcBus => Load::DcBus {
-            voltage_v: number(&mut section, "voltage_v")?,
-            diode_drop_v: number(&mut section, "diode_drop_v")?,
+            voltage_v: bus_voltage(&mut section, part.as_ref())?,
+            diode_drop_v: number_or(&mut section, "diode_drop_v", of_part(|part| part.diode_drop))?,
         },
     };
     section.finish()?;
-    Ok(load)
+    Ok((load, part))
+}
+
+/// The voltage of a bus; one that a charger holds at its input is at least its cold-start voltage.
+fn bus_voltage(section: &mut Section<'_>, part: Option<&Preset<f64>>) -> Result<f64, SceneError> {
+    let voltage = number(section, "voltage_v")?;
+    match part
+        .and_then(|part| part.cold_start.filter(|lowest| voltage < *lowest).map(|lowest| (part, lowest)))
+    {
+        Some((part, lowest)) => {
+            let reason = format!("must be at least {} for a cold start of {:?}", Short(lowest), part.name);
+            Err(section.refuse("voltage_v", reason))
+        }
+        None => Ok(voltage),
+    }
 }
 
 /// Reads `[load.draw]`.
-fn draw(mut section: Section<'_>) -> Result<Draw, SceneError> {
+fn draw(mut section: Section<'_>, part: Option<&Preset<f64>>) -> Result<Draw, SceneError> {
     let kinds = [
         ("none", DrawKind::None),
         ("resistor", DrawKind::Resistor),
@@ -56,7 +86,9 @@ fn draw(mut section: Section<'_>) -> Result<Draw, SceneError> {
             let resistance_ohm = section.number("value", &bounds::of("draw.value of a resistor"))?;
             // A resistor may stay connected down to an empty store: no thresholds, or both 0.
             let absent = !section.has("turn_on_v") && !section.has("turn_off_v");
-            let lockout = if absent { None } else { Some(thresholds(&mut section)?) };
+            let of_part = part.and_then(|part| part.lockout);
+            let lockout =
+                if absent && of_part.is_none() { None } else { Some(thresholds(&mut section, part)?) };
             let lockout = lockout.filter(|lockout| lockout.turn_on_v > 0.0);
             if let Some(lockout) = lockout {
                 check(&section, lockout, 0.0)?;
@@ -65,12 +97,13 @@ fn draw(mut section: Section<'_>) -> Result<Draw, SceneError> {
         }
         DrawKind::Current => {
             let current_a = section.number("value", &bounds::of("draw.value of a current"))?;
-            let lockout = thresholds(&mut section)?;
+            let lockout = thresholds(&mut section, part)?;
             Draw::Current { current_a, lockout: check(&section, lockout, 0.0)? }
         }
         DrawKind::Power => {
-            let power_w = section.number("value", &bounds::of("draw.value of a power"))?;
-            let lockout = thresholds(&mut section)?;
+            let node_w = section.number("value", &bounds::of("draw.value of a power"))?;
+            let power_w = part.map_or(node_w, |part| part.power_at_store(node_w));
+            let lockout = thresholds(&mut section, part)?;
             Draw::Power { power_w, lockout: check(&section, lockout, LOWEST_POWER_VOLTAGE)? }
         }
     };
@@ -81,8 +114,12 @@ fn draw(mut section: Section<'_>) -> Result<Draw, SceneError> {
 /// A constant power from a store below this voltage would be a current without bound.
 const LOWEST_POWER_VOLTAGE: f64 = 1e-3;
 
-fn thresholds(section: &mut Section<'_>) -> Result<Lockout, SceneError> {
-    Ok(Lockout { turn_on_v: number(section, "turn_on_v")?, turn_off_v: number(section, "turn_off_v")? })
+fn thresholds(section: &mut Section<'_>, part: Option<&Preset<f64>>) -> Result<Lockout, SceneError> {
+    let of_part = part.and_then(|part| part.lockout);
+    Ok(Lockout {
+        turn_on_v: number_or(section, "turn_on_v", of_part.map(|lockout| lockout.turn_on))?,
+        turn_off_v: number_or(section, "turn_off_v", of_part.map(|lockout| lockout.turn_off))?,
+    })
 }
 
 /// Refuses thresholds without hysteresis, and a turn-off voltage below `lowest`.
@@ -99,4 +136,9 @@ fn check(section: &Section<'_>, lockout: Lockout, lowest: f64) -> Result<Lockout
 
 fn number(section: &mut Section<'_>, key: &'static str) -> Result<f64, SceneError> {
     section.number(key, &bounds::of(key))
+}
+
+/// A number that a part gives where the key does not.
+fn number_or(section: &mut Section<'_>, key: &'static str, of_part: Option<f64>) -> Result<f64, SceneError> {
+    section.number_or(key, &bounds::of(key), of_part)
 }

@@ -1,12 +1,14 @@
 //! A scene as plain numbers in SI units: what a scene file says once it has been checked.
 
 mod bump_stop;
+mod node;
 mod sliding;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use self::bump_stop::{BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters};
+pub use self::node::{Action, HOURS, Node, Storage};
 pub use self::sliding::{Sliding, SlidingParameters, SlidingStart};
 use super::document::SceneError;
 

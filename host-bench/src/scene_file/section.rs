@@ -81,6 +81,17 @@ impl<'a> Section<'a> {
         self.optional_number(key, bound)?.ok_or_else(|| self.missing(key, &bound.to_string()))
     }
 
+    /// A number that must be there unless there is a `default` for it.
+    pub(super) fn number_or(
+        &mut self,
+        key: &'static str,
+        bound: &Bound,
+        default: Option<f64>,
+    ) -> Result<f64, SceneError> {
+        let given = self.optional_number(key, bound)?;
+        given.or(default).ok_or_else(|| self.missing(key, &bound.to_string()))
+    }
+
     /// A whole number that must be there.
     pub(super) fn whole_number(&mut self, key: &'static str, bound: &Bound) -> Result<usize, SceneError> {
         let Bound { lowest, highest, .. } = bound;
@@ -94,12 +105,13 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A list of `count` numbers, if the key is there.
+    /// A list of `count` numbers, one for `each`, if the key is there.
     pub(super) fn optional_numbers(
         &mut self,
         key: &'static str,
         bound: &Bound,
         count: usize,
+        each: &str,
     ) -> Result<Option<Vec<f64>>, SceneError> {
         let Bound { lowest, highest, .. } = *bound;
         let between = format!("each from {} to {}", Short(lowest), Short(highest));
@@ -119,7 +131,9 @@ impl<'a> Section<'a> {
         }
         if values.len() != count {
             let found = values.len();
-            return Err(self.refuse(key, format!("must be {count} numbers, one for each mode; are {found}")));
+            return Err(
+                self.refuse(key, format!("must be {count} numbers, one for each {each}; are {found}"))
+            );
         }
         Ok(Some(values))
     }
@@ -189,6 +203,11 @@ impl<'a> Section<'a> {
     /// A table that must be there.
     pub(super) fn table(&mut self, key: &'static str) -> Result<Section<'a>, SceneError> {
         self.optional_table(key)?.ok_or_else(|| self.missing(key, "a table"))
+    }
+
+    /// A table without a key, in place of one that may be left out.
+    pub(super) fn empty(&self, key: &'static str) -> Section<'a> {
+        self.inner(&self.name(key), &[])
     }
 
     /// A list of tables, not empty.

@@ -12,6 +12,7 @@
 //! constant part of what passes through them; what they draw when idle belongs to the load.
 
 use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::preset::Preset;
 use crate::scalar::{Mathematics, Scalar, horner};
 
 /// What a store is made of.
@@ -36,6 +37,25 @@ pub struct StorageParameters<S> {
 }
 
 impl<S: Scalar> StorageParameters<S> {
+    /// A capacitor of so many farads, ideal by itself, behind a part from the market; `None` for one without
+    /// thresholds or without a highest voltage, which are then the node's own to choose.
+    ///
+    /// What the part takes while the node is connected, beside the leakage that stands for it locked out, belongs
+    /// to the standing load: [`Preset::power_at_store`].
+    #[must_use]
+    pub fn behind(part: &Preset<S>, capacitance: S) -> Option<Self> {
+        let lockout = part.lockout.filter(|_| part.highest_voltage < S::INFINITY)?;
+        Some(Self {
+            capacitance,
+            leakage_resistance: part.leakage_ohms(),
+            charging_efficiency: part.charging_efficiency,
+            discharging_efficiency: part.discharging_efficiency,
+            highest_voltage: part.highest_voltage,
+            lock_out_voltage: lockout.turn_off,
+            turn_on_voltage: lockout.turn_on,
+        })
+    }
+
     /// Checks the parameters.
     ///
     /// # Errors
@@ -274,6 +294,24 @@ pub(super) mod tests {
             highest_voltage: S::literal(4.5),
             lock_out_voltage: S::literal(1.8),
             turn_on_voltage: S::literal(2.4),
+        }
+    }
+
+    #[test]
+    fn parts_with_thresholds_make_a_store_within_bounds() {
+        for part in Preset::<f32>::all() {
+            let store = StorageParameters::behind(&part, 1e-3).map(StorageParameters::build);
+            match part.lockout {
+                Some(lockout) => {
+                    let store = store.and_then(Result::ok).expect("within bounds");
+                    assert_eq!(store.lock_out(), 0.5e-3 * lockout.turn_off * lockout.turn_off);
+                    // What leaks at the turn-on voltage is the quiescent current.
+                    let leaked = store.turn_on() * store.relaxation(1.0).lost();
+                    let expected = lockout.turn_on * part.quiescent_locked_out;
+                    assert!((leaked / expected - 1.0).abs() < 1e-2, "{} {leaked}", part.name);
+                }
+                None => assert_eq!(store, None, "{}", part.name),
+            }
         }
     }
 

@@ -17,11 +17,12 @@ pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
     let rows = reports
         .iter()
         .map(|report| {
+            let [harvested, stored] = report.microjoules();
             [
                 report.second.to_string(),
                 report.decision.name().to_owned(),
-                format!("{:.4}", report.harvested * 1e6),
-                format!("{:.3}", report.stored * 1e6),
+                format!("{harvested:.4}"),
+                format!("{stored:.3}"),
                 report.steps.to_string(),
             ]
         })

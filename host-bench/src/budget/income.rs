@@ -1,0 +1,174 @@
+//! What the harvester delivers over the day: the one place that knows how it was simulated.
+//!
+//! *By level*: the scene is run once for each amplitude that occurs in the day, over its own measuring window, and
+//! its mean power taken for all of each hour. A bridge is run against a bus at several voltages of the store, which
+//! changes little in a period of the motion, and the power interpolated between. Starts and stops of the motion
+//! are left out. *Exact*: every step of the day.
+
+use crate::embedded::{WholeDay, whole_day};
+use crate::method::{Failure, Options, Precision, run_scene};
+use crate::scene_file::{Excitation, Load, Model, Node, Scene, Trace};
+
+/// Tolerance of the step control of a triboelectric scene, that of firmware.
+pub const NODE_TOLERANCE: f64 = 0.05;
+/// Voltages of the store at which a bridge is run, from 0 to the highest.
+const VOLTAGES: u32 = 9;
+
+/// Power over the day.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Income {
+    /// For each hour the power in W at voltages of the store in V, rising; one that does not depend on it stands
+    /// alone.
+    ByLevel(Vec<Vec<(f64, f64)>>),
+    /// Mean power in W in equal intervals of so many seconds.
+    Exact {
+        /// Length of an interval in s.
+        interval_s: u32,
+        /// Power in W in each.
+        powers_w: Vec<f64>,
+    },
+}
+
+impl Income {
+    /// Power in W at a second of the day and a voltage of the store in V.
+    #[must_use]
+    pub fn power_w(&self, second: u32, store_v: f64) -> f64 {
+        match self {
+            Self::ByLevel(hours) => {
+                hours.get((second / 3600) as usize).map_or(0.0, |curve| at_voltage(curve, store_v))
+            }
+            Self::Exact { interval_s, powers_w } => {
+                powers_w.get((second / interval_s) as usize).copied().unwrap_or(0.0)
+            }
+        }
+    }
+
+    /// The same power all day.
+    #[cfg(test)]
+    pub(super) fn constant(power_w: f64) -> Self {
+        Self::ByLevel(vec![vec![(0.0, power_w)]; crate::scene_file::HOURS])
+    }
+}
+
+/// The power at a voltage, by straight lines between those known.
+fn at_voltage(curve: &[(f64, f64)], voltage: f64) -> f64 {
+    let above = curve.partition_point(|(known, _)| *known <= voltage);
+    match (above.checked_sub(1).map(|below| curve[below]), curve.get(above)) {
+        (Some((left, low)), Some((right, high))) => low + (high - low) * (voltage - left) / (right - left),
+        (Some((_, power)), None) | (None, Some(&(_, power))) => power,
+        (None, None) => 0.0,
+    }
+}
+
+/// Options of a run for the income: those of firmware where none are given.
+#[must_use]
+pub fn options(scene: &Scene, precision: Precision, tolerance: Option<f64>) -> Options {
+    let tolerance = match scene.model {
+        // Its step is not chosen by a tolerance.
+        Model::BumpStop(_) => tolerance,
+        Model::ContactSeparation(_) | Model::Sliding(_) => tolerance.or(Some(NODE_TOLERANCE)),
+    };
+    Options { precision: Some(precision), tolerance, ..Options::default() }
+}
+
+/// The income by level.
+///
+/// # Errors
+/// As a run of the scene.
+pub fn by_level(scene: &Scene, node: &Node, options: &Options) -> Result<Income, Failure> {
+    let mut known: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
+    for factor in node.hours {
+        if known.iter().all(|(other, _)| *other != factor) {
+            known.push((factor, curve(scene, node, factor, options)?));
+        }
+    }
+    let of = |factor: f64| known.iter().find(|(other, _)| *other == factor).map(|(_, curve)| curve.clone());
+    Ok(Income::ByLevel(node.hours.into_iter().filter_map(of).collect()))
+}
+
+/// The power at one amplitude over the voltage of the store.
+fn curve(scene: &Scene, node: &Node, factor: f64, options: &Options) -> Result<Vec<(f64, f64)>, Failure> {
+    if factor == 0.0 {
+        // At rest nothing comes; a short run would still show how the start of the scene fades.
+        return Ok(vec![(0.0, 0.0)]);
+    }
+    let excitation = scaled(&scene.excitation, factor);
+    let power = |load: Load| -> Result<f64, Failure> {
+        let scene = Scene { load, excitation: excitation.clone(), ..scene.clone() };
+        Ok(run_scene(&scene, options)?.mean_power_w.unwrap_or(0.0))
+    };
+    let Load::RectifiedStore(store) = scene.load else { return Ok(vec![(0.0, power(scene.load)?)]) };
+    let points = (0..VOLTAGES).map(|step| {
+        let voltage_v = node.storage.highest_v * f64::from(step) / f64::from(VOLTAGES - 1);
+        Ok((voltage_v, power(Load::DcBus { voltage_v, diode_drop_v: store.diode_drop_v })?))
+    });
+    points.collect()
+}
+
+/// An excitation with its amplitudes multiplied.
+fn scaled(excitation: &Excitation, factor: f64) -> Excitation {
+    let mut scaled = excitation.clone();
+    match &mut scaled {
+        Excitation::Sine(tone) => tone.amplitude_m_per_s2 *= factor,
+        Excitation::Sines(tones) => tones.iter_mut().for_each(|tone| tone.amplitude_m_per_s2 *= factor),
+        Excitation::File(Trace { samples_m_per_s2, .. }) => {
+            *samples_m_per_s2 = samples_m_per_s2.iter().map(|sample| sample * factor).collect();
+        }
+        Excitation::Silence => {}
+    }
+    scaled
+}
+
+/// The income of every step of the day, and the day itself.
+///
+/// # Errors
+/// [`Failure::Input`] if the scene cannot be run for a day, and as a run.
+pub fn exact(scene: &Scene, node: &Node, options: &Options) -> Result<(Income, WholeDay), Failure> {
+    check_trace(scene)?;
+    let day = whole_day(scene, &node.hours, node.update_s, options)?;
+    let powers_w = day.energies_j.iter().map(|energy| energy / f64::from(node.update_s)).collect();
+    Ok((Income::Exact { interval_s: node.update_s, powers_w }, day))
+}
+
+/// A trace that ends does not last a day.
+fn check_trace(scene: &Scene) -> Result<(), Failure> {
+    match &scene.excitation {
+        Excitation::File(trace) if !trace.repeat => Err(Failure::Input(format!(
+            "{}: excitation.repeat: must be true with --exact",
+            scene.file.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Whether the harvester and the store of a node can be one trajectory: the bridge charges the store itself.
+///
+/// # Errors
+/// [`Failure::Input`] if a converter stands between them, or the excitation ends.
+pub fn check_looped(scene: &Scene, node: &Node) -> Result<(), Failure> {
+    check_trace(scene)?;
+    let efficiency = node.storage.charging_efficiency;
+    if efficiency < 1.0 {
+        return Err(Failure::Input(format!(
+            "{}: node.storage.charging_efficiency: {efficiency} must be 1 with --exact behind a bridge",
+            scene.file.display()
+        )));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn power_is_interpolated_over_the_voltage_and_held_beyond() {
+        let curve = [(0.0, 0.0), (2.0, 6.0), (4.0, 8.0)];
+        for (voltage, power) in [(0.0, 0.0), (0.5, 1.5), (2.0, 6.0), (3.0, 7.0), (4.0, 8.0), (9.0, 8.0)] {
+            assert_eq!(at_voltage(&curve, voltage), power, "{voltage}");
+        }
+        assert_eq!(at_voltage(&[(0.0, 5.0)], 3.0), 5.0);
+        let income = Income::Exact { interval_s: 60, powers_w: vec![1.0, 2.0] };
+        assert_eq!([0, 59, 60, 119].map(|second| income.power_w(second, 3.0)), [1.0, 1.0, 2.0, 2.0]);
+    }
+}

@@ -1,0 +1,143 @@
+//! What the node knows and decides, with nothing but the energy budget of the core.
+//!
+//! The actions stand in the order of their importance. Each is granted the rate that can go on for ever beside the
+//! standing load and what was granted before it, at most the rate that is wished for. Grants add up to credits; an
+//! action with a credit is run if the budget says that it can be run now.
+
+use model_core::energy::{
+    Action, Budget, BudgetParameters, BudgetState, IncomeParameters, StorageParameters,
+};
+use model_core::scalar::Scalar;
+
+use crate::method::Failure;
+use crate::scene_file::Node;
+
+/// A credit that is short of one by no more than roundings is one.
+const ROUNDING: f64 = 1e-6;
+
+/// An action and what is due of it.
+#[derive(Debug)]
+struct Due<S> {
+    action: Action<S>,
+    /// Wished rate in 1/s.
+    wished: S,
+    credit: f64,
+}
+
+/// The node.
+#[derive(Debug)]
+pub(super) struct Mind<'a, S, const SLOTS: usize> {
+    node: &'a Node,
+    parameters: BudgetParameters<S>,
+    budget: Budget<S, SLOTS>,
+    state: BudgetState<S, SLOTS>,
+    due: Vec<Due<S>>,
+    /// Whether it was switched off since it last looked.
+    was_off: bool,
+}
+
+impl<'a, S: Scalar, const SLOTS: usize> Mind<'a, S, SLOTS> {
+    /// At a midnight, with the voltage of the store measured.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if the core refuses the node.
+    pub(super) fn new(node: &'a Node, voltage: f64) -> Result<Self, Failure> {
+        let from = &node.storage;
+        let refuse =
+            |error: model_core::part::bounds::ParameterError<S>| Failure::Input(format!("node: {error}"));
+        let parameters = BudgetParameters {
+            storage: StorageParameters {
+                capacitance: S::literal(from.capacitance_f),
+                leakage_resistance: S::literal(from.leakage_ohm),
+                charging_efficiency: S::literal(from.charging_efficiency),
+                discharging_efficiency: S::literal(from.discharging_efficiency),
+                highest_voltage: S::literal(from.highest_v),
+                lock_out_voltage: S::literal(from.turn_off_v),
+                turn_on_voltage: S::literal(from.turn_on_v),
+            },
+            income: IncomeParameters {
+                time_constant: S::literal(node.time_constant_s),
+                day_weight: S::literal(node.day_weight),
+            },
+            // The budget takes a load at the node: what the part takes at the store stands for so much there.
+            standing_power: S::literal(
+                node.standing_power_w + from.own_power_w * from.discharging_efficiency,
+            ),
+        };
+        let due = node.actions.iter().map(|action| {
+            Ok(Due {
+                action: Action::new("", S::literal(action.energy_j), S::literal(action.duration_s))
+                    .map_err(refuse)?,
+                wished: S::literal(1.0 / action.every_s),
+                credit: 0.0,
+            })
+        });
+        let due = due.collect::<Result<_, Failure>>()?;
+        let budget = parameters.build().map_err(refuse)?;
+        let mut state = budget.start(0);
+        budget.correct_by_voltage(&mut state, S::literal(voltage), S::ZERO);
+        Ok(Self { node, parameters, budget, state, due, was_off: false })
+    }
+
+    /// The rates in 1/s that the actions are granted.
+    pub(super) fn rates(&self) -> Vec<f64> {
+        let mut parameters = self.parameters;
+        let rates = self.due.iter().map(|due| {
+            // The bounds were kept without the actions; a standing power beyond its own is no rate at all.
+            let rate = parameters.build::<SLOTS>().map_or(S::ZERO, |budget| {
+                budget.sustainable_rate(&self.state, &due.action).smaller(due.wished)
+            });
+            parameters.standing_power += rate * due.action.energy();
+            rate.to_f64()
+        });
+        rates.collect()
+    }
+
+    /// The node is on: if it was off it measures the voltage of its store.
+    pub(super) fn wake(&mut self, voltage: f64) {
+        if std::mem::take(&mut self.was_off) {
+            self.budget.correct_by_voltage(&mut self.state, S::literal(voltage), S::ZERO);
+        }
+    }
+
+    /// The actions that it runs now, by number, their energy spent.
+    pub(super) fn decide(&mut self) -> Vec<usize> {
+        let rates = self.rates();
+        let now = self.state.income().second();
+        let mut run = Vec::new();
+        for (index, (due, rate)) in self.due.iter_mut().zip(rates).enumerate() {
+            let granted = rate * f64::from(self.node.decision_s);
+            // What could not be run is not saved up.
+            due.credit = (due.credit + granted).min(1.0 + granted);
+            while due.credit >= 1.0 - ROUNDING && self.budget.can_run_now(&self.state, &due.action, now) {
+                self.budget.spend(&mut self.state, due.action.energy());
+                due.credit -= 1.0;
+                run.push(index);
+            }
+        }
+        run
+    }
+
+    /// Time has gone by in which the harvester delivered some joules. A node that was off knows only how long.
+    pub(super) fn update(&mut self, seconds: u32, harvested_j: f64, was_on: bool) {
+        if was_on {
+            self.budget.update(&mut self.state, seconds, S::literal(harvested_j), S::ZERO);
+        } else {
+            self.budget.gap(&mut self.state, seconds);
+            self.was_off = true;
+        }
+    }
+
+    /// What it believes to be in the store, in J.
+    pub(super) fn stored_j(&self) -> f64 {
+        self.state.energy().to_f64()
+    }
+
+    /// What is left over in the account of its budget since the start, over all that came in.
+    pub(super) fn ledger_residual(&self) -> Option<f64> {
+        let account = self.state.account();
+        let income = account.income().to_f64();
+        let left = (account.balance() - self.state.energy()).to_f64();
+        (income > 0.0).then(|| left.abs() / income)
+    }
+}

@@ -1,0 +1,98 @@
+//! The day of a node as a picture: stored energy, income, and actions over the hours.
+
+use std::fmt::Write;
+
+use plotters::style::RGBColor;
+
+use super::outcome::{NodeDay, Sample, Source};
+use crate::outcome::Format;
+use crate::report::html::{document, escaped};
+use crate::report::plot::{Axis, Curve, Mark, Plot, draw};
+use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION};
+use crate::scene_file::HOURS;
+
+/// Width and height of the picture.
+const SIZE: (u32, u32) = (980, 960);
+/// Colours of the actions, in their order and then again from the first.
+const COLOURS: [RGBColor; 4] = [GREEN, VERMILION, ORANGE, BLACK];
+
+/// The picture as SVG text.
+///
+/// # Errors
+/// What the drawing library says.
+pub fn svg(day: &NodeDay) -> Result<String, String> {
+    draw(SIZE, &[stored(day), income(day), actions(day)])
+}
+
+/// A page with the picture and the numbers.
+#[must_use]
+pub fn page(day: &NodeDay, source: &Source, svg: &str) -> String {
+    let mut body = format!("<h1>A day of a node: {}</h1>\n<figure>{svg}</figure>\n", escaped(source.scene));
+    let _ = writeln!(body, "<pre>{}</pre>", escaped(&day.text(source, Format::Table)));
+    document("A day of a node", &body)
+}
+
+fn across(title: &'static str) -> Axis {
+    Axis::linear(title, [0.0, HOURS as f64], 13)
+}
+
+/// An axis from 0 to a little above the largest value.
+fn up(title: &'static str, values: impl Iterator<Item = f64>) -> Axis {
+    let highest = values.fold(0.0, f64::max);
+    Axis::linear(title, [0.0, if highest > 0.0 { 1.06 * highest } else { 1.0 }], 6)
+}
+
+fn curve(name: &str, colour: RGBColor, mark: Mark, points: Vec<(f64, f64)>) -> Curve {
+    Curve { name: name.to_owned(), colour, mark, points }
+}
+
+fn hour(sample: &Sample) -> f64 {
+    f64::from(sample.second) / 3600.0
+}
+
+fn stored(day: &NodeDay) -> Plot {
+    let level = |energy: f64| vec![(0.0, 1e3 * energy), (HOURS as f64, 1e3 * energy)];
+    let points = day.samples.iter().map(|sample| (hour(sample), 1e3 * sample.stored_j)).collect();
+    Plot {
+        title: "Store".to_owned(),
+        across: across("hour of the day"),
+        up: up("stored energy [mJ]", std::iter::once(1e3 * day.capacity_j)),
+        curves: vec![
+            curve("stored", BLUE, Mark::Line(2.0), points),
+            curve("full", BLACK, Mark::Dashes(1.0), level(day.capacity_j)),
+            curve("lock-out", VERMILION, Mark::Dashes(1.0), level(day.turn_off_j)),
+        ],
+    }
+}
+
+fn income(day: &NodeDay) -> Plot {
+    // The power of an interval stands at its end, and is that from the end before on.
+    let intervals = day.samples.windows(2).flat_map(|pair| match pair {
+        [before, after] => vec![(hour(before), 1e6 * after.income_w), (hour(after), 1e6 * after.income_w)],
+        _ => Vec::new(),
+    });
+    let points: Vec<(f64, f64)> = intervals.collect();
+    Plot {
+        title: "Harvester".to_owned(),
+        across: across("hour of the day"),
+        up: up("harvested power [µW]", points.iter().map(|point| point.1)),
+        curves: vec![curve("", BLUE, Mark::Line(2.0), points)],
+    }
+}
+
+fn actions(day: &NodeDay) -> Plot {
+    let runs = day.actions.iter().flat_map(|action| action.by_hour).map(f64::from);
+    let curves = day.actions.iter().enumerate().map(|(index, action)| {
+        let steps = action.by_hour.iter().enumerate().flat_map(|(hour, runs)| {
+            let (hour, runs) = (hour as f64, f64::from(*runs));
+            [(hour, runs), (hour + 1.0, runs)]
+        });
+        curve(&action.name, COLOURS[index % COLOURS.len()], Mark::Line(2.0), steps.collect())
+    });
+    Plot {
+        title: "Actions".to_owned(),
+        across: across("hour of the day"),
+        up: up("runs per hour", runs),
+        curves: curves.collect(),
+    }
+}

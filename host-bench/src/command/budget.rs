@@ -1,0 +1,96 @@
+//! `host-bench budget`: a day of a sensor node.
+
+use std::path::PathBuf;
+
+use super::{make_folder, print, report_folder, writable, write_whole};
+use crate::budget::outcome::Source;
+use crate::budget::{InLoop, income, picture, simulate};
+use crate::method::{Failure, Precision};
+use crate::outcome::Format;
+use crate::scene_file::{self, Load, Override};
+
+/// Most days before the one that is told of.
+const MOST_LEARNING_DAYS: u32 = 366;
+
+/// Arguments of `budget`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct BudgetArguments {
+    /// Scene file with a table [node]
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Take every step of the harvester's day, in place of its mean power at each amplitude
+    #[arg(long)]
+    exact: bool,
+    /// Days before the one that is shown, in which the node learns when income comes
+    #[arg(long, value_name = "COUNT", default_value_t = 2)]
+    learning_days: u32,
+    /// Precision of the harvester and the budget
+    #[arg(long, value_enum, default_value = "f32")]
+    precision: Precision,
+    /// Relative tolerance of the adaptive step [default: 0.05]
+    #[arg(long, value_name = "REL", allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+    /// Output format
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// Write the picture to this file, and no page [default: target/report/budget.svg and budget.html]
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+    /// Another value for a key of the scene, such as node.update_s=30; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<Override>,
+}
+
+/// Simulates the day, draws it and prints its numbers.
+///
+/// # Errors
+/// Bad input or a step error.
+pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
+    let learning_days = arguments.learning_days;
+    if learning_days > MOST_LEARNING_DAYS {
+        let text = format!("--learning-days {learning_days}: must be at most {MOST_LEARNING_DAYS}");
+        return Err(Failure::Input(text));
+    }
+    if let Some(file) = &arguments.svg {
+        writable("--svg", file)?;
+    }
+    let (scene, node) = scene_file::read_with_node(&arguments.scene, &arguments.overrides)?;
+    let options = income::options(&scene, arguments.precision, arguments.tolerance);
+    options.check()?;
+    let bridged = matches!(scene.load, Load::RectifiedStore(_));
+    let (income, whole_day) = if arguments.exact && !bridged {
+        let (income, day) = income::exact(&scene, &node, &options)?;
+        (income, Some((day.steps, day.energy_residual)))
+    } else {
+        (income::by_level(&scene, &node, &options)?, None)
+    };
+    let in_loop = if arguments.exact && bridged {
+        income::check_looped(&scene, &node)?;
+        Some(InLoop { scene: &scene, options: &options })
+    } else {
+        None
+    };
+    let day = simulate(&node, &income, learning_days, arguments.precision, in_loop)?;
+    let source = Source {
+        scene: scene.name(),
+        precision: match arguments.precision {
+            Precision::F32 => "f32",
+            Precision::F64 => "f64",
+        },
+        income: if arguments.exact { "exact" } else { "by-level" },
+        learning_days,
+        whole_day,
+    };
+    let svg = picture::svg(&day)
+        .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))?;
+    match &arguments.svg {
+        Some(file) => write_whole(file, &svg)?,
+        None => {
+            let folder = report_folder();
+            make_folder(&folder)?;
+            write_whole(&folder.join("budget.svg"), &svg)?;
+            write_whole(&folder.join("budget.html"), &picture::page(&day, &source, &svg))?;
+        }
+    }
+    print(&day.text(&source, arguments.format))
+}

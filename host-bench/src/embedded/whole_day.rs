@@ -1,0 +1,195 @@
+//! A whole day of a harvester on the embedded core, step by step, shaken harder or softer from hour to hour.
+
+use model_core::clock::Instant;
+use model_core::energy::{Ledger, PowerMeter};
+use model_core::excitation::Excitation;
+use model_core::hybrid::{Driver, HybridState};
+use model_core::integrate::TrBdf2;
+use model_core::scalar::{Mathematics, Scalar};
+
+use super::hybrid_run::{HostedScene, ModeOf, Run, STATES, WHOLE};
+use super::{contact_separation, sliding};
+use crate::method::{Failure, Options, Precision};
+use crate::scene_file::{HOURS, Load, Model, Scene};
+
+/// Seconds in a day.
+const DAY_S: u32 = 86_400;
+/// Seconds in an hour.
+const HOUR_S: u32 = 3600;
+/// Attempts per call: the counts of a call fit in 32 bits.
+const BUDGET: u32 = 1 << 24;
+
+/// What a day brought.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WholeDay {
+    /// Energy delivered to the load in J, in each of the equal intervals of the day.
+    pub energies_j: Vec<f64>,
+    /// What is left over in the energy ledger of the day, as a run reports it.
+    pub energy_residual: Option<f64>,
+    /// Accepted steps.
+    pub steps: u64,
+}
+
+/// Runs a triboelectric scene for a day by TR-BDF2, its excitation multiplied hour by hour from midnight, and adds
+/// up what it delivers in intervals of `interval_s` seconds, which divide the day.
+///
+/// # Errors
+/// [`Failure::Input`] if the scene is another one or its load no resistor, and as a run.
+pub fn whole_day(
+    scene: &Scene,
+    hours: &[f64; HOURS],
+    interval_s: u32,
+    options: &Options,
+) -> Result<WholeDay, Failure> {
+    options.check()?;
+    options.check_scene(scene)?;
+    if !matches!(scene.load, Load::Resistor { .. }) {
+        return Err(Failure::Input(format!(
+            "{}: load.kind: must be \"resistor\" or \"rectified-store\" with --exact",
+            scene.file.display()
+        )));
+    }
+    match options.precision {
+        Some(Precision::F32) => whole_day_as::<f32>(scene, hours, interval_s, options),
+        _ => whole_day_as::<f64>(scene, hours, interval_s, options),
+    }
+}
+
+fn whole_day_as<S: Scalar>(
+    scene: &Scene,
+    hours: &[f64; HOURS],
+    interval_s: u32,
+    options: &Options,
+) -> Result<WholeDay, Failure> {
+    match &scene.model {
+        Model::ContactSeparation(model) => {
+            contact_separation::prepared::<S, S::Build, _>(scene, model, options, |run, state| {
+                run.whole_day(state, hours, interval_s)
+            })
+        }
+        Model::Sliding(model) => sliding::prepared::<S, S::Build, _>(scene, model, options, |run, state| {
+            run.whole_day(state, hours, interval_s)
+        }),
+        Model::BumpStop(_) => Err(refuse_bump_stop(scene)),
+    }
+}
+
+/// The refusal of a bump-stop scene: at 10⁵ steps a second a day would take hours.
+pub(super) fn refuse_bump_stop(scene: &Scene) -> Failure {
+    Failure::Input(format!(
+        "{}: scene = {:?}: must be \"contact-separation\" or \"sliding\" with --exact",
+        scene.file.display(),
+        scene.name()
+    ))
+}
+
+impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S, STATES>> Run<'_, S, M, H, STATES> {
+    fn whole_day(
+        &self,
+        mut state: HybridState<S, ModeOf<S, H, STATES>, STATES, WHOLE>,
+        hours: &[f64; HOURS],
+        interval_s: u32,
+    ) -> Result<WholeDay, Failure> {
+        let daily = Daily { base: self.excitation, factors: hours.map(S::literal) };
+        let driver = Driver::new(TrBdf2, self.control);
+        let harvester = self.hosted.core();
+        let mut ledger = Ledger::open(harvester, &state);
+        let mut energies_j = Vec::new();
+        let mut steps = 0;
+        for end in (interval_s..=DAY_S).step_by(interval_s as usize) {
+            let mut meter = PowerMeter::<S, WHOLE>::new();
+            let until = Instant::from_whole_seconds(end);
+            let mut observer = (&mut ledger, &mut meter);
+            while state.clock < until {
+                let advance = driver
+                    .advance(harvester, &mut state, &daily, until, BUDGET, &mut observer)
+                    .map_err(|error| self.step_failure(&error, &state))?;
+                steps += u64::from(advance.work.steps);
+            }
+            energies_j.push(meter.delivered_energy().to_f64());
+        }
+        let energy_residual = self.hosted.residual(&ledger.residual()).map(S::to_f64);
+        Ok(WholeDay { energies_j, energy_residual, steps })
+    }
+}
+
+/// An excitation multiplied with a factor for each hour of the day. In the first second of an hour the factor goes
+/// in a straight line from the one before, so that the acceleration has no jump.
+#[derive(Debug)]
+pub(super) struct Daily<'a, S, E> {
+    pub(super) base: &'a E,
+    pub(super) factors: [S; HOURS],
+}
+
+impl<S: Scalar, E> Daily<'_, S, E> {
+    /// The factor, its rate in 1/s, and the ticks until it next has a kink.
+    fn factor(&self, at: Instant) -> (S, S, u64) {
+        let hour_ticks = Instant::from_whole_seconds(HOUR_S).ticks();
+        let second_ticks = Instant::from_whole_seconds(1).ticks();
+        let hour = (at.ticks() / hour_ticks) as usize % HOURS;
+        let within = at.ticks() % hour_ticks;
+        let (before, now) = (self.factors[(hour + HOURS - 1) % HOURS], self.factors[hour]);
+        if within < second_ticks {
+            let rate = now - before;
+            let part = Instant::from_ticks(within).seconds::<S>();
+            (before + rate * part, rate, second_ticks - within)
+        } else {
+            (now, S::ZERO, hour_ticks - within)
+        }
+    }
+}
+
+impl<S: Scalar, E: Excitation<S>> Excitation<S> for Daily<'_, S, E> {
+    fn acceleration(&self, at: Instant) -> S {
+        self.factor(at).0 * self.base.acceleration(at)
+    }
+
+    fn jerk(&self, at: Instant) -> S {
+        let (factor, rate, _) = self.factor(at);
+        factor * self.base.jerk(at) + rate * self.base.acceleration(at)
+    }
+
+    fn resolved_ticks(&self) -> u32 {
+        self.base.resolved_ticks()
+    }
+
+    fn smooth_ticks(&self, at: Instant) -> u32 {
+        let kink = u32::try_from(self.factor(at).2).unwrap_or(u32::MAX);
+        self.base.smooth_ticks(at).min(kink)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model_core::excitation::Sine;
+
+    #[test]
+    fn the_factor_goes_from_hour_to_hour_without_a_jump() {
+        let base = Sine::<f64>::new(2.0, 0.3, 0.1).expect("valid");
+        let factors = std::array::from_fn(|hour| (hour % 5) as f64);
+        let daily = Daily { base: &base, factors };
+        let at = |seconds: f64| Instant::from_seconds(seconds).expect("in range");
+        let factor = |seconds: f64| daily.acceleration(at(seconds)) / base.acceleration(at(seconds));
+        for (seconds, expected) in [
+            (3600.0 * 3.0 + 1.0, 3.0),
+            (3600.0 * 4.0 - 0.01, 3.0),
+            (3600.0 * 4.0 + 0.25, 3.25),
+            (3600.0 * 5.0 + 0.25, 3.0),
+            // The next day, after hour 23.
+            (86_400.0 + 0.5, 1.5),
+        ] {
+            assert!((factor(seconds) - expected).abs() < 1e-9, "{seconds}: {}", factor(seconds));
+        }
+        for seconds in [4.3, 3600.2, 14_400.4, 14_401.5] {
+            let h = 1e-5;
+            let slope =
+                (daily.acceleration(at(seconds + h)) - daily.acceleration(at(seconds - h))) / (2.0 * h);
+            assert!((slope - daily.jerk(at(seconds))).abs() < 1e-6, "{seconds}");
+        }
+        // A step ends at a kink.
+        let kink = at(3600.0);
+        assert_eq!(at(3599.999).after(daily.smooth_ticks(at(3599.999))), kink);
+        assert_eq!(daily.smooth_ticks(kink), u32::MAX);
+    }
+}

@@ -1,0 +1,189 @@
+//! `[node]`, which only the command `budget` uses.
+
+use model_core::part::preset::Preset;
+
+use super::bounds;
+use super::document::SceneError;
+use super::preset;
+use super::scene::{Action, Draw, HOURS, Load, Lockout, Node, Storage};
+use super::section::Section;
+
+/// Seconds in a day.
+const DAY: usize = 86_400;
+/// Slots that the core's budget is compiled for here.
+const SLOTS: [usize; 4] = [24, 48, 96, 144];
+/// Weight of the newest day that Kansal et al. (2007) find good.
+const DAY_WEIGHT: f64 = 0.5;
+/// Four hours.
+const TIME_CONSTANT_S: f64 = 14_400.0;
+
+/// Reads `[node]` of a scene whose load is `load`, with the part that `[load]` names.
+pub(super) fn node(
+    mut section: Section<'_>,
+    load: Load,
+    part: Option<Preset<f64>>,
+) -> Result<Node, SceneError> {
+    let update_s = divisor_of(&mut section, "update_s", DAY)?;
+    let decision_s = if section.has("decision_s") {
+        let seconds = divisor_of(&mut section, "decision_s", DAY)?;
+        if seconds % update_s != 0 {
+            return Err(section.refuse("decision_s", format!("must be a multiple of update_s = {update_s}")));
+        }
+        seconds
+    } else {
+        update_s
+    };
+    let slots_per_day = section.whole_number("slots_per_day", &bounds::Bound::new(24.0, 144.0))?;
+    if !SLOTS.contains(&slots_per_day) {
+        return Err(section.refuse("slots_per_day", "must be 24, 48, 96 or 144"));
+    }
+    let mut optional = |key, default| section.number_or(key, &bounds::of(key), Some(default));
+    let standing_power_w = optional("standing_power_w", 0.0)?;
+    let time_constant_s = optional("time_constant_s", TIME_CONSTANT_S)?;
+    let day_weight = optional("day_weight", DAY_WEIGHT)?;
+    let storage = storage(&mut section, load, part)?;
+    let hours = match section.optional_table("day")? {
+        Some(table) => hours(table)?,
+        None => [1.0; HOURS],
+    };
+    let actions = actions(&mut section)?;
+    section.finish()?;
+    Ok(Node {
+        update_s: update_s as u32,
+        decision_s: decision_s as u32,
+        slots_per_day,
+        standing_power_w,
+        time_constant_s,
+        day_weight,
+        storage,
+        actions,
+        hours,
+    })
+}
+
+/// A whole number that divides another.
+fn divisor_of(section: &mut Section<'_>, key: &'static str, whole: usize) -> Result<usize, SceneError> {
+    let value = section.whole_number(key, &bounds::Bound::new(1.0, 3600.0))?;
+    if !whole.is_multiple_of(value) {
+        return Err(section.refuse(key, format!("must divide {whole}, the seconds of a day")));
+    }
+    Ok(value)
+}
+
+/// Reads `[node.storage]`. What it does not give is that of its own part, then that of `[load]`.
+fn storage(
+    section: &mut Section<'_>,
+    load: Load,
+    part_of_load: Option<Preset<f64>>,
+) -> Result<Storage, SceneError> {
+    let of_load = match load {
+        Load::RectifiedStore(store) => Some(store),
+        Load::Resistor { .. } | Load::DcBus { .. } => None,
+    };
+    let mut table = match (section.optional_table("storage")?, of_load) {
+        (Some(table), _) => table,
+        (None, Some(_)) => section.empty("storage"),
+        (None, None) => section.table("storage")?,
+    };
+    let own = preset::preset(&mut table)?;
+    let part = own.or(part_of_load);
+    let lockout = own
+        .and_then(lockout_of_part)
+        .or(of_load.and_then(|store| lockout_of_draw(store.draw)))
+        .or(part.and_then(lockout_of_part));
+    let leakage_ohm = own
+        .map(|part| part.leakage_ohms())
+        .or(of_load.map(|store| store.leakage_ohm))
+        .or(part.map(|part| part.leakage_ohms()));
+    let mut number =
+        |key: &'static str, bound: &str, other: Option<f64>| table.number_or(key, &bounds::of(bound), other);
+    let storage = Storage {
+        capacitance_f: number(
+            "capacitance_f",
+            "storage.capacitance_f",
+            of_load.map(|store| store.capacitance_f),
+        )?,
+        leakage_ohm: number("leakage_ohm", "storage.leakage_ohm", leakage_ohm)?,
+        initial_v: number("initial_v", "storage.initial_v", of_load.map(|store| store.initial_v))?,
+        charging_efficiency: number(
+            "charging_efficiency",
+            "charging_efficiency",
+            part.map(|part| part.charging_efficiency),
+        )?,
+        discharging_efficiency: number(
+            "discharging_efficiency",
+            "discharging_efficiency",
+            part.map(|part| part.discharging_efficiency),
+        )?,
+        highest_v: number(
+            "highest_v",
+            "highest_v",
+            part.map(|part| part.highest_voltage).filter(|highest| highest.is_finite()),
+        )?,
+        turn_off_v: number("turn_off_v", "storage.turn_off_v", lockout.map(|lockout| lockout.turn_off_v))?,
+        turn_on_v: number("turn_on_v", "storage.turn_on_v", lockout.map(|lockout| lockout.turn_on_v))?,
+        own_power_w: part.map_or(0.0, |part| part.power_at_store(0.0)),
+    };
+    in_order(&table, &storage)?;
+    table.finish()?;
+    Ok(storage)
+}
+
+fn lockout_of_part(part: Preset<f64>) -> Option<Lockout> {
+    part.lockout.map(|lockout| Lockout { turn_on_v: lockout.turn_on, turn_off_v: lockout.turn_off })
+}
+
+fn lockout_of_draw(draw: Draw) -> Option<Lockout> {
+    match draw {
+        Draw::None => None,
+        Draw::Resistor { lockout, .. } => lockout,
+        Draw::Current { lockout, .. } | Draw::Power { lockout, .. } => Some(lockout),
+    }
+}
+
+/// Refuses voltages that are not in their order.
+fn in_order(section: &Section<'_>, storage: &Storage) -> Result<(), SceneError> {
+    let Storage { initial_v, highest_v, turn_off_v, turn_on_v, .. } = *storage;
+    if turn_off_v >= turn_on_v {
+        return Err(section.refuse("turn_off_v", format!("must be below turn_on_v = {turn_on_v}")));
+    }
+    if turn_on_v >= highest_v {
+        return Err(section.refuse("turn_on_v", format!("must be below highest_v = {highest_v}")));
+    }
+    if initial_v > highest_v {
+        return Err(section.refuse("initial_v", format!("must be at most highest_v = {highest_v}")));
+    }
+    Ok(())
+}
+
+/// Reads `[node.day]`.
+fn hours(mut section: Section<'_>) -> Result<[f64; HOURS], SceneError> {
+    let factors = section.optional_numbers("hours", &bounds::of("hours"), HOURS, "hour from midnight")?;
+    let Some(factors) = factors.and_then(|factors| <[f64; HOURS]>::try_from(factors).ok()) else {
+        return Err(section.refuse("hours", format!("is missing; must be {HOURS} numbers")));
+    };
+    section.finish()?;
+    Ok(factors)
+}
+
+/// Reads `[[node.actions]]`.
+fn actions(section: &mut Section<'_>) -> Result<Vec<Action>, SceneError> {
+    let mut actions: Vec<Action> = Vec::new();
+    for mut table in section.tables("actions")? {
+        let Some(name) = table.text("name").map(str::to_owned).filter(|name| !name.trim().is_empty()) else {
+            let absent = if table.has("name") { "" } else { "is missing; " };
+            return Err(table.refuse("name", format!("{absent}must be a text that is not empty")));
+        };
+        if actions.iter().any(|action| action.name == name) {
+            return Err(table.refuse("name", "must not be that of another action"));
+        }
+        actions.push(Action {
+            name,
+            energy_j: table.number("energy_j", &bounds::of("energy_j"))?,
+            duration_s: table.number("duration_s", &bounds::of("action.duration_s"))?,
+            every_s: table.number("every_s", &bounds::of("every_s"))?,
+        });
+        table.finish()?;
+    }
+    Ok(actions)
+}

@@ -1,0 +1,66 @@
+//! Parts by name.
+
+use super::tool::{accepted, refused_with};
+
+const BRIDGE: &str = "capacitance_f=1e-4,initial_v=3.0";
+
+#[test]
+fn an_unknown_part_is_refused_with_the_list_of_those_that_are_known() {
+    for load in ["{kind='rectified-store',preset='ltc3588'}", "{kind='dc-bus',preset=3,voltage_v=1.0}"] {
+        refused_with(
+            &[&format!("load={load}")],
+            &["load.preset", "\"diodes\" or \"bq25504\"", "\"ltc3588-1-3v3\"", "\"ltc3588-2\""],
+        );
+    }
+    refused_with(&["load.preset='diodes'"], &["load.preset = \"diodes\"", "unknown key"]);
+}
+
+#[test]
+fn what_a_part_does_not_give_is_still_asked_for() {
+    refused_with(
+        &["load={kind='rectified-store',preset='ltc3588-1-3v3'}"],
+        &["load.capacitance_f: is missing"],
+    );
+    refused_with(
+        &["load={kind='rectified-store',preset='ltc3588-1-3v3',capacitance_f=1e-4}"],
+        &["load.initial_v: is missing"],
+    );
+    // Plain diodes have no thresholds.
+    refused_with(
+        &[&format!(
+            "load={{kind='rectified-store',preset='diodes',{BRIDGE},draw={{kind='power',value=1e-6}}}}"
+        )],
+        &["load.draw.turn_on_v: is missing"],
+    );
+}
+
+#[test]
+fn an_explicit_key_takes_the_place_of_the_parts_and_meets_its_bounds() {
+    let store =
+        |more: &str| format!("load={{kind='rectified-store',preset='ltc3588-1-3v3',{BRIDGE},{more}}}");
+    refused_with(&[&store("leakage_ohm=0")], &["load.leakage_ohm = 0", "from 1e-3 to inf"]);
+    refused_with(&[&store("diode_drop_v=-1")], &["load.diode_drop_v = -1"]);
+    // 5.05 V of the part below 6 V of the file.
+    refused_with(
+        &[&store("draw={kind='power',value=1e-6,turn_off_v=6.0}")],
+        &["load.draw.turn_off_v = 6", "must be below turn_on_v = 5.05"],
+    );
+}
+
+#[test]
+fn a_charger_does_not_start_below_its_cold_start_voltage() {
+    refused_with(
+        &["load={kind='dc-bus',preset='bq25504',voltage_v=0.5}"],
+        &["load.voltage_v = 0.5", "at least 0.6", "cold start of \"bq25504\""],
+    );
+}
+
+#[test]
+fn a_run_checks_a_node_and_goes_on_without_it() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
+    let short = ["--set", "run.duration_s=0.3", "--set", "run.settle_s=0.1", "--tolerance", "1e-2"];
+    let run = |more: &[&'static str]| [&["run", scene, "--format", "json"], &short[..], more].concat();
+    let told: serde_json::Value = serde_json::from_str(&accepted(&run(&[]))).expect("one JSON object");
+    assert!(told["mean_power_w"].as_f64().is_some_and(|power| power > 0.0));
+    super::tool::refused(&run(&["--set", "node.update_s=7"]), &["node.update_s = 7", "must divide 86400"]);
+}

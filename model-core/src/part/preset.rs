@@ -1,0 +1,262 @@
+//! Parts on the market between a harvester and a sensor node, as data.
+//!
+//! | part | thresholds | quiescent | highest | efficiency | cold start |
+//! | --- | --- | --- | --- | --- | --- |
+//! | [`diodes`](Preset::diodes) | none | none | none | 1 | |
+//! | [`bq25504`](Preset::bq25504) | 2.80 V / 2.44 V | 330 nA, 570 nA | 3.15 V | 0.80 in, 1 out | 0.6 V |
+//! | [`ltc3588_1`](Preset::ltc3588_1) | 4.04 V / 2.87 V to 5.05 V / 4.02 V | 450 nA, 950 nA | 20 V | 1 in, 0.85 out | |
+//! | [`ltc3588_2`](Preset::ltc3588_2) | 16 V / 14 V | 830 nA, 1500 nA | 20 V | 1 in, 0.85 out | |
+//!
+//! All are typical values at 25 °C. What each stands on is told at its constructor; figures that are marked *not
+//! confirmed* are from memory of the data sheet and could not be compared with a copy of it.
+//!
+//! # What becomes of a part in the models
+//!
+//! * The store behind a bridge has leakage as a resistance. A quiescent current `I_q` becomes the resistance that
+//!   takes as much at the turn-on voltage, `V_on/I_q`: right there, less than the part takes below, more above.
+//! * While the node is connected the part takes more. The difference, at the turn-on voltage, is added to what the
+//!   node draws at constant power.
+//! * A converter between store and node takes `P/η` from the store for a node that consumes `P`. An efficiency
+//!   is one number here and a curve over voltage and current in the data sheet.
+//! * No part is switched off above its highest voltage: a trajectory that passes it has left the model, and the
+//!   energy budget counts what is beyond as shunted.
+//! * A boost charger holds its *input* at a voltage of its own and so does not load the harvester as a store does:
+//!   its harvester sees a bus of that voltage. Behind a bridge straight into the store its data give the
+//!   thresholds and currents only.
+
+use super::draw::{Lockout, PowerDraw};
+use super::rectifier::FullBridge;
+use super::store::Capacitor;
+use crate::scalar::Scalar;
+
+/// A part between a harvester and a node, or none but diodes. In volts, amperes and parts of one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Preset<S> {
+    /// Its name in a scene file.
+    pub name: &'static str,
+    /// Forward voltage of each of the two diodes of the bridge that conduct at a time.
+    pub diode_drop: S,
+    /// Current taken from the store while the node is locked out.
+    pub quiescent_locked_out: S,
+    /// Current taken from the store while the node is connected, without what the node takes.
+    pub quiescent_running: S,
+    /// When the node is connected; `None` for a node that decides by itself.
+    pub lockout: Option<Lockout<S>>,
+    /// Voltage of the store above which the part takes or refuses what comes in; infinite without such a limit.
+    pub highest_voltage: S,
+    /// Part of the rectified energy that reaches the store.
+    pub charging_efficiency: S,
+    /// Part of the energy from the store that reaches the node.
+    pub discharging_efficiency: S,
+    /// Rectified voltage below which a part with an empty store does not start; `None` without such a limit.
+    pub cold_start: Option<S>,
+}
+
+/// Output voltages of the LTC3588-1, chosen by two pins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum BuckOutput {
+    /// 1.8 V.
+    V1_8,
+    /// 2.5 V.
+    V2_5,
+    /// 3.3 V.
+    V3_3,
+    /// 3.6 V.
+    V3_6,
+}
+
+impl<S: Scalar> Preset<S> {
+    /// A bridge of four BAT54 diodes and a capacitor, the node on it as it is.
+    ///
+    /// At most 0.24 V at 0.1 mA: ON Semiconductor, BAT54 data sheet, electrical characteristics; *not confirmed*.
+    /// The reverse current of the diodes, up to 2 µA at 25 V, is left out.
+    #[must_use]
+    #[inline]
+    pub fn diodes() -> Self {
+        Self {
+            name: "diodes",
+            diode_drop: S::literal(0.24),
+            quiescent_locked_out: S::ZERO,
+            quiescent_running: S::ZERO,
+            lockout: None,
+            highest_voltage: S::INFINITY,
+            charging_efficiency: S::ONE,
+            discharging_efficiency: S::ONE,
+            cold_start: None,
+        }
+    }
+
+    /// Boost charger with cold start and a power-good output with hysteresis: Texas Instruments BQ25504, data
+    /// sheet SLUSAH0, 7.5 *Electrical Characteristics*, behind a bridge of BAT54 diodes.
+    ///
+    /// * Quiescent current of VSTOR 330 nA with the charger off for under-voltage, 570 nA for over-voltage: all
+    ///   revisions from 2011 to G (August 2023). The larger is taken for running.
+    /// * Cold start at 600 mV (revision G); 330 mV up to revision C (June 2015).
+    /// * Thresholds are set by resistors. Those of the solar application, for two NiMH cells: power-good from
+    ///   2.80 V rising to 2.44 V falling, charging up to 3.15 V; confirmed by designs that quote it.
+    /// * Charging efficiency 0.80 for some tens of microwatts at 0.5 to 1 V: read off the efficiency curves; *not
+    ///   confirmed*. The node is fed by the store itself.
+    #[must_use]
+    #[inline]
+    pub fn bq25504() -> Self {
+        Self {
+            name: "bq25504",
+            diode_drop: S::literal(0.24),
+            quiescent_locked_out: S::literal(330e-9),
+            quiescent_running: S::literal(570e-9),
+            lockout: Some(Lockout { turn_on: S::literal(2.80), turn_off: S::literal(2.44) }),
+            highest_voltage: S::literal(3.15),
+            charging_efficiency: S::literal(0.80),
+            discharging_efficiency: S::ONE,
+            cold_start: Some(S::literal(0.6)),
+        }
+    }
+
+    /// Piezo supply with bridge, under-voltage lock-out and buck converter: Linear Technology (Analog Devices)
+    /// LTC3588-1, data sheet 35881fa and later, the store being the capacitor at its input.
+    ///
+    /// * Input current 450 nA in lock-out, 950 nA in regulation without load; shunt at 20 V, up to 25 mA: first
+    ///   page, confirmed.
+    /// * Lock-out rising/falling: 4.04/2.87 V for 1.8 V and 2.5 V out, 5.05/3.67 V for 3.3 V, 5.05/4.02 V for
+    ///   3.6 V: *Electrical Characteristics*, typical; *not confirmed*.
+    /// * Bridge: 400 mV at 10 µA over both diodes: *Electrical Characteristics*; *not confirmed*.
+    /// * Efficiency of the buck 0.85, between 10 µA and 10 mA out: read off the curves; *not confirmed*.
+    #[must_use]
+    #[inline]
+    pub fn ltc3588_1(output: BuckOutput) -> Self {
+        let (name, turn_on, turn_off) = match output {
+            BuckOutput::V1_8 => ("ltc3588-1-1v8", S::literal(4.04), S::literal(2.87)),
+            BuckOutput::V2_5 => ("ltc3588-1-2v5", S::literal(4.04), S::literal(2.87)),
+            BuckOutput::V3_3 => ("ltc3588-1-3v3", S::literal(5.05), S::literal(3.67)),
+            BuckOutput::V3_6 => ("ltc3588-1-3v6", S::literal(5.05), S::literal(4.02)),
+        };
+        Self {
+            name,
+            diode_drop: S::literal(0.2),
+            quiescent_locked_out: S::literal(450e-9),
+            quiescent_running: S::literal(950e-9),
+            lockout: Some(Lockout { turn_on, turn_off }),
+            highest_voltage: S::literal(20.0),
+            charging_efficiency: S::ONE,
+            discharging_efficiency: S::literal(0.85),
+            cold_start: None,
+        }
+    }
+
+    /// As the LTC3588-1, for sources of high voltage, with 3.45 to 5 V out: Linear Technology (Analog Devices)
+    /// LTC3588-2, data sheet 35882f and later.
+    ///
+    /// * Lock-out rising/falling 16/14 V; input current 830 nA in lock-out at 12 V, 1500 nA in regulation at
+    ///   18 V; shunt at 20 V: first page, confirmed.
+    /// * Bridge and efficiency as the LTC3588-1; *not confirmed*.
+    #[must_use]
+    #[inline]
+    pub fn ltc3588_2() -> Self {
+        Self {
+            name: "ltc3588-2",
+            quiescent_locked_out: S::literal(830e-9),
+            quiescent_running: S::literal(1500e-9),
+            lockout: Some(Lockout { turn_on: S::literal(16.0), turn_off: S::literal(14.0) }),
+            ..Self::ltc3588_1(BuckOutput::V3_3)
+        }
+    }
+
+    /// All of them.
+    #[must_use]
+    pub fn all() -> [Self; 7] {
+        [
+            Self::diodes(),
+            Self::bq25504(),
+            Self::ltc3588_1(BuckOutput::V1_8),
+            Self::ltc3588_1(BuckOutput::V2_5),
+            Self::ltc3588_1(BuckOutput::V3_3),
+            Self::ltc3588_1(BuckOutput::V3_6),
+            Self::ltc3588_2(),
+        ]
+    }
+
+    /// The one of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::all().into_iter().find(|preset| preset.name == name)
+    }
+
+    /// Resistance in Ω that takes the quiescent current of a locked-out part at its turn-on voltage; infinite
+    /// without one.
+    #[must_use]
+    pub fn leakage_ohms(&self) -> S {
+        match self.lockout {
+            Some(lockout) if self.quiescent_locked_out > S::ZERO => {
+                lockout.turn_on / self.quiescent_locked_out
+            }
+            _ => S::INFINITY,
+        }
+    }
+
+    /// Power in W that leaves the store for a node that consumes `watts` while connected: through the converter,
+    /// and what the part takes more than in lock-out.
+    #[must_use]
+    pub fn power_at_store(&self, watts: S) -> S {
+        let more = self.quiescent_running - self.quiescent_locked_out;
+        let own = self.lockout.map_or(S::ZERO, |lockout| lockout.turn_on * more);
+        watts / self.discharging_efficiency + own
+    }
+
+    /// The part's bridge into a store of `farads` at `initial_voltage`, with `draw` as it is at the store.
+    #[must_use]
+    pub fn bridge<D>(&self, farads: S, initial_voltage: S, draw: D) -> FullBridge<S, Capacitor<S, D>> {
+        let reservoir = Capacitor { farads, leakage_ohms: self.leakage_ohms(), initial_voltage, draw };
+        FullBridge { diode_drop: self.diode_drop, reservoir }
+    }
+
+    /// What a node that consumes `watts` draws from the store; `None` for a part without thresholds.
+    #[must_use]
+    pub fn node(&self, watts: S) -> Option<PowerDraw<S>> {
+        self.lockout.map(|lockout| PowerDraw { watts: self.power_at_store(watts), lockout })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::part::draw::{Draw, NoDraw};
+    use crate::part::store::Reservoir;
+
+    #[test]
+    fn each_is_found_by_its_own_name_and_makes_a_load_within_bounds() {
+        for preset in Preset::<f32>::all() {
+            assert_eq!(Preset::named(preset.name), Some(preset));
+            assert_eq!(preset.bridge(1e-4, 0.0, NoDraw).check(), Ok(()), "{}", preset.name);
+            if let Some(draw) = preset.node(1e-5) {
+                assert_eq!(preset.bridge(1e-4, 0.0, draw).check(), Ok(()), "{}", preset.name);
+                let Some(lockout) = Draw::lockout(&draw) else { panic!("{} has a lock-out", preset.name) };
+                assert!(lockout.turn_on < preset.highest_voltage, "{}", preset.name);
+            }
+            assert!(preset.quiescent_running >= preset.quiescent_locked_out);
+        }
+        assert_eq!(Preset::<f64>::named("ltc3588"), None);
+    }
+
+    #[test]
+    fn quiescent_currents_are_the_parts_own_at_the_turn_on_voltage() {
+        for preset in Preset::<f64>::all() {
+            let Some(lockout) = preset.lockout else { continue };
+            let Some(idle) = preset.node(0.0) else { continue };
+            let store = preset.bridge(1e-4, 0.0, idle).reservoir;
+            let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{}: {a} {b}", preset.name);
+            close(store.outflow(lockout.turn_on, false), preset.quiescent_locked_out);
+            close(store.outflow(lockout.turn_on, true), preset.quiescent_running);
+        }
+        assert_eq!(Preset::<f64>::diodes().leakage_ohms(), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_node_behind_a_converter_takes_more_from_the_store() {
+        let preset = Preset::<f64>::ltc3588_1(BuckOutput::V3_3);
+        // 100 µW through 0.85, and 500 nA at 5.05 V.
+        assert!((preset.power_at_store(100e-6) - (100e-6 / 0.85 + 2.525e-6)).abs() < 1e-18);
+        assert_eq!(Preset::<f64>::diodes().power_at_store(3e-6), 3e-6);
+    }
+}
