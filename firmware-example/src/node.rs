@@ -19,7 +19,7 @@ mod harvester;
 mod listening;
 
 pub use economy::Economy;
-pub use flash_board::FlashBoard;
+pub use flash_board::{FlashBoard, STORE_VOLTAGE};
 pub use following::Following;
 pub use harvester::{following, listening};
 pub use listening::Listening;

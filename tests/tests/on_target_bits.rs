@@ -5,7 +5,6 @@
 
 use std::path::Path;
 
-use firmware_example::node::{FlashTrace, Node};
 use firmware_example::workload::bump_stop::modal_run::ModalRun;
 use firmware_example::workload::hybrid_run::HybridRun;
 use firmware_example::workload::{Progress, Workload, bump_stop, contact_separation, sliding};
@@ -85,15 +84,4 @@ fn bump_stop_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
         let touching = &mut workloads.expect("valid")[0];
         assert_eq!(any(TOUCHING, 0.0), states(*touching));
     });
-}
-
-#[test]
-fn the_node_reports_each_second_until_its_samples_end() {
-    let mut node = Node::new(FlashTrace::default()).expect("valid");
-    for second in 1..=FlashTrace::SECONDS {
-        let report = node.second().expect("there are samples");
-        assert_eq!(report.second, second);
-        assert!(report.mean_power > 1e-6 && report.mean_power < 1e-4, "{report:?}");
-    }
-    assert!(node.second().is_err());
 }

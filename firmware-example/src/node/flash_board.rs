@@ -6,7 +6,7 @@ use super::{Board, Decision};
 include!(concat!(env!("OUT_DIR"), "/trace.rs"));
 
 /// Voltage of the store at power-up, in volts.
-const STORE_VOLTAGE: f32 = 2.6;
+pub const STORE_VOLTAGE: f32 = 2.6;
 
 /// Plays `trace/machine.csv` again and again, and reads the store at power-up only.
 #[derive(Debug, Clone, Copy, Default)]

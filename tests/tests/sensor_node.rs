@@ -1,0 +1,79 @@
+//! The sensor nodes of the firmware on the host: their store, kept again in double precision beside theirs.
+//!
+//! That their logs on a microcontroller are those of the host is checked by `host-bench on-target --node`.
+
+use firmware_example::node::{
+    Decision, FlashBoard, Following, Listening, Report, STORE_VOLTAGE, following, listening,
+};
+
+/// The store of both nodes as the documentation of `economy` has it: farads, ohms, volts when full, watts asleep.
+const CAPACITANCE: f64 = 22e-6;
+const LEAKAGE: f64 = 100e6;
+const FULL: f64 = 4.2;
+const ASLEEP: f64 = 0.3e-6;
+
+/// What an action takes, in joules.
+fn cost(decision: Decision) -> f64 {
+    match decision {
+        Decision::Sleep => 0.0,
+        Decision::Measure => 4e-6,
+        Decision::Transmit => 35e-6,
+    }
+}
+
+/// Keeps the store beside a node's reports and compares each second; gives all that came in.
+fn keep(reports: impl Iterator<Item = Report>) -> (f64, [u32; 3]) {
+    let energy = |volts: f64| 0.5 * CAPACITANCE * volts * volts;
+    let mut stored = energy(STORE_VOLTAGE.into());
+    let (mut came_in, mut counts) = (0.0, [0; 3]);
+    for report in reports {
+        let harvested = f64::from(report.harvested);
+        came_in += harvested;
+        // A second in a thousand steps of leakage.
+        for _ in 0..1000 {
+            stored += 1e-3 * (harvested - ASLEEP - 2.0 * stored / (LEAKAGE * CAPACITANCE));
+        }
+        stored = stored.min(energy(FULL)) - cost(report.decision);
+        counts[report.decision as usize] += 1;
+        let off = (f64::from(report.stored) - stored).abs();
+        assert!(off < 1e-3 * came_in, "{report}: {stored:e} J");
+        assert!(stored > energy(1.9), "{report}: below the lock-out");
+    }
+    (came_in, counts)
+}
+
+fn follow(seconds: u32) -> (f64, [u32; 3]) {
+    let mut node = Following::new(FlashBoard::default(), following().expect("valid")).expect("valid");
+    let found = keep((0..seconds).map(|_| node.second().expect("the trace can be followed")));
+    assert!(node.economy().unexplained().abs() < 1e-9);
+    found
+}
+
+fn assert_active(seconds: u32, (came_in, [asleep, measured, transmitted]): (f64, [u32; 3])) {
+    assert_eq!(asleep + measured + transmitted, seconds);
+    let mean = came_in / f64::from(seconds);
+    assert!((0.5e-6..100e-6).contains(&mean), "{mean:e} W");
+    // Once in ten seconds and once a minute, if the store allows it.
+    assert!(measured > seconds / 40 && transmitted > seconds / 600, "{measured} {transmitted}");
+    println!("{seconds} s: {mean:.3e} W, {measured} measurements, {transmitted} transmissions");
+}
+
+#[test]
+fn the_following_node_keeps_its_books_for_twenty_minutes() {
+    assert_active(1200, follow(1200));
+}
+
+#[test]
+#[ignore = "a minute in the release profile"]
+fn the_following_node_keeps_its_books_for_a_day() {
+    assert_active(86_400, follow(86_400));
+}
+
+#[test]
+fn the_listening_node_keeps_its_books_for_a_day() {
+    let seconds = 86_400;
+    let mut node = Listening::new(FlashBoard::default(), listening().expect("valid")).expect("valid");
+    let found = keep((0..seconds).map(|_| node.second()));
+    assert!(node.economy().unexplained().abs() < 1e-9);
+    assert_active(seconds, found);
+}
