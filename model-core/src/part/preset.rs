@@ -95,7 +95,7 @@ impl<S: Scalar> Preset<S> {
     ///   revisions from 2011 to G (August 2023). The larger is taken for running.
     /// * Cold start at 600 mV (revision G); 330 mV up to revision C (June 2015).
     /// * Thresholds are set by resistors. Those of the solar application, for two NiMH cells: power-good from
-    ///   2.80 V rising to 2.44 V falling, charging up to 3.15 V; confirmed by designs that quote it.
+    ///   2.80 V rising to 2.44 V falling, charging up to 3.15 V; as designs that use them quote them.
     /// * Charging efficiency 0.80 for some tens of microwatts at 0.5 to 1 V: read off the efficiency curves; *not
     ///   confirmed*. The node is fed by the store itself.
     #[must_use]
@@ -115,10 +115,10 @@ impl<S: Scalar> Preset<S> {
     }
 
     /// Piezo supply with bridge, under-voltage lock-out and buck converter: Linear Technology (Analog Devices)
-    /// LTC3588-1, data sheet 35881fa and later, the store being the capacitor at its input.
+    /// LTC3588-1, by its data sheet, the store being the capacitor at its input.
     ///
     /// * Input current 450 nA in lock-out, 950 nA in regulation without load; shunt at 20 V, up to 25 mA: first
-    ///   page, confirmed.
+    ///   page, as copies of it have it.
     /// * Lock-out rising/falling: 4.04/2.87 V for 1.8 V and 2.5 V out, 5.05/3.67 V for 3.3 V, 5.05/4.02 V for
     ///   3.6 V: *Electrical Characteristics*, typical; *not confirmed*.
     /// * Bridge: 400 mV at 10 µA over both diodes: *Electrical Characteristics*; *not confirmed*.
@@ -146,10 +146,10 @@ impl<S: Scalar> Preset<S> {
     }
 
     /// As the LTC3588-1, for sources of high voltage, with 3.45 to 5 V out: Linear Technology (Analog Devices)
-    /// LTC3588-2, data sheet 35882f and later.
+    /// LTC3588-2, by its data sheet.
     ///
     /// * Lock-out rising/falling 16/14 V; input current 830 nA in lock-out at 12 V, 1500 nA in regulation at
-    ///   18 V; shunt at 20 V: first page, confirmed.
+    ///   18 V; shunt at 20 V: first page, as copies of it have it; the falling threshold is its least input voltage.
     /// * Bridge and efficiency as the LTC3588-1; *not confirmed*.
     #[must_use]
     #[inline]
