@@ -77,7 +77,7 @@ pub struct Report {
     pub second: u32,
     /// Energy harvested in the last of them, in joules.
     pub harvested: f32,
-    /// Energy in the store, in joules.
+    /// Energy in the store, in joules, before what is decided is spent.
     pub stored: f32,
     /// What was decided.
     pub decision: Decision,

@@ -81,8 +81,9 @@ impl Days<'_> {
         }
         let Some(InLoop { scene, options }) = in_loop else { return day(node, &mut store, &mut mind) };
         let Load::RectifiedStore(load) = scene.load else { return day(node, &mut store, &mut mind) };
-        let (storage, drop, volts) = (&node.storage, load.diode_drop_v, store.voltage());
-        with_store_in_loop(scene, drop, storage, volts, &node.hours, options, |looped| {
+        let (storage, drop) = (&node.storage, load.diode_drop_v);
+        let midnight = (store.voltage(), store.is_supplied());
+        with_store_in_loop(scene, drop, storage, midnight, &node.hours, options, |looped| {
             day(node, &mut LoopedStore::new(looped, storage, node.standing_power_w), &mut mind)
         })
     }

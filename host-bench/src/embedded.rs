@@ -56,13 +56,13 @@ pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 
 fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     match &scene.model {
-        Model::ContactSeparation(model) => match rectified::bridge(scene.load) {
+        Model::ContactSeparation(model) => match bridge::bridge(scene.load) {
             Some(bridge) => contact_separation::rectified::<S, M>(scene, model, options, bridge),
             None => {
                 contact_separation::prepared::<S, M, _>(scene, model, options, |run, state| run.to_end(state))
             }
         },
-        Model::Sliding(model) => match rectified::bridge(scene.load) {
+        Model::Sliding(model) => match bridge::bridge(scene.load) {
             Some(bridge) => sliding::rectified::<S, M>(scene, model, options, bridge),
             None => sliding::prepared::<S, M, _>(scene, model, options, |run, state| run.to_end(state)),
         },

@@ -42,7 +42,7 @@ impl<B: Board, M: Model<f32>> Following<B, M> {
     /// Follows the accelerometer for a second, and decides.
     ///
     /// # Errors
-    /// If the harvester's model could not be stepped twice in a row.
+    /// If the harvester's model cannot start at rest.
     pub fn second(&mut self) -> Result<Report, NodeError> {
         let mut steps = 0;
         for _ in 0..RATE_HZ {

@@ -95,7 +95,10 @@ fn curve(scene: &Scene, node: &Node, factor: f64, options: &Options) -> Result<V
     let excitation = scaled(&scene.excitation, factor);
     let power = |load: Load| -> Result<f64, Failure> {
         let scene = Scene { load, excitation: excitation.clone(), ..scene.clone() };
-        Ok(run_scene(&scene, options)?.mean_power_w.unwrap_or(0.0))
+        run_scene(&scene, options)?
+            .mean_power_w
+            .filter(|power| power.is_finite())
+            .ok_or_else(|| Failure::Step("the harvester has no finite mean power".to_owned()))
     };
     let Load::RectifiedStore(store) = scene.load else { return Ok(vec![(0.0, power(scene.load)?)]) };
     let points = (0..VOLTAGES).map(|step| {

@@ -117,7 +117,8 @@ impl World for Store<'_> {
             account.harvested += harvested;
             account.income += stored;
             account.standing += standing;
-            account.leaked += self.energy + (stored - standing) - end;
+            // What leaks of the start and of what comes in evenly, each in closed form.
+            account.leaked += -(-rate).exp_m1() * self.energy + (1.0 - mean_kept) * (stored - standing);
             account.lockout_s += u32::from(!self.supplied);
             self.energy = end.min(self.capacity());
             self.account.shunted += end - self.energy;

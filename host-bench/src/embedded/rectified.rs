@@ -2,9 +2,8 @@
 
 use model_core::energy::Residual;
 use model_core::hybrid::Automaton;
-use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
 use model_core::part::rectifier::FullBridge;
-use model_core::part::store::{AnyReservoir, Capacitor, DcBus};
+use model_core::part::store::AnyReservoir;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::rectified::{Mode, Rectified, STATES, Terminals};
 
@@ -12,48 +11,7 @@ use super::excitation::with_excitation;
 use super::hybrid_run::{Found, HostedScene, Run, Store, refuse_start, step_control};
 use crate::method::{Failure, Options};
 use crate::outcome::{Outcome, Particular};
-use crate::scene_file::{self, Draw, Load, Scene};
-
-/// The bridge of a scene; `None` where its load is a resistor.
-pub(super) fn bridge<S: Scalar>(load: Load) -> Option<FullBridge<S, AnyReservoir<S>>> {
-    let number = S::literal;
-    match load {
-        Load::Resistor { .. } => None,
-        Load::DcBus { voltage_v, diode_drop_v } => Some(FullBridge {
-            diode_drop: number(diode_drop_v),
-            reservoir: AnyReservoir::DcBus(DcBus { volts: number(voltage_v) }),
-        }),
-        Load::RectifiedStore(store) => Some(FullBridge {
-            diode_drop: number(store.diode_drop_v),
-            reservoir: AnyReservoir::Capacitor(Capacitor {
-                farads: number(store.capacitance_f),
-                leakage_ohms: number(store.leakage_ohm),
-                initial_voltage: number(store.initial_v),
-                draw: draw(store.draw),
-            }),
-        }),
-    }
-}
-
-fn draw<S: Scalar>(draw: Draw) -> AnyDraw<S> {
-    let lockout = |from: scene_file::Lockout| Lockout {
-        turn_on: S::literal(from.turn_on_v),
-        turn_off: S::literal(from.turn_off_v),
-    };
-    match draw {
-        Draw::None => AnyDraw::None,
-        Draw::Resistor { resistance_ohm, lockout: thresholds } => AnyDraw::Resistor(ResistiveDraw {
-            ohms: S::literal(resistance_ohm),
-            lockout: thresholds.map(lockout),
-        }),
-        Draw::Current { current_a, lockout: thresholds } => {
-            AnyDraw::Current(CurrentDraw { amperes: S::literal(current_a), lockout: lockout(thresholds) })
-        }
-        Draw::Power { power_w, lockout: thresholds } => {
-            AnyDraw::Power(PowerDraw { watts: S::literal(power_w), lockout: lockout(thresholds) })
-        }
-    }
-}
+use crate::scene_file::{Draw, Load, Scene};
 
 /// A step at which an explicit method is stable and accurate: as good as the motion alone needs, and 2
 /// times the time constant of what empties the store.

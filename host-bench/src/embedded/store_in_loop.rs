@@ -57,7 +57,7 @@ pub trait StoreInLoop {
 }
 
 /// Calls `with` with the harvester of a triboelectric scene at midnight, its store as `storage` says but at a
-/// voltage of `initial_v`, and its excitation multiplied hour by hour.
+/// voltage of `initial_v` with the node connected or not, and its excitation multiplied hour by hour.
 ///
 /// # Errors
 /// [`Failure::Input`] if the scene is another one, as a run, and whatever `with` gives.
@@ -65,14 +65,14 @@ pub fn with_store_in_loop<R>(
     scene: &Scene,
     diode_drop_v: f64,
     storage: &Storage,
-    initial_v: f64,
+    (initial_v, is_connected): (f64, bool),
     hours: &[f64; HOURS],
     options: &Options,
     with: impl FnOnce(&mut dyn StoreInLoop) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
     options.check()?;
     options.check_scene(scene)?;
-    let setting = Setting { scene, diode_drop_v, storage, initial_v, hours, options };
+    let setting = Setting { scene, diode_drop_v, storage, initial_v, is_connected, hours, options };
     match options.precision {
         Some(Precision::F32) => setting.with_precision::<f32, R>(with),
         _ => setting.with_precision::<f64, R>(with),
@@ -84,6 +84,7 @@ struct Setting<'a> {
     diode_drop_v: f64,
     storage: &'a Storage,
     initial_v: f64,
+    is_connected: bool,
     hours: &'a [f64; HOURS],
     options: &'a Options,
 }
@@ -129,7 +130,10 @@ impl Setting<'_> {
         let control = step_control(scene, self.options, f64::INFINITY)?;
         with_excitation::<S, S::Build, _>(scene, |excitation| {
             let daily = Daily { base: excitation, factors: self.hours.map(S::literal) };
-            let state = core.start(start, &daily, &control).map_err(|error| refuse_start(scene, &error))?;
+            let mut state =
+                core.start(start, &daily, &control).map_err(|error| refuse_start(scene, &error))?;
+            // Between the thresholds the voltage alone does not tell.
+            state.mode.connected = self.is_connected;
             with(&mut Loop { scene, core, daily, control, state })
         })
     }
@@ -222,7 +226,7 @@ mod tests {
         for (tolerance, bound) in [(0.05, 0.04), (1e-3, 2e-3)] {
             let options =
                 Options { precision: Some(Precision::F32), tolerance: Some(tolerance), ..Options::default() };
-            with_store_in_loop(&scene(), 0.2, &STORAGE, 4.5, &hours, &options, |looped| {
+            with_store_in_loop(&scene(), 0.2, &STORAGE, (4.5, true), &hours, &options, |looped| {
                 let stored = |volts: f64| 0.5 * STORAGE.capacitance_f * volts * volts;
                 let (mut sum, mut delivered, start) = (0.0, 0.0, looped.voltage());
                 for (until_s, draw_w) in [(5, 0.0), (10, 20e-6), (20, 3e-6), (30, 80e-6)] {
@@ -252,7 +256,8 @@ mod tests {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
         let scene = read(file.as_ref(), &[]).expect("a good scene");
         let options = Options::default();
-        let refused = with_store_in_loop(&scene, 0.2, &STORAGE, 4.5, &[1.0; HOURS], &options, |_| Ok(()));
+        let refused =
+            with_store_in_loop(&scene, 0.2, &STORAGE, (4.5, true), &[1.0; HOURS], &options, |_| Ok(()));
         assert!(refused.is_err_and(|failure| failure.to_string().contains("\"sliding\" with --exact")));
     }
 }

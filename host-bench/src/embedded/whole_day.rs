@@ -153,6 +153,10 @@ impl<S: Scalar, E: Excitation<S>> Excitation<S> for Daily<'_, S, E> {
         self.base.resolved_ticks()
     }
 
+    fn angular_frequency(&self) -> S {
+        self.base.angular_frequency()
+    }
+
     fn smooth_ticks(&self, at: Instant) -> u32 {
         let kink = u32::try_from(self.factor(at).2).unwrap_or(u32::MAX);
         self.base.smooth_ticks(at).min(kink)

@@ -89,7 +89,7 @@ fn draw(mut section: Section<'_>, part: Option<&Preset<f64>>) -> Result<Draw, Sc
             let of_part = part.and_then(|part| part.lockout);
             let lockout =
                 if absent && of_part.is_none() { None } else { Some(thresholds(&mut section, part)?) };
-            let lockout = lockout.filter(|lockout| lockout.turn_on_v > 0.0);
+            let lockout = lockout.filter(|lockout| lockout.turn_on_v > 0.0 || lockout.turn_off_v > 0.0);
             if let Some(lockout) = lockout {
                 check(&section, lockout, 0.0)?;
             }

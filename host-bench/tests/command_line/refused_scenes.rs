@@ -93,12 +93,12 @@ fn a_word_that_is_not_one_of_the_choices() {
 #[test]
 fn a_bridge_without_its_numbers() {
     for (change, key) in [
-        ("load={kind='rectified-store'}", "load.capacitance_f is missing"),
-        ("load={kind='dc-bus'}", "load.voltage_v is missing"),
-        ("load={kind='dc-bus',voltage_v=3.0}", "load.diode_drop_v is missing"),
+        ("load={kind='rectified-store'}", "load.capacitance_f: is missing"),
+        ("load={kind='dc-bus'}", "load.voltage_v: is missing"),
+        ("load={kind='dc-bus',voltage_v=3.0}", "load.diode_drop_v: is missing"),
         ("load={kind='dc-bus',voltage_v=-1.0,diode_drop_v=0.3}", "load.voltage_v = -1"),
     ] {
-        refused_with(&[change], &[key, "a number from 0"]);
+        refused_with(&[change], &[key, "a number from"]);
     }
 }
 
@@ -109,7 +109,7 @@ fn a_draw_that_has_no_consistent_switching() {
         ("{kind='power',value=1e-6,turn_on_v=3.0,turn_off_v=0.0}", "load.draw.turn_off_v = 0"),
         ("{kind='power',value=1e-6,turn_on_v=2.0,turn_off_v=2.0}", "must be below turn_on_v = 2"),
         ("{kind='current',value=1e-6,turn_on_v=2.0,turn_off_v=3.0}", "must be below turn_on_v = 2"),
-        ("{kind='current',value=1e-6}", "load.draw.turn_on_v is missing"),
+        ("{kind='current',value=1e-6}", "load.draw.turn_on_v: is missing"),
         ("{kind='lamp'}", "\"none\" or \"resistor\" or \"current\" or \"power\""),
     ] {
         refused_with(&[&format!("load={{kind='rectified-store',{store},draw={draw}}}")], &[told]);

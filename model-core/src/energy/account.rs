@@ -88,8 +88,13 @@ impl<S: Scalar> Account<S> {
         if value >= S::ZERO && value < S::INFINITY {
             return Some(value);
         }
-        self.refused = self.refused.saturating_add(1);
+        self.refuse();
         None
+    }
+
+    /// Counts a value that is not taken.
+    pub(super) fn refuse(&mut self) {
+        self.refused = self.refused.saturating_add(1);
     }
 
     /// Enters what a step of the store did.

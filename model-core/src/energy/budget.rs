@@ -226,15 +226,25 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// The store is at `voltage` volts to within `error` volts: a reading whose error is bounded, by the
     /// quantisation of the converter and its noise. See the estimator of gain and store for readings that are
     /// weighed against a model.
+    ///
+    /// A voltage or an error that is negative or not finite is refused and counted, and so is a voltage that even
+    /// less its error is above the highest of the store: that converter is not connected to it.
     pub fn correct_by_voltage(&self, state: &mut BudgetState<S, SLOTS>, voltage: S, error: S) {
+        let readings = (state.account.admit(voltage), state.account.admit(error));
+        let (Some(voltage), Some(error)) = readings else { return };
+        let lowest = (voltage - error).larger(S::ZERO);
+        if lowest > self.storage.parameters().highest_voltage {
+            state.account.refuse();
+            return;
+        }
         let energy = self.storage.energy(voltage).smaller(self.storage.capacity());
-        let least = self.storage.energy((voltage - error).larger(S::ZERO));
-        self.correct(state, energy, (energy - least).larger(S::ZERO));
+        self.correct(state, energy, (energy - self.storage.energy(lowest)).larger(S::ZERO));
     }
 
     /// Whether an action can be afforded at a second of the clock, whatever income does: whether what is
     /// certain of the store, after all that the action and the standing load may take of it and all that may
-    /// leak from the last update to the action's end, with no income, is still at or above the lock-out.
+    /// leak from the last update to the action's end, with no income, is still at or above the lock-out. Actions
+    /// that overlap are to be asked for as one: of one that is spent already its energy counts, not its time.
     ///
     /// `now` is the present second of the clock, a second that has begun counting as over. No prediction enters.
     /// At most one exponential.
@@ -425,5 +435,27 @@ mod tests {
             }
             assert!(Action::new("wrong", wrong, 0.0).is_err() && Action::new("wrong", 0.0, wrong).is_err());
         }
+    }
+
+    #[test]
+    fn a_reading_that_is_none_is_refused() {
+        let budget = budget::<f32>();
+        let mut state = budget.start(0);
+        budget.correct_by_voltage(&mut state, 3.0, 2e-3);
+        let sound = state;
+        let pegged = 1.1 * budget.storage().parameters().highest_voltage;
+        for (voltage, error) in [
+            (f32::INFINITY, 2e-3),
+            (f32::NAN, 2e-3),
+            (-0.1, 2e-3),
+            (3.0, -1e-3),
+            (3.0, f32::NAN),
+            (pegged, 2e-3),
+        ] {
+            budget.correct_by_voltage(&mut state, voltage, error);
+            assert_eq!(state.energy(), sound.energy(), "{voltage} {error}");
+            assert_eq!(state.certain_energy(), sound.certain_energy(), "{voltage} {error}");
+        }
+        assert_eq!(state.account().refused(), 6);
     }
 }

@@ -130,8 +130,11 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let floor = self.storage.lock_out() + self.storage.drawn(action.energy());
         let neutral = self.storage.stored(forecast.mean_power()) * parameters.discharging_efficiency;
         let load = largest(neutral, |load| forecast.sustain(energy, load, floor)).unwrap_or(S::ZERO);
-        let rate = (load - self.standing_power).larger(S::ZERO) / action.energy();
-        rate.smaller(S::ONE / action.duration())
+        let spare = (load - self.standing_power).larger(S::ZERO);
+        if spare == S::ZERO {
+            return S::ZERO;
+        }
+        (spare / action.energy()).smaller(S::ONE / action.duration())
     }
 
     /// Least number of whole seconds between two starts of an action that can go on for ever, as by

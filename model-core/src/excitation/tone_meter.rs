@@ -16,7 +16,7 @@ use crate::scalar::{Mathematics, Scalar, arcsine};
 /// crossing counts.
 const HYSTERESIS: f64 = 0.5;
 /// Most samples in a window.
-const MOST_SAMPLES: u32 = 1 << 16;
+const MOST_SAMPLES: u32 = 1 << 12;
 
 /// The strongest line of one window.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +69,7 @@ pub struct ToneMeterState<S> {
 }
 
 impl<S: Scalar> ToneMeter<S> {
-    /// For `rate` samples a second, 1 to 10⁵, in windows of `window` samples, 16 to 65536: a line is
+    /// For `rate` samples a second, 1 to 10⁵, in windows of `window` samples, 16 to 4096: a line is
     /// resolved where a window holds two of its periods and a period three samples.
     ///
     /// # Errors
@@ -270,6 +270,6 @@ mod tests {
         assert_eq!(ToneMeter::<f32>::new(0.0, 400).err(), Some(ExcitationError::Frequency));
         assert_eq!(ToneMeter::<f32>::new(f32::NAN, 400).err(), Some(ExcitationError::Frequency));
         assert_eq!(ToneMeter::<f32>::new(400.0, 15).err(), Some(ExcitationError::TooFewSamples));
-        assert_eq!(ToneMeter::<f32>::new(400.0, 65_537).err(), Some(ExcitationError::TooFewSamples));
+        assert_eq!(ToneMeter::<f32>::new(400.0, 4097).err(), Some(ExcitationError::TooFewSamples));
     }
 }

@@ -46,7 +46,6 @@ macro_rules! floats {
 
 floats!(f32, f64);
 
-/// A byte that is 0 or 1.
 /// Nothing: no bytes.
 impl Image for () {
     const BYTES: usize = 0;
@@ -58,6 +57,7 @@ impl Image for () {
     }
 }
 
+/// A byte that is 0 or 1.
 impl Image for bool {
     const BYTES: usize = 1;
 

@@ -8,7 +8,7 @@
 //! | [`ltc3588_2`](Preset::ltc3588_2) | 16 V / 14 V | 830 nA, 1500 nA | 20 V | 1 in, 0.85 out | |
 //!
 //! All are typical values at 25 °C. What each stands on is told at its constructor; figures that are marked *not
-//! confirmed* are from memory of the data sheet and could not be compared with a copy of it.
+//! confirmed* are to be checked against the data sheet before a design rests on them.
 //!
 //! # What becomes of a part in the models
 //!

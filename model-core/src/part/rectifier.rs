@@ -59,16 +59,15 @@ impl<S: Scalar, R: Reservoir<S>> FullBridge<S, R> {
     /// Takes in all that tells this bridge and its reservoir from others.
     pub(crate) fn identify(&self, fingerprint: &mut Fingerprint) {
         let reservoir = &self.reservoir;
-        // A draw shows itself in what it takes, at two voltages.
-        let [low, high] = [S::ONE, S::literal(2.0)].map(|volts| reservoir.drawn(volts));
         fingerprint.numbers(&[
             self.diode_drop,
             reservoir.elastance(),
             reservoir.initial_voltage(),
             reservoir.leakage(S::ONE),
-            low,
-            high,
         ]);
+        // A draw shows itself in what it takes, at voltages at which it can be connected.
+        let level = reservoir.lockout().map_or(S::ONE, |lockout| lockout.turn_on);
+        fingerprint.numbers(&[level, level + level].map(|volts| reservoir.drawn(volts)));
         if let Some(lockout) = reservoir.lockout() {
             fingerprint.numbers(&[lockout.turn_on, lockout.turn_off]);
         }

@@ -1,7 +1,7 @@
 //! What the estimator adds up along the steps, and what it says of it.
 
 use crate::clock::Instant;
-use crate::hybrid::{Observer, Span};
+use crate::hybrid::{Event, Observer, Span};
 use crate::image::{Image, ImageError, Reader, Writer};
 use crate::integrate::step_control::REMEMBERED_RADIANS;
 use crate::scalar::{CompensatedSum, Scalar};
@@ -75,6 +75,14 @@ impl<S: Scalar, Mode, const N: usize, const P: usize> Observer<S, Mode, N, P> fo
         self.add(span.energies.first().copied().unwrap_or(S::ZERO), span.ticks);
         self.energy_error.add(span.energy_error.absolute());
         self.state_error.add(span.state_error);
+    }
+
+    fn event(&mut self, event: &Event<'_, S, Mode, N, P>) {
+        if let Some(&energy) = event.energies.first()
+            && energy != S::ZERO
+        {
+            self.energy.add(energy);
+        }
     }
 }
 

@@ -6,13 +6,15 @@
 
 use super::{BumpStop, Parts};
 use crate::scalar::{Complex, Scalar, arcsine};
-use crate::scene::closed_form::{ClosedForm, Reason, Validity};
+use crate::scene::closed_form::{ClosedForm, Reason, Validity, ratio};
 
 /// Largest part of the power of a bus by which the voltage may bend the motion.
 const WEAK: f64 = 0.05;
 /// Largest `|Q_v|/C_p`, at resonance the figure of merit `k² Q`, up to which a motion behind a bridge is
 /// harmonic enough.
 const HARMONIC: f64 = 1.0;
+/// Largest change of the voltage in the last of them, relative.
+const UNBALANCED: f64 = 1e-3;
 /// Turns of the iteration by which the voltage and the motion of a store agree.
 const TURNS: u32 = 8;
 
@@ -22,7 +24,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     /// one-way model and an approximation for weak coupling in the other,
     /// `P = 4 f C_p V_dc (V_oc − V_dc − 2 V_D)` with `V_oc = |Q|/C_p`, and nothing where the bridge blocks.
     ///
-    /// In m/s², Hz, V and V for each diode; the load of the scene itself has no part in it. The power is what
+    /// In m/s² (its magnitude), Hz, V and V for each diode; the load of the scene itself has no part in it. The power is what
     /// enters the bus.
     #[must_use]
     pub fn closed_form_into_bus(
@@ -33,6 +35,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         diode_drop: S,
     ) -> ClosedForm<S> {
         let response = self.response(hertz);
+        let amplitude = amplitude.absolute();
         let open = response.charge_by_base.magnitude() * amplitude * self.elastance;
         let bridge = bus_voltage + diode_drop + diode_drop;
         // Where the bridge blocks, the terminals are open and the voltage is bent back by the motion.
@@ -78,9 +81,12 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let blocked = two * self.capacitance * diode_drop;
         let one = Complex::new(S::ONE, S::ZERO);
         let (mut charge, mut voltage, mut steady) = (by_base, Complex::ZERO, S::ZERO);
+        let mut change = S::ZERO;
         for _ in 0..TURNS {
             let magnitude = charge.magnitude().larger(S::TINY);
+            let before = steady;
             steady = per_charge * (magnitude - blocked).larger(S::ZERO);
+            change = (steady - before).absolute();
             let bridge = steady + two * diode_drop;
             let power = bridge * steady / resistance;
             let of_charge = Complex::new(bridge / magnitude, two * power / (omega * magnitude * magnitude));
@@ -100,6 +106,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             amplitude: response.tip_amplitude(amplitude, voltage),
             validity: Validity::of([
                 (Reason::StrongCoupling, coupling * S::literal(1.0 / HARMONIC)),
+                (Reason::NotBalanced, ratio(change, S::literal(UNBALANCED) * steady)),
                 reaches,
                 in_transient,
             ]),

@@ -91,7 +91,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     #[must_use]
     pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
         let omega = hertz * S::literal(core::f64::consts::TAU);
-        let (motion, follows, rest) = self.motion(amplitude, omega);
+        let (motion, follows, rest) = self.motion(amplitude.absolute(), omega);
         let reach = motion.amplitude / motion.mean.larger(S::TINY);
         let in_transient = if follows { S::ZERO } else { reach + reach };
         let validity = Validity::of([
@@ -137,6 +137,9 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         let mut motion = Motion { mean: rest.gap, amplitude: S::ZERO, second: Complex::ZERO };
         let (mut drift, mut before) = (rest.drift, (S::ZERO, S::ZERO));
         let (mut follows, mut left) = (true, S::INFINITY);
+        if acceleration == S::ZERO {
+            return (motion, true, S::ZERO);
+        }
         let mut next = acceleration / first;
         for _ in 0..MOST_ATTEMPTS {
             // The mean gap drifts with the square of the amplitude, nearly.
@@ -155,6 +158,8 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             // At the reach of the gap and still more asked for: it touches.
             let touches = motion.amplitude >= highest && short < S::ZERO;
             if touches {
+                // However far the mean gap is taken to drift: the reach of the gap at rest.
+                motion.mean = motion.mean.smaller(rest.gap);
                 left = S::ZERO;
             }
             if left <= S::literal(TOLERANCE) {

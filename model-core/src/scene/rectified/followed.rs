@@ -1,12 +1,12 @@
 //! What a node needs to follow this harvester, and a store that is drawn from outside.
 
-use super::{BridgeRegime, Flow, Mode, Rectified, STATES, STORE, Terminals};
+use super::{BridgeRegime, CHARGE, Flow, Mode, Rectified, STATES, STORE, Terminals};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, HybridState};
 use crate::image::{Fingerprint, Image, ImageError, Reader, Writer};
 use crate::integrate::{Point, StepControl};
 use crate::part::store::Reservoir;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, add_increment};
 use crate::scene::{Followed, ParameterError, StoreReading, coupled};
 
 /// The mode of a rectified harvester.
@@ -51,11 +51,13 @@ where
         volts: S,
         acceleration: S,
     ) {
+        // Conduction ends, its charge taken up; where the store is now below the harvester, the event that is
+        // due begins it anew and accounts for what passes at once.
         let Point { state: mut now, mut remainder, .. } = state.point;
-        let at = self.electrics(state.mode, &now);
-        // While the bridge conducts, the harvester's capacitance takes its part of a change.
-        now[STORE] += (volts - at.store_voltage) / at.share;
-        remainder[STORE] = S::ZERO;
+        let passed = self.electrics(state.mode, &now).charge - now[CHARGE];
+        (now[CHARGE], remainder[CHARGE]) = add_increment(now[CHARGE], remainder[CHARGE], passed);
+        (now[STORE], remainder[STORE]) = (volts, S::ZERO);
+        state.mode.regime = BridgeRegime::Blocked;
         state.point =
             Point { remainder, ..Point::at(&Flow { scene: self, mode: state.mode }, now, acceleration) };
     }

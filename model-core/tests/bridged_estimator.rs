@@ -1,0 +1,180 @@
+//! The estimator on harvesters behind a bridge: what it adds up, its images, and whose images it takes.
+
+mod common;
+
+use common::harvesters::{Bump, Contact, bump_parameters, contact_parameters};
+use model_core::energy::estimator::{HybridModel, Model, SampleFormat, Settings};
+use model_core::energy::{Estimator, PowerMeter};
+use model_core::excitation::{AfterLastSample, Sampled};
+use model_core::hybrid::Driver;
+use model_core::image::ImageError;
+use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw};
+use model_core::part::load::AnyLoad;
+use model_core::part::store::{AnyReservoir, Capacitor};
+use model_core::scene::bump_stop::{self, AnyBridgedParts, Stepper};
+use model_core::scene::contact_separation::Start;
+use model_core::scene::rectified::{FullBridge, Rectified, STATES};
+
+type Bridged = Rectified<f32, Contact<f32>, AnyReservoir<f32>>;
+type Hybrid = HybridModel<Bridged, TrBdf2, Adaptive<f32>, STATES, 1>;
+
+const RATE: f32 = 400.0;
+
+fn draw() -> AnyDraw<f32> {
+    AnyDraw::Power(PowerDraw { watts: 3e-6, lockout: Lockout { turn_on: 2.5, turn_off: 2.0 } })
+}
+
+fn bridge(diode_drop: f32, farads: f32, draw: AnyDraw<f32>) -> FullBridge<f32, AnyReservoir<f32>> {
+    let reservoir = Capacitor { farads, leakage_ohms: 1e9, initial_voltage: 2.4, draw };
+    FullBridge { diode_drop, reservoir: AnyReservoir::Capacitor(reservoir) }
+}
+
+fn scene(bridge: FullBridge<f32, AnyReservoir<f32>>) -> Bridged {
+    let mut parameters = contact_parameters::<f32>();
+    parameters.load = AnyLoad { ohms: f32::INFINITY };
+    Rectified::new(parameters.build().expect("in bounds"), bridge).expect("in bounds")
+}
+
+fn hybrid(bridge: FullBridge<f32, AnyReservoir<f32>>) -> Hybrid {
+    HybridModel::new(scene(bridge), TrBdf2, Adaptive::new(5e-2))
+}
+
+fn modal(bridge: FullBridge<f32, AnyReservoir<f32>>) -> Stepper<f32, AnyBridgedParts, 4, 1> {
+    let from = bump_parameters::<f32>();
+    let parameters = bump_stop::Parameters::<f32, AnyBridgedParts> {
+        beam_length: from.beam_length,
+        beam_width: from.beam_width,
+        substrate: from.substrate,
+        piezo: from.piezo,
+        piezo_d31: from.piezo_d31,
+        piezo_permittivity: from.piezo_permittivity,
+        damping_ratio: from.damping_ratio,
+        stop: from.stop,
+        load: bridge,
+        coupling: from.coupling,
+        contact: from.contact,
+    };
+    Stepper::new(parameters.build().expect("in bounds"), 9e-6, 80e-6)
+}
+
+fn estimator<M: Model<f32>>(model: M, rate: f32) -> Estimator<f32, M> {
+    let format = SampleFormat::accelerations(f32::INFINITY);
+    let settings = Settings { rate, format, longest_gap: 4, settling_seconds: 0.0 };
+    Estimator::new(model, settings).expect("in bounds")
+}
+
+/// Pushes `count` samples of a sine, from sample number `from` on.
+fn feed<M: Model<f32>>(estimator: &mut Estimator<f32, M>, sine: [f64; 3], from: u32, count: u32) {
+    for sample in common::harvesters::sine_samples(sine[0], sine[1], sine[2], from + count)
+        .into_iter()
+        .skip(from as usize)
+    {
+        estimator.push_acceleration(sample, u32::MAX).expect("can be followed");
+    }
+}
+
+const SHAKEN: [f64; 3] = [1.962, 20.0, 400.0];
+const HIT: [f64; 3] = [20.0, 220.0, 3520.0];
+
+#[test]
+fn what_enters_the_store_is_what_a_power_meter_counts_shared_charge_included() {
+    let bridge = bridge(0.3, 1e-6, draw());
+    let mut estimator = estimator(hybrid(bridge), RATE);
+    feed(&mut estimator, SHAKEN, 0, 1200);
+    // The same samples, as a trace, advanced to where the estimator stands.
+    let (scene, driver) = (scene(bridge), Driver::new(TrBdf2, Adaptive::new(5e-2)));
+    let samples = common::harvesters::sine_samples::<f32>(SHAKEN[0], SHAKEN[1], SHAKEN[2], 1201);
+    let trace = Sampled::new(&samples, RATE, AfterLastSample::Silence).expect("valid");
+    let mut state = scene.start(&Start::default(), &trace, &driver.control).expect("in bounds");
+    let mut meter = PowerMeter::<f32, 1>::new();
+    let until = estimator.known_until();
+    driver.advance(&scene, &mut state, &trace, until, u32::MAX, &mut meter).expect("runs");
+    let (found, expected) = (estimator.estimate(), meter.delivered_energy());
+    assert!(expected > 1e-6);
+    assert!((found.energy / expected - 1.0).abs() < 2e-2, "{} {expected}", found.energy);
+    let store = found.store.expect("there is one");
+    assert!((store.voltage - scene.store_voltage(state.mode, &state.point.state)).abs() < 2e-2);
+}
+
+#[test]
+fn a_store_that_is_drawn_from_outside_takes_up_what_the_harvester_holds_above_it() {
+    let quiet = bridge(0.3, 1e-6, AnyDraw::None);
+    // What enters a store is a quadrature: at the tolerance of firmware it is good to some per cent.
+    let fine: Hybrid = HybridModel::new(scene(quiet), TrBdf2, Adaptive::new(1e-3));
+    let mut estimator = estimator(fine, RATE);
+    feed(&mut estimator, SHAKEN, 0, 900);
+    let reading = |estimator: &Estimator<f32, Hybrid>| estimator.estimate().store.expect("there is one");
+    let mut taken = 0.0;
+    // Drawn down and put up, wherever in its period the bridge is.
+    for round in 0..40 {
+        let before = reading(&estimator);
+        let volts = before.voltage + if round % 2 == 0 { -0.3 } else { 0.25 };
+        estimator.set_store_voltage(volts);
+        let after = reading(&estimator);
+        assert!((after.voltage - volts).abs() < 1e-6, "{} {volts}", after.voltage);
+        taken += f64::from(before.energy) - f64::from(after.energy);
+        feed(&mut estimator, SHAKEN, 900 + 7 * round, 7);
+    }
+    let (estimate, store) = (estimator.estimate(), reading(&estimator));
+    let held = f64::from(store.energy) - 0.5e-6 * 2.4 * 2.4 + taken;
+    // But for leakage, what came in is what is held and was taken.
+    let leaked = 2.5 * 2.5 / 1e9 * 3.0;
+    assert!((f64::from(estimate.energy) / (held + leaked) - 1.0).abs() < 5e-3, "{} {held}", estimate.energy);
+    // What is no voltage changes nothing.
+    for nothing in [f32::NAN, -1.0, f32::INFINITY] {
+        estimator.set_store_voltage(nothing);
+        assert_eq!(reading(&estimator), store);
+    }
+}
+
+fn resumes<M: Model<f32> + Copy>(model: M, foreign: &[M], sine: [f64; 3], stops: [u32; 3]) {
+    let mut whole = estimator(model, sine[2] as f32);
+    let mut from = 0;
+    for stop in stops {
+        feed(&mut whole, sine, from, stop - from);
+        from = stop;
+        let mut image = [0; 512];
+        whole.save(&mut image).expect("there is room");
+        let mut awake = estimator(model, sine[2] as f32);
+        awake.restore(&image).expect("its own");
+        feed(&mut awake, sine, stop, 50);
+        let mut uninterrupted = whole;
+        feed(&mut uninterrupted, sine, stop, 50);
+        assert_eq!(awake.model_state(), uninterrupted.model_state());
+        assert_eq!(awake.estimate(), uninterrupted.estimate());
+        for (index, &other) in foreign.iter().enumerate() {
+            let refused = estimator(other, sine[2] as f32).restore(&image);
+            assert_eq!(refused, Err(ImageError::ForeignModel), "{index}");
+        }
+    }
+}
+
+/// Another drop, another store, no draw, and one that takes the same current at the turn-on voltage only.
+fn foreign() -> [FullBridge<f32, AnyReservoir<f32>>; 4] {
+    let lockout = Lockout { turn_on: 2.5, turn_off: 2.0 };
+    let current = AnyDraw::Current(CurrentDraw { amperes: 3e-6 / 2.5, lockout });
+    [
+        bridge(0.31, 1e-6, draw()),
+        bridge(0.3, 2e-6, draw()),
+        bridge(0.3, 1e-6, AnyDraw::None),
+        bridge(0.3, 1e-6, current),
+    ]
+}
+
+#[test]
+fn a_hybrid_harvester_behind_a_bridge_resumes_with_its_bits_and_takes_no_foreign_image() {
+    let others = foreign().map(hybrid);
+    resumes(hybrid(bridge(0.3, 1e-6, draw())), &others, SHAKEN, [3, 500, 1003]);
+}
+
+#[test]
+fn a_modal_harvester_behind_a_bridge_resumes_with_its_bits_and_takes_no_foreign_image() {
+    let others = foreign().map(modal);
+    resumes(modal(bridge(0.3, 1e-6, draw())), &others, HIT, [5, 700, 1501]);
+    // A resistor in its place is another harvester altogether.
+    let plain: Bump<f32, 4, 1> = common::harvesters::bump(bump_stop::AnyContact::ResidualFlexibility);
+    let mut image = [0; 512];
+    estimator(plain, 3520.0).save(&mut image).expect("there is room");
+    assert!(estimator(modal(bridge(0.3, 1e-6, draw())), 3520.0).restore(&image).is_err());
+}
