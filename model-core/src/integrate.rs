@@ -73,6 +73,14 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// would be a small difference of large voltages, it is the accurate source.
     fn powers(&self, state: &[S; N], derivative: &[S; N], input: S) -> [S; P];
 
+    /// Puts those entries of `energies`, the integrals of the powers over a step from `start` to `end`, in order that
+    /// the two states tell better than the stage weights.
+    ///
+    /// Where a power is that of a current which is algebraic, the charge that has passed is a difference of two
+    /// states, and exact however few the steps.
+    #[inline(always)]
+    fn settle(&self, _start: &[S; N], _end: &[S; N], _energies: &mut [S; P]) {}
+
     /// Error that rounding the state makes in the integral of `powers[0]` over a step of
     /// length `step` that ends here; 0 if it is nothing to speak of.
     ///

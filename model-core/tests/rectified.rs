@@ -60,11 +60,10 @@ fn ledgers_close_at_second_order() {
         let [harvester, store] = [0, 1].map(|which| found.map(|residuals| residuals[which]));
         println!("{name}: harvester {harvester:?}, order {:.2}; store {store:?}", order(&harvester));
         assert!((1.7..=2.3).contains(&order(&harvester)), "{name}: {harvester:?}");
-        assert!(harvester[3] < 1e-6 && store[3] < 1e-6, "{name}: {harvester:?} {store:?}");
+        assert!(harvester[3] < 1e-6, "{name}: {harvester:?}");
+        // What enters the store follows from the charge that has passed: only what leaks is a quadrature.
+        assert!(store.iter().all(|residual| *residual < 1e-9), "{name}: {store:?}");
     }
-    // The pulses of contact are where the store's own ledger shows the step.
-    let store = of_pad.map(|[_, store]| store);
-    assert!((1.7..=2.3).contains(&order(&store)), "{store:?}");
 }
 
 #[test]

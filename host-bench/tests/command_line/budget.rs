@@ -111,8 +111,7 @@ fn a_bridge_feeds_the_store_of_its_part() {
 #[test]
 #[ignore = "25 million steps of a day, and the events of its bridge: minutes"]
 fn the_ledger_of_a_whole_day_on_the_store_closes_in_single_precision() {
-    // What enters the store is a quadrature: at the tolerance of firmware it is good to some per cent.
-    let exact = ["--set", BRIDGED, "--set", "node.storage={}", "--exact", "--tolerance", "5e-4"];
+    let exact = ["--set", BRIDGED, "--set", "node.storage={}", "--exact"];
     let day = json("budget-exact", &exact);
     assert!(number(&day, "store_residual") < 1e-3, "{day}");
     assert!(number(&day, "steps") > 2e7 && number(&day, "budget_error") < 1e-2, "{day}");

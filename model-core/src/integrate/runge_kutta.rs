@@ -48,7 +48,9 @@ impl<S: Scalar> Method<S> for RungeKutta4 {
         let p3: [S; P] = system.powers(&y3, &k3, middle_input);
         let p4: [S; P] = system.powers(&y4, &k4, end_input);
         end.powers = system.powers(&end.state, &end.derivative, end_input);
-        let energies = core::array::from_fn(|i| sixth * (start.powers[i] + two * (p2[i] + p3[i]) + p4[i]));
+        let mut energies =
+            core::array::from_fn(|i| sixth * (start.powers[i] + two * (p2[i] + p3[i]) + p4[i]));
+        system.settle(&start.state, &end.state, &mut energies);
 
         let finite =
             end.state.iter().chain(&end.derivative).chain(&energies).all(|value: &S| value.is_finite());

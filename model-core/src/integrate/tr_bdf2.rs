@@ -139,9 +139,10 @@ impl<S: Scalar> Method<S> for TrBdf2 {
 
         let middle_state = core::array::from_fn(|i| middle_base[i] + z_middle[i]);
         let middle_powers: [S; P] = system.powers(&middle_state, &derivative_of(&z_middle), middle_input);
-        let energies = core::array::from_fn(|i| {
+        let mut energies = core::array::from_fn(|i| {
             weight * (S::literal(W_OVER_D) * (start.powers[i] + middle_powers[i]) + end.powers[i])
         });
+        system.settle(&start.state, &end.state, &mut energies);
 
         let [e_start, e_middle, e_end] = ERROR_OVER_D.map(S::literal);
         let raw = core::array::from_fn(|i| e_start * z_start[i] + e_middle * z_middle[i] + e_end * z_end[i]);

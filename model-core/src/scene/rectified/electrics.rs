@@ -8,6 +8,8 @@ use crate::scalar::Scalar;
 pub(super) struct Electrics<S> {
     /// Charge that has passed the terminals, in charge units.
     pub(super) charge: S,
+    /// What of it has passed since conduction began.
+    pub(super) passed: S,
     /// What it has added to the store's voltage since conduction began, in volts.
     pub(super) gained: S,
     /// Voltage of the store in volts.
@@ -45,6 +47,7 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
         if mode.regime == BridgeRegime::Blocked {
             return Electrics {
                 charge: start,
+                passed: S::ZERO,
                 gained: S::ZERO,
                 store_voltage: base,
                 fall: fall_at(base),
@@ -61,6 +64,7 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
         let store_voltage = base + gained;
         Electrics {
             charge: start + passed,
+            passed,
             gained,
             store_voltage,
             fall: fall_at(store_voltage),

@@ -132,6 +132,30 @@ where
         account::first(&self.account(state, acceleration))
     }
 
+    /// The charge that passes in a step is what the ends have let pass, and the store's voltage is linear in it but
+    /// for what leaks and is drawn: then the store's ledger closes to rounding whatever the step.
+    #[inline(always)]
+    fn settle(&self, start: &[S; STATES], end: &[S; STATES], energies: &mut [S; POWERS]) {
+        if self.mode.regime == BridgeRegime::Blocked {
+            return;
+        }
+        let scene = self.scene;
+        let [from, to] = [start, end].map(|state| scene.electrics(self.mode, state));
+        let sign: S = self.mode.regime.sign();
+        let charge = sign * scene.harvester.coulombs() * (to.passed - from.passed);
+        let drop = scene.bridge.diode_drop;
+        let known = [
+            (account::LOAD, S::literal(0.5) * (from.store_voltage + to.store_voltage) * charge),
+            (account::CURRENT_MAGNITUDE, charge),
+            (account::DIODES, (drop + drop) * charge),
+        ];
+        for (index, energy) in known {
+            if let Some(entry) = energies.get_mut(index) {
+                *entry = energy;
+            }
+        }
+    }
+
     /// The harvester's own measure; the store relative to the threshold that its voltage makes.
     #[inline(always)]
     fn weigh(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
