@@ -77,13 +77,13 @@ impl Beam {
     }
 }
 
-/// A beam of 160 mm, half steel and half PZT-5A, with its first mode above the trace's line.
+/// A beam of 165 mm, half steel and half PZT-5A, with its first mode above the trace's line.
 ///
 /// # Errors
 /// If its parameters are refused.
 pub fn listening() -> Result<Beam, NodeError> {
     let parameters = bump_stop::Parameters::<f32, FreeBeam> {
-        beam_length: 0.16,
+        beam_length: 0.165,
         beam_width: 0.01,
         substrate: Layer { thickness: 5e-4, young_modulus: 200e9, density: 7850.0 },
         piezo: Layer { thickness: 5e-4, young_modulus: 66e9, density: 7800.0 },
@@ -95,7 +95,7 @@ pub fn listening() -> Result<Beam, NodeError> {
             section: 1.0,
             young_modulus: 1e9,
             density: 1e3,
-            position: 0.16,
+            position: 0.165,
             gap: 0.0,
             contact_compliance: 0.0,
         },
