@@ -4,12 +4,13 @@ pub mod map;
 
 use model_core::part::bounds::ParameterError;
 use model_core::scalar::Scalar;
+use model_core::scene::bump_stop::{AnyParts, BumpStop as Beam};
 use model_core::scene::closed_form::{ClosedForm, Reason, Validity};
 use serde_json::Value;
 
 use crate::embedded::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
 use crate::method::{Failure, Precision};
-use crate::scene_file::{BumpStop, Excitation, Model, Scene};
+use crate::scene_file::{BumpStop, Draw, Excitation, Load, Model, RectifiedStore, Scene};
 
 /// What the closed form of a scene says.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,6 +66,12 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
         return Err(no_sine(scene));
     }
     let (amplitude, hertz) = (S::literal(tone.amplitude_m_per_s2), S::literal(tone.frequency_hz));
+    if !matches!(scene.model, Model::BumpStop(_)) && !matches!(scene.load, Load::Resistor { .. }) {
+        return Err(Failure::Input(format!(
+            "{}: load.kind: must be \"resistor\" for a closed form of this scene",
+            scene.file.display()
+        )));
+    }
     let refused =
         |error: ParameterError<S>| Failure::Input(format!("{}: parameters.{error}", scene.file.display()));
     let found = match &scene.model {
@@ -75,24 +82,76 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
         Model::Sliding(model) => {
             sliding_parameters::<S>(model, scene.load).build().map_err(refused)?.closed_form(amplitude, hertz)
         }
-        Model::BumpStop(model) => of_bump_stop(scene, model, amplitude, hertz).map_err(refused)?,
+        Model::BumpStop(model) => {
+            let terminals = Terminals::of(scene)?;
+            of_bump_stop(scene, model, terminals, amplitude, hertz).map_err(refused)?
+        }
     };
     Ok(Estimate::new(&found))
+}
+
+/// What is at the terminals of a beam, as its closed forms have it.
+#[derive(Debug, Clone, Copy)]
+enum Terminals {
+    /// The load of the scene itself.
+    Resistor,
+    /// A bus of so many volts behind diodes of so many.
+    Bus(f64, f64),
+    /// A store behind diodes of so many volts, with so many ohms across it.
+    Store(f64, f64),
+}
+
+impl Terminals {
+    fn of(scene: &Scene) -> Result<Self, Failure> {
+        match scene.load {
+            Load::Resistor { .. } => Ok(Self::Resistor),
+            Load::DcBus { voltage_v, diode_drop_v } => Ok(Self::Bus(voltage_v, diode_drop_v)),
+            Load::RectifiedStore(RectifiedStore {
+                diode_drop_v,
+                leakage_ohm,
+                draw: Draw::Resistor { resistance_ohm, lockout: None },
+                ..
+            }) => Ok(Self::Store(diode_drop_v, 1.0 / (1.0 / resistance_ohm + 1.0 / leakage_ohm))),
+            Load::RectifiedStore(_) => Err(Failure::Input(format!(
+                "{}: load.draw: must be a resistor that is always connected for a closed form",
+                scene.file.display()
+            ))),
+        }
+    }
+
+    fn ask<S: Scalar, const B: usize, const R: usize>(
+        self,
+        beam: &Beam<S, AnyParts, B, R>,
+        amplitude: S,
+        hertz: S,
+    ) -> ClosedForm<S> {
+        let number = S::literal;
+        match self {
+            Self::Resistor => beam.closed_form(amplitude, hertz),
+            Self::Bus(volts, drop) => {
+                beam.closed_form_into_bus(amplitude, hertz, number(volts), number(drop))
+            }
+            Self::Store(drop, ohms) => {
+                beam.closed_form_into_store(amplitude, hertz, number(ohms), number(drop))
+            }
+        }
+    }
 }
 
 /// With the capacities that a run has.
 fn of_bump_stop<S: Scalar>(
     scene: &Scene,
     model: &BumpStop,
+    terminals: Terminals,
     amplitude: S,
     hertz: S,
 ) -> Result<ClosedForm<S>, ParameterError<S>> {
     let parameters = bump_stop_parameters::<S>(model, scene.load);
     let (beam, rod) = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
     Ok(match (beam, rod) {
-        (..=4, ..=2) => parameters.build_first::<4, 2>(beam, rod)?.closed_form(amplitude, hertz),
-        (..=10, ..=10) => parameters.build_first::<10, 10>(beam, rod)?.closed_form(amplitude, hertz),
-        _ => parameters.build_first::<20, 20>(beam, rod)?.closed_form(amplitude, hertz),
+        (..=4, ..=2) => terminals.ask(&parameters.build_first::<4, 2>(beam, rod)?, amplitude, hertz),
+        (..=10, ..=10) => terminals.ask(&parameters.build_first::<10, 10>(beam, rod)?, amplitude, hertz),
+        _ => terminals.ask(&parameters.build_first::<20, 20>(beam, rod)?, amplitude, hertz),
     })
 }
 

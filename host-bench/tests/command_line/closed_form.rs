@@ -59,7 +59,30 @@ fn a_map_has_a_row_for_each_point_and_a_picture_for_each_load() {
 }
 
 #[test]
+fn a_beam_behind_a_bridge_has_a_closed_form_too() {
+    let beam = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
+    let weak = ["--set", "parameters.piezo_d31_m_per_v=-19e-12", "--set", "excitation.amplitude_m_per_s2=2"];
+    let power = |load: &str| {
+        let options = ["closed-form", beam, "--format", "json", "--set", load];
+        let found: serde_json::Value =
+            serde_json::from_str(&accepted(&[&options[..], &weak].concat())).expect("one JSON object");
+        assert_eq!(found["holds"], true, "{found}");
+        found["mean_power_w"].as_f64().expect("a number")
+    };
+    // The steady voltage of a store at its load is that of the bus that delivers as much.
+    let store = power(
+        "load={kind='rectified-store',capacitance_f=1e-6,diode_drop_v=0,leakage_ohm=2e5,initial_v=0,\
+         draw={kind='resistor',value=2e5}}",
+    );
+    let volts = (store * 1e5).sqrt();
+    let bus = power(&format!("load={{kind='dc-bus',voltage_v={volts},diode_drop_v=0}}"));
+    assert!((store / bus - 1.0).abs() < 1e-2, "{store:e} {bus:e}");
+}
+
+#[test]
 fn what_has_no_closed_form_is_refused() {
+    let bridge = "load={kind='dc-bus',voltage_v=3,diode_drop_v=0.3}";
+    refused(&["closed-form", SHIPPED, "--set", bridge], &["load.kind", "must be \"resistor\""]);
     let silence = std::fs::read_to_string(SHIPPED).expect("the shipped scene");
     let (before, after) = silence.split_once("[excitation]").expect("a section");
     let (_, run) = after.split_once("[run]").expect("a section");
