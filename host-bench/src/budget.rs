@@ -2,11 +2,11 @@
 //!
 //! Two sides that share no code. The *node* knows what its energy budget on the embedded core tells it, in the
 //! precision of the firmware. The *world* is the harvester, whose power comes from the embedded core (see
-//! [`income`]), and a store in double precision (see [`store`]). The node learns of the world what its estimator
+//! [`income`]), and a store in double precision (see `store`). The node learns of the world what its estimator
 //! would tell it: the energy harvested since the last update; and the voltage of the store when it is switched on.
 //!
 //! Where the store is behind a bridge and every step is taken, harvester, bridge and store are one trajectory of the
-//! core, in the precision of the firmware: see [`world`].
+//! core, in the precision of the firmware: see `world`.
 
 pub mod income;
 mod node;
