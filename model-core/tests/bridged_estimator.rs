@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::harvesters::{Bump, Contact, bump_parameters, contact_parameters};
+use common::harvesters::{Bump, Contact, bump_parameters_into, contact_parameters};
 use model_core::energy::estimator::{HybridModel, Model, SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled};
@@ -41,20 +41,7 @@ fn hybrid(bridge: FullBridge<f32, AnyReservoir<f32>>) -> Hybrid {
 }
 
 fn modal(bridge: FullBridge<f32, AnyReservoir<f32>>) -> Stepper<f32, AnyBridgedParts, 4, 1> {
-    let from = bump_parameters::<f32>();
-    let parameters = bump_stop::Parameters::<f32, AnyBridgedParts> {
-        beam_length: from.beam_length,
-        beam_width: from.beam_width,
-        substrate: from.substrate,
-        piezo: from.piezo,
-        piezo_d31: from.piezo_d31,
-        piezo_permittivity: from.piezo_permittivity,
-        damping_ratio: from.damping_ratio,
-        stop: from.stop,
-        load: bridge,
-        coupling: from.coupling,
-        contact: from.contact,
-    };
+    let parameters = bump_parameters_into::<f32, AnyBridgedParts>(bridge);
     Stepper::new(parameters.build().expect("in bounds"), 9e-6, 80e-6)
 }
 

@@ -2,6 +2,9 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+#[path = "../common/harvesters.rs"]
+mod harvesters;
+
 use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
 use model_core::hybrid::{Automaton, Driver, HybridState, Observer};
@@ -51,29 +54,10 @@ where
 
 /// The slider of Table 1, with the field's lateral force so that the ledger closes as a whole.
 pub(crate) fn slider<S: Scalar>(ohms: f64) -> Slider<S> {
-    let number = S::literal;
     sliding::Parameters {
-        beam_length: number(0.1),
-        beam_width: number(0.02),
-        beam_thickness: number(5e-4),
-        young_modulus: number(210e9),
-        density: number(7800.0),
-        damping_ratio: number(0.0035),
-        slider_mass: number(8e-3),
-        patch_radius: number(0.01),
-        friction: sliding::PatchFriction {
-            static_active: number(0.35),
-            static_inert: number(0.25),
-            kinetic_active: number(0.30),
-            kinetic_inert: number(0.20),
-        },
-        dielectric_thickness: number(5e-5),
-        relative_permittivity: number(2.0),
-        charge_density: number(80e-6),
-        load: AnyLoad { ohms: number(ohms) },
-        force_law: AnyForceLaw::TransferredCharge,
-        sticking: AnyStickCharge::Frozen,
+        load: AnyLoad { ohms: S::literal(ohms) },
         lateral_force: sliding::AnyLateralForce::Field,
+        ..harvesters::sliding_parameters()
     }
     .build()
     .expect("in bounds")

@@ -2,15 +2,17 @@
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+#[path = "../common/harvesters.rs"]
+mod harvesters;
+
 use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
 use model_core::part::draw::{AnyDraw, ResistiveDraw};
-use model_core::part::monomorph::Layer;
 use model_core::part::rectifier::FullBridge;
 use model_core::part::store::{AnyReservoir, Capacitor, DcBus, Reservoir};
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{
-    AnyContact, AnyCoupling, ModalMeter, Parameters, Parts, StateOf, Stepper, Stop,
+    AnyContact, AnyCoupling, ModalMeter, Parameters, Parts, StateOf, Stepper,
 };
 
 /// Everything at run time but the load.
@@ -28,34 +30,12 @@ pub(crate) type AnyBridge<S> = FullBridge<S, AnyReservoir<S>>;
 /// A harvester behind one.
 pub(crate) type Bridged<S> = With<AnyBridge<S>>;
 
-/// The baseline: 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A, an aluminium rod of 20 × 2 × 2 mm at a gap of
-/// 10 µm from its tip.
+/// The baseline, into any load.
 pub(crate) fn baseline<S: Scalar, L>(load: L) -> Parameters<S, With<L>>
 where
     L: model_core::scene::bump_stop::Circuit<S>,
 {
-    let number = S::literal;
-    Parameters {
-        beam_length: number(0.05),
-        beam_width: number(0.01),
-        substrate: Layer { thickness: number(5e-4), young_modulus: number(200e9), density: number(7850.0) },
-        piezo: Layer { thickness: number(5e-4), young_modulus: number(66e9), density: number(7800.0) },
-        piezo_d31: number(-190e-12),
-        piezo_permittivity: number(15.93e-9),
-        damping_ratio: number(0.01),
-        stop: Stop {
-            length: number(0.02),
-            section: number(4e-6),
-            young_modulus: number(70e9),
-            density: number(2700.0),
-            position: number(0.05),
-            gap: number(10e-6),
-            contact_compliance: S::ZERO,
-        },
-        load,
-        coupling: AnyCoupling::TwoWay,
-        contact: AnyContact::ResidualFlexibility,
-    }
+    harvesters::bump_parameters_into(load)
 }
 
 /// A store without leakage: farads, volts at the start, what is drawn, volts of each diode.

@@ -1,41 +1,16 @@
 //! The scene of the paper, and how it is run.
 
+#[allow(dead_code, reason = "the other scenes are for other tests")]
+#[path = "../common/harvesters.rs"]
+mod harvesters;
+
 use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
-use model_core::part::load::AnyLoad;
-use model_core::part::monomorph::Layer;
 use model_core::scalar::Scalar;
-use model_core::scene::bump_stop::{
-    AnyContact, AnyCoupling, AnyParts, ModalMeter, ModalObserver, ModalSpan, Parameters, Parts, Start,
-    Stepper, Stop,
-};
+use model_core::scene::bump_stop::{ModalMeter, ModalObserver, ModalSpan, Parts, Start, Stepper};
 
-/// The baseline: 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A against an aluminium rod of 20 × 2 × 2 mm,
-/// 10 µm from its tip.
-pub(super) fn baseline<S: Scalar>() -> Parameters<S, AnyParts> {
-    let number = S::literal;
-    Parameters {
-        beam_length: number(0.05),
-        beam_width: number(0.01),
-        substrate: Layer { thickness: number(5e-4), young_modulus: number(200e9), density: number(7850.0) },
-        piezo: Layer { thickness: number(5e-4), young_modulus: number(66e9), density: number(7800.0) },
-        piezo_d31: number(-190e-12),
-        piezo_permittivity: number(15.93e-9),
-        damping_ratio: number(0.01),
-        stop: Stop {
-            length: number(0.02),
-            section: number(4e-6),
-            young_modulus: number(70e9),
-            density: number(2700.0),
-            position: number(0.05),
-            gap: number(10e-6),
-            contact_compliance: S::ZERO,
-        },
-        load: AnyLoad { ohms: number(1e6) },
-        coupling: AnyCoupling::TwoWay,
-        contact: AnyContact::ResidualFlexibility,
-    }
-}
+/// The baseline.
+pub(super) use harvesters::bump_parameters as baseline;
 
 pub(super) fn shaking<S: Scalar>() -> Sine<S, S::Build> {
     Sine::new(S::literal(20.0), S::literal(220.0), S::ZERO).expect("valid")

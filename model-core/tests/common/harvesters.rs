@@ -73,7 +73,17 @@ pub(crate) fn slide<S: Scalar>() -> Slide<S> {
     sliding_parameters().build().expect("in bounds")
 }
 
+/// 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A against an aluminium rod of 20 × 2 × 2 mm, 10 µm from its
+/// tip, into 1 MΩ.
 pub(crate) fn bump_parameters<S: Scalar>() -> bump_stop::Parameters<S, bump_stop::AnyParts> {
+    bump_parameters_into(AnyLoad { ohms: S::literal(1e6) })
+}
+
+/// The same into any load.
+pub(crate) fn bump_parameters_into<S: Scalar, P>(load: P::Load) -> bump_stop::Parameters<S, P>
+where
+    P: bump_stop::Parts<S, Coupling = bump_stop::AnyCoupling, Contact = bump_stop::AnyContact<S>>,
+{
     let number = S::literal;
     bump_stop::Parameters {
         beam_length: number(0.05),
@@ -92,7 +102,7 @@ pub(crate) fn bump_parameters<S: Scalar>() -> bump_stop::Parameters<S, bump_stop
             gap: number(10e-6),
             contact_compliance: S::ZERO,
         },
-        load: AnyLoad { ohms: number(1e6) },
+        load,
         coupling: bump_stop::AnyCoupling::TwoWay,
         contact: bump_stop::AnyContact::ResidualFlexibility,
     }
