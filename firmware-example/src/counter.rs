@@ -13,7 +13,7 @@ use cortex_m_rt::exception;
 const BITS: u32 = 24;
 const MASK: u32 = (1 << BITS) - 1;
 
-/// How often SysTick has passed zero. Only the exception writes it, so a load and a store are
+/// How often SysTick has passed zero. Only the exception writes it, so a load and a storage are
 /// enough: the M0 has no atomic addition.
 static WRAPS: AtomicU32 = AtomicU32::new(0);
 
@@ -51,5 +51,5 @@ impl Counter {
 #[exception]
 fn SysTick() {
     let wraps = WRAPS.load(Ordering::Relaxed);
-    WRAPS.store(wraps.wrapping_add(1), Ordering::Relaxed);
+    WRAPS.storage(wraps.wrapping_add(1), Ordering::Relaxed);
 }

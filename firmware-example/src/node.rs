@@ -1,6 +1,6 @@
 //! A sensor node that knows what it harvests and spends accordingly.
 //!
-//! Acceleration samples in; each second the energy that the harvester's model delivers from them, the store as the
+//! Acceleration samples in; each second the energy that the harvester's model delivers from them, the storage as the
 //! energy budget has it, and a decision: sleep, measure, or transmit.
 //!
 //! | node | for | harvested power by |
@@ -12,17 +12,17 @@
 //! that fit: `embedded-hal` has none for a converter or an accelerometer, and the crate `accelerometer` one for three
 //! axes at once, on an old `micromath`.
 
-mod economy;
 mod flash_board;
 mod following;
 mod harvester;
 mod listening;
+mod power_manager;
 
-pub use economy::Economy;
 pub use flash_board::{FlashBoard, STORE_VOLTAGE};
 pub use following::Following;
 pub use harvester::{following, listening};
 pub use listening::Listening;
+pub use power_manager::PowerManager;
 
 /// What the node needs of the hardware.
 pub trait Board {
@@ -30,8 +30,8 @@ pub trait Board {
     /// was lost.
     fn acceleration(&mut self) -> Option<i16>;
 
-    /// Voltage of the store in volts, as the converter reads it; `None` where it was not read. Asked once a second.
-    fn store_voltage(&mut self) -> Option<f32>;
+    /// Voltage of the storage in volts, as the converter reads it; `None` where it was not read. Asked once a second.
+    fn storage_voltage(&mut self) -> Option<f32>;
 
     /// Does what was decided.
     fn carry_out(&mut self, decision: Decision);
@@ -40,7 +40,7 @@ pub trait Board {
 /// What to do with a second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Decision {
-    /// Nothing: the store is to keep what it has.
+    /// Nothing: the storage is to keep what it has.
     Sleep,
     /// Take a measurement.
     Measure,
@@ -67,7 +67,7 @@ pub const SECONDS: u32 = 64;
 pub const RATE_HZ: u32 = 400;
 /// Metres per second squared in a raw count: a range of 2 g in 16 bits.
 pub const SCALE: f32 = 9.81 / 16384.0;
-/// How well the converter reads the store's voltage, in volts: half a step of 12 bits over 5 V, and noise.
+/// How well the converter reads the storage's voltage, in volts: half a step of 12 bits over 5 V, and noise.
 pub const VOLTAGE_ERROR: f32 = 2e-3;
 
 /// What the node knows after another second.
@@ -77,7 +77,7 @@ pub struct Report {
     pub second: u32,
     /// Energy harvested in the last of them, in joules.
     pub harvested: f32,
-    /// Energy in the store, in joules, before what is decided is spent.
+    /// Energy in the storage, in joules, before what is decided is spent.
     pub stored: f32,
     /// What was decided.
     pub decision: Decision,

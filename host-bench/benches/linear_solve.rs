@@ -56,9 +56,11 @@ fn samples<S: Scalar + RealField>() -> Vec<Sample<S>> {
             }));
             let matrix = inverse.try_inverse().expect("regular");
             Sample {
-                state: point.map(S::literal),
-                weight: S::literal(weight),
-                matrix: core::array::from_fn(|i| core::array::from_fn(|j| S::literal(matrix[(i, j)]))),
+                state: point.map(<S as Scalar>::from_f64),
+                weight: <S as Scalar>::from_f64(weight),
+                matrix: core::array::from_fn(|i| {
+                    core::array::from_fn(|j| <S as Scalar>::from_f64(matrix[(i, j)]))
+                }),
             }
         })
         .collect()
@@ -67,7 +69,7 @@ fn samples<S: Scalar + RealField>() -> Vec<Sample<S>> {
 fn precision<S: Scalar + RealField, M: Mathematics<S>>(criterion: &mut Criterion, name: &str) {
     let scene: Scene<S, M> = common::shipped(1e8);
     let samples = samples::<S>();
-    let right: [S; N] = [1e-3, -0.2, 0.05].map(S::literal);
+    let right: [S; N] = [1e-3, -0.2, 0.05].map(<S as Scalar>::from_f64);
     let mut group = criterion.benchmark_group(format!("linear/{name}, {MATRICES} factorisations"));
     group.bench_function("by hand", |bencher| {
         let flow = flow(&scene);

@@ -38,8 +38,8 @@ fn step<S, F, P, M, const POWERS: usize>(
     let input = |ticks: u32| runner.excitation.acceleration(from.after(ticks));
     let [gap, velocity, charge] = [GAP, VELOCITY, CHARGE].map(|index| state.point.state[index]);
     let start: Point<S, 3, POWERS> = Point::at(&flow, [gap, velocity, charge], input(0));
-    let ticks = ticks_of_seconds(S::literal(0.05 / 400.0));
-    let accuracy = S::literal(1e-6);
+    let ticks = ticks_of_seconds(S::from_f64(0.05 / 400.0));
+    let accuracy = S::from_f64(1e-6);
     criterion.bench_function(name, |bencher| {
         bencher.iter(|| method.attempt(&flow, black_box(&start), input, black_box(ticks), accuracy));
     });

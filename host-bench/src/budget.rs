@@ -18,10 +18,10 @@ mod world;
 use model_core::scalar::Scalar;
 
 use self::income::Income;
-use self::node::Mind;
+use self::node::Controller;
 use self::outcome::{ActionOutcome, NodeDay, Sample};
 use self::store::Store;
-use self::world::{LoopedStore, World};
+use self::world::{LoopedStore, Plant};
 use crate::embedded::with_store_in_loop;
 use crate::method::{Failure, Options, Precision};
 use crate::scene_file::{HOURS, Load, Node, Scene};
@@ -75,37 +75,37 @@ impl Days<'_> {
     fn last<S: Scalar, const SLOTS: usize>(&self) -> Result<NodeDay, Failure> {
         let Self { node, income, learning_days, in_loop } = *self;
         let mut store = Store::new(&node.storage, node.standing_power_w, income);
-        let mut mind = Mind::<S, SLOTS>::new(node, store.voltage())?;
+        let mut controller = Controller::<S, SLOTS>::new(node, store.voltage())?;
         for _ in 0..learning_days {
-            day(node, &mut store, &mut mind)?;
+            day(node, &mut store, &mut controller)?;
         }
-        let Some(InLoop { scene, options }) = in_loop else { return day(node, &mut store, &mut mind) };
-        let Load::RectifiedStore(load) = scene.load else { return day(node, &mut store, &mut mind) };
+        let Some(InLoop { scene, options }) = in_loop else { return day(node, &mut store, &mut controller) };
+        let Load::RectifiedStore(load) = scene.load else { return day(node, &mut store, &mut controller) };
         let (storage, drop) = (&node.storage, load.diode_drop_v);
         let midnight = (store.voltage(), store.is_supplied());
         with_store_in_loop(scene, drop, storage, midnight, &node.hours, options, |looped| {
-            day(node, &mut LoopedStore::new(looped, storage, node.standing_power_w), &mut mind)
+            day(node, &mut LoopedStore::new(looped, storage, node.standing_power_w), &mut controller)
         })
     }
 }
 
 fn day<S: Scalar, const SLOTS: usize>(
     node: &Node,
-    world: &mut dyn World,
-    mind: &mut Mind<'_, S, SLOTS>,
+    world: &mut dyn Plant,
+    controller: &mut Controller<'_, S, SLOTS>,
 ) -> Result<NodeDay, Failure> {
     world.begin_account();
     let start_j = world.energy();
-    let predicted = mind.rates();
+    let predicted = controller.rates();
     let mut runs_by_hour = vec![[0; HOURS]; node.actions.len()];
     let mut samples = vec![Sample { second: 0, stored_j: start_j, income_w: 0.0 }];
     let mut budget_error_j: f64 = 0.0;
     let mut lowest_j = start_j;
     for second in (0..DAY_S).step_by(node.update_s as usize) {
         if world.is_supplied() {
-            mind.wake(world.voltage());
+            controller.wake(world.voltage());
             if second % node.decision_s == 0 {
-                for action in mind.decide() {
+                for action in controller.decide() {
                     runs_by_hour[action][(second / 3600) as usize] += 1;
                     world.spend(node.actions[action].energy_j);
                 }
@@ -114,9 +114,9 @@ fn day<S: Scalar, const SLOTS: usize>(
         lowest_j = lowest_j.min(world.energy());
         let harvested_j = world.advance(second, node.update_s)?;
         lowest_j = lowest_j.min(world.energy());
-        mind.update(node.update_s, harvested_j, world.was_supplied());
+        controller.update(node.update_s, harvested_j, world.was_supplied());
         if world.was_supplied() {
-            budget_error_j = budget_error_j.max((mind.stored_j() - world.energy()).abs());
+            budget_error_j = budget_error_j.max((controller.stored_j() - world.energy()).abs());
         }
         samples.push(Sample {
             second: second + node.update_s,
@@ -148,7 +148,7 @@ fn day<S: Scalar, const SLOTS: usize>(
         turn_off_j: energy_at(node.storage.turn_off_v),
         lowest_v: voltage_at(lowest_j),
         budget_error: budget_error_j / capacity_j,
-        budget_ledger: mind.ledger_residual(),
+        budget_ledger: controller.ledger_residual(),
         samples,
     })
 }

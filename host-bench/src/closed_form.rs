@@ -65,7 +65,7 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
     if !(tone.frequency_hz > 0.0) {
         return Err(no_sine(scene));
     }
-    let (amplitude, hertz) = (S::literal(tone.amplitude_m_per_s2), S::literal(tone.frequency_hz));
+    let (amplitude, hertz) = (S::from_f64(tone.amplitude_m_per_s2), S::from_f64(tone.frequency_hz));
     if !matches!(scene.model, Model::BumpStop(_)) && !matches!(scene.load, Load::Resistor { .. }) {
         return Err(Failure::Input(format!(
             "{}: load.kind: must be \"resistor\" for a closed form of this scene",
@@ -125,7 +125,7 @@ impl Terminals {
         amplitude: S,
         hertz: S,
     ) -> ClosedForm<S> {
-        let number = S::literal;
+        let number = S::from_f64;
         match self {
             Self::Resistor => beam.closed_form(amplitude, hertz),
             Self::Bus(volts, drop) => {

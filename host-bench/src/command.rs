@@ -81,7 +81,7 @@ pub fn report(failure: &Failure) -> ExitCode {
     let _ = writeln!(std::io::stderr(), "error: {line}");
     ExitCode::from(match failure {
         Failure::Input(_) => 2,
-        Failure::Step(_) | Failure::TooDear(_) => 3,
+        Failure::Step(_) | Failure::StepLimitExceeded(_) => 3,
     })
 }
 

@@ -71,7 +71,7 @@ pub struct Options {
     pub bare: bool,
     /// Whether the periodic steady state is sought by shooting, in place of the run.
     pub steady_state: bool,
-    /// Attempted steps after which a run on the core's hybrid driver is given up, [`Failure::TooDear`].
+    /// Attempted steps after which a run on the core's hybrid driver is given up, [`Failure::StepLimitExceeded`].
     pub most_attempts: Option<u64>,
 }
 
@@ -87,7 +87,7 @@ pub enum Failure {
     Step(String),
     /// The run was given up because it took more steps than it was allowed: exit code 3.
     #[error("{0}")]
-    TooDear(String),
+    StepLimitExceeded(String),
 }
 
 impl From<SceneError> for Failure {

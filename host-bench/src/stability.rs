@@ -76,7 +76,7 @@ pub enum Class {
     /// A step could not be taken, and the error says why.
     Error,
     /// Given up after 2·10⁷ attempted steps.
-    TooDear,
+    StepLimitExceeded,
     /// Runs, and its ledger closes, but no run in double precision does to judge it by.
     Unjudged,
     /// Off, and neither the ledger, nor an error, nor the scene being sensitive, says why.
@@ -92,7 +92,7 @@ impl Class {
         Self::Flagged,
         Self::Refused,
         Self::Error,
-        Self::TooDear,
+        Self::StepLimitExceeded,
         Self::Unjudged,
         Self::Silent,
     ];
@@ -107,7 +107,7 @@ impl Class {
             Self::Flagged => "flagged by ledger",
             Self::Refused => "refused",
             Self::Error => "named error",
-            Self::TooDear => "too dear",
+            Self::StepLimitExceeded => "too dear",
             Self::Unjudged => "unjudged",
             Self::Silent => "unexplained",
         }
@@ -256,7 +256,9 @@ impl Judge<'_> {
         match outcome {
             Err(Failure::Input(reason)) => (finding.class, finding.reason) = (Class::Refused, reason),
             Err(Failure::Step(reason)) => (finding.class, finding.reason) = (Class::Error, reason),
-            Err(Failure::TooDear(reason)) => (finding.class, finding.reason) = (Class::TooDear, reason),
+            Err(Failure::StepLimitExceeded(reason)) => {
+                (finding.class, finding.reason) = (Class::StepLimitExceeded, reason)
+            }
             Ok(outcome) => {
                 let steps = outcome.steps + outcome.rejected_steps;
                 finding.steps_per_s = Some(steps as f64 / outcome.duration_s);

@@ -18,7 +18,7 @@ mod period_map;
 mod resonance;
 
 pub use self::orbit::{Orbit, Response, Search, Verdict};
-pub use self::period_map::{Shaken, Spent};
+pub use self::period_map::{ForcedSystem, Spent};
 pub use self::resonance::{DEFAULT_POINTS, Peak, Resonance, resonance};
 
 #[cfg(test)]

@@ -158,7 +158,7 @@ impl Timed {
                 let time = outcome.wall_s;
                 (Ok(outcome), vec![time])
             }
-            Err(Failure::Step(error) | Failure::TooDear(error)) => (Err(error), Vec::new()),
+            Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => (Err(error), Vec::new()),
             Err(error @ Failure::Input(_)) => return Err(error),
         };
         Ok(Self { variant, outcome, times })

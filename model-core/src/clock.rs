@@ -6,8 +6,8 @@
 //! phase at a tick is one multiplication, exact modulo a turn: 24 hours at 10 kHz end within
 //! 10⁻⁹ of a turn of the truth, in either precision.
 
-use crate::image::{Image, ImageError, Reader, Writer};
 use crate::scalar::Scalar;
+use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 /// Number of ticks in a second, as a power of two.
 const TICKS_PER_SECOND_LOG2: i32 = 40;
@@ -43,7 +43,7 @@ impl Instant {
     #[must_use]
     pub fn from_seconds<S: Scalar>(seconds: S) -> Option<Self> {
         let parts = seconds.decompose()?;
-        if parts.negative || seconds >= S::literal(16_777_216.0) {
+        if parts.negative || seconds >= S::from_f64(16_777_216.0) {
             return None;
         }
         scale_to_integer(parts.mantissa, parts.exponent + TICKS_PER_SECOND_LOG2)
@@ -76,15 +76,15 @@ impl Instant {
     }
 }
 
-impl Image for Instant {
+impl Snapshot for Instant {
     const BYTES: usize = u64::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
         self.0.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
-        Ok(Self(Image::read(from)?))
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+        Ok(Self(Snapshot::read(from)?))
     }
 }
 
@@ -111,7 +111,7 @@ pub fn seconds_of_ticks<S: Scalar>(ticks: u32) -> S {
 #[must_use]
 pub fn ticks_of_seconds<S: Scalar>(seconds: S) -> u32 {
     // Two exact scalings by a power of two; the conversion saturates.
-    (seconds * S::power_of_two(TICKS_PER_SECOND_LOG2) + S::literal(0.5)).to_u32().max(1)
+    (seconds * S::power_of_two(TICKS_PER_SECOND_LOG2) + S::from_f64(0.5)).to_u32().max(1)
 }
 
 /// The longest step, in seconds: 2³² − 1 ticks, 3.9 ms.
@@ -145,7 +145,7 @@ impl Frequency {
     #[must_use]
     pub fn from_hertz<S: Scalar>(hertz: S) -> Option<Self> {
         let parts = hertz.decompose()?;
-        if parts.negative || hertz > S::literal(Self::HIGHEST_HZ) {
+        if parts.negative || hertz > S::from_f64(Self::HIGHEST_HZ) {
             return None;
         }
         let units = scale_to_integer(parts.mantissa, parts.exponent + 96 - TICKS_PER_SECOND_LOG2)?;

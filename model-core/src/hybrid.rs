@@ -13,11 +13,11 @@ use core::fmt::Debug;
 
 use crate::clock::Instant;
 use crate::excitation::Excitation;
-use crate::image::{Image, ImageError, Reader, Writer};
 use crate::integrate::cubic::Cubic;
 use crate::integrate::step_control::{ControlMemory, ErrorScale};
 use crate::integrate::{Point, StepControl, System};
 use crate::scalar::Scalar;
+use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 pub use driver::{Advance, Driver, Ended, LEAST_BUDGET, StepError, StepFailure, Work};
 pub use observer::{Event, Observer, Span};
@@ -67,12 +67,12 @@ pub struct Jump<S, Mode, const N: usize> {
 
 /// The excitation at one instant: evaluated where it is asked for.
 #[derive(Debug, Clone, Copy)]
-pub struct Moment<'a, E> {
+pub struct InputAt<'a, E> {
     excitation: &'a E,
     at: Instant,
 }
 
-impl<'a, E> Moment<'a, E> {
+impl<'a, E> InputAt<'a, E> {
     /// The excitation `excitation` at `at`.
     pub const fn new(excitation: &'a E, at: Instant) -> Self {
         Self { excitation, at }
@@ -123,7 +123,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
         index: usize,
         armed: bool,
         point: &Point<S, N, P>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
     ) -> Guard<S>;
 
     /// Whether guards that were left unwatched by a jump into `mode` can be watched from here on.
@@ -138,7 +138,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
         mode: Self::Mode,
         index: usize,
         point: &Point<S, N, P>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
         step: S,
     ) -> Jump<S, Self::Mode, N>;
 
@@ -220,7 +220,7 @@ impl<S: Scalar, Mode: Copy, const N: usize, const P: usize> HybridState<S, Mode,
     }
 }
 
-impl<S: Scalar, Mode: Image, const N: usize, const P: usize> Image for HybridState<S, Mode, N, P> {
+impl<S: Scalar, Mode: Snapshot, const N: usize, const P: usize> Snapshot for HybridState<S, Mode, N, P> {
     const BYTES: usize = Instant::BYTES
         + Mode::BYTES
         + Point::<S, N, P>::BYTES
@@ -239,16 +239,20 @@ impl<S: Scalar, Mode: Image, const N: usize, const P: usize> Image for HybridSta
         self.crowded_events.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         let state = Self {
-            clock: Image::read(from)?,
-            mode: Image::read(from)?,
-            point: Image::read(from)?,
-            armed: Image::read(from)?,
-            control: Image::read(from)?,
-            since_event: Image::read(from)?,
-            crowded_events: Image::read(from)?,
+            clock: Snapshot::read(from)?,
+            mode: Snapshot::read(from)?,
+            point: Snapshot::read(from)?,
+            armed: Snapshot::read(from)?,
+            control: Snapshot::read(from)?,
+            since_event: Snapshot::read(from)?,
+            crowded_events: Snapshot::read(from)?,
         };
-        if state.crowded_events <= driver::MOST_CROWDED_EVENTS { Ok(state) } else { Err(ImageError::NoState) }
+        if state.crowded_events <= driver::MOST_CROWDED_EVENTS {
+            Ok(state)
+        } else {
+            Err(SnapshotError::NoState)
+        }
     }
 }

@@ -13,8 +13,8 @@ mod runge_kutta;
 pub mod step_control;
 mod tr_bdf2;
 
-use crate::image::{Image, ImageError, Reader, Writer};
 use crate::scalar::Scalar;
+use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 pub use runge_kutta::RungeKutta4;
 pub use step_control::{Adaptive, AnyStepControl, FixedStep, StepControl};
@@ -42,7 +42,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// `increment`, the `z` so far, and gives the correction made to it.
     ///
     /// A system of which some equations can be solved outright given the others overrides this and
-    /// [`System::eliminate`], and iterates on the others only.
+    /// [`System::condense`], and iterates on the others only.
     #[inline(always)]
     fn iterate(
         &self,
@@ -65,7 +65,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// speed: its rate is the small difference of large terms, and must be consistent with the
     /// other entries to rounding.
     #[inline(always)]
-    fn eliminate(&self, _base: &[S; N], _increment: &mut [S; N], _weight: S) {}
+    fn condense(&self, _base: &[S; N], _increment: &mut [S; N], _weight: S) {}
 
     /// The powers in watts (or whatever is to be integrated) at a state and its derivative.
     ///
@@ -92,7 +92,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     }
 
     /// The size of a small change of the state, relative to what the state is measured by.
-    fn weigh(&self, state: &[S; N], change: &[S; N]) -> S;
+    fn error_norm(&self, state: &[S; N], change: &[S; N]) -> S;
 }
 
 /// A state with what the next step needs of the one before.
@@ -127,7 +127,7 @@ impl<S: Scalar, const N: usize, const P: usize> Point<S, N, P> {
     }
 }
 
-impl<S: Scalar, const N: usize, const P: usize> Image for Point<S, N, P> {
+impl<S: Scalar, const N: usize, const P: usize> Snapshot for Point<S, N, P> {
     const BYTES: usize = (3 * N + P) * S::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -137,12 +137,12 @@ impl<S: Scalar, const N: usize, const P: usize> Image for Point<S, N, P> {
         self.powers.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         Ok(Self {
-            state: Image::read(from)?,
-            remainder: Image::read(from)?,
-            derivative: Image::read(from)?,
-            powers: Image::read(from)?,
+            state: Snapshot::read(from)?,
+            remainder: Snapshot::read(from)?,
+            derivative: Snapshot::read(from)?,
+            powers: Snapshot::read(from)?,
         })
     }
 }
@@ -154,7 +154,7 @@ pub struct Trial<S, const N: usize, const P: usize> {
     pub end: Point<S, N, P>,
     /// The integral of each power over the step.
     pub energies: [S; P],
-    /// Estimated local error of the state, as [`System::weigh`] measures it; 0 if the method has
+    /// Estimated local error of the state, as [`System::error_norm`] measures it; 0 if the method has
     /// no estimate.
     pub error: S,
     /// Estimated local error of `energies[0]`, with its sign: what is to be added to come to the embedded
@@ -177,7 +177,7 @@ pub trait Method<S: Scalar> {
     /// Takes one step of `ticks` clock ticks from `start`.
     ///
     /// `input` gives the input at a number of ticks into the step; `accuracy` is the size, as
-    /// [`System::weigh`] measures it, down to which implicit equations are to be solved.
+    /// [`System::error_norm`] measures it, down to which implicit equations are to be solved.
     ///
     /// # Errors
     /// [`NotConverged`]; the caller is to try a shorter step.

@@ -70,7 +70,7 @@
 //! | [`excitation`] | what shakes the base |
 //! | [`clock`] | time in integer ticks, phase that does not drift |
 //! | [`scalar`] | the number and its elementary functions |
-//! | [`image`] | states as bytes, for a power-down |
+//! | [`snapshot`] | states as bytes, for a power-down |
 //!
 //! # Errors
 //!
@@ -81,8 +81,8 @@ pub mod clock;
 pub mod energy;
 pub mod excitation;
 pub mod hybrid;
-pub mod image;
 pub mod integrate;
 pub mod part;
 pub mod scalar;
 pub mod scene;
+pub mod snapshot;

@@ -20,8 +20,8 @@ pub mod rectifier;
 pub mod restitution;
 pub mod rod;
 pub mod stick_charge;
-pub mod store;
-pub mod store_step;
+pub mod storage;
+pub mod storage_step;
 
 /// Vacuum permittivity `ε0`, in F/m.
 pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;

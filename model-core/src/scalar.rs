@@ -17,7 +17,7 @@ mod polynomial;
 use core::fmt::{Debug, Display};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::image::Image;
+use crate::snapshot::Snapshot;
 
 #[cfg(feature = "libm")]
 pub use self::libm::Libm;
@@ -63,7 +63,7 @@ pub trait Scalar:
     + AddAssign
     + SubAssign
     + MulAssign
-    + Image
+    + Snapshot
     + sealed::Sealed
     + 'static
 {
@@ -85,7 +85,7 @@ pub trait Scalar:
     ///
     /// For constants only: the conversion is folded at compile time, so that an `f32` firmware
     /// links no double-precision arithmetic.
-    fn literal(value: f64) -> Self;
+    fn from_f64(value: f64) -> Self;
 
     /// `value`, rounded to nearest.
     fn from_u32(value: u32) -> Self;
@@ -109,7 +109,7 @@ pub trait Scalar:
     fn from_f32(value: f32) -> Self;
 
     /// Magnitude.
-    fn absolute(self) -> Self;
+    fn abs(self) -> Self;
 
     /// Neither infinite nor not-a-number.
     fn is_finite(self) -> bool;
@@ -124,19 +124,19 @@ pub trait Scalar:
     ///
     /// Newton's iteration from an estimate made of the bits. For building coefficients: a step
     /// calls it nowhere.
-    fn square_root(self) -> Self;
+    fn sqrt(self) -> Self;
 
     /// The larger of two numbers; `other` if this one is not a number.
     #[must_use]
     #[inline(always)]
-    fn larger(self, other: Self) -> Self {
+    fn max(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
 
     /// The smaller of two numbers; `other` if this one is not a number.
     #[must_use]
     #[inline(always)]
-    fn smaller(self, other: Self) -> Self {
+    fn min(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
 }
@@ -171,10 +171,10 @@ pub(crate) fn horner<S: Scalar, const N: usize>(coefficients: &[S; N], x: S) -> 
 
 /// An angle as a fraction of a turn in units of 2⁻⁶⁴; `None` unless finite and below 2²⁰ turns.
 pub(crate) fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
-    let turns = radians * S::literal(core::f64::consts::FRAC_1_PI * 0.5);
-    let magnitude = turns.absolute();
+    let turns = radians * S::from_f64(core::f64::consts::FRAC_1_PI * 0.5);
+    let magnitude = turns.abs();
     // Written so that not-a-number is refused too.
-    if !(magnitude < S::literal(1_048_576.0)) {
+    if !(magnitude < S::from_f64(1_048_576.0)) {
         return None;
     }
     let fraction = magnitude - S::from_u32(magnitude.to_u32());
@@ -192,11 +192,11 @@ const ARCSINE_TERMS: u32 = 28;
 /// `arcsin x` in radians for −1 ≤ x ≤ 1, by its series up to 1/2 and by that of the half angle beyond; a
 /// few roundings.
 pub(crate) fn arcsine<S: Scalar>(x: S) -> S {
-    let half = S::literal(0.5);
-    let magnitude = x.absolute();
+    let half = S::from_f64(0.5);
+    let magnitude = x.abs();
     let value = if magnitude > half {
-        let rest = (half * (S::ONE - magnitude)).square_root();
-        S::literal(core::f64::consts::FRAC_PI_2) - S::literal(2.0) * arcsine_series(rest)
+        let rest = (half * (S::ONE - magnitude)).sqrt();
+        S::from_f64(core::f64::consts::FRAC_PI_2) - S::from_f64(2.0) * arcsine_series(rest)
     } else {
         arcsine_series(magnitude)
     };

@@ -7,17 +7,17 @@ pub mod bump_stop;
 pub mod closed_form;
 pub mod contact_separation;
 mod coupled;
-mod followed;
+mod electrical_port;
 pub mod rectified;
+mod resumable;
 pub mod sliding;
-mod terminals;
 
 use crate::hybrid::{Automaton, Guard};
 use crate::integrate::Point;
 use crate::scalar::Scalar;
 
 pub use crate::part::bounds::{Bounds, ParameterError};
-pub use followed::{Followed, StoreReading};
+pub use resumable::{Resumable, StorageReading};
 
 /// The powers that every scene can integrate along with its state, and their places in the list.
 ///
@@ -26,7 +26,7 @@ pub use followed::{Followed, StoreReading};
 pub mod account {
     use crate::scalar::Scalar;
 
-    /// Power delivered to the load, in watts; behind a rectifier, the power that enters the store.
+    /// Power delivered to the load, in watts; behind a rectifier, the power that enters the storage.
     pub const LOAD: usize = 0;
     /// Square of the terminal voltage, in V².
     pub const VOLTAGE_SQUARED: usize = 1;
@@ -41,15 +41,15 @@ pub mod account {
     /// Power lost to damping and friction, in watts.
     pub const DISSIPATION: usize = 6;
     /// Power that the mechanics give up to the electrostatic force of the scene's force law.
-    pub const GIVEN_UP: usize = 7;
+    pub const ELECTROSTATIC_WORK: usize = 7;
     /// Power that the electrostatic field takes from the motion.
     ///
-    /// The same as `GIVEN_UP` where the force law is the field's own; under an inferred force law
+    /// The same as `ELECTROSTATIC_WORK` where the force law is the field's own; under an inferred force law
     /// the difference is what that law creates or destroys.
-    pub const TAKEN_UP: usize = 8;
+    pub const FIELD_WORK: usize = 8;
     /// Power lost in the diodes of a rectifier.
     pub const DIODES: usize = 9;
-    /// Power that leaks from the store behind a rectifier.
+    /// Power that leaks from the storage behind a rectifier.
     pub const LEAKED: usize = 10;
     /// Power that the node draws from it.
     pub const DRAWN: usize = 11;
@@ -86,22 +86,22 @@ pub trait Harvester<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, 
     fn stored_energy(&self, mode: Self::Mode, point: &Point<S, N, P>) -> StoredEnergy<S>;
 
     /// Whether the moving part is held in `mode`.
-    fn is_held(&self, mode: Self::Mode) -> bool;
+    fn is_stick(&self, mode: Self::Mode) -> bool;
 
     /// Whether guard number `guard` of `mode` is an impact.
     fn is_impact(&self, mode: Self::Mode, guard: usize) -> bool;
 
-    /// Voltage in V of the store behind a rectifier, and what rounding took from it: a step brings a large
-    /// store less than a rounding of its voltage. Zeros where there is none.
+    /// Voltage in V of the storage behind a rectifier, and what rounding took from it: a step brings a large
+    /// storage less than a rounding of its voltage. Zeros where there is none.
     #[inline(always)]
-    fn compensated_store_voltage(&self, _mode: Self::Mode, _point: &Point<S, N, P>) -> [S; 2] {
+    fn compensated_storage_voltage(&self, _mode: Self::Mode, _point: &Point<S, N, P>) -> [S; 2] {
         [S::ZERO; 2]
     }
 
-    /// Energy in J that the store gains from one such voltage to another; `None` where there is none, and
+    /// Energy in J that the storage gains from one such voltage to another; `None` where there is none, and
     /// for a bus, which has no end.
     #[inline(always)]
-    fn store_gain(&self, _from: [S; 2], _to: [S; 2]) -> Option<S> {
+    fn storage_gain(&self, _from: [S; 2], _to: [S; 2]) -> Option<S> {
         None
     }
 }

@@ -26,7 +26,7 @@ const ZENO: f64 = 12.850_588_106_343_581;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Mode {
     Flying,
-    Stuck,
+    Stick,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -40,8 +40,8 @@ impl<S: Scalar> Problem<S, 2> for Ball {
 
     fn rate(&self, mode: Mode, y: &[S; 2], _input: S) -> [S; 2] {
         match mode {
-            Mode::Flying => [y[1], -S::literal(GRAVITY)],
-            Mode::Stuck => [S::ZERO; 2],
+            Mode::Flying => [y[1], -S::from_f64(GRAVITY)],
+            Mode::Stick => [S::ZERO; 2],
         }
     }
 
@@ -55,7 +55,7 @@ impl<S: Scalar> Problem<S, 2> for Ball {
     }
 
     fn sizes(&self, _mode: Mode, _y: &[S; 2]) -> [S; 2] {
-        [S::literal(10.0), S::literal(14.0)]
+        [S::from_f64(10.0), S::from_f64(14.0)]
     }
 
     fn guards(&self, mode: Mode) -> usize {
@@ -67,9 +67,9 @@ impl<S: Scalar> Problem<S, 2> for Ball {
     }
 
     fn leap(&self, _mode: Mode, _index: usize, y: &[S; 2]) -> Leap<S, Mode, 2> {
-        let rebound = -S::literal(RESTITUTION) * y[1];
-        if rebound < S::literal(self.stick_speed) {
-            Leap { mode: Mode::Stuck, state: [S::ZERO; 2], armed: true }
+        let rebound = -S::from_f64(RESTITUTION) * y[1];
+        if rebound < S::from_f64(self.stick_speed) {
+            Leap { mode: Mode::Stick, state: [S::ZERO; 2], armed: true }
         } else {
             Leap { mode: Mode::Flying, state: [S::ZERO, rebound], armed: true }
         }
@@ -85,9 +85,9 @@ struct Exact {
 
 impl Exact {
     fn of<S: Scalar>() -> Self {
-        let gravity = S::literal(GRAVITY).to_f64();
+        let gravity = S::from_f64(GRAVITY).to_f64();
         let first = (2.0 * HEIGHT / gravity).sqrt();
-        Self { first, speed: gravity * first, restitution: S::literal(RESTITUTION).to_f64() }
+        Self { first, speed: gravity * first, restitution: S::from_f64(RESTITUTION).to_f64() }
     }
 
     fn impact(&self, k: usize) -> f64 {
@@ -114,7 +114,7 @@ fn drop_to_rest<S: Scalar>(
     stick_speed: f64,
     late: f64,
 ) {
-    let start = [S::literal(HEIGHT), S::ZERO];
+    let start = [S::from_f64(HEIGHT), S::ZERO];
     let mut run = Run::start(Ball { stick_speed }, Mode::Flying, start, Silence, method, control);
     let work = run.to(20.0).expect("comes to rest");
     let exact = Exact::of::<S>();
@@ -122,7 +122,7 @@ fn drop_to_rest<S: Scalar>(
     // Impact k rebounds at speed k + 1: the last is the first whose rebound is too slow.
     let impacts = 1 + (0..).find(|&k| exact.speed(k + 1) < stick_speed).expect("slows down");
     assert_eq!(run.log.events.len(), impacts, "{name}: events");
-    assert_eq!(run.state.mode, Mode::Stuck);
+    assert_eq!(run.state.mode, Mode::Stick);
     assert_eq!(run.state.point.state, [S::ZERO; 2], "{name}: at rest on the ground");
 
     let rounding = S::EPSILON.to_f64();
@@ -173,7 +173,7 @@ fn impact_times_are_exact_until_the_ball_rests_before_zeno_time() {
 }
 
 fn storm<S: Scalar>(control: impl StepControl<S>, blur: f64) {
-    let start = [S::literal(HEIGHT), S::ZERO];
+    let start = [S::from_f64(HEIGHT), S::ZERO];
     let mut run = Run::start(Ball { stick_speed: 0.0 }, Mode::Flying, start, Silence, TrBdf2, control);
     let error = run.to(20.0).expect_err("there is no rule for rest");
     let exact = Exact::of::<S>();

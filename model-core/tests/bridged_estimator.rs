@@ -1,4 +1,4 @@
-//! The estimator on harvesters behind a bridge: what it adds up, its images, and whose images it takes.
+//! The estimator on harvesters behind a bridge: what it adds up, its snapshots, and whose snapshots it takes.
 
 mod common;
 
@@ -7,16 +7,16 @@ use model_core::energy::estimator::{HybridModel, Model, SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled};
 use model_core::hybrid::Driver;
-use model_core::image::ImageError;
 use model_core::integrate::{Adaptive, TrBdf2};
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw};
 use model_core::part::load::AnyLoad;
-use model_core::part::store::{AnyReservoir, Capacitor};
+use model_core::part::storage::{AnyStorage, Capacitor};
 use model_core::scene::bump_stop::{self, AnyBridgedParts, Stepper};
 use model_core::scene::contact_separation::Start;
 use model_core::scene::rectified::{FullBridge, Rectified, STATES};
+use model_core::snapshot::SnapshotError;
 
-type Bridged = Rectified<f32, Contact<f32>, AnyReservoir<f32>>;
+type Bridged = Rectified<f32, Contact<f32>, AnyStorage<f32>>;
 type Hybrid = HybridModel<Bridged, TrBdf2, Adaptive<f32>, STATES, 1>;
 
 const RATE: f32 = 400.0;
@@ -25,22 +25,22 @@ fn draw() -> AnyDraw<f32> {
     AnyDraw::Power(PowerDraw { watts: 3e-6, lockout: Lockout { turn_on: 2.5, turn_off: 2.0 } })
 }
 
-fn bridge(diode_drop: f32, farads: f32, draw: AnyDraw<f32>) -> FullBridge<f32, AnyReservoir<f32>> {
-    let reservoir = Capacitor { farads, leakage_ohms: 1e12, initial_voltage: 2.4, draw };
-    FullBridge { diode_drop, reservoir: AnyReservoir::Capacitor(reservoir) }
+fn bridge(diode_drop: f32, farads: f32, draw: AnyDraw<f32>) -> FullBridge<f32, AnyStorage<f32>> {
+    let storage = Capacitor { farads, leakage_ohms: 1e12, initial_voltage: 2.4, draw };
+    FullBridge { diode_drop, storage: AnyStorage::Capacitor(storage) }
 }
 
-fn scene(bridge: FullBridge<f32, AnyReservoir<f32>>) -> Bridged {
+fn scene(bridge: FullBridge<f32, AnyStorage<f32>>) -> Bridged {
     let mut parameters = contact_parameters::<f32>();
     parameters.load = AnyLoad { ohms: f32::INFINITY };
     Rectified::new(parameters.build().expect("in bounds"), bridge).expect("in bounds")
 }
 
-fn hybrid(bridge: FullBridge<f32, AnyReservoir<f32>>) -> Hybrid {
+fn hybrid(bridge: FullBridge<f32, AnyStorage<f32>>) -> Hybrid {
     HybridModel::new(scene(bridge), TrBdf2, Adaptive::new(5e-2))
 }
 
-fn modal(bridge: FullBridge<f32, AnyReservoir<f32>>) -> Stepper<f32, AnyBridgedParts, 4, 1> {
+fn modal(bridge: FullBridge<f32, AnyStorage<f32>>) -> Stepper<f32, AnyBridgedParts, 4, 1> {
     let parameters = bump_parameters_into::<f32, AnyBridgedParts>(bridge);
     Stepper::new(parameters.build().expect("in bounds"), 9e-6, 80e-6)
 }
@@ -80,8 +80,8 @@ fn what_enters_the_store_is_what_a_power_meter_counts_shared_charge_included() {
     let (found, expected) = (estimator.estimate(), meter.delivered_energy());
     assert!(expected > 1e-6);
     assert!((found.energy / expected - 1.0).abs() < 2e-2, "{} {expected}", found.energy);
-    let store = found.store.expect("there is one");
-    assert!((store.voltage - scene.store_voltage(state.mode, &state.point.state)).abs() < 2e-2);
+    let storage = found.storage.expect("there is one");
+    assert!((storage.voltage - scene.storage_voltage(state.mode, &state.point.state)).abs() < 2e-2);
 }
 
 #[test]
@@ -89,26 +89,26 @@ fn a_store_that_is_drawn_from_outside_takes_up_what_the_harvester_holds_above_it
     let quiet = bridge(0.3, 1e-6, AnyDraw::None);
     let mut estimator = estimator(hybrid(quiet), RATE);
     feed(&mut estimator, SHAKEN, 0, 900);
-    let reading = |estimator: &Estimator<f32, Hybrid>| estimator.estimate().store.expect("there is one");
+    let reading = |estimator: &Estimator<f32, Hybrid>| estimator.estimate().storage.expect("there is one");
     let mut taken = 0.0;
     // Drawn down and put up, wherever in its period the bridge is.
     for round in 0..40 {
         let before = reading(&estimator);
         let volts = before.voltage + if round % 2 == 0 { -0.3 } else { 0.25 };
-        estimator.set_store_voltage(volts);
+        estimator.set_storage_voltage(volts);
         let after = reading(&estimator);
         assert!((after.voltage - volts).abs() < 1e-6, "{} {volts}", after.voltage);
         taken += f64::from(before.energy) - f64::from(after.energy);
         feed(&mut estimator, SHAKEN, 900 + 7 * round, 7);
     }
-    let (estimate, store) = (estimator.estimate(), reading(&estimator));
-    let held = f64::from(store.energy) - 0.5e-6 * 2.4 * 2.4 + taken;
+    let (estimate, storage) = (estimator.estimate(), reading(&estimator));
+    let held = f64::from(storage.energy) - 0.5e-6 * 2.4 * 2.4 + taken;
     // What came in is what is held and was taken, but for 30 pJ of leakage.
     assert!((f64::from(estimate.energy) / held - 1.0).abs() < 1e-3, "{} {held}", estimate.energy);
     // What is no voltage changes nothing.
     for nothing in [f32::NAN, -1.0, f32::INFINITY] {
-        estimator.set_store_voltage(nothing);
-        assert_eq!(reading(&estimator), store);
+        estimator.set_storage_voltage(nothing);
+        assert_eq!(reading(&estimator), storage);
     }
 }
 
@@ -118,24 +118,24 @@ fn resumes<M: Model<f32> + Copy>(model: M, foreign: &[M], sine: [f64; 3], stops:
     for stop in stops {
         feed(&mut whole, sine, from, stop - from);
         from = stop;
-        let mut image = [0; 512];
-        whole.save(&mut image).expect("there is room");
+        let mut snapshot = [0; 512];
+        whole.save(&mut snapshot).expect("there is room");
         let mut awake = estimator(model, sine[2] as f32);
-        awake.restore(&image).expect("its own");
+        awake.restore(&snapshot).expect("its own");
         feed(&mut awake, sine, stop, 50);
         let mut uninterrupted = whole;
         feed(&mut uninterrupted, sine, stop, 50);
         assert_eq!(awake.model_state(), uninterrupted.model_state());
         assert_eq!(awake.estimate(), uninterrupted.estimate());
         for (index, &other) in foreign.iter().enumerate() {
-            let refused = estimator(other, sine[2] as f32).restore(&image);
-            assert_eq!(refused, Err(ImageError::ForeignModel), "{index}");
+            let refused = estimator(other, sine[2] as f32).restore(&snapshot);
+            assert_eq!(refused, Err(SnapshotError::ForeignModel), "{index}");
         }
     }
 }
 
-/// Another drop, another store, no draw, and one that takes the same current at the turn-on voltage only.
-fn foreign() -> [FullBridge<f32, AnyReservoir<f32>>; 4] {
+/// Another drop, another storage, no draw, and one that takes the same current at the turn-on voltage only.
+fn foreign() -> [FullBridge<f32, AnyStorage<f32>>; 4] {
     let lockout = Lockout { turn_on: 2.5, turn_off: 2.0 };
     let current = AnyDraw::Current(CurrentDraw { amperes: 3e-6 / 2.5, lockout });
     [
@@ -158,7 +158,7 @@ fn a_modal_harvester_behind_a_bridge_resumes_with_its_bits_and_takes_no_foreign_
     resumes(modal(bridge(0.3, 1e-6, draw())), &others, HIT, [5, 700, 1501]);
     // A resistor in its place is another harvester altogether.
     let plain: Bump<f32, 4, 1> = common::harvesters::bump(bump_stop::AnyContact::ResidualFlexibility);
-    let mut image = [0; 512];
-    estimator(plain, 3520.0).save(&mut image).expect("there is room");
-    assert!(estimator(modal(bridge(0.3, 1e-6, draw())), 3520.0).restore(&image).is_err());
+    let mut snapshot = [0; 512];
+    estimator(plain, 3520.0).save(&mut snapshot).expect("there is room");
+    assert!(estimator(modal(bridge(0.3, 1e-6, draw())), 3520.0).restore(&snapshot).is_err());
 }

@@ -7,7 +7,7 @@ mod bridged;
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
-use bridged::{Bridged, advance, baseline, bus, close, measured, seconds, shaking, store};
+use bridged::{Bridged, advance, baseline, bus, close, measured, seconds, shaking, storage};
 use model_core::excitation::Sine;
 use model_core::part::draw::AnyDraw;
 use model_core::part::load::AnyLoad;
@@ -67,7 +67,7 @@ fn a_bus_takes_what_the_closed_form_says() {
             let meter = measured(&stepper, &mut state, &excitation, 1.6);
             let beyond = open - volts - 2.0 * drop;
             close("power", meter.mean_power(), 4.0 * HERTZ * CAPACITANCE * volts * beyond, 1e-5);
-            let lost = meter.store_account().diodes / 0.1;
+            let lost = meter.storage_account().diodes / 0.1;
             if drop > 0.0 {
                 close("diode loss", lost, 8.0 * HERTZ * CAPACITANCE * drop * beyond, 1e-5);
             } else {
@@ -92,7 +92,7 @@ fn charging_from_empty_takes_the_steps_of_the_closed_form() {
     let (amplitude, lag) = receptance(HERTZ);
     let excitation = Sine::<f64>::new(BASE, HERTZ, lag + FRAC_PI_2).expect("valid");
     for (farads, drop) in [(1e-6, 0.0), (1e-6, 0.3), (50e-9, 0.3)] {
-        let stepper = one_mode(baseline(store(farads, 0.0, AnyDraw::None, drop)), AnyCoupling::OneWay);
+        let stepper = one_mode(baseline(storage(farads, 0.0, AnyDraw::None, drop)), AnyCoupling::OneWay);
         // From the lowest point of the settled motion, the bridge about to leave conduction.
         let start = Start { beam: [[-amplitude * BASE, 0.0]], voltage: -2.0 * drop, ..Start::default() };
         let mut state = stepper.scene().start(&start, &excitation).expect("valid");
@@ -100,7 +100,7 @@ fn charging_from_empty_takes_the_steps_of_the_closed_form() {
         for half_periods in [1, 2, 10, 100, 200] {
             advance(&stepper, &mut state, &excitation, f64::from(half_periods) / (2.0 * HERTZ));
             let expected = (open_voltage() - 2.0 * drop) * (1.0 - ratio.powi(half_periods));
-            close("store voltage", state.circuit.voltage, expected, 2e-5);
+            close("storage voltage", state.circuit.voltage, expected, 2e-5);
         }
     }
     // Published for a start at rest of the circuit, whose phase is another: half a period is a hundredth.
@@ -112,12 +112,12 @@ fn charging_from_empty_takes_the_steps_of_the_closed_form() {
 fn charging_does_not_depend_on_where_it_starts_by_more_than_half_a_period() {
     let (amplitude, lag) = receptance(HERTZ);
     let excitation = Sine::<f64>::new(BASE, HERTZ, lag + FRAC_PI_2).expect("valid");
-    let stepper = one_mode(baseline(store(1e-6, 0.0, AnyDraw::None, 0.0)), AnyCoupling::OneWay);
+    let stepper = one_mode(baseline(storage(1e-6, 0.0, AnyDraw::None, 0.0)), AnyCoupling::OneWay);
     let start = Start { beam: [[-amplitude * BASE, 0.0]], ..Start::default() };
     let mut state = stepper.scene().start(&start, &excitation).expect("valid");
     for (half_periods, published) in [(100, 6.7943), (200, 7.075_12)] {
         advance(&stepper, &mut state, &excitation, f64::from(half_periods) / (2.0 * HERTZ));
-        close("store voltage", state.circuit.voltage, published, 1e-2);
+        close("storage voltage", state.circuit.voltage, published, 1e-2);
     }
 }
 
@@ -147,7 +147,7 @@ fn with_a_tenth_of_the_coupling_the_voltage_is_that_of_a_harmonic_displacement()
             let fundamental = theta * theta / CAPACITANCE * (angle - angle.sin() * angle.cos()) / PI;
             let (harmonic, published) =
                 (volts_with(fundamental), volts_with(omega * theta * theta * ohms / q));
-            // A store so large that it is a bus. From its income at the voltage of the closed form to the
+            // A storage so large that it is a bus. From its income at the voltage of the closed form to the
             // voltage at which that is V²/R: the current falls by 4 f C_p per volt.
             let parameters = Parameters { piezo_d31: -19e-12, ..baseline(bus(harmonic, 0.0)) };
             let income = settled_power(&one_mode(parameters, AnyCoupling::TwoWay), hertz) / harmonic;

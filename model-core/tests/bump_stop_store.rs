@@ -1,17 +1,17 @@
 //! The bump-stop harvester behind a full bridge: the published trajectory through six regimes, the energy
-//! ledger with the store in it, bits, and what the lengths of step cost.
+//! ledger with the storage in it, bits, and what the lengths of step cost.
 
 mod bridged;
 
 use bridged::{
-    AnyBridge, Bridged, With, advance, baseline, close, measured, resistor, seconds, shaking, store,
+    AnyBridge, Bridged, With, advance, baseline, close, measured, resistor, seconds, shaking, storage,
 };
 use model_core::excitation::Silence;
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, NoDraw, PowerDraw, ResistiveDraw};
 use model_core::part::load::OpenCircuit;
 use model_core::part::rectifier::FullBridge;
-use model_core::part::store::{AnyReservoir, Capacitor, DcBus};
-use model_core::part::store_step::StoreState;
+use model_core::part::storage::{AnyStorage, Capacitor, DcBus};
+use model_core::part::storage_step::StorageState;
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{
     AnyContact, AnyCoupling, Circuit, ModalLedger, ModalObserver, ModalSpan, Parameters, Restitution, Start,
@@ -21,12 +21,12 @@ use model_core::scene::bump_stop::{
 /// Open or in contact, blocked or conducting either way: 0.2 µF at 0.2 V under 2 MΩ, diodes of 0.05 V, a gap
 /// of 5 µm.
 fn six_regimes<S: Scalar>(short: f64, long: f64) -> Stepper<S, Bridged<S>, 4, 1> {
-    let mut parameters = baseline(store(0.2e-6, 0.2, resistor(2e6), 0.05));
-    parameters.stop.gap = S::literal(5e-6);
-    Stepper::new(parameters.build().expect("valid"), S::literal(short), S::literal(long))
+    let mut parameters = baseline(storage(0.2e-6, 0.2, resistor(2e6), 0.05));
+    parameters.stop.gap = S::from_f64(5e-6);
+    Stepper::new(parameters.build().expect("valid"), S::from_f64(short), S::from_f64(long))
 }
 
-/// Store voltage and terminal voltage after 12 ms from rest, and the steps taken.
+/// Storage voltage and terminal voltage after 12 ms from rest, and the steps taken.
 fn after_12_ms<S: Scalar>(stepper: &Stepper<S, Bridged<S>, 4, 1>) -> ([f64; 2], u32) {
     let excitation = shaking(220.0);
     let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
@@ -43,9 +43,9 @@ const TERMINAL_VOLTS: f64 = 0.216_503_9;
 fn the_published_trajectory_is_approached_in_second_order() {
     let steps = [1e-6, 0.5e-6, 0.1e-6, 0.05e-6];
     let errors = steps.map(|step| {
-        let ([store, terminals], _) = after_12_ms(&six_regimes::<f64>(step, step));
-        println!("{step:e}: {:e} {:e}", store - STORE_VOLTS, terminals - TERMINAL_VOLTS);
-        [(store - STORE_VOLTS).abs(), (terminals - TERMINAL_VOLTS).abs()]
+        let ([storage, terminals], _) = after_12_ms(&six_regimes::<f64>(step, step));
+        println!("{step:e}: {:e} {:e}", storage - STORE_VOLTS, terminals - TERMINAL_VOLTS);
+        [(storage - STORE_VOLTS).abs(), (terminals - TERMINAL_VOLTS).abs()]
     });
     // As good as the published method's at each step.
     for (found, published) in errors.iter().zip([2.3e-4, 5.7e-5, 2.3e-6, 6.2e-7]) {
@@ -63,7 +63,7 @@ fn single_precision_follows_double_precision() {
     let ([fine, _], _) = after_12_ms(&six_regimes::<f64>(1e-6, 1e-6));
     let ([coarse, _], _) = after_12_ms(&six_regimes::<f32>(1e-6, 1e-6));
     close("six regimes", coarse, fine, 1e-4);
-    // Half a second, and a store that gains less than a rounding of its voltage in most steps.
+    // Half a second, and a storage that gains less than a rounding of its voltage in most steps.
     for farads in [4.7e-6, 1e-2] {
         let (coarse, fine) = (charged::<f32>(farads), charged::<f64>(farads));
         // A motion that chatters forgets its last digits: what is charged is a statistic.
@@ -71,12 +71,12 @@ fn single_precision_follows_double_precision() {
     }
 }
 
-/// How far a store rises from 1 V in half a second, the stop at mid-span; the ledger has to close.
+/// How far a storage rises from 1 V in half a second, the stop at mid-span; the ledger has to close.
 fn charged<S: Scalar>(farads: f64) -> f64 {
-    let mut parameters = baseline(store::<S>(farads, 1.0, AnyDraw::None, 0.3));
-    parameters.stop.position = S::literal(0.025);
+    let mut parameters = baseline(storage::<S>(farads, 1.0, AnyDraw::None, 0.3));
+    parameters.stop.position = S::from_f64(0.025);
     let scene = parameters.build::<4, 1>().expect("valid");
-    let stepper = Stepper::new(scene, S::literal(1e-6), S::literal(2e-5));
+    let stepper = Stepper::new(scene, S::from_f64(1e-6), S::from_f64(2e-5));
     let excitation = shaking(220.0);
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     let mut ledger = ModalLedger::open(&scene, &state);
@@ -93,9 +93,9 @@ fn charged<S: Scalar>(farads: f64) -> f64 {
 fn long_steps_keep_the_store_voltage() {
     let ([single, _], all) = after_12_ms(&six_regimes::<f64>(1e-6, 1e-6));
     for (long, most) in [(5e-6, 5e-4), (1e-5, 5e-4), (2e-5, 5e-4), (4e-5, 1e-3), (8e-5, 2e-3)] {
-        let ([store, _], steps) = after_12_ms(&six_regimes::<f64>(1e-6, long));
-        println!("{long:e}: {:e} in {steps} of {all} steps", store - single);
-        assert!((store - single).abs() < most && steps < 3 * all / 4, "{long} {store} {steps}");
+        let ([storage, _], steps) = after_12_ms(&six_regimes::<f64>(1e-6, long));
+        println!("{long:e}: {:e} in {steps} of {all} steps", storage - single);
+        assert!((storage - single).abs() < most && steps < 3 * all / 4, "{long} {storage} {steps}");
     }
 }
 
@@ -119,9 +119,9 @@ fn the_ledger_of_harvester_and_store_closes() {
             (AnyCoupling::OneWay, AnyContact::ResidualFlexibility, 2e-5),
             (AnyCoupling::TwoWay, AnyContact::NoStop, 8e-5),
         ] {
-            let mut bridge = store(0.2e-6, 0.2, draw, 0.05);
-            if let AnyReservoir::Capacitor(store) = &mut bridge.reservoir {
-                store.leakage_ohms = 5e6;
+            let mut bridge = storage(0.2e-6, 0.2, draw, 0.05);
+            if let AnyStorage::Capacitor(storage) = &mut bridge.storage {
+                storage.leakage_ohms = 5e6;
             }
             let scene = Parameters { coupling, contact, ..baseline(bridge) }.build::<4, 1>().expect("valid");
             let stepper = Stepper::new(scene, 1e-6, long);
@@ -132,11 +132,11 @@ fn the_ledger_of_harvester_and_store_closes() {
             let mut both = (&mut ledger, &mut meter);
             stepper.advance(&mut state, &excitation, seconds(0.05), u32::MAX, &mut both).expect("runs");
             let residual = ledger.residual();
-            let relative = residual.larger().expect("work");
+            let relative = residual.largest().expect("work");
             assert!(relative < 1e-10, "{draw:?} {coupling:?} {contact:?}: {residual:?}");
-            // And against the store's own energy, which the scale leaves out.
-            let account = meter.store_account();
-            assert!(residual.store.abs() < 1e-10 * account.delivered, "{residual:?} {account:?}");
+            // And against the storage's own energy, which the scale leaves out.
+            let account = meter.storage_account();
+            assert!(residual.storage.abs() < 1e-10 * account.delivered, "{residual:?} {account:?}");
             let gained = 0.1e-6 * (state.circuit.voltage.powi(2) - 0.04);
             let left = account.delivered - account.leaked - account.drawn;
             assert!((gained - left).abs() < 1e-10 * account.delivered, "{gained} {left}");
@@ -146,13 +146,13 @@ fn the_ledger_of_harvester_and_store_closes() {
     }
 }
 
-/// With neither damping nor shaking, what the motion has goes into store and diodes and nowhere else, and no
+/// With neither damping nor shaking, what the motion has goes into storage and diodes and nowhere else, and no
 /// step of any length makes energy; also where the coupling is far stronger than any material's.
 #[test]
 fn no_step_of_any_length_makes_energy() {
     for permittivity in [15.93e-9, 0.5e-9] {
         for step in [1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
-            let mut parameters = baseline(store(0.2e-6, 0.05, AnyDraw::None, 0.05));
+            let mut parameters = baseline(storage(0.2e-6, 0.05, AnyDraw::None, 0.05));
             parameters.damping_ratio = 0.0;
             parameters.piezo_permittivity = permittivity;
             let scene = parameters.build::<6, 2>().expect("valid");
@@ -168,7 +168,7 @@ fn no_step_of_any_length_makes_energy() {
                 let end = f64::from(k) * if step < 5e-7 { 1e-3 } else { 2e-2 };
                 stepper.advance(&mut state, &Silence, seconds(end), u32::MAX, &mut meter).expect("runs");
                 let now: f64 = scene.stored_energy(&state).iter().sum();
-                let account = meter.store_account();
+                let account = meter.storage_account();
                 let newly = account.delivered + account.diodes - spent;
                 assert!(newly >= 0.0 && (energy - now - newly).abs() < 1e-10 * before, "{step} {k}");
                 (energy, spent) = (now, spent + newly);
@@ -181,7 +181,7 @@ fn no_step_of_any_length_makes_energy() {
 /// A threshold that is never reached is an open circuit.
 #[test]
 fn behind_a_bus_out_of_reach_the_terminals_are_open_to_the_bit() {
-    let bus = FullBridge { diode_drop: 0.3_f32, reservoir: DcBus { volts: 1e6 } };
+    let bus = FullBridge { diode_drop: 0.3_f32, storage: DcBus { volts: 1e6 } };
     fn run<L: Circuit<f32>>(load: L) -> ([[f32; 2]; 4], [[f32; 2]; 1], f32, f32, u32) {
         let stepper = Stepper::new(baseline(load).build::<4, 1>().expect("valid"), 1e-6, 2e-5);
         let excitation = shaking(220.0);
@@ -197,17 +197,12 @@ fn behind_a_bus_out_of_reach_the_terminals_are_open_to_the_bit() {
 fn a_store_chosen_when_compiling_has_the_bits_of_one_chosen_when_running() {
     let fixed = FullBridge {
         diode_drop: 0.3,
-        reservoir: Capacitor {
-            farads: 1e-6,
-            leakage_ohms: f64::INFINITY,
-            initial_voltage: 0.5,
-            draw: NoDraw,
-        },
+        storage: Capacitor { farads: 1e-6, leakage_ohms: f64::INFINITY, initial_voltage: 0.5, draw: NoDraw },
     };
-    let chosen: AnyBridge<f64> = store(1e-6, 0.5, AnyDraw::None, 0.3);
-    fn run<R: model_core::part::store::Reservoir<f64>>(
+    let chosen: AnyBridge<f64> = storage(1e-6, 0.5, AnyDraw::None, 0.3);
+    fn run<R: model_core::part::storage::StorageElement<f64>>(
         bridge: FullBridge<f64, R>,
-    ) -> State<f64, 4, 1, StoreState<f64>> {
+    ) -> State<f64, 4, 1, StorageState<f64>> {
         let stepper = Stepper::new(baseline(bridge).build::<4, 1>().expect("valid"), 1e-6, 2e-5);
         let excitation = shaking(220.0);
         let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
@@ -244,13 +239,13 @@ fn a_run_has_the_same_bits_however_budgets_divide_it() {
 /// Notes how a draw is switched.
 #[derive(Default)]
 struct Switching {
-    /// Store voltage in V at each connection and disconnection.
+    /// Storage voltage in V at each connection and disconnection.
     on: Vec<f64>,
     off: Vec<f64>,
 }
 
-impl<const B: usize, const R: usize> ModalObserver<f64, B, R, StoreState<f64>> for Switching {
-    fn step(&mut self, span: &ModalSpan<'_, f64, B, R, StoreState<f64>>) {
+impl<const B: usize, const R: usize> ModalObserver<f64, B, R, StorageState<f64>> for Switching {
+    fn step(&mut self, span: &ModalSpan<'_, f64, B, R, StorageState<f64>>) {
         let [from, to] = [span.start.circuit, span.end.circuit];
         match (from.connected, to.connected) {
             (false, true) => self.on.push(to.voltage),
@@ -262,13 +257,13 @@ impl<const B: usize, const R: usize> ModalObserver<f64, B, R, StoreState<f64>> f
 
 #[test]
 fn a_draw_is_connected_and_disconnected_at_its_thresholds() {
-    let always = store::<f64>(1e-6, 0.0, resistor(1e6), 0.05);
+    let always = storage::<f64>(1e-6, 0.0, resistor(1e6), 0.05);
     assert!(Circuit::<f64>::start(&always).connected, "a resistor without lock-out");
     let (turn_on, turn_off) = (1.2, 0.8);
     let lockout = Lockout { turn_on, turn_off };
     let amperes = 4e-5;
     let draw = AnyDraw::Current(CurrentDraw { amperes, lockout });
-    let mut parameters = baseline(store(1e-6, 1.0, draw, 0.05));
+    let mut parameters = baseline(storage(1e-6, 1.0, draw, 0.05));
     parameters.stop.position = 0.025;
     let scene = parameters.build::<4, 1>().expect("valid");
     let stepper = Stepper::new(scene, 1e-6, 2e-5);
@@ -284,12 +279,12 @@ fn a_draw_is_connected_and_disconnected_at_its_thresholds() {
     assert!(seen.on.iter().all(|volts| (turn_on..turn_on + 0.05).contains(volts)));
 }
 
-/// Store voltages in V of 4.7 µF behind diodes of 0.3 V, from empty, at some instants in s; published to 1 mV
-/// for (10, 3) modes in steps of 1 µs. At rest the voltage of a store is that of rare peaks, and so the
+/// Storage voltages in V of 4.7 µF behind diodes of 0.3 V, from empty, at some instants in s; published to 1 mV
+/// for (10, 3) modes in steps of 1 µs. At rest the voltage of a storage is that of rare peaks, and so the
 /// figure that depends most on details: 0.3 % without a stop and 1.5 % with one are what the published
 /// computation claims for it.
 fn charges(stop: Option<[f64; 2]>, published: &[(f64, f64)], relative: f64) {
-    let mut parameters = baseline(store(4.7e-6, 0.0, AnyDraw::None, 0.3));
+    let mut parameters = baseline(storage(4.7e-6, 0.0, AnyDraw::None, 0.3));
     match stop {
         None => parameters.contact = AnyContact::NoStop,
         Some([gap, position]) => (parameters.stop.gap, parameters.stop.position) = (gap, position),
@@ -310,7 +305,7 @@ fn a_store_charges_as_published() {
     charges(Some([10e-6, 0.025]), &[(0.5, 2.048), (1.0, 2.447)], 2e-3);
 }
 
-/// With the stop at mid-span and a gap of 10 µm two motions exist side by side once the store is full: at
+/// With the stop at mid-span and a gap of 10 µm two motions exist side by side once the storage is full: at
 /// another step (0.5 or 2 µs) the run goes over to one that charges to 2.82 V within ten seconds. The row is
 /// that of the published step.
 #[test]

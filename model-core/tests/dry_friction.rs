@@ -48,11 +48,11 @@ impl<S: Scalar> Problem<S, 2> for Slider {
     type Mode = Mode;
 
     fn rate(&self, mode: Mode, y: &[S; 2], _input: S) -> [S; 2] {
-        let speed = S::literal(self.base_speed) + y[1];
+        let speed = S::from_f64(self.base_speed) + y[1];
         if mode == Mode::Stick {
-            return [S::literal(self.base_speed), S::ZERO];
+            return [S::from_f64(self.base_speed), S::ZERO];
         }
-        [speed, S::literal(self.friction(mode)) - y[0]]
+        [speed, S::from_f64(self.friction(mode)) - y[0]]
     }
 
     fn jacobian(&self, mode: Mode, _y: &[S; 2], _input: S) -> [[S; 2]; 2] {
@@ -73,7 +73,7 @@ impl<S: Scalar> Problem<S, 2> for Slider {
     }
 
     fn guard(&self, mode: Mode, index: usize, _armed: bool, y: &[S; 2], rate: &[S; 2]) -> [S; 2] {
-        let held = S::literal(self.at_rest);
+        let held = S::from_f64(self.at_rest);
         match (mode, index) {
             (Mode::SlipUp, _) => [y[1], rate[1]],
             (Mode::SlipDown, _) => [-y[1], -rate[1]],
@@ -87,7 +87,7 @@ impl<S: Scalar> Problem<S, 2> for Slider {
             Mode::Stick if index == 0 => Mode::SlipDown,
             Mode::Stick => Mode::SlipUp,
             // The spring's pull at the moment of rest decides.
-            _ if y[0].absolute() < S::literal(self.at_rest) => Mode::Stick,
+            _ if y[0].abs() < S::from_f64(self.at_rest) => Mode::Stick,
             _ if y[0] > S::ZERO => Mode::SlipDown,
             _ => Mode::SlipUp,
         };

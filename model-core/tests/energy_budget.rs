@@ -1,7 +1,7 @@
-//! An action is never started that empties the store below its lock-out; and the income is spent all the same.
+//! An action is never started that empties the storage below its lock-out; and the income is spent all the same.
 //!
-//! Random days of random nodes: stores that leak or not, income with nights, spikes and gaps, actions that
-//! cost what they declare or less, at the beginning, the end or throughout. The true store is simulated here
+//! Random days of random nodes: storage that leaks or not, income with nights, spikes and gaps, actions that
+//! cost what they declare or less, at the beginning, the end or throughout. The true storage is simulated here
 //! in `f64`, in twenty steps a minute, each by the exact solution for a constant power; the budget runs in
 //! `f32` with one update a minute.
 
@@ -17,7 +17,7 @@ const MINUTES: u32 = 1440;
 /// Seconds of a minute in which actions may be started.
 const BUSY: f64 = 40.0;
 
-/// The store as it is: what it holds, and the rate at which that leaks.
+/// The storage as it is: what it holds, and the rate at which that leaks.
 #[derive(Debug, Clone, Copy)]
 struct TrueStore {
     energy: f64,
@@ -82,7 +82,7 @@ enum Knowledge {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Tally {
+struct EnergyAccumulator {
     started: u32,
     refused: u32,
     emptied: u32,
@@ -105,7 +105,7 @@ struct Day {
     income: Vec<[f64; 2]>,
 }
 
-fn store(random: &mut Random, kind: Kind) -> StorageParameters<f32> {
+fn storage(random: &mut Random, kind: Kind) -> StorageParameters<f32> {
     let highest = random.between(3.0, 5.5);
     let off = highest * random.between(0.3, 0.7);
     let capacitance = random.between_logarithmic(47e-6, 5e-3);
@@ -135,7 +135,7 @@ fn power_within(start: f64, step: f64, [power, part]: [f64; 2]) -> f64 {
 enum Kind {
     /// Whatever may happen.
     Any,
-    /// A store that leaks little and takes what a minute brings, and actions that suit it.
+    /// A storage that leaks little and takes what a minute brings, and actions that suit it.
     Average,
 }
 
@@ -176,7 +176,7 @@ fn income(random: &mut Random, mean: f64, kind: Kind) -> Vec<[f64; 2]> {
 
 impl Day {
     fn new(random: &mut Random, kind: Kind) -> Self {
-        let parameters = store(random, kind);
+        let parameters = storage(random, kind);
         // What the budget was told, to the bit: single precision is exact in double.
         let energy = |voltage: f32| 0.5 * f64::from(parameters.capacitance) * f64::from(voltage).powi(2);
         let (capacity, lock_out) = (energy(parameters.highest_voltage), energy(parameters.lock_out_voltage));
@@ -236,18 +236,18 @@ impl Day {
     }
 
     /// One day, minute by minute.
-    fn run(mut self, random: &mut Random) -> Tally {
-        let mut tally = Tally::default();
+    fn run(mut self, random: &mut Random) -> EnergyAccumulator {
+        let mut accumulator = EnergyAccumulator::default();
         let brought: f64 = self.income.iter().map(|[power, _]| power * 60.0).sum();
         let had = (self.truth.energy - self.truth.lock_out).max(0.0);
-        tally.spendable = (brought * self.truth.charging + had) * self.truth.discharging;
+        accumulator.spendable = (brought * self.truth.charging + had) * self.truth.discharging;
         let mut state = self.budget.start(0);
         let mut off = 0;
         self.measure(&mut state, random);
         for minute in 0..MINUTES {
             if !self.truth.on {
                 // The node does not run: nothing is updated until it does again.
-                self.sleep([0.0, 60.0], self.income[minute as usize], &mut tally);
+                self.sleep([0.0, 60.0], self.income[minute as usize], &mut accumulator);
                 self.truth.switch();
                 off += 60;
                 continue;
@@ -261,12 +261,12 @@ impl Day {
             {
                 self.measure(&mut state, random);
             }
-            let harvested = self.minute(minute, &mut state, random, &mut tally);
+            let harvested = self.minute(minute, &mut state, random, &mut accumulator);
             self.budget.update(&mut state, 60, harvested as f32, 0.0);
             self.truth.switch();
         }
-        tally.left = (self.truth.energy - self.truth.lock_out).max(0.0) * self.truth.discharging;
-        tally
+        accumulator.left = (self.truth.energy - self.truth.lock_out).max(0.0) * self.truth.discharging;
+        accumulator
     }
 
     /// A minute of a node that is on; what its harvester brought, in joules.
@@ -275,14 +275,14 @@ impl Day {
         minute: u32,
         state: &mut BudgetState<f32, SLOTS>,
         random: &mut Random,
-        tally: &mut Tally,
+        accumulator: &mut EnergyAccumulator,
     ) -> f64 {
         let income = self.income[minute as usize];
         let (mut passed, mut harvested) = (0.0, 0.0);
         for _ in 0..4 {
             if random.next().is_multiple_of(4) {
                 let until = passed + random.between(0.0, 20.0);
-                harvested += self.sleep([passed, until], income, tally);
+                harvested += self.sleep([passed, until], income, accumulator);
                 passed = until;
             }
             let action = self.actions[(random.next() % self.actions.len() as u64) as usize];
@@ -295,7 +295,7 @@ impl Day {
                 break;
             }
             if !allowed {
-                tally.refused += 1;
+                accumulator.refused += 1;
                 continue;
             }
             let energy = f64::from(action.energy()) * random.between(self.thrift[0], self.thrift[1]);
@@ -307,7 +307,7 @@ impl Day {
                 taken: [[0.0, 0.1], [0.9, 1.0], [0.0, 1.0], [start, start + 0.1]]
                     [(random.next() % 4) as usize],
             };
-            harvested += self.act(&deed, income, passed, tally);
+            harvested += self.act(&deed, income, passed, accumulator);
             passed += deed.duration;
             let booked = if self.knowledge == Knowledge::Costs {
                 // Rounded to the budget's precision upwards.
@@ -317,11 +317,17 @@ impl Day {
             };
             self.budget.spend(state, booked);
         }
-        harvested + self.sleep([passed, 60.0], income, tally)
+        harvested + self.sleep([passed, 60.0], income, accumulator)
     }
 
     /// An action is carried out, in ten steps, `passed` seconds into the minute; what the harvester brought.
-    fn act(&mut self, deed: &Deed, income: [f64; 2], passed: f64, tally: &mut Tally) -> f64 {
+    fn act(
+        &mut self,
+        deed: &Deed,
+        income: [f64; 2],
+        passed: f64,
+        accumulator: &mut EnergyAccumulator,
+    ) -> f64 {
         let step = deed.duration / 10.0;
         let [begin, end] = deed.taken;
         let (mut harvested, mut lowest) = (0.0, f64::INFINITY);
@@ -334,19 +340,24 @@ impl Day {
             harvested += bringing * step;
             lowest = lowest.min(self.truth.energy);
         }
-        tally.started += 1;
-        tally.emptied += u32::from(lowest < self.truth.lock_out);
-        tally.spent += deed.energy + self.standing * deed.duration;
+        accumulator.started += 1;
+        accumulator.emptied += u32::from(lowest < self.truth.lock_out);
+        accumulator.spent += deed.energy + self.standing * deed.duration;
         harvested
     }
 
     /// Nothing is done from and until so many seconds of a minute, in ten steps; what the harvester brought.
-    fn sleep(&mut self, [from, until]: [f64; 2], income: [f64; 2], tally: &mut Tally) -> f64 {
+    fn sleep(
+        &mut self,
+        [from, until]: [f64; 2],
+        income: [f64; 2],
+        accumulator: &mut EnergyAccumulator,
+    ) -> f64 {
         let (step, mut harvested) = ((until - from) / 10.0, 0.0);
         for k in 0..10 {
             let bringing = power_within(from + f64::from(k) * step, step, income);
             if self.truth.on {
-                tally.spent += self.standing * step;
+                accumulator.spent += self.standing * step;
             }
             self.truth.advance(step, bringing, self.standing);
             harvested += bringing * step;
@@ -369,7 +380,7 @@ impl Day {
     }
 }
 
-fn days(seed: u64, count: u32, kind: Kind) -> Vec<Tally> {
+fn days(seed: u64, count: u32, kind: Kind) -> Vec<EnergyAccumulator> {
     (0..count)
         .map(|day| {
             let mut random = Random(seed.wrapping_add(u64::from(day) << 32));
@@ -380,11 +391,11 @@ fn days(seed: u64, count: u32, kind: Kind) -> Vec<Tally> {
 
 fn check_random_days(seed: u64, count: u32) {
     let tallies = days(seed, count, Kind::Any);
-    let sum = |of: fn(&Tally) -> u32| tallies.iter().map(|t| u64::from(of(t))).sum::<u64>();
+    let sum = |of: fn(&EnergyAccumulator) -> u32| tallies.iter().map(|t| u64::from(of(t))).sum::<u64>();
     let (started, refused) = (sum(|t| t.started), sum(|t| t.refused));
     println!("{count} days: {started} actions started, {refused} refused");
-    for (day, tally) in tallies.iter().enumerate() {
-        assert_eq!(tally.emptied, 0, "day {day}: {tally:?}");
+    for (day, accumulator) in tallies.iter().enumerate() {
+        assert_eq!(accumulator.emptied, 0, "day {day}: {accumulator:?}");
     }
     // That nothing is emptied says something only if much is started and much is refused.
     assert!(started > 100 * u64::from(count) && refused > 100 * u64::from(count));
@@ -406,7 +417,7 @@ fn no_action_empties_the_store_in_ten_thousand_random_days() {
 fn what_average_days_bring_is_spent() {
     let mut used: Vec<f64> = days(3, 100, Kind::Average)
         .iter()
-        .map(|tally| tally.spent / (tally.spendable - tally.left))
+        .map(|accumulator| accumulator.spent / (accumulator.spendable - accumulator.left))
         .collect();
     used.sort_by(f64::total_cmp);
     let mean = used.iter().sum::<f64>() / used.len() as f64;

@@ -1,6 +1,6 @@
-//! A node whose harvester is not what its model says finds out from the voltage of its store.
+//! A node whose harvester is not what its model says finds out from the voltage of its storage.
 //!
-//! The true store is simulated here in `f64`, in steps of a second by its differential equation for the
+//! The true storage is simulated here in `f64`, in steps of a second by its differential equation for the
 //! voltage; the estimator runs in `f32` and sees one 12-bit reading a minute.
 
 mod common;
@@ -34,7 +34,7 @@ struct Hour {
     seed: u64,
 }
 
-/// What became of it: `None` if the store left the range from 1.8 V to 4.8 V.
+/// What became of it: `None` if the storage left the range from 1.8 V to 4.8 V.
 #[derive(Debug, Clone, Copy)]
 struct Found {
     state: CorrectionState<f32>,
@@ -115,7 +115,7 @@ fn cells(hour: &Hour) -> f64 {
 
 #[test]
 fn a_harvester_off_by_a_factor_of_two_is_found_within_five_per_cent_in_an_hour() {
-    // Capacitance, true income, and the part of it that the load uses: the store moves by 4 cells or more.
+    // Capacitance, true income, and the part of it that the load uses: the storage moves by 4 cells or more.
     let nodes = [
         (47e-6, 0.05e-6, 0.0),
         (47e-6, 1e-6, 0.97),
@@ -305,7 +305,7 @@ fn a_gain_that_changes_is_followed_where_a_drift_is_allowed_for() {
 
 #[test]
 fn a_model_that_is_far_off_is_given_up_and_found_anew() {
-    // The gain has settled at 1; then the store is found far below, again and again: someone has exchanged it.
+    // The gain has settled at 1; then the storage is found far below, again and again: someone has exchanged it.
     let hour = Hour {
         capacitance: 1e-3,
         leakage_resistance: f64::INFINITY,

@@ -11,7 +11,7 @@ use model_core::excitation::{AfterLastSample, Sampled, Stream};
 use model_core::hybrid::{Driver, StepFailure};
 use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::scalar::Scalar;
-use model_core::scene::Followed;
+use model_core::scene::Resumable;
 use model_core::scene::bump_stop::{self, AnyContact, Restitution};
 use model_core::scene::sliding::PatchFriction;
 
@@ -19,14 +19,14 @@ const EVER: u32 = u32::MAX;
 
 fn settings<S: Scalar>(rate: f64) -> Settings<S> {
     Settings {
-        rate: S::literal(rate),
+        rate: S::from_f64(rate),
         format: SampleFormat::accelerations(S::INFINITY),
         longest_gap: 4,
         settling_seconds: S::ZERO,
     }
 }
 
-fn hybrid<S: Scalar, H: Followed<S, 3, 1>, M: Method<S>, C: StepControl<S>>(
+fn hybrid<S: Scalar, H: Resumable<S, 3, 1>, M: Method<S>, C: StepControl<S>>(
     scene: H,
     method: M,
     control: C,
@@ -36,7 +36,7 @@ fn hybrid<S: Scalar, H: Followed<S, 3, 1>, M: Method<S>, C: StepControl<S>>(
 
 /// The instants to which a stream of that many samples is known, one after the other.
 fn known<S: Scalar>(rate: f64, samples: &[S]) -> Vec<Instant> {
-    let mut stream = Stream::new(S::literal(rate), samples[0]).expect("valid");
+    let mut stream = Stream::new(S::from_f64(rate), samples[0]).expect("valid");
     let mut known = Vec::new();
     for &sample in &samples[1..] {
         stream.push(sample).expect("finite");
@@ -56,13 +56,13 @@ fn follow<S: Scalar, M: Model<S>>(estimator: &mut Estimator<S, M>, samples: &[S]
 
 fn same_bits_as_a_trace<S: Scalar, H, M, C>(scene: H, method: M, control: C, rate: f64, samples: &[S])
 where
-    H: Followed<S, 3, 1> + Copy,
+    H: Resumable<S, 3, 1> + Copy,
     M: Method<S> + Copy,
     C: StepControl<S> + Copy,
 {
     let mut estimator = Estimator::new(hybrid(scene, method, control), settings(rate)).expect("valid");
     let estimate = follow(&mut estimator, samples);
-    let trace = Sampled::new(samples, S::literal(rate), AfterLastSample::Silence).expect("valid");
+    let trace = Sampled::new(samples, S::from_f64(rate), AfterLastSample::Silence).expect("valid");
     let driver = Driver::new(method, control);
     let mut state = scene.at_rest(None, &trace, &control).expect("starts");
     let mut meter = PowerMeter::<S, 1>::new();
@@ -85,11 +85,11 @@ fn same_bits_of_the_hybrid_scenes<S: Scalar>() {
     for rate in [400.0, 333.3, 1600.0] {
         let count = (3.0 * rate) as u32;
         let samples = sine_samples::<S>(1.962, 20.0, rate, count);
-        let adaptive = Adaptive::new(S::literal(5e-2));
+        let adaptive = Adaptive::new(S::from_f64(5e-2));
         same_bits_as_a_trace(contact::<S>(), TrBdf2, adaptive, rate, &samples);
         let samples = sine_samples::<S>(0.36 * 9.81, 18.373, rate, count);
         same_bits_as_a_trace(slide::<S>(), TrBdf2, adaptive, rate, &samples);
-        let fixed = FixedStep::of_seconds(S::literal(1e-3));
+        let fixed = FixedStep::of_seconds(S::from_f64(1e-3));
         same_bits_as_a_trace(slide::<S>(), RungeKutta4, fixed, rate, &samples);
     }
 }
@@ -103,7 +103,7 @@ fn a_stream_gives_the_bits_of_a_whole_trace() {
 fn same_bits_of_bump_stop<S: Scalar>() {
     let contacts = [
         AnyContact::ResidualFlexibility,
-        AnyContact::Restitution(Restitution { coefficient: S::literal(0.6) }),
+        AnyContact::Restitution(Restitution { coefficient: S::from_f64(0.6) }),
     ];
     // At 200 kHz a short step is longer than a sample, and is cut.
     for (rate, seconds) in [(3200.0, 0.4), (4800.0, 0.4), (200_000.0, 0.02)] {
@@ -112,7 +112,7 @@ fn same_bits_of_bump_stop<S: Scalar>() {
             let samples = sine_samples::<S>(20.0, 220.0, rate, (seconds * rate) as u32);
             let mut estimator = Estimator::new(stepper, settings(rate)).expect("valid");
             let estimate = follow(&mut estimator, &samples);
-            let trace = Sampled::new(&samples, S::literal(rate), AfterLastSample::Silence).expect("valid");
+            let trace = Sampled::new(&samples, S::from_f64(rate), AfterLastSample::Silence).expect("valid");
             let mut state = stepper.scene().start(&bump_stop::Start::default(), &trace).expect("valid");
             let mut meter = PowerMeter::<S, 1>::new();
             for until in known(rate, &samples) {
@@ -417,7 +417,7 @@ fn settings_out_of_bounds_are_named() {
 }
 
 /// One run from rest: the energy in joules, and the figures for its error by step and by rounding.
-fn measured<S: Scalar, H: Followed<S, 3, 1>, C: StepControl<S>>(
+fn measured<S: Scalar, H: Resumable<S, 3, 1>, C: StepControl<S>>(
     scene: H,
     control: C,
     samples: &[S],
@@ -428,7 +428,7 @@ fn measured<S: Scalar, H: Followed<S, 3, 1>, C: StepControl<S>>(
 }
 
 /// The figure for the error by the step over the actual error, for each tolerance of a scene.
-fn step_figures<H: Followed<f64, 3, 1> + Copy>(name: &str, scene: H, samples: &[f64]) -> Vec<f64> {
+fn step_figures<H: Resumable<f64, 3, 1> + Copy>(name: &str, scene: H, samples: &[f64]) -> Vec<f64> {
     let [exact, ..] = measured(scene, Adaptive::new(1e-6), samples);
     let mut ratios = Vec::new();
     for tolerance in [1e-1, 5e-2, 1e-2, 1e-3, 1e-4] {

@@ -37,16 +37,16 @@ impl<S: Scalar> Problem<S, 2> for Graze {
     type Mode = Side;
 
     fn rate(&self, _side: Side, y: &[S; 2], _input: S) -> [S; 2] {
-        let (pace, stiffness) = (S::literal(PACE), S::literal(self.stiffness));
+        let (pace, stiffness) = (S::from_f64(PACE), S::from_f64(self.stiffness));
         [pace * y[1], pace * (-stiffness * y[0] - (S::ONE - stiffness))]
     }
 
     fn jacobian(&self, _side: Side, _y: &[S; 2], _input: S) -> [[S; 2]; 2] {
-        [[S::ZERO, S::literal(PACE)], [-S::literal(PACE * self.stiffness), S::ZERO]]
+        [[S::ZERO, S::from_f64(PACE)], [-S::from_f64(PACE * self.stiffness), S::ZERO]]
     }
 
     fn angular_frequency(&self) -> S {
-        S::literal(PACE)
+        S::from_f64(PACE)
     }
 
     fn sizes(&self, _side: Side, _y: &[S; 2]) -> [S; 2] {
@@ -59,8 +59,8 @@ impl<S: Scalar> Problem<S, 2> for Graze {
 
     fn guard(&self, side: Side, _index: usize, _armed: bool, y: &[S; 2], rate: &[S; 2]) -> [S; 2] {
         match side {
-            Side::Below => [S::literal(self.wall) - y[0], -rate[0]],
-            Side::Above => [y[0] - S::literal(self.wall), rate[0]],
+            Side::Below => [S::from_f64(self.wall) - y[0], -rate[0]],
+            Side::Above => [y[0] - S::from_f64(self.wall), rate[0]],
         }
     }
 
@@ -77,8 +77,8 @@ fn pass<S: Scalar>(graze: Graze, method: impl Method<S>, phase: f64, step: f64) 
     } else {
         [phase.cos(), -phase.sin()]
     };
-    let control = FixedStep::of_seconds(S::literal(step / PACE));
-    let mut run = Run::start(graze, Side::Below, start.map(S::literal), Silence, method, control);
+    let control = FixedStep::of_seconds(S::from_f64(step / PACE));
+    let mut run = Run::start(graze, Side::Below, start.map(S::from_f64), Silence, method, control);
     let work = run.to((step - 2.0 * phase) / PACE).expect("smooth");
     assert!(work.steps + work.locating < 100, "{work:?}");
     run.log.times().into_iter().map(|t| PACE * t + phase).collect()
@@ -95,7 +95,7 @@ fn phases(crossing: f64) -> impl Iterator<Item = f64> {
 
 /// Grazes of which both crossings were found, of [`PHASES`], and the largest error of their phases.
 fn sweep<S: Scalar>(stiffness: f64, depth: f64, method: impl Method<S> + Copy) -> (i32, f64) {
-    let graze = Graze { stiffness, wall: S::literal(1.0 - depth).to_f64() };
+    let graze = Graze { stiffness, wall: S::from_f64(1.0 - depth).to_f64() };
     let depth = 1.0 - graze.wall;
     let crossing = if stiffness == 0.0 { (2.0 * depth.max(0.0)).sqrt() } else { graze.wall.min(1.0).acos() };
     let (mut found, mut worst) = (0, 0.0_f64);
@@ -174,7 +174,7 @@ impl<S: Scalar> Problem<S, 1> for Walk<'_> {
     type Mode = u32;
 
     fn rate(&self, _passed: u32, _y: &[S; 1], _input: S) -> [S; 1] {
-        [S::literal(PACE)]
+        [S::from_f64(PACE)]
     }
 
     fn jacobian(&self, _passed: u32, _y: &[S; 1], _input: S) -> [[S; 1]; 1] {
@@ -182,7 +182,7 @@ impl<S: Scalar> Problem<S, 1> for Walk<'_> {
     }
 
     fn angular_frequency(&self) -> S {
-        S::literal(PACE)
+        S::from_f64(PACE)
     }
 
     fn sizes(&self, _passed: u32, _y: &[S; 1]) -> [S; 1] {
@@ -197,7 +197,7 @@ impl<S: Scalar> Problem<S, 1> for Walk<'_> {
         if passed & (1 << index) != 0 {
             return [S::ONE, S::ZERO];
         }
-        let [value, slope] = self.fences[index](y[0].to_f64()).map(S::literal);
+        let [value, slope] = self.fences[index](y[0].to_f64()).map(S::from_f64);
         [value, slope * rate[0]]
     }
 
@@ -208,7 +208,7 @@ impl<S: Scalar> Problem<S, 1> for Walk<'_> {
 
 /// Guards and positions, in order, at which a walk from −1 to 1 in one step passes the fences.
 fn walk<S: Scalar>(fences: &[fn(f64) -> [f64; 2]], method: impl Method<S>) -> Vec<(usize, f64)> {
-    let control = FixedStep::of_seconds(S::literal(2.0 / PACE));
+    let control = FixedStep::of_seconds(S::from_f64(2.0 / PACE));
     let mut run = Run::start(Walk { fences }, 0, [-S::ONE], Silence, method, control);
     let work = run.to(2.0 / PACE).expect("smooth");
     assert!(work.steps + work.locating < 30 * (1 + fences.len() as u32), "{work:?}");

@@ -24,15 +24,15 @@ impl<S: Scalar> Problem<S, 1> for ProtheroRobinson {
     type Mode = ();
 
     fn rate(&self, (): (), y: &[S; 1], input: S) -> [S; 1] {
-        [S::literal(PACE * self.lambda) * y[0] + input]
+        [S::from_f64(PACE * self.lambda) * y[0] + input]
     }
 
     fn jacobian(&self, (): (), _y: &[S; 1], _input: S) -> [[S; 1]; 1] {
-        [[S::literal(PACE * self.lambda)]]
+        [[S::from_f64(PACE * self.lambda)]]
     }
 
     fn angular_frequency(&self) -> S {
-        S::literal(PACE)
+        S::from_f64(PACE)
     }
 
     fn sizes(&self, (): (), _y: &[S; 1]) -> [S; 1] {
@@ -46,7 +46,7 @@ fn prothero_robinson<S: Scalar>(lambda: f64, offset: f64, control: impl StepCont
         let t = PACE * clock;
         PACE * (-lambda * t.cos() - t.sin())
     });
-    let start = [S::ONE + S::literal(offset)];
+    let start = [S::ONE + S::from_f64(offset)];
     let mut run = Run::start(ProtheroRobinson { lambda }, (), start, input, TrBdf2, control);
     let work = run.to(10.0 / PACE).expect("smooth");
     ((run.entry(0) - 10f64.cos()).abs(), work.steps + work.rejected)
@@ -80,7 +80,7 @@ fn prothero_robinson_a_stiff_component_does_not_throttle_the_step() {
     let attempts = |lambda: f64, tolerance: f64| {
         let (double, attempts) = prothero_robinson::<f64>(lambda, 0.0, Adaptive::new(tolerance));
         let (single, single_attempts) =
-            prothero_robinson::<f32>(lambda, 0.0, Adaptive::new(f32::literal(tolerance)));
+            prothero_robinson::<f32>(lambda, 0.0, Adaptive::new(f32::from_f64(tolerance)));
         println!(
             "PR {lambda:.0e} tolerance {tolerance:.0e}: f64 {double:.2e} in {attempts}, f32 {single:.2e} in {single_attempts}"
         );

@@ -2,19 +2,19 @@
 
 mod bridge;
 
-use bridge::{WHOLE, adaptive, behind, fixed, pad, run, sine, slider, store};
+use bridge::{WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage};
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, Event, HybridState, Observer, Span};
 use model_core::integrate::{AnyStepControl, Method, TrBdf2};
 use model_core::part::force_law::AnyForceLaw;
-use model_core::part::store::{Capacitor, DcBus, Reservoir};
+use model_core::part::storage::{Capacitor, DcBus, StorageElement};
 use model_core::scalar::Scalar;
-use model_core::scene::rectified::{BridgeRegime, FullBridge, Mode, Rectified, STATES, Terminals};
+use model_core::scene::rectified::{BridgeRegime, ElectricalPort, FullBridge, Mode, Rectified, STATES};
 use model_core::scene::{Harvester, contact_separation as contact, sliding};
 
-/// What is left over in the ledgers of a run, relative: the sum of mechanics and field, and the store.
+/// What is left over in the ledgers of a run, relative: the sum of mechanics and field, and the storage.
 fn residuals<S, H, R, M, E>(
     scene: &Rectified<S, H, R>,
     start: &H::Start,
@@ -24,8 +24,8 @@ fn residuals<S, H, R, M, E>(
 ) -> [f64; 2]
 where
     S: Scalar,
-    H: Terminals<S>,
-    R: Reservoir<S>,
+    H: ElectricalPort<S>,
+    R: StorageElement<S>,
     M: Method<S>,
     E: Excitation<S>,
 {
@@ -34,7 +34,7 @@ where
     run(scene, start, shaking, driver, seconds, &mut ledger);
     let left = ledger.residual();
     let scale = left.scale.to_f64();
-    [(left.mechanical + left.electrical).to_f64() / scale, left.store.to_f64() / scale].map(f64::abs)
+    [(left.mechanical + left.electrical).to_f64() / scale, left.storage.to_f64() / scale].map(f64::abs)
 }
 
 /// The mean order by which errors fall at each halving of the step.
@@ -45,8 +45,8 @@ fn order(errors: &[f64]) -> f64 {
 
 #[test]
 fn ledgers_close_at_second_order() {
-    let pad = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), store(1e-7, 1.0), 0.3);
-    let slider = behind(slider::<f64>(f64::INFINITY), store(1e-7, 1.0), 0.3);
+    let pad = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage(1e-7, 1.0), 0.3);
+    let slider = behind(slider::<f64>(f64::INFINITY), storage(1e-7, 1.0), 0.3);
     let divisions = [800.0, 1600.0, 3200.0, 6400.0];
     let of_pad = divisions.map(|division| {
         let driver = Driver::new(TrBdf2, fixed(0.05 / division));
@@ -57,19 +57,19 @@ fn ledgers_close_at_second_order() {
         residuals(&slider, &sliding::Start::default(), &sine(0.36, 18.373), &driver, 1.0)
     });
     for (name, found) in [("contact", of_pad), ("sliding", of_slider)] {
-        let [harvester, store] = [0, 1].map(|which| found.map(|residuals| residuals[which]));
-        println!("{name}: harvester {harvester:?}, order {:.2}; store {store:?}", order(&harvester));
+        let [harvester, storage] = [0, 1].map(|which| found.map(|residuals| residuals[which]));
+        println!("{name}: harvester {harvester:?}, order {:.2}; storage {storage:?}", order(&harvester));
         assert!((1.7..=2.3).contains(&order(&harvester)), "{name}: {harvester:?}");
         assert!(harvester[3] < 1e-6, "{name}: {harvester:?}");
-        // What enters the store follows from the charge that has passed: only what leaks is a quadrature.
-        assert!(store.iter().all(|residual| *residual < 1e-9), "{name}: {store:?}");
+        // What enters the storage follows from the charge that has passed: only what leaks is a quadrature.
+        assert!(storage.iter().all(|residual| *residual < 1e-9), "{name}: {storage:?}");
     }
 }
 
 #[test]
 fn ledgers_close_in_single_precision_too() {
-    let pad = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::GapField), store(1e-7, 1.0), 0.3);
-    let slider = behind(slider::<f32>(f64::INFINITY), store(1e-7, 1.0), 0.3);
+    let pad = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::GapField), storage(1e-7, 1.0), 0.3);
+    let slider = behind(slider::<f32>(f64::INFINITY), storage(1e-7, 1.0), 0.3);
     let driver = Driver::new(TrBdf2, fixed(1.5e-5));
     let of_pad = residuals(&pad, &contact::Start::default(), &sine(0.2, 20.5), &driver, 3.0);
     let of_slider = residuals(&slider, &sliding::Start::default(), &sine(0.36, 18.373), &driver, 3.0);
@@ -95,21 +95,21 @@ impl<'a, H, R> Regimes<'a, H, R> {
 
 impl<H, R, Q> Observer<f64, Mode<Q>, STATES, WHOLE> for Regimes<'_, H, R>
 where
-    H: Terminals<f64> + Automaton<f64, 3, 0, Mode = Q>,
-    R: Reservoir<f64>,
+    H: ElectricalPort<f64> + Automaton<f64, 3, 0, Mode = Q>,
+    R: StorageElement<f64>,
     Q: Copy,
 {
     fn step(&mut self, span: &Span<'_, f64, Mode<Q>, STATES, WHOLE>) {
         let (mode, state) = (span.mode, &span.end.state);
         let [position, velocity, charge] = self.scene.harvester_state(mode, state);
-        let store = self.scene.store_voltage(mode, state);
-        let threshold = self.scene.bridge().threshold(store);
-        let terminal = self.scene.harvester().terminal_voltage(mode.inner, position, charge);
+        let storage = self.scene.storage_voltage(mode, state);
+        let threshold = self.scene.bridge().threshold(storage);
+        let terminal = self.scene.harvester().port_voltage(mode.inner, position, charge);
         // A step that ends a regime ends a tick or two beyond it.
         let rounding = 1e-13 * terminal.magnitude + 2e-12 * (terminal.by_position * velocity).abs();
-        // Nothing leaks, nothing is drawn: the store never falls by more than the end of a regime is late.
-        assert!(store >= self.highest * (1.0 - 1e-8), "{store} {}", self.highest);
-        self.highest = store.max(self.highest);
+        // Nothing leaks, nothing is drawn: the storage never falls by more than the end of a regime is late.
+        assert!(storage >= self.highest * (1.0 - 1e-8), "{storage} {}", self.highest);
+        self.highest = storage.max(self.highest);
         match mode.regime {
             BridgeRegime::Blocked => {
                 self.steps[0] += 1;
@@ -134,7 +134,7 @@ where
         let [before, after] =
             [(event.before, event.reached), (event.after, event.left)].map(|(mode, point)| {
                 let [_, _, charge] = self.scene.harvester_state(mode, &point.state);
-                (charge, self.scene.store_voltage(mode, &point.state))
+                (charge, self.scene.storage_voltage(mode, &point.state))
             });
         assert!((before.0 - after.0).abs() <= 1e-7 * before.0.abs().max(1.0), "{before:?} {after:?}");
         assert!((before.1 - after.1).abs() <= 1e-7 * before.1, "{before:?} {after:?}");
@@ -143,7 +143,7 @@ where
 
 #[test]
 fn each_regime_is_what_it_says() {
-    let tight = || Capacitor { leakage_ohms: f64::INFINITY, ..store(1e-8, 1.0) };
+    let tight = || Capacitor { leakage_ohms: f64::INFINITY, ..storage(1e-8, 1.0) };
     let driver = Driver::new(TrBdf2, adaptive(1e-4));
     let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::TransferredCharge), tight(), 0.3);
     let mut regimes = Regimes::of(&scene);
@@ -159,7 +159,7 @@ fn each_regime_is_what_it_says() {
 
 #[test]
 fn the_bits_do_not_depend_on_how_a_run_is_divided() {
-    let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::GapField), store(1e-8, 1.0), 0.3);
+    let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::GapField), storage(1e-8, 1.0), 0.3);
     let shaking = sine::<f32>(0.2, 20.0);
     let whole = Driver::new(TrBdf2, adaptive(1e-3));
     let expected = run(&scene, &contact::Start::default(), &shaking, &whole, 2.0, &mut ());
@@ -173,13 +173,13 @@ fn the_bits_do_not_depend_on_how_a_run_is_divided() {
     assert_eq!(found, expected);
 }
 
-/// A large store in `f32`: each conduction brings it less than a rounding of its voltage.
+/// A large storage in `f32`: each conduction brings it less than a rounding of its voltage.
 #[test]
 fn a_supercapacitor_fills_in_single_precision() {
     let shaking = (sine::<f64>(0.2, 20.0), sine::<f32>(0.2, 20.0));
     let law = AnyForceLaw::TransferredCharge;
-    let double = behind(pad::<f64>(f64::INFINITY, law), store(1.0, 3.0), 0.3);
-    let single = behind(pad::<f32>(f64::INFINITY, law), store(1.0, 3.0), 0.3);
+    let double = behind(pad::<f64>(f64::INFINITY, law), storage(1.0, 3.0), 0.3);
+    let single = behind(pad::<f32>(f64::INFINITY, law), storage(1.0, 3.0), 0.3);
     let start = (contact::Start::default(), contact::Start::default());
     let (mut exact, mut meter) = (RunMeter::new(&double), RunMeter::new(&single));
     let end = run(&double, &start.0, &shaking.0, &Driver::new(TrBdf2, fixed(1e-5)), 4.0, &mut exact);
@@ -190,10 +190,10 @@ fn a_supercapacitor_fills_in_single_precision() {
     assert!((in_single / gained - 1.0).abs() < 1e-3);
     // What leaks in 4 s through a gigaohm at 3 V is 36 nJ.
     assert!(((gained + 4.0 * 9.0 / 1e9) / exact.delivered_energy() - 1.0).abs() < 1e-4);
-    assert!(single.store_voltage(found.mode, &found.point.state) - 3.0 < 1e-5);
+    assert!(single.storage_voltage(found.mode, &found.point.state) - 3.0 < 1e-5);
 }
 
-/// Energy in J that the store of a scene has gained since `volts`.
+/// Energy in J that the storage of a scene has gained since `volts`.
 trait Gain<S, M> {
     fn store_gain_from(&self, state: &HybridState<S, M, STATES, WHOLE>, volts: f64) -> f64;
 }
@@ -204,15 +204,15 @@ where
     M: Copy,
 {
     fn store_gain_from(&self, state: &HybridState<S, M, STATES, WHOLE>, volts: f64) -> f64 {
-        let voltage = self.compensated_store_voltage(state.mode, &state.point);
-        self.store_gain([S::literal(volts), S::ZERO], voltage).expect("a store").to_f64()
+        let voltage = self.compensated_storage_voltage(state.mode, &state.point);
+        self.storage_gain([S::from_f64(volts), S::ZERO], voltage).expect("a storage").to_f64()
     }
 }
 
 #[test]
 fn what_is_out_of_bounds_is_refused_by_name() {
     let law = AnyForceLaw::GapField;
-    let bridge = |diode_drop| FullBridge { diode_drop, reservoir: DcBus { volts: 5.0_f64 } };
+    let bridge = |diode_drop| FullBridge { diode_drop, storage: DcBus { volts: 5.0_f64 } };
     let field = |found: Result<_, model_core::scene::ParameterError<f64>>| {
         found.err().map(|error| (error.field, error.value))
     };
@@ -236,9 +236,9 @@ fn derivatives_of_the_terminal_voltage_are_those_of_its_values() {
     }
 }
 
-fn derivatives<H: Terminals<f64>>(harvester: &H, mode: H::Mode, position: f64, step: f64) {
+fn derivatives<H: ElectricalPort<f64>>(harvester: &H, mode: H::Mode, position: f64, step: f64) {
     for charge in [-0.05, 0.0, 0.1] {
-        let at = |position, charge| harvester.terminal_voltage(mode, position, charge);
+        let at = |position, charge| harvester.port_voltage(mode, position, charge);
         let [here, before, after] = [0.0, -step, step].map(|shift| at(position + shift, charge));
         let more = at(position, charge + 1.0);
         let close = |what: &str, found: f64, expected: f64, scale: f64| {

@@ -2,14 +2,14 @@
 
 mod bridge;
 
-use bridge::{VACUUM_PERMITTIVITY, WHOLE, adaptive, behind, fixed, pad, run, sine, slider, store};
+use bridge::{VACUUM_PERMITTIVITY, WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage};
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, RunMeter};
 use model_core::hybrid::Driver;
 use model_core::integrate::{RungeKutta4, TrBdf2};
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
 use model_core::part::force_law::AnyForceLaw;
-use model_core::part::store::{Capacitor, DcBus};
+use model_core::part::storage::{Capacitor, DcBus};
 use model_core::scene::{account, contact_separation as contact, sliding};
 
 /// A bus and diodes without voltage short the terminals: the charge follows the position as at 0 Ω.
@@ -149,13 +149,13 @@ fn an_explicit_method_finds_the_same_of_the_slider() {
     assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
 }
 
-/// A harvester that starts charged beyond the threshold shares its charge with the store at once: what the field
-/// gives is in the store or lost in the diodes.
+/// A harvester that starts charged beyond the threshold shares its charge with the storage at once: what the field
+/// gives is in the storage or lost in the diodes.
 #[test]
 fn a_charge_beyond_the_threshold_is_shared_at_once() {
     let (volts, farads, gap) = (10.0, 1e-11, 3e-3);
-    let reservoir = Capacitor { leakage_ohms: f64::INFINITY, ..store(farads, 1.0) };
-    let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), reservoir, 0.3);
+    let storage = Capacitor { leakage_ohms: f64::INFINITY, ..storage(farads, 1.0) };
+    let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage, 0.3);
     let distance = gap + 5e-5 / 2.0;
     let capacitance = VACUUM_PERMITTIVITY * 4e-4 / distance;
     let charge = 50e-6 * 4e-4 * gap / distance - capacitance * volts;
@@ -165,19 +165,19 @@ fn a_charge_beyond_the_threshold_is_shared_at_once() {
     let opening = scene.start::<_, _, WHOLE>(&start, &still, &driver.control).expect("in bounds");
     let mut ledger = Ledger::open(&scene, &opening);
     let end = run(&scene, &start, &still, &driver, 1e-8, &mut ledger);
-    // The capacitance at the terminals and the store's, joined from 10 V and 1.6 V.
+    // The capacitance at the terminals and the storage's, joined from 10 V and 1.6 V.
     let joined = capacitance + 1e-12;
     let passed = (volts - 1.6) * joined * farads / (joined + farads);
     let (delivered, lost) = (passed * (1.0 + 0.5 * passed / farads), passed * (0.6 + 0.5 * (volts - 1.6)));
     let found = [account::LOAD, account::DIODES].map(|entry| ledger.integrals().integral(entry));
     println!("{found:?} J, expected {delivered:e} J and {lost:e} J");
-    assert!((scene.store_voltage(end.mode, &end.point.state) - 1.0 - passed / farads).abs() < 1e-6);
+    assert!((scene.storage_voltage(end.mode, &end.point.state) - 1.0 - passed / farads).abs() < 1e-6);
     assert!((found[0] / delivered - 1.0).abs() < 1e-6 && (found[1] / lost - 1.0).abs() < 1e-6);
     let residual = ledger.residual();
-    assert!(residual.electrical.abs().max(residual.store.abs()) < 1e-6 * delivered, "{residual:?}");
+    assert!(residual.electrical.abs().max(residual.storage.abs()) < 1e-6 * delivered, "{residual:?}");
 }
 
-/// A store with a draw and a harvester at rest: how long it lasts is known in closed form.
+/// A storage with a draw and a harvester at rest: how long it lasts is known in closed form.
 #[test]
 fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
     let lockout = Lockout { turn_on: 3.0, turn_off: 2.0 };
@@ -193,8 +193,8 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
     let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive(1e-6)) };
     let still = sine::<f64>(0.0, 20.0);
     for (draw, seconds) in draws {
-        let reservoir = Capacitor { farads, leakage_ohms: f64::INFINITY, initial_voltage: full, draw };
-        let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), reservoir, 0.3);
+        let storage = Capacitor { farads, leakage_ohms: f64::INFINITY, initial_voltage: full, draw };
+        let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage, 0.3);
         let mut state = scene
             .start::<_, _, WHOLE>(&contact::Start::default(), &still, &driver.control)
             .expect("in bounds");
@@ -210,8 +210,8 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
     }
     // Charged from below: connected at each rise to the upper voltage, and not before.
     let draw = PowerDraw { watts: 2e-4, lockout };
-    let reservoir = Capacitor { farads: 2e-8, leakage_ohms: f64::INFINITY, initial_voltage: 2.5, draw };
-    let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::TransferredCharge), single(reservoir), 0.3);
+    let storage = Capacitor { farads: 2e-8, leakage_ohms: f64::INFINITY, initial_voltage: 2.5, draw };
+    let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::TransferredCharge), single(storage), 0.3);
     let shaking = sine::<f32>(0.2, 20.0);
     let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive::<f32>(1e-4)) };
     let mut state =
@@ -225,7 +225,7 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
         if state.mode.connected != before {
             toggles += 1;
             let level = if before { 2.0 } else { 3.0 };
-            let volts = scene.store_voltage(state.mode, &state.point.state);
+            let volts = scene.storage_voltage(state.mode, &state.point.state);
             assert!((volts - level).abs() < 1e-5, "{volts} {level}");
         }
     }
@@ -233,14 +233,14 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
     assert!(toggles > 10);
 }
 
-fn single(store: Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f32, PowerDraw<f32>> {
-    let Lockout { turn_on, turn_off } = store.draw.lockout;
+fn single(storage: Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f32, PowerDraw<f32>> {
+    let Lockout { turn_on, turn_off } = storage.draw.lockout;
     Capacitor {
-        farads: store.farads as f32,
+        farads: storage.farads as f32,
         leakage_ohms: f32::INFINITY,
-        initial_voltage: store.initial_voltage as f32,
+        initial_voltage: storage.initial_voltage as f32,
         draw: PowerDraw {
-            watts: store.draw.watts as f32,
+            watts: storage.draw.watts as f32,
             lockout: Lockout { turn_on: turn_on as f32, turn_off: turn_off as f32 },
         },
     }

@@ -32,7 +32,7 @@ struct Latched;
 
 impl Latched {
     fn margin<S: Scalar>() -> S {
-        S::literal(64.0 * STOP) * S::EPSILON
+        S::from_f64(64.0 * STOP) * S::EPSILON
     }
 }
 
@@ -41,7 +41,9 @@ impl<S: Scalar> Problem<S, 3> for Latched {
 
     fn rate(&self, mode: Mode, y: &[S; 3], input: S) -> [S; 3] {
         match mode {
-            Mode::Free => [y[1], input - S::literal(DAMPING) * y[1] - S::literal(STIFFNESS) * y[0], S::ZERO],
+            Mode::Free => {
+                [y[1], input - S::from_f64(DAMPING) * y[1] - S::from_f64(STIFFNESS) * y[0], S::ZERO]
+            }
             Mode::Held => [S::ZERO, S::ZERO, -S::ONE],
         }
     }
@@ -50,17 +52,17 @@ impl<S: Scalar> Problem<S, 3> for Latched {
         let mut jacobian = [[S::ZERO; 3]; 3];
         if mode == Mode::Free {
             jacobian[0][1] = S::ONE;
-            jacobian[1] = [-S::literal(STIFFNESS), -S::literal(DAMPING), S::ZERO];
+            jacobian[1] = [-S::from_f64(STIFFNESS), -S::from_f64(DAMPING), S::ZERO];
         }
         jacobian
     }
 
     fn angular_frequency(&self) -> S {
-        S::literal(100.0)
+        S::from_f64(100.0)
     }
 
     fn sizes(&self, _mode: Mode, _y: &[S; 3]) -> [S; 3] {
-        [S::literal(STOP), S::literal(100.0 * STOP), S::literal(HOLD)]
+        [S::from_f64(STOP), S::from_f64(100.0 * STOP), S::from_f64(HOLD)]
     }
 
     fn power(&self, _mode: Mode, y: &[S; 3]) -> S {
@@ -75,25 +77,25 @@ impl<S: Scalar> Problem<S, 3> for Latched {
         match mode {
             Mode::Free => {
                 let lowered = if armed { S::ZERO } else { Self::margin() };
-                [y[0] + S::literal(STOP) + lowered, rate[0]]
+                [y[0] + S::from_f64(STOP) + lowered, rate[0]]
             }
             Mode::Held => [y[2], rate[2]],
         }
     }
 
     fn rearms(&self, mode: Mode, y: &[S; 3]) -> bool {
-        mode == Mode::Held || y[1] > S::ZERO && y[0] + S::literal(STOP) > Self::margin()
+        mode == Mode::Held || y[1] > S::ZERO && y[0] + S::from_f64(STOP) > Self::margin()
     }
 
     fn leap(&self, mode: Mode, _index: usize, y: &[S; 3]) -> Leap<S, Mode, 3> {
-        let rest = -S::literal(STOP);
+        let rest = -S::from_f64(STOP);
         match mode {
             // A slow impact is caught, a fast one rebounds.
-            Mode::Free if y[1] > -S::literal(3.0) => {
-                Leap { mode: Mode::Held, state: [rest, S::ZERO, S::literal(HOLD)], armed: true }
+            Mode::Free if y[1] > -S::from_f64(3.0) => {
+                Leap { mode: Mode::Held, state: [rest, S::ZERO, S::from_f64(HOLD)], armed: true }
             }
             Mode::Free => {
-                Leap { mode: Mode::Free, state: [rest, -S::literal(0.6) * y[1], S::ZERO], armed: true }
+                Leap { mode: Mode::Free, state: [rest, -S::from_f64(0.6) * y[1], S::ZERO], armed: true }
             }
             Mode::Held => Leap { mode: Mode::Free, state: [rest, S::ZERO, S::ZERO], armed: false },
         }
@@ -175,8 +177,8 @@ fn budgets_and_pauses_do_not_change_a_bit() {
 fn after_release<S: Scalar>(push: f64) -> Option<f64> {
     let machine = Machine(Latched);
     let input = Given(move |_| push);
-    let control = Adaptive::new(S::literal(1e-4));
-    let start = [-S::literal(STOP), S::ZERO, S::literal(HOLD)];
+    let control = Adaptive::new(S::from_f64(1e-4));
+    let start = [-S::from_f64(STOP), S::ZERO, S::from_f64(HOLD)];
     let mut state = HybridState::start(&machine, Mode::Held, start, &input, &control);
     let driver = Driver::new(TrBdf2, control);
     let mut log = Log::new();

@@ -16,7 +16,7 @@ fn attempts<S: Scalar>(acceleration: f64, hertz: f64, seconds: f64) -> u32
 where
     Polynomial: Mathematics<S>,
 {
-    let number = S::literal;
+    let number = S::from_f64;
     let parameters = Parameters::<S, AnyParts> {
         beam_length: number(0.1),
         beam_width: number(0.02),

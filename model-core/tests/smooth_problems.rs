@@ -32,19 +32,19 @@ impl<S: Scalar> Problem<S, 2> for Oscillator {
     type Mode = ();
 
     fn rate(&self, (): (), y: &[S; 2], input: S) -> [S; 2] {
-        [y[1], input - S::literal(DAMPING) * y[1] - S::literal(OWN * OWN) * y[0]]
+        [y[1], input - S::from_f64(DAMPING) * y[1] - S::from_f64(OWN * OWN) * y[0]]
     }
 
     fn jacobian(&self, (): (), _y: &[S; 2], _input: S) -> [[S; 2]; 2] {
-        [[S::ZERO, S::ONE], [-S::literal(OWN * OWN), -S::literal(DAMPING)]]
+        [[S::ZERO, S::ONE], [-S::from_f64(OWN * OWN), -S::from_f64(DAMPING)]]
     }
 
     fn angular_frequency(&self) -> S {
-        S::literal(FORCED)
+        S::from_f64(FORCED)
     }
 
     fn sizes(&self, (): (), _y: &[S; 2]) -> [S; 2] {
-        [S::ONE, S::literal(FORCED)]
+        [S::ONE, S::from_f64(FORCED)]
     }
 
     fn power(&self, (): (), y: &[S; 2]) -> S {
@@ -55,7 +55,7 @@ impl<S: Scalar> Problem<S, 2> for Oscillator {
 /// Errors of the state after two periods, and of the mean square velocity over them.
 fn oscillator_errors<S: Scalar>(method: impl Method<S>, steps_per_period: u32) -> [f64; 2] {
     let period = core::f64::consts::TAU / FORCED;
-    let control = FixedStep::of_seconds(S::literal(period / f64::from(steps_per_period)));
+    let control = FixedStep::of_seconds(S::from_f64(period / f64::from(steps_per_period)));
     let mut run = Run::start(Oscillator, (), [S::ONE, S::ZERO], Given(force), method, control);
     let end = 2.0 * period;
     run.to(end).expect("smooth");
@@ -105,31 +105,31 @@ impl<S: Scalar> Problem<S, 2> for VanDerPol {
     type Mode = ();
 
     fn rate(&self, (): (), y: &[S; 2], _input: S) -> [S; 2] {
-        let (stiff, pace) = (S::literal(self.per_epsilon), S::literal(self.pace));
+        let (stiff, pace) = (S::from_f64(self.per_epsilon), S::from_f64(self.pace));
         [pace * y[1], pace * (stiff * ((S::ONE - y[0] * y[0]) * y[1] - y[0]))]
     }
 
     fn jacobian(&self, (): (), y: &[S; 2], _input: S) -> [[S; 2]; 2] {
-        let (stiff, pace) = (S::literal(self.per_epsilon), S::literal(self.pace));
-        let by_position = -(S::literal(2.0) * y[0] * y[1] + S::ONE);
+        let (stiff, pace) = (S::from_f64(self.per_epsilon), S::from_f64(self.pace));
+        let by_position = -(S::from_f64(2.0) * y[0] * y[1] + S::ONE);
         [[S::ZERO, pace], [pace * stiff * by_position, pace * stiff * (S::ONE - y[0] * y[0])]]
     }
 
     fn angular_frequency(&self) -> S {
-        S::literal(self.pace)
+        S::from_f64(self.pace)
     }
 
     fn sizes(&self, (): (), y: &[S; 2]) -> [S; 2] {
         // y2 is of order one on the slow branches and 1/ε in the jumps between them.
-        [S::ONE, S::ONE + y[1].absolute()]
+        [S::ONE, S::ONE + y[1].abs()]
     }
 }
 
 /// Error of `y1` at `t = 2`, from `(2, 0)`, with the steps it took.
 fn van_der_pol_error<S: Scalar>(epsilon: f64, pace: f64, tolerance: f64, reference: [f64; 2]) -> (f64, u32) {
     let problem = VanDerPol { per_epsilon: 1.0 / epsilon, pace };
-    let control = Adaptive::new(S::literal(tolerance));
-    let mut run = Run::start(problem, (), [S::literal(2.0), S::ZERO], Silence, TrBdf2, control);
+    let control = Adaptive::new(S::from_f64(tolerance));
+    let mut run = Run::start(problem, (), [S::from_f64(2.0), S::ZERO], Silence, TrBdf2, control);
     let work = run.to(2.0 / problem.pace).expect("smooth");
     let errors = [0, 1].map(|i| (run.entry(i) - reference[i]).abs());
     println!(
@@ -200,25 +200,25 @@ impl<S: Scalar> Problem<S, 3> for Robertson {
     type Mode = usize;
 
     fn rate(&self, _roots: usize, y: &[S; 3], input: S) -> [S; 3] {
-        let forward = S::literal(0.04) * y[0] - S::literal(1e4) * y[1] * y[2];
-        let third = S::literal(3e7) * y[1] * y[1];
+        let forward = S::from_f64(0.04) * y[0] - S::from_f64(1e4) * y[1] * y[2];
+        let third = S::from_f64(3e7) * y[1] * y[1];
         [-input * forward, input * (forward - third), input * third]
     }
 
     fn jacobian(&self, _roots: usize, y: &[S; 3], input: S) -> [[S; 3]; 3] {
-        let (a, b, c) = (S::literal(0.04), S::literal(1e4) * y[2], S::literal(1e4) * y[1]);
-        let d = S::literal(6e7) * y[1];
+        let (a, b, c) = (S::from_f64(0.04), S::from_f64(1e4) * y[2], S::from_f64(1e4) * y[1]);
+        let d = S::from_f64(6e7) * y[1];
         [[-a, b, c], [a, -b - d, -c], [S::ZERO, d, S::ZERO]].map(|row| row.map(|entry| input * entry))
     }
 
     fn angular_frequency(&self) -> S {
-        S::literal(LOG_PACE)
+        S::from_f64(LOG_PACE)
     }
 
     fn sizes(&self, _roots: usize, y: &[S; 3]) -> [S; 3] {
         // Relative from where the species first matters.
-        [y[0].absolute(), y[1].absolute() + S::literal(1e-9), y[2].absolute() + S::literal(1e-6)]
-            .map(|size| size.larger(S::literal(1e-16)))
+        [y[0].abs(), y[1].abs() + S::from_f64(1e-9), y[2].abs() + S::from_f64(1e-6)]
+            .map(|size| size.max(S::from_f64(1e-16)))
     }
 
     fn guards(&self, roots: usize) -> usize {
@@ -226,7 +226,7 @@ impl<S: Scalar> Problem<S, 3> for Robertson {
     }
 
     fn guard(&self, roots: usize, _index: usize, _armed: bool, y: &[S; 3], rate: &[S; 3]) -> [S; 2] {
-        if roots == 0 { [S::literal(0.01) - y[2], -rate[2]] } else { [y[0] - S::literal(1e-4), rate[0]] }
+        if roots == 0 { [S::from_f64(0.01) - y[2], -rate[2]] } else { [y[0] - S::from_f64(1e-4), rate[0]] }
     }
 
     fn leap(&self, roots: usize, _index: usize, y: &[S; 3]) -> Leap<S, usize, 3> {
@@ -236,7 +236,7 @@ impl<S: Scalar> Problem<S, 3> for Robertson {
 
 fn robertson<S: Scalar>(tolerance: f64, until: f64, reference: [f64; 3]) -> ([f64; 3], Vec<f64>) {
     let input = Given(|clock: f64| LOG_PACE * LOG_START * (LOG_PACE * clock).exp());
-    let control = Adaptive::new(S::literal(tolerance));
+    let control = Adaptive::new(S::from_f64(tolerance));
     let mut run = Run::start(Robertson, 0, [S::ONE, S::ZERO, S::ZERO], input, TrBdf2, control);
     let work = run.to(clock_of(until)).expect("smooth");
     let errors = [0, 1, 2].map(|i| (run.entry(i) / reference[i] - 1.0).abs());

@@ -41,11 +41,11 @@ impl<S: Scalar> Problem<S, 2> for Stop {
     type Mode = Mode;
 
     fn rate(&self, mode: Mode, y: &[S; 2], _input: S) -> [S; 2] {
-        [y[1], -S::literal(self.stiffness(mode)) * y[0] - S::literal(GAP)]
+        [y[1], -S::from_f64(self.stiffness(mode)) * y[0] - S::from_f64(GAP)]
     }
 
     fn jacobian(&self, mode: Mode, _y: &[S; 2], _input: S) -> [[S; 2]; 2] {
-        [[S::ZERO, S::ONE], [-S::literal(self.stiffness(mode)), S::ZERO]]
+        [[S::ZERO, S::ONE], [-S::from_f64(self.stiffness(mode)), S::ZERO]]
     }
 
     fn angular_frequency(&self) -> S {
@@ -54,7 +54,7 @@ impl<S: Scalar> Problem<S, 2> for Stop {
 
     fn sizes(&self, mode: Mode, _y: &[S; 2]) -> [S; 2] {
         // What an energy of one half is as a deflection and as a speed.
-        [S::literal(1.0 / self.stiffness(mode).sqrt()), S::ONE]
+        [S::from_f64(1.0 / self.stiffness(mode).sqrt()), S::ONE]
     }
 
     fn guards(&self, _mode: Mode) -> usize {
@@ -108,7 +108,7 @@ fn measure<S: Scalar>(
     method: impl Method<S>,
     control: impl StepControl<S>,
 ) -> Errors {
-    let start = [S::literal(-1.0 - GAP), S::ZERO];
+    let start = [S::from_f64(-1.0 - GAP), S::ZERO];
     let mut run = Run::start(Stop { stiffness }, Mode::Open, start, Silence, method, control);
     let [contact, period, penetration] = exact(stiffness);
     let work = run.to(3.0 * period).expect("smooth");
@@ -159,7 +159,7 @@ fn adaptive_steps_follow_a_contact_of_any_stiffness() {
             measure::<f64>(&name, stiffness, TrBdf2, Adaptive::new(tolerance))
                 .assert_below([2e-6, 1e-9, 1e-6, 4e-6, 1e-6, 1.2e-8]);
             // The few roundings that a step is allowed take over.
-            measure::<f32>(&name, stiffness, TrBdf2, Adaptive::new(f32::literal(tolerance)))
+            measure::<f32>(&name, stiffness, TrBdf2, Adaptive::new(f32::from_f64(tolerance)))
                 .assert_below([2e-6, 4e-8, 5e-5, 5e-6, 5e-5, 1e-6]);
         }
     }

@@ -42,19 +42,19 @@ impl<S: Scalar> Problem<S, 1> for Falling {
     type Mode = ();
 
     fn rate(&self, (): (), y: &[S; 1], _input: S) -> [S; 1] {
-        let below = y[0] < S::literal(MIDDLE);
+        let below = y[0] < S::from_f64(MIDDLE);
         match self.0 {
-            Trouble::NotANumber if below => [S::literal(f64::NAN)],
+            Trouble::NotANumber if below => [S::from_f64(f64::NAN)],
             Trouble::Infinite if below => [S::INFINITY],
-            Trouble::NoSolution if below => [S::literal(1e9)],
-            Trouble::NoSolution if y[0] < S::literal(MIDDLE + 1e-3) => [-S::literal(1e9)],
+            Trouble::NoSolution if below => [S::from_f64(1e9)],
+            Trouble::NoSolution if y[0] < S::from_f64(MIDDLE + 1e-3) => [-S::from_f64(1e9)],
             _ => [-S::ONE],
         }
     }
 
     fn jacobian(&self, (): (), y: &[S; 1], _input: S) -> [[S; 1]; 1] {
-        if self.0 == Trouble::NoMatrix && y[0] < S::literal(MIDDLE) {
-            [[S::literal(f64::NAN)]]
+        if self.0 == Trouble::NoMatrix && y[0] < S::from_f64(MIDDLE) {
+            [[S::from_f64(f64::NAN)]]
         } else {
             [[S::ZERO]]
         }
@@ -77,7 +77,7 @@ impl<S: Scalar> Problem<S, 1> for Falling {
     }
 
     fn guard(&self, (): (), _index: usize, _armed: bool, y: &[S; 1], rate: &[S; 1]) -> [S; 2] {
-        [y[0] - S::literal(MIDDLE), rate[0]]
+        [y[0] - S::from_f64(MIDDLE), rate[0]]
     }
 
     fn leap(&self, (): (), _index: usize, y: &[S; 1]) -> Leap<S, (), 1> {
@@ -85,7 +85,7 @@ impl<S: Scalar> Problem<S, 1> for Falling {
     }
 
     fn check(&self, y: &[S; 1]) -> Result<(), (&'static str, S)> {
-        if self.0 == Trouble::Domain && y[0] < S::literal(MIDDLE) { Err(("height", y[0])) } else { Ok(()) }
+        if self.0 == Trouble::Domain && y[0] < S::from_f64(MIDDLE) { Err(("height", y[0])) } else { Ok(()) }
     }
 }
 

@@ -17,8 +17,8 @@ fn shipped(load: &str, changes: &[(&str, &str)]) -> Scene {
 
 fn run(scene: &Scene, options: &Options) -> (Outcome, StoreOutcome) {
     let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
-    let store = outcome.store.expect("a store");
-    (outcome, store)
+    let storage = outcome.store.expect("a storage");
+    (outcome, storage)
 }
 
 const SIX_REGIMES: &str = "{kind='rectified-store',capacitance_f=0.2e-6,diode_drop_v=0.05,leakage_ohm=inf,\
@@ -35,21 +35,21 @@ const AS_PUBLISHED: [(&str, &str); 5] = [
 fn the_published_store_voltage_comes_out_of_a_scene_file() {
     let scene = shipped(SIX_REGIMES, &AS_PUBLISHED);
     let step = Options { step_s: Some(1e-7), trace_every_s: Some(1e-3), ..Options::default() };
-    let (outcome, store) = run(&scene, &step);
-    assert_close("store voltage", value(store.store_voltage_v), 0.675_257_0, 1e-5);
-    let volts = value(store.store_voltage_v);
-    assert_close("stored energy", value(store.stored_energy_j), 0.1e-6 * volts * volts, 1e-12);
-    // What came in is stored or has gone out, and the ledgers of harvester and store close.
-    let gained = value(store.stored_energy_j) - 0.1e-6 * 0.04;
+    let (outcome, storage) = run(&scene, &step);
+    assert_close("storage voltage", value(storage.store_voltage_v), 0.675_257_0, 1e-5);
+    let volts = value(storage.store_voltage_v);
+    assert_close("stored energy", value(storage.stored_energy_j), 0.1e-6 * volts * volts, 1e-12);
+    // What came in is stored or has gone out, and the ledgers of harvester and storage close.
+    let gained = value(storage.stored_energy_j) - 0.1e-6 * 0.04;
     let delivered = value(outcome.delivered_energy_j);
-    let left = delivered - value(store.drawn_energy_j) - value(store.leaked_energy_j);
+    let left = delivered - value(storage.drawn_energy_j) - value(storage.leaked_energy_j);
     assert_close("gained", gained, left, 1e-9);
-    assert_eq!(store.leaked_energy_j, Some(0.0));
-    assert!(value(store.diode_loss_j) > 0.0);
+    assert_eq!(storage.leaked_energy_j, Some(0.0));
+    assert!(value(storage.diode_loss_j) > 0.0);
     assert!(value(outcome.energy_residual) < 1e-10);
     // The run ends at the tick next to 12 ms.
     assert_close("mean power", value(outcome.mean_power_w), delivered / 12e-3, 1e-10);
-    // The trace has the store's voltage as its last column.
+    // The trace has the storage's voltage as its last column.
     let trace = outcome.trace.expect("a trace");
     assert_eq!(trace.columns.last(), Some(&"store_voltage_v"));
     assert!(trace.rows.iter().all(|row| row.len() == trace.columns.len()));
@@ -62,9 +62,9 @@ fn steps_as_they_are_by_default_and_single_precision_keep_the_store_voltage() {
     let scene = shipped(SIX_REGIMES, &AS_PUBLISHED);
     let single = Options { precision: Some(Precision::F32), ..Options::default() };
     for options in [Options::default(), single] {
-        let (outcome, store) = run(&scene, &options);
-        println!("{}: {:?}, {:?}", outcome.precision, store.store_voltage_v, outcome.energy_residual);
-        assert_close("store voltage", value(store.store_voltage_v), 0.675_257_0, 1e-3);
+        let (outcome, storage) = run(&scene, &options);
+        println!("{}: {:?}, {:?}", outcome.precision, storage.store_voltage_v, outcome.energy_residual);
+        assert_close("storage voltage", value(storage.store_voltage_v), 0.675_257_0, 1e-3);
         assert!(value(outcome.energy_residual) < 1e-3);
     }
 }
@@ -72,12 +72,12 @@ fn steps_as_they_are_by_default_and_single_precision_keep_the_store_voltage() {
 #[test]
 fn a_bus_has_a_voltage_and_no_energy() {
     let bus = "{kind='dc-bus',voltage_v=0.4,diode_drop_v=0.05}";
-    let (outcome, store) = run(&shipped(bus, &AS_PUBLISHED), &Options::default());
-    assert_eq!((store.store_voltage_v, store.stored_energy_j), (Some(0.4), None));
+    let (outcome, storage) = run(&shipped(bus, &AS_PUBLISHED), &Options::default());
+    assert_eq!((storage.store_voltage_v, storage.stored_energy_j), (Some(0.4), None));
     assert!(value(outcome.mean_power_w) > 0.0 && value(outcome.energy_residual) < 1e-10);
     // The bridge holds the terminals at the bus and two diodes.
     assert_close("peak voltage", value(outcome.peak_voltage_v), 0.5, 1e-9);
-    assert_close("diode loss", value(store.diode_loss_j), value(outcome.delivered_energy_j) / 4.0, 1e-9);
+    assert_close("diode loss", value(storage.diode_loss_j), value(outcome.delivered_energy_j) / 4.0, 1e-9);
 }
 
 #[test]

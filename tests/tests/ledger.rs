@@ -35,8 +35,8 @@ fn works(force_law: ForceLaw) -> [f64; 3] {
     // Every event is either in the log or counted as overflowed, and loses energy.
     assert_eq!(log.events().len() as u32 + log.overflowed(), meter.impacts());
     assert!(log.events().iter().all(|event| event.loss > 0.0 && event.after == Mode::Free));
-    assert!(meter.charge_moved() > 0.0 && value(ledger.residual().larger()) < 1e-6);
-    [ledger.given_up(), meter.delivered_energy(), ledger.lost_in_contact()]
+    assert!(meter.charge_moved() > 0.0 && value(ledger.residual().largest()) < 1e-6);
+    [ledger.electrostatic_work(), meter.delivered_energy(), ledger.lost_in_contact()]
 }
 
 #[test]

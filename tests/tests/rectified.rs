@@ -1,5 +1,5 @@
 //! Both triboelectric scenes behind a full bridge beside the independent reference, which integrates the terminal
-//! voltage where the core keeps the charge algebraic; and what a run reports of its store.
+//! voltage where the core keeps the charge algebraic; and what a run reports of its storage.
 
 use cross_crate_tests::{
     adaptive, assert_close, contact_separation, fixed, on_all_cores, periods, run, sine, single, slide,
@@ -11,8 +11,8 @@ use host_bench::scene_file::{
     Draw, ForceLaw, Load, Lockout, Model, RectifiedStore, RunSpan, Scene, StickCharge,
 };
 
-/// A store behind diodes of 0.3 V.
-fn store(capacitance_f: f64, initial_v: f64, draw: Draw) -> Load {
+/// A storage behind diodes of 0.3 V.
+fn storage(capacitance_f: f64, initial_v: f64, draw: Draw) -> Load {
     Load::RectifiedStore(RectifiedStore {
         capacitance_f,
         diode_drop_v: 0.3,
@@ -42,13 +42,13 @@ fn slider(load: Load, change: impl FnOnce(&mut Scene)) -> Scene {
     })
 }
 
-/// Scenes of both kinds: a store that fills, one with a draw that is switched, a bus; with impacts, without, with
+/// Scenes of both kinds: a storage that fills, one with a draw that is switched, a bus; with impacts, without, with
 /// sticks.
 fn scenes() -> Vec<(&'static str, Scene)> {
     vec![
-        ("impacts, a small store", contact(store(1e-8, 1.0, Draw::None), |_| {})),
-        ("impacts, a supercapacitor", contact(store(0.1, 3.0, Draw::None), |_| {})),
-        ("impacts, a switched draw", contact(store(2e-8, 2.5, switched(2e-4)), |_| {})),
+        ("impacts, a small storage", contact(storage(1e-8, 1.0, Draw::None), |_| {})),
+        ("impacts, a supercapacitor", contact(storage(0.1, 3.0, Draw::None), |_| {})),
+        ("impacts, a switched draw", contact(storage(2e-8, 2.5, switched(2e-4)), |_| {})),
         ("impacts, a bus", contact(Load::DcBus { voltage_v: 20.0, diode_drop_v: 0.5 }, |_| {})),
         (
             "no impacts, a bus",
@@ -62,16 +62,16 @@ fn scenes() -> Vec<(&'static str, Scene)> {
                 model.parameters.force_law = ForceLaw::GapField;
                 model.parameters.stick_charge = StickCharge::Relaxing;
                 scene.excitation = sine(0.2, 20.5);
-                scene.load = store(1e-8, 1.0, Draw::None);
+                scene.load = storage(1e-8, 1.0, Draw::None);
                 scene.run = RunSpan { duration_s: 2.0, settle_s: 0.5 };
             }),
         ),
-        ("sliding, a small store", slider(store(1e-8, 1.0, Draw::None), |_| {})),
-        ("sliding, a switched draw", slider(store(2e-8, 2.5, switched(2e-5)), |_| {})),
+        ("sliding, a small storage", slider(storage(1e-8, 1.0, Draw::None), |_| {})),
+        ("sliding, a switched draw", slider(storage(2e-8, 2.5, switched(2e-5)), |_| {})),
         ("sliding, a bus", slider(Load::DcBus { voltage_v: 10.0, diode_drop_v: 0.5 }, |_| {})),
         (
             "sticks, a draw that is always there",
-            slider(store(1e-8, 1.0, Draw::Resistor { resistance_ohm: 1e8, lockout: None }), |scene| {
+            slider(storage(1e-8, 1.0, Draw::Resistor { resistance_ohm: 1e8, lockout: None }), |scene| {
                 scene.excitation = sine(0.30, 6.0);
             }),
         ),
@@ -81,7 +81,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
                 model.parameters.stick_charge = StickCharge::Relaxing;
                 model.parameters.lateral_force = true;
                 scene.excitation = sine(0.30, 10.0);
-                scene.load = store(1e-8, 0.0, Draw::None);
+                scene.load = storage(1e-8, 0.0, Draw::None);
                 scene.run = periods(10.0, 20, 10);
             }),
         ),
@@ -97,13 +97,13 @@ fn outcome(scene: &Scene, options: &Options) -> Outcome {
 
 /// What is compared: quantity, value.
 fn numbers(outcome: &Outcome) -> [(&'static str, f64); 6] {
-    let store = outcome.store.expect("a bridge");
+    let storage = outcome.store.expect("a bridge");
     [
         ("mean power", value(outcome.mean_power_w)),
         ("RMS voltage", value(outcome.rms_voltage_v)),
         ("peak voltage", value(outcome.peak_voltage_v)),
-        ("store voltage", value(store.store_voltage_v)),
-        ("diode loss", value(store.diode_loss_j)),
+        ("storage voltage", value(storage.store_voltage_v)),
+        ("diode loss", value(storage.diode_loss_j)),
         ("delivered", value(outcome.delivered_energy_j)),
     ]
 }
@@ -141,7 +141,8 @@ fn the_core_agrees_with_the_reference() {
 /// Single precision, and the explicit method at its own step, find the same.
 #[test]
 fn precision_and_method_make_no_difference() {
-    for scene in [contact(store(1e-8, 1.0, Draw::None), |_| {}), slider(store(1e-8, 1.0, Draw::None), |_| {})]
+    for scene in
+        [contact(storage(1e-8, 1.0, Draw::None), |_| {}), slider(storage(1e-8, 1.0, Draw::None), |_| {})]
     {
         let exact = outcome(&scene, &adaptive(1e-6));
         let others = [
@@ -161,19 +162,19 @@ fn precision_and_method_make_no_difference() {
     }
 }
 
-/// The trace has the store's voltage in its last column, and ends at what the run reports.
+/// The trace has the storage's voltage in its last column, and ends at what the run reports.
 #[test]
 fn a_trace_has_the_voltage_of_the_store() {
-    let scene = contact(store(1e-8, 1.0, Draw::None), |scene| {
+    let scene = contact(storage(1e-8, 1.0, Draw::None), |scene| {
         scene.run = RunSpan { duration_s: 1.0, settle_s: 0.0 };
     });
     let found = outcome(&scene, &Options { trace_every_s: Some(0.125), ..adaptive(1e-4) });
-    let store = found.store.expect("a store");
+    let storage = found.store.expect("a storage");
     let trace = found.trace.expect("asked for");
     assert_eq!(trace.columns.last(), Some(&"store_voltage_v"));
     let volts: Vec<f64> = trace.rows.iter().filter_map(|row| row.last().copied()).collect();
     assert_eq!((volts.len(), volts[0]), (9, 1.0));
     assert!(volts.is_sorted());
-    assert_close("the last row", volts[8], value(store.store_voltage_v), 1e-9);
-    assert_close("energy", value(store.stored_energy_j), 0.5e-8 * volts[8] * volts[8], 1e-9);
+    assert_close("the last row", volts[8], value(storage.store_voltage_v), 1e-9);
+    assert_close("energy", value(storage.stored_energy_j), 0.5e-8 * volts[8] * volts[8], 1e-9);
 }

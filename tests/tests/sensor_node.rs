@@ -1,4 +1,4 @@
-//! The sensor nodes of the firmware on the host: their store, kept again in double precision beside theirs.
+//! The sensor nodes of the firmware on the host: their storage, kept again in double precision beside theirs.
 //!
 //! That their logs on a microcontroller are those of the host is checked by `host-bench on-target --node`.
 
@@ -6,7 +6,7 @@ use firmware_example::node::{
     Decision, FlashBoard, Following, Listening, Report, STORE_VOLTAGE, following, listening,
 };
 
-/// The store of both nodes as the documentation of `economy` has it: farads, ohms, volts when full, watts asleep.
+/// The storage of both nodes as the documentation of `economy` has it: farads, ohms, volts when full, watts asleep.
 const CAPACITANCE: f64 = 22e-6;
 const LEAKAGE: f64 = 100e6;
 const FULL: f64 = 4.2;
@@ -21,7 +21,7 @@ fn cost(decision: Decision) -> f64 {
     }
 }
 
-/// Keeps the store beside a node's reports and compares each second; gives all that came in.
+/// Keeps the storage beside a node's reports and compares each second; gives all that came in.
 fn keep(reports: impl Iterator<Item = Report>) -> (f64, [u32; 3]) {
     let energy = |volts: f64| 0.5 * CAPACITANCE * volts * volts;
     let mut stored = energy(STORE_VOLTAGE.into());
@@ -47,7 +47,7 @@ fn keep(reports: impl Iterator<Item = Report>) -> (f64, [u32; 3]) {
 fn follow(seconds: u32) -> (f64, [u32; 3]) {
     let mut node = Following::new(FlashBoard::default(), following().expect("valid")).expect("valid");
     let found = keep((0..seconds).map(|_| node.second().expect("the trace can be followed")));
-    assert!(f64::from(node.economy().unexplained()).abs() < 1e-6 * found.0);
+    assert!(f64::from(node.power_manager().unexplained()).abs() < 1e-6 * found.0);
     found
 }
 
@@ -55,7 +55,7 @@ fn assert_active(seconds: u32, (came_in, [asleep, measured, transmitted]): (f64,
     assert_eq!(asleep + measured + transmitted, seconds);
     let mean = came_in / f64::from(seconds);
     assert!((0.5e-6..100e-6).contains(&mean), "{mean:e} W");
-    // Once in ten seconds and once a minute, if the store allows it.
+    // Once in ten seconds and once a minute, if the storage allows it.
     assert!(measured > seconds / 40 && transmitted > seconds / 600, "{measured} {transmitted}");
     println!("{seconds} s: {mean:.3e} W, {measured} measurements, {transmitted} transmissions");
 }
@@ -76,6 +76,6 @@ fn the_listening_node_keeps_its_books_for_a_day() {
     let seconds = 86_400;
     let mut node = Listening::new(FlashBoard::default(), listening().expect("valid")).expect("valid");
     let found = keep((0..seconds).map(|_| node.second()));
-    assert!(f64::from(node.economy().unexplained()).abs() < 1e-6 * found.0);
+    assert!(f64::from(node.power_manager().unexplained()).abs() < 1e-6 * found.0);
     assert_active(seconds, found);
 }

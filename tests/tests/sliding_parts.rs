@@ -88,10 +88,10 @@ where
     Polynomial: Mathematics<S>,
 {
     let harvester = parameters.build().expect("in bounds");
-    let [acceleration, frequency] = [case.acceleration, case.frequency].map(S::literal);
+    let [acceleration, frequency] = [case.acceleration, case.frequency].map(S::from_f64);
     let shaking = Sine::<S, Polynomial>::new(acceleration, frequency, S::ZERO).expect("in bounds");
     let driver = Driver::new(integrator, control);
-    let velocity = (case.velocity != 0.0).then(|| S::literal(case.velocity));
+    let velocity = (case.velocity != 0.0).then(|| S::from_f64(case.velocity));
     let start = Start { velocity, ..Start::default() };
     let mut state =
         harvester.start::<_, _, { account::LOAD + 1 }>(&start, &shaking, &driver.control).expect("in bounds");
@@ -100,7 +100,7 @@ where
         .map(|hundredth| {
             let until = Instant::from_seconds(f64::from(hundredth) * 0.01).expect("a time");
             driver.advance(&harvester, &mut state, &shaking, until, u32::MAX, &mut ()).expect("runs");
-            stuck |= state.mode == Mode::Stuck;
+            stuck |= state.mode == Mode::Stick;
             // Every single-precision number is a double-precision one: nothing is lost of the bits.
             state.point.state.map(S::to_f64)
         })
@@ -122,8 +122,8 @@ where
     Chosen<L, F, R, K, T>: Parts<S, ForceLaw = L, Friction = F, Load = R, Sticking = K, LateralForce = T>,
 {
     let chosen = with(any, parts);
-    let adaptive = Adaptive::new(S::literal(1e-4));
-    let fixed = FixedStep::of_seconds(S::literal(2e-4));
+    let adaptive = Adaptive::new(S::from_f64(1e-4));
+    let fixed = FixedStep::of_seconds(S::from_f64(2e-4));
     let (states_of_any, stuck) = states(any, TrBdf2, adaptive, case);
     assert_eq!(stuck, case.velocity == 0.0, "what sticks and what does not");
     assert!(states_of_any.iter().any(|state| state[0].abs() > 1e-4));
@@ -138,7 +138,7 @@ where
 {
     let paper = any::<S>(1e8, |_| ());
     let friction = paper.friction;
-    let resistor = Resistor { ohms: S::literal(1e8) };
+    let resistor = Resistor { ohms: S::from_f64(1e8) };
     for case in [STICKING, SWINGING] {
         same(&paper, Chosen(TransferredCharge, friction, resistor, FrozenCharge, NoLateralForce), case);
         let field = any::<S>(1e8, |parameters| {

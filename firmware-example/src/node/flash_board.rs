@@ -5,10 +5,10 @@ use super::{Board, Decision};
 // `COUNTS: [i16; _]`, by the build script from `trace/machine.csv`.
 include!(concat!(env!("OUT_DIR"), "/trace.rs"));
 
-/// Voltage of the store at power-up, in volts.
+/// Voltage of the storage at power-up, in volts.
 pub const STORE_VOLTAGE: f32 = 2.6;
 
-/// Plays `trace/machine.csv` again and again, and reads the store at power-up only.
+/// Plays `trace/machine.csv` again and again, and reads the storage at power-up only.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FlashBoard {
     played: usize,
@@ -25,7 +25,7 @@ impl Board for FlashBoard {
         count
     }
 
-    fn store_voltage(&mut self) -> Option<f32> {
+    fn storage_voltage(&mut self) -> Option<f32> {
         (!core::mem::replace(&mut self.awake, true)).then_some(STORE_VOLTAGE)
     }
 

@@ -3,7 +3,7 @@
 use model_core::energy::Estimator;
 use model_core::energy::estimator::{EstimatorError, Model, SampleFormat, Settings};
 
-use super::{Board, Economy, NodeError, RATE_HZ, Report, SCALE};
+use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE};
 
 /// Attempted steps for a sample: some ten are usual, of which an impact takes a few.
 const BUDGET: u32 = 200;
@@ -13,7 +13,7 @@ const BUDGET: u32 = 200;
 pub struct Following<B, M: Model<f32>> {
     board: B,
     estimator: Estimator<f32, M>,
-    economy: Economy,
+    power_manager: PowerManager,
     seconds: u32,
 }
 
@@ -30,12 +30,12 @@ impl<B: Board, M: Model<f32>> Following<B, M> {
             settling_seconds: 0.0,
         };
         let estimator = Estimator::new(model, settings).map_err(|_| NodeError::Parameters)?;
-        let mut economy = Economy::new()?;
-        if let Some(volts) = board.store_voltage() {
-            economy.read(volts);
+        let mut power_manager = PowerManager::new()?;
+        if let Some(volts) = board.storage_voltage() {
+            power_manager.read(volts);
         }
-        let mut node = Self { board, estimator, economy, seconds: 0 };
-        node.estimator.set_store_voltage(node.economy.store_voltage());
+        let mut node = Self { board, estimator, power_manager, seconds: 0 };
+        node.estimator.set_storage_voltage(node.power_manager.storage_voltage());
         Ok(node)
     }
 
@@ -68,21 +68,21 @@ impl<B: Board, M: Model<f32>> Following<B, M> {
         }
         let estimate = self.estimator.estimate();
         self.estimator.clear();
-        if let Some(volts) = self.board.store_voltage() {
-            self.economy.read(volts);
+        if let Some(volts) = self.board.storage_voltage() {
+            self.power_manager.read(volts);
         }
         let harvested = estimate.energy;
-        let decision = self.economy.second(harvested, harvested * estimate.uncertainty.relative);
-        // What leaked and what is spent is gone from the harvester's store too.
-        self.estimator.set_store_voltage(self.economy.store_voltage());
+        let decision = self.power_manager.second(harvested, harvested * estimate.uncertainty.relative);
+        // What leaked and what is spent is gone from the harvester's storage too.
+        self.estimator.set_storage_voltage(self.power_manager.storage_voltage());
         self.board.carry_out(decision);
         self.seconds += 1;
-        Ok(Report { second: self.seconds, harvested, stored: self.economy.stored(), decision, steps })
+        Ok(Report { second: self.seconds, harvested, stored: self.power_manager.stored(), decision, steps })
     }
 
     /// The budget of the node.
     #[must_use]
-    pub fn economy(&self) -> &Economy {
-        &self.economy
+    pub fn power_manager(&self) -> &PowerManager {
+        &self.power_manager
     }
 }

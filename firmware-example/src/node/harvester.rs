@@ -7,13 +7,13 @@ use model_core::part::load::OpenCircuit;
 use model_core::part::monomorph::Layer;
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::VelocityDependentRestitution;
-use model_core::part::store::Capacitor;
+use model_core::part::storage::Capacitor;
 use model_core::scene::bump_stop::{self, BumpStop, NoStop, OneWay, Stop};
 use model_core::scene::contact_separation::{self, FrozenCharge, TransferredCharge};
 use model_core::scene::rectified::{FullBridge, Rectified, STATES};
 
 use super::NodeError;
-use super::economy::STORAGE;
+use super::power_manager::STORAGE;
 use crate::workload::contact_separation::parts::{self, LAW_OF_SPEED, PARASITIC};
 use crate::workload::contact_separation::scenes::TOLERANCE;
 
@@ -32,21 +32,21 @@ impl contact_separation::Parts<f32> for Bridged {
     type Sticking = FrozenCharge;
 }
 
-/// The contact-separation harvester behind a full bridge that charges the node's store, stepped with error
-/// control. The node's budget says what the store's voltage is: here it neither leaks nor is drawn from.
+/// The contact-separation harvester behind a full bridge that charges the node's storage, stepped with error
+/// control. The node's budget says what the storage's voltage is: here it neither leaks nor is drawn from.
 ///
 /// # Errors
 /// If its parameters are refused.
 pub fn following() -> Result<impl Model<f32>, NodeError> {
     let refused = |_| NodeError::Parameters;
     let parameters = parts::with_load::<Bridged>(OpenCircuit, PARASITIC, LAW_OF_SPEED, FrozenCharge);
-    let reservoir = Capacitor {
+    let storage = Capacitor {
         farads: STORAGE.capacitance,
         leakage_ohms: f32::INFINITY,
         initial_voltage: STORAGE.lock_out_voltage,
         draw: NoDraw,
     };
-    let bridge = FullBridge { diode_drop: DIODE_DROP, reservoir };
+    let bridge = FullBridge { diode_drop: DIODE_DROP, storage };
     let alone = core::hint::black_box(parameters).build().map_err(refused)?;
     let scene = Rectified::new(alone, core::hint::black_box(bridge)).map_err(refused)?;
     Ok(HybridModel::<_, _, _, STATES, 1>::new(scene, TrBdf2, Adaptive::new(TOLERANCE)))
@@ -68,7 +68,7 @@ impl bump_stop::Parts<f32> for FreeBeam {
 pub struct Beam(BumpStop<f32, FreeBeam, 1, 0>);
 
 impl Beam {
-    /// Energy in joules that enters a store at `voltage` volts in a second, under a sine of `amplitude` m/s² and
+    /// Energy in joules that enters a storage at `voltage` volts in a second, under a sine of `amplitude` m/s² and
     /// `hertz`; none where the closed form does not hold.
     #[must_use]
     pub fn energy_in_a_second(&self, amplitude: f32, hertz: f32, voltage: f32) -> f32 {

@@ -4,7 +4,7 @@ use model_core::excitation::{ToneMeter, ToneMeterState};
 use model_core::scalar::Polynomial;
 
 use super::harvester::Beam;
-use super::{Board, Economy, NodeError, RATE_HZ, Report, SCALE};
+use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE};
 
 /// Part of the signal's mean square that the line must have: with less the harvester hears something else.
 const LEAST_PURITY: f32 = 0.5;
@@ -18,7 +18,7 @@ pub struct Listening<B> {
     beam: Beam,
     meter: ToneMeter<f32>,
     tone: ToneMeterState<f32>,
-    economy: Economy,
+    power_manager: PowerManager,
     seconds: u32,
 }
 
@@ -29,11 +29,11 @@ impl<B: Board> Listening<B> {
     /// If a parameter is refused.
     pub fn new(mut board: B, beam: Beam) -> Result<Self, NodeError> {
         let meter = ToneMeter::new(RATE_HZ as f32, RATE_HZ).map_err(|_| NodeError::Parameters)?;
-        let mut economy = Economy::new()?;
-        if let Some(volts) = board.store_voltage() {
-            economy.read(volts);
+        let mut power_manager = PowerManager::new()?;
+        if let Some(volts) = board.storage_voltage() {
+            power_manager.read(volts);
         }
-        Ok(Self { board, beam, tone: meter.start(), meter, economy, seconds: 0 })
+        Ok(Self { board, beam, tone: meter.start(), meter, power_manager, seconds: 0 })
     }
 
     /// Listens for a second, and decides. A line that the closed form does not hold for brings nothing.
@@ -46,20 +46,20 @@ impl<B: Board> Listening<B> {
         }
         let heard = line.filter(|line| line.purity >= LEAST_PURITY);
         let harvested = heard.map_or(0.0, |line| {
-            self.beam.energy_in_a_second(line.amplitude, line.frequency, self.economy.store_voltage())
+            self.beam.energy_in_a_second(line.amplitude, line.frequency, self.power_manager.storage_voltage())
         });
-        if let Some(volts) = self.board.store_voltage() {
-            self.economy.read(volts);
+        if let Some(volts) = self.board.storage_voltage() {
+            self.power_manager.read(volts);
         }
-        let decision = self.economy.second(harvested, CLOSED_FORM_ERROR * harvested);
+        let decision = self.power_manager.second(harvested, CLOSED_FORM_ERROR * harvested);
         self.board.carry_out(decision);
         self.seconds += 1;
-        Report { second: self.seconds, harvested, stored: self.economy.stored(), decision, steps: 0 }
+        Report { second: self.seconds, harvested, stored: self.power_manager.stored(), decision, steps: 0 }
     }
 
     /// The budget of the node.
     #[must_use]
-    pub fn economy(&self) -> &Economy {
-        &self.economy
+    pub fn power_manager(&self) -> &PowerManager {
+        &self.power_manager
     }
 }

@@ -48,9 +48,9 @@ struct Circuit {
 impl Model {
     fn new(plan: Plan) -> Self {
         let from = parts::whole();
-        let angular_frequency = (from.stiffness / from.mass).square_root();
+        let angular_frequency = (from.stiffness / from.mass).sqrt();
         let area = VACUUM_PERMITTIVITY * from.electrode_area;
-        let unit = (2.0 * area * from.mass).square_root();
+        let unit = (2.0 * area * from.mass).sqrt();
         Self {
             plan,
             gap: from.initial_gap,

@@ -77,7 +77,7 @@ pub(crate) fn shipped<S: Scalar, M: Mathematics<S>>(
 
 /// Its excitation.
 pub(crate) fn excitation<S: Scalar, M: Mathematics<S>>() -> Sine<S, M> {
-    Sine::new(S::literal(0.2 * 9.81), S::literal(20.0), S::ZERO).expect("a sine")
+    Sine::new(S::from_f64(0.2 * 9.81), S::from_f64(20.0), S::ZERO).expect("a sine")
 }
 
 /// An adaptive run of the scene with a meter of the delivered energy.
@@ -89,7 +89,7 @@ pub(crate) struct Runner<S: Scalar, M, P: Parts<S>> {
 
 impl<S: Scalar, M: Mathematics<S>, P: Parts<S>> Runner<S, M, P> {
     pub(crate) fn new(scene: ContactSeparation<S, P>, tolerance: f64) -> Self {
-        let driver = Driver::new(TrBdf2, Adaptive::new(S::literal(tolerance)));
+        let driver = Driver::new(TrBdf2, Adaptive::new(S::from_f64(tolerance)));
         Self { scene, excitation: excitation(), driver }
     }
 

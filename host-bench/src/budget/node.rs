@@ -26,7 +26,7 @@ struct Due<S> {
 
 /// The node.
 #[derive(Debug)]
-pub(super) struct Mind<'a, S, const SLOTS: usize> {
+pub(super) struct Controller<'a, S, const SLOTS: usize> {
     node: &'a Node,
     parameters: BudgetParameters<S>,
     budget: Budget<S, SLOTS>,
@@ -36,7 +36,7 @@ pub(super) struct Mind<'a, S, const SLOTS: usize> {
     was_off: bool,
 }
 
-impl<'a, S: Scalar, const SLOTS: usize> Mind<'a, S, SLOTS> {
+impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
     /// At a midnight, with the voltage of the store measured.
     ///
     /// # Errors
@@ -47,35 +47,35 @@ impl<'a, S: Scalar, const SLOTS: usize> Mind<'a, S, SLOTS> {
             |error: model_core::part::bounds::ParameterError<S>| Failure::Input(format!("node: {error}"));
         let parameters = BudgetParameters {
             storage: StorageParameters {
-                capacitance: S::literal(from.capacitance_f),
-                leakage_resistance: S::literal(from.leakage_ohm),
-                charging_efficiency: S::literal(from.charging_efficiency),
-                discharging_efficiency: S::literal(from.discharging_efficiency),
-                highest_voltage: S::literal(from.highest_v),
-                lock_out_voltage: S::literal(from.turn_off_v),
-                turn_on_voltage: S::literal(from.turn_on_v),
+                capacitance: S::from_f64(from.capacitance_f),
+                leakage_resistance: S::from_f64(from.leakage_ohm),
+                charging_efficiency: S::from_f64(from.charging_efficiency),
+                discharging_efficiency: S::from_f64(from.discharging_efficiency),
+                highest_voltage: S::from_f64(from.highest_v),
+                lock_out_voltage: S::from_f64(from.turn_off_v),
+                turn_on_voltage: S::from_f64(from.turn_on_v),
             },
             income: IncomeParameters {
-                time_constant: S::literal(node.time_constant_s),
-                day_weight: S::literal(node.day_weight),
+                time_constant: S::from_f64(node.time_constant_s),
+                day_weight: S::from_f64(node.day_weight),
             },
             // The budget takes a load at the node: what the part takes at the store stands for so much there.
-            standing_power: S::literal(
+            standing_power: S::from_f64(
                 node.standing_power_w + from.own_power_w * from.discharging_efficiency,
             ),
         };
         let due = node.actions.iter().map(|action| {
             Ok(Due {
-                action: Action::new("", S::literal(action.energy_j), S::literal(action.duration_s))
+                action: Action::new("", S::from_f64(action.energy_j), S::from_f64(action.duration_s))
                     .map_err(refuse)?,
-                wished: S::literal(1.0 / action.every_s),
+                wished: S::from_f64(1.0 / action.every_s),
                 credit: 0.0,
             })
         });
         let due = due.collect::<Result<_, Failure>>()?;
         let budget = parameters.build().map_err(refuse)?;
         let mut state = budget.start(0);
-        budget.correct_by_voltage(&mut state, S::literal(voltage), S::ZERO);
+        budget.correct_by_voltage(&mut state, S::from_f64(voltage), S::ZERO);
         Ok(Self { node, parameters, budget, state, due, was_off: false })
     }
 
@@ -84,9 +84,9 @@ impl<'a, S: Scalar, const SLOTS: usize> Mind<'a, S, SLOTS> {
         let mut parameters = self.parameters;
         let rates = self.due.iter().map(|due| {
             // The bounds were kept without the actions; a standing power beyond its own is no rate at all.
-            let rate = parameters.build::<SLOTS>().map_or(S::ZERO, |budget| {
-                budget.sustainable_rate(&self.state, &due.action).smaller(due.wished)
-            });
+            let rate = parameters
+                .build::<SLOTS>()
+                .map_or(S::ZERO, |budget| budget.sustainable_rate(&self.state, &due.action).min(due.wished));
             parameters.standing_power += rate * due.action.energy();
             rate.to_f64()
         });
@@ -96,7 +96,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Mind<'a, S, SLOTS> {
     /// The node is on: if it was off it measures the voltage of its store.
     pub(super) fn wake(&mut self, voltage: f64) {
         if std::mem::take(&mut self.was_off) {
-            self.budget.correct_by_voltage(&mut self.state, S::literal(voltage), S::ZERO);
+            self.budget.correct_by_voltage(&mut self.state, S::from_f64(voltage), S::ZERO);
         }
     }
 
@@ -121,7 +121,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Mind<'a, S, SLOTS> {
     /// Time has gone by in which the harvester delivered some joules. A node that was off knows only how long.
     pub(super) fn update(&mut self, seconds: u32, harvested_j: f64, was_on: bool) {
         if was_on {
-            self.budget.update(&mut self.state, seconds, S::literal(harvested_j), S::ZERO);
+            self.budget.update(&mut self.state, seconds, S::from_f64(harvested_j), S::ZERO);
         } else {
             self.budget.gap(&mut self.state, seconds);
             self.was_off = true;

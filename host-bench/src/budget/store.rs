@@ -4,7 +4,7 @@
 //! that of the exact solution; thresholds are looked at every second.
 
 use super::income::Income;
-use super::world::World;
+use super::world::Plant;
 use crate::method::Failure;
 use crate::scene_file::Storage;
 
@@ -79,7 +79,7 @@ impl<'a> Store<'a> {
     }
 }
 
-impl World for Store<'_> {
+impl Plant for Store<'_> {
     fn voltage(&self) -> f64 {
         (2.0 * self.energy / self.storage.capacitance_f).sqrt()
     }

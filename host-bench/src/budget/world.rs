@@ -6,7 +6,7 @@ use crate::method::Failure;
 use crate::scene_file::Storage;
 
 /// What the node lives in.
-pub(super) trait World {
+pub(super) trait Plant {
     /// Voltage of the store in V.
     fn voltage(&self) -> f64;
 
@@ -63,7 +63,7 @@ impl<'a> LoopedStore<'a> {
     }
 }
 
-impl World for LoopedStore<'_> {
+impl Plant for LoopedStore<'_> {
     fn voltage(&self) -> f64 {
         self.looped.voltage()
     }

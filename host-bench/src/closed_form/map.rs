@@ -118,7 +118,7 @@ fn at(scene: &Scene, place: Place) -> Scene {
 fn power(scene: &Scene, options: &Options) -> Result<Result<f64, String>, Failure> {
     match run_scene(scene, options) {
         Ok(outcome) => Ok(outcome.mean_power_w.ok_or_else(|| "no mean power".to_owned())),
-        Err(Failure::Step(error) | Failure::TooDear(error)) => Ok(Err(error)),
+        Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => Ok(Err(error)),
         Err(error @ Failure::Input(_)) => Err(error),
     }
 }

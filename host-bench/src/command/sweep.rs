@@ -89,7 +89,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         let scene = scene(arguments, &values)?;
         let found = match run_scene(&scene, &options) {
             Ok(outcome) => Ok(outcome),
-            Err(Failure::Step(error) | Failure::TooDear(error)) => Err(error),
+            Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => Err(error),
             Err(error @ Failure::Input(_)) => return Err(error),
         };
         let compared = match &found {

@@ -2,19 +2,19 @@
 
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
 use model_core::part::rectifier::FullBridge;
-use model_core::part::store::{AnyReservoir, Capacitor, DcBus};
+use model_core::part::storage::{AnyStorage, Capacitor, DcBus};
 use model_core::scalar::Scalar;
 
 use crate::scene_file::{self, Draw, Load};
 
 /// The bridge; `None` where the load is a resistor.
-pub(super) fn bridge<S: Scalar>(load: Load) -> Option<FullBridge<S, AnyReservoir<S>>> {
-    let number = S::literal;
+pub(super) fn bridge<S: Scalar>(load: Load) -> Option<FullBridge<S, AnyStorage<S>>> {
+    let number = S::from_f64;
     match load {
         Load::Resistor { .. } => None,
         Load::RectifiedStore(store) => Some(FullBridge {
             diode_drop: number(store.diode_drop_v),
-            reservoir: AnyReservoir::Capacitor(Capacitor {
+            storage: AnyStorage::Capacitor(Capacitor {
                 farads: number(store.capacitance_f),
                 leakage_ohms: number(store.leakage_ohm),
                 initial_voltage: number(store.initial_v),
@@ -23,13 +23,13 @@ pub(super) fn bridge<S: Scalar>(load: Load) -> Option<FullBridge<S, AnyReservoir
         }),
         Load::DcBus { voltage_v, diode_drop_v } => Some(FullBridge {
             diode_drop: number(diode_drop_v),
-            reservoir: AnyReservoir::DcBus(DcBus { volts: number(voltage_v) }),
+            storage: AnyStorage::DcBus(DcBus { volts: number(voltage_v) }),
         }),
     }
 }
 
 fn draw<S: Scalar>(draw: Draw) -> AnyDraw<S> {
-    let number = S::literal;
+    let number = S::from_f64;
     let thresholds = |lockout: scene_file::Lockout| Lockout {
         turn_on: number(lockout.turn_on_v),
         turn_off: number(lockout.turn_off_v),

@@ -9,7 +9,7 @@ use model_core::hybrid::StepError;
 use model_core::integrate::cubic::Cubic;
 use model_core::part::load::AnyLoad;
 use model_core::part::monomorph::Layer;
-use model_core::part::store_step::StoreAccount;
+use model_core::part::storage_step::StorageAccount;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::bump_stop::{
     AnyBridgedParts, AnyContact, AnyCoupling, AnyParts, BumpStop as Harvester, Circuit, ModalLedger,
@@ -51,13 +51,13 @@ pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyP
 }
 
 fn resistance<S: Scalar>(load: Load) -> AnyLoad<S> {
-    AnyLoad { ohms: S::literal(load.resistance_ohm()) }
+    AnyLoad { ohms: S::from_f64(load.resistance_ohm()) }
 }
 
 /// The core's parameters of a scene with a load of the core.
 fn parameters_with<S: Scalar, P: HostedParts<S>>(model: &BumpStop, load: P::Load) -> Parameters<S, P> {
     let from = &model.parameters;
-    let number = S::literal;
+    let number = S::from_f64;
     let absent = Stop {
         length: S::ONE,
         section: S::ONE,
@@ -170,18 +170,18 @@ fn prepared<S: Scalar, M: Mathematics<S>, P: HostedParts<S>, const B: usize, con
     let harvester = parameters_with::<S, P>(model, load)
         .build_first::<B, R>(beam_modes, rod_modes)
         .map_err(|error| refuse_parameter(scene, &error))?;
-    let mut start = Start { voltage: S::literal(model.initial.voltage_v), ..Start::default() };
+    let mut start = Start { voltage: S::from_f64(model.initial.voltage_v), ..Start::default() };
     let initial = &model.initial;
     let put = |coordinates: &mut [[S; 2]], displacements: &[f64], velocities: &[f64]| {
         for ((coordinate, &displacement), &velocity) in
             coordinates.iter_mut().zip(displacements).zip(velocities)
         {
-            *coordinate = [S::literal(displacement), S::literal(velocity)];
+            *coordinate = [S::from_f64(displacement), S::from_f64(velocity)];
         }
     };
     put(&mut start.beam, &initial.modal_displacement, &initial.modal_velocity);
     put(&mut start.rod, &initial.rod_modal_displacement, &initial.rod_modal_velocity);
-    let stepper = Stepper::new(harvester, S::literal(short), S::literal(long));
+    let stepper = Stepper::new(harvester, S::from_f64(short), S::from_f64(long));
     with_excitation::<S, M, _>(scene, |excitation| {
         let state = stepper.scene().start(&start, excitation).map_err(|error| refuse_start(scene, &error))?;
         with(&Run { scene, model, options, stepper: &stepper, excitation }, state)
@@ -233,7 +233,7 @@ impl<S: Scalar, M: Mathematics<S>, P: Parts<S>, const B: usize, const R: usize> 
         let wall_s = began.elapsed().as_secs_f64();
         let residual = ledger.and_then(|ledger| match model.parameters.coupling {
             Coupling::TwoWay => ledger.residual().total(),
-            Coupling::OneWay => ledger.residual().larger(),
+            Coupling::OneWay => ledger.residual().largest(),
         });
         let number = |value: S| Some(value.to_f64());
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * scene.run.window_s());
@@ -283,10 +283,10 @@ impl<S: Scalar, M: Mathematics<S>, P: Parts<S>, const B: usize, const R: usize> 
         state: &StateOf<S, P, B, R>,
         whole_run: &ModalMeter<'_, S, P, B, R>,
     ) -> Option<StoreOutcome> {
-        let store = self.stepper.scene().store(state)?;
+        let store = self.stepper.scene().storage(state)?;
         let volts = store.voltage.to_f64();
-        let account = (!self.options.bare).then(|| whole_run.store_account());
-        let spent = |of: fn(&StoreAccount<S>) -> S| account.as_ref().map(|account| of(account).to_f64());
+        let account = (!self.options.bare).then(|| whole_run.storage_account());
+        let spent = |of: fn(&StorageAccount<S>) -> S| account.as_ref().map(|account| of(account).to_f64());
         Some(StoreOutcome {
             store_voltage_v: Some(volts),
             stored_energy_j: stored_energy(self.scene.load, volts),
@@ -363,7 +363,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
             if Instant::from_seconds(time).is_none_or(|row| row > span.end.clock) {
                 return;
             }
-            let theta = S::literal(((time - from) / (end - from)).clamp(0.0, 1.0));
+            let theta = S::from_f64(((time - from) / (end - from)).clamp(0.0, 1.0));
             type Of<S, P, const B: usize, const R: usize> =
                 fn(&Harvester<S, P, B, R>, &StateOf<S, P, B, R>) -> [S; 2];
             let dense = |of: Of<S, P, B, R>| {
@@ -374,7 +374,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B,
             let voltage = Cubic::with_mean(voltages[0], voltages[1], span.mean_voltage).value(theta);
             let of_stop = |value: f64| if self.has_stop { value } else { f64::NAN };
             let [before, after] = span.accelerations().map(S::to_f64);
-            let stores = [span.start, span.end].map(|state| self.harvester.store(state));
+            let stores = [span.start, span.end].map(|state| self.harvester.storage(state));
             let [from_store, to_store] = stores.map(|store| store.map(|store| store.voltage));
             let store = from_store.zip(to_store).map(|(from, to)| (from + (to - from) * theta).to_f64());
             let mut row = vec![

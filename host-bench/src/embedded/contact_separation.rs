@@ -10,7 +10,7 @@ use model_core::part::load::AnyLoad;
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::rectifier::FullBridge;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution, VelocityDependentRestitution};
-use model_core::part::store::AnyReservoir;
+use model_core::part::storage::AnyStorage;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::contact_separation::{
     AnyForceLaw, AnyParts, AnyStickCharge, ContactSeparation as Harvester, Mode, Parameters, STATES, Start,
@@ -32,7 +32,7 @@ pub fn parameters<S: Scalar, M: Mathematics<S>>(
     load: Load,
 ) -> Parameters<S, AnyParts<M>> {
     let from = &model.parameters;
-    let number = S::literal;
+    let number = S::from_f64;
     let resistance_ohm = load.resistance_ohm();
     Parameters {
         mass: number(from.mass_kg),
@@ -105,7 +105,7 @@ pub(super) fn rectified<S: Scalar, M: Mathematics<S>>(
     scene: &Scene,
     model: &ContactSeparation,
     options: &Options,
-    bridge: FullBridge<S, AnyReservoir<S>>,
+    bridge: FullBridge<S, AnyStorage<S>>,
 ) -> Result<Outcome, Failure> {
     let hosted = hosted::<S, M>(scene, model)?;
     let motion_s = explicit_step(model, scene.load);
@@ -132,9 +132,9 @@ pub(super) fn core<S: Scalar, M: Mathematics<S>>(
 /// The core's initial values of a scene.
 pub(super) fn start<S: Scalar>(model: &ContactSeparation) -> Start<S> {
     Start {
-        gap: model.initial.gap_m.map(S::literal),
-        velocity: model.initial.velocity_m_per_s.map(S::literal),
-        charge: model.initial.charge_c.map(S::literal),
+        gap: model.initial.gap_m.map(S::from_f64),
+        velocity: model.initial.velocity_m_per_s.map(S::from_f64),
+        charge: model.initial.charge_c.map(S::from_f64),
     }
 }
 
@@ -186,7 +186,7 @@ impl<S: Scalar, M: Mathematics<S>> HostedScene<S, STATES> for Hosted<'_, S, M> {
     fn residual(&self, residual: &Residual<S>) -> Option<S> {
         match self.model.parameters.force_law {
             ForceLaw::GapField => residual.total(),
-            ForceLaw::TransferredCharge => residual.larger(),
+            ForceLaw::TransferredCharge => residual.largest(),
         }
     }
 
@@ -196,12 +196,12 @@ impl<S: Scalar, M: Mathematics<S>> HostedScene<S, STATES> for Hosted<'_, S, M> {
         Particular::ContactSeparation(ContactSeparationOutcome {
             peak_gap_m: number(found.coordinate.highest),
             // A step that ends in an impact ends up to a tick beyond contact.
-            min_gap_m: number(found.coordinate.lowest.larger(S::ZERO)),
+            min_gap_m: number(found.coordinate.lowest.max(S::ZERO)),
             impacts,
             impacts_per_period: found.periods.map(|periods| impacts as f64 / periods),
             max_impact_speed_m_per_s: (impacts > 0).then(|| found.fastest_impact.to_f64()),
             first_impact_s: found.first_impact.map(Instant::seconds),
-            stuck_fraction: number(found.held_fraction),
+            stuck_fraction: number(found.stick_fraction),
         })
     }
 }

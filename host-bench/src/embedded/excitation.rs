@@ -45,14 +45,18 @@ where
             with(&AnyExcitation::Tones(tones))
         }
         Excitation::File(trace) => {
-            let samples: Vec<S> = trace.samples_m_per_s2.iter().map(|&sample| S::literal(sample)).collect();
+            let samples: Vec<S> = trace.samples_m_per_s2.iter().map(|&sample| S::from_f64(sample)).collect();
             let after = if trace.repeat { AfterLastSample::Repeat } else { AfterLastSample::Silence };
-            let sampled = Sampled::new(&samples, S::literal(trace.rate_hz), after).map_err(refuse)?;
+            let sampled = Sampled::new(&samples, S::from_f64(trace.rate_hz), after).map_err(refuse)?;
             with(&AnyExcitation::Sampled(sampled))
         }
     }
 }
 
 fn sine<S: Scalar, M: Mathematics<S>>(tone: &Tone) -> Result<Sine<S, M>, ExcitationError> {
-    Sine::new(S::literal(tone.amplitude_m_per_s2), S::literal(tone.frequency_hz), S::literal(tone.phase_rad))
+    Sine::new(
+        S::from_f64(tone.amplitude_m_per_s2),
+        S::from_f64(tone.frequency_hz),
+        S::from_f64(tone.phase_rad),
+    )
 }

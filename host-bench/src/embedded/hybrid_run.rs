@@ -78,7 +78,7 @@ pub(super) struct Found<S> {
     /// Largest impact speed in the window, in m/s.
     pub(super) fastest_impact: S,
     pub(super) sticks: u32,
-    pub(super) held_fraction: S,
+    pub(super) stick_fraction: S,
     /// Time of the first impact of the whole run.
     pub(super) first_impact: Option<Instant>,
     /// Periods of the base in the window, where it moves in one sine.
@@ -136,7 +136,7 @@ pub(super) fn step_control<S: Scalar>(
         (Some(step), _, _) if step > LONGEST_STEP_S => {
             refuse(format!("--step {step}: must be at most {LONGEST_STEP_S:.6} s"))
         }
-        (Some(step), _, _) => Ok(AnyStepControl::Fixed(FixedStep::of_seconds(S::literal(step)))),
+        (Some(step), _, _) => Ok(AnyStepControl::Fixed(FixedStep::of_seconds(S::from_f64(step)))),
         (None, Some(_), Method::Rk4) => refuse(
             "--tolerance: must not be given with rk4, which has no error estimate; give --step".to_owned(),
         ),
@@ -147,15 +147,15 @@ pub(super) fn step_control<S: Scalar>(
         )),
         (None, None, Method::Rk4) => {
             let step = explicit.min(LONGEST_STEP_S);
-            Ok(AnyStepControl::Fixed(FixedStep::of_seconds(S::literal(step))))
+            Ok(AnyStepControl::Fixed(FixedStep::of_seconds(S::from_f64(step))))
         }
-        (None, Some(tolerance), _) if S::literal(tolerance) < S::EPSILON => refuse(format!(
+        (None, Some(tolerance), _) if S::from_f64(tolerance) < S::EPSILON => refuse(format!(
             "--tolerance {tolerance:e}: must be at least {:e} in {}",
             S::EPSILON.to_f64(),
             precision_name::<S>()
         )),
         (None, tolerance, _) => {
-            Ok(AnyStepControl::Adaptive(Adaptive::new(S::literal(tolerance.unwrap_or(DEFAULT_TOLERANCE)))))
+            Ok(AnyStepControl::Adaptive(Adaptive::new(S::from_f64(tolerance.unwrap_or(DEFAULT_TOLERANCE)))))
         }
     }
 }
@@ -262,7 +262,7 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S, N>, const N: usize> Run<'_,
             impacts: meter.impacts(),
             fastest_impact: meter.fastest_impact(),
             sticks: meter.sticks(),
-            held_fraction: meter.held_fraction(),
+            stick_fraction: meter.stick_fraction(),
             first_impact: first_impact.at,
             periods: scene.excitation.single_frequency().map(|frequency| frequency * span.window_s()),
         };
@@ -303,7 +303,7 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S, N>, const N: usize> Run<'_,
     /// The end of a run that has taken the most attempts it may.
     fn given_up(&self, state: &HybridState<S, ModeOf<S, H, N>, N, WHOLE>) -> Failure {
         let (most, at) = (self.options.most_attempts.unwrap_or(0), state.clock.seconds::<f64>());
-        Failure::TooDear(format!("given up after {most} attempted steps at {at} s"))
+        Failure::StepLimitExceeded(format!("given up after {most} attempted steps at {at} s"))
     }
 
     pub(super) fn step_failure(

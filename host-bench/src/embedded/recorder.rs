@@ -36,7 +36,7 @@ where
                 return;
             }
             let fraction = ((time - from) / (end - from)).clamp(0.0, 1.0);
-            let theta = S::literal(fraction);
+            let theta = S::from_f64(fraction);
             let dense: [S; N] = std::array::from_fn(|index| {
                 let [start, end] =
                     [span.start, span.end].map(|point| (point.state[index], point.derivative[index]));
@@ -49,7 +49,7 @@ where
             let [position, velocity] = [dense[0], dense[1]];
             let charge = self.hosted.coulombs(position, self.hosted.charge(span.mode, &dense));
             let row: [S; 5] = [position, velocity, charge, voltage, self.excitation.acceleration(at)];
-            let held = f64::from(u8::from(harvester.is_held(span.mode)));
+            let held = f64::from(u8::from(harvester.is_stick(span.mode)));
             let store = self.hosted.store(span.mode, &dense).map(|store| store.voltage.to_f64());
             let row = std::iter::once(time).chain(row.map(S::to_f64)).chain([held]).chain(store);
             self.rows.push(row.collect());

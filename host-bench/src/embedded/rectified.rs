@@ -3,9 +3,9 @@
 use model_core::energy::Residual;
 use model_core::hybrid::Automaton;
 use model_core::part::rectifier::FullBridge;
-use model_core::part::store::AnyReservoir;
+use model_core::part::storage::AnyStorage;
 use model_core::scalar::{Mathematics, Scalar};
-use model_core::scene::rectified::{Mode, Rectified, STATES, Terminals};
+use model_core::scene::rectified::{ElectricalPort, Mode, Rectified, STATES};
 
 use super::excitation::with_excitation;
 use super::hybrid_run::{Found, HostedScene, Run, Store, refuse_start, step_control};
@@ -32,15 +32,15 @@ pub(super) fn run<S, M, H>(
     scene: &Scene,
     options: &Options,
     inner: H,
-    start: &<H::Core as Terminals<S>>::Start,
-    bridge: FullBridge<S, AnyReservoir<S>>,
+    start: &<H::Core as ElectricalPort<S>>::Start,
+    bridge: FullBridge<S, AnyStorage<S>>,
     motion_s: f64,
 ) -> Result<Outcome, Failure>
 where
     S: Scalar,
     M: Mathematics<S>,
     H: HostedScene<S, 3>,
-    H::Core: Terminals<S>,
+    H::Core: ElectricalPort<S>,
 {
     let core = Rectified::new(*inner.core(), bridge)
         .map_err(|error| Failure::Input(format!("{}: load.{error}", scene.file.display())))?;
@@ -55,7 +55,7 @@ where
 
 /// The core's harvester behind its bridge.
 struct Hosted<S: Scalar, H: HostedScene<S, 3>> {
-    core: Rectified<S, H::Core, AnyReservoir<S>>,
+    core: Rectified<S, H::Core, AnyStorage<S>>,
     inner: H,
 }
 
@@ -63,9 +63,9 @@ impl<S, H> HostedScene<S, STATES> for Hosted<S, H>
 where
     S: Scalar,
     H: HostedScene<S, 3>,
-    H::Core: Terminals<S>,
+    H::Core: ElectricalPort<S>,
 {
-    type Core = Rectified<S, H::Core, AnyReservoir<S>>;
+    type Core = Rectified<S, H::Core, AnyStorage<S>>;
 
     fn core(&self) -> &Self::Core {
         &self.core
@@ -81,9 +81,9 @@ where
     }
 
     fn store(&self, mode: BridgedMode<S, H>, state: &[S; STATES]) -> Option<Store<S>> {
-        let voltage = self.core.store_voltage(mode, state);
-        let has_end = matches!(self.core.bridge().reservoir, AnyReservoir::Capacitor(_));
-        Some(Store { voltage, energy: has_end.then(|| self.core.stored_in_reservoir(voltage)) })
+        let voltage = self.core.storage_voltage(mode, state);
+        let has_end = matches!(self.core.bridge().storage, AnyStorage::Capacitor(_));
+        Some(Store { voltage, energy: has_end.then(|| self.core.stored_energy_at(voltage)) })
     }
 
     fn coulombs(&self, position: S, charge: S) -> S {

@@ -9,7 +9,7 @@ use super::hybrid_run::{HostedScene, ModeOf, Run, STATES, WHOLE};
 use super::steady_state::sought;
 use crate::method::{Failure, Method};
 use crate::outcome::{Outcome, Particular};
-use crate::steady_state::{Orbit, Response, Search, Shaken, Spent};
+use crate::steady_state::{ForcedSystem, Orbit, Response, Search, Spent};
 
 /// A state of a hosted scene.
 type State<H> = HybridState<f64, ModeOf<f64, H, STATES>, STATES, WHOLE>;
@@ -47,8 +47,8 @@ impl<M: Mathematics<f64>, H: HostedScene<f64, STATES>> Run<'_, f64, M, H, STATES
     fn shaken<'a, I>(
         &'a self,
         driver: &'a Driver<I, AnyStepControl<f64>>,
-    ) -> Shaken<'a, H::Core, HostExcitation<'a, f64, M>, I> {
-        Shaken {
+    ) -> ForcedSystem<'a, H::Core, HostExcitation<'a, f64, M>, I> {
+        ForcedSystem {
             harvester: self.hosted.core(),
             excitation: self.excitation,
             frequency_hz: self.scene.excitation.single_frequency().unwrap_or(f64::NAN),

@@ -5,7 +5,7 @@ use model_core::hybrid::HybridState;
 use model_core::part::VACUUM_PERMITTIVITY;
 use model_core::part::load::AnyLoad;
 use model_core::part::rectifier::FullBridge;
-use model_core::part::store::AnyReservoir;
+use model_core::part::storage::AnyStorage;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::sliding::{
     AnyLateralForce, AnyParts, Mode, Parameters, PatchFriction, STATES, Sliding as Harvester, Start,
@@ -25,7 +25,7 @@ use crate::scene_file::{Load, Scene, Sliding};
 #[must_use]
 pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyParts> {
     let from = &model.parameters;
-    let number = S::literal;
+    let number = S::from_f64;
     let resistance_ohm = load.resistance_ohm();
     Parameters {
         beam_length: number(from.beam_length_m),
@@ -78,7 +78,7 @@ pub(super) fn rectified<S: Scalar, M: Mathematics<S>>(
     scene: &Scene,
     model: &Sliding,
     options: &Options,
-    bridge: FullBridge<S, AnyReservoir<S>>,
+    bridge: FullBridge<S, AnyStorage<S>>,
 ) -> Result<Outcome, Failure> {
     let hosted = hosted::<S>(scene, model)?;
     let motion_s = explicit_step(&hosted.harvester, model, scene.load);
@@ -99,9 +99,9 @@ pub(super) fn core<S: Scalar>(scene: &Scene, model: &Sliding) -> Result<Harveste
 /// The core's initial values of a scene.
 pub(super) fn start<S: Scalar>(model: &Sliding) -> Start<S> {
     Start {
-        displacement: model.initial.displacement_m.map(S::literal),
-        velocity: model.initial.velocity_m_per_s.map(S::literal),
-        charge: model.initial.charge_c.map(S::literal),
+        displacement: model.initial.displacement_m.map(S::from_f64),
+        velocity: model.initial.velocity_m_per_s.map(S::from_f64),
+        charge: model.initial.charge_c.map(S::from_f64),
     }
 }
 
@@ -155,19 +155,19 @@ impl<S: Scalar> HostedScene<S, STATES> for Hosted<'_, S> {
     /// Without the lateral force what the field takes from the motion is not debited there: each
     /// ledger closes by itself only.
     fn residual(&self, residual: &Residual<S>) -> Option<S> {
-        if self.model.parameters.lateral_force { residual.total() } else { residual.larger() }
+        if self.model.parameters.lateral_force { residual.total() } else { residual.largest() }
     }
 
     fn particular(&self, found: &Found<S>) -> Particular {
         let number = |value: S| Some(value.to_f64());
         let displacement = found.coordinate;
-        let half = S::literal(0.5);
+        let half = S::from_f64(0.5);
         let hertz = self.harvester.angular_frequency().to_f64() / std::f64::consts::TAU;
         Particular::Sliding(SlidingOutcome {
             natural_frequency_hz: Some(hertz),
             peak_displacement_m: number(displacement.magnitude()),
             amplitude_m: number(half * (displacement.highest - displacement.lowest)),
-            stick_fraction: number(found.held_fraction),
+            stick_fraction: number(found.stick_fraction),
             sticks_per_period: found.periods.map(|periods| f64::from(found.sticks) / periods),
         })
     }

@@ -11,14 +11,14 @@ use model_core::scene::Harvester;
 use crate::method::Failure;
 use crate::outcome::{Outcome, SteadyState};
 use crate::scene_file::RunSpan;
-use crate::steady_state::{Orbit, Search, Shaken, Spent, Verdict};
+use crate::steady_state::{ForcedSystem, Orbit, Search, Spent, Verdict};
 
 /// The outcome of one period of the stable orbit to which the motion from `start` goes; of the whole
 /// `run` where there is none.
 ///
 /// `measured` makes a run from a state to the end of a span; `failed` words a step that cannot be taken.
 pub(super) fn sought<A, E, I, Mode, const N: usize, const P: usize>(
-    shaken: &Shaken<'_, A, E, I>,
+    shaken: &ForcedSystem<'_, A, E, I>,
     start: HybridState<f64, Mode, N, P>,
     search: &Search<N>,
     run: &RunSpan,

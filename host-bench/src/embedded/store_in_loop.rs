@@ -11,9 +11,9 @@ use model_core::hybrid::{Driver, HybridState};
 use model_core::integrate::{AnyStepControl, TrBdf2};
 use model_core::part::draw::{Lockout, PowerDraw};
 use model_core::part::rectifier::FullBridge;
-use model_core::part::store::Capacitor;
+use model_core::part::storage::Capacitor;
 use model_core::scalar::Scalar;
-use model_core::scene::rectified::{Mode, Rectified, STATES, Terminals};
+use model_core::scene::rectified::{ElectricalPort, Mode, Rectified, STATES};
 use model_core::scene::{Harvester, account};
 
 use super::excitation::{HostExcitation, with_excitation};
@@ -107,7 +107,7 @@ impl Setting<'_> {
         }
     }
 
-    fn with_core<S: Scalar, H: Terminals<S>, R>(
+    fn with_core<S: Scalar, H: ElectricalPort<S>, R>(
         &self,
         harvester: H,
         start: &H::Start,
@@ -115,13 +115,13 @@ impl Setting<'_> {
     ) -> Result<R, Failure> {
         let Self { scene, storage, .. } = self;
         let lockout =
-            Lockout { turn_on: S::literal(storage.turn_on_v), turn_off: S::literal(storage.turn_off_v) };
+            Lockout { turn_on: S::from_f64(storage.turn_on_v), turn_off: S::from_f64(storage.turn_off_v) };
         let bridge = FullBridge {
-            diode_drop: S::literal(self.diode_drop_v),
-            reservoir: Capacitor {
-                farads: S::literal(storage.capacitance_f),
-                leakage_ohms: S::literal(storage.leakage_ohm),
-                initial_voltage: S::literal(self.initial_v),
+            diode_drop: S::from_f64(self.diode_drop_v),
+            storage: Capacitor {
+                farads: S::from_f64(storage.capacitance_f),
+                leakage_ohms: S::from_f64(storage.leakage_ohm),
+                initial_voltage: S::from_f64(self.initial_v),
                 draw: PowerDraw { watts: S::ZERO, lockout },
             },
         };
@@ -129,7 +129,7 @@ impl Setting<'_> {
         // Only an explicit method asks how fast the circuit is.
         let control = step_control(scene, self.options, f64::INFINITY)?;
         with_excitation::<S, S::Build, _>(scene, |excitation| {
-            let daily = Daily { base: excitation, factors: self.hours.map(S::literal) };
+            let daily = Daily { base: excitation, factors: self.hours.map(S::from_f64) };
             let mut state =
                 core.start(start, &daily, &control).map_err(|error| refuse_start(scene, &error))?;
             // Between the thresholds the voltage alone does not tell.
@@ -142,7 +142,7 @@ impl Setting<'_> {
 /// A harvester of the core behind a bridge into a store that a node draws constant power from.
 type Core<S, H> = Rectified<S, H, Capacitor<S, PowerDraw<S>>>;
 
-fn connected<S: Scalar, H: Terminals<S>>(
+fn connected<S: Scalar, H: ElectricalPort<S>>(
     scene: &Scene,
     harvester: H,
     bridge: FullBridge<S, Capacitor<S, PowerDraw<S>>>,
@@ -151,7 +151,7 @@ fn connected<S: Scalar, H: Terminals<S>>(
         .map_err(|error| Failure::Input(format!("{}: node.{error}", scene.file.display())))
 }
 
-struct Loop<'a, S: Scalar, H: Terminals<S>> {
+struct Loop<'a, S: Scalar, H: ElectricalPort<S>> {
     scene: &'a Scene,
     core: Core<S, H>,
     daily: Daily<'a, S, HostExcitation<'a, S, S::Build>>,
@@ -159,10 +159,10 @@ struct Loop<'a, S: Scalar, H: Terminals<S>> {
     state: HybridState<S, Mode<H::Mode>, STATES, WHOLE>,
 }
 
-impl<S: Scalar, H: Terminals<S>> StoreInLoop for Loop<'_, S, H> {
+impl<S: Scalar, H: ElectricalPort<S>> StoreInLoop for Loop<'_, S, H> {
     fn advance(&mut self, until_s: u32, draw_w: f64) -> Result<Stretch, Failure> {
         let mut bridge = *self.core.bridge();
-        bridge.reservoir.draw.watts = S::literal(draw_w);
+        bridge.storage.draw.watts = S::from_f64(draw_w);
         self.core = connected(self.scene, *self.core.harvester(), bridge)?;
         let driver = Driver::new(TrBdf2, self.control);
         let until = Instant::from_whole_seconds(until_s);
@@ -186,7 +186,7 @@ impl<S: Scalar, H: Terminals<S>> StoreInLoop for Loop<'_, S, H> {
 
     fn voltage(&self) -> f64 {
         // With what rounding took from it: a large store gains less than a rounding in a step.
-        let [volts, rest] = self.core.compensated_store_voltage(self.state.mode, &self.state.point);
+        let [volts, rest] = self.core.compensated_storage_voltage(self.state.mode, &self.state.point);
         volts.to_f64() + rest.to_f64()
     }
 

@@ -90,7 +90,7 @@ impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S, STATES>> Run<'_, S, M, H, S
         hours: &[f64; HOURS],
         interval_s: u32,
     ) -> Result<WholeDay, Failure> {
-        let daily = Daily { base: self.excitation, factors: hours.map(S::literal) };
+        let daily = Daily { base: self.excitation, factors: hours.map(S::from_f64) };
         let driver = Driver::new(TrBdf2, self.control);
         let harvester = self.hosted.core();
         let mut ledger = Ledger::open(harvester, &state);

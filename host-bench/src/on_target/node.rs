@@ -49,13 +49,13 @@ impl Kind {
                 let model = following().map_err(fail)?;
                 let mut node = Following::new(FlashBoard::default(), model).map_err(fail)?;
                 let reports = (0..seconds).map(|_| node.second().map_err(fail)).collect::<Result<_, _>>()?;
-                Ok((reports, node.economy().unexplained()))
+                Ok((reports, node.power_manager().unexplained()))
             }
             Self::Listening => {
                 let mut node =
                     Listening::new(FlashBoard::default(), listening().map_err(fail)?).map_err(fail)?;
                 let reports = (0..seconds).map(|_| node.second()).collect();
-                Ok((reports, node.economy().unexplained()))
+                Ok((reports, node.power_manager().unexplained()))
             }
         }
     }

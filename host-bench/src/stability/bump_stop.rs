@@ -178,7 +178,7 @@ fn finding(
         contacts: None,
     };
     match run_scene(scene, &options) {
-        Err(Failure::Input(reason) | Failure::Step(reason) | Failure::TooDear(reason)) => {
+        Err(Failure::Input(reason) | Failure::Step(reason) | Failure::StepLimitExceeded(reason)) => {
             finding.reason = reason
         }
         Ok(outcome) => {

@@ -76,7 +76,9 @@ fn the_ends_of_the_range_of_resistances_are_right_or_say_so() {
 fn a_run_that_takes_too_many_steps_is_given_up() {
     let scene = shipped();
     let options = Options { most_attempts: Some(1000), ..Options::default() };
-    let Err(Failure::TooDear(told)) = run_scene(&scene, &options) else { panic!("it takes more steps") };
+    let Err(Failure::StepLimitExceeded(told)) = run_scene(&scene, &options) else {
+        panic!("it takes more steps")
+    };
     assert!(told.contains("1000 attempted steps") && told.contains(" at 0."), "{told}");
     let options = Options { most_attempts: Some(MOST_ATTEMPTS), ..Options::default() };
     assert_eq!(

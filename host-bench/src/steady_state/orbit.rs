@@ -11,7 +11,7 @@ use model_core::scene::Harvester;
 use nalgebra::Complex;
 
 use super::newton::{Linearisation, Map};
-use super::period_map::{Shaken, Spent, Watch};
+use super::period_map::{ForcedSystem, Spent, Watch};
 
 /// Change of the state, in units of the size of the motion, below which an orbit counts as found.
 const ACCURACY: f64 = 1e-7;
@@ -122,7 +122,7 @@ pub struct Response {
     pub rms_voltage_v: f64,
 }
 
-impl<A, E, I> Shaken<'_, A, E, I> {
+impl<A, E, I> ForcedSystem<'_, A, E, I> {
     /// The steady state of the motion from `start`, at time zero.
     ///
     /// # Errors

@@ -13,7 +13,7 @@ const BUDGET: u32 = 1 << 24;
 
 /// A harvester shaken by one sine.
 #[derive(Debug)]
-pub struct Shaken<'a, A, E, I> {
+pub struct ForcedSystem<'a, A, E, I> {
     /// The harvester.
     pub harvester: &'a A,
     /// What shakes it: one sine.
@@ -25,13 +25,13 @@ pub struct Shaken<'a, A, E, I> {
 }
 
 // Not derived: what it refers to need not be `Copy`.
-impl<A, E, I> Clone for Shaken<'_, A, E, I> {
+impl<A, E, I> Clone for ForcedSystem<'_, A, E, I> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<A, E, I> Copy for Shaken<'_, A, E, I> {}
+impl<A, E, I> Copy for ForcedSystem<'_, A, E, I> {}
 
 /// Work done so far.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -57,7 +57,7 @@ impl Spent {
     }
 }
 
-impl<A, E, I> Shaken<'_, A, E, I> {
+impl<A, E, I> ForcedSystem<'_, A, E, I> {
     /// The instant `periods` periods after the start; the last there is if that is beyond.
     pub(super) fn instant(&self, periods: f64) -> Instant {
         Instant::from_seconds(periods / self.frequency_hz).unwrap_or(Instant::from_ticks(u64::MAX))
@@ -176,7 +176,7 @@ impl<'a, A, Mode, const N: usize> Watch<'a, A, Mode, N> {
         let longest = self
             .stretches
             .iter()
-            .max_by_key(|stretch| (!self.harvester.is_held(stretch.mode), stretch.to - stretch.from));
+            .max_by_key(|stretch| (!self.harvester.is_stick(stretch.mode), stretch.to - stretch.from));
         longest.map_or(0, |stretch| stretch.from.midpoint(stretch.to) - first.from)
     }
 }

@@ -228,7 +228,7 @@ pub fn compare(
 fn row(scene: &Scene, variant: Variant, extent: &Extent, exact: &Numbers) -> Result<Row, Failure> {
     let numbers = match Numbers::of(scene, variant.options()) {
         Ok(numbers) => numbers,
-        Err(Failure::Step(error) | Failure::TooDear(error)) => {
+        Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => {
             return Ok(Row { variant, found: None, failure: Some(error) });
         }
         Err(error @ Failure::Input(_)) => return Err(error),

@@ -1,12 +1,12 @@
-//! Where a store's energy came from and where it went.
+//! Where a storage's energy came from and where it went.
 
 use super::storage::StorageStep;
 use crate::scalar::{CompensatedSum, Scalar};
 
-/// Where energy came from and went since the start, in joules at the store.
+/// Where energy came from and went since the start, in joules at the storage.
 ///
 /// `income − shunted − leaked − (drawn − unserved) + corrected` is the stored energy: the account is opened
-/// on an empty store, and what a first measurement finds in it is a correction.
+/// on an empty storage, and what a first measurement finds in it is a correction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Account<S> {
@@ -48,20 +48,20 @@ impl<S: Scalar> Account<S> {
         self.leaked.value()
     }
 
-    /// Income for which the store had no room.
+    /// Income for which the storage had no room.
     #[must_use]
     pub fn shunted(&self) -> S {
         self.shunted.value()
     }
 
-    /// Of what the load asked for, the part that the store could not give above its lock-out. On a node that
-    /// did spend it, a sign that the store was thought lower than it was.
+    /// Of what the load asked for, the part that the storage could not give above its lock-out. On a node that
+    /// did spend it, a sign that the storage was thought lower than it was.
     #[must_use]
     pub fn unserved(&self) -> S {
         self.unserved.value()
     }
 
-    /// Put right by measurements, the first one included: positive where the store held more than thought.
+    /// Put right by measurements, the first one included: positive where the storage held more than thought.
     #[must_use]
     pub fn corrected(&self) -> S {
         self.corrected.value()
@@ -73,7 +73,7 @@ impl<S: Scalar> Account<S> {
         self.refused
     }
 
-    /// What the store holds by this account.
+    /// What the storage holds by this account.
     #[must_use]
     pub fn balance(&self) -> S {
         let mut sum = self.corrected;
@@ -97,7 +97,7 @@ impl<S: Scalar> Account<S> {
         self.refused = self.refused.saturating_add(1);
     }
 
-    /// Enters what a step of the store did.
+    /// Enters what a step of the storage did.
     pub(super) fn enter(&mut self, income: S, drawn: S, step: &StorageStep<S>) {
         self.income.add(income);
         self.drawn.add(drawn);

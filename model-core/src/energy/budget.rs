@@ -1,8 +1,8 @@
-//! A node's energy budget: what is in the store, what came, what went, and what may be done now.
+//! A node's energy budget: what is in the storage, what came, what went, and what may be done now.
 //!
 //! The state of charge is two numbers. The stored energy is what it would be had everything come and gone
 //! evenly over each interval. Its uncertainty bounds how much lower the truth can be: given what came in and
-//! what was spent, the store is lowest if all income came first, to leak or to find the store full, and all
+//! what was spent, the storage is lowest if all income came first, to leak or to find the storage full, and all
 //! was spent at the end; both ends are followed, and the rounding of the arithmetic is added. The caller
 //! raises it by what is not known of income and expenditure; a measured voltage replaces both numbers.
 //!
@@ -30,7 +30,7 @@
 //! let measure = Action::new("measure", 40e-6, 0.02)?; // at most 40 µJ in 20 ms
 //! let transmit = Action::new("transmit", 600e-6, 0.15)?;
 //!
-//! // At power-up, 06:00: the store as the ADC reads it, good to 2 mV.
+//! // At power-up, 06:00: the storage as the ADC reads it, good to 2 mV.
 //! let mut now = 6 * 3600;
 //! let mut state = budget.start(now);
 //! budget.correct_by_voltage(&mut state, 2.5, 2e-3);
@@ -66,7 +66,7 @@ use crate::scalar::{Scalar, add_increment};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BudgetParameters<S> {
-    /// The store.
+    /// The storage.
     pub storage: StorageParameters<S>,
     /// How income is remembered.
     pub income: IncomeParameters<S>,
@@ -93,7 +93,7 @@ pub struct BudgetState<S, const SLOTS: usize> {
     /// What rounding took from `energy`.
     energy_low: S,
     uncertainty: S,
-    /// Spent since the last update, at the store.
+    /// Spent since the last update, at the storage.
     pending: S,
     account: Account<S>,
 }
@@ -133,7 +133,7 @@ impl<S: Scalar, const SLOTS: usize> BudgetState<S, SLOTS> {
     /// error over the interval. What is negative or not finite makes all of it uncertain.
     pub fn raise_uncertainty(&mut self, energy: S) {
         self.uncertainty = match self.account.admit(energy) {
-            Some(energy) => (self.uncertainty + energy).smaller(self.energy),
+            Some(energy) => (self.uncertainty + energy).min(self.energy),
             None => self.energy,
         };
     }
@@ -155,13 +155,13 @@ impl<S: Scalar> BudgetParameters<S> {
 }
 
 impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
-    /// The store.
+    /// The storage.
     #[must_use]
     pub fn storage(&self) -> &Storage<S> {
         &self.storage
     }
 
-    /// The state at a time in whole seconds since a midnight, with an empty store: until a first correction
+    /// The state at a time in whole seconds since a midnight, with an empty storage: until a first correction
     /// nothing can be afforded.
     #[must_use]
     pub fn start(&self, second: u32) -> BudgetState<S, SLOTS> {
@@ -180,7 +180,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// added here: whoever calls is switched on, and for a time in which it was not there is [`Budget::gap`].
     ///
     /// An energy that is negative or not finite is refused and counted: an income as none at all and unknown
-    /// to the memory, an expenditure as one that may have emptied the store. At most two exponentials.
+    /// to the memory, an expenditure as one that may have emptied the storage. At most two exponentials.
     pub fn update(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, harvested: S, spent: S) {
         self.spend(state, spent);
         let harvested = state.account.admit(harvested);
@@ -202,18 +202,18 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         }
     }
 
-    /// Time moves on by `interval` seconds of which nothing is known, the node having been off: the store
+    /// Time moves on by `interval` seconds of which nothing is known, the node having been off: the storage
     /// leaks, no income is counted, and the slots of the day in between stay as they are.
     pub fn gap(&self, state: &mut BudgetState<S, SLOTS>, interval: u32) {
         self.income.gap(&mut state.income, interval);
         self.move_store(state, interval, S::ZERO, S::ZERO);
     }
 
-    /// The store holds `energy` joules, and may hold `uncertainty` joules less: by a measurement.
+    /// The storage holds `energy` joules, and may hold `uncertainty` joules less: by a measurement.
     /// An energy that is negative or not a number is refused.
     pub fn correct(&self, state: &mut BudgetState<S, SLOTS>, energy: S, uncertainty: S) {
         let Some(energy) = state.account.admit(energy) else { return };
-        let energy = energy.smaller(self.storage.capacity());
+        let energy = energy.min(self.storage.capacity());
         // What was spent since the last update is in the measurement.
         self.move_store(state, 0, S::ZERO, S::ZERO);
         state.account.correct(energy - state.energy);
@@ -223,26 +223,26 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         state.raise_uncertainty(uncertainty);
     }
 
-    /// The store is at `voltage` volts to within `error` volts: a reading whose error is bounded, by the
-    /// quantisation of the converter and its noise. See the estimator of gain and store for readings that are
+    /// The storage is at `voltage` volts to within `error` volts: a reading whose error is bounded, by the
+    /// quantisation of the converter and its noise. See the estimator of gain and storage for readings that are
     /// weighed against a model.
     ///
     /// A voltage or an error that is negative or not finite is refused and counted, and so is a voltage that even
-    /// less its error is above the highest of the store: that converter is not connected to it.
+    /// less its error is above the highest of the storage: that converter is not connected to it.
     pub fn correct_by_voltage(&self, state: &mut BudgetState<S, SLOTS>, voltage: S, error: S) {
         let readings = (state.account.admit(voltage), state.account.admit(error));
         let (Some(voltage), Some(error)) = readings else { return };
-        let lowest = (voltage - error).larger(S::ZERO);
+        let lowest = (voltage - error).max(S::ZERO);
         if lowest > self.storage.parameters().highest_voltage {
             state.account.refuse();
             return;
         }
-        let energy = self.storage.energy(voltage).smaller(self.storage.capacity());
-        self.correct(state, energy, (energy - self.storage.energy(lowest)).larger(S::ZERO));
+        let energy = self.storage.energy(voltage).min(self.storage.capacity());
+        self.correct(state, energy, (energy - self.storage.energy(lowest)).max(S::ZERO));
     }
 
     /// Whether an action can be afforded at a second of the clock, whatever income does: whether what is
-    /// certain of the store, after all that the action and the standing load may take of it and all that may
+    /// certain of the storage, after all that the action and the standing load may take of it and all that may
     /// leak from the last update to the action's end, with no income, is still at or above the lock-out. Actions
     /// that overlap are to be asked for as one: of one that is spent already its energy counts, not its time.
     ///
@@ -255,11 +255,11 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         // Leakage is largest if all is taken at the end.
         let kept = (state.energy - state.uncertainty) * self.storage.relaxation(seconds).kept;
         let left = kept - state.pending - self.storage.drawn(used);
-        let rounding = S::literal(4.0) * S::EPSILON * self.storage.capacity();
+        let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
         left >= self.storage.lock_out() + rounding
     }
 
-    /// The store over an interval, with what is pending; `income` and `standing` in joules at the store.
+    /// The storage over an interval, with what is pending; `income` and `standing` in joules at the storage.
     fn move_store(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, income: S, standing: S) {
         let storage = &self.storage;
         let relaxation = storage.relaxation(S::from_u32(interval));
@@ -270,12 +270,12 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         state.account.enter(income, wanted, &step);
 
         // The lower end: all income first, what has no room lost, leakage, all
-        // expenditure last. Followed by its distance from the stored energy, term by term, so that nothing
+        // expenditure last. Resumable by its distance from the stored energy, term by term, so that nothing
         // cancels.
         let mut distance = state.uncertainty * relaxation.kept
             + income * relaxation.lost_by_early_income()
             + wanted * relaxation.lost_of_income()
-            + (least + income - storage.capacity()).larger(S::ZERO) * relaxation.kept;
+            + (least + income - storage.capacity()).max(S::ZERO) * relaxation.kept;
         let mut rounded = income + wanted + step.leaked;
         if step.shunted > S::ZERO || step.unserved > S::ZERO {
             distance += step.end - (state.energy + step.change);
@@ -284,11 +284,11 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         } else {
             (state.energy, state.energy_low) = add_increment(state.energy, state.energy_low, step.change);
         }
-        distance += S::literal(4.0) * S::EPSILON * rounded;
-        // The load is cut at the lock-out, from where the store leaks till the end at worst.
-        let floor = storage.lock_out().smaller(least + income) * relaxation.kept;
-        let above_floor = state.energy - floor + S::literal(4.0) * S::EPSILON * storage.capacity();
-        state.uncertainty = distance.smaller(above_floor).larger(S::ZERO).smaller(state.energy);
+        distance += S::from_f64(4.0) * S::EPSILON * rounded;
+        // The load is cut at the lock-out, from where the storage leaks till the end at worst.
+        let floor = storage.lock_out().min(least + income) * relaxation.kept;
+        let above_floor = state.energy - floor + S::from_f64(4.0) * S::EPSILON * storage.capacity();
+        state.uncertainty = distance.min(above_floor).max(S::ZERO).min(state.energy);
     }
 }
 
@@ -302,16 +302,16 @@ mod tests {
     }
 
     fn with<S: Scalar>(storage: StorageParameters<S>) -> Budget<S, 48> {
-        let income = IncomeParameters { time_constant: S::literal(7200.0), day_weight: S::literal(0.5) };
-        let parameters = BudgetParameters { storage, income, standing_power: S::literal(2e-6) };
+        let income = IncomeParameters { time_constant: S::from_f64(7200.0), day_weight: S::from_f64(0.5) };
+        let parameters = BudgetParameters { storage, income, standing_power: S::from_f64(2e-6) };
         parameters.build().expect("within bounds")
     }
 
     /// Ten times what comes in a day, or a fiftieth of it.
-    fn stores<S: Scalar>() -> [StorageParameters<S>; 2] {
+    fn storages<S: Scalar>() -> [StorageParameters<S>; 2] {
         let large = StorageParameters {
-            capacitance: S::literal(1.0),
-            leakage_resistance: S::literal(1e6),
+            capacitance: S::from_f64(1.0),
+            leakage_resistance: S::from_f64(1e6),
             ..example()
         };
         [large, example()]
@@ -320,12 +320,12 @@ mod tests {
     /// A day of updates of `interval` seconds with an uneven income, and an action every ten minutes.
     fn day<S: Scalar>(budget: &Budget<S, 48>, interval: u32) -> BudgetState<S, 48> {
         let mut state = budget.start(0);
-        budget.correct(&mut state, S::literal(0.5) * budget.storage.capacity(), S::ZERO);
+        budget.correct(&mut state, S::from_f64(0.5) * budget.storage.capacity(), S::ZERO);
         for k in 0..86_400 / interval {
             let (minute, seconds) = (k * interval / 60, S::from_u32(interval));
-            // Up to 60 µW: the store is full at times, and nearly empty at others.
-            let income = S::from_u32((k * 7919) % 101 * (minute / 120 % 3)) * S::literal(3e-7) * seconds;
-            let spent = if (k * interval) % 600 < interval { S::literal(6e-3) } else { S::ZERO };
+            // Up to 60 µW: the storage is full at times, and nearly empty at others.
+            let income = S::from_u32((k * 7919) % 101 * (minute / 120 % 3)) * S::from_f64(3e-7) * seconds;
+            let spent = if (k * interval) % 600 < interval { S::from_f64(6e-3) } else { S::ZERO };
             budget.update(&mut state, interval, income, spent);
         }
         state
@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn single_precision_ends_a_day_where_double_does() {
-        for (narrow, wide) in stores().into_iter().zip(stores()) {
+        for (narrow, wide) in storages().into_iter().zip(storages()) {
             for interval in [60, 1] {
                 let capacity = with(wide).storage().capacity();
                 let (single, double) =
@@ -352,7 +352,7 @@ mod tests {
 
     #[test]
     fn the_account_adds_up_to_what_is_in_the_store() {
-        for (storage, interval) in stores().into_iter().flat_map(|storage| [(storage, 60), (storage, 1)]) {
+        for (storage, interval) in storages().into_iter().flat_map(|storage| [(storage, 60), (storage, 1)]) {
             let state = day(&with::<f32>(storage), interval);
             let account = state.account();
             let turned_over = account.income() + account.corrected();
@@ -423,7 +423,7 @@ mod tests {
             assert!(budget.can_afford(&state, &action, 60) && state.account().income() == 0.0);
             let mut blind = state;
             budget.update(&mut blind, 60, 0.0, wrong);
-            assert!(!budget.can_afford(&blind, &action, 120), "it may have emptied the store");
+            assert!(!budget.can_afford(&blind, &action, 120), "it may have emptied the storage");
             let mut doubtful = state;
             doubtful.raise_uncertainty(wrong);
             assert!(!budget.can_afford(&doubtful, &action, 60));

@@ -1,8 +1,8 @@
-//! The measured voltage of the store as an observation: of the stored energy, and of the gain by which the
+//! The measured voltage of the storage as an observation: of the stored energy, and of the gain by which the
 //! modelled income must be multiplied to give the true one.
 //!
 //! A Kalman filter with two states, the gain `g` and the stored energy `E`. Over an interval of modelled
-//! income `m` and known expenditure `u`, with the store's closed form `w = e^(−x)`, `φ = (1 − w)/x`,
+//! income `m` and known expenditure `u`, with the storage's closed form `w = e^(−x)`, `φ = (1 − w)/x`,
 //!
 //! ```text
 //! E ← w E + (g m − u) φ,   g ← g + random walk
@@ -24,9 +24,9 @@
 //! the end because the load takes as much. After `n` such cells in an hour of a reading a minute the gain is known,
 //! as a standard deviation, to `0.15/n` of itself with a noise of up to a fifth of a cell, `0.24/n` with half a cell,
 //! `0.43/n` with a whole one; the income estimate is within 5 % in 95 of 100 cases from 4, 10 and 20 cells on.
-//! With 12 bits over 5 V and the store at 3 V a cell is 0.17 µJ for 47 µF, 3.7 µJ for 1 mF and 3.7 mJ for 1 F, and 20
-//! cells in an hour an income into the store of 1 nW, 20 nW and 20 µW. Below that 5 % cannot be had in the hour,
-//! and [`CorrectionState::income_error`] says so. Nothing is learnt of the gain while the store is full, whose
+//! With 12 bits over 5 V and the storage at 3 V a cell is 0.17 µJ for 47 µF, 3.7 µJ for 1 mF and 3.7 mJ for 1 F, and 20
+//! cells in an hour an income into the storage of 1 nW, 20 nW and 20 µW. Below that 5 % cannot be had in the hour,
+//! and [`CorrectionState::income_error`] says so. Nothing is learnt of the gain while the storage is full, whose
 //! income is shunted. Capacitance, leakage, efficiencies and expenditure are taken as known: an error in them goes
 //! into the gain, and is not in the error figure.
 //!
@@ -114,7 +114,7 @@ pub struct CorrectionState<S> {
     gain_variance: S,
     covariance: S,
     energy_variance: S,
-    /// Whether it is known where the store is.
+    /// Whether it is known where the storage is.
     located: bool,
     /// Whether the last reading found it full.
     was_full: bool,
@@ -146,7 +146,7 @@ const LEAST_NOISE: f64 = 0.2;
 /// A reading is rejected whose cell is further away than this number of standard deviations and
 const GATE: f64 = 5.0;
 
-/// this number of cells: a store that was followed inside one cell for long is not as certain as it seems.
+/// this number of cells: a storage that was followed inside one cell for long is not as certain as it seems.
 const GATE_CELLS: f64 = 2.0;
 
 /// After this number of rejected readings in turn the model is wrong and not the reading.
@@ -172,9 +172,9 @@ impl<S: Scalar> CorrectionParameters<S> {
             storage: *storage,
             cell,
             full_code: codes - 1,
-            noise: self.noise.larger(S::literal(LEAST_NOISE) * cell),
+            noise: self.noise.max(S::from_f64(LEAST_NOISE) * cell),
             gain_variance: self.gain_deviation * self.gain_deviation,
-            drift: self.gain_drift * self.gain_drift * S::literal(1.0 / 3600.0),
+            drift: self.gain_drift * self.gain_drift * S::from_f64(1.0 / 3600.0),
         })
     }
 }
@@ -189,7 +189,7 @@ impl<S: Scalar> CorrectionState<S> {
     /// Standard deviation of the gain.
     #[must_use]
     pub fn gain_deviation(&self) -> S {
-        self.gain_variance.square_root()
+        self.gain_variance.sqrt()
     }
 
     /// Standard deviation of the income estimate as a part of it; infinite if the gain is 0.
@@ -198,7 +198,7 @@ impl<S: Scalar> CorrectionState<S> {
         if self.gain > S::ZERO { self.gain_deviation() / self.gain } else { S::INFINITY }
     }
 
-    /// Stored energy in joules; after a prediction and until the next reading, that of a store without limits.
+    /// Stored energy in joules; after a prediction and until the next reading, that of a storage without limits.
     #[must_use]
     pub fn energy(&self) -> S {
         self.energy
@@ -207,7 +207,7 @@ impl<S: Scalar> CorrectionState<S> {
     /// Standard deviation of the stored energy in joules.
     #[must_use]
     pub fn energy_deviation(&self) -> S {
-        self.energy_variance.square_root()
+        self.energy_variance.sqrt()
     }
 
     /// Number of readings that were used.
@@ -230,10 +230,10 @@ impl<S: Scalar> CorrectionState<S> {
 }
 
 impl<S: Scalar> Correction<S> {
-    /// The state before any reading: a gain of 1, the store unknown.
+    /// The state before any reading: a gain of 1, the storage unknown.
     #[must_use]
     pub fn start(&self) -> CorrectionState<S> {
-        let half = S::literal(0.5) * self.storage.capacity();
+        let half = S::from_f64(0.5) * self.storage.capacity();
         CorrectionState {
             gain: S::ONE,
             energy: half,
@@ -253,7 +253,7 @@ impl<S: Scalar> Correction<S> {
     /// Time moves on by `interval` seconds, for which the model says that `modelled` joules were harvested, and
     /// in which `spent` joules were used by the load, all of it. At most one exponential.
     ///
-    /// Energies that are negative or not finite are taken as none, and leave store and gain unknown anew.
+    /// Energies that are negative or not finite are taken as none, and leave storage and gain unknown anew.
     pub fn predict(&self, state: &mut CorrectionState<S>, interval: u32, modelled: S, spent: S) {
         let sound = |energy: S| energy >= S::ZERO && energy < S::INFINITY;
         if !(sound(modelled) && sound(spent)) {
@@ -263,7 +263,7 @@ impl<S: Scalar> Correction<S> {
         let seconds = S::from_u32(interval);
         let relaxation = self.storage.relaxation(seconds);
         let (income, outgo) = (self.storage.stored(modelled), self.storage.drawn(spent));
-        // The limits of the store are not the model's to meet: where a gain that is wrong would have filled or
+        // The limits of the storage are not the model's to meet: where a gain that is wrong would have filled or
         // emptied it and the reading says otherwise, the reading must find how far off that was.
         let change = self.storage.step(state.energy, &relaxation, state.gain * income, outgo).change;
         (state.energy, state.energy_low) = add_increment(state.energy, state.energy_low, change);
@@ -272,17 +272,17 @@ impl<S: Scalar> Correction<S> {
         state.energy_variance =
             kept * kept * state.energy_variance + sensitivity * (kept * state.covariance + covariance);
         state.covariance = covariance;
-        let highest = S::literal(HIGHEST_GAIN * HIGHEST_GAIN);
-        state.gain_variance = (state.gain_variance + self.drift * seconds).smaller(highest);
+        let highest = S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN);
+        state.gain_variance = (state.gain_variance + self.drift * seconds).min(highest);
     }
 
     /// Takes in a reading of the voltage. A quadrature of 25 exponentials, and four square roots.
     pub fn observe(&self, state: &mut CorrectionState<S>, code: u32) -> Reading {
-        let reach = S::literal(GATE) * state.energy_variance.square_root();
+        let reach = S::from_f64(GATE) * state.energy_variance.sqrt();
         if code >= self.full_code {
             state.saturated = state.saturated.saturating_add(1);
             if state.energy + reach >= self.storage.energy(S::from_u32(code) * self.cell) {
-                // The store may well be up there, and full without showing.
+                // The storage may well be up there, and full without showing.
                 self.lose_store(state);
             }
             return Reading::Saturated;
@@ -291,12 +291,12 @@ impl<S: Scalar> Correction<S> {
             state.rejected = state.rejected.saturating_add(1);
             return Reading::Rejected;
         }
-        let (half, voltage) = (S::literal(0.5) * self.cell, S::from_u32(code) * self.cell);
+        let (half, voltage) = (S::from_f64(0.5) * self.cell, S::from_u32(code) * self.cell);
         let (low, high) = (self.storage.energy(voltage - half), self.storage.energy(voltage + half));
         // dE = C V dV, and a cell is C V Δ wide.
         let noise = (high - low) * (self.noise / self.cell);
         let full = high + (high - low) + noise + noise >= self.storage.capacity();
-        // What is shunted does not show: an interval tells of the gain only if the store was not full at
+        // What is shunted does not show: an interval tells of the gain only if the storage was not full at
         // either end, and what was expected may then lie any distance above what is read.
         let limited = full || state.was_full;
         if !state.located || (limited && state.energy + reach >= low) {
@@ -306,8 +306,8 @@ impl<S: Scalar> Correction<S> {
         }
         let noise_variance = noise * noise;
         let variance = state.energy_variance + noise_variance;
-        let deviation = variance.square_root();
-        let gate = S::literal(GATE) * deviation + S::literal(GATE_CELLS) * (high - low);
+        let deviation = variance.sqrt();
+        let gate = S::from_f64(GATE) * deviation + S::from_f64(GATE_CELLS) * (high - low);
         if !(low - state.energy <= gate && state.energy - high <= gate) {
             self.reject(state);
             return Reading::Rejected;
@@ -316,27 +316,27 @@ impl<S: Scalar> Correction<S> {
         let (mean, spread) = moments_within(low, high);
         state.was_full = full;
         let shift = mean / deviation;
-        let highest = S::literal(HIGHEST_GAIN);
-        state.gain = (state.gain + state.covariance * shift).larger(S::ZERO).smaller(highest);
+        let highest = S::from_f64(HIGHEST_GAIN);
+        state.gain = (state.gain + state.covariance * shift).max(S::ZERO).min(highest);
         let energy = state.energy + (state.energy_low + state.energy_variance * shift);
-        state.energy = energy.larger(S::ZERO).smaller(self.storage.capacity());
+        state.energy = energy.max(S::ZERO).min(self.storage.capacity());
         state.energy_low = S::ZERO;
         // What is left: all of it for pure noise, `spread` of it without noise.
         let left = (noise_variance + state.energy_variance * spread) / variance;
         let learnt = state.covariance * state.covariance * (S::ONE - spread) / variance;
-        let least = S::literal(LEAST_DEVIATION) * state.gain;
-        state.gain_variance = (state.gain_variance - learnt).larger(least * least);
+        let least = S::from_f64(LEAST_DEVIATION) * state.gain;
+        state.gain_variance = (state.gain_variance - learnt).max(least * least);
         state.covariance *= left;
-        state.energy_variance = (state.energy_variance * left).larger(self.least_energy_variance());
+        state.energy_variance = (state.energy_variance * left).max(self.least_energy_variance());
         // The variances are those of something.
-        let bound = (state.gain_variance * state.energy_variance).square_root();
-        state.covariance = state.covariance.smaller(bound).larger(-bound);
+        let bound = (state.gain_variance * state.energy_variance).sqrt();
+        state.covariance = state.covariance.min(bound).max(-bound);
         state.rejected_in_turn = 0;
         state.used = state.used.saturating_add(1);
         Reading::Used
     }
 
-    /// The load was off, or something else took from the store or gave to it: the next reading tells where it
+    /// The load was off, or something else took from the storage or gave to it: the next reading tells where it
     /// is, and nothing of the gain, which is kept.
     pub fn lose_store(&self, state: &mut CorrectionState<S>) {
         let capacity = self.storage.capacity();
@@ -346,13 +346,13 @@ impl<S: Scalar> Correction<S> {
         state.energy_variance = capacity * capacity;
     }
 
-    /// Where the store is, by a reading alone.
+    /// Where the storage is, by a reading alone.
     fn locate(&self, state: &mut CorrectionState<S>, low: S, high: S, noise: S) {
         let width = high - low;
-        state.energy = (S::literal(0.5) * (low + high)).smaller(self.storage.capacity());
+        state.energy = (S::from_f64(0.5) * (low + high)).min(self.storage.capacity());
         state.energy_low = S::ZERO;
         state.covariance = S::ZERO;
-        state.energy_variance = width * width * S::literal(1.0 / 12.0) + noise * noise;
+        state.energy_variance = width * width * S::from_f64(1.0 / 12.0) + noise * noise;
         state.located = true;
         state.rejected_in_turn = 0;
         state.used = state.used.saturating_add(1);
@@ -366,15 +366,15 @@ impl<S: Scalar> Correction<S> {
         }
     }
 
-    /// The store is to be located anew, and the gain is as uncertain as at the start.
+    /// The storage is to be located anew, and the gain is as uncertain as at the start.
     fn forget(&self, state: &mut CorrectionState<S>) {
         self.lose_store(state);
-        state.gain_variance = state.gain_variance.larger(self.gain_variance);
+        state.gain_variance = state.gain_variance.max(self.gain_variance);
     }
 
     /// A few roundings of the stored energy.
     fn least_energy_variance(&self) -> S {
-        let rounding = S::literal(4.0) * S::EPSILON * self.storage.capacity();
+        let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
         rounding * rounding
     }
 }

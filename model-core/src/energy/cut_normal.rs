@@ -12,12 +12,12 @@ const PANELS: u32 = 12;
 /// 5·10⁻³ of itself.
 pub(super) fn moments_within<S: Scalar>(low: S, high: S) -> (S, S) {
     // The point of largest density, and the distance outwards in which it falls by e^(−12.5).
-    let peak = S::ZERO.larger(low).smaller(high);
-    let square = S::literal(25.0);
-    let reach = square / ((peak * peak + square).square_root() + peak.absolute());
-    let (start, end) = (low.larger(peak - reach), high.smaller(peak + reach));
+    let peak = S::ZERO.max(low).min(high);
+    let square = S::from_f64(25.0);
+    let reach = square / ((peak * peak + square).sqrt() + peak.abs());
+    let (start, end) = (low.max(peak - reach), high.min(peak + reach));
     let step = (end - start) / S::from_u32(2 * PANELS);
-    let half = S::literal(0.5);
+    let half = S::from_f64(0.5);
     let (mut mass, mut first, mut second) = (S::ZERO, S::ZERO, S::ZERO);
     for k in 0..=2 * PANELS {
         let weight = if k == 0 || k == 2 * PANELS { 1 } else { 2 + 2 * (k & 1) };
@@ -30,7 +30,7 @@ pub(super) fn moments_within<S: Scalar>(low: S, high: S) -> (S, S) {
         second += part * distance * distance;
     }
     let mean = first / mass;
-    let spread = (second / mass - mean * mean).larger(S::ZERO).smaller(S::ONE);
+    let spread = (second / mass - mean * mean).max(S::ZERO).min(S::ONE);
     (peak + mean, spread)
 }
 

@@ -71,31 +71,31 @@
 //! Up to [`Settings::longest_gap`] lost samples in a row are put on a straight line between their
 //! neighbours, once the next one has come. After a longer gap the harvester's state is not known: the time
 //! between the samples on either side counts as *unknown* and is not integrated, and the harvester starts
-//! anew, at rest, with the first sample after it; what a store held it still holds. A step that the model
+//! anew, at rest, with the first sample after it; what a storage held it still holds. A step that the model
 //! cannot take ends likewise, and is an error once. A sample at the end of the sensor's range is taken as
 //! that end, a lower bound. Intervals that a lost or a saturated sample borders on count as *uncertain*,
 //! and so do those within [`Settings::settling_seconds`] of a start, the first one included.
 //!
 //! What the figures for the uncertainty cover, and how well: see [`Uncertainty`].
 
+mod accumulator;
 mod gaps;
 mod model;
 mod sample;
 mod state;
-mod tally;
 
 use crate::clock::Instant;
 use crate::excitation::Stream;
 use crate::hybrid::{Ended, StepError, Work};
-use crate::image::{self, Fingerprint, ImageError};
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
+use crate::snapshot::{self, Fingerprint, SnapshotError};
 
+pub use accumulator::{EnergyAccumulator, Estimate, Uncertainty};
 pub use model::{HybridModel, Model};
 pub use sample::{Sample, SampleFormat};
 pub use state::State;
 use state::{Phase, Queue};
-pub use tally::{Estimate, Tally, Uncertainty};
 
 /// How samples come and what is made of those that do not.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -171,7 +171,7 @@ pub struct Estimator<S: Scalar, M: Model<S>> {
 
 impl<S: Scalar, M: Model<S>> Estimator<S, M> {
     /// Bytes that [`Estimator::save`] writes.
-    pub const IMAGE_BYTES: usize = image::size_of::<State<S, M::State>>();
+    pub const SNAPSHOT_BYTES: usize = snapshot::size_of::<State<S, M::State>>();
 
     /// An estimator that waits for its first sample.
     ///
@@ -190,7 +190,7 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         let state = State {
             stream,
             model: model.at_rest(None, &stream).map_err(EstimatorError::Parameter)?,
-            tally: Tally::EMPTY,
+            accumulator: EnergyAccumulator::EMPTY,
             queue: Queue::EMPTY,
             phase: Phase::Waiting,
             pending: false,
@@ -312,8 +312,8 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
                 if work.attempts() + work.events > 0 && left < M::LEAST_BUDGET {
                     return Ok(Progress { finished: false, work });
                 }
-                let State { stream, model, tally, .. } = &mut self.state;
-                match self.model.advance(model, stream, left, tally) {
+                let State { stream, model, accumulator, .. } = &mut self.state;
+                match self.model.advance(model, stream, left, accumulator) {
                     Ok(advance) => {
                         work = work.and(advance.work);
                         self.state.pending = advance.ended != Ended::Finished;
@@ -338,21 +338,21 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
     /// What is known of the harvest so far.
     #[must_use]
     pub fn estimate(&self) -> Estimate<S> {
-        let State { tally, model, .. } = &self.state;
+        let State { accumulator, model, .. } = &self.state;
         let angular_frequency = self.model.angular_frequency();
-        let (energy, seconds) = (tally.energy(), tally.seconds());
-        let step = M::ESTIMATES_ERROR.then(|| tally.step_error(angular_frequency));
-        let rounding = tally.rounding();
+        let (energy, seconds) = (accumulator.energy(), accumulator.seconds());
+        let step = M::ESTIMATES_ERROR.then(|| accumulator.step_error(angular_frequency));
+        let rounding = accumulator.rounding();
         let [uncertain_seconds, unknown_seconds] =
             [self.state.uncertain_intervals, self.state.unknown_intervals]
                 .map(|intervals| self.duration(intervals));
-        let of_energy = (step.unwrap_or(S::ZERO) + rounding) / energy.absolute().larger(S::TINY);
-        let of_time = (uncertain_seconds + unknown_seconds) / (seconds + unknown_seconds).larger(S::TINY);
+        let of_energy = (step.unwrap_or(S::ZERO) + rounding) / energy.abs().max(S::TINY);
+        let of_time = (uncertain_seconds + unknown_seconds) / (seconds + unknown_seconds).max(S::TINY);
         Estimate {
             energy,
             mean_power: if seconds > S::ZERO { energy / seconds } else { S::ZERO },
             seconds,
-            store: self.model.store(model),
+            storage: self.model.storage(model),
             uncertainty: Uncertainty {
                 step,
                 rounding,
@@ -365,12 +365,12 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         }
     }
 
-    /// Puts the store to a voltage in volts, for what the node has drawn from it or has read of it: between samples,
-    /// and where the harvester has no store without effect. What is no voltage changes nothing.
-    pub fn set_store_voltage(&mut self, volts: S) {
+    /// Puts the storage to a voltage in volts, for what the node has drawn from it or has read of it: between samples,
+    /// and where the harvester has no storage without effect. What is no voltage changes nothing.
+    pub fn set_storage_voltage(&mut self, volts: S) {
         if volts >= S::ZERO && volts.is_finite() {
             let State { stream, model, .. } = &mut self.state;
-            self.model.set_store_voltage(model, stream, volts);
+            self.model.set_storage_voltage(model, stream, volts);
         }
     }
 
@@ -378,27 +378,27 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
     /// on.
     pub fn clear(&mut self) {
         let state = &mut self.state;
-        state.tally = Tally::EMPTY;
+        state.accumulator = EnergyAccumulator::EMPTY;
         (state.missing_samples, state.saturated_samples) = (0, 0);
         (state.uncertain_intervals, state.unknown_intervals) = (0, 0);
     }
 
-    /// Writes the state as an image to the front of `bytes`, also in the middle of a sample; gives its size,
-    /// [`Estimator::IMAGE_BYTES`].
+    /// Writes the state as a snapshot to the front of `bytes`, also in the middle of a sample; gives its size,
+    /// [`Estimator::SNAPSHOT_BYTES`].
     ///
     /// # Errors
-    /// [`ImageError::NoRoom`] with both sizes.
-    pub fn save(&self, bytes: &mut [u8]) -> Result<usize, ImageError> {
-        image::save(&self.state, self.fingerprint(), bytes)
+    /// [`SnapshotError::NoRoom`] with both sizes.
+    pub fn save(&self, bytes: &mut [u8]) -> Result<usize, SnapshotError> {
+        snapshot::save(&self.state, self.fingerprint(), bytes)
     }
 
-    /// Takes the state from an image at the front of `bytes`: the run then goes on with the bits with which
+    /// Takes the state from a snapshot at the front of `bytes`: the run then goes on with the bits with which
     /// it would have gone on.
     ///
     /// # Errors
-    /// [`ImageError`]; the state is then as before.
-    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), ImageError> {
-        self.state = image::restore(self.fingerprint(), bytes)?;
+    /// [`SnapshotError`]; the state is then as before.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SnapshotError> {
+        self.state = snapshot::restore(self.fingerprint(), bytes)?;
         Ok(())
     }
 

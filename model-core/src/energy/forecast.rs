@@ -1,5 +1,5 @@
 //! The coming day as a budget expects it: the stretches of constant predicted income from now on, and
-//! the store's path through them.
+//! the storage's path through them.
 //!
 //! Between the ends of a stretch the stored energy is monotone, so whoever looks at the ends sees its
 //! extremes. The path rises with the energy at its start and falls as the load grows, which is what makes
@@ -19,7 +19,7 @@ pub(super) struct Stretch<S> {
     pub(super) seconds: u32,
     /// Predicted power in watts at the harvester's terminals.
     pub(super) harvested: S,
-    /// How the store relaxes over the whole of it.
+    /// How the storage relaxes over the whole of it.
     pub(super) relaxation: Relaxation<S>,
 }
 
@@ -80,13 +80,13 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         energy / S::from_u32(DAY_SECONDS)
     }
 
-    /// What comes in less what is drawn over a stretch, at the store, for a load in watts.
+    /// What comes in less what is drawn over a stretch, at the storage, for a load in watts.
     fn net(&self, stretch: &Stretch<S>, load: S) -> S {
         let seconds = S::from_u32(stretch.seconds);
         self.storage.stored(stretch.harvested * seconds) - self.storage.drawn(load * seconds)
     }
 
-    /// Energy at the end of the day under a load in watts, starting with `energy`; `None` if the store
+    /// Energy at the end of the day under a load in watts, starting with `energy`; `None` if the storage
     /// falls below `floor` on the way.
     pub(super) fn survive(&self, energy: S, load: S, floor: S) -> Option<S> {
         let mut now = energy;
@@ -94,14 +94,14 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         for stretch in self.stretches() {
             let relaxation = &stretch.relaxation;
             let end = now * relaxation.kept + self.net(&stretch, load) * relaxation.of_income;
-            now = end.smaller(self.storage.capacity());
-            lowest = lowest.smaller(now);
+            now = end.min(self.storage.capacity());
+            lowest = lowest.min(now);
         }
         (lowest >= floor).then_some(now)
     }
 
     /// The least energy from which a load in watts can be borne for a day without falling below `floor`;
-    /// `None` if a full store is not enough. Backwards through the day.
+    /// `None` if a full storage is not enough. Backwards through the day.
     pub(super) fn needed(&self, load: S, floor: S) -> Option<S> {
         let mut needed = floor;
         for stretch in self.stretches().rev() {
@@ -110,7 +110,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
             }
             let relaxation = &stretch.relaxation;
             let before = (needed - self.net(&stretch, load) * relaxation.of_income) / relaxation.kept;
-            needed = before.larger(floor);
+            needed = before.max(floor);
         }
         (needed <= self.storage.capacity()).then_some(needed)
     }
@@ -118,17 +118,17 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
     /// Whether a load in watts can be borne for ever, were every day as the coming one.
     ///
     /// It can if from some energy that is there the day is survived and ends no lower than it began: then
-    /// all days after do. What a day adds to the store does not grow with the energy at its start, so if
+    /// all days after do. What a day adds to the storage does not grow with the energy at its start, so if
     /// any start will do, the least that survives will.
     pub(super) fn sustain(&self, energy: S, load: S, floor: S) -> bool {
-        let rounding = S::literal(8.0) * S::EPSILON * self.storage.capacity();
+        let rounding = S::from_f64(8.0) * S::EPSILON * self.storage.capacity();
         self.needed(load, floor).is_some_and(|needed| {
             needed <= energy
                 && self.survive(needed, load, floor - rounding).is_some_and(|end| end >= needed - rounding)
         })
     }
 
-    /// What of a load in watts is left unserved over the day, in joules at the store, the load being cut
+    /// What of a load in watts is left unserved over the day, in joules at the storage, the load being cut
     /// at the lock-out.
     pub(super) fn shortfall(&self, energy: S, load: S) -> S {
         let (mut now, mut sum) = (energy, S::ZERO);
@@ -155,7 +155,7 @@ pub(super) fn largest<S: Scalar>(highest: S, allowed: impl Fn(S) -> bool) -> Opt
     }
     let (mut inside, mut outside) = (S::ZERO, highest);
     for _ in 0..HALVINGS {
-        let middle = S::literal(0.5) * (inside + outside);
+        let middle = S::from_f64(0.5) * (inside + outside);
         if allowed(middle) {
             inside = middle;
         } else {

@@ -3,10 +3,10 @@
 //! ```text
 //! Δ(mechanical)  = ∫ base − ∫ dissipation − ∫ given up − losses in contact
 //! Δ(electrical)  = ∫ taken up − ∫ load − ∫ diodes
-//! Δ(store)       = ∫ load − ∫ leaked − ∫ drawn
+//! Δ(storage)       = ∫ load − ∫ leaked − ∫ drawn
 //! ```
 //!
-//! The third only where there is a store behind a rectifier.
+//! The third only where there is a storage behind a rectifier.
 //!
 //! The identities of sections 6.3 and 6.4 of the model's derivation: they hold along any exact
 //! trajectory, so what is left over is the error of the integration. No reference is needed.
@@ -26,31 +26,31 @@ pub struct Residual<S> {
     pub mechanical: S,
     /// Of the electrical ledger.
     pub electrical: S,
-    /// Of the ledger of the store behind a rectifier; 0 without one.
-    pub store: S,
+    /// Of the ledger of the storage behind a rectifier; 0 without one.
+    pub storage: S,
     /// The larger of `∫ |base power| dt` and the peak of the stored energy.
     pub scale: S,
 }
 
 impl<S: Scalar> Residual<S> {
-    /// The larger residual of the sum of the mechanical and the electrical ledger and of the store's,
+    /// The larger residual of the sum of the mechanical and the electrical ledger and of the storage's,
     /// relative to the scale; `None` if the scale is 0.
     ///
     /// The sum closes only where the force law is the field's own.
     #[must_use]
     pub fn total(&self) -> Option<S> {
-        self.relative((self.mechanical + self.electrical).absolute().larger(self.store.absolute()))
+        self.relative((self.mechanical + self.electrical).abs().max(self.storage.abs()))
     }
 
     /// The largest residual of the ledgers, relative to the scale; `None` if the scale is 0.
     #[must_use]
-    pub fn larger(&self) -> Option<S> {
-        let harvester = self.mechanical.absolute().larger(self.electrical.absolute());
-        self.relative(harvester.larger(self.store.absolute()))
+    pub fn largest(&self) -> Option<S> {
+        let harvester = self.mechanical.abs().max(self.electrical.abs());
+        self.relative(harvester.max(self.storage.abs()))
     }
 
     fn relative(&self, residual: S) -> Option<S> {
-        (self.scale > S::ZERO).then(|| residual.absolute() / self.scale)
+        (self.scale > S::ZERO).then(|| residual.abs() / self.scale)
     }
 }
 
@@ -63,9 +63,9 @@ pub struct Ledger<'a, S, H> {
     start: StoredEnergy<S>,
     now: StoredEnergy<S>,
     peak: S,
-    /// Compensated voltage of the store at the start.
+    /// Compensated voltage of the storage at the start.
     opening_voltage: [S; 2],
-    /// What the store has gained; `None` without a store.
+    /// What the storage has gained; `None` without a storage.
     stored: Option<S>,
 }
 
@@ -87,7 +87,7 @@ impl<'a, S: Scalar, H> Ledger<'a, S, H> {
             start,
             now: start,
             peak: start.mechanical + start.electrical,
-            opening_voltage: harvester.compensated_store_voltage(state.mode, &state.point),
+            opening_voltage: harvester.compensated_storage_voltage(state.mode, &state.point),
             stored: None,
         }
     }
@@ -104,22 +104,22 @@ impl<'a, S: Scalar, H> Ledger<'a, S, H> {
         let integral = |index| self.integrals.integral(index);
         let (start, now) = (self.start, self.now);
         let income = integral(account::BASE) - integral(account::DISSIPATION);
-        let outgoings = integral(account::GIVEN_UP) + self.losses.value();
+        let outgoings = integral(account::ELECTROSTATIC_WORK) + self.losses.value();
         let left = integral(account::LOAD) - integral(account::LEAKED) - integral(account::DRAWN);
         Residual {
             mechanical: (now.mechanical - start.mechanical) - (income - outgoings),
             electrical: (now.electrical - start.electrical)
-                - (integral(account::TAKEN_UP) - integral(account::LOAD) - integral(account::DIODES)),
-            store: self.stored.map_or(S::ZERO, |stored| stored - left),
-            scale: integral(account::BASE_MAGNITUDE).larger(self.peak),
+                - (integral(account::FIELD_WORK) - integral(account::LOAD) - integral(account::DIODES)),
+            storage: self.stored.map_or(S::ZERO, |stored| stored - left),
+            scale: integral(account::BASE_MAGNITUDE).max(self.peak),
         }
     }
 
     /// Work of the electrostatic force on the motion so far, in joules: negative where the force
     /// has given the motion energy.
     #[must_use]
-    pub fn given_up(&self) -> S {
-        self.integrals.integral(account::GIVEN_UP)
+    pub fn electrostatic_work(&self) -> S {
+        self.integrals.integral(account::ELECTROSTATIC_WORK)
     }
 
     /// Energy lost in contact so far, in joules.
@@ -135,9 +135,9 @@ impl<S: Scalar, H> Ledger<'_, S, H> {
         H: Harvester<S, N, { account::WHOLE }>,
     {
         self.now = self.harvester.stored_energy(mode, point);
-        let voltage = self.harvester.compensated_store_voltage(mode, point);
-        self.stored = self.harvester.store_gain(self.opening_voltage, voltage);
-        self.peak = self.peak.larger(self.now.mechanical + self.now.electrical);
+        let voltage = self.harvester.compensated_storage_voltage(mode, point);
+        self.stored = self.harvester.storage_gain(self.opening_voltage, voltage);
+        self.peak = self.peak.max(self.now.mechanical + self.now.electrical);
     }
 }
 

@@ -5,10 +5,10 @@
 //! millisecond. Sums are compensated, so a day of simulated time drifts in `f32` by a rounding.
 
 use crate::hybrid::{Event, Observer, Span};
-use crate::image::{Image, ImageError, Reader, Writer};
 use crate::integrate::cubic::Cubic;
 use crate::scalar::{CompensatedSum, Scalar};
 use crate::scene::{Harvester, account};
+use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 /// Integrals over time of the first `P` powers of the account, and the time itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +69,7 @@ impl<S: Scalar, const P: usize> Default for Integrals<S, P> {
     }
 }
 
-impl<S: Scalar, const P: usize> Image for Integrals<S, P> {
+impl<S: Scalar, const P: usize> Snapshot for Integrals<S, P> {
     const BYTES: usize = P * CompensatedSum::<S>::BYTES + u64::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -77,8 +77,8 @@ impl<S: Scalar, const P: usize> Image for Integrals<S, P> {
         self.ticks.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
-        Ok(Self { sums: Image::read(from)?, ticks: Image::read(from)? })
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+        Ok(Self { sums: Snapshot::read(from)?, ticks: Snapshot::read(from)? })
     }
 }
 
@@ -128,15 +128,15 @@ impl<S: Scalar, const P: usize> Default for PowerMeter<S, P> {
     }
 }
 
-impl<S: Scalar, const P: usize> Image for PowerMeter<S, P> {
+impl<S: Scalar, const P: usize> Snapshot for PowerMeter<S, P> {
     const BYTES: usize = Integrals::<S, P>::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
         self.0.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
-        Ok(Self(Image::read(from)?))
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+        Ok(Self(Snapshot::read(from)?))
     }
 }
 
@@ -171,14 +171,14 @@ impl<S: Scalar> Peak<S> {
     /// Takes in a step, turning points inside it included.
     #[inline]
     pub(crate) fn include(&mut self, cubic: &Cubic<S>) {
-        self.lowest = cubic.smallest().smaller(self.lowest);
-        self.highest = cubic.largest().larger(self.highest);
+        self.lowest = cubic.smallest().min(self.lowest);
+        self.highest = cubic.largest().max(self.highest);
     }
 
     /// Largest magnitude; 0 before any.
     #[must_use]
     pub fn magnitude(&self) -> S {
-        self.highest.larger(-self.lowest).larger(S::ZERO)
+        self.highest.max(-self.lowest).max(S::ZERO)
     }
 }
 
@@ -198,7 +198,7 @@ pub struct RunMeter<'a, S, H, const P: usize> {
     impacts: u32,
     fastest_impact: S,
     sticks: u32,
-    held_ticks: u64,
+    stick_ticks: u64,
 }
 
 impl<'a, S: Scalar, H, const P: usize> RunMeter<'a, S, H, P> {
@@ -213,7 +213,7 @@ impl<'a, S: Scalar, H, const P: usize> RunMeter<'a, S, H, P> {
             impacts: 0,
             fastest_impact: S::ZERO,
             sticks: 0,
-            held_ticks: 0,
+            stick_ticks: 0,
         }
     }
 
@@ -238,7 +238,7 @@ impl<'a, S: Scalar, H, const P: usize> RunMeter<'a, S, H, P> {
     /// Root mean square of the terminal voltage, in volts.
     #[must_use]
     pub fn rms_voltage(&self) -> S {
-        self.integrals.mean(account::VOLTAGE_SQUARED).square_root()
+        self.integrals.mean(account::VOLTAGE_SQUARED).sqrt()
     }
 
     /// Mean terminal voltage, in volts.
@@ -285,11 +285,11 @@ impl<'a, S: Scalar, H, const P: usize> RunMeter<'a, S, H, P> {
 
     /// Part of the time for which the moving part was held, 0 to 1.
     #[must_use]
-    pub fn held_fraction(&self) -> S {
+    pub fn stick_fraction(&self) -> S {
         if self.integrals.ticks == 0 {
             return S::ZERO;
         }
-        crate::clock::Instant::from_ticks(self.held_ticks).seconds::<S>() / self.integrals.seconds()
+        crate::clock::Instant::from_ticks(self.stick_ticks).seconds::<S>() / self.integrals.seconds()
     }
 }
 
@@ -307,8 +307,8 @@ where
         let ends = [span.start, span.end].map(|point| self.harvester.voltage(span.mode, point));
         let mean = span.energies.get(account::VOLTAGE).map_or(S::ZERO, |&integral| integral / span.step);
         self.voltage.include(&Cubic::with_mean(ends[0], ends[1], mean));
-        if self.harvester.is_held(span.mode) {
-            self.held_ticks = self.held_ticks.wrapping_add(u64::from(span.ticks));
+        if self.harvester.is_stick(span.mode) {
+            self.stick_ticks = self.stick_ticks.wrapping_add(u64::from(span.ticks));
         }
     }
 
@@ -317,9 +317,9 @@ where
         if self.harvester.is_impact(event.before, event.guard) {
             self.impacts = self.impacts.saturating_add(1);
             self.fastest_impact =
-                self.harvester.coordinate(event.reached).rate.absolute().larger(self.fastest_impact);
+                self.harvester.coordinate(event.reached).rate.abs().max(self.fastest_impact);
         }
-        if self.harvester.is_held(event.after) && !self.harvester.is_held(event.before) {
+        if self.harvester.is_stick(event.after) && !self.harvester.is_stick(event.before) {
             self.sticks = self.sticks.saturating_add(1);
         }
     }

@@ -35,7 +35,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         sum
     }
 
-    /// What the store is expected to gain until a second of the clock, in joules, negative for a loss: income,
+    /// What the storage is expected to gain until a second of the clock, in joules, negative for a loss: income,
     /// standing load, leakage, and what has no room or cannot be served; 0 if that second has passed, and that
     /// of a day if it is further off.
     ///
@@ -58,7 +58,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         energy - state.energy()
     }
 
-    /// Whole seconds until the store is expected to have reached a voltage in volts, from below or from above,
+    /// Whole seconds until the storage is expected to have reached a voltage in volts, from below or from above,
     /// rounded up; 0 if it is there. `None` if that is not expected within a day.
     ///
     /// Cost: one pass, and 17 exponentials in the stretch in which it is reached.
@@ -93,11 +93,11 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     }
 
     /// The largest uniform power in watts at the load, standing load included, that is not expected to take
-    /// what is certain of the store below a voltage in volts within a day; `None` if the store falls below it
+    /// what is certain of the storage below a voltage in volts within a day; `None` if the storage falls below it
     /// under no load at all. From below, to within 2⁻²⁴ of the power that would use up everything.
     ///
     /// After Renner, Meier and Turau, *Policies for predictive energy management with supercapacitors*, PerSeNS
-    /// 2012, whose question this is: the store may be empty at the end of the day. See
+    /// 2012, whose question this is: the storage may be empty at the end of the day. See
     /// [`Budget::sustainable_rate`] for what can go on for ever.
     ///
     /// Cost: 27 passes.
@@ -106,7 +106,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let floor = self.storage.energy(minimum_voltage);
         let energy = state.certain_energy();
         let forecast = self.forecast(state);
-        let everything = (energy - floor).larger(S::ZERO) / S::from_u32(DAY_SECONDS)
+        let everything = (energy - floor).max(S::ZERO) / S::from_u32(DAY_SECONDS)
             + self.storage.stored(forecast.mean_power());
         let highest = everything * self.storage.parameters().discharging_efficiency;
         largest(highest, |load| forecast.survive(energy, load, floor).is_some())
@@ -115,10 +115,10 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// How many times per second an action can be run for ever, were every day like the one expected; 0 if
     /// never.
     ///
-    /// The largest uniform rate at which, starting with what is certain of the store, it never falls below the
-    /// lock-out with room for one action above it, and a day ends with no less in the store than it began:
-    /// the energy-neutral operation of Kansal et al. (2007) with a store of finite size and with losses. The
-    /// day may begin from less than there is, so that a store filled once is not asked to stay so. At most one
+    /// The largest uniform rate at which, starting with what is certain of the storage, it never falls below the
+    /// lock-out with room for one action above it, and a day ends with no less in the storage than it began:
+    /// the energy-neutral operation of Kansal et al. (2007) with a storage of finite size and with losses. The
+    /// day may begin from less than there is, so that a storage filled once is not asked to stay so. At most one
     /// action at a time.
     ///
     /// Cost: 53 passes, a quarter of them divisions.
@@ -130,11 +130,11 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let floor = self.storage.lock_out() + self.storage.drawn(action.energy());
         let neutral = self.storage.stored(forecast.mean_power()) * parameters.discharging_efficiency;
         let load = largest(neutral, |load| forecast.sustain(energy, load, floor)).unwrap_or(S::ZERO);
-        let spare = (load - self.standing_power).larger(S::ZERO);
+        let spare = (load - self.standing_power).max(S::ZERO);
         if spare == S::ZERO {
             return S::ZERO;
         }
-        (spare / action.energy()).smaller(S::ONE / action.duration())
+        (spare / action.energy()).min(S::ONE / action.duration())
     }
 
     /// Least number of whole seconds between two starts of an action that can go on for ever, as by
@@ -154,7 +154,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// of the standing load is expected to go unserved for it in the coming day.
     ///
     /// The first is certain, the second as good as the prediction: before a night without income, it keeps
-    /// what the night will take, but where the store is expected to fill up or to run out in any case, it does
+    /// what the night will take, but where the storage is expected to fill up or to run out in any case, it does
     /// not hold the action back.
     ///
     /// Cost: five exponentials and two passes, or one exponential where it cannot be afforded.
@@ -169,14 +169,14 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let with = forecast.shortfall(energy - self.storage.drawn(action.energy()), load);
         // A few roundings a stretch, of a sum of what the standing load draws.
         let drawn = self.storage.drawn(load * S::from_u32(DAY_SECONDS));
-        with - without <= S::literal(16.0) * S::EPSILON * (drawn + self.storage.capacity())
+        with - without <= S::from_f64(16.0) * S::EPSILON * (drawn + self.storage.capacity())
     }
 
     fn forecast<'a>(&'a self, state: &'a BudgetState<S, SLOTS>) -> Forecast<'a, S, SLOTS> {
         Forecast::new(&self.storage, &state.income)
     }
 
-    /// What comes to the store and what the standing load draws from it in so many seconds.
+    /// What comes to the storage and what the standing load draws from it in so many seconds.
     fn exchange(&self, harvested: S, seconds: u32) -> (S, S) {
         let seconds = S::from_u32(seconds);
         (self.storage.stored(harvested * seconds), self.storage.drawn(self.standing_power * seconds))
@@ -351,7 +351,7 @@ mod tests {
         let action = Action::new("measure", 1e-3, 0.01).expect("finite");
         let neutral = (20e-6 * 0.8 * 0.9 - 3e-6) / 1e-3;
         assert!((budget.sustainable_rate(&state, &action) / neutral - 1.0).abs() < 1e-6);
-        // One that the store cannot hold, and one for which there is no income, never.
+        // One that the storage cannot hold, and one for which there is no income, never.
         let huge = Action::new("transmit", 20.0, 1.0).expect("finite");
         assert_eq!(budget.sustainable_rate(&state, &huge), 0.0);
         assert_eq!(budget.sustainable_period(&state, &huge), None);

@@ -1,4 +1,4 @@
-//! The energy store as a budget sees it: one number, the energy in it, and what becomes of that over time.
+//! The energy storage as a budget sees it: one number, the energy in it, and what becomes of that over time.
 //!
 //! A capacitor of capacitance `C` at voltage `V` holds `E = C V²/2`. Its leakage resistance `R` takes
 //! `V²/R = 2 E/(R C)`, so between two updates, with an income and a load that are constant,
@@ -15,7 +15,7 @@ use crate::part::bounds::{Bounds, ParameterError};
 use crate::part::preset::Preset;
 use crate::scalar::{Mathematics, Scalar, horner};
 
-/// What a store is made of.
+/// What a storage is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StorageParameters<S> {
@@ -23,9 +23,9 @@ pub struct StorageParameters<S> {
     pub capacitance: S,
     /// Leakage resistance across it in ohms; infinity: no leakage.
     pub leakage_resistance: S,
-    /// Part of the harvested energy that reaches the store, above 0 and at most 1.
+    /// Part of the harvested energy that reaches the storage, above 0 and at most 1.
     pub charging_efficiency: S,
-    /// Part of the energy taken from the store that reaches the load, above 0 and at most 1.
+    /// Part of the energy taken from the storage that reaches the load, above 0 and at most 1.
     pub discharging_efficiency: S,
     /// Voltage in volts at which further income is shunted.
     pub highest_voltage: S,
@@ -69,7 +69,7 @@ impl<S: Scalar> StorageParameters<S> {
         let highest = self.highest_voltage;
         Bounds { lowest: S::ZERO, highest }.check("lock_out_voltage", self.lock_out_voltage)?;
         Bounds { lowest: self.lock_out_voltage, highest }.check("turn_on_voltage", self.turn_on_voltage)?;
-        let half_capacitance = S::literal(0.5) * self.capacitance;
+        let half_capacitance = S::from_f64(0.5) * self.capacitance;
         let energy = |voltage: S| half_capacitance * voltage * voltage;
         Ok(Storage {
             leakage_rate: S::ONE / (half_capacitance * self.leakage_resistance),
@@ -82,14 +82,14 @@ impl<S: Scalar> StorageParameters<S> {
     }
 }
 
-/// A store whose parameters have been checked. Energies are in joules at the store.
+/// A storage whose parameters have been checked. Energies are in joules at the storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Storage<S> {
     parameters: StorageParameters<S>,
     /// `λ` in 1/s.
     leakage_rate: S,
-    /// Joules drawn from the store per joule used by the load.
+    /// Joules drawn from the storage per joule used by the load.
     drawn_per_used: S,
     capacity: S,
     lock_out: S,
@@ -106,13 +106,13 @@ impl<S: Scalar> Storage<S> {
     /// Stored energy at a voltage in volts, without the limit of the highest voltage.
     #[must_use]
     pub fn energy(&self, voltage: S) -> S {
-        S::literal(0.5) * self.parameters.capacitance * voltage * voltage
+        S::from_f64(0.5) * self.parameters.capacitance * voltage * voltage
     }
 
     /// Voltage in volts at a stored energy; 0 at or below none. One square root.
     #[must_use]
     pub fn voltage(&self, energy: S) -> S {
-        (S::literal(2.0) * energy / self.parameters.capacitance).square_root()
+        (S::from_f64(2.0) * energy / self.parameters.capacitance).sqrt()
     }
 
     /// Energy at the highest voltage.
@@ -136,34 +136,34 @@ impl<S: Scalar> Storage<S> {
     /// Energy above the lock-out as the load sees it, through the discharging efficiency; 0 below.
     #[must_use]
     pub fn usable(&self, energy: S) -> S {
-        (energy - self.lock_out).larger(S::ZERO) * self.parameters.discharging_efficiency
+        (energy - self.lock_out).max(S::ZERO) * self.parameters.discharging_efficiency
     }
 
-    /// What reaches the store of an energy harvested.
+    /// What reaches the storage of an energy harvested.
     #[must_use]
     #[inline(always)]
     pub fn stored(&self, harvested: S) -> S {
         harvested * self.parameters.charging_efficiency
     }
 
-    /// What the store gives for an energy used by the load.
+    /// What the storage gives for an energy used by the load.
     #[must_use]
     #[inline(always)]
     pub fn drawn(&self, used: S) -> S {
         used * self.drawn_per_used
     }
 
-    /// How the store relaxes over an interval in seconds, at or above 0. At most one exponential.
+    /// How the storage relaxes over an interval in seconds, at or above 0. At most one exponential.
     #[must_use]
     pub fn relaxation(&self, seconds: S) -> Relaxation<S> {
         Relaxation::new(self.leakage_rate * seconds)
     }
 
     /// What becomes of `energy` over the interval of `relaxation`, in which `income` comes in and `outgo`
-    /// is asked for, each evenly and both in joules at the store.
+    /// is asked for, each evenly and both in joules at the storage.
     ///
-    /// The load can take the store down to its lock-out, which only leakage goes below. The store ends
-    /// where it exactly would; of what is lost at a full store, the leakage is taken as if nothing were
+    /// The load can take the storage down to its lock-out, which only leakage goes below. The storage ends
+    /// where it exactly would; of what is lost at a full storage, the leakage is taken as if nothing were
     /// shunted before the end, so that up to `x/2` of the shunted energy may stand under leakage.
     #[must_use]
     pub fn step(&self, energy: S, relaxation: &Relaxation<S>, income: S, outgo: S) -> StorageStep<S> {
@@ -176,9 +176,9 @@ impl<S: Scalar> Storage<S> {
             return StorageStep { end: self.capacity, change, leaked, shunted, unserved: S::ZERO };
         }
         let without_load = energy + (income - relaxation.leaked(energy, income));
-        let floor = self.lock_out.smaller(without_load);
+        let floor = self.lock_out.min(without_load);
         if end < floor {
-            let unserved = ((floor - end) / relaxation.of_income).smaller(outgo);
+            let unserved = ((floor - end) / relaxation.of_income).min(outgo);
             let leaked = leaked + unserved * relaxation.lost_of_income();
             return StorageStep { end: floor, change, leaked, shunted: S::ZERO, unserved };
         }
@@ -186,14 +186,14 @@ impl<S: Scalar> Storage<S> {
     }
 }
 
-/// What an interval did to a store, in joules at the store.
+/// What an interval did to a storage, in joules at the storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StorageStep<S> {
     /// Energy at the end.
     pub end: S,
-    /// Change that a store without limits would have seen: `end` less the start where nothing was shunted
-    /// or left unserved, and not rounded to the size of the store.
+    /// Change that a storage without limits would have seen: `end` less the start where nothing was shunted
+    /// or left unserved, and not rounded to the size of the storage.
     pub change: S,
     /// Lost by leakage.
     pub leaked: S,
@@ -232,8 +232,8 @@ const SECOND: [f64; 14] = {
 
 impl<S: Scalar> Relaxation<S> {
     fn new(ratio: S) -> Self {
-        if ratio < S::literal(SERIES_RATIO) {
-            let second = horner(&SECOND.map(S::literal), ratio);
+        if ratio < S::from_f64(SERIES_RATIO) {
+            let second = horner(&SECOND.map(S::from_f64), ratio);
             let of_income = S::ONE - ratio * second;
             Self { ratio, kept: S::ONE - ratio * of_income, of_income, second }
         } else {
@@ -287,30 +287,30 @@ pub(super) mod tests {
     /// 220 µF with 10 MΩ across it, 0.8 and 0.9 efficient, used from 1.8 V to 4.5 V, on again at 2.4 V.
     pub(crate) fn example<S: Scalar>() -> StorageParameters<S> {
         StorageParameters {
-            capacitance: S::literal(220e-6),
-            leakage_resistance: S::literal(10e6),
-            charging_efficiency: S::literal(0.8),
-            discharging_efficiency: S::literal(0.9),
-            highest_voltage: S::literal(4.5),
-            lock_out_voltage: S::literal(1.8),
-            turn_on_voltage: S::literal(2.4),
+            capacitance: S::from_f64(220e-6),
+            leakage_resistance: S::from_f64(10e6),
+            charging_efficiency: S::from_f64(0.8),
+            discharging_efficiency: S::from_f64(0.9),
+            highest_voltage: S::from_f64(4.5),
+            lock_out_voltage: S::from_f64(1.8),
+            turn_on_voltage: S::from_f64(2.4),
         }
     }
 
     #[test]
     fn parts_with_thresholds_make_a_store_within_bounds() {
         for part in Preset::<f32>::all() {
-            let store = StorageParameters::behind(&part, 1e-3).map(StorageParameters::build);
+            let storage = StorageParameters::behind(&part, 1e-3).map(StorageParameters::build);
             match part.lockout {
                 Some(lockout) => {
-                    let store = store.and_then(Result::ok).expect("within bounds");
-                    assert_eq!(store.lock_out(), 0.5e-3 * lockout.turn_off * lockout.turn_off);
+                    let storage = storage.and_then(Result::ok).expect("within bounds");
+                    assert_eq!(storage.lock_out(), 0.5e-3 * lockout.turn_off * lockout.turn_off);
                     // What leaks at the turn-on voltage is the quiescent current.
-                    let leaked = store.turn_on() * store.relaxation(1.0).lost();
+                    let leaked = storage.turn_on() * storage.relaxation(1.0).lost();
                     let expected = lockout.turn_on * part.quiescent_locked_out;
                     assert!((leaked / expected - 1.0).abs() < 1e-2, "{} {leaked}", part.name);
                 }
-                None => assert_eq!(store, None, "{}", part.name),
+                None => assert_eq!(storage, None, "{}", part.name),
             }
         }
     }

@@ -34,8 +34,8 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
         }
         let fixed = Frequency::from_hertz(frequency).ok_or(ExcitationError::Frequency)?;
         let start = turns_of_radians(phase).ok_or(ExcitationError::Phase)?;
-        let angular_frequency = frequency * S::literal(core::f64::consts::TAU);
-        let resolved = ticks_of_seconds(S::literal(0.125) / frequency);
+        let angular_frequency = frequency * S::from_f64(core::f64::consts::TAU);
+        let resolved = ticks_of_seconds(S::from_f64(0.125) / frequency);
         Ok(Self { amplitude, angular_frequency, frequency: fixed, resolved, start, mathematics: PhantomData })
     }
 
@@ -48,7 +48,7 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
     /// Frequency in Hz.
     #[must_use]
     pub fn hertz(&self) -> S {
-        self.angular_frequency * S::literal(0.5 * core::f64::consts::FRAC_1_PI)
+        self.angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI)
     }
 
     /// Phase at `at` in units of 2⁻⁶⁴ turns.

@@ -3,8 +3,8 @@
 use super::sample_grid::SampleGrid;
 use super::{Excitation, ExcitationError};
 use crate::clock::Instant;
-use crate::image::{Image, ImageError, Reader, Writer};
 use crate::scalar::Scalar;
+use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 /// Leaps of a [`Stream::restart`]: after the first, over up to 2³² intervals of at least 2²⁰ ticks, at most
 /// 2¹² are left, after the second one.
@@ -229,7 +229,7 @@ impl<S: Scalar> Excitation<S> for Stream<S> {
     }
 }
 
-impl<S: Scalar> Image for Stream<S> {
+impl<S: Scalar> Snapshot for Stream<S> {
     const BYTES: usize = 4 * S::BYTES + 2 * u64::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -239,12 +239,12 @@ impl<S: Scalar> Image for Stream<S> {
         self.known_until.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
-        let mut stream = Self::new(S::read(from)?, S::ZERO).map_err(|_| ImageError::NoState)?;
-        (stream.newest, stream.samples) = (Image::read(from)?, Image::read(from)?);
-        stream.known_until = Image::read(from)?;
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+        let mut stream = Self::new(S::read(from)?, S::ZERO).map_err(|_| SnapshotError::NoState)?;
+        (stream.newest, stream.samples) = (Snapshot::read(from)?, Snapshot::read(from)?);
+        stream.known_until = Snapshot::read(from)?;
         let ahead = stream.newest.checked_sub(stream.grid.sample_before(stream.known_until));
-        if ahead.is_some_and(|samples| samples <= 1) { Ok(stream) } else { Err(ImageError::NoState) }
+        if ahead.is_some_and(|samples| samples <= 1) { Ok(stream) } else { Err(SnapshotError::NoState) }
     }
 }
 
@@ -254,8 +254,8 @@ mod tests {
     use crate::excitation::{AfterLastSample, Sampled};
 
     fn has_the_bits_of_a_whole_trace<S: Scalar>() {
-        let samples: Vec<S> = (0..300).map(|n| S::literal((f64::from(n) * 0.7).sin() * 3.0)).collect();
-        for rate in [0.3, 100.0, 128.0, 333.3, 400.0, 1600.0, 26_667.0].map(S::literal) {
+        let samples: Vec<S> = (0..300).map(|n| S::from_f64((f64::from(n) * 0.7).sin() * 3.0)).collect();
+        for rate in [0.3, 100.0, 128.0, 333.3, 400.0, 1600.0, 26_667.0].map(S::from_f64) {
             let whole = Sampled::new(&samples, rate, AfterLastSample::Silence).expect("valid");
             let mut stream = Stream::new(rate, samples[0]).expect("valid");
             for (n, &sample) in samples.iter().enumerate().skip(1) {

@@ -75,7 +75,7 @@ impl<S: Scalar> ToneMeter<S> {
     /// # Errors
     /// A rate or a window out of its bounds.
     pub fn new(rate: S, window: u32) -> Result<Self, ExcitationError> {
-        let in_bounds = rate >= S::ONE && rate <= S::literal(1e5);
+        let in_bounds = rate >= S::ONE && rate <= S::from_f64(1e5);
         if !in_bounds {
             return Err(ExcitationError::Frequency);
         }
@@ -140,25 +140,25 @@ impl<S: Scalar> ToneMeter<S> {
     #[inline(never)]
     fn close<M: Mathematics<S>>(&self, state: &mut ToneMeterState<S>) -> Option<Line<S>> {
         let mean = state.sum * self.per_window;
-        let variance = (state.squares * self.per_window - mean * mean).larger(S::ZERO);
+        let variance = (state.squares * self.per_window - mean * mean).max(S::ZERO);
         // y = s − e^(−jω) s' = Σ x e^(jω(N−1−n)); turned back by half a window it has the phase of the line in
         // the middle, whether or not ω is quite the line's, and of a sine of amplitude A the magnitude A N/2.
         let [last, previous] = state.sums;
         let [cosine, sine] = state.per_sample;
         let raw = [last - cosine * previous, sine * previous];
-        let half_window = self.phase_after::<M>(S::literal(0.5) * state.frequency, self.window - 1);
+        let half_window = self.phase_after::<M>(S::from_f64(0.5) * state.frequency, self.window - 1);
         let middle = turned_back(raw, half_window);
         let square = middle[0] * middle[0] + middle[1] * middle[1];
-        let amplitude = S::literal(2.0) * square.square_root() * self.per_window;
+        let amplitude = S::from_f64(2.0) * square.sqrt() * self.per_window;
         let line = (state.frequency > S::ZERO && variance > S::ZERO).then(|| Line {
             amplitude,
             frequency: state.frequency,
-            purity: (S::literal(0.5) * amplitude * amplitude / variance).smaller(S::ONE),
+            purity: (S::from_f64(0.5) * amplitude * amplitude / variance).min(S::ONE),
         });
         let frequency = self.next_frequency::<M>(state, middle, square);
         *state = ToneMeterState {
             offset: state.offset + mean,
-            hysteresis: S::literal(HYSTERESIS) * variance.square_root(),
+            hysteresis: S::from_f64(HYSTERESIS) * variance.sqrt(),
             // The last sample as the next window sees it.
             last: state.last - mean,
             frequency,
@@ -184,12 +184,12 @@ impl<S: Scalar> ToneMeter<S> {
         let predicted = turned_back(middle, self.phase_after::<M>(state.frequency, self.window));
         let [ahead, across] = turned_back(predicted, state.before);
         let [real, imaginary] = state.before;
-        let magnitudes = (square * (real * real + imaginary * imaginary)).square_root();
-        let turns_per_window = S::literal(0.5 * core::f64::consts::FRAC_1_PI) * arcsine(across / magnitudes);
+        let magnitudes = (square * (real * real + imaginary * imaginary)).sqrt();
+        let turns_per_window = S::from_f64(0.5 * core::f64::consts::FRAC_1_PI) * arcsine(across / magnitudes);
         let windows_per_second = self.samples_per_second * self.per_window;
         let corrected = state.frequency + turns_per_window * windows_per_second;
         // Behind by more than a quarter of a turn, or another line altogether: begin anew.
-        let off = (corrected - crossing).absolute();
+        let off = (corrected - crossing).abs();
         let locked = ahead > S::ZERO && off < windows_per_second;
         if locked && corrected > S::ZERO { corrected } else { crossing }
     }

@@ -51,7 +51,7 @@ impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Excitation<S> for Tone
 
     #[inline]
     fn angular_frequency(&self) -> S {
-        self.tones.iter().fold(S::ZERO, |fastest, tone| fastest.larger(tone.angular_frequency()))
+        self.tones.iter().fold(S::ZERO, |fastest, tone| fastest.max(tone.angular_frequency()))
     }
 }
 

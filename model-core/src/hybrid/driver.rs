@@ -1,7 +1,7 @@
 //! The driver: flow, guard, jump, flow.
 
 use super::locate::{Attempts, MOST_ATTEMPTS, MOST_GUARDS};
-use super::{Automaton, Event, HybridState, Moment, Observer, Span};
+use super::{Automaton, Event, HybridState, InputAt, Observer, Span};
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
 use crate::integrate::step_control::{ErrorScale, StepErrors, Verdict};
@@ -280,7 +280,7 @@ impl<M, C> Driver<M, C> {
         let errors = StepErrors {
             ticks,
             state: trial.error,
-            energy: trial.energy_error.absolute(),
+            energy: trial.energy_error.abs(),
             delivered: trial.energies.first().copied().unwrap_or(S::ZERO),
         };
         let mut control = state.control;
@@ -337,7 +337,7 @@ where
     A: Automaton<S, N, P>,
     E: Excitation<S>,
 {
-    let moment = Moment::new(excitation, state.clock);
+    let moment = InputAt::new(excitation, state.clock);
     (0..automaton.guards(state.mode).min(MOST_GUARDS))
         .find(|&index| automaton.guard(state.mode, index, state.armed, &state.point, &moment).is_due())
 }
@@ -363,7 +363,7 @@ where
     if crowded_events > MOST_CROWDED_EVENTS {
         return Err(StepError { failure: StepFailure::EventStorm, at: state.clock });
     }
-    let moment = Moment::new(excitation, state.clock);
+    let moment = InputAt::new(excitation, state.clock);
     let step = seconds_of_ticks(state.control.ticks);
     let jump = automaton.jump(state.mode, guard, &state.point, &moment, step);
     let energies = automaton.jump_energies(state.mode, guard, &state.point, &jump);

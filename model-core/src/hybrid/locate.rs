@@ -1,6 +1,6 @@
 //! Finding the tick at which a guard falls through zero.
 
-use super::{Automaton, Guard, Moment, Work};
+use super::{Automaton, Guard, InputAt, Work};
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
 use crate::integrate::{Method, NotConverged, Point, Trial};
@@ -71,7 +71,7 @@ where
     /// Guard number `index` at a point `ticks` into the step.
     #[inline(always)]
     pub(super) fn guard(&self, index: usize, point: &Point<S, N, P>, ticks: u32) -> Guard<S> {
-        let moment = Moment::new(self.excitation, self.clock.after(ticks));
+        let moment = InputAt::new(self.excitation, self.clock.after(ticks));
         self.automaton.guard(self.mode, index, self.armed, point, &moment)
     }
 
@@ -117,7 +117,7 @@ where
             (far, reached.fell) = (full_ticks, true);
         }
         // What rounding leaves undecided.
-        let blur = (S::from_u32(full_ticks) * S::EPSILON * S::literal(8.0)).to_u32().max(1);
+        let blur = (S::from_u32(full_ticks) * S::EPSILON * S::from_f64(8.0)).to_u32().max(1);
         let mut ticks = (theta * S::from_u32(full_ticks)).to_u32().saturating_add(1);
         while far - short > 1 && attempts < most_attempts {
             // Not `clamp`, which can panic: `far` stays above `short + 1` here.
@@ -140,7 +140,7 @@ where
                 // The lowest point has been passed above zero: a graze that does not touch.
                 return Ok(reached);
             }
-            let correction = (guard.value / guard.rate).absolute() / seconds_of_ticks(1);
+            let correction = (guard.value / guard.rate).abs() / seconds_of_ticks(1);
             let correction = if guard.rate < S::ZERO { correction.to_u32() } else { u32::MAX };
             if fallen && correction < blur || far - short <= blur {
                 break;

@@ -24,7 +24,7 @@ pub struct Span<'a, S, Mode, const N: usize, const P: usize> {
     /// Estimated local error of the first of them, with its sign: what the method's embedded formula would
     /// have added. 0 for a method without an estimate ([`crate::integrate::Method::ESTIMATES_ERROR`]).
     pub energy_error: S,
-    /// Estimated local error of the state, as [`crate::integrate::System::weigh`] measures it; 0 likewise.
+    /// Estimated local error of the state, as [`crate::integrate::System::error_norm`] measures it; 0 likewise.
     pub state_error: S,
 }
 

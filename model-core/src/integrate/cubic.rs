@@ -30,9 +30,9 @@ impl<S: Scalar> Cubic<S> {
     #[must_use]
     #[inline(always)]
     pub fn with_mean(start: S, end: S, mean: S) -> Self {
-        let sag = S::literal(3.0) * (start + end) - S::literal(6.0) * mean;
+        let interpolation_bound = S::from_f64(3.0) * (start + end) - S::from_f64(6.0) * mean;
         let rise = end - start;
-        Self { start, start_slope: rise - sag, end, end_slope: rise + sag }
+        Self { start, start_slope: rise - interpolation_bound, end, end_slope: rise + interpolation_bound }
     }
 
     /// The value at `theta`.
@@ -46,21 +46,21 @@ impl<S: Scalar> Cubic<S> {
     #[must_use]
     pub fn slope(&self, theta: S) -> S {
         let [linear, quadratic, cubic] = self.powers();
-        linear + theta * (S::literal(2.0) * quadratic + theta * S::literal(3.0) * cubic)
+        linear + theta * (S::from_f64(2.0) * quadratic + theta * S::from_f64(3.0) * cubic)
     }
 
     /// Coefficients of θ, θ² and θ³.
     #[inline(always)]
     fn powers(&self) -> [S; 3] {
         let rise = self.end - self.start;
-        let cubic = self.start_slope + self.end_slope - S::literal(2.0) * rise;
+        let cubic = self.start_slope + self.end_slope - S::from_f64(2.0) * rise;
         [self.start_slope, rise - self.start_slope - cubic, cubic]
     }
 
     /// The inner Bernstein coefficients: the cubic lies in the hull of these and its end values.
     #[inline(always)]
     fn inner_hull(&self) -> [S; 2] {
-        let third = S::literal(1.0 / 3.0);
+        let third = S::from_f64(1.0 / 3.0);
         [self.start + third * self.start_slope, self.end - third * self.end_slope]
     }
 
@@ -68,14 +68,14 @@ impl<S: Scalar> Cubic<S> {
     fn extrema(&self) -> [Option<S>; 2] {
         let [linear, quadratic, cubic] = self.powers();
         // 3 c θ² + 2 b θ + a = 0, solved without cancellation.
-        let discriminant = quadratic * quadratic - S::literal(3.0) * cubic * linear;
+        let discriminant = quadratic * quadratic - S::from_f64(3.0) * cubic * linear;
         if !(discriminant >= S::ZERO) {
             return [None, None];
         }
-        let root = discriminant.square_root();
+        let root = discriminant.sqrt();
         let q = -(quadratic + if quadratic < S::ZERO { -root } else { root });
         let inside = |theta: S| (theta > S::ZERO && theta < S::ONE).then_some(theta);
-        let (first, second) = (inside(linear / q), inside(q / (S::literal(3.0) * cubic)));
+        let (first, second) = (inside(linear / q), inside(q / (S::from_f64(3.0) * cubic)));
         match (first, second) {
             (Some(a), Some(b)) if b < a => [Some(b), Some(a)],
             _ => [first, second],
@@ -85,12 +85,12 @@ impl<S: Scalar> Cubic<S> {
     /// The largest value on the step, turning points inside included.
     #[must_use]
     pub fn largest(&self) -> S {
-        let ends = self.start.larger(self.end);
+        let ends = self.start.max(self.end);
         let [one, two] = self.inner_hull();
         if one <= ends && two <= ends {
             return ends;
         }
-        self.extrema().into_iter().flatten().fold(ends, |largest, theta| largest.larger(self.value(theta)))
+        self.extrema().into_iter().flatten().fold(ends, |largest, theta| largest.max(self.value(theta)))
     }
 
     /// The smallest value on the step, turning points inside included.
@@ -144,7 +144,7 @@ impl<S: Scalar> Cubic<S> {
 
     /// The zero between `above`, where the cubic is positive, and `below`, where it is not.
     fn root_between(&self, mut above: S, mut below: S) -> S {
-        let half = S::literal(0.5);
+        let half = S::from_f64(0.5);
         // A start at zero would otherwise be found again: leave it behind.
         let mut theta =
             if above == S::ZERO && self.start == S::ZERO { half * below } else { half * (above + below) };
@@ -157,7 +157,7 @@ impl<S: Scalar> Cubic<S> {
             }
             let newton = theta - value / self.slope(theta);
             let next = if newton > above && newton < below { newton } else { half * (above + below) };
-            if (next - theta).absolute() <= S::EPSILON * theta {
+            if (next - theta).abs() <= S::EPSILON * theta {
                 return next;
             }
             theta = next;

@@ -38,7 +38,7 @@ pub fn contact_step<S: Scalar>(gap: S, predicted: S, flexibility: S, stiffness: 
         return touch_down(gap, predicted, flexibility, stiffness);
     }
     let firmness = stiffness * flexibility;
-    let per = S::ONE / (S::literal(2.0) + firmness);
+    let per = S::ONE / (S::from_f64(2.0) + firmness);
     let closed = (predicted + predicted - firmness * gap) * per;
     if closed > S::ZERO {
         return ContactStep { force: stiffness * (gap + predicted) * per, gap: closed };
@@ -49,11 +49,11 @@ pub fn contact_step<S: Scalar>(gap: S, predicted: S, flexibility: S, stiffness: 
 /// From open to closed: `A u² − (g* + g) u + g g* = 0` with `A = 1 + kH/2`, the positive root.
 #[cold]
 fn touch_down<S: Scalar>(gap: S, predicted: S, flexibility: S, stiffness: S) -> ContactStep<S> {
-    let (half, four) = (S::literal(0.5), S::literal(4.0));
+    let (half, four) = (S::from_f64(0.5), S::from_f64(4.0));
     let leading = S::ONE + half * stiffness * flexibility;
     let sum = predicted + gap;
     let product = -gap * predicted;
-    let root = (sum * sum + four * leading * product).square_root();
+    let root = (sum * sum + four * leading * product).sqrt();
     // Of the two forms of the root the one that adds.
     let reached =
         if sum >= S::ZERO { half * (sum + root) / leading } else { (product + product) / (root - sum) };
@@ -66,11 +66,11 @@ fn touch_down<S: Scalar>(gap: S, predicted: S, flexibility: S, stiffness: S) -> 
 /// From closed to open: `u² − (g* + g) u + g g* − kHg²/2 = 0`, the root at or below zero.
 #[cold]
 fn lift_off<S: Scalar>(gap: S, predicted: S, flexibility: S, stiffness: S) -> ContactStep<S> {
-    let (half, two) = (S::literal(0.5), S::literal(2.0));
+    let (half, two) = (S::from_f64(0.5), S::from_f64(2.0));
     let firmness = stiffness * flexibility;
     let sum = predicted + gap;
     let difference = predicted - gap;
-    let root = (difference * difference + two * firmness * gap * gap).square_root();
+    let root = (difference * difference + two * firmness * gap * gap).sqrt();
     let reached = if sum > S::ZERO {
         gap * (two * predicted - firmness * gap) / (sum + root)
     } else {

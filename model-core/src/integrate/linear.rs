@@ -30,7 +30,7 @@ impl<S: Scalar, const N: usize> Factored<S, N> {
         for k in 0..N {
             let mut pivot = k;
             for i in k + 1..N {
-                if matrix[i][k].absolute() > matrix[pivot][k].absolute() {
+                if matrix[i][k].abs() > matrix[pivot][k].abs() {
                     pivot = i;
                 }
             }

@@ -45,8 +45,8 @@ impl<S: Scalar> ModalStep<S> {
     #[must_use]
     pub fn new(angular_frequency: S, damping_ratio: S, step: S) -> Self {
         let square = angular_frequency * angular_frequency;
-        let twice_damping = S::literal(2.0) * damping_ratio * angular_frequency;
-        let (response, response_to_end, by_velocity) = if angular_frequency * step < S::literal(SERIES_ANGLE)
+        let twice_damping = S::from_f64(2.0) * damping_ratio * angular_frequency;
+        let (response, response_to_end, by_velocity) = if angular_frequency * step < S::from_f64(SERIES_ANGLE)
         {
             series(square, twice_damping, step)
         } else {
@@ -69,7 +69,7 @@ impl<S: Scalar> ModalStep<S> {
 /// `s = Σ d_n hⁿ/n!` with `d_2 = 1`, `d_3 = −2ζω`, `d_{n+2} = −2ζω d_{n+1} − ω² d_n`.
 fn series<S: Scalar>(square: S, twice_damping: S, step: S) -> (S, S, S) {
     let (damping, stiffness) = (twice_damping * step, square * step * step);
-    let (mut before, mut term) = (S::ZERO, S::literal(0.5) * step * step);
+    let (mut before, mut term) = (S::ZERO, S::from_f64(0.5) * step * step);
     let (mut response, mut to_end, mut by_velocity) = (S::ZERO, S::ZERO, S::ZERO);
     for n in 2..2 + SERIES_TERMS {
         let count = S::from_u32(n);
@@ -85,14 +85,14 @@ fn series<S: Scalar>(square: S, twice_damping: S, step: S) -> (S, S, S) {
 
 /// The same in closed form.
 fn closed<S: Scalar>(angular_frequency: S, damping_ratio: S, step: S) -> (S, S, S) {
-    let damped = angular_frequency * ((S::ONE - damping_ratio) * (S::ONE + damping_ratio)).square_root();
+    let damped = angular_frequency * ((S::ONE - damping_ratio) * (S::ONE + damping_ratio)).sqrt();
     let phase = turns_of_radians(damped * step).unwrap_or(0);
     let decay = S::Build::exponential(-damping_ratio * angular_frequency * step);
     let (sine, cosine) = (S::Build::sine_of_turns(phase), S::Build::cosine_of_turns(phase));
     let by_velocity = decay * sine / damped;
     let rest = S::ONE - decay * cosine - damping_ratio * angular_frequency * by_velocity;
     let per_square = S::ONE / (angular_frequency * angular_frequency);
-    let delay = (by_velocity + S::literal(2.0) * damping_ratio * rest / angular_frequency) / step;
+    let delay = (by_velocity + S::from_f64(2.0) * damping_ratio * rest / angular_frequency) / step;
     (rest * per_square, (S::ONE - delay) * per_square, by_velocity)
 }
 

@@ -25,7 +25,7 @@ impl<S: Scalar> Method<S> for RungeKutta4 {
         _accuracy: S,
     ) -> Result<Trial<S, N, P>, NotConverged> {
         let step = seconds_of_ticks::<S>(ticks);
-        let half = step * S::literal(0.5);
+        let half = step * S::from_f64(0.5);
         let (middle_input, end_input) = (input(ticks / 2), input(ticks));
 
         let k1 = start.derivative;
@@ -36,8 +36,8 @@ impl<S: Scalar> Method<S> for RungeKutta4 {
         let y4 = add_scaled(&start.state, step, &k3);
         let k4 = system.flow(&y4, end_input);
 
-        let sixth = step * S::literal(1.0 / 6.0);
-        let two = S::literal(2.0);
+        let sixth = step * S::from_f64(1.0 / 6.0);
+        let two = S::from_f64(2.0);
         let mut end = *start;
         for i in 0..N {
             let increment = sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]);

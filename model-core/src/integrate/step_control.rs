@@ -1,8 +1,8 @@
 //! Choosing the step: fixed, or by a proportional–integral controller on the local error.
 
 use crate::clock::{seconds_of_ticks, ticks_of_seconds};
-use crate::image::{Image, ImageError, Reader, Writer};
 use crate::scalar::Scalar;
+use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 /// What a controller remembers from step to step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +44,7 @@ impl<S: Scalar> ControlMemory<S> {
     }
 }
 
-impl<S: Scalar> Image for ControlMemory<S> {
+impl<S: Scalar> Snapshot for ControlMemory<S> {
     const BYTES: usize = 4 * u32::BYTES + u8::BYTES + S::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -57,19 +57,19 @@ impl<S: Scalar> Image for ControlMemory<S> {
         self.recent_energy.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         let memory = Self {
-            ticks: Image::read(from)?,
-            previous: Image::read(from)?,
-            rejections: Image::read(from)?,
-            rejected_ratio: f32::from_bits(Image::read(from)?),
-            rejected_ticks: Image::read(from)?,
-            recent_energy: Image::read(from)?,
+            ticks: Snapshot::read(from)?,
+            previous: Snapshot::read(from)?,
+            rejections: Snapshot::read(from)?,
+            rejected_ratio: f32::from_bits(Snapshot::read(from)?),
+            rejected_ticks: Snapshot::read(from)?,
+            recent_energy: Snapshot::read(from)?,
         };
         let sound = memory.ticks > 0
             && memory.rejected_ratio >= 0.0
             && (LEAST_REMEMBERED..=0).contains(&memory.previous);
-        if sound { Ok(memory) } else { Err(ImageError::NoState) }
+        if sound { Ok(memory) } else { Err(SnapshotError::NoState) }
     }
 }
 
@@ -99,7 +99,7 @@ impl<S: Scalar> ErrorScale<S> {
     /// The same where the system is shaken at an angular frequency in rad/s: where that is faster than it
     /// moves by itself, the unit of time is the radian of the excitation.
     pub(crate) fn of_the_faster(self, excitation: S) -> Self {
-        Self { angular_frequency: self.angular_frequency.larger(excitation), ..self }
+        Self { angular_frequency: self.angular_frequency.max(excitation), ..self }
     }
 }
 
@@ -118,7 +118,7 @@ pub trait StepControl<S: Scalar> {
     fn start(&self, scale: &ErrorScale<S>) -> ControlMemory<S>;
 
     /// How accurately the implicit equations of a step of `ticks` are to be solved, as
-    /// [`crate::integrate::System::weigh`] measures it: well below the step's own error.
+    /// [`crate::integrate::System::error_norm`] measures it: well below the step's own error.
     fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S;
 
     /// Judges a finished attempt and proposes the next length. `rounding` tells how much of the error of
@@ -168,7 +168,7 @@ impl<S: Scalar> StepControl<S> for FixedStep {
     fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S {
         // The local error is about 0.04 (ω h)³; the sum over all steps must stay of second order.
         let radians = seconds_of_ticks::<S>(ticks) * scale.angular_frequency;
-        (S::literal(1e-4) * radians * radians * radians).larger(S::EPSILON * S::literal(NEWTON_ROUNDINGS))
+        (S::from_f64(1e-4) * radians * radians * radians).max(S::EPSILON * S::from_f64(NEWTON_ROUNDINGS))
     }
 
     #[inline(always)]
@@ -239,7 +239,7 @@ impl<S: Scalar> Adaptive<S> {
     /// With a relative tolerance per radian, kept between a rounding and 0.1.
     #[must_use]
     pub fn new(tolerance: S) -> Self {
-        Self { tolerance: tolerance.larger(S::EPSILON).smaller(S::literal(0.1)) }
+        Self { tolerance: tolerance.max(S::EPSILON).min(S::from_f64(0.1)) }
     }
 }
 
@@ -259,13 +259,13 @@ fn scaled(ticks: u32, change: i32) -> u32 {
 
 impl<S: Scalar> StepControl<S> for Adaptive<S> {
     fn start(&self, scale: &ErrorScale<S>) -> ControlMemory<S> {
-        ControlMemory::starting_with(ticks_of_seconds(S::literal(FIRST_RADIANS) / scale.angular_frequency))
+        ControlMemory::starting_with(ticks_of_seconds(S::from_f64(FIRST_RADIANS) / scale.angular_frequency))
     }
 
     #[inline(always)]
     fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S {
         let radians = seconds_of_ticks::<S>(ticks) * scale.angular_frequency;
-        (S::literal(NEWTON_PART) * self.tolerance * radians).larger(S::EPSILON * S::literal(NEWTON_ROUNDINGS))
+        (S::from_f64(NEWTON_PART) * self.tolerance * radians).max(S::EPSILON * S::from_f64(NEWTON_ROUNDINGS))
     }
 
     #[inline(always)]
@@ -280,32 +280,31 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         let target = self.tolerance * radians;
         // A forgetting mean, over some periods, of the energy per radian: the power of a
         // vibro-impact harvester is a spike a period and must not be forgotten from one to the next.
-        let part = S::literal(1.0 / MEMORY_RADIANS);
-        let recent =
-            memory.recent_energy + part * (errors.delivered.absolute() - radians * memory.recent_energy);
+        let part = S::from_f64(1.0 / MEMORY_RADIANS);
+        let recent = memory.recent_energy + part * (errors.delivered.abs() - radians * memory.recent_energy);
         // In the beginning there is no sum yet: then the energy of a radian at the present power.
-        let delivered = errors.delivered.absolute() / radians;
-        let per_radian = recent.larger(delivered).larger(scale.energy_floor);
+        let delivered = errors.delivered.abs() / radians;
+        let per_radian = recent.max(delivered).max(scale.energy_floor);
         let energy_error = errors.energy / per_radian;
-        let state_error = errors.state * S::literal(REMEMBERED_RADIANS);
-        let state = state_error / (target + S::EPSILON * S::literal(ROUNDINGS * REMEMBERED_RADIANS));
-        let allowed = target + S::EPSILON * S::literal(ENERGY_ROUNDINGS);
-        let mut ratio = state.larger(energy_error / allowed).to_f32();
+        let state_error = errors.state * S::from_f64(REMEMBERED_RADIANS);
+        let state = state_error / (target + S::EPSILON * S::from_f64(ROUNDINGS * REMEMBERED_RADIANS));
+        let allowed = target + S::EPSILON * S::from_f64(ENERGY_ROUNDINGS);
+        let mut ratio = state.max(energy_error / allowed).to_f32();
         if !(ratio <= 1.0) {
             // What rounding the state makes of the energy, no shorter step can lessen: it divides the same
             // rounding by less time. A scene that has none of it compiles nothing of this.
             let rounding = rounding();
             if rounding > S::ZERO {
-                let left = state.larger((errors.energy - rounding) / per_radian / allowed).to_f32();
+                let left = state.max((errors.energy - rounding) / per_radian / allowed).to_f32();
                 ratio = if left <= 1.0 { left } else { ratio };
             }
         }
-        let present = log2(ratio.larger(1e-8));
+        let present = log2(Scalar::max(ratio, 1e-8));
         // An error that a shorter step does not lessen was not made by this step: the derivative at
         // its start is inherited from a longer one, or a boundary layer is being left behind. Such a
         // step is kept if the error by itself, not per radian, is small; and so is a step of nanoseconds,
         // with which an L-stable method passes the layer of a circuit that is faster still.
-        let bearable = errors.state.larger(energy_error) <= self.tolerance.larger(S::literal(WAIVED));
+        let bearable = errors.state.max(energy_error) <= self.tolerance.max(S::from_f64(WAIVED));
         let futile = memory.rejections >= FUTILE_REJECTIONS && ratio > 0.5 * memory.rejected_ratio;
         let shortest = errors.ticks <= SHORTEST_CONTROLLED_TICKS && ratio < f32::INFINITY;
         let inherited = ratio > 1.0 && (bearable && futile || shortest);
@@ -325,7 +324,7 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         let change = SAFETY + (memory.previous >> 8) * PREVIOUS_EXPONENT - (present >> 8) * PRESENT_EXPONENT;
         // No growth after a rejection.
         let largest = if memory.rejections > 0 { 0 } else { LARGEST_CHANGE };
-        let longest = ticks_of_seconds(S::literal(LONGEST_RADIANS) / scale.angular_frequency);
+        let longest = ticks_of_seconds(S::from_f64(LONGEST_RADIANS) / scale.angular_frequency);
         memory.ticks = if inherited {
             // The short step has washed the inherited error out; it says nothing about the next. Where
             // none was rejected before it, as after an event, the next is somewhat longer.

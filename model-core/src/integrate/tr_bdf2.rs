@@ -76,14 +76,14 @@ impl<S: Scalar, Y, F, const N: usize> Stage<'_, S, Y, F, N> {
         let mut previous = S::INFINITY;
         for iteration in 1..=MOST_ITERATIONS {
             let correction = system.iterate(factor, base, &mut z, *input, *weight);
-            let size = system.weigh(scale, &correction);
-            let rate = if iteration == 1 { S::literal(ASSUMED_CURVATURE) * size } else { size / previous };
+            let size = system.error_norm(scale, &correction);
+            let rate = if iteration == 1 { S::from_f64(ASSUMED_CURVATURE) * size } else { size / previous };
             if size <= accuracy || rate * size <= accuracy && rate < S::ONE {
-                system.eliminate(base, &mut z, *weight);
+                system.condense(base, &mut z, *weight);
                 return Ok((z, iteration));
             }
             // Written so that not-a-number ends here too.
-            if iteration > 1 && !(rate < S::literal(2.0)) || !size.is_finite() {
+            if iteration > 1 && !(rate < S::from_f64(2.0)) || !size.is_finite() {
                 return Err(NotConverged);
             }
             previous = size;
@@ -105,7 +105,7 @@ impl<S: Scalar> Method<S> for TrBdf2 {
         accuracy: S,
     ) -> Result<Trial<S, N, P>, NotConverged> {
         let step = seconds_of_ticks::<S>(ticks);
-        let weight = step * S::literal(D);
+        let weight = step * S::from_f64(D);
         let middle_ticks = ((u64::from(ticks) * GAMMA_Q32) >> 32) as u32;
         let (middle_input, end_input) = (input(middle_ticks), input(ticks));
 
@@ -116,10 +116,10 @@ impl<S: Scalar> Method<S> for TrBdf2 {
         let middle = Stage { system, factor: &factor, base: middle_base, input: middle_input, weight };
         let (z_middle, middle_iterations) = middle.solve::<P>(z_start, &start.state, accuracy)?;
 
-        let carried: [S; N] = core::array::from_fn(|i| S::literal(W_OVER_D) * (z_start[i] + z_middle[i]));
+        let carried: [S; N] = core::array::from_fn(|i| S::from_f64(W_OVER_D) * (z_start[i] + z_middle[i]));
         let end_base: [S; N] = core::array::from_fn(|i| start.state[i] + carried[i]);
         let extrapolated =
-            core::array::from_fn(|i| z_start[i] + S::literal(ONE_OVER_GAMMA) * (z_middle[i] - z_start[i]));
+            core::array::from_fn(|i| z_start[i] + S::from_f64(ONE_OVER_GAMMA) * (z_middle[i] - z_start[i]));
         let last = Stage { system, factor: &factor, base: end_base, input: end_input, weight };
         let (z_end, end_iterations) = last.solve::<P>(extrapolated, &start.state, accuracy)?;
 
@@ -140,13 +140,13 @@ impl<S: Scalar> Method<S> for TrBdf2 {
         let middle_state = core::array::from_fn(|i| middle_base[i] + z_middle[i]);
         let middle_powers: [S; P] = system.powers(&middle_state, &derivative_of(&z_middle), middle_input);
         let mut energies = core::array::from_fn(|i| {
-            weight * (S::literal(W_OVER_D) * (start.powers[i] + middle_powers[i]) + end.powers[i])
+            weight * (S::from_f64(W_OVER_D) * (start.powers[i] + middle_powers[i]) + end.powers[i])
         });
         system.settle(&start.state, &end.state, &mut energies);
 
-        let [e_start, e_middle, e_end] = ERROR_OVER_D.map(S::literal);
+        let [e_start, e_middle, e_end] = ERROR_OVER_D.map(S::from_f64);
         let raw = core::array::from_fn(|i| e_start * z_start[i] + e_middle * z_middle[i] + e_end * z_end[i]);
-        let error = system.weigh(&start.state, &system.solve(&factor, raw));
+        let error = system.error_norm(&start.state, &system.solve(&factor, raw));
         let energy_error = match (start.powers.first(), middle_powers.first(), end.powers.first()) {
             (Some(&first), Some(&second), Some(&third)) => {
                 weight * (e_start * first + e_middle * second + e_end * third)

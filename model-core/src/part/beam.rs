@@ -94,12 +94,12 @@ impl<S: Scalar> Cantilever<S> {
             scale: S::ONE,
         };
         let [tip, slope, _, shear] = unscaled.derivatives(S::ONE);
-        let two = S::literal(2.0);
+        let two = S::from_f64(2.0);
         let slope = eigenvalue * slope;
-        let borne = if eigenvalue < S::literal(SERIES_REACH) { ratio * tip } else { -shear / eigenvalue };
-        let modal_mass = S::literal(0.25) * beam_mass * (tip * tip + borne * (tip + two * slope));
-        let scale = S::ONE / modal_mass.square_root();
-        let rate = (self.bending_stiffness / (beam_mass * self.length)).square_root() / self.length;
+        let borne = if eigenvalue < S::from_f64(SERIES_REACH) { ratio * tip } else { -shear / eigenvalue };
+        let modal_mass = S::from_f64(0.25) * beam_mass * (tip * tip + borne * (tip + two * slope));
+        let scale = S::ONE / modal_mass.sqrt();
+        let rate = (self.bending_stiffness / (beam_mass * self.length)).sqrt() / self.length;
         BeamMode {
             angular_frequency: eigenvalue * eigenvalue * rate,
             base_coupling: two * beam_mass * scale * sigma / eigenvalue,
@@ -132,10 +132,10 @@ impl<S: Scalar> Cantilever<S> {
         // Euler–Maclaurin formula at the middles.
         let n = S::from_u32(last);
         let cube = n * n * n;
-        let fourths = S::literal(1.0 / 3.0) / cube - S::literal(1.0 / 6.0) / (cube * n * n);
+        let fourths = S::from_f64(1.0 / 3.0) / cube - S::from_f64(1.0 / 6.0) / (cube * n * n);
         let cube_of_length = self.length * self.length * self.length;
-        let weight = if place >= S::ONE { S::literal(4.0) } else { S::ONE };
-        let fourth_of_pi = S::literal(97.409_091_034_002_43);
+        let weight = if place >= S::ONE { S::from_f64(4.0) } else { S::ONE };
+        let fourth_of_pi = S::from_f64(97.409_091_034_002_43);
         sum + weight / fourth_of_pi * fourths * cube_of_length / self.bending_stiffness
     }
 }
@@ -157,14 +157,14 @@ impl<S: Scalar> BeamMode<S> {
     fn derivatives(&self, s: S) -> [S; 4] {
         let (lambda, sigma) = (self.eigenvalue, self.sigma);
         let argument = lambda * s;
-        if lambda < S::literal(SERIES_REACH) {
+        if lambda < S::from_f64(SERIES_REACH) {
             // cosh + cos, sinh + sin, cosh − cos, sinh − sin.
             let [a, b, c, d] =
-                [0, 1, 2, 3].map(|order| S::literal(2.0) * fourth_series(argument, order, S::ONE));
+                [0, 1, 2, 3].map(|order| S::from_f64(2.0) * fourth_series(argument, order, S::ONE));
             return [c - sigma * d, b - sigma * c, a - sigma * b, d - sigma * a];
         }
         let growing = self.growing * S::Build::exponential(argument - lambda);
-        let decaying = S::literal(0.5) * (S::ONE + sigma) * S::Build::exponential(-argument);
+        let decaying = S::from_f64(0.5) * (S::ONE + sigma) * S::Build::exponential(-argument);
         let (sine, cosine) = sine_and_cosine(argument);
         [
             growing + decaying - cosine + sigma * sine,
@@ -180,19 +180,19 @@ impl<S: Scalar> BeamMode<S> {
 /// Each root lies between that of a pinned end, to which an endless tip mass leads, and that of a
 /// free one; bisection to neighbouring numbers.
 fn eigenvalue<S: Scalar>(number: u32, ratio: S) -> S {
-    let pi = S::literal(core::f64::consts::PI);
+    let pi = S::from_f64(core::f64::consts::PI);
     let count = S::from_u32(number);
     if ratio == S::ZERO && number > ASYMPTOTIC {
-        return pi * (count - S::literal(0.5));
+        return pi * (count - S::from_f64(0.5));
     }
     let (mut low, mut high) = if number == 1 {
-        (S::ZERO, S::literal(1.9))
+        (S::ZERO, S::from_f64(1.9))
     } else {
-        (pi * (count - S::literal(0.76)), pi * (count - S::literal(0.48)))
+        (pi * (count - S::from_f64(0.76)), pi * (count - S::from_f64(0.48)))
     };
     let falls = characteristic(low, ratio) > S::ZERO;
     for _ in 0..MOST_HALVINGS {
-        let middle = S::literal(0.5) * (low + high);
+        let middle = S::from_f64(0.5) * (low + high);
         if middle <= low || middle >= high {
             break;
         }
@@ -209,11 +209,11 @@ fn eigenvalue<S: Scalar>(number: u32, ratio: S) -> S {
 fn characteristic<S: Scalar>(lambda: S, ratio: S) -> S {
     let decay = S::Build::exponential(-lambda);
     let square = decay * decay;
-    let sech = S::literal(2.0) * decay / (S::ONE + square);
+    let sech = S::from_f64(2.0) * decay / (S::ONE + square);
     let (sine, cosine) = sine_and_cosine(lambda);
-    let bending = if lambda < S::literal(SERIES_REACH) {
+    let bending = if lambda < S::from_f64(SERIES_REACH) {
         // sin cosh − cos sinh = 4 Σ (−4)ᵏ x^(4k+3) / (4k+3)!
-        -S::literal(4.0) * fourth_series(lambda, 3, S::literal(-4.0)) * sech
+        -S::from_f64(4.0) * fourth_series(lambda, 3, S::from_f64(-4.0)) * sech
     } else {
         cosine * (S::ONE - square) / (S::ONE + square) - sine
     };
@@ -222,14 +222,14 @@ fn characteristic<S: Scalar>(lambda: S, ratio: S) -> S {
 
 /// `σ`, from the conditions at the tip, and `(1 − σ) e^λ / 2`.
 fn shape_constants<S: Scalar>(lambda: S, ratio: S) -> (S, S) {
-    let two = S::literal(2.0);
+    let two = S::from_f64(2.0);
     let weight = lambda * ratio;
-    if lambda < S::literal(SERIES_REACH) {
+    if lambda < S::from_f64(SERIES_REACH) {
         let [sum, _, cosines, sines] = [0, 1, 2, 3].map(|order| two * fourth_series(lambda, order, S::ONE));
         // The growing part is not told apart here: the shape is summed as series too.
         return ((sines + weight * cosines) / (sum + weight * sines), S::ZERO);
     }
-    let half = S::literal(0.5);
+    let half = S::from_f64(0.5);
     let decay = S::Build::exponential(-lambda);
     let square = decay * decay;
     let (sine, cosine) = sine_and_cosine(lambda);

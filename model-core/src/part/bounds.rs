@@ -40,7 +40,7 @@ impl<S: Scalar> Bounds<S> {
     #[must_use]
     #[inline(always)]
     pub fn new(lowest: f64, highest: f64) -> Self {
-        Self { lowest: S::literal(lowest), highest: S::literal(highest) }
+        Self { lowest: S::from_f64(lowest), highest: S::from_f64(highest) }
     }
 
     /// Refuses a value outside, not-a-number included.

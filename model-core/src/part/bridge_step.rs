@@ -1,9 +1,9 @@
 //! A capacitance behind a full bridge, over a step in which the current into it is constant.
 //!
 //! Let `w` be the voltage `v` of the capacitance `C_p` at the start, counted positive in the direction of the
-//! current, `x = |Δq| ≥ 0` the charge of the step, `U = V + 2 V_D ≥ |v|` the threshold, `C` the store's
+//! current, `x = |Δq| ≥ 0` the charge of the step, `U = V + 2 V_D ≥ |v|` the threshold, `C` the storage's
 //! capacitance and `C_t = C_p + C`. The voltage rises at `1/C_p` per charge up to `U`, for which it takes
-//! `x_c = C_p (U − w)`, and then at `1/C_t`, with a part `C/C_t` of the charge passing into the store: a
+//! `x_c = C_p (U − w)`, and then at `1/C_t`, with a part `C/C_t` of the charge passing into the storage: a
 //! polyline. Its mean over the step, with `f = x_c/x` the time before conduction, is
 //!
 //! ```text
@@ -12,7 +12,7 @@
 //! m'(x) = ½ [(1 − f²)/C_t + f²/C_p]
 //! ```
 //!
-//! The work `m x` is exactly what the capacitance stores, the store receives and the diodes take: `m` is the
+//! The work `m x` is exactly what the capacitance stores, the storage receives and the diodes take: `m` is the
 //! discrete gradient of a convex potential of the charge, as the contact force is of one of the gap, so the
 //! step is passive at any length. `m` is increasing and, for a current in one direction, concave with a
 //! continuous slope. A scalar equation with it is solved by Newton's iteration from the blocked line, which
@@ -26,16 +26,16 @@
 //! The charge of a step that reverses the current is the difference of what came and went. What came beyond
 //! that is not rectified; it is of second order in the step, and so is the error of a run.
 //!
-//! # What leaves the store
+//! # What leaves the storage
 //!
 //! Half of it at the start of the step and half at its end, so the composition is of second order. A
-//! store that has fallen below a conducting harvester takes charge from its capacitance until they are level.
+//! storage that has fallen below a conducting harvester takes charge from its capacitance until they are level.
 
 use super::circuit::CircuitStep;
 use super::load::Resistance;
 use super::rectifier::FullBridge;
-use super::store::Reservoir;
-use super::store_step::{StoreAccount, StoreState};
+use super::storage::StorageElement;
+use super::storage_step::{StorageAccount, StorageState};
 use crate::scalar::Scalar;
 
 /// The coefficients for one length of step.
@@ -48,9 +48,9 @@ pub struct BridgeStep<S> {
     half: S,
     /// `C_p` in F.
     capacitance: S,
-    /// `1/C_p`, the reservoir's `1/C`, and `1/C_t`, in 1/F.
+    /// `1/C_p`, the storage's `1/C`, and `1/C_t`, in 1/F.
     own: S,
-    store: S,
+    storage: S,
     together: S,
     /// `C/C_t`: part of a charge that passes the bridge.
     share: S,
@@ -89,16 +89,16 @@ impl<S: Scalar> Approach<S> {
 impl<S: Scalar> BridgeStep<S> {
     /// For a capacitance in F above 0, what is behind the bridge, and a step in s above 0.
     #[must_use]
-    pub(crate) fn new<R: Reservoir<S>>(capacitance: S, reservoir: &R, step: S) -> Self {
-        let (own, store) = (S::ONE / capacitance, reservoir.elastance());
-        let share = own / (own + store);
+    pub(crate) fn new<R: StorageElement<S>>(capacitance: S, storage: &R, step: S) -> Self {
+        let (own, storage) = (S::ONE / capacitance, storage.elastance());
+        let share = own / (own + storage);
         Self {
             blocked: CircuitStep::new(capacitance, Resistance::Open, step),
-            half: S::literal(0.5) * step,
+            half: S::from_f64(0.5) * step,
             capacitance,
             own,
-            store,
-            together: share * store,
+            storage,
+            together: share * storage,
             share,
         }
     }
@@ -106,7 +106,7 @@ impl<S: Scalar> BridgeStep<S> {
     #[inline(always)]
     fn approach(&self, threshold: S, voltage: S, charge: S) -> Approach<S> {
         let sign = if charge < S::ZERO { -S::ONE } else { S::ONE };
-        let room = (threshold - sign * voltage).larger(S::ZERO);
+        let room = (threshold - sign * voltage).max(S::ZERO);
         let before = room * self.capacitance;
         Approach { sign, threshold, room, before, beyond: sign * charge - before }
     }
@@ -124,86 +124,86 @@ impl<S: Scalar> BridgeStep<S> {
         }
         let part = at.part_before();
         let square = part * part;
-        let slope = S::literal(0.5) * ((S::ONE - square) * self.together + square * self.own);
+        let slope = S::from_f64(0.5) * ((S::ONE - square) * self.together + square * self.own);
         let start = at.threshold - part * (at.room + at.beyond * self.together);
         Some([at.sign * start, slope])
     }
 
     /// Lets a charge flow from a voltage within the threshold, `[v, Δq]`, then the other half of the outflow.
     #[inline(always)]
-    pub(crate) fn conclude<R: Reservoir<S>>(
+    pub(crate) fn conclude<R: StorageElement<S>>(
         &self,
         bridge: &FullBridge<S, R>,
         [voltage, charge]: [S; 2],
-        store: &mut StoreState<S>,
-        account: &mut StoreAccount<S>,
+        storage: &mut StorageState<S>,
+        account: &mut StorageAccount<S>,
     ) -> Passed<S> {
-        let (passed, mean_square_voltage) = self.pass(bridge, [voltage, charge], store, account);
+        let (passed, mean_square_voltage) = self.pass(bridge, [voltage, charge], storage, account);
         let end = voltage + (charge - passed) * self.own;
-        let late = self.drain(bridge, end, store, account);
-        store.switch(&bridge.reservoir);
+        let late = self.drain(bridge, end, storage, account);
+        storage.switch(&bridge.storage);
         Passed { charge: passed + late, mean_square_voltage }
     }
 
-    /// The flow alone: what passes into the store, in C and with its sign, and where it conducts the mean
+    /// The flow alone: what passes into the storage, in C and with its sign, and where it conducts the mean
     /// square of the terminal voltage.
     #[inline(always)]
-    fn pass<R: Reservoir<S>>(
+    fn pass<R: StorageElement<S>>(
         &self,
         bridge: &FullBridge<S, R>,
         [voltage, charge]: [S; 2],
-        store: &mut StoreState<S>,
-        account: &mut StoreAccount<S>,
+        storage: &mut StorageState<S>,
+        account: &mut StorageAccount<S>,
     ) -> (S, Option<S>) {
-        let at = self.approach(bridge.threshold(store.voltage), voltage, charge);
+        let at = self.approach(bridge.threshold(storage.voltage), voltage, charge);
         if !(at.beyond > S::ZERO) {
             return (S::ZERO, None);
         }
         let part = at.part_before();
         let (from, to) = (at.threshold - at.room, at.threshold + at.beyond * self.together);
-        let square = |a: S, b: S| S::literal(1.0 / 3.0) * (a * a + a * b + b * b);
+        let square = |a: S, b: S| S::from_f64(1.0 / 3.0) * (a * a + a * b + b * b);
         let mean_square = part * square(from, at.threshold) + (S::ONE - part) * square(at.threshold, to);
         let passed = self.share * at.beyond;
-        self.receive(bridge, passed, S::ZERO, store, account);
+        self.receive(bridge, passed, S::ZERO, storage, account);
         (at.sign * passed, Some(mean_square))
     }
 
-    /// Half of what leaves the store, and what the capacitance gives it to be level again; gives what has
+    /// Half of what leaves the storage, and what the capacitance gives it to be level again; gives what has
     /// passed the bridge, in C and with its sign.
     #[inline(always)]
-    pub(crate) fn drain<R: Reservoir<S>>(
+    pub(crate) fn drain<R: StorageElement<S>>(
         &self,
         bridge: &FullBridge<S, R>,
         voltage: S,
-        store: &mut StoreState<S>,
-        account: &mut StoreAccount<S>,
+        storage: &mut StorageState<S>,
+        account: &mut StorageAccount<S>,
     ) -> S {
-        store.drain(&bridge.reservoir, self.store, self.half, account);
-        let excess = voltage.absolute() - bridge.threshold(store.voltage);
+        storage.drain(&bridge.storage, self.storage, self.half, account);
+        let excess = voltage.abs() - bridge.threshold(storage.voltage);
         if !(excess > S::ZERO) {
             return S::ZERO;
         }
         let passed = self.share * excess * self.capacitance;
-        self.receive(bridge, passed, excess, store, account);
+        self.receive(bridge, passed, excess, storage, account);
         if voltage < S::ZERO { -passed } else { passed }
     }
 
-    /// The store takes a charge that came through the diodes from a voltage that was higher than they need by
+    /// The storage takes a charge that came through the diodes from a voltage that was higher than they need by
     /// `excess` at the start, and by nothing at the end.
     #[inline(always)]
-    fn receive<R: Reservoir<S>>(
+    fn receive<R: StorageElement<S>>(
         &self,
         bridge: &FullBridge<S, R>,
         charge: S,
         excess: S,
-        store: &mut StoreState<S>,
-        account: &mut StoreAccount<S>,
+        storage: &mut StorageState<S>,
+        account: &mut StorageAccount<S>,
     ) {
-        let rise = charge * self.store;
-        let half = S::literal(0.5);
-        account.delivered += charge * (store.voltage + half * rise);
+        let rise = charge * self.storage;
+        let half = S::from_f64(0.5);
+        account.delivered += charge * (storage.voltage + half * rise);
         account.diodes += charge * (bridge.diode_drop + bridge.diode_drop + half * excess);
-        store.rise(rise);
+        storage.rise(rise);
     }
 }
 
@@ -211,32 +211,31 @@ impl<S: Scalar> BridgeStep<S> {
 mod tests {
     use super::*;
     use crate::part::draw::NoDraw;
-    use crate::part::store::{Capacitor, DcBus};
+    use crate::part::storage::{Capacitor, DcBus};
 
     const CAPACITANCE: f64 = 16e-9;
     const STEP: f64 = 1e-5;
 
     fn bridge(farads: f64, volts: f64) -> FullBridge<f64, Capacitor<f64, NoDraw>> {
-        let reservoir =
-            Capacitor { farads, leakage_ohms: f64::INFINITY, initial_voltage: volts, draw: NoDraw };
-        FullBridge { diode_drop: 0.3, reservoir }
+        let storage = Capacitor { farads, leakage_ohms: f64::INFINITY, initial_voltage: volts, draw: NoDraw };
+        FullBridge { diode_drop: 0.3, storage }
     }
 
     /// The same by walking through the step in small pieces of charge: mean voltage, mean square, what has
-    /// passed, and what the store has received.
+    /// passed, and what the storage has received.
     fn walked(farads: f64, volts: f64, start: f64, charge: f64) -> [f64; 4] {
         let count = 400_000;
         let piece = charge / f64::from(count);
-        let (mut v, mut store) = (start, volts);
+        let (mut v, mut storage) = (start, volts);
         let (mut mean, mut square, mut passed, mut delivered) = (0.0, 0.0, 0.0, 0.0);
         for _ in 0..count {
             let before = v;
             v += piece / CAPACITANCE;
-            let excess = v.abs() - store - 0.6;
+            let excess = v.abs() - storage - 0.6;
             if excess > 0.0 {
                 let through = excess / (1.0 / CAPACITANCE + 1.0 / farads);
-                delivered += through * (store + 0.5 * through / farads);
-                store += through / farads;
+                delivered += through * (storage + 0.5 * through / farads);
+                storage += through / farads;
                 passed += through * v.signum();
                 v -= through / CAPACITANCE * v.signum();
             }
@@ -252,12 +251,12 @@ mod tests {
         for farads in [2e-9, 16e-9, 1e-6] {
             for (start, charge) in [(0.2, 5e-8), (2.5, 1e-8), (2.6, 4e-9), (-2.0, 9e-8), (0.5, -6e-8)] {
                 let bridge = bridge(farads, 2.0);
-                let step = BridgeStep::new(CAPACITANCE, &bridge.reservoir, STEP);
+                let step = BridgeStep::new(CAPACITANCE, &bridge.storage, STEP);
                 let [mean, square, passed, delivered] = walked(farads, 2.0, start, charge);
-                let mut store = StoreState::of(&bridge.reservoir);
-                let mut account = StoreAccount::default();
+                let mut storage = StorageState::of(&bridge.storage);
+                let mut account = StorageAccount::default();
                 let Some([e0, e1]) = step.tangent(2.6, start, charge) else { panic!("it conducts") };
-                let (through, found) = step.pass(&bridge, [start, charge], &mut store, &mut account);
+                let (through, found) = step.pass(&bridge, [start, charge], &mut storage, &mut account);
                 let close = |what: &str, a: f64, b: f64| {
                     assert!((a / b - 1.0).abs() < 1e-4, "{what} {farads} {start} {charge}: {a} {b}");
                 };
@@ -279,23 +278,23 @@ mod tests {
                 let work = (e0 + e1 * charge) * charge;
                 let out = stored + account.delivered + account.diodes;
                 assert!((work - out).abs() < 1e-14 * (work.abs() + stored.abs()), "{work} {out}");
-                assert!((end.abs() - store.voltage - 0.6).abs() < 1e-12);
+                assert!((end.abs() - storage.voltage - 0.6).abs() < 1e-12);
             }
         }
     }
 
     #[test]
     fn it_blocks_up_to_the_threshold_and_a_bus_holds_the_voltage_there() {
-        let bus = FullBridge { diode_drop: 0.25, reservoir: DcBus { volts: 1.5 } };
-        let step = BridgeStep::new(CAPACITANCE, &bus.reservoir, STEP);
+        let bus = FullBridge { diode_drop: 0.25, storage: DcBus { volts: 1.5 } };
+        let step = BridgeStep::new(CAPACITANCE, &bus.storage, STEP);
         let to_threshold = 1.0 * CAPACITANCE;
         assert_eq!(step.tangent(2.0, 1.0, 0.999 * to_threshold), None);
         assert_eq!(step.tangent(2.0, 1.0, -2.999 * to_threshold), None);
-        let mut store = StoreState::of(&bus.reservoir);
-        let mut account = StoreAccount::default();
-        let (passed, _) = step.pass(&bus, [1.0, 3.0 * to_threshold], &mut store, &mut account);
+        let mut storage = StorageState::of(&bus.storage);
+        let mut account = StorageAccount::default();
+        let (passed, _) = step.pass(&bus, [1.0, 3.0 * to_threshold], &mut storage, &mut account);
         assert!((passed / (2.0 * to_threshold) - 1.0).abs() < 1e-14);
-        assert_eq!(store.voltage, 1.5);
+        assert_eq!(storage.voltage, 1.5);
         assert!((account.delivered / (passed * 1.5) - 1.0).abs() < 1e-14);
         assert!((account.diodes / (passed * 0.5) - 1.0).abs() < 1e-14);
     }
@@ -303,16 +302,16 @@ mod tests {
     #[test]
     fn a_store_that_is_too_low_is_brought_level_and_energy_is_kept() {
         let bridge = bridge(1e-7, 2.0);
-        let step = BridgeStep::new(CAPACITANCE, &bridge.reservoir, STEP);
-        let (mut store, mut account) = (StoreState::of(&bridge.reservoir), StoreAccount::default());
-        let passed = step.drain(&bridge, -4.0, &mut store, &mut account);
+        let step = BridgeStep::new(CAPACITANCE, &bridge.storage, STEP);
+        let (mut storage, mut account) = (StorageState::of(&bridge.storage), StorageAccount::default());
+        let passed = step.drain(&bridge, -4.0, &mut storage, &mut account);
         let end = -4.0 - passed / CAPACITANCE;
-        assert!(passed < 0.0 && (-end - store.voltage - 0.6).abs() < 1e-14);
+        assert!(passed < 0.0 && (-end - storage.voltage - 0.6).abs() < 1e-14);
         let given = 0.5 * CAPACITANCE * (16.0 - end * end);
-        let gained = 0.5e-7 * (store.voltage * store.voltage - 4.0);
+        let gained = 0.5e-7 * (storage.voltage * storage.voltage - 4.0);
         assert!((account.delivered / gained - 1.0).abs() < 1e-13);
         assert!(((account.delivered + account.diodes) / given - 1.0).abs() < 1e-13);
         // Once level nothing more passes.
-        assert!(step.drain(&bridge, end, &mut store, &mut account).abs() < 1e-22);
+        assert!(step.drain(&bridge, end, &mut storage, &mut account).abs() < 1e-22);
     }
 }

@@ -46,26 +46,26 @@ impl<S: Scalar> CircuitStep<S> {
 
     /// For a ratio `x = h/RC`.
     fn of_ratio(ratio: S, capacitance: S, charge_by_mean: S) -> Self {
-        let (mean_by_voltage, rest, square_by_change) = if ratio < S::literal(SERIES_RATIO) {
+        let (mean_by_voltage, rest, square_by_change) = if ratio < S::from_f64(SERIES_RATIO) {
             // (1 − w)/x = Σ (−x)ⁿ/(n+2)!, w = (1 − e⁻ˣ)/x.
-            let (mut term, mut sum) = (S::literal(0.5), S::literal(0.5));
+            let (mut term, mut sum) = (S::from_f64(0.5), S::from_f64(0.5));
             for n in 3..20_u32 {
                 term = -term * ratio / S::from_u32(n);
                 sum += term;
             }
             // coth(x/2)/2x − 1/x².
             let square = ratio * ratio;
-            let tail = S::literal(1.0 / 47_900_160.0) - S::literal(691.0 / 1_307_674_368_000.0) * square;
-            let tail = S::literal(1.0 / 1_209_600.0) - square * tail;
-            let tail = S::literal(1.0 / 30_240.0) - square * tail;
-            let tail = S::literal(1.0 / 720.0) - square * tail;
-            (S::ONE - ratio * sum, sum, S::literal(1.0 / 12.0) - square * tail)
+            let tail = S::from_f64(1.0 / 47_900_160.0) - S::from_f64(691.0 / 1_307_674_368_000.0) * square;
+            let tail = S::from_f64(1.0 / 1_209_600.0) - square * tail;
+            let tail = S::from_f64(1.0 / 30_240.0) - square * tail;
+            let tail = S::from_f64(1.0 / 720.0) - square * tail;
+            (S::ONE - ratio * sum, sum, S::from_f64(1.0 / 12.0) - square * tail)
         } else {
             let per_ratio = S::ONE / ratio;
             let decay = S::Build::exponential(-ratio);
             let mean = (S::ONE - decay) * per_ratio;
             let hyperbolic = (S::ONE + decay) / (S::ONE - decay);
-            let square = (S::literal(0.5) * hyperbolic - per_ratio) * per_ratio;
+            let square = (S::from_f64(0.5) * hyperbolic - per_ratio) * per_ratio;
             (mean, (S::ONE - mean) * per_ratio, square)
         };
         Self { mean_by_voltage, mean_by_charge: rest / capacitance, square_by_change, charge_by_mean }

@@ -88,7 +88,7 @@ impl<S: Scalar> DiscOverlap<S> {
     #[inline(always)]
     pub fn at(xi: S) -> Self {
         // Constant in each precision: the other branch is not compiled.
-        if S::EPSILON > S::literal(1e-10) {
+        if S::EPSILON > S::from_f64(1e-10) {
             Self::in_two_pieces(xi, JOINT_F32, &INNER_F32, &OUTER_F32)
         } else {
             Self::in_two_pieces(xi, JOINT_F64, &INNER_F64, &OUTER_F64)
@@ -102,12 +102,12 @@ impl<S: Scalar> DiscOverlap<S> {
         inner: &[f64; I],
         outer: &[f64; O],
     ) -> Self {
-        if xi > S::literal(joint) {
-            let rest = (S::ONE - xi).larger(S::EPSILON);
-            let active = rest * rest.square_root() * horner(&outer.map(S::literal), rest);
+        if xi > S::from_f64(joint) {
+            let rest = (S::ONE - xi).max(S::EPSILON);
+            let active = rest * rest.sqrt() * horner(&outer.map(S::from_f64), rest);
             Self { active, inert: S::ONE - active }
         } else {
-            let inert = xi * horner(&inner.map(S::literal), xi * xi);
+            let inert = xi * horner(&inner.map(S::from_f64), xi * xi);
             Self { active: S::ONE - inert, inert }
         }
     }
@@ -116,22 +116,22 @@ impl<S: Scalar> DiscOverlap<S> {
     /// hundred operations. `xi` is clamped to 0 … 1.
     #[must_use]
     pub fn exact(xi: S) -> Self {
-        let xi = xi.larger(S::ZERO).smaller(S::ONE);
-        let half = S::literal(0.5);
-        let two_over_pi = S::literal(core::f64::consts::FRAC_2_PI);
-        let chord = ((S::ONE - xi) * (S::ONE + xi)).square_root();
+        let xi = xi.max(S::ZERO).min(S::ONE);
+        let half = S::from_f64(0.5);
+        let two_over_pi = S::from_f64(core::f64::consts::FRAC_2_PI);
+        let chord = ((S::ONE - xi) * (S::ONE + xi)).sqrt();
         if xi <= half {
             let inert = two_over_pi * (arcsine(xi) + xi * chord);
             return Self { active: S::ONE - inert, inert };
         }
         // s1 = (φ − sin φ)/π with φ = 2 arccos ξ and sin φ = 2 ξ √(1 − ξ²), which cancels where φ is
         // small; there the series of the difference is summed.
-        let angle = S::literal(4.0) * arcsine((half * (S::ONE - xi)).square_root());
+        let angle = S::from_f64(4.0) * arcsine((half * (S::ONE - xi)).sqrt());
         let difference = if angle > S::ONE {
-            angle - S::literal(2.0) * xi * chord
+            angle - S::from_f64(2.0) * xi * chord
         } else {
             let square = angle * angle;
-            let mut term = angle * square * S::literal(1.0 / 6.0);
+            let mut term = angle * square * S::from_f64(1.0 / 6.0);
             let mut sum = term;
             for n in 2..12_u32 {
                 term = -term * square / S::from_u32(2 * n * (2 * n + 1));
@@ -147,7 +147,7 @@ impl<S: Scalar> DiscOverlap<S> {
     #[must_use]
     #[inline(always)]
     pub fn active_by_xi(xi: S) -> S {
-        S::literal(-2.0 * core::f64::consts::FRAC_2_PI) * ((S::ONE - xi) * (S::ONE + xi)).square_root()
+        S::from_f64(-2.0 * core::f64::consts::FRAC_2_PI) * ((S::ONE - xi) * (S::ONE + xi)).sqrt()
     }
 }
 

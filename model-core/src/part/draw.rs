@@ -1,7 +1,7 @@
-//! What a sensor node draws from its store.
+//! What a sensor node draws from its storage.
 //!
-//! A converter connects the node when the store has risen to a turn-on voltage and disconnects it when
-//! the store has fallen to a turn-off voltage: under-voltage lock-out with hysteresis. While connected
+//! A converter connects the node when the storage has risen to a turn-on voltage and disconnects it when
+//! the storage has fallen to a turn-off voltage: under-voltage lock-out with hysteresis. While connected
 //! the node is a resistor, a constant current (a linear regulator), or a constant power (a switching
 //! regulator).
 
@@ -10,21 +10,21 @@ use core::fmt::Debug;
 use super::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 
-/// Largest voltage of a store, in volts.
+/// Largest voltage of a storage, in volts.
 pub(crate) const HIGHEST_VOLTAGE: f64 = 1e6;
 
-/// Under-voltage lock-out: two voltages of the store, in volts.
+/// Under-voltage lock-out: two voltages of the storage, in volts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Lockout<S> {
-    /// The draw is connected where the store rises to this voltage.
+    /// The draw is connected where the storage rises to this voltage.
     pub turn_on: S,
-    /// It is disconnected where the store falls to this voltage, below `turn_on`.
+    /// It is disconnected where the storage falls to this voltage, below `turn_on`.
     pub turn_off: S,
 }
 
 impl<S: Scalar> Lockout<S> {
-    /// Whether a store that starts at `voltage` starts with its draw connected: from the turn-on voltage.
+    /// Whether a storage that starts at `voltage` starts with its draw connected: from the turn-on voltage.
     #[inline(always)]
     pub(crate) fn starts_connected(&self, voltage: S) -> bool {
         voltage >= self.turn_on
@@ -37,12 +37,12 @@ impl<S: Scalar> Lockout<S> {
     }
 }
 
-/// A draw on a store.
+/// A draw on a storage.
 pub trait Draw<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether it is ever there at all.
     const POSSIBLE: bool;
 
-    /// Current in A at a store voltage in V, while connected.
+    /// Current in A at a storage voltage in V, while connected.
     fn current(&self, voltage: S) -> S;
 
     /// Derivative of the current by the voltage, in A/V.
@@ -126,7 +126,7 @@ impl<S: Scalar> Draw<S> for ResistiveDraw<S> {
 pub struct CurrentDraw<S> {
     /// Current in A, 0 to 10³.
     pub amperes: S,
-    /// Its lock-out: an empty store gives no current.
+    /// Its lock-out: an empty storage gives no current.
     pub lockout: Lockout<S>,
 }
 
@@ -172,7 +172,7 @@ impl<S: Scalar> PowerDraw<S> {
     /// on the current is taken as constant.
     #[inline(always)]
     fn floor(&self) -> S {
-        S::literal(0.5) * self.lockout.turn_off
+        S::from_f64(0.5) * self.lockout.turn_off
     }
 }
 
@@ -181,7 +181,7 @@ impl<S: Scalar> Draw<S> for PowerDraw<S> {
 
     #[inline(always)]
     fn current(&self, voltage: S) -> S {
-        self.watts / voltage.larger(self.floor())
+        self.watts / voltage.max(self.floor())
     }
 
     #[inline(always)]

@@ -115,7 +115,7 @@ impl<S: Scalar> Friction<S> for Frictionless {
 pub fn turns_until_release<S: Scalar>(constant: S, amplitude: S, hold: S, phase: u64) -> Option<S> {
     let crossing = |level: S, falls: bool| {
         let sine = level / amplitude;
-        if !(sine.absolute() <= S::ONE) {
+        if !(sine.abs() <= S::ONE) {
             return None;
         }
         let angle = turns_of_radians(arcsine(sine))?;
@@ -126,7 +126,7 @@ pub fn turns_until_release<S: Scalar>(constant: S, amplitude: S, hold: S, phase:
     };
     let (up, down) = (crossing(hold - constant, false), crossing(-hold - constant, true));
     match (up, down) {
-        (Some(up), Some(down)) => Some(up.smaller(down)),
+        (Some(up), Some(down)) => Some(up.min(down)),
         (one, other) => one.or(other),
     }
 }

@@ -1,7 +1,7 @@
 //! The electrical load at the harvester's terminals.
 
-use crate::image::Fingerprint;
 use crate::scalar::Scalar;
+use crate::snapshot::Fingerprint;
 
 /// A load resistance as the circuit's equations see it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +46,7 @@ impl<S: Scalar> Load<S> for Resistor<S> {
     }
 }
 
-/// Terminals joined: 0 Ω.
+/// ElectricalPort joined: 0 Ω.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShortCircuit;
@@ -58,7 +58,7 @@ impl<S: Scalar> Load<S> for ShortCircuit {
     }
 }
 
-/// Terminals open: no current.
+/// ElectricalPort open: no current.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OpenCircuit;

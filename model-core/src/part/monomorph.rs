@@ -37,14 +37,14 @@ impl<S: Scalar> Monomorph<S> {
     /// Distances are taken from the interface, so nothing cancels but what cancels in the section.
     #[must_use]
     pub fn new(substrate: &Layer<S>, piezo: &Layer<S>, width: S, d31: S, permittivity: S) -> Self {
-        let half = S::literal(0.5);
+        let half = S::from_f64(0.5);
         let stiffness = |layer: &Layer<S>| layer.young_modulus * layer.thickness;
         let (below, above) = (stiffness(substrate), stiffness(piezo));
         // The neutral axis divides the distance of the mid-planes by the stiffnesses.
         let distance = half * (substrate.thickness + piezo.thickness);
         let per_total = S::ONE / (below + above);
         let (to_piezo, to_substrate) = (distance * below * per_total, distance * above * per_total);
-        let twelfth = S::literal(1.0 / 12.0);
+        let twelfth = S::from_f64(1.0 / 12.0);
         let own = |layer: &Layer<S>, arm: S| {
             stiffness(layer) * (twelfth * layer.thickness * layer.thickness + arm * arm)
         };
@@ -52,7 +52,7 @@ impl<S: Scalar> Monomorph<S> {
             bending_stiffness: width * (own(substrate, to_substrate) + own(piezo, to_piezo)),
             mass_per_length: width
                 * (substrate.density * substrate.thickness + piezo.density * piezo.thickness),
-            coupling: piezo.young_modulus * d31.absolute() * width * to_piezo,
+            coupling: piezo.young_modulus * d31.abs() * width * to_piezo,
             capacitance_per_length: permittivity * width / piezo.thickness,
         }
     }

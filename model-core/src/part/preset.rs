@@ -12,21 +12,21 @@
 //!
 //! # What becomes of a part in the models
 //!
-//! * The store behind a bridge has leakage as a resistance. A quiescent current `I_q` becomes the resistance that
+//! * The storage behind a bridge has leakage as a resistance. A quiescent current `I_q` becomes the resistance that
 //!   takes as much at the turn-on voltage, `V_on/I_q`: right there, less than the part takes below, more above.
 //! * While the node is connected the part takes more. The difference, at the turn-on voltage, is added to what the
 //!   node draws at constant power.
-//! * A converter between store and node takes `P/η` from the store for a node that consumes `P`. An efficiency
+//! * A converter between storage and node takes `P/η` from the storage for a node that consumes `P`. An efficiency
 //!   is one number here and a curve over voltage and current in the data sheet.
 //! * No part is switched off above its highest voltage: a trajectory that passes it has left the model, and the
 //!   energy budget counts what is beyond as shunted.
-//! * A boost charger holds its *input* at a voltage of its own and so does not load the harvester as a store does:
-//!   its harvester sees a bus of that voltage. Behind a bridge straight into the store its data give the
+//! * A boost charger holds its *input* at a voltage of its own and so does not load the harvester as a storage does:
+//!   its harvester sees a bus of that voltage. Behind a bridge straight into the storage its data give the
 //!   thresholds and currents only.
 
 use super::draw::{Lockout, PowerDraw};
 use super::rectifier::FullBridge;
-use super::store::Capacitor;
+use super::storage::Capacitor;
 use crate::scalar::Scalar;
 
 /// A part between a harvester and a node, or none but diodes. In volts, amperes and parts of one.
@@ -37,19 +37,19 @@ pub struct Preset<S> {
     pub name: &'static str,
     /// Forward voltage of each of the two diodes of the bridge that conduct at a time.
     pub diode_drop: S,
-    /// Current taken from the store while the node is locked out.
+    /// Current taken from the storage while the node is locked out.
     pub quiescent_locked_out: S,
-    /// Current taken from the store while the node is connected, without what the node takes.
+    /// Current taken from the storage while the node is connected, without what the node takes.
     pub quiescent_running: S,
     /// When the node is connected; `None` for a node that decides by itself.
     pub lockout: Option<Lockout<S>>,
-    /// Voltage of the store above which the part takes or refuses what comes in; infinite without such a limit.
+    /// Voltage of the storage above which the part takes or refuses what comes in; infinite without such a limit.
     pub highest_voltage: S,
-    /// Part of the rectified energy that reaches the store.
+    /// Part of the rectified energy that reaches the storage.
     pub charging_efficiency: S,
-    /// Part of the energy from the store that reaches the node.
+    /// Part of the energy from the storage that reaches the node.
     pub discharging_efficiency: S,
-    /// Rectified voltage below which a part with an empty store does not start; `None` without such a limit.
+    /// Rectified voltage below which a part with an empty storage does not start; `None` without such a limit.
     pub cold_start: Option<S>,
 }
 
@@ -77,7 +77,7 @@ impl<S: Scalar> Preset<S> {
     pub fn diodes() -> Self {
         Self {
             name: "diodes",
-            diode_drop: S::literal(0.24),
+            diode_drop: S::from_f64(0.24),
             quiescent_locked_out: S::ZERO,
             quiescent_running: S::ZERO,
             lockout: None,
@@ -97,25 +97,25 @@ impl<S: Scalar> Preset<S> {
     /// * Thresholds are set by resistors. Those of the solar application, for two NiMH cells: power-good from
     ///   2.80 V rising to 2.44 V falling, charging up to 3.15 V; as designs that use them quote them.
     /// * Charging efficiency 0.80 for some tens of microwatts at 0.5 to 1 V: read off the efficiency curves; *not
-    ///   confirmed*. The node is fed by the store itself.
+    ///   confirmed*. The node is fed by the storage itself.
     #[must_use]
     #[inline]
     pub fn bq25504() -> Self {
         Self {
             name: "bq25504",
-            diode_drop: S::literal(0.24),
-            quiescent_locked_out: S::literal(330e-9),
-            quiescent_running: S::literal(570e-9),
-            lockout: Some(Lockout { turn_on: S::literal(2.80), turn_off: S::literal(2.44) }),
-            highest_voltage: S::literal(3.15),
-            charging_efficiency: S::literal(0.80),
+            diode_drop: S::from_f64(0.24),
+            quiescent_locked_out: S::from_f64(330e-9),
+            quiescent_running: S::from_f64(570e-9),
+            lockout: Some(Lockout { turn_on: S::from_f64(2.80), turn_off: S::from_f64(2.44) }),
+            highest_voltage: S::from_f64(3.15),
+            charging_efficiency: S::from_f64(0.80),
             discharging_efficiency: S::ONE,
-            cold_start: Some(S::literal(0.6)),
+            cold_start: Some(S::from_f64(0.6)),
         }
     }
 
     /// Piezo supply with bridge, under-voltage lock-out and buck converter: Linear Technology (Analog Devices)
-    /// LTC3588-1, by its data sheet, the store being the capacitor at its input.
+    /// LTC3588-1, by its data sheet, the storage being the capacitor at its input.
     ///
     /// * Input current 450 nA in lock-out, 950 nA in regulation without load; shunt at 20 V, up to 25 mA: first
     ///   page, as copies of it have it.
@@ -127,20 +127,20 @@ impl<S: Scalar> Preset<S> {
     #[inline]
     pub fn ltc3588_1(output: BuckOutput) -> Self {
         let (name, turn_on, turn_off) = match output {
-            BuckOutput::V1_8 => ("ltc3588-1-1v8", S::literal(4.04), S::literal(2.87)),
-            BuckOutput::V2_5 => ("ltc3588-1-2v5", S::literal(4.04), S::literal(2.87)),
-            BuckOutput::V3_3 => ("ltc3588-1-3v3", S::literal(5.05), S::literal(3.67)),
-            BuckOutput::V3_6 => ("ltc3588-1-3v6", S::literal(5.05), S::literal(4.02)),
+            BuckOutput::V1_8 => ("ltc3588-1-1v8", S::from_f64(4.04), S::from_f64(2.87)),
+            BuckOutput::V2_5 => ("ltc3588-1-2v5", S::from_f64(4.04), S::from_f64(2.87)),
+            BuckOutput::V3_3 => ("ltc3588-1-3v3", S::from_f64(5.05), S::from_f64(3.67)),
+            BuckOutput::V3_6 => ("ltc3588-1-3v6", S::from_f64(5.05), S::from_f64(4.02)),
         };
         Self {
             name,
-            diode_drop: S::literal(0.2),
-            quiescent_locked_out: S::literal(450e-9),
-            quiescent_running: S::literal(950e-9),
+            diode_drop: S::from_f64(0.2),
+            quiescent_locked_out: S::from_f64(450e-9),
+            quiescent_running: S::from_f64(950e-9),
             lockout: Some(Lockout { turn_on, turn_off }),
-            highest_voltage: S::literal(20.0),
+            highest_voltage: S::from_f64(20.0),
             charging_efficiency: S::ONE,
-            discharging_efficiency: S::literal(0.85),
+            discharging_efficiency: S::from_f64(0.85),
             cold_start: None,
         }
     }
@@ -156,9 +156,9 @@ impl<S: Scalar> Preset<S> {
     pub fn ltc3588_2() -> Self {
         Self {
             name: "ltc3588-2",
-            quiescent_locked_out: S::literal(830e-9),
-            quiescent_running: S::literal(1500e-9),
-            lockout: Some(Lockout { turn_on: S::literal(16.0), turn_off: S::literal(14.0) }),
+            quiescent_locked_out: S::from_f64(830e-9),
+            quiescent_running: S::from_f64(1500e-9),
+            lockout: Some(Lockout { turn_on: S::from_f64(16.0), turn_off: S::from_f64(14.0) }),
             ..Self::ltc3588_1(BuckOutput::V3_3)
         }
     }
@@ -195,7 +195,7 @@ impl<S: Scalar> Preset<S> {
         }
     }
 
-    /// Power in W that leaves the store for a node that consumes `watts` while connected: through the converter,
+    /// Power in W that leaves the storage for a node that consumes `watts` while connected: through the converter,
     /// and what the part takes more than in lock-out.
     #[must_use]
     pub fn power_at_store(&self, watts: S) -> S {
@@ -204,14 +204,14 @@ impl<S: Scalar> Preset<S> {
         watts / self.discharging_efficiency + own
     }
 
-    /// The part's bridge into a store of `farads` at `initial_voltage`, with `draw` as it is at the store.
+    /// The part's bridge into a storage of `farads` at `initial_voltage`, with `draw` as it is at the storage.
     #[must_use]
     pub fn bridge<D>(&self, farads: S, initial_voltage: S, draw: D) -> FullBridge<S, Capacitor<S, D>> {
-        let reservoir = Capacitor { farads, leakage_ohms: self.leakage_ohms(), initial_voltage, draw };
-        FullBridge { diode_drop: self.diode_drop, reservoir }
+        let storage = Capacitor { farads, leakage_ohms: self.leakage_ohms(), initial_voltage, draw };
+        FullBridge { diode_drop: self.diode_drop, storage }
     }
 
-    /// What a node that consumes `watts` draws from the store; `None` for a part without thresholds.
+    /// What a node that consumes `watts` draws from the storage; `None` for a part without thresholds.
     #[must_use]
     pub fn node(&self, watts: S) -> Option<PowerDraw<S>> {
         self.lockout.map(|lockout| PowerDraw { watts: self.power_at_store(watts), lockout })
@@ -222,7 +222,7 @@ impl<S: Scalar> Preset<S> {
 mod tests {
     use super::*;
     use crate::part::draw::{Draw, NoDraw};
-    use crate::part::store::Reservoir;
+    use crate::part::storage::StorageElement;
 
     #[test]
     fn each_is_found_by_its_own_name_and_makes_a_load_within_bounds() {
@@ -244,10 +244,10 @@ mod tests {
         for preset in Preset::<f64>::all() {
             let Some(lockout) = preset.lockout else { continue };
             let Some(idle) = preset.node(0.0) else { continue };
-            let store = preset.bridge(1e-4, 0.0, idle).reservoir;
+            let storage = preset.bridge(1e-4, 0.0, idle).storage;
             let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{}: {a} {b}", preset.name);
-            close(store.outflow(lockout.turn_on, false), preset.quiescent_locked_out);
-            close(store.outflow(lockout.turn_on, true), preset.quiescent_running);
+            close(storage.outflow(lockout.turn_on, false), preset.quiescent_locked_out);
+            close(storage.outflow(lockout.turn_on, true), preset.quiescent_running);
         }
         assert_eq!(Preset::<f64>::diodes().leakage_ohms(), f64::INFINITY);
     }

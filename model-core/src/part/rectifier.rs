@@ -1,4 +1,4 @@
-//! A full bridge of diodes between a harvester and its store.
+//! A full bridge of diodes between a harvester and its storage.
 //!
 //! A diode conducts with a constant drop or blocks. Two conduct at a time, so the bridge blocks while the
 //! harvester's voltage is within `±(V_s + 2 V_D)` of zero, and holds it at one end of that while a current flows:
@@ -6,12 +6,12 @@
 //! | regime | voltage at the terminals | current | ends where |
 //! | --- | --- | --- | --- |
 //! | blocked | within the threshold | 0 | the voltage comes to a threshold |
-//! | forward, backward | `±(V_s + 2 V_D)` | into the store | the current falls to 0 |
+//! | forward, backward | `±(V_s + 2 V_D)` | into the storage | the current falls to 0 |
 
 use super::bounds::{Bounds, ParameterError};
-use super::store::Reservoir;
-use crate::image::Fingerprint;
+use super::storage::StorageElement;
 use crate::scalar::Scalar;
+use crate::snapshot::Fingerprint;
 
 /// A full bridge and what it charges.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +20,7 @@ pub struct FullBridge<S, R> {
     /// Forward voltage `V_D` in V of each of the two diodes that conduct at a time, 0 to 100.
     pub diode_drop: S,
     /// What it charges.
-    pub reservoir: R,
+    pub storage: R,
 }
 
 /// The regimes of a full bridge.
@@ -48,27 +48,27 @@ impl BridgeRegime {
     }
 }
 
-impl<S: Scalar, R: Reservoir<S>> FullBridge<S, R> {
-    /// Voltage in V at the terminals from which the bridge conducts, at a store voltage in V.
+impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
+    /// Voltage in V at the terminals from which the bridge conducts, at a storage voltage in V.
     #[must_use]
     #[inline(always)]
-    pub fn threshold(&self, store_voltage: S) -> S {
-        store_voltage + self.diode_drop + self.diode_drop
+    pub fn threshold(&self, storage_voltage: S) -> S {
+        storage_voltage + self.diode_drop + self.diode_drop
     }
 
-    /// Takes in all that tells this bridge and its reservoir from others.
+    /// Takes in all that tells this bridge and its storage from others.
     pub(crate) fn identify(&self, fingerprint: &mut Fingerprint) {
-        let reservoir = &self.reservoir;
+        let storage = &self.storage;
         fingerprint.numbers(&[
             self.diode_drop,
-            reservoir.elastance(),
-            reservoir.initial_voltage(),
-            reservoir.leakage(S::ONE),
+            storage.elastance(),
+            storage.initial_voltage(),
+            storage.leakage(S::ONE),
         ]);
         // A draw shows itself in what it takes, at voltages at which it can be connected.
-        let level = reservoir.lockout().map_or(S::ONE, |lockout| lockout.turn_on);
-        fingerprint.numbers(&[level, level + level].map(|volts| reservoir.drawn(volts)));
-        if let Some(lockout) = reservoir.lockout() {
+        let level = storage.lockout().map_or(S::ONE, |lockout| lockout.turn_on);
+        fingerprint.numbers(&[level, level + level].map(|volts| storage.drawn(volts)));
+        if let Some(lockout) = storage.lockout() {
             fingerprint.numbers(&[lockout.turn_on, lockout.turn_off]);
         }
     }
@@ -79,6 +79,6 @@ impl<S: Scalar, R: Reservoir<S>> FullBridge<S, R> {
     /// The field, its value and its bounds.
     pub fn check(&self) -> Result<(), ParameterError<S>> {
         Bounds::new(0.0, 100.0).check("diode_drop", self.diode_drop)?;
-        self.reservoir.check()
+        self.storage.check()
     }
 }

@@ -36,16 +36,16 @@ impl<S: Scalar> Rod<S> {
     /// Mode `number`, from 1, in order of frequency.
     #[must_use]
     pub fn mode(&self, number: u32) -> RodMode<S> {
-        let two = S::literal(2.0);
+        let two = S::from_f64(2.0);
         let number = number.max(1);
-        let quarter_turns = S::literal(core::f64::consts::FRAC_PI_2) * S::from_u32(2 * number - 1);
+        let quarter_turns = S::from_f64(core::f64::consts::FRAC_PI_2) * S::from_u32(2 * number - 1);
         let mass = self.mass_per_length * self.length;
-        let rate = (self.axial_stiffness / self.mass_per_length).square_root() / self.length;
-        let amplitude = (two / mass).square_root();
+        let rate = (self.axial_stiffness / self.mass_per_length).sqrt() / self.length;
+        let amplitude = (two / mass).sqrt();
         RodMode {
             angular_frequency: quarter_turns * rate,
             tip: if number % 2 == 1 { amplitude } else { -amplitude },
-            base_coupling: (two * mass).square_root() / quarter_turns,
+            base_coupling: (two * mass).sqrt() / quarter_turns,
         }
     }
 
@@ -68,9 +68,9 @@ impl<S: Scalar> Rod<S> {
         // The rest by the Euler–Maclaurin formula at the middles: 1/4n − 1/48n³ + 7/960n⁵.
         let n = S::from_u32(last);
         let square = n * n;
-        let correction = S::literal(1.0 / 48.0) - S::literal(7.0 / 960.0) / square;
-        let rest = (S::literal(0.25) - correction / square) / n;
-        S::literal(8.0 / (core::f64::consts::PI * core::f64::consts::PI)) * compliance * (sum + rest)
+        let correction = S::from_f64(1.0 / 48.0) - S::from_f64(7.0 / 960.0) / square;
+        let rest = (S::from_f64(0.25) - correction / square) / n;
+        S::from_f64(8.0 / (core::f64::consts::PI * core::f64::consts::PI)) * compliance * (sum + rest)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Sums that keep the part a plain addition would round away.
 
 use super::Scalar;
-use crate::image::{Image, ImageError, Reader, Writer};
+use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 /// A running sum with a correction term: the error stays at one rounding of the result however
 /// many terms are added, so that a day of small energies adds up in `f32`.
@@ -24,7 +24,7 @@ impl<S: Scalar> CompensatedSum<S> {
     pub fn add(&mut self, term: S) {
         let moved = term + self.correction;
         let total = self.sum + moved;
-        self.correction = if self.sum.absolute() >= moved.absolute() {
+        self.correction = if self.sum.abs() >= moved.abs() {
             (self.sum - total) + moved
         } else {
             (moved - total) + self.sum
@@ -46,7 +46,7 @@ impl<S: Scalar> Default for CompensatedSum<S> {
     }
 }
 
-impl<S: Scalar> Image for CompensatedSum<S> {
+impl<S: Scalar> Snapshot for CompensatedSum<S> {
     const BYTES: usize = 2 * S::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -54,8 +54,8 @@ impl<S: Scalar> Image for CompensatedSum<S> {
         self.correction.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
-        Ok(Self { sum: Image::read(from)?, correction: Image::read(from)? })
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+        Ok(Self { sum: Snapshot::read(from)?, correction: Snapshot::read(from)? })
     }
 }
 

@@ -33,7 +33,7 @@ impl<S: Scalar> Complex<S> {
 
     /// `|z|`.
     pub(crate) fn magnitude(self) -> S {
-        self.square().square_root()
+        self.square().sqrt()
     }
 
     /// `1/z`, of a number whose square is neither too large nor too small.

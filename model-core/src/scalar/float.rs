@@ -13,7 +13,7 @@ impl Scalar for f32 {
 
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-    fn literal(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         value as f32
     }
 
@@ -54,7 +54,7 @@ impl Scalar for f32 {
     }
 
     #[inline(always)]
-    fn absolute(self) -> Self {
+    fn abs(self) -> Self {
         f32::from_bits(self.to_bits() & 0x7fff_ffff)
     }
 
@@ -79,7 +79,7 @@ impl Scalar for f32 {
         f32::from_bits((power.clamp(-126, 127) + 127).cast_unsigned() << 23)
     }
 
-    fn square_root(self) -> Self {
+    fn sqrt(self) -> Self {
         // Written so that not-a-number takes this way too.
         if !(self > 0.0 && f32::is_finite(self)) {
             return if self > 0.0 { self } else { 0.0 };
@@ -103,7 +103,7 @@ impl Scalar for f64 {
     const INFINITY: Self = f64::INFINITY;
 
     #[inline(always)]
-    fn literal(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         value
     }
 
@@ -144,7 +144,7 @@ impl Scalar for f64 {
     }
 
     #[inline(always)]
-    fn absolute(self) -> Self {
+    fn abs(self) -> Self {
         f64::from_bits(self.to_bits() & 0x7fff_ffff_ffff_ffff)
     }
 
@@ -173,7 +173,7 @@ impl Scalar for f64 {
         f64::from_bits(u64::from((power.clamp(-1022, 1023) + 1023).cast_unsigned()) << 52)
     }
 
-    fn square_root(self) -> Self {
+    fn sqrt(self) -> Self {
         if !(self > 0.0 && f64::is_finite(self)) {
             return if self > 0.0 { self } else { 0.0 };
         }
@@ -194,15 +194,15 @@ mod tests {
         let mut x = 1.1e-30_f64;
         while x < 1e30 {
             let exact = x.sqrt();
-            assert!((x.square_root() - exact).abs() <= exact * f64::EPSILON, "{x}");
+            assert!((x.sqrt() - exact).abs() <= exact * f64::EPSILON, "{x}");
             let single = x as f32;
             let exact = single.sqrt();
-            assert!((single.square_root() - exact).abs() <= exact * f32::EPSILON, "{x}");
+            assert!((single.sqrt() - exact).abs() <= exact * f32::EPSILON, "{x}");
             x *= 1.37;
         }
-        assert_eq!((-1.0_f64).square_root(), 0.0);
-        assert_eq!(f32::NAN.square_root(), 0.0);
-        assert_eq!(f64::INFINITY.square_root(), f64::INFINITY);
+        assert_eq!((-1.0_f64).sqrt(), 0.0);
+        assert_eq!(f32::NAN.sqrt(), 0.0);
+        assert_eq!(f64::INFINITY.sqrt(), f64::INFINITY);
     }
 
     #[test]

@@ -64,7 +64,7 @@ fn fold_quarter_wave(phase: u64) -> i64 {
 #[inline(always)]
 fn sine_of_turns<S: Scalar, const N: usize>(phase: u64, coefficients: &[S; N]) -> S {
     // from_fraction counts in 2^63 = half a turn.
-    let turns = S::from_fraction(fold_quarter_wave(phase)) * S::literal(0.5);
+    let turns = S::from_fraction(fold_quarter_wave(phase)) * S::from_f64(0.5);
     turns * horner(coefficients, turns * turns)
 }
 
@@ -77,18 +77,18 @@ fn exponential<S: Scalar, const N: usize>(
     ln_2: [f64; 2],
     coefficients: &[S; N],
 ) -> S {
-    if x < S::literal(lowest) {
+    if x < S::from_f64(lowest) {
         return S::ZERO;
     }
-    if x > S::literal(highest) {
+    if x > S::from_f64(highest) {
         return S::INFINITY;
     }
-    let scaled = x * S::literal(core::f64::consts::LOG2_E);
-    let half = S::literal(0.5);
-    let magnitude = (scaled.absolute() + half).to_u32().cast_signed();
+    let scaled = x * S::from_f64(core::f64::consts::LOG2_E);
+    let half = S::from_f64(0.5);
+    let magnitude = (scaled.abs() + half).to_u32().cast_signed();
     let n = if scaled < S::ZERO { -magnitude } else { magnitude };
     let count = S::from_i32(n);
-    let r = (x - count * S::literal(ln_2[0])) - count * S::literal(ln_2[1]);
+    let r = (x - count * S::from_f64(ln_2[0])) - count * S::from_f64(ln_2[1]);
     // Split the power so that neither factor leaves the normal range.
     let lower = n / 2;
     horner(coefficients, r) * S::power_of_two(lower) * S::power_of_two(n - lower)

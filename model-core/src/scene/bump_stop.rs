@@ -32,12 +32,12 @@
 mod circuit;
 mod closed_form;
 mod contact_law;
-mod followed;
 mod ledger;
 mod meter;
 mod observer;
 mod parameters;
 mod rectified;
+mod resumable;
 mod state;
 mod step_set;
 mod stepper;
@@ -57,7 +57,7 @@ pub use state::{Start, State, StateOf};
 pub use step_set::{StepSet, StepSetOf};
 pub use stepper::{LEAST_BUDGET, Stepper};
 
-use crate::part::store_step::StoreState;
+use crate::part::storage_step::StorageState;
 use crate::scalar::Scalar;
 
 /// Coefficients of a beam mode, in SI units with a modal mass of one.
@@ -157,10 +157,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         (state.strain_charge - state.moved_charge) * self.elastance
     }
 
-    /// The store or the bus behind a bridge; `None` where the load is a resistor.
+    /// The storage or the bus behind a bridge; `None` where the load is a resistor.
     #[must_use]
-    pub fn store(&self, state: &StateOf<S, P, B, R>) -> Option<StoreState<S>> {
-        self.load.store(&state.circuit)
+    pub fn storage(&self, state: &StateOf<S, P, B, R>) -> Option<StorageState<S>> {
+        self.load.storage(&state.circuit)
     }
 
     fn along_beam<C>(&self, state: &State<S, B, R, C>, weight: impl Fn(&BeamCoefficients<S>) -> S) -> [S; 2] {

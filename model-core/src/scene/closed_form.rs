@@ -94,7 +94,7 @@ impl<S: Scalar> Validity<S> {
 
 /// `part/limit`; nothing is within any limit, and all else beyond a limit of zero.
 pub(super) fn ratio<S: Scalar>(part: S, limit: S) -> S {
-    if part == S::ZERO { S::ZERO } else { part / limit.larger(S::ZERO) }
+    if part == S::ZERO { S::ZERO } else { part / limit.max(S::ZERO) }
 }
 
 #[cfg(test)]

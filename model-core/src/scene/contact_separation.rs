@@ -29,12 +29,12 @@
 
 mod automaton;
 mod closed_form;
+mod electrical_port;
 mod flow;
-mod followed;
 mod force_law;
 mod parameters;
+mod resumable;
 mod start;
-mod terminals;
 
 pub use crate::scene::coupled::ModeFactor;
 pub use automaton::Mode;
@@ -73,7 +73,7 @@ pub struct ContactSeparation<S: Scalar, P: Parts<S>> {
     /// `ω0`.
     angular_frequency: S,
     /// `1/ω0`.
-    radian: S,
+    time_scale: S,
     /// `d_e = d/ε_r`.
     dielectric: S,
     /// `√(2 ε0 S m)`, in coulombs.
@@ -126,7 +126,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     fn relaxed_charge(&self, gap: S) -> S {
         // A trial step may end far below contact, where this has a pole; the step is then cut at
         // the impact, and only a finite value is asked for.
-        let gap = gap.larger(S::literal(-0.5) * self.dielectric);
+        let gap = gap.max(S::from_f64(-0.5) * self.dielectric);
         self.tribo_charge * gap / (gap + self.dielectric)
     }
 

@@ -97,7 +97,7 @@ impl<S: Scalar> ModeFactor<S> {
     }
 }
 
-/// One Newton iteration on the velocity alone of a stage of `system`, whose `eliminate` solves the other two
+/// One Newton iteration on the velocity alone of a stage of `system`, whose `condense` solves the other two
 /// rows outright: the position's is linear in the velocity, the charge's in the charge at a position.
 ///
 /// Where the position is `held` there is nothing left to iterate.
@@ -114,7 +114,7 @@ pub(crate) fn iterate<S: Scalar, Y, const POWERS: usize>(
 where
     Y: System<S, STATES, POWERS>,
 {
-    system.eliminate(base, increment, weight);
+    system.condense(base, increment, weight);
     if held {
         return [S::ZERO; STATES];
     }
@@ -128,18 +128,18 @@ where
 /// The size of a change of state: motion relative to the present amplitude, at least `least`; charge
 /// relative to `1/per_charge`.
 #[inline(always)]
-pub(crate) fn weigh<S: Scalar>(
+pub(crate) fn error_norm<S: Scalar>(
     [deflection, velocity]: [S; 2],
     change: &[S; STATES],
-    radian: S,
+    time_scale: S,
     least: S,
     per_charge: S,
 ) -> S {
-    let amplitude = deflection.absolute().larger(velocity.absolute() * radian).larger(least);
-    let motion = change[POSITION].absolute().larger(change[VELOCITY].absolute() * radian);
+    let amplitude = deflection.abs().max(velocity.abs() * time_scale).max(least);
+    let motion = change[POSITION].abs().max(change[VELOCITY].abs() * time_scale);
     // A reciprocal, because it is the same for every change that is weighed in a step.
     let per_amplitude = S::ONE / amplitude;
-    (motion * per_amplitude).larger(change[CHARGE].absolute() * per_charge)
+    (motion * per_amplitude).max(change[CHARGE].abs() * per_charge)
 }
 
 /// The rate of a charge where its circuit has just been disturbed, as a step of length `step` needs it.
@@ -150,8 +150,8 @@ pub(crate) fn weigh<S: Scalar>(
 /// two is of third order in `h Λ / 10`, so that neither limit is disturbed.
 #[inline(always)]
 pub(crate) fn beyond_boundary_layer<S: Scalar>(before: S, following: S, relaxation: S, step: S) -> S {
-    let thickness = S::literal(0.1) * step * relaxation;
+    let thickness = S::from_f64(0.1) * step * relaxation;
     let weight = thickness * thickness * thickness;
     // Beyond this the layer is not seen, and the weight might overflow.
-    if weight > S::literal(1e9) { following } else { (before + weight * following) / (S::ONE + weight) }
+    if weight > S::from_f64(1e9) { following } else { (before + weight * following) / (S::ONE + weight) }
 }

@@ -1,4 +1,4 @@
-//! A triboelectric harvester behind a full bridge of diodes that charges a store or feeds a DC bus.
+//! A triboelectric harvester behind a full bridge of diodes that charges a storage or feeds a DC bus.
 //!
 //! Either triboelectric scene, with its terminals open, and a [`FullBridge`]. A scene with a plain resistor
 //! contains nothing of this.
@@ -14,12 +14,12 @@
 //! V(x, Q) = (σ S2(x) − Q) d / (ε0 ε_r S1(x))                      sliding
 //! ```
 //!
-//! The bridge passes no current while `|V|` is below its threshold `U = V_s + 2 V_D`, with the store's voltage
+//! The bridge passes no current while `|V|` is below its threshold `U = V_s + 2 V_D`, with the storage's voltage
 //! `V_s` and the drop `V_D` of each of two diodes; and while it passes one it holds `V` at `s U`, `s = ±1` the
-//! current's direction. The store, with what leaks from it and is drawn from it, `i_out`, follows
+//! current's direction. The storage, with what leaks from it and is drawn from it, `i_out`, follows
 //! `C_s V_s' = s Q' − i_out(V_s)`. So there are three regimes:
 //!
-//! | regime | charge | store | ends where |
+//! | regime | charge | storage | ends where |
 //! | --- | --- | --- | --- |
 //! | blocked | `Q' = 0` | `C_s V_s' = −i_out` | `V` rises through `U`, or falls through `−U` |
 //! | forward `s = 1`, backward `s = −1` | `V(x, Q) = s (V_s + 2 V_D)` | `C_s V_s' = s Q' − i_out` | `s Q'` falls through 0 |
@@ -35,7 +35,7 @@
 //! # The electrical state
 //!
 //! While the bridge conducts, the charge is not integrated. The state keeps the charge `Q0` with which
-//! conduction began, and a voltage `B` that the store would have without what has come in since, `C_s B' =
+//! conduction began, and a voltage `B` that the storage would have without what has come in since, `C_s B' =
 //! −i_out(V_s)`. With `ΔQ = Q − Q0` and `V_s = B + s ΔQ/C_s` the condition is linear in `ΔQ`:
 //!
 //! ```text
@@ -44,11 +44,11 @@
 //!
 //! So there is no fast circuit whatever the diodes, an explicit method is as good as an implicit one, and conduction
 //! begins without a change of state. Where it ends, `Q0` and `B` take up `ΔQ` and `s ΔQ/C_s`; a step brings a
-//! large store less than a rounding of its voltage, so what rounding takes is kept, through every event.
+//! large storage less than a rounding of its voltage, so what rounding takes is kept, through every event.
 //!
 //! At `V_s = V_D = 0` the bridge is a short circuit; where `U` is beyond the reach of `V`, an open one. While the
 //! scene holds its charge frozen in stick, the bridge blocks and the terminals count as without voltage; where
-//! the store falls meanwhile, `V` may be beyond `U` at the release. Then, as with a start beyond it, the excess
+//! the storage falls meanwhile, `V` may be beyond `U` at the release. Then, as with a start beyond it, the excess
 //! drives a charge through the bridge at once, and half of it times that charge is lost in the diodes beside
 //! `2 V_D` times it.
 //!
@@ -63,7 +63,7 @@
 //! use model_core::part::parasitic::ParasiticCapacitance;
 //! use model_core::part::rectifier::FullBridge;
 //! use model_core::part::restitution::ConstantRestitution;
-//! use model_core::part::store::Capacitor;
+//! use model_core::part::storage::Capacitor;
 //! use model_core::scene::contact_separation::{FrozenCharge, Parameters, Parts, Start, TransferredCharge};
 //! use model_core::scene::rectified::Rectified;
 //!
@@ -94,19 +94,19 @@
 //!     sticking: FrozenCharge,
 //! }
 //! .build()?;
-//! // A 1 µF store behind diodes of 0.3 V, whose node draws 2 µW from 4.5 V on and down to 3 V.
+//! // A 1 µF storage behind diodes of 0.3 V, whose node draws 2 µW from 4.5 V on and down to 3 V.
 //! let draw = PowerDraw { watts: 2e-6, lockout: Lockout { turn_on: 4.5, turn_off: 3.0 } };
-//! let reservoir = Capacitor { farads: 1e-6, leakage_ohms: 1e9, initial_voltage: 0.0, draw };
-//! let scene = Rectified::new(harvester, FullBridge { diode_drop: 0.3, reservoir })?;
+//! let storage = Capacitor { farads: 1e-6, leakage_ohms: 1e9, initial_voltage: 0.0, draw };
+//! let scene = Rectified::new(harvester, FullBridge { diode_drop: 0.3, storage })?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
 //! let driver = Driver::new(TrBdf2, Adaptive::new(1e-3));
 //! let mut state = scene.start(&Start::default(), &shaking, &driver.control)?;
 //! let mut meter = PowerMeter::<f32, 1>::new();
 //! driver.advance(&scene, &mut state, &shaking, Instant::from_whole_seconds(2), 100_000, &mut meter)?;
-//! let volts = scene.store_voltage(state.mode, &state.point.state);
+//! let volts = scene.storage_voltage(state.mode, &state.point.state);
 //! assert!((0.5..3.0).contains(&volts));
 //! // Nothing is drawn yet and hardly anything leaks: what was delivered is stored.
-//! assert!((meter.delivered_energy() / scene.stored_in_reservoir(volts) - 1.0).abs() < 1e-2);
+//! assert!((meter.delivered_energy() / scene.stored_energy_at(volts) - 1.0).abs() < 1e-2);
 //! # Ok(())
 //! # }
 //! ```
@@ -114,24 +114,24 @@
 mod automaton;
 mod electrics;
 mod flow;
-mod followed;
+mod resumable;
 
 pub use automaton::Mode;
 pub use flow::Flow;
 
 pub use crate::part::rectifier::{BridgeRegime, FullBridge};
-pub use crate::scene::terminals::{TerminalVoltage, Terminals};
+pub use crate::scene::electrical_port::{ElectricalPort, PortVoltage};
 
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
 use crate::integrate::StepControl;
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::part::load::Resistance;
-use crate::part::store::Reservoir;
+use crate::part::storage::StorageElement;
 use crate::scalar::Scalar;
 use crate::scene::coupled;
 
-/// Number of states: those of the harvester, and the store's voltage.
+/// Number of states: those of the harvester, and the storage's voltage.
 pub const STATES: usize = coupled::STATES + 1;
 /// Place of the position in the state, in metres.
 pub const POSITION: usize = coupled::POSITION;
@@ -139,30 +139,30 @@ pub const POSITION: usize = coupled::POSITION;
 pub const VELOCITY: usize = coupled::VELOCITY;
 /// Place of the charge in units of the harvester: while the bridge conducts, that with which it began to.
 pub const CHARGE: usize = coupled::CHARGE;
-/// Place of the store's voltage in volts: while the bridge conducts, without what has come in since it began to.
-pub const STORE: usize = coupled::STATES;
+/// Place of the storage's voltage in volts: while the bridge conducts, without what has come in since it began to.
+pub const STORAGE: usize = coupled::STATES;
 
-/// A triboelectric harvester `H` behind a full bridge into a reservoir `R`, checked.
+/// A triboelectric harvester `H` behind a full bridge into a storage `R`, checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectified<S, H, R> {
     harvester: H,
     bridge: FullBridge<S, R>,
     /// `1/C_s` in 1/F.
     per_farad: S,
-    /// Volts that a charge unit adds to the store.
+    /// Volts that a charge unit adds to the storage.
     elastance: S,
-    /// Volts below which the store's voltage is not resolved.
+    /// Volts below which the storage's voltage is not resolved.
     voltage_floor: S,
 }
 
-/// Part of the voltage that the harvester makes below which that of the store need not be resolved.
+/// Part of the voltage that the harvester makes below which that of the storage need not be resolved.
 const LEAST_VOLTAGE: f64 = 1e-6;
 
-impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
+impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// The harvester with the bridge at its terminals.
     ///
     /// # Errors
-    /// A harvester whose own load is not open, or a parameter of the bridge, of the store or of its draw
+    /// A harvester whose own load is not open, or a parameter of the bridge, of the storage or of its draw
     /// that is out of bounds.
     pub fn new(harvester: H, bridge: FullBridge<S, R>) -> Result<Self, ParameterError<S>> {
         let ohms = match harvester.resistance() {
@@ -172,18 +172,18 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
         };
         Bounds { lowest: S::INFINITY, highest: S::INFINITY }.check("resistance", ohms)?;
         bridge.check()?;
-        let per_farad = bridge.reservoir.elastance();
+        let per_farad = bridge.storage.elastance();
         let elastance = harvester.coulombs() * per_farad;
         Ok(Self {
             harvester,
             bridge,
             per_farad,
             elastance,
-            voltage_floor: (S::literal(LEAST_VOLTAGE) * harvester.typical_voltage()).larger(S::TINY),
+            voltage_floor: (S::from_f64(LEAST_VOLTAGE) * harvester.typical_voltage()).max(S::TINY),
         })
     }
 
-    /// The state at time zero: the harvester's own start, the bridge blocking, the store as charged as it is
+    /// The state at time zero: the harvester's own start, the bridge blocking, the storage as charged as it is
     /// said to be.
     ///
     /// # Errors
@@ -199,14 +199,11 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
         C: StepControl<S>,
     {
         let alone = self.harvester.begin(start, excitation, control)?;
-        let reservoir = &self.bridge.reservoir;
-        let mode = Mode {
-            inner: alone.mode,
-            regime: BridgeRegime::Blocked,
-            connected: reservoir.starts_connected(),
-        };
+        let storage = &self.bridge.storage;
+        let mode =
+            Mode { inner: alone.mode, regime: BridgeRegime::Blocked, connected: storage.starts_connected() };
         let [position, velocity, charge] = alone.point.state;
-        let state = [position, velocity, charge, reservoir.initial_voltage()];
+        let state = [position, velocity, charge, storage.initial_voltage()];
         let begun = HybridState::start(self, mode, state, excitation, control);
         Ok(if alone.is_armed() { begun } else { begun.disarmed() })
     }
@@ -223,16 +220,16 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
         &self.bridge
     }
 
-    /// Voltage of the store or bus in volts.
+    /// Voltage of the storage or bus in volts.
     #[must_use]
-    pub fn store_voltage(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> S {
-        self.electrics(mode, state).store_voltage
+    pub fn storage_voltage(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> S {
+        self.electrics(mode, state).storage_voltage
     }
 
-    /// Energy in the store in joules at a voltage in volts; 0 for a bus, which has no end.
+    /// Energy in the storage in joules at a voltage in volts; 0 for a bus, which has no end.
     #[must_use]
-    pub fn stored_in_reservoir(&self, voltage: S) -> S {
-        self.bridge.reservoir.stored_energy(voltage)
+    pub fn stored_energy_at(&self, voltage: S) -> S {
+        self.bridge.storage.stored_energy(voltage)
     }
 
     /// The harvester's own state: position, velocity, and the charge that has passed its terminals, in its units.

@@ -38,13 +38,13 @@
 
 mod automaton;
 mod closed_form;
+mod electrical_port;
 mod flow;
-mod followed;
 mod force_law;
 mod lateral_force;
 mod parameters;
+mod resumable;
 mod start;
-mod terminals;
 
 pub use automaton::Mode;
 pub use flow::Flow;
@@ -85,7 +85,7 @@ pub struct Sliding<S: Scalar, P: Parts<S>> {
     /// `2 ζ ω`.
     damping_per_mass: S,
     /// `1/ω`.
-    radian: S,
+    time_scale: S,
     /// `m g / M` in m/s².
     weight_per_mass: S,
     /// `2 r`.

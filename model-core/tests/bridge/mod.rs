@@ -1,4 +1,4 @@
-//! What the tests of a bridge share: both harvesters, a store, a run.
+//! What the tests of a bridge share: both harvesters, a storage, a run.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
@@ -15,9 +15,9 @@ use model_core::part::load::AnyLoad;
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::part::stick_charge::AnyStickCharge;
-use model_core::part::store::{Capacitor, Reservoir};
+use model_core::part::storage::{Capacitor, StorageElement};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
-use model_core::scene::rectified::{FullBridge, Mode, Rectified, STATES, Terminals};
+use model_core::scene::rectified::{ElectricalPort, FullBridge, Mode, Rectified, STATES};
 use model_core::scene::{Harvester, account, contact_separation as contact, sliding};
 
 pub(crate) const WHOLE: usize = account::WHOLE;
@@ -32,7 +32,7 @@ pub(crate) fn pad<S: Scalar>(ohms: f64, force_law: AnyForceLaw) -> Contact<S>
 where
     Polynomial: Mathematics<S>,
 {
-    let number = S::literal;
+    let number = S::from_f64;
     contact::Parameters {
         mass: number(5e-3),
         stiffness: number(80.0),
@@ -55,7 +55,7 @@ where
 /// The slider of Table 1, with the field's lateral force so that the ledger closes as a whole.
 pub(crate) fn slider<S: Scalar>(ohms: f64) -> Slider<S> {
     sliding::Parameters {
-        load: AnyLoad { ohms: S::literal(ohms) },
+        load: AnyLoad { ohms: S::from_f64(ohms) },
         lateral_force: sliding::AnyLateralForce::Field,
         ..harvesters::sliding_parameters()
     }
@@ -63,36 +63,36 @@ pub(crate) fn slider<S: Scalar>(ohms: f64) -> Slider<S> {
     .expect("in bounds")
 }
 
-pub(crate) fn store<S: Scalar>(farads: f64, volts: f64) -> Capacitor<S, AnyDraw<S>> {
+pub(crate) fn storage<S: Scalar>(farads: f64, volts: f64) -> Capacitor<S, AnyDraw<S>> {
     Capacitor {
-        farads: S::literal(farads),
-        leakage_ohms: S::literal(1e9),
-        initial_voltage: S::literal(volts),
+        farads: S::from_f64(farads),
+        leakage_ohms: S::from_f64(1e9),
+        initial_voltage: S::from_f64(volts),
         draw: AnyDraw::None,
     }
 }
 
-pub(crate) fn behind<S: Scalar, H: Terminals<S>, R: Reservoir<S>>(
+pub(crate) fn behind<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>>(
     harvester: H,
-    reservoir: R,
+    storage: R,
     drop: f64,
 ) -> Rectified<S, H, R> {
-    Rectified::new(harvester, FullBridge { diode_drop: S::literal(drop), reservoir }).expect("in bounds")
+    Rectified::new(harvester, FullBridge { diode_drop: S::from_f64(drop), storage }).expect("in bounds")
 }
 
 pub(crate) fn sine<S: Scalar>(gravities: f64, hertz: f64) -> Sine<S>
 where
     Polynomial: Mathematics<S>,
 {
-    Sine::new(S::literal(gravities * GRAVITY), S::literal(hertz), S::ZERO).expect("in bounds")
+    Sine::new(S::from_f64(gravities * GRAVITY), S::from_f64(hertz), S::ZERO).expect("in bounds")
 }
 
 pub(crate) fn fixed<S: Scalar>(seconds: f64) -> AnyStepControl<S> {
-    AnyStepControl::Fixed(FixedStep::of_seconds(S::literal(seconds)))
+    AnyStepControl::Fixed(FixedStep::of_seconds(S::from_f64(seconds)))
 }
 
 pub(crate) fn adaptive<S: Scalar>(tolerance: f64) -> AnyStepControl<S> {
-    AnyStepControl::Adaptive(Adaptive::new(S::literal(tolerance)))
+    AnyStepControl::Adaptive(Adaptive::new(S::from_f64(tolerance)))
 }
 
 /// Runs from the harvester's default start.
@@ -106,8 +106,8 @@ pub(crate) fn run<S, H, R, M, E, O>(
 ) -> HybridState<S, Mode<<H as Automaton<S, 3, 0>>::Mode>, STATES, WHOLE>
 where
     S: Scalar,
-    H: Terminals<S> + Harvester<S, 3, 0>,
-    R: Reservoir<S>,
+    H: ElectricalPort<S> + Harvester<S, 3, 0>,
+    R: StorageElement<S>,
     M: Method<S>,
     E: Excitation<S>,
     O: Observer<S, Mode<<H as Automaton<S, 3, 0>>::Mode>, STATES, WHOLE>,

@@ -9,7 +9,7 @@ use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
 use model_core::part::draw::{AnyDraw, ResistiveDraw};
 use model_core::part::rectifier::FullBridge;
-use model_core::part::store::{AnyReservoir, Capacitor, DcBus, Reservoir};
+use model_core::part::storage::{AnyStorage, Capacitor, DcBus, StorageElement};
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{
     AnyContact, AnyCoupling, ModalMeter, Parameters, Parts, StateOf, Stepper,
@@ -26,7 +26,7 @@ impl<S: Scalar, L: model_core::scene::bump_stop::Circuit<S>> Parts<S> for With<L
 }
 
 /// A bridge chosen at run time.
-pub(crate) type AnyBridge<S> = FullBridge<S, AnyReservoir<S>>;
+pub(crate) type AnyBridge<S> = FullBridge<S, AnyStorage<S>>;
 /// A harvester behind one.
 pub(crate) type Bridged<S> = With<AnyBridge<S>>;
 
@@ -38,31 +38,31 @@ where
     harvesters::bump_parameters_into(load)
 }
 
-/// A store without leakage: farads, volts at the start, what is drawn, volts of each diode.
-pub(crate) fn store<S: Scalar>(farads: f64, volts: f64, draw: AnyDraw<S>, drop: f64) -> AnyBridge<S> {
-    let number = S::literal;
-    let reservoir = AnyReservoir::Capacitor(Capacitor {
+/// A storage without leakage: farads, volts at the start, what is drawn, volts of each diode.
+pub(crate) fn storage<S: Scalar>(farads: f64, volts: f64, draw: AnyDraw<S>, drop: f64) -> AnyBridge<S> {
+    let number = S::from_f64;
+    let storage = AnyStorage::Capacitor(Capacitor {
         farads: number(farads),
         leakage_ohms: S::INFINITY,
         initial_voltage: number(volts),
         draw,
     });
-    FullBridge { diode_drop: number(drop), reservoir }
+    FullBridge { diode_drop: number(drop), storage }
 }
 
 /// A bus.
 pub(crate) fn bus(volts: f64, drop: f64) -> AnyBridge<f64> {
-    FullBridge { diode_drop: drop, reservoir: AnyReservoir::DcBus(DcBus { volts }) }
+    FullBridge { diode_drop: drop, storage: AnyStorage::DcBus(DcBus { volts }) }
 }
 
 /// A resistor that is always connected.
 pub(crate) fn resistor<S: Scalar>(ohms: f64) -> AnyDraw<S> {
-    AnyDraw::Resistor(ResistiveDraw { ohms: S::literal(ohms), lockout: None })
+    AnyDraw::Resistor(ResistiveDraw { ohms: S::from_f64(ohms), lockout: None })
 }
 
 /// 20 m/s² at a frequency in Hz.
 pub(crate) fn shaking<S: Scalar>(hertz: f64) -> Sine<S, S::Build> {
-    Sine::new(S::literal(20.0), S::literal(hertz), S::ZERO).expect("valid")
+    Sine::new(S::from_f64(20.0), S::from_f64(hertz), S::ZERO).expect("valid")
 }
 
 pub(crate) fn seconds(seconds: f64) -> Instant {
@@ -82,7 +82,7 @@ pub(crate) fn advance<S, R, E, const B: usize, const Q: usize>(
     to: f64,
 ) where
     S: Scalar,
-    R: Reservoir<S>,
+    R: StorageElement<S>,
     E: Excitation<S>,
 {
     stepper.advance(state, excitation, seconds(to), u32::MAX, &mut ()).expect("runs");

@@ -13,7 +13,7 @@ use model_core::scene::bump_stop::{ModalMeter, ModalObserver, ModalSpan, Parts, 
 pub(super) use harvesters::bump_parameters as baseline;
 
 pub(super) fn shaking<S: Scalar>() -> Sine<S, S::Build> {
-    Sine::new(S::literal(20.0), S::literal(220.0), S::ZERO).expect("valid")
+    Sine::new(S::from_f64(20.0), S::from_f64(220.0), S::ZERO).expect("valid")
 }
 
 pub(super) fn seconds(seconds: f64) -> Instant {

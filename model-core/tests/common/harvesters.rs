@@ -15,7 +15,7 @@ pub(crate) type Slide<S> = sliding::Sliding<S, sliding::AnyParts>;
 pub(crate) type Bump<S, const B: usize, const R: usize> = bump_stop::Stepper<S, bump_stop::AnyParts, B, R>;
 
 pub(crate) fn contact_parameters<S: Scalar>() -> contact_separation::Parameters<S, ContactParts<S>> {
-    let number = S::literal;
+    let number = S::from_f64;
     contact_separation::Parameters {
         mass: number(5e-3),
         stiffness: number(80.0),
@@ -43,7 +43,7 @@ pub(crate) fn contact<S: Scalar>() -> Contact<S> {
 }
 
 pub(crate) fn sliding_parameters<S: Scalar>() -> sliding::Parameters<S, sliding::AnyParts> {
-    let number = S::literal;
+    let number = S::from_f64;
     sliding::Parameters {
         beam_length: number(0.1),
         beam_width: number(0.02),
@@ -76,7 +76,7 @@ pub(crate) fn slide<S: Scalar>() -> Slide<S> {
 /// 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A against an aluminium rod of 20 × 2 × 2 mm, 10 µm from its
 /// tip, into 1 MΩ.
 pub(crate) fn bump_parameters<S: Scalar>() -> bump_stop::Parameters<S, bump_stop::AnyParts> {
-    bump_parameters_into(AnyLoad { ohms: S::literal(1e6) })
+    bump_parameters_into(AnyLoad { ohms: S::from_f64(1e6) })
 }
 
 /// The same into any load.
@@ -84,7 +84,7 @@ pub(crate) fn bump_parameters_into<S: Scalar, P>(load: P::Load) -> bump_stop::Pa
 where
     P: bump_stop::Parts<S, Coupling = bump_stop::AnyCoupling, Contact = bump_stop::AnyContact<S>>,
 {
-    let number = S::literal;
+    let number = S::from_f64;
     bump_stop::Parameters {
         beam_length: number(0.05),
         beam_width: number(0.01),
@@ -114,12 +114,12 @@ pub(crate) fn bump<S: Scalar, const B: usize, const R: usize>(
 ) -> Bump<S, B, R> {
     let parameters = bump_stop::Parameters { contact, ..bump_parameters() };
     let scene = parameters.build().expect("in bounds");
-    bump_stop::Stepper::new(scene, S::literal(9e-6), S::literal(80e-6))
+    bump_stop::Stepper::new(scene, S::from_f64(9e-6), S::from_f64(80e-6))
 }
 
 /// `amplitude · sin(2π · hertz · n / rate)` for each sample `n`, rounded once.
 pub(crate) fn sine_samples<S: Scalar>(amplitude: f64, hertz: f64, rate: f64, count: u32) -> Vec<S> {
     let sample =
-        |n: u32| S::literal(amplitude * (core::f64::consts::TAU * hertz * f64::from(n) / rate).sin());
+        |n: u32| S::from_f64(amplitude * (core::f64::consts::TAU * hertz * f64::from(n) / rate).sin());
     (0..count).map(sample).collect()
 }

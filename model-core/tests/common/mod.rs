@@ -10,7 +10,7 @@ use core::fmt::Debug;
 use model_core::clock::Instant;
 use model_core::excitation::Excitation;
 use model_core::hybrid::{
-    Automaton, Driver, Ended, Event, Guard, HybridState, Jump, Moment, Observer, Span, StepError, Work,
+    Automaton, Driver, Ended, Event, Guard, HybridState, InputAt, Jump, Observer, Span, StepError, Work,
 };
 use model_core::integrate::linear::Factored;
 use model_core::integrate::step_control::ErrorScale;
@@ -86,11 +86,11 @@ impl<S: Scalar, const N: usize, Q: Problem<S, N>> System<S, N, 1> for Flowing<'_
         [self.problem.power(self.mode, state)]
     }
 
-    fn weigh(&self, state: &[S; N], change: &[S; N]) -> S {
+    fn error_norm(&self, state: &[S; N], change: &[S; N]) -> S {
         let sizes = self.problem.sizes(self.mode, state);
         // Written so that not-a-number is kept.
         (0..N).fold(S::ZERO, |largest, i| {
-            let part = (change[i] / sizes[i]).absolute();
+            let part = (change[i] / sizes[i]).abs();
             if part <= largest { largest } else { part }
         })
     }
@@ -117,7 +117,7 @@ impl<S: Scalar, const N: usize, Q: Problem<S, N>> Automaton<S, N, 1> for Machine
         index: usize,
         armed: bool,
         point: &Point<S, N, 1>,
-        _moment: &Moment<'_, E>,
+        _moment: &InputAt<'_, E>,
     ) -> Guard<S> {
         let [value, rate] = self.0.guard(mode, index, armed, &point.state, &point.derivative);
         Guard { value, rate }
@@ -132,7 +132,7 @@ impl<S: Scalar, const N: usize, Q: Problem<S, N>> Automaton<S, N, 1> for Machine
         mode: Q::Mode,
         index: usize,
         point: &Point<S, N, 1>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
         _step: S,
     ) -> Jump<S, Q::Mode, N> {
         let Leap { mode, state, armed } = self.0.leap(mode, index, &point.state);
@@ -155,7 +155,7 @@ pub(crate) struct Given<F>(pub(crate) F);
 
 impl<S: Scalar, F: Fn(f64) -> f64> Excitation<S> for Given<F> {
     fn acceleration(&self, at: Instant) -> S {
-        S::literal((self.0)(at.seconds()))
+        S::from_f64((self.0)(at.seconds()))
     }
 
     fn jerk(&self, _at: Instant) -> S {

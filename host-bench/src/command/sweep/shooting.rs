@@ -32,7 +32,7 @@ pub(super) fn compared(
         match run_scene(scene, &options) {
             Ok(run) => Some([outcome.wall_s, run.wall_s]),
             // There is nothing to compare with.
-            Err(Failure::Step(_) | Failure::TooDear(_)) => None,
+            Err(Failure::Step(_) | Failure::StepLimitExceeded(_)) => None,
             Err(error @ Failure::Input(_)) => return Err(error),
         }
     } else {

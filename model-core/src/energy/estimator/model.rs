@@ -2,28 +2,28 @@
 
 use core::fmt::Debug;
 
-use super::tally::Tally;
+use super::accumulator::EnergyAccumulator;
 use crate::clock::Instant;
 use crate::excitation::{Excitation, Stream};
 use crate::hybrid::{Advance, Driver, HybridState, StepError};
-use crate::image::{Fingerprint, Image};
 use crate::integrate::step_control::ErrorScale;
 use crate::integrate::{Method, StepControl};
 use crate::scalar::Scalar;
 use crate::scene::bump_stop::{self, Stepper};
-use crate::scene::{Followed, ParameterError, StoreReading};
+use crate::scene::{ParameterError, Resumable, StorageReading};
+use crate::snapshot::{Fingerprint, Snapshot};
 
 /// A harvester with a way to step it, as the [`super::Estimator`] needs it.
 pub trait Model<S: Scalar> {
     /// What changes.
-    type State: Copy + Debug + PartialEq + Image;
+    type State: Copy + Debug + PartialEq + Snapshot;
 
     /// Whether the steps come with an estimate of their error.
     const ESTIMATES_ERROR: bool;
     /// Attempted steps that [`Model::advance`] takes as the smallest budget.
     const LEAST_BUDGET: u32;
 
-    /// The state at rest at [`Stream::known_until`], under the acceleration there. What a store held in
+    /// The state at rest at [`Stream::known_until`], under the acceleration there. What a storage held in
     /// `before` it still holds.
     ///
     /// # Errors
@@ -44,7 +44,7 @@ pub trait Model<S: Scalar> {
         state: &mut Self::State,
         stream: &Stream<S>,
         budget: u32,
-        tally: &mut Tally<S>,
+        accumulator: &mut EnergyAccumulator<S>,
     ) -> Result<Advance, StepError<S>>;
 
     /// Angular frequency of the slow motion in rad/s.
@@ -53,13 +53,13 @@ pub trait Model<S: Scalar> {
     /// Takes in all that decides how a run goes on from a state.
     fn identify(&self, fingerprint: &mut Fingerprint);
 
-    /// The store at `state`; `None` without one.
-    fn store(&self, _state: &Self::State) -> Option<StoreReading<S>> {
+    /// The storage at `state`; `None` without one.
+    fn storage(&self, _state: &Self::State) -> Option<StorageReading<S>> {
         None
     }
 
-    /// Puts the store to a voltage in volts; without one nothing changes.
-    fn set_store_voltage(&self, _state: &mut Self::State, _stream: &Stream<S>, _volts: S) {}
+    /// Puts the storage to a voltage in volts; without one nothing changes.
+    fn set_storage_voltage(&self, _state: &mut Self::State, _stream: &Stream<S>, _volts: S) {}
 }
 
 /// An acceleration that does not change: that of the sample at which a run starts.
@@ -108,7 +108,7 @@ impl<H, M, C, const N: usize, const P: usize> HybridModel<H, M, C, N, P> {
 impl<S, H, M, C, const N: usize, const P: usize> Model<S> for HybridModel<H, M, C, N, P>
 where
     S: Scalar,
-    H: Followed<S, N, P>,
+    H: Resumable<S, N, P>,
     M: Method<S>,
     C: StepControl<S>,
 {
@@ -133,9 +133,9 @@ where
         state: &mut Self::State,
         stream: &Stream<S>,
         budget: u32,
-        tally: &mut Tally<S>,
+        accumulator: &mut EnergyAccumulator<S>,
     ) -> Result<Advance, StepError<S>> {
-        self.driver.advance(&self.scene, state, stream, stream.known_until(), budget, tally)
+        self.driver.advance(&self.scene, state, stream, stream.known_until(), budget, accumulator)
     }
 
     fn angular_frequency(&self) -> S {
@@ -148,18 +148,18 @@ where
         // Method and step control, by what they do: a state resumes with the same bits under the same only.
         fingerprint.count(u32::from(M::ESTIMATES_ERROR));
         // A motion so fast that no tolerance is below its roundings.
-        let scale = ErrorScale { angular_frequency: S::literal(1e6), energy_floor: S::ONE };
+        let scale = ErrorScale { angular_frequency: S::from_f64(1e6), energy_floor: S::ONE };
         let control = &self.driver.control;
         fingerprint.count(control.start(&scale).ticks);
         fingerprint.numbers(&[control.accuracy(u32::MAX, &scale)]);
     }
 
-    fn store(&self, state: &Self::State) -> Option<StoreReading<S>> {
-        self.scene.store(state)
+    fn storage(&self, state: &Self::State) -> Option<StorageReading<S>> {
+        self.scene.storage(state)
     }
 
-    fn set_store_voltage(&self, state: &mut Self::State, stream: &Stream<S>, volts: S) {
-        self.scene.set_store_voltage(state, volts, stream.acceleration(state.clock));
+    fn set_storage_voltage(&self, state: &mut Self::State, stream: &Stream<S>, volts: S) {
+        self.scene.set_storage_voltage(state, volts, stream.acceleration(state.clock));
     }
 }
 
@@ -194,13 +194,13 @@ where
         state: &mut Self::State,
         stream: &Stream<S>,
         budget: u32,
-        tally: &mut Tally<S>,
+        accumulator: &mut EnergyAccumulator<S>,
     ) -> Result<Advance, StepError<S>> {
         let until = stream.known_until();
         if u64::from(self.short_ticks()) < stream.ticks_per_sample() {
-            self.advance_beyond(state, stream, until, budget, tally)
+            self.advance_beyond(state, stream, until, budget, accumulator)
         } else {
-            self.advance(state, stream, until, budget, tally)
+            self.advance(state, stream, until, budget, accumulator)
         }
     }
 
@@ -212,11 +212,11 @@ where
         Stepper::identify(self, fingerprint);
     }
 
-    fn store(&self, state: &Self::State) -> Option<StoreReading<S>> {
+    fn storage(&self, state: &Self::State) -> Option<StorageReading<S>> {
         self.scene().reading(state)
     }
 
-    fn set_store_voltage(&self, state: &mut Self::State, _stream: &Stream<S>, volts: S) {
-        self.scene().set_store_voltage(state, volts);
+    fn set_storage_voltage(&self, state: &mut Self::State, _stream: &Stream<S>, volts: S) {
+        self.scene().set_storage_voltage(state, volts);
     }
 }

@@ -1,8 +1,8 @@
 //! What an accelerometer says: a value, a lower bound of one, or nothing.
 
-use crate::image::Fingerprint;
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
+use crate::snapshot::Fingerprint;
 
 /// One sample of the base's acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,7 +63,7 @@ impl<S: Scalar> SampleFormat<S> {
     pub fn of_acceleration(&self, acceleration: S) -> Sample<S> {
         if !acceleration.is_finite() {
             Sample::Missing
-        } else if acceleration.absolute() < self.range {
+        } else if acceleration.abs() < self.range {
             Sample::Good(acceleration)
         } else if acceleration < S::ZERO {
             Sample::Saturated(-self.range)
@@ -73,10 +73,10 @@ impl<S: Scalar> SampleFormat<S> {
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(1e-9, 1e6).check("magnitude of scale", self.scale.absolute())?;
+        Bounds::new(1e-9, 1e6).check("magnitude of scale", self.scale.abs())?;
         Bounds::new(-1e6, 1e6).check("offset", self.offset)?;
         Bounds::new(1.0, 32_768.0).check("count_limit", S::from_u32(self.count_limit.into()))?;
-        Bounds { lowest: S::literal(1e-9), highest: S::INFINITY }.check("range", self.range)
+        Bounds { lowest: S::from_f64(1e-9), highest: S::INFINITY }.check("range", self.range)
     }
 
     pub(super) fn identify(&self, fingerprint: &mut Fingerprint) {

@@ -1,9 +1,9 @@
 //! What changes while an estimator runs.
 
-use super::tally::Tally;
+use super::accumulator::EnergyAccumulator;
 use crate::excitation::Stream;
-use crate::image::{Image, ImageError, Reader, Writer};
 use crate::scalar::Scalar;
+use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 /// How the samples stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +56,7 @@ impl<S: Scalar> Queue<S> {
 pub struct State<S, T> {
     pub(super) stream: Stream<S>,
     pub(super) model: T,
-    pub(super) tally: Tally<S>,
+    pub(super) accumulator: EnergyAccumulator<S>,
     pub(super) queue: Queue<S>,
     pub(super) phase: Phase,
     /// Whether the model has yet to be advanced to where the stream is known.
@@ -75,10 +75,10 @@ pub struct State<S, T> {
     pub(super) unknown_intervals: u64,
 }
 
-impl<S: Scalar, T: Image> Image for State<S, T> {
+impl<S: Scalar, T: Snapshot> Snapshot for State<S, T> {
     const BYTES: usize = Stream::<S>::BYTES
         + T::BYTES
-        + Tally::<S>::BYTES
+        + EnergyAccumulator::<S>::BYTES
         + Queue::<S>::BYTES
         + Phase::BYTES
         + bool::BYTES
@@ -90,7 +90,7 @@ impl<S: Scalar, T: Image> Image for State<S, T> {
     fn write(&self, out: &mut Writer<'_>) {
         self.stream.write(out);
         self.model.write(out);
-        self.tally.write(out);
+        self.accumulator.write(out);
         self.queue.write(out);
         self.phase.write(out);
         self.pending.write(out);
@@ -104,27 +104,27 @@ impl<S: Scalar, T: Image> Image for State<S, T> {
         self.unknown_intervals.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         Ok(Self {
-            stream: Image::read(from)?,
-            model: Image::read(from)?,
-            tally: Image::read(from)?,
-            queue: Image::read(from)?,
-            phase: Image::read(from)?,
-            pending: Image::read(from)?,
-            uncertain: Image::read(from)?,
-            settling: Image::read(from)?,
-            missing: Image::read(from)?,
-            expected: Image::read(from)?,
-            missing_samples: Image::read(from)?,
-            saturated_samples: Image::read(from)?,
-            uncertain_intervals: Image::read(from)?,
-            unknown_intervals: Image::read(from)?,
+            stream: Snapshot::read(from)?,
+            model: Snapshot::read(from)?,
+            accumulator: Snapshot::read(from)?,
+            queue: Snapshot::read(from)?,
+            phase: Snapshot::read(from)?,
+            pending: Snapshot::read(from)?,
+            uncertain: Snapshot::read(from)?,
+            settling: Snapshot::read(from)?,
+            missing: Snapshot::read(from)?,
+            expected: Snapshot::read(from)?,
+            missing_samples: Snapshot::read(from)?,
+            saturated_samples: Snapshot::read(from)?,
+            uncertain_intervals: Snapshot::read(from)?,
+            unknown_intervals: Snapshot::read(from)?,
         })
     }
 }
 
-impl<S: Scalar> Image for Queue<S> {
+impl<S: Scalar> Snapshot for Queue<S> {
     const BYTES: usize = 2 * S::BYTES + 2 * bool::BYTES + 2 * u32::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -136,20 +136,20 @@ impl<S: Scalar> Image for Queue<S> {
         self.left.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         let queue = Self {
-            from: Image::read(from)?,
-            target: Image::read(from)?,
-            saturated: Image::read(from)?,
-            restarts: Image::read(from)?,
-            length: Image::read(from)?,
-            left: Image::read(from)?,
+            from: Snapshot::read(from)?,
+            target: Snapshot::read(from)?,
+            saturated: Snapshot::read(from)?,
+            restarts: Snapshot::read(from)?,
+            length: Snapshot::read(from)?,
+            left: Snapshot::read(from)?,
         };
-        if queue.left <= queue.length { Ok(queue) } else { Err(ImageError::NoState) }
+        if queue.left <= queue.length { Ok(queue) } else { Err(SnapshotError::NoState) }
     }
 }
 
-impl Image for Phase {
+impl Snapshot for Phase {
     const BYTES: usize = 1;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -161,12 +161,12 @@ impl Image for Phase {
         .write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         match u8::read(from)? {
             0 => Ok(Self::Waiting),
             1 => Ok(Self::Following),
             2 => Ok(Self::Lost),
-            _ => Err(ImageError::NoState),
+            _ => Err(SnapshotError::NoState),
         }
     }
 }

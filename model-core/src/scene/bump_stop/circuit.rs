@@ -2,18 +2,18 @@
 
 use core::fmt::Debug;
 
-use crate::image::{Fingerprint, Image};
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::part::bridge_step::{BridgeStep, Passed};
 use crate::part::circuit::CircuitStep;
 use crate::part::load::{AnyLoad, Load, OpenCircuit, Resistance, Resistor, ShortCircuit};
 use crate::part::rectifier::FullBridge;
-use crate::part::store::Reservoir;
-use crate::part::store_step::{StoreAccount, StoreState};
+use crate::part::storage::StorageElement;
+use crate::part::storage_step::{StorageAccount, StorageState};
 use crate::scalar::Scalar;
+use crate::snapshot::{Fingerprint, Snapshot};
 
 /// What a circuit remembers from step to step.
-pub trait Memory: Copy + Debug + PartialEq + Image {
+pub trait Memory: Copy + Debug + PartialEq + Snapshot {
     /// What a step has to account for besides the delivered energy.
     type Account: Copy + Debug + PartialEq;
 }
@@ -23,9 +23,9 @@ impl Memory for () {
     type Account = ();
 }
 
-/// A bridge remembers its store.
-impl<S: Scalar> Memory for StoreState<S> {
-    type Account = StoreAccount<S>;
+/// A bridge remembers its storage.
+impl<S: Scalar> Memory for StorageState<S> {
+    type Account = StorageAccount<S>;
 }
 
 /// What a circuit remembers, and what it accounts for.
@@ -70,11 +70,11 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
     /// The line that is tried first.
     fn line(step: &Self::Step) -> &CircuitStep<S>;
 
-    /// The store behind it, or the bus; `None` for a resistor.
-    fn store(&self, state: &Self::State) -> Option<StoreState<S>>;
+    /// The storage behind it, or the bus; `None` for a resistor.
+    fn storage(&self, state: &Self::State) -> Option<StorageState<S>>;
 
-    /// Whether a voltage may be taken for one that strays from it by at most `sag`, both in V.
-    fn resolves(&self, voltage: S, sag: S, state: &Self::State) -> bool;
+    /// Whether a voltage may be taken for one that strays from it by at most `interpolation_bound`, both in V.
+    fn resolves(&self, voltage: S, interpolation_bound: S, state: &Self::State) -> bool;
 
     /// What happens at a voltage before the current flows; gives the charge in C that leaves the electrodes.
     fn begin(&self, step: &Self::Step, voltage: S, state: &mut Self::State) -> (S, AccountOf<S, Self>);
@@ -95,16 +95,16 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
     fn delivered(step: &Self::Step, mean_square_voltage: S, account: &AccountOf<S, Self>) -> S;
 
     /// The account of a step behind a bridge; zeros for a resistor.
-    fn account(account: &AccountOf<S, Self>) -> StoreAccount<S>;
+    fn account(account: &AccountOf<S, Self>) -> StorageAccount<S>;
 
-    /// Energy in J that the store has gained from one state to another; `None` where there is none.
+    /// Energy in J that the storage has gained from one state to another; `None` where there is none.
     fn gained(&self, from: &Self::State, to: &Self::State) -> Option<S>;
 
-    /// Energy in J in the store; `None` without one.
+    /// Energy in J in the storage; `None` without one.
     fn stored(&self, state: &Self::State) -> Option<S>;
 
-    /// Puts the store to a voltage in V; without one nothing changes.
-    fn set_store_voltage(state: &mut Self::State, volts: S);
+    /// Puts the storage to a voltage in V; without one nothing changes.
+    fn set_storage_voltage(state: &mut Self::State, volts: S);
 
     /// Takes in all that tells this circuit from others.
     fn identify(&self, fingerprint: &mut Fingerprint);
@@ -141,7 +141,7 @@ macro_rules! resistive {
                 step
             }
 
-            fn store(&self, _state: &()) -> Option<StoreState<S>> {
+            fn storage(&self, _state: &()) -> Option<StorageState<S>> {
                 None
             }
 
@@ -177,8 +177,8 @@ macro_rules! resistive {
             }
 
             #[inline(always)]
-            fn account(_account: &()) -> StoreAccount<S> {
-                StoreAccount::default()
+            fn account(_account: &()) -> StorageAccount<S> {
+                StorageAccount::default()
             }
 
             #[inline(always)]
@@ -190,7 +190,7 @@ macro_rules! resistive {
                 None
             }
 
-            fn set_store_voltage(_state: &mut (), _volts: S) {}
+            fn set_storage_voltage(_state: &mut (), _volts: S) {}
 
             fn identify(&self, fingerprint: &mut Fingerprint) {
                 Load::<S>::resistance(self).identify(fingerprint);
@@ -202,11 +202,11 @@ macro_rules! resistive {
 resistive!(Resistor<S>, ShortCircuit, OpenCircuit, AnyLoad<S>);
 
 /// What a voltage may stray by, beside the bridge's threshold: an error of that kind in the voltage to which a
-/// store is charged is bounded by it.
+/// storage is charged is bounded by it.
 const RESOLUTION: f64 = 1.0 / 128.0;
 
-impl<S: Scalar, R: Reservoir<S>> Circuit<S> for FullBridge<S, R> {
-    type State = StoreState<S>;
+impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
+    type State = StorageState<S>;
     type Step = BridgeStep<S>;
     const SWITCHES: bool = true;
 
@@ -219,12 +219,12 @@ impl<S: Scalar, R: Reservoir<S>> Circuit<S> for FullBridge<S, R> {
         FullBridge::check(self)
     }
 
-    fn start(&self) -> StoreState<S> {
-        StoreState::of(&self.reservoir)
+    fn start(&self) -> StorageState<S> {
+        StorageState::of(&self.storage)
     }
 
     fn step(&self, capacitance: S, step: S) -> BridgeStep<S> {
-        BridgeStep::new(capacitance, &self.reservoir, step)
+        BridgeStep::new(capacitance, &self.storage, step)
     }
 
     #[inline(always)]
@@ -232,25 +232,32 @@ impl<S: Scalar, R: Reservoir<S>> Circuit<S> for FullBridge<S, R> {
         &step.blocked
     }
 
-    fn store(&self, state: &StoreState<S>) -> Option<StoreState<S>> {
+    fn storage(&self, state: &StorageState<S>) -> Option<StorageState<S>> {
         Some(*state)
     }
 
     /// Where it blocks either way, or the difference is small beside the threshold.
     #[inline(always)]
-    fn resolves(&self, voltage: S, sag: S, state: &StoreState<S>) -> bool {
+    fn resolves(&self, voltage: S, interpolation_bound: S, state: &StorageState<S>) -> bool {
         let threshold = self.threshold(state.voltage);
-        sag <= S::literal(RESOLUTION) * threshold || voltage.absolute() + sag < threshold
+        interpolation_bound <= S::from_f64(RESOLUTION) * threshold
+            || voltage.abs() + interpolation_bound < threshold
     }
 
     #[inline(always)]
-    fn begin(&self, step: &BridgeStep<S>, voltage: S, state: &mut StoreState<S>) -> (S, StoreAccount<S>) {
-        let mut account = StoreAccount::default();
+    fn begin(&self, step: &BridgeStep<S>, voltage: S, state: &mut StorageState<S>) -> (S, StorageAccount<S>) {
+        let mut account = StorageAccount::default();
         (step.drain(self, voltage, state, &mut account), account)
     }
 
     #[inline(always)]
-    fn tangent(&self, step: &BridgeStep<S>, voltage: S, charge: S, state: &StoreState<S>) -> Option<[S; 2]> {
+    fn tangent(
+        &self,
+        step: &BridgeStep<S>,
+        voltage: S,
+        charge: S,
+        state: &StorageState<S>,
+    ) -> Option<[S; 2]> {
         step.tangent(self.threshold(state.voltage), voltage, charge)
     }
 
@@ -259,35 +266,35 @@ impl<S: Scalar, R: Reservoir<S>> Circuit<S> for FullBridge<S, R> {
         &self,
         step: &BridgeStep<S>,
         flow: &Flow<S>,
-        state: &mut StoreState<S>,
-        account: &mut StoreAccount<S>,
+        state: &mut StorageState<S>,
+        account: &mut StorageAccount<S>,
     ) -> Passed<S> {
         step.conclude(self, [flow.voltage, flow.charge], state, account)
     }
 
     #[inline(always)]
-    fn delivered(_step: &BridgeStep<S>, _mean_square_voltage: S, account: &StoreAccount<S>) -> S {
+    fn delivered(_step: &BridgeStep<S>, _mean_square_voltage: S, account: &StorageAccount<S>) -> S {
         account.delivered
     }
 
     #[inline(always)]
-    fn account(account: &StoreAccount<S>) -> StoreAccount<S> {
+    fn account(account: &StorageAccount<S>) -> StorageAccount<S> {
         *account
     }
 
-    /// `½ C (V² − V₀²)` as a product, so that a large store shows small gains.
+    /// `½ C (V² − V₀²)` as a product, so that a large storage shows small gains.
     #[inline(always)]
-    fn gained(&self, from: &StoreState<S>, to: &StoreState<S>) -> Option<S> {
-        let elastance = self.reservoir.elastance();
-        let charge = S::literal(0.5) * to.above(from) / elastance;
+    fn gained(&self, from: &StorageState<S>, to: &StorageState<S>) -> Option<S> {
+        let elastance = self.storage.elastance();
+        let charge = S::from_f64(0.5) * to.above(from) / elastance;
         (elastance > S::ZERO).then(|| charge * (to.voltage + from.voltage))
     }
 
-    fn stored(&self, state: &StoreState<S>) -> Option<S> {
-        Some(self.reservoir.stored_energy(state.voltage))
+    fn stored(&self, state: &StorageState<S>) -> Option<S> {
+        Some(self.storage.stored_energy(state.voltage))
     }
 
-    fn set_store_voltage(state: &mut StoreState<S>, volts: S) {
+    fn set_storage_voltage(state: &mut StorageState<S>, volts: S) {
         state.put(volts);
     }
 

@@ -57,10 +57,10 @@ impl<S: Scalar, P: Parts<S, Load: Load<S>>, const B: usize, const R: usize> Bump
                 (voltage, S::ONE / ohms)
             }
         };
-        let mean_square = S::literal(0.5) * voltage.square();
+        let mean_square = S::from_f64(0.5) * voltage.square();
         ClosedForm {
             mean_power: mean_square * conductance,
-            rms_voltage: mean_square.square_root(),
+            rms_voltage: mean_square.sqrt(),
             amplitude: response.tip_amplitude(amplitude, voltage),
             validity: Validity::of(self.clearance(&response, amplitude, voltage)),
         }
@@ -90,7 +90,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 
     /// The sums over the modes at a frequency in Hz.
     pub(super) fn response(&self, hertz: S) -> Response<S> {
-        let angular_frequency = hertz * S::literal(core::f64::consts::TAU);
+        let angular_frequency = hertz * S::from_f64(core::f64::consts::TAU);
         let back = if self.coupling.is_two_way() { S::ONE } else { S::ZERO };
         let zero = Complex::ZERO;
         let mut response = Response {

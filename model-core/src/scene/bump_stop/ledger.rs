@@ -5,14 +5,14 @@
 //!     = −∫ a (Σ γ ṙ + Σ g q̇) dt − ∫ 2ζ (Σ ω ṙ² + Σ Ω q̇²) dt − χ ∫ v²/R dt − losses in contact
 //! ```
 //!
-//! Behind a bridge `v²/R` is what enters the store and what the diodes take, and the store has a ledger of its
+//! Behind a bridge `v²/R` is what enters the storage and what the diodes take, and the storage has a ledger of its
 //! own,
 //!
 //! ```text
 //! Δ(½ C V²) = ∫ V i dt − ∫ leaked − ∫ drawn
 //! ```
 //!
-//! which a bus, that has no end, has not. The store is left out of the energy that a residual is compared with:
+//! which a bus, that has no end, has not. The storage is left out of the energy that a residual is compared with:
 //! a large one would hide any error.
 //!
 //! Over a step each mode moves under a force that is linear in time, so its velocity is known in closed
@@ -54,8 +54,8 @@ const MOST_PANELS: u32 = 4096;
 impl<S: Scalar> Gramian<S> {
     fn new(angular_frequency: S, damping_ratio: S, step: S) -> Self {
         let radians = angular_frequency * step;
-        let panels = (radians / S::literal(PANEL)).to_u32().saturating_add(1).min(MOST_PANELS);
-        let half = S::literal(0.5) * step / S::from_u32(panels);
+        let panels = (radians / S::from_f64(PANEL)).to_u32().saturating_add(1).min(MOST_PANELS);
+        let half = S::from_f64(0.5) * step / S::from_u32(panels);
         let mut sums = [CompensatedSum::ZERO; 7];
         for panel in 0..panels {
             let middle = half * S::from_u32(2 * panel + 1);
@@ -64,11 +64,11 @@ impl<S: Scalar> Gramian<S> {
                     if place == 0.0 && sign < 0.0 {
                         continue;
                     }
-                    let at = middle + half * S::literal(place * sign);
+                    let at = middle + half * S::from_f64(place * sign);
                     let modal = ModalStep::new(angular_frequency, damping_ratio, at);
                     let (a, b) =
                         (S::ONE + modal.displacement_by_displacement, modal.displacement_by_velocity);
-                    let weight = half * S::literal(weight);
+                    let weight = half * S::from_f64(weight);
                     let terms = [a * a, a * b, b * b, a, b, at * a, at * b];
                     for (sum, term) in sums.iter_mut().zip(terms) {
                         sum.add(weight * term);
@@ -103,13 +103,13 @@ impl<S: Scalar> Oscillator<S> {
     /// `∫ 2ζω ẇ² dt`, and `∫ ẇ dt` and `∫ t ẇ dt`, of the velocity `w`.
     fn integrals(&self, gramian: &Gramian<S>, step: S) -> (S, [S; 2]) {
         let omega = self.angular_frequency;
-        let damping = S::literal(2.0) * self.damping_ratio * omega;
+        let damping = S::from_f64(2.0) * self.damping_ratio * omega;
         let [displacement, velocity] = self.start;
         // w'' + 2ζω w' + ω² w = p' : towards w∞ from w(0) and w'(0).
         let settled = self.force[1] / (step * omega * omega);
         let start = velocity - settled;
         let rate = self.force[0] - damping * velocity - omega * omega * displacement;
-        let two = S::literal(2.0);
+        let two = S::from_f64(2.0);
         let [aa, ab, bb] = gramian.squares;
         let mean = gramian.means[0] * start + gramian.means[1] * rate;
         let moment = gramian.moments[0] * start + gramian.moments[1] * rate;
@@ -117,7 +117,7 @@ impl<S: Scalar> Oscillator<S> {
             + aa * start * start
             + two * ab * start * rate
             + bb * rate * rate;
-        let half_square = S::literal(0.5) * step * step;
+        let half_square = S::from_f64(0.5) * step * step;
         (damping * square, [settled * step + mean, settled * half_square + moment])
     }
 }
@@ -134,8 +134,8 @@ pub struct ModalLedger<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usiz
     /// Electrical energy that the modes brought, and what the load took, lost in diodes included.
     brought: CompensatedSum<S>,
     delivered: CompensatedSum<S>,
-    /// What is left over of a store's gain.
-    store: CompensatedSum<S>,
+    /// What is left over of a storage's gain.
+    storage: CompensatedSum<S>,
     lost: CompensatedSum<S>,
     start: [S; 2],
     now: [S; 2],
@@ -155,7 +155,7 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a,
             damped: CompensatedSum::ZERO,
             brought: CompensatedSum::ZERO,
             delivered: CompensatedSum::ZERO,
-            store: CompensatedSum::ZERO,
+            storage: CompensatedSum::ZERO,
             lost: CompensatedSum::ZERO,
             start,
             now: start,
@@ -173,8 +173,8 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a,
         Residual {
             mechanical: (self.now[0] - self.start[0]) - income,
             electrical: (self.now[1] - self.start[1]) - (brought - self.delivered.value()),
-            store: self.store.value(),
-            scale: self.base_magnitude.value().larger(self.peak),
+            storage: self.storage.value(),
+            scale: self.base_magnitude.value().max(self.peak),
         }
     }
 
@@ -223,7 +223,7 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalLedger<'a,
 
     fn look<C>(&mut self, state: &State<S, B, R, C>) {
         self.now = self.scene.stored_energy(state);
-        self.peak = self.peak.larger(self.now[0] + self.now[1]);
+        self.peak = self.peak.max(self.now[0] + self.now[1]);
     }
 }
 
@@ -231,7 +231,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     /// Stored energy in joules: mechanical (modes and contact), and in the capacitance.
     #[must_use]
     pub fn stored_energy<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
-        let half = S::literal(0.5);
+        let half = S::from_f64(0.5);
         let mut mechanical = self.contact_energy(state);
         let of = |omega: S, [displacement, velocity]: [S; 2]| {
             let scaled = omega * displacement;
@@ -250,8 +250,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     /// Energy of the contact's spring; a rigid contact has none.
     fn contact_energy<C>(&self, state: &State<S, B, R, C>) -> S {
         if P::Contact::POSSIBLE && self.contact.kind() == ContactKind::Compliant {
-            let pressed = state.gap.larger(S::ZERO);
-            S::literal(0.5) * self.stiffness * pressed * pressed
+            let pressed = state.gap.max(S::ZERO);
+            S::from_f64(0.5) * self.stiffness * pressed * pressed
         } else {
             S::ZERO
         }
@@ -290,7 +290,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize>
             contact -= mode.contact * (end[0] - start[0]);
         }
         self.base.add(worked);
-        self.base_magnitude.add(worked.absolute());
+        self.base_magnitude.add(worked.abs());
         self.damped.add(damped);
         self.brought.add(span.mean_voltage * (span.end.strain_charge - span.start.strain_charge));
         self.delivered.add(span.delivered);
@@ -298,7 +298,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize>
             let account = P::Load::account(&span.account);
             self.delivered.add(account.diodes);
             if let Some(gain) = scene.load.gained(&span.start.circuit, &span.end.circuit) {
-                self.store.add(gain - (account.delivered - account.leaked - account.drawn));
+                self.storage.add(gain - (account.delivered - account.leaked - account.drawn));
             }
         }
         // The force took F Δg from the modes and left it in the spring, where there is one.

@@ -8,7 +8,7 @@ use super::{BumpStop, Parts};
 use crate::clock::Instant;
 use crate::energy::{Integrals, Peak, PowerMeter};
 use crate::integrate::cubic::Cubic;
-use crate::part::store_step::StoreAccount;
+use crate::part::storage_step::StorageAccount;
 use crate::scalar::{CompensatedSum, Scalar};
 
 impl<S, C, const P: usize, const B: usize, const R: usize> ModalObserver<S, B, R, C> for PowerMeter<S, P>
@@ -86,15 +86,15 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalMeter<'a, 
 
     /// Energies behind a bridge; without one, zeros and what the load took.
     #[must_use]
-    pub fn store_account(&self) -> StoreAccount<S> {
+    pub fn storage_account(&self) -> StorageAccount<S> {
         let [diodes, leaked, drawn] = self.losses.map(|sum| sum.value());
-        StoreAccount { delivered: self.delivered_energy(), diodes, leaked, drawn }
+        StorageAccount { delivered: self.delivered_energy(), diodes, leaked, drawn }
     }
 
     /// Root mean square of the terminal voltage, in volts.
     #[must_use]
     pub fn rms_voltage(&self) -> S {
-        self.integrals.mean(SQUARE).square_root()
+        self.integrals.mean(SQUARE).sqrt()
     }
 
     /// Mean terminal voltage, in volts.
@@ -154,8 +154,8 @@ impl<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalMeter<'a, 
 
     /// The fraction of the step at which the gap closes or opens, by a straight line.
     fn crossing(from: S, to: S) -> S {
-        let apart = (to - from).absolute();
-        if apart > S::ZERO { from.absolute() / apart } else { S::ZERO }
+        let apart = (to - from).abs();
+        if apart > S::ZERO { from.abs() / apart } else { S::ZERO }
     }
 }
 
@@ -175,7 +175,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize>
         let [start, end] = [span.start, span.end].map(|state| self.scene.voltage(state));
         // Behind a bridge a step has its extremes at its ends, or at the corner of a polyline, which is level
         // with the end or below it.
-        let mean = if P::Load::SWITCHES { S::literal(0.5) * (start + end) } else { span.mean_voltage };
+        let mean = if P::Load::SWITCHES { S::from_f64(0.5) * (start + end) } else { span.mean_voltage };
         self.voltage.include(&Cubic::with_mean(start, end, mean));
         if P::Load::SWITCHES {
             let account = P::Load::account(&span.account);
@@ -188,10 +188,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize>
             return;
         }
         let (from, to) = (span.start.gap, span.end.gap);
-        self.peak_force = self.peak_force.larger(span.force);
+        self.peak_force = self.peak_force.max(span.force);
         let kind = self.scene.contact.kind();
         if kind == ContactKind::Compliant {
-            self.peak_force = self.peak_force.larger(self.scene.stiffness * to);
+            self.peak_force = self.peak_force.max(self.scene.stiffness * to);
         }
         // Before touch-down and after lift-off the step is open.
         let before = if from < S::ZERO && to > S::ZERO { Self::crossing(from, to) } else { S::ZERO };

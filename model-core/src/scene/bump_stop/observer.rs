@@ -22,7 +22,7 @@ pub struct ModalSpan<'a, S, const B: usize, const R: usize, C: Memory = ()> {
     pub mean_voltage: S,
     /// Mean of the square of the terminal voltage in V².
     pub mean_square_voltage: S,
-    /// Energy delivered to the load in J; behind a bridge, what enters the store.
+    /// Energy delivered to the load in J; behind a bridge, what enters the storage.
     pub delivered: S,
     /// What else the load accounts for.
     pub account: C::Account,

@@ -11,7 +11,7 @@ use crate::part::load::AnyLoad;
 use crate::part::monomorph::{Layer, Monomorph};
 use crate::part::rectifier::FullBridge;
 use crate::part::rod::Rod;
-use crate::part::store::AnyReservoir;
+use crate::part::storage::AnyStorage;
 use crate::scalar::Scalar;
 
 /// Whether the voltage acts back on the beam.
@@ -86,7 +86,7 @@ impl<S: Scalar> Parts<S> for AnyParts {
 pub struct AnyBridgedParts;
 
 impl<S: Scalar> Parts<S> for AnyBridgedParts {
-    type Load = FullBridge<S, AnyReservoir<S>>;
+    type Load = FullBridge<S, AnyStorage<S>>;
     type Coupling = AnyCoupling;
     type Contact = AnyContact<S>;
 }
@@ -205,7 +205,7 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
                 contact: taken * mode.tip,
             }
         });
-        let hertz = |angular: S| angular * S::literal(0.5 * core::f64::consts::FRAC_1_PI);
+        let hertz = |angular: S| angular * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
         let frequency = Bounds::new(1e-3, 1e8);
         for mode in &beam_coefficients {
             frequency.check("natural frequency of a beam mode", hertz(mode.angular_frequency))?;
@@ -265,7 +265,7 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         Bounds::new(1e-12, 1.0).check("stop.section", stop.section)?;
         modulus.check("stop.young_modulus", stop.young_modulus)?;
         density.check("stop.density", stop.density)?;
-        Bounds { lowest: S::literal(1e-4), highest: self.beam_length }
+        Bounds { lowest: S::from_f64(1e-4), highest: self.beam_length }
             .check("stop.position", stop.position)?;
         Bounds::new(0.0, 1.0).check("stop.gap", stop.gap)?;
         Bounds::new(0.0, 1.0).check("stop.contact_compliance", stop.contact_compliance)?;

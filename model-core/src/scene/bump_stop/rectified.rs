@@ -1,4 +1,4 @@
-//! The beam that stays clear of its stop, behind a full bridge: mean power into a bus and into a store.
+//! The beam that stays clear of its stop, behind a full bridge: mean power into a bus and into a storage.
 //!
 //! Between two turns of the motion the strain moves the charge `2 |Q|`. First it takes the voltage from one
 //! end, `∓V_b`, to the other, which takes `2 C_p V_b`; what is left goes through the bridge, at
@@ -15,7 +15,7 @@ const WEAK: f64 = 0.05;
 const HARMONIC: f64 = 1.0;
 /// Largest change of the voltage in the last of them, relative.
 const UNBALANCED: f64 = 1e-3;
-/// Turns of the iteration by which the voltage and the motion of a store agree.
+/// Turns of the iteration by which the voltage and the motion of a storage agree.
 const TURNS: u32 = 8;
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
@@ -35,18 +35,18 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         diode_drop: S,
     ) -> ClosedForm<S> {
         let response = self.response(hertz);
-        let amplitude = amplitude.absolute();
+        let amplitude = amplitude.abs();
         let open = response.charge_by_base.magnitude() * amplitude * self.elastance;
         let bridge = bus_voltage + diode_drop + diode_drop;
         // Where the bridge blocks, the terminals are open and the voltage is bent back by the motion.
         let swing = open - bridge;
         let coupling = response.charge_by_voltage.magnitude() * self.elastance;
         let bend = if swing > S::ZERO {
-            S::literal(2.0 * core::f64::consts::FRAC_2_PI / WEAK) * coupling * bridge / swing
+            S::from_f64(2.0 * core::f64::consts::FRAC_2_PI / WEAK) * coupling * bridge / swing
         } else {
-            coupling * S::literal(1.0 / WEAK)
+            coupling * S::from_f64(1.0 / WEAK)
         };
-        let power = S::literal(4.0) * hertz * self.capacitance * bus_voltage * swing.larger(S::ZERO);
+        let power = S::from_f64(4.0) * hertz * self.capacitance * bus_voltage * swing.max(S::ZERO);
         let [reaches, in_transient] = self.clearance(&response, amplitude, Complex::ZERO);
         ClosedForm {
             mean_power: power,
@@ -56,7 +56,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         }
     }
 
-    /// Mean power in a resistance across a large store behind a full bridge, in its steady state, under the
+    /// Mean power in a resistance across a large storage behind a full bridge, in its steady state, under the
     /// base acceleration `amplitude · sin(2π · hertz · t)`: Shu and Lien 2006 for a motion of one harmonic
     /// with the voltage acting back on it, all modes of the beam and the diodes' drop taken along.
     ///
@@ -73,20 +73,20 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         diode_drop: S,
     ) -> ClosedForm<S> {
         let response = self.response(hertz);
-        let two = S::literal(2.0);
+        let two = S::from_f64(2.0);
         let omega = response.angular_frequency;
         let by_base = response.charge_by_base.scaled(amplitude);
         let per_charge = omega * resistance
-            / (omega * resistance * self.capacitance + S::literal(core::f64::consts::FRAC_PI_2));
+            / (omega * resistance * self.capacitance + S::from_f64(core::f64::consts::FRAC_PI_2));
         let blocked = two * self.capacitance * diode_drop;
         let one = Complex::new(S::ONE, S::ZERO);
         let (mut charge, mut voltage, mut steady) = (by_base, Complex::ZERO, S::ZERO);
         let mut change = S::ZERO;
         for _ in 0..TURNS {
-            let magnitude = charge.magnitude().larger(S::TINY);
+            let magnitude = charge.magnitude().max(S::TINY);
             let before = steady;
-            steady = per_charge * (magnitude - blocked).larger(S::ZERO);
-            change = (steady - before).absolute();
+            steady = per_charge * (magnitude - blocked).max(S::ZERO);
+            change = (steady - before).abs();
             let bridge = steady + two * diode_drop;
             let power = bridge * steady / resistance;
             let of_charge = Complex::new(bridge / magnitude, two * power / (omega * magnitude * magnitude));
@@ -105,8 +105,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             ),
             amplitude: response.tip_amplitude(amplitude, voltage),
             validity: Validity::of([
-                (Reason::StrongCoupling, coupling * S::literal(1.0 / HARMONIC)),
-                (Reason::NotBalanced, ratio(change, S::literal(UNBALANCED) * steady)),
+                (Reason::StrongCoupling, coupling * S::from_f64(1.0 / HARMONIC)),
+                (Reason::NotBalanced, ratio(change, S::from_f64(UNBALANCED) * steady)),
                 reaches,
                 in_transient,
             ]),
@@ -117,16 +117,16 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 /// Root mean square of a voltage that would swing by `±open` and is held within `±bridge`: from a turn on
 /// `−V_b + V_oc (1 − cos φ)`, until it is `V_b`, and `V_b` until the next turn.
 fn rms_behind_bridge<S: Scalar>(open: S, bridge: S) -> S {
-    let half = S::literal(0.5);
+    let half = S::from_f64(0.5);
     if !(bridge < open) {
-        return open * half.square_root();
+        return open * half.sqrt();
     }
     let middle = open - bridge;
     let cosine = S::ONE - (bridge + bridge) / open;
-    let sine = ((S::ONE - cosine) * (S::ONE + cosine)).square_root();
-    let blocked = S::literal(core::f64::consts::FRAC_PI_2) - arcsine(cosine);
+    let sine = ((S::ONE - cosine) * (S::ONE + cosine)).sqrt();
+    let blocked = S::from_f64(core::f64::consts::FRAC_PI_2) - arcsine(cosine);
     let rising = (middle * middle + half * open * open) * blocked - (middle + middle) * open * sine
         + half * open * open * sine * cosine;
-    let held = (S::literal(core::f64::consts::PI) - blocked) * bridge * bridge;
-    ((rising + held) * S::literal(core::f64::consts::FRAC_1_PI)).square_root()
+    let held = (S::from_f64(core::f64::consts::PI) - blocked) * bridge * bridge;
+    ((rising + held) * S::from_f64(core::f64::consts::FRAC_1_PI)).sqrt()
 }

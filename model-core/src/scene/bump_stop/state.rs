@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 /// The state: a plain value that can be copied, saved, compared and restored, and resumes with the
 /// same bits.
 ///
-/// `C` is what the load remembers: nothing if it is a resistance, a [`crate::part::store_step::StoreState`]
+/// `C` is what the load remembers: nothing if it is a resistance, a [`crate::part::storage_step::StorageState`]
 /// if it is a bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<S, const B: usize, const R: usize, C = ()> {

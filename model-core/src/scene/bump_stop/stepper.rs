@@ -60,25 +60,25 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     #[must_use]
     pub fn new(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Self {
         let (short, long) = (scene.step_set(ticks_of_seconds(short)), scene.step_set(ticks_of_seconds(long)));
-        let three = S::literal(3.0);
-        let damping = S::literal(2.0) * scene.damping_ratio;
-        let factor = (S::ONE + damping * damping).square_root();
+        let three = S::from_f64(3.0);
+        let damping = S::from_f64(2.0) * scene.damping_ratio;
+        let factor = (S::ONE + damping * damping).sqrt();
         let two_way = scene.coupling.is_two_way();
         let (mut by_base, mut by_voltage) = (S::ZERO, S::ZERO);
         for mode in &scene.beam {
-            by_base += three * (mode.contact * mode.base).absolute();
-            by_voltage += three * (mode.contact * mode.voltage).absolute();
+            by_base += three * (mode.contact * mode.base).abs();
+            by_voltage += three * (mode.contact * mode.voltage).abs();
         }
         for mode in &scene.rod {
-            by_base += three * (mode.contact * mode.base).absolute();
+            by_base += three * (mode.contact * mode.base).abs();
         }
         let ratio = u16::try_from(long.ticks / short.ticks.max(1)).unwrap_or(u16::MAX);
         Self {
-            beam_curvature: scene.beam.map(|mode| mode.contact.absolute() * factor * mode.angular_frequency),
-            rod_curvature: scene.rod.map(|mode| mode.contact.absolute() * factor * mode.angular_frequency),
+            beam_curvature: scene.beam.map(|mode| mode.contact.abs() * factor * mode.angular_frequency),
+            rod_curvature: scene.rod.map(|mode| mode.contact.abs() * factor * mode.angular_frequency),
             curvature_by_base: by_base,
             curvature_by_voltage: if two_way { by_voltage } else { S::ZERO },
-            sagitta: S::literal(0.125) * long.step * long.step,
+            sagitta: S::from_f64(0.125) * long.step * long.step,
             scene,
             short,
             long,
@@ -168,10 +168,14 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
                 // Most of the long steps that are refused start too near to contact: seen before they are
                 // computed.
                 let modes = self.curvature_of_modes(state);
-                let sag = self.sag_of_voltage(state);
-                if self.is_clear(state.gap + modes * self.sagitta) && self.resolves_voltage(state, sag) {
+                let interpolation_bound = self.interpolation_bound_of_voltage(state);
+                if self.is_clear(state.gap + modes * self.sagitta)
+                    && self.resolves_voltage(state, interpolation_bound)
+                {
                     let trial = self.attempt(&self.long, state, excitation);
-                    if self.cannot_touch(state, &trial, modes) && self.resolves_voltage(&trial.end, sag) {
+                    if self.cannot_touch(state, &trial, modes)
+                        && self.resolves_voltage(&trial.end, interpolation_bound)
+                    {
                         take(state, &trial, (self.long.ticks, self.long.step), observer, &mut work)?;
                         continue;
                     }
@@ -213,32 +217,32 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// [`Self::curvature_of_modes`].
     #[inline(always)]
     fn cannot_touch(&self, start: &StateOf<S, P, B, R>, trial: &TrialOf<S, P, B, R>, modes: S) -> bool {
-        let nearest = start.gap.larger(trial.end.gap);
-        let base = start.acceleration.absolute().larger(trial.end.acceleration.absolute());
+        let nearest = start.gap.max(trial.end.gap);
+        let base = start.acceleration.abs().max(trial.end.acceleration.abs());
         let curvature =
-            modes + self.curvature_by_base * base + self.curvature_by_voltage * trial.mean_voltage.absolute();
+            modes + self.curvature_by_base * base + self.curvature_by_voltage * trial.mean_voltage.abs();
         self.is_clear(nearest + curvature * self.sagitta)
     }
 
     /// What the modes as they are contribute to a bound on how far the voltage strays from a straight line
     /// over a free long step, in V; 0 where nobody asks.
     #[inline(always)]
-    fn sag_of_voltage(&self, start: &StateOf<S, P, B, R>) -> S {
+    fn interpolation_bound_of_voltage(&self, start: &StateOf<S, P, B, R>) -> S {
         let mut bound = S::ZERO;
         if P::Load::SWITCHES {
             for (mode, coordinate) in self.scene.beam.iter().zip(&start.beam) {
                 let omega = mode.angular_frequency;
-                bound +=
-                    mode.voltage.absolute() * omega * at_least_norm(omega * coordinate[0], coordinate[1]);
+                bound += mode.voltage.abs() * omega * at_least_norm(omega * coordinate[0], coordinate[1]);
             }
         }
         bound * self.scene.elastance * self.sagitta
     }
 
-    /// Whether the load may take the voltage at `state` for one that strays from it by at most `sag`.
+    /// Whether the load may take the voltage at `state` for one that strays from it by at most `interpolation_bound`.
     #[inline(always)]
-    fn resolves_voltage(&self, state: &StateOf<S, P, B, R>, sag: S) -> bool {
-        !P::Load::SWITCHES || self.scene.load.resolves(self.scene.voltage(state), sag, &state.circuit)
+    fn resolves_voltage(&self, state: &StateOf<S, P, B, R>, interpolation_bound: S) -> bool {
+        !P::Load::SWITCHES
+            || self.scene.load.resolves(self.scene.voltage(state), interpolation_bound, &state.circuit)
     }
 
     /// What the modes as they are contribute to a bound on `|g̈|` over a free step, in m/s².
@@ -317,7 +321,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         while closed - open > 1 && attempts < MOST_LOCATING {
             // Newton's iteration from the last attempt, to the far side; where that leaves the bracket, its
             // middle.
-            let distance = ((gap / rate).absolute() / seconds_of_ticks(1)).to_u32();
+            let distance = ((gap / rate).abs() / seconds_of_ticks(1)).to_u32();
             let next = match (rate > S::ZERO, gap > S::ZERO) {
                 (true, true) if distance == 0 => break,
                 (true, true) => latest.saturating_sub(distance),
@@ -343,7 +347,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             return Ok(());
         }
         work.events += 1;
-        let holds = speed < S::literal(CLOSING_SPEED);
+        let holds = speed < S::from_f64(CLOSING_SPEED);
         let rebound = if holds { S::ZERO } else { restitution };
         let impulse = (S::ONE + rebound) * speed / self.scene.inverse_mass;
         for (coordinate, mode) in state.beam.iter_mut().zip(&self.scene.beam) {
@@ -353,7 +357,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             coordinate[1] += mode.contact * impulse;
         }
         state.closed = holds;
-        let half = S::literal(0.5);
+        let half = S::from_f64(0.5);
         let loss = half * (S::ONE - rebound * rebound) * speed * speed / self.scene.inverse_mass;
         observer.impact(&ModalImpact { at: state.clock, speed, impulse, loss });
         Ok(())
@@ -386,7 +390,7 @@ fn take<S: Scalar, C: Memory, O: ModalObserver<S, B, R, C>, const B: usize, cons
     }
     observer.step(&trial.span(state, length));
     *state = State { short_steps: state.short_steps, ..trial.end };
-    if state.drift > S::ZERO && state.gap < -S::literal(OPENED) * state.drift {
+    if state.drift > S::ZERO && state.gap < -S::from_f64(OPENED) * state.drift {
         state.gap += state.drift;
         state.drift = S::ZERO;
     }
@@ -397,6 +401,6 @@ fn take<S: Scalar, C: Memory, O: ModalObserver<S, B, R, C>, const B: usize, cons
 /// At least `√(a² + b²)`, at most 8 % above it, without a root.
 #[inline(always)]
 fn at_least_norm<S: Scalar>(a: S, b: S) -> S {
-    let (a, b) = (a.absolute(), b.absolute());
-    a.larger(b) + S::literal(core::f64::consts::SQRT_2 - 1.0) * a.smaller(b)
+    let (a, b) = (a.abs(), b.abs());
+    a.max(b) + S::from_f64(core::f64::consts::SQRT_2 - 1.0) * a.min(b)
 }

@@ -4,7 +4,7 @@ use super::flow::Flow;
 use super::force_law::ForceLaw;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
 use crate::excitation::Excitation;
-use crate::hybrid::{Automaton, Guard, Jump, Moment};
+use crate::hybrid::{Automaton, Guard, InputAt, Jump};
 use crate::integrate::step_control::ErrorScale;
 use crate::integrate::{Point, System};
 use crate::part::load::{Load, Resistance};
@@ -19,7 +19,7 @@ pub enum Mode {
     /// The gap is open, or just closing or opening.
     Free,
     /// The mass is held on the dielectric: gap and velocity are zero.
-    Stuck,
+    Stick,
 }
 
 /// Roundings of the initial gap within which a release is not told from a contact.
@@ -44,7 +44,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     ) -> S {
         match mode {
             Mode::Free => S::ZERO,
-            Mode::Stuck => self.mass * self.contact_force_per_mass(point.state[CHARGE], acceleration),
+            Mode::Stick => self.mass * self.contact_force_per_mass(point.state[CHARGE], acceleration),
         }
     }
 
@@ -56,7 +56,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     fn release_guard<E: Excitation<S>, const POWERS: usize>(
         &self,
         point: &Point<S, STATES, POWERS>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
     ) -> Guard<S> {
         let charge = point.state[CHARGE];
         let circuit = self.circuit(S::ZERO, charge);
@@ -70,7 +70,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// Smallest gap that is told from contact after a release.
     #[inline(always)]
     pub(super) fn release_margin(&self) -> S {
-        S::literal(RELEASE_ROUNDINGS) * S::EPSILON * self.initial_gap
+        S::from_f64(RELEASE_ROUNDINGS) * S::EPSILON * self.initial_gap
     }
 
     /// The jump to `mode` at contact, leaving at `speed`.
@@ -92,7 +92,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             remainder: [S::ZERO; STATES],
             derivative,
             loss,
-            armed: mode == Mode::Stuck || speed > S::ZERO,
+            armed: mode == Mode::Stick || speed > S::ZERO,
         }
     }
 
@@ -138,9 +138,9 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         _index: usize,
         armed: bool,
         point: &Point<S, STATES, POWERS>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
     ) -> Guard<S> {
-        if P::Sticking::POSSIBLE && mode == Mode::Stuck {
+        if P::Sticking::POSSIBLE && mode == Mode::Stick {
             return self.release_guard(point, moment);
         }
         // After a release the gap starts at zero with no rate: it is let sink by the margin.
@@ -150,7 +150,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
 
     #[inline(always)]
     fn rearms(&self, mode: Mode, point: &Point<S, STATES, POWERS>) -> bool {
-        mode == Mode::Stuck || point.state[VELOCITY] > S::ZERO && point.state[GAP] > self.release_margin()
+        mode == Mode::Stick || point.state[VELOCITY] > S::ZERO && point.state[GAP] > self.release_margin()
     }
 
     fn jump<E: Excitation<S>>(
@@ -158,21 +158,21 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         mode: Mode,
         _index: usize,
         point: &Point<S, STATES, POWERS>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
         step: S,
     ) -> Jump<S, Mode, STATES> {
         let acceleration = moment.acceleration();
-        if P::Sticking::POSSIBLE && mode == Mode::Stuck {
+        if P::Sticking::POSSIBLE && mode == Mode::Stick {
             return self.leave_contact(Mode::Free, S::ZERO, point, acceleration, S::ZERO);
         }
-        let impact_speed = point.state[VELOCITY].absolute();
+        let impact_speed = point.state[VELOCITY].abs();
         let rebound = self.restitution.coefficient(impact_speed) * impact_speed;
         let charge = point.state[CHARGE];
         let held = P::Sticking::POSSIBLE
             && rebound < self.stick_speed
             && self.contact_force_per_mass(charge, acceleration) > S::ZERO;
-        let (mode, speed) = if held { (Mode::Stuck, S::ZERO) } else { (Mode::Free, rebound) };
-        let half_mass = S::literal(0.5) * self.mass;
+        let (mode, speed) = if held { (Mode::Stick, S::ZERO) } else { (Mode::Free, rebound) };
+        let half_mass = S::from_f64(0.5) * self.mass;
         let loss = half_mass * (impact_speed - speed) * (impact_speed + speed);
         let mut jump = self.leave_contact(mode, speed, point, acceleration, loss);
         if mode == Mode::Free || self.sticking.relaxes() {
@@ -199,7 +199,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Harvester<S, STATES, POWERS> f
 
     fn stored_energy(&self, _mode: Mode, point: &Point<S, STATES, POWERS>) -> StoredEnergy<S> {
         let [gap, velocity, charge] = point.state;
-        let half = S::literal(0.5);
+        let half = S::from_f64(0.5);
         let deflection = gap - self.initial_gap;
         let circuit = self.circuit(gap, charge);
         let opposite = self.tribo_charge - circuit.transferred;
@@ -213,8 +213,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Harvester<S, STATES, POWERS> f
         }
     }
 
-    fn is_held(&self, mode: Mode) -> bool {
-        mode == Mode::Stuck
+    fn is_stick(&self, mode: Mode) -> bool {
+        mode == Mode::Stick
     }
 
     fn is_impact(&self, mode: Mode, _guard: usize) -> bool {
@@ -257,7 +257,7 @@ mod tests {
         let start = Start { gap: Some(0.0), velocity: None, charge: Some(0.0) };
         let state =
             scene.start::<_, _, 1>(&start, &Silence, &FixedStep::of_seconds(1e-5)).expect("in bounds");
-        assert_eq!(state.mode, Mode::Stuck);
+        assert_eq!(state.mode, Mode::Stick);
         let attraction = density * density * area / (2.0 * permittivity);
         let expected = attraction + 5e-3 * 1.5 - 80.0 * 3e-3;
         let force = scene.contact_force(state.mode, &state.point, 1.5);

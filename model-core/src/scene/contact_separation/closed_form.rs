@@ -90,13 +90,13 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// dielectric, it is not claimed to hold.
     #[must_use]
     pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
-        let omega = hertz * S::literal(core::f64::consts::TAU);
-        let (motion, follows, rest) = self.motion(amplitude.absolute(), omega);
-        let reach = motion.amplitude / motion.mean.larger(S::TINY);
+        let omega = hertz * S::from_f64(core::f64::consts::TAU);
+        let (motion, follows, rest) = self.motion(amplitude.abs(), omega);
+        let reach = motion.amplitude / motion.mean.max(S::TINY);
         let in_transient = if follows { S::ZERO } else { reach + reach };
         let validity = Validity::of([
-            (Reason::NotBalanced, rest * S::literal(1.0 / TOLERANCE)),
-            (Reason::Impacts, reach * S::literal(1.0 / CLEAR)),
+            (Reason::NotBalanced, rest * S::from_f64(1.0 / TOLERANCE)),
+            (Reason::Impacts, reach * S::from_f64(1.0 / CLEAR)),
             (Reason::ImpactsInTransient, in_transient),
         ]);
         let (mean_power, rms_voltage) = self.electrical(&motion, omega);
@@ -105,7 +105,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
 
     /// The gap at rest with the load's charge at rest too: where spring and attraction balance.
     fn equilibrium(&self) -> Equilibrium<S> {
-        let (two, quarter) = (S::literal(2.0), S::literal(0.25));
+        let (two, quarter) = (S::from_f64(2.0), S::from_f64(0.25));
         let force = |gap: S| self.attraction(&self.circuit(gap, self.relaxed_charge(gap)));
         let step = quarter * self.initial_gap;
         let mut gap = self.initial_gap;
@@ -131,7 +131,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             self.damping_per_mass * twice,
         )
         .inverse();
-        let highest = S::literal(0.999) * rest.gap;
+        let highest = S::from_f64(0.999) * rest.gap;
         let across = self.damping_per_mass * omega;
         let first = Complex::new(rest.stiffness - omega * omega, across).magnitude();
         let mut motion = Motion { mean: rest.gap, amplitude: S::ZERO, second: Complex::ZERO };
@@ -143,7 +143,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         let mut next = acceleration / first;
         for _ in 0..MOST_ATTEMPTS {
             // The mean gap drifts with the square of the amplitude, nearly.
-            motion.amplitude = next.smaller(highest).larger(S::literal(1e-6) * highest);
+            motion.amplitude = next.min(highest).max(S::from_f64(1e-6) * highest);
             let square = motion.amplitude * motion.amplitude;
             motion.mean = rest.gap + drift * square;
             let force = self.force(&motion, omega);
@@ -153,16 +153,16 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             let residual = self.stiffness_per_mass * (motion.mean - self.initial_gap) + force.mean;
             drift -= residual / (rest.stiffness * square);
             let short = demand.acceleration - acceleration;
-            left = short.absolute() / acceleration.larger(S::TINY)
-                + residual.absolute() / (self.stiffness_per_mass * rest.gap);
+            left = short.abs() / acceleration.max(S::TINY)
+                + residual.abs() / (self.stiffness_per_mass * rest.gap);
             // At the reach of the gap and still more asked for: it touches.
             let touches = motion.amplitude >= highest && short < S::ZERO;
             if touches {
                 // However far the mean gap is taken to drift: the reach of the gap at rest.
-                motion.mean = motion.mean.smaller(rest.gap);
+                motion.mean = motion.mean.min(rest.gap);
                 left = S::ZERO;
             }
-            if left <= S::literal(TOLERANCE) {
+            if left <= S::from_f64(TOLERANCE) {
                 break;
             }
             let rise = (demand.acceleration - before.1) / (motion.amplitude - before.0);
@@ -207,7 +207,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
                 add(charge - odd, -turn.im);
             }
         }
-        let part = S::literal(1.0 / POINTS as f64);
+        let part = S::from_f64(1.0 / POINTS as f64);
         Attraction { mean: part * mean, first: first.scaled(part + part), second: second.scaled(part + part) }
     }
 
@@ -226,7 +226,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             }
         };
         let distance = motion.mean + self.dielectric;
-        let half = S::literal(0.5) * motion.amplitude;
+        let half = S::from_f64(0.5) * motion.amplitude;
         let shared = lag * self.parasitic;
         let coupling = |n: S| Complex::new(half, n * shared * half);
         let own = lag * (S::ONE + self.parasitic * distance);
@@ -257,7 +257,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
                 let place = if m < 0 { place.conjugate() } else { place };
                 place * Complex::new(S::ONE, S::from_i32(m) * shared)
             };
-            let second = motion.second.scaled(S::literal(-0.5));
+            let second = motion.second.scaled(S::from_f64(-0.5));
             second * at(n - 2) + second.conjugate() * at(n + 2)
         };
         let mut forced = [Complex::ZERO; N];
@@ -290,7 +290,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
                 }
                 let current = omega * self.charge_unit;
                 let square = (sum + sum) * current * current;
-                (square * ohms, square.square_root() * ohms)
+                (square * ohms, square.sqrt() * ohms)
             }
         }
     }
@@ -299,12 +299,12 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     fn open_voltage(&self, motion: &Motion<S>, omega: S) -> S {
         let [constant] = self.opposite_charge::<1>(motion, omega);
         let mut sum = S::ZERO;
-        for sine in SINES.map(S::literal) {
+        for sine in SINES.map(S::from_f64) {
             let gap = motion.mean + motion.amplitude * sine;
             let voltage = self.circuit(gap, self.tribo_charge - constant.re).voltage;
             sum += voltage * voltage;
         }
-        self.field * (sum * S::literal(1.0 / POINTS as f64)).square_root()
+        self.field * (sum * S::from_f64(1.0 / POINTS as f64)).sqrt()
     }
 }
 
@@ -318,7 +318,7 @@ struct Row<S> {
 
 /// `e^{jθ}` at a point of the period.
 fn turn<S: Scalar>(point: usize) -> Complex<S> {
-    let sines = SINES.map(S::literal);
+    let sines = SINES.map(S::from_f64);
     let sine = |place: usize| sines.get(place).copied().unwrap_or(S::ZERO);
     let quarter = POINTS / 4;
     let ahead = if point < POINTS - quarter { point + quarter } else { point + quarter - POINTS };

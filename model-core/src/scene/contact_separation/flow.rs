@@ -42,7 +42,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         let sharing = if present { S::ONE / (S::ONE + parasitic * distance) } else { S::ONE };
         if self.is_shorted() {
             let relaxed = self.relaxed_charge(gap);
-            let by_gap = (self.tribo_charge - relaxed) / distance.larger(S::literal(0.5) * self.dielectric);
+            let by_gap = (self.tribo_charge - relaxed) / distance.max(S::from_f64(0.5) * self.dielectric);
             return Circuit {
                 transferred: relaxed,
                 transferred_by_gap: by_gap,
@@ -82,7 +82,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// `V_oc − q/C`, is 17 kV less 17 kV where the resistance is small.
     #[inline(always)]
     pub(super) fn voltage_and_current(&self, mode: Mode, state: &[S; STATES], rate: &[S; STATES]) -> (S, S) {
-        if mode == Mode::Stuck && !self.sticking.relaxes() {
+        if mode == Mode::Stick && !self.sticking.relaxes() {
             return (S::ZERO, S::ZERO);
         }
         match self.load.resistance() {
@@ -111,7 +111,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
     /// resistor carries current in this mode.
     #[inline(always)]
     fn circuit_rate(&self) -> S {
-        let frozen = self.mode == Mode::Stuck && !self.scene.sticking.relaxes();
+        let frozen = self.mode == Mode::Stick && !self.scene.sticking.relaxes();
         match self.scene.load.resistance() {
             Resistance::Finite(_) if !frozen => self.scene.circuit_rate,
             _ => S::ZERO,
@@ -157,12 +157,12 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         };
         powers[account::VOLTAGE_SQUARED] = voltage * voltage;
         powers[account::VOLTAGE] = voltage;
-        powers[account::CURRENT_MAGNITUDE] = current.absolute();
+        powers[account::CURRENT_MAGNITUDE] = current.abs();
         powers[account::BASE] = base;
-        powers[account::BASE_MAGNITUDE] = base.absolute();
+        powers[account::BASE_MAGNITUDE] = base.abs();
         powers[account::DISSIPATION] = scene.damping_per_mass * momentum * velocity;
-        powers[account::GIVEN_UP] = scene.attraction(&circuit) * momentum;
-        powers[account::TAKEN_UP] = opposite * opposite * momentum;
+        powers[account::ELECTROSTATIC_WORK] = scene.attraction(&circuit) * momentum;
+        powers[account::FIELD_WORK] = opposite * opposite * momentum;
         powers
     }
 }
@@ -182,14 +182,14 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
                 let force = scene.damping_per_mass * velocity + restoring + scene.attraction(&circuit);
                 [velocity, -force - acceleration, charge_rate]
             }
-            Mode::Stuck => [S::ZERO, S::ZERO, charge_rate],
+            Mode::Stick => [S::ZERO, S::ZERO, charge_rate],
         }
     }
 
     #[inline(always)]
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
         let derivatives = self.derivatives(state);
-        if self.mode == Mode::Stuck {
+        if self.mode == Mode::Stick {
             return Some(ModeFactor::held(weight, derivatives.current_by_charge));
         }
         ModeFactor::moving(weight, &derivatives)
@@ -211,7 +211,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     ) -> [S; STATES] {
         coupled::iterate::<S, Self, POWERS>(
             self,
-            self.mode == Mode::Stuck,
+            self.mode == Mode::Stick,
             factor,
             base,
             increment,
@@ -221,7 +221,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     }
 
     #[inline(always)]
-    fn eliminate(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
+    fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
         if self.mode == Mode::Free {
             increment[GAP] = weight * (base[VELOCITY] + increment[VELOCITY]);
         }
@@ -238,10 +238,10 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     /// Mechanical changes are relative to the present amplitude of the motion (at least a
     /// thousandth of the initial gap), charges to the tribo-charge.
     #[inline(always)]
-    fn weigh(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
+    fn error_norm(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let scene = self.scene;
-        let least = S::literal(1e-3) * scene.initial_gap;
+        let least = S::from_f64(1e-3) * scene.initial_gap;
         let motion = [state[GAP] - scene.initial_gap, state[VELOCITY]];
-        coupled::weigh(motion, change, scene.radian, least, scene.per_tribo_charge)
+        coupled::error_norm(motion, change, scene.time_scale, least, scene.per_tribo_charge)
     }
 }

@@ -84,13 +84,13 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
     /// The first field that is out of its bounds, with its value.
     pub fn build(&self) -> Result<ContactSeparation<S, P>, ParameterError<S>> {
         self.check()?;
-        let two = S::literal(2.0);
+        let two = S::from_f64(2.0);
         let stiffness_per_mass = self.stiffness / self.mass;
-        let angular_frequency = stiffness_per_mass.square_root();
-        let hertz = angular_frequency * S::literal(0.5 * core::f64::consts::FRAC_1_PI);
+        let angular_frequency = stiffness_per_mass.sqrt();
+        let hertz = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
         Bounds::new(1e-3, 1e4).check("natural frequency sqrt(stiffness / mass) / (2 pi)", hertz)?;
-        let permittivity_area = S::literal(VACUUM_PERMITTIVITY) * self.electrode_area;
-        let charge_unit = (two * permittivity_area * self.mass).square_root();
+        let permittivity_area = S::from_f64(VACUUM_PERMITTIVITY) * self.electrode_area;
+        let charge_unit = (two * permittivity_area * self.mass).sqrt();
         let tribo_charge = self.charge_density * self.electrode_area / charge_unit;
         let dielectric = self.dielectric_thickness / self.relative_permittivity;
         let circuit_rate = match self.load.resistance() {
@@ -115,17 +115,17 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
             stiffness_per_mass,
             damping_per_mass: two * self.damping_ratio * angular_frequency,
             angular_frequency,
-            radian: S::ONE / angular_frequency,
+            time_scale: S::ONE / angular_frequency,
             dielectric,
             charge_unit,
             permittivity_area,
             tribo_charge,
-            per_tribo_charge: S::ONE / tribo_charge.larger(S::literal(1e-12)),
+            per_tribo_charge: S::ONE / tribo_charge.max(S::from_f64(1e-12)),
             parasitic: self.parasitic.farads() / permittivity_area,
             circuit_rate,
             field: charge_unit / permittivity_area,
-            stick_speed: S::literal(1e-4) * angular_frequency * self.initial_gap,
-            energy_floor: (S::literal(1e-4) * dielectric_energy.smaller(pulse_energy)).larger(S::TINY),
+            stick_speed: S::from_f64(1e-4) * angular_frequency * self.initial_gap,
+            energy_floor: (S::from_f64(1e-4) * dielectric_energy.min(pulse_energy)).max(S::TINY),
             load: self.load,
             force_law: self.force_law,
             restitution: self.restitution,

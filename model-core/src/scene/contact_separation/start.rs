@@ -57,7 +57,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         let held = P::Sticking::POSSIBLE
             && at_contact
             && self.contact_force_per_mass(charge, acceleration) > S::ZERO;
-        let mode = if held { Mode::Stuck } else { Mode::Free };
+        let mode = if held { Mode::Stick } else { Mode::Free };
         let mut state = HybridState::start(self, mode, [gap, velocity, charge], excitation, control);
         if start.charge.is_none() {
             // The voltage is zero by construction; as a difference it would be a rounding error,

@@ -2,12 +2,12 @@
 
 use super::electrics::Electrics;
 use super::flow::Flow;
-use super::{BridgeRegime, CHARGE, POSITION, Rectified, STATES, STORE, Terminals, VELOCITY};
+use super::{BridgeRegime, CHARGE, ElectricalPort, POSITION, Rectified, STATES, STORAGE, VELOCITY};
 use crate::excitation::Excitation;
-use crate::hybrid::{Automaton, Guard, Jump, Moment};
+use crate::hybrid::{Automaton, Guard, InputAt, Jump};
 use crate::integrate::step_control::ErrorScale;
 use crate::integrate::{Point, System};
-use crate::part::store::Reservoir;
+use crate::part::storage::StorageElement;
 use crate::scalar::{Scalar, add_increment};
 use crate::scene::{Harvester, StoredEnergy, account};
 
@@ -19,7 +19,7 @@ pub struct Mode<M> {
     pub inner: M,
     /// The regime of the bridge.
     pub regime: BridgeRegime,
-    /// Whether the draw is connected to the store.
+    /// Whether the draw is connected to the storage.
     pub connected: bool,
 }
 
@@ -32,20 +32,20 @@ enum Watch {
     Begin(BridgeRegime),
     /// The current through the bridge ends.
     End,
-    /// The store comes to a voltage of the lock-out.
+    /// The storage comes to a voltage of the lock-out.
     Lockout,
 }
 
 /// Roundings of a voltage within which it is not told from the threshold at which conduction has just ended.
 const THRESHOLD_ROUNDINGS: f64 = 8.0;
 
-impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
+impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// Guards of the harvester and of the bridge in a mode.
     #[inline(always)]
     fn counts(&self, mode: Mode<H::Mode>) -> [usize; 2] {
         let own = self.harvester.guards(mode.inner);
         let bridge = match mode.regime {
-            BridgeRegime::Blocked if self.harvester.is_frozen(mode.inner) => 0,
+            BridgeRegime::Blocked if self.harvester.charge_is_frozen(mode.inner) => 0,
             BridgeRegime::Blocked => 2,
             BridgeRegime::Forward | BridgeRegime::Backward => 1,
         };
@@ -98,9 +98,9 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
     fn begin_guard(&self, mode: Mode<H::Mode>, regime: BridgeRegime, state: &[S; STATES]) -> Guard<S> {
         let sign: S = regime.sign();
         let at = self.electrics(mode, state);
-        let terminal = self.harvester.terminal_voltage(mode.inner, state[POSITION], state[CHARGE]);
-        let threshold = self.bridge.threshold(at.store_voltage);
-        let margin = S::literal(THRESHOLD_ROUNDINGS) * S::EPSILON * (terminal.magnitude + threshold);
+        let terminal = self.harvester.port_voltage(mode.inner, state[POSITION], state[CHARGE]);
+        let threshold = self.bridge.threshold(at.storage_voltage);
+        let margin = S::from_f64(THRESHOLD_ROUNDINGS) * S::EPSILON * (terminal.magnitude + threshold);
         Guard {
             value: threshold - sign * terminal.value + margin,
             rate: -at.fall - sign * terminal.by_position * state[VELOCITY],
@@ -117,7 +117,7 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
         let sign: S = mode.regime.sign();
         let (state, velocity) = (&point.state, point.state[VELOCITY]);
         let at = self.electrics(mode, state);
-        let terminal = self.harvester.terminal_voltage(mode.inner, state[POSITION], at.charge);
+        let terminal = self.harvester.port_voltage(mode.inner, state[POSITION], at.charge);
         let rectified = at.rectified(sign, velocity);
         let slope_rate = terminal.curvature * velocity + terminal.by_both * sign * rectified;
         let voltage_rate = slope_rate * velocity + at.voltage_by_position * point.derivative[VELOCITY];
@@ -128,20 +128,20 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
         }
     }
 
-    /// How far the store is from the voltage of the lock-out that it is to come to next.
+    /// How far the storage is from the voltage of the lock-out that it is to come to next.
     #[inline(always)]
     fn lockout_guard<const POWERS: usize>(
         &self,
         mode: Mode<H::Mode>,
         point: &Point<S, STATES, POWERS>,
     ) -> Guard<S> {
-        let Some(lockout) = self.bridge.reservoir.lockout() else {
+        let Some(lockout) = self.bridge.storage.lockout() else {
             return Guard { value: S::ONE, rate: S::ZERO };
         };
         let at = self.electrics(mode, &point.state);
         let rise = self.elastance * at.rectified(mode.regime.sign(), point.state[VELOCITY]) - at.fall;
         // The remainder counts: near the level the first difference is exact.
-        let above = |level: S| (point.state[STORE] - level) + (point.remainder[STORE] + at.gained);
+        let above = |level: S| (point.state[STORAGE] - level) + (point.remainder[STORAGE] + at.gained);
         if mode.connected {
             Guard { value: above(lockout.turn_off), rate: rise }
         } else {
@@ -165,7 +165,7 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
             let Electrics { charge, gained, .. } = self.electrics(mode, &state);
             let passed = charge - state[CHARGE];
             (state[CHARGE], remainder[CHARGE]) = add_increment(state[CHARGE], remainder[CHARGE], passed);
-            (state[STORE], remainder[STORE]) = add_increment(state[STORE], remainder[STORE], gained);
+            (state[STORAGE], remainder[STORAGE]) = add_increment(state[STORAGE], remainder[STORAGE], gained);
             mode.regime = BridgeRegime::Blocked;
         }
         let flow = Flow { scene: self, mode };
@@ -179,8 +179,8 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
 impl<S, H, R, const POWERS: usize> Automaton<S, STATES, POWERS> for Rectified<S, H, R>
 where
     S: Scalar,
-    H: Terminals<S>,
-    R: Reservoir<S>,
+    H: ElectricalPort<S>,
+    R: StorageElement<S>,
 {
     type Mode = Mode<H::Mode>;
     type Flow<'a>
@@ -196,7 +196,7 @@ where
     #[inline(always)]
     fn guards(&self, mode: Self::Mode) -> usize {
         let [own, bridge] = self.counts(mode);
-        let switches = R::SWITCHES && self.bridge.reservoir.lockout().is_some();
+        let switches = R::SWITCHES && self.bridge.storage.lockout().is_some();
         own + bridge + usize::from(switches)
     }
 
@@ -207,7 +207,7 @@ where
         index: usize,
         armed: bool,
         point: &Point<S, STATES, POWERS>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
     ) -> Guard<S> {
         match self.watch(mode, index) {
             Watch::Harvester(index) => {
@@ -229,7 +229,7 @@ where
         mode: Self::Mode,
         index: usize,
         point: &Point<S, STATES, POWERS>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
         step: S,
     ) -> Jump<S, Self::Mode, STATES> {
         let acceleration = moment.acceleration();
@@ -246,14 +246,14 @@ where
         };
         let own = self.harvester.jump(mode.inner, index, &self.own_point(mode, point), moment, step);
         let mode = Mode { inner: own.mode, ..mode };
-        let state = [own.state[POSITION], own.state[VELOCITY], state[CHARGE], state[STORE]];
+        let state = [own.state[POSITION], own.state[VELOCITY], state[CHARGE], state[STORAGE]];
         let remainder =
-            [own.remainder[POSITION], own.remainder[VELOCITY], remainder[CHARGE], remainder[STORE]];
+            [own.remainder[POSITION], own.remainder[VELOCITY], remainder[CHARGE], remainder[STORAGE]];
         // An impact turns the voltage's rate with the velocity, a stick takes it away.
         let sign: S = mode.regime.sign();
         let conducts = mode.regime != BridgeRegime::Blocked;
         let leaving = conducts
-            && (self.harvester.is_frozen(mode.inner)
+            && (self.harvester.charge_is_frozen(mode.inner)
                 || !(self.electrics(mode, &state).drive(sign, state[VELOCITY]) > S::ZERO));
         let jump = self.land::<POWERS>(mode, leaving, state, remainder, acceleration);
         Jump { loss: own.loss, armed: own.armed, ..jump }
@@ -273,10 +273,10 @@ where
             let sign: S = regime.sign();
             let at = self.electrics(after.mode, &after.state);
             let passed = sign * self.harvester.coulombs() * (at.charge - after.state[CHARGE]);
-            let base = point.state[STORE];
+            let base = point.state[STORAGE];
             let drop = self.bridge.diode_drop;
-            let half = S::literal(0.5);
-            // V(x, Q0) − s (B + 2 V_D), which has fallen to what the store rises as the charge has passed.
+            let half = S::from_f64(0.5);
+            // V(x, Q0) − s (B + 2 V_D), which has fallen to what the storage rises as the charge has passed.
             let excess = sign * (at.charge - after.state[CHARGE]) / at.charge_by_voltage;
             energies[account::LOAD] = passed * (base + half * at.gained);
             energies[account::CURRENT_MAGNITUDE] = passed;
@@ -299,8 +299,8 @@ where
 impl<S, H, R, const POWERS: usize> Harvester<S, STATES, POWERS> for Rectified<S, H, R>
 where
     S: Scalar,
-    H: Terminals<S>,
-    R: Reservoir<S>,
+    H: ElectricalPort<S>,
+    R: StorageElement<S>,
 {
     fn coordinate(&self, point: &Point<S, STATES, POWERS>) -> Guard<S> {
         // Position and velocity are the harvester's whatever the bridge does.
@@ -317,17 +317,17 @@ where
         if mode.regime == BridgeRegime::Blocked {
             self.harvester.voltage(mode.inner, &self.own_point(mode, point))
         } else {
-            mode.regime.sign::<S>() * self.bridge.threshold(self.store_voltage(mode, &point.state))
+            mode.regime.sign::<S>() * self.bridge.threshold(self.storage_voltage(mode, &point.state))
         }
     }
 
-    /// Of the harvester; for the store see [`Rectified::stored_in_reservoir`].
+    /// Of the harvester; for the storage see [`Rectified::stored_energy_at`].
     fn stored_energy(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> StoredEnergy<S> {
         self.harvester.stored_energy(mode.inner, &self.own_point(mode, point))
     }
 
-    fn is_held(&self, mode: Self::Mode) -> bool {
-        self.harvester.is_held(mode.inner)
+    fn is_stick(&self, mode: Self::Mode) -> bool {
+        self.harvester.is_stick(mode.inner)
     }
 
     fn is_impact(&self, mode: Self::Mode, guard: usize) -> bool {
@@ -337,15 +337,15 @@ where
         }
     }
 
-    fn compensated_store_voltage(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> [S; 2] {
+    fn compensated_storage_voltage(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> [S; 2] {
         let gained = self.electrics(mode, &point.state).gained;
-        let (voltage, rest) = add_increment(point.state[STORE], point.remainder[STORE], gained);
+        let (voltage, rest) = add_increment(point.state[STORAGE], point.remainder[STORAGE], gained);
         [voltage, rest]
     }
 
-    fn store_gain(&self, from: [S; 2], to: [S; 2]) -> Option<S> {
+    fn storage_gain(&self, from: [S; 2], to: [S; 2]) -> Option<S> {
         let rise = (to[0] - from[0]) + (to[1] - from[1]);
-        let half = S::literal(0.5) / self.per_farad;
+        let half = S::from_f64(0.5) / self.per_farad;
         (self.per_farad > S::ZERO).then(|| half * rise * (to[0] + from[0]))
     }
 }

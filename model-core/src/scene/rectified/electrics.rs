@@ -1,7 +1,7 @@
-//! The circuit at a state: charge, store, current.
+//! The circuit at a state: charge, storage, current.
 
-use super::{BridgeRegime, CHARGE, Mode, POSITION, Rectified, STATES, STORE, Terminals};
-use crate::part::store::Reservoir;
+use super::{BridgeRegime, CHARGE, ElectricalPort, Mode, POSITION, Rectified, STATES, STORAGE};
+use crate::part::storage::StorageElement;
 use crate::scalar::Scalar;
 
 /// The circuit at a state.
@@ -10,17 +10,17 @@ pub(super) struct Electrics<S> {
     pub(super) charge: S,
     /// What of it has passed since conduction began.
     pub(super) passed: S,
-    /// What it has added to the store's voltage since conduction began, in volts.
+    /// What it has added to the storage's voltage since conduction began, in volts.
     pub(super) gained: S,
-    /// Voltage of the store in volts.
-    pub(super) store_voltage: S,
+    /// Voltage of the storage in volts.
+    pub(super) storage_voltage: S,
     /// `i_out/C_s` in V/s.
     pub(super) fall: S,
     /// `∂V/∂x` in V/m.
     pub(super) voltage_by_position: S,
     /// `1/(1/C_s − ∂V/∂Q)` in charge units per volt while the bridge conducts, else 0.
     pub(super) charge_by_voltage: S,
-    /// `dV_s/dB`: what the harvester's capacitance leaves the store of a change.
+    /// `dV_s/dB`: what the harvester's capacitance leaves the storage of a change.
     pub(super) share: S,
 }
 
@@ -38,18 +38,18 @@ impl<S: Scalar> Electrics<S> {
     }
 }
 
-impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
+impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// The circuit at a state; see [`super`].
     #[inline(always)]
     pub(super) fn electrics(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> Electrics<S> {
-        let (start, base) = (state[CHARGE], state[STORE]);
-        let fall_at = |voltage| self.per_farad * self.bridge.reservoir.outflow(voltage, mode.connected);
+        let (start, base) = (state[CHARGE], state[STORAGE]);
+        let fall_at = |voltage| self.per_farad * self.bridge.storage.outflow(voltage, mode.connected);
         if mode.regime == BridgeRegime::Blocked {
             return Electrics {
                 charge: start,
                 passed: S::ZERO,
                 gained: S::ZERO,
-                store_voltage: base,
+                storage_voltage: base,
                 fall: fall_at(base),
                 voltage_by_position: S::ZERO,
                 charge_by_voltage: S::ZERO,
@@ -57,26 +57,26 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Rectified<S, H, R> {
             };
         }
         let sign: S = mode.regime.sign();
-        let terminal = self.harvester.terminal_voltage(mode.inner, state[POSITION], start);
+        let terminal = self.harvester.port_voltage(mode.inner, state[POSITION], start);
         let charge_by_voltage = S::ONE / (self.elastance - terminal.by_charge);
         let passed = (terminal.value - sign * self.bridge.threshold(base)) * charge_by_voltage;
         let gained = sign * passed * self.elastance;
-        let store_voltage = base + gained;
+        let storage_voltage = base + gained;
         Electrics {
             charge: start + passed,
             passed,
             gained,
-            store_voltage,
-            fall: fall_at(store_voltage),
+            storage_voltage,
+            fall: fall_at(storage_voltage),
             voltage_by_position: terminal.by_position + terminal.by_both * passed,
             charge_by_voltage,
             share: -terminal.by_charge * charge_by_voltage,
         }
     }
 
-    /// Derivative of [`Electrics::fall`] by the store's voltage, in 1/s.
+    /// Derivative of [`Electrics::fall`] by the storage's voltage, in 1/s.
     #[inline(always)]
     pub(super) fn fall_by_voltage(&self, mode: Mode<H::Mode>, at: &Electrics<S>) -> S {
-        self.per_farad * self.bridge.reservoir.outflow_by_voltage(at.store_voltage, mode.connected)
+        self.per_farad * self.bridge.storage.outflow_by_voltage(at.storage_voltage, mode.connected)
     }
 }

@@ -1,9 +1,9 @@
 //! The flow of each mode, its iteration matrix, and the powers along it.
 
 use super::electrics::Electrics;
-use super::{BridgeRegime, Mode, POSITION, Rectified, STATES, STORE, Terminals, VELOCITY};
+use super::{BridgeRegime, ElectricalPort, Mode, POSITION, Rectified, STATES, STORAGE, VELOCITY};
 use crate::integrate::System;
-use crate::part::store::Reservoir;
+use crate::part::storage::StorageElement;
 use crate::scalar::Scalar;
 use crate::scene::account;
 use crate::scene::coupled::{Derivatives, ModeFactor};
@@ -15,7 +15,7 @@ pub struct Flow<'a, S, H, R, M> {
     pub(super) mode: Mode<M>,
 }
 
-impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Flow<'_, S, H, R, H::Mode> {
+impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Flow<'_, S, H, R, H::Mode> {
     /// The circuit at a state, and the harvester's own state.
     #[inline(always)]
     fn parts(&self, state: &[S; STATES]) -> (Electrics<S>, [S; 3]) {
@@ -26,8 +26,8 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Flow<'_, S, H, R, H::Mode> {
 
     /// Whether the harvester's position is held.
     #[inline(always)]
-    fn is_held(&self) -> bool {
-        self.scene.harvester.is_held(self.mode.inner)
+    fn is_stick(&self) -> bool {
+        self.scene.harvester.is_stick(self.mode.inner)
     }
 
     /// The whole account of powers; see [`account`].
@@ -35,8 +35,8 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Flow<'_, S, H, R, H::Mode> {
     fn account(&self, state: &[S; STATES], acceleration: S) -> [S; account::WHOLE] {
         let scene = self.scene;
         let (at, own) = self.parts(state);
-        let reservoir = &scene.bridge.reservoir;
-        let volts = at.store_voltage;
+        let storage = &scene.bridge.storage;
+        let volts = at.storage_voltage;
         let mut powers = scene.harvester.account(self.mode.inner, &own, acceleration);
         if self.mode.regime != BridgeRegime::Blocked {
             let sign: S = self.mode.regime.sign();
@@ -46,11 +46,11 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Flow<'_, S, H, R, H::Mode> {
             powers[account::LOAD] = volts * current;
             powers[account::VOLTAGE_SQUARED] = threshold * threshold;
             powers[account::VOLTAGE] = sign * threshold;
-            powers[account::CURRENT_MAGNITUDE] = current.absolute();
+            powers[account::CURRENT_MAGNITUDE] = current.abs();
             powers[account::DIODES] = (drop + drop) * current;
         }
-        powers[account::LEAKED] = volts * reservoir.leakage(volts);
-        powers[account::DRAWN] = if self.mode.connected { volts * reservoir.drawn(volts) } else { S::ZERO };
+        powers[account::LEAKED] = volts * storage.leakage(volts);
+        powers[account::DRAWN] = if self.mode.connected { volts * storage.drawn(volts) } else { S::ZERO };
         powers
     }
 }
@@ -58,8 +58,8 @@ impl<S: Scalar, H: Terminals<S>, R: Reservoir<S>> Flow<'_, S, H, R, H::Mode> {
 impl<S, H, R, const POWERS: usize> System<S, STATES, POWERS> for Flow<'_, S, H, R, H::Mode>
 where
     S: Scalar,
-    H: Terminals<S>,
-    R: Reservoir<S>,
+    H: ElectricalPort<S>,
+    R: StorageElement<S>,
 {
     type Factor = ModeFactor<S>;
 
@@ -71,10 +71,10 @@ where
         [velocity, rate, S::ZERO, -at.fall]
     }
 
-    /// With the charge following the position, and without what the store's slow voltage does to the motion.
+    /// With the charge following the position, and without what the storage's slow voltage does to the motion.
     #[inline(always)]
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
-        if self.is_held() {
+        if self.is_stick() {
             return Some(ModeFactor::held(weight, S::ZERO));
         }
         let (at, own) = self.parts(state);
@@ -85,12 +85,16 @@ where
     }
 
     #[inline(always)]
-    fn solve(&self, factor: &ModeFactor<S>, [position, velocity, charge, store]: [S; STATES]) -> [S; STATES] {
+    fn solve(
+        &self,
+        factor: &ModeFactor<S>,
+        [position, velocity, charge, storage]: [S; STATES],
+    ) -> [S; STATES] {
         let [position, velocity, charge] = factor.solve([position, velocity, charge]);
-        [position, velocity, charge, store]
+        [position, velocity, charge, storage]
     }
 
-    /// Newton's iteration on the velocity; the store takes one of its own in each.
+    /// Newton's iteration on the velocity; the storage takes one of its own in each.
     #[inline(always)]
     fn iterate(
         &self,
@@ -100,30 +104,30 @@ where
         acceleration: S,
         weight: S,
     ) -> [S; STATES] {
-        let before = increment[STORE];
-        System::<S, STATES, POWERS>::eliminate(self, base, increment, weight);
-        let store = increment[STORE] - before;
-        if self.is_held() {
-            return [S::ZERO, S::ZERO, S::ZERO, store];
+        let before = increment[STORAGE];
+        System::<S, STATES, POWERS>::condense(self, base, increment, weight);
+        let storage = increment[STORAGE] - before;
+        if self.is_stick() {
+            return [S::ZERO, S::ZERO, S::ZERO, storage];
         }
         let state = core::array::from_fn(|i| base[i] + increment[i]);
         let [_, rate, _, _] = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
         let [position, velocity, _] = factor.correction(weight * rate - increment[VELOCITY]);
         increment[VELOCITY] += velocity;
-        [position, velocity, S::ZERO, store]
+        [position, velocity, S::ZERO, storage]
     }
 
     #[inline(always)]
-    fn eliminate(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
-        if !self.is_held() {
+    fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
+        if !self.is_stick() {
             increment[POSITION] = weight * (base[VELOCITY] + increment[VELOCITY]);
         }
         if R::CHARGES {
             let state = core::array::from_fn(|i| base[i] + increment[i]);
             let at = self.scene.electrics(self.mode, &state);
             let slope = weight * self.scene.fall_by_voltage(self.mode, &at) * at.share;
-            let residual = -weight * at.fall - increment[STORE];
-            increment[STORE] += residual / (S::ONE + slope);
+            let residual = -weight * at.fall - increment[STORAGE];
+            increment[STORAGE] += residual / (S::ONE + slope);
         }
     }
 
@@ -132,8 +136,8 @@ where
         account::first(&self.account(state, acceleration))
     }
 
-    /// The charge that passes in a step is what the ends have let pass, and the store's voltage is linear in it but
-    /// for what leaks and is drawn: then the store's ledger closes to rounding whatever the step.
+    /// The charge that passes in a step is what the ends have let pass, and the storage's voltage is linear in it but
+    /// for what leaks and is drawn: then the storage's ledger closes to rounding whatever the step.
     #[inline(always)]
     fn settle(&self, start: &[S; STATES], end: &[S; STATES], energies: &mut [S; POWERS]) {
         if self.mode.regime == BridgeRegime::Blocked {
@@ -145,7 +149,7 @@ where
         let charge = sign * scene.harvester.coulombs() * (to.passed - from.passed);
         let drop = scene.bridge.diode_drop;
         let known = [
-            (account::LOAD, S::literal(0.5) * (from.store_voltage + to.store_voltage) * charge),
+            (account::LOAD, S::from_f64(0.5) * (from.storage_voltage + to.storage_voltage) * charge),
             (account::CURRENT_MAGNITUDE, charge),
             (account::DIODES, (drop + drop) * charge),
         ];
@@ -156,19 +160,19 @@ where
         }
     }
 
-    /// The harvester's own measure; the store relative to the threshold that its voltage makes.
+    /// The harvester's own measure; the storage relative to the threshold that its voltage makes.
     #[inline(always)]
-    fn weigh(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
-        let [position, velocity, charge, store] = *change;
+    fn error_norm(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
+        let [position, velocity, charge, storage] = *change;
         let own = [state[POSITION], state[VELOCITY], state[super::CHARGE]];
         let flow = self.scene.harvester.flow(self.mode.inner);
-        let size = System::<S, 3, 0>::weigh(&flow, &own, &[position, velocity, charge]);
+        let size = System::<S, 3, 0>::error_norm(&flow, &own, &[position, velocity, charge]);
         if !R::CHARGES {
             return size;
         }
-        let threshold = self.scene.bridge.threshold(state[STORE]).larger(self.scene.voltage_floor);
+        let threshold = self.scene.bridge.threshold(state[STORAGE]).max(self.scene.voltage_floor);
         // A reciprocal, because it is the same for every change that is weighed in a step.
         let per_threshold = S::ONE / threshold;
-        size.larger(store.absolute() * per_threshold)
+        size.max(storage.abs() * per_threshold)
     }
 }

@@ -3,7 +3,7 @@
 use super::flow::Flow;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
 use crate::excitation::{Excitation, Sine};
-use crate::hybrid::{Automaton, Guard, HybridState, Jump, Moment};
+use crate::hybrid::{Automaton, Guard, HybridState, InputAt, Jump};
 use crate::integrate::step_control::ErrorScale;
 use crate::integrate::{Point, System};
 use crate::part::friction::turns_until_release;
@@ -23,13 +23,13 @@ pub enum Mode {
         ahead: bool,
     },
     /// Friction holds the slider.
-    Stuck,
+    Stick,
 }
 
 /// Guard of [`Mode::Sliding`] at which the displacement comes to the corner of the overlap; at the
 /// other the velocity comes to zero.
 const CORNER: usize = 0;
-/// Guards of [`Mode::Stuck`]: friction fails to hold the slider back from negative displacement.
+/// Guards of [`Mode::Stick`]: friction fails to hold the slider back from negative displacement.
 const BACKWARD: usize = 0;
 /// And from positive.
 const FORWARD: usize = 1;
@@ -48,7 +48,7 @@ impl Mode {
     pub(super) fn is_ahead<S: Scalar>(self, displacement: S) -> bool {
         match self {
             Self::Sliding { ahead, .. } => ahead,
-            Self::Stuck => displacement >= S::ZERO,
+            Self::Stick => displacement >= S::ZERO,
         }
     }
 }
@@ -72,8 +72,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     #[inline(always)]
     pub(super) fn mode_from_rest(&self, state: &[S; STATES], acceleration: S) -> Mode {
         let [[pull, _], [hold, _]] = self.balance(state, acceleration);
-        if Self::STICKS && pull.absolute() <= hold {
-            Mode::Stuck
+        if Self::STICKS && pull.abs() <= hold {
+            Mode::Stick
         } else {
             Mode::sliding(pull < S::ZERO, state[DISPLACEMENT])
         }
@@ -88,7 +88,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         acceleration: S,
     ) -> S {
         let [[pull, _], _] = self.balance(&point.state, acceleration);
-        if mode == Mode::Stuck { self.modal_mass * pull } else { S::ZERO }
+        if mode == Mode::Stick { self.modal_mass * pull } else { S::ZERO }
     }
 
     /// Seconds until a held slider is released, where a single sine shakes the base and the charge is
@@ -102,7 +102,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         sine: &Sine<S, M>,
     ) -> Option<S> {
         let flows = self.sticking.relaxes() && matches!(self.load.resistance(), Resistance::Finite(_));
-        if state.mode != Mode::Stuck || flows {
+        if state.mode != Mode::Stick || flows {
             return None;
         }
         let [[constant, _], [hold, _]] = self.balance(&state.point.state, S::ZERO);
@@ -112,7 +112,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
         // A negative amplitude is half a turn.
         let phase = if amplitude < S::ZERO { phase.wrapping_add(1 << 63) } else { phase };
-        let turns = turns_until_release(constant, amplitude.absolute(), hold, phase)?;
+        let turns = turns_until_release(constant, amplitude.abs(), hold, phase)?;
         Some(turns / sine.hertz())
     }
 
@@ -125,7 +125,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         &self,
         index: usize,
         point: &Point<S, STATES, POWERS>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
     ) -> Guard<S> {
         let charge_rate = point.derivative[CHARGE];
         let [[pull, pull_by_charge], [hold, hold_by_charge]] =
@@ -154,7 +154,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         let flow = Flow { scene: self, mode };
         let mut derivative = System::<S, STATES, POWERS>::flow(&flow, &state, acceleration);
         derivative[CHARGE] = charge_rate;
-        let half_mass = S::literal(0.5) * self.modal_mass;
+        let half_mass = S::from_f64(0.5) * self.modal_mass;
         let loss = half_mass * (reached - velocity) * (reached + velocity);
         Jump {
             mode,
@@ -162,7 +162,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             remainder: [S::ZERO; STATES],
             derivative,
             loss,
-            armed: velocity != S::ZERO || mode == Mode::Stuck,
+            armed: velocity != S::ZERO || mode == Mode::Stick,
         }
     }
 
@@ -205,12 +205,12 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         index: usize,
         armed: bool,
         point: &Point<S, STATES, POWERS>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
     ) -> Guard<S> {
         let (forward, ahead) = match mode {
             Mode::Sliding { forward, ahead } => (forward, ahead),
-            Mode::Stuck if Self::STICKS => return self.release_guard(index, point, moment),
-            Mode::Stuck => (true, true),
+            Mode::Stick if Self::STICKS => return self.release_guard(index, point, moment),
+            Mode::Stick => (true, true),
         };
         let [displacement, velocity, _] = point.state;
         let (value, rate, positive, margin) = if index == CORNER {
@@ -233,7 +233,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         match mode {
             Mode::Sliding { forward: true, .. } => point.state[VELOCITY] > self.velocity_margin,
             Mode::Sliding { forward: false, .. } => point.state[VELOCITY] < -self.velocity_margin,
-            Mode::Stuck => true,
+            Mode::Stick => true,
         }
     }
 
@@ -242,7 +242,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         mode: Mode,
         index: usize,
         point: &Point<S, STATES, POWERS>,
-        moment: &Moment<'_, E>,
+        moment: &InputAt<'_, E>,
         step: S,
     ) -> Jump<S, Mode, STATES> {
         let acceleration = moment.acceleration();
@@ -250,7 +250,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         let rate = point.derivative[CHARGE];
         let rest = [displacement, S::ZERO, charge];
         match mode {
-            Mode::Stuck if Self::STICKS => {
+            Mode::Stick if Self::STICKS => {
                 let mode = Mode::sliding(index == FORWARD, displacement);
                 // A frozen charge starts to flow.
                 let circuit = self.circuit(mode.is_ahead(displacement), displacement, charge);
@@ -264,9 +264,9 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
                 let after = self.charge_rate_from(rate, mode, &point.state, step);
                 self.go_on(mode, velocity, after, point, acceleration)
             }
-            Mode::Sliding { .. } | Mode::Stuck => {
+            Mode::Sliding { .. } | Mode::Stick => {
                 let mode = self.mode_from_rest(&rest, acceleration);
-                let frozen = mode == Mode::Stuck && !self.sticking.relaxes();
+                let frozen = mode == Mode::Stick && !self.sticking.relaxes();
                 let after = if frozen { S::ZERO } else { self.charge_rate_from(rate, mode, &rest, step) };
                 self.go_on(mode, S::ZERO, after, point, acceleration)
             }
@@ -281,7 +281,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
     #[inline(always)]
     fn check(&self, _mode: Mode, state: &[S; STATES]) -> Result<(), (&'static str, S)> {
         let displacement = state[DISPLACEMENT];
-        if displacement.absolute() < self.diameter { Ok(()) } else { Err(("displacement", displacement)) }
+        if displacement.abs() < self.diameter { Ok(()) } else { Err(("displacement", displacement)) }
     }
 }
 
@@ -299,8 +299,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Harvester<S, STATES, POWERS> f
         StoredEnergy { mechanical, electrical }
     }
 
-    fn is_held(&self, mode: Mode) -> bool {
-        mode == Mode::Stuck
+    fn is_stick(&self, mode: Mode) -> bool {
+        mode == Mode::Stick
     }
 
     fn is_impact(&self, _mode: Mode, _guard: usize) -> bool {
@@ -368,7 +368,7 @@ mod tests {
             if advance.ended == Ended::Finished {
                 break;
             }
-            if before == Mode::Stuck {
+            if before == Mode::Stick {
                 let expected = expected.expect("friction fails");
                 let error = state.clock.seconds::<f64>() - expected;
                 assert!(error.abs() < 1e-9, "{error}");

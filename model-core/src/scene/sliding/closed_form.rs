@@ -108,8 +108,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// multiplications and 60 divisions each. With the load open the charge is that of the slider at the centre.
     #[must_use]
     pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
-        let omega = hertz * S::literal(core::f64::consts::TAU);
-        let drive = self.base_coupling * amplitude.absolute();
+        let omega = hertz * S::from_f64(core::f64::consts::TAU);
+        let drive = self.base_coupling * amplitude.abs();
         let at_rest = self.circuit(true, S::ZERO, S::ZERO);
         let held = ratio(drive, self.static_friction(&at_rest)[0]);
         if held <= S::ONE {
@@ -121,7 +121,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
                 validity: Validity::Holds { margin: held },
             };
         }
-        let twice = S::literal(2.0 * DAMPING) * self.angular_frequency;
+        let twice = S::from_f64(2.0 * DAMPING) * self.angular_frequency;
         let damping = self.damping_per_mass / twice;
         let (reached, demand, left) = self.reached(drive, omega);
         let (mean_power, rms_voltage) = self.electrical(reached, demand.current_square, omega);
@@ -130,10 +130,10 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             rms_voltage,
             amplitude: reached,
             validity: Validity::of([
-                (Reason::NotBalanced, left * S::literal(1.0 / TOLERANCE)),
-                (Reason::LeavesOverlap, reached * self.per_diameter * S::literal(1.0 / REACH)),
+                (Reason::NotBalanced, left * S::from_f64(1.0 / TOLERANCE)),
+                (Reason::LeavesOverlap, reached * self.per_diameter * S::from_f64(1.0 / REACH)),
                 (Reason::Sticks, demand.hold),
-                (Reason::HigherHarmonics, demand.third * S::literal(1.0 / THIRD)),
+                (Reason::HigherHarmonics, demand.third * S::from_f64(1.0 / THIRD)),
                 (Reason::Overdamped, damping),
             ]),
         }
@@ -143,25 +143,25 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// drive. Where the drive is beyond the largest amplitude there is, that; where it is not enough for the
     /// smallest, that, as one that sticks.
     fn reached(&self, drive: S, omega: S) -> (S, Demand<S>, S) {
-        let half = S::literal(0.5);
+        let half = S::from_f64(0.5);
         // Between these; whether each end has been tried.
-        let (mut low, mut high) = (S::literal(1e-3) * self.diameter, S::literal(0.99) * self.diameter);
+        let (mut low, mut high) = (S::from_f64(1e-3) * self.diameter, S::from_f64(0.99) * self.diameter);
         let (mut low_tried, mut high_tried) = (false, false);
         // The first guess has the friction of the centre; the first step, that of the guess.
         let at_centre = self.circuit(true, S::ZERO, S::ZERO);
         let [normal, _] = self.normal(&at_centre);
         let friction = self.friction.kinetic_coefficient(S::ONE) * normal;
         let orbit = self.between_turns(friction, S::ZERO, omega);
-        let least = (drive * drive / orbit.norm - orbit.lagging * orbit.lagging).square_root() + orbit.drop;
-        let mut at = least.larger(low).smaller(half * high);
+        let least = (drive * drive / orbit.norm - orbit.lagging * orbit.lagging).sqrt() + orbit.drop;
+        let mut at = least.max(low).min(half * high);
         let mut before: Option<(S, S)> = None;
         let mut attempt = 0;
         loop {
             let mut demand = self.demand(at, omega);
             let over = demand.acceleration - drive;
-            let left = over.absolute() / drive;
+            let left = over.abs() / drive;
             attempt += 1;
-            if left <= S::literal(TOLERANCE) || attempt >= MOST_ATTEMPTS {
+            if left <= S::from_f64(TOLERANCE) || attempt >= MOST_ATTEMPTS {
                 return (at, demand, left);
             }
             let above = over > S::ZERO;
@@ -199,14 +199,14 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         let orbit = self.between_turns(turn.friction, turn.stiffness, omega);
         let forced = amplitude - orbit.drop;
         let square = orbit.norm * (forced * forced + orbit.lagging * orbit.lagging);
-        let acceleration = square.square_root();
+        let acceleration = square.sqrt();
         // At the turn: spring and base against static friction.
         let pull = orbit.stiffness * amplitude - orbit.detuning * forced - orbit.across * orbit.lagging;
         let circuit = self.circuit(true, amplitude, turn.charge);
         let [holding, _] = self.static_friction(&circuit);
         // A square wave has a third of its first harmonic in the third.
-        let third = S::literal(2.0 / 3.0 * core::f64::consts::FRAC_2_PI) * turn.friction
-            / ((orbit.stiffness - S::literal(9.0) * omega * omega).absolute() * amplitude);
+        let third = S::from_f64(2.0 / 3.0 * core::f64::consts::FRAC_2_PI) * turn.friction
+            / ((orbit.stiffness - S::from_f64(9.0) * omega * omega).abs() * amplitude);
         Demand {
             acceleration,
             rise: orbit.norm * forced / acceleration,
@@ -218,12 +218,12 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
 
     /// The motion between two turns under a constant friction, with a stiffness beside the beam's.
     fn between_turns(&self, friction: S, stiffness: S, omega: S) -> Orbit<S> {
-        let two = S::literal(2.0);
-        let stiffness = (self.stiffness_per_mass + stiffness).larger(S::TINY);
-        let natural = stiffness.square_root();
+        let two = S::from_f64(2.0);
+        let stiffness = (self.stiffness_per_mass + stiffness).max(S::TINY);
+        let natural = stiffness.sqrt();
         let damping = self.damping_per_mass / (natural + natural);
         // The free motion over half a period: a11 − 1, a12, a21, a22 − 1.
-        let free = ModalStep::new(natural, damping, S::literal(core::f64::consts::PI) / omega);
+        let free = ModalStep::new(natural, damping, S::from_f64(core::f64::consts::PI) / omega);
         let [a, b, c, d] = [
             two + free.displacement_by_displacement,
             free.displacement_by_velocity,
@@ -243,7 +243,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// Friction, lag and current on the way from `x = X` to `x = −X`.
     fn half_turn(&self, amplitude: S, omega: S) -> HalfTurn<S> {
         let tribo = self.surface.tribo_charge;
-        let overlaps = COSINES.map(S::literal).map(|cosine| self.overlap(true, amplitude * cosine));
+        let overlaps = COSINES.map(S::from_f64).map(|cosine| self.overlap(true, amplitude * cosine));
         let active = |step: usize, stage: usize| {
             let place = if step < STEPS { 2 * step + stage } else { 4 * STEPS - 2 * step - stage };
             overlaps.get(place).copied().unwrap_or(DiscOverlap { active: S::ONE, inert: S::ZERO })
@@ -256,7 +256,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         let step_map = |step: usize| {
             let overlap = [0, 1, 2].map(|stage| active(step, stage));
             lag.map_or(Increments::NONE, |lag| {
-                Increments::new(&overlap.map(|one| one.active), lag * S::literal(1.0 / STEP), tribo)
+                Increments::new(&overlap.map(|one| one.active), lag * S::from_f64(1.0 / STEP), tribo)
             })
         };
         // The charge after half a turn is (1 − e) of that before, and some more: periodic where both agree.
@@ -269,7 +269,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
         let mut charge = if forgotten > S::ZERO { gained / forgotten } else { tribo };
         let at_turn = tribo - charge;
-        let (weights, stages) = (WEIGHTS.map(S::literal), STAGES.map(|row| row.map(S::literal)));
+        let (weights, stages) = (WEIGHTS.map(S::from_f64), STAGES.map(|row| row.map(S::from_f64)));
         let (mut work, mut lagging, mut square) = (S::ZERO, S::ZERO, S::ZERO);
         for (step, map) in maps.iter().enumerate() {
             let rates = map.at(charge);
@@ -289,10 +289,10 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             charge += sum(&weights, &rates);
         }
         HalfTurn {
-            friction: S::literal(0.5 * STEP) * work,
-            stiffness: S::literal(-STEP * core::f64::consts::FRAC_2_PI) * lagging / amplitude,
+            friction: S::from_f64(0.5 * STEP) * work,
+            stiffness: S::from_f64(-STEP * core::f64::consts::FRAC_2_PI) * lagging / amplitude,
             // The rates are per step.
-            current_square: square * S::literal(core::f64::consts::FRAC_1_PI / STEP),
+            current_square: square * S::from_f64(core::f64::consts::FRAC_1_PI / STEP),
             charge: at_turn,
         }
     }
@@ -312,7 +312,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             Resistance::Finite(ohms) => {
                 let current = omega * self.charge_unit;
                 let square = current_square * current * current;
-                (square * ohms, square.square_root() * ohms)
+                (square * ohms, square.sqrt() * ohms)
             }
             Resistance::Open => {
                 // Mean of the square by Simpson's rule over a quarter of a turn, step by step.
@@ -324,10 +324,10 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
                 let mut sum = S::ZERO;
                 for step in 0..STEPS {
                     let ends = square(2 * step) + square(2 * step + 2);
-                    sum += S::literal(1.0 / (6.0 * STEPS as f64))
-                        * (ends + S::literal(4.0) * square(2 * step + 1));
+                    sum += S::from_f64(1.0 / (6.0 * STEPS as f64))
+                        * (ends + S::from_f64(4.0) * square(2 * step + 1));
                 }
-                (S::ZERO, self.field * sum.square_root())
+                (S::ZERO, self.field * sum.sqrt())
             }
         }
     }
@@ -335,7 +335,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
 
 /// Of a place on the way from one turn to the other.
 fn cosine_and_sine<S: Scalar>(place: usize) -> (S, S) {
-    let cosines = COSINES.map(S::literal);
+    let cosines = COSINES.map(S::from_f64);
     let entry = |index: usize| cosines.get(index).copied().unwrap_or(S::ZERO);
     let last = PLACES - 1;
     if place <= last {

@@ -76,8 +76,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     pub(super) fn active_curvature(&self, ahead: bool, displacement: S) -> S {
         // d²s1/dξ² = (16/π²) ξ / −(ds1/dξ); at the rim of the domain it has a pole.
         let xi = self.xi(ahead, displacement);
-        let by_xi = DiscOverlap::active_by_xi(xi).absolute().larger(S::literal(1e-3));
-        S::literal(16.0 / (core::f64::consts::PI * core::f64::consts::PI)) * xi / by_xi
+        let by_xi = DiscOverlap::active_by_xi(xi).abs().max(S::from_f64(1e-3));
+        S::from_f64(16.0 / (core::f64::consts::PI * core::f64::consts::PI)) * xi / by_xi
             * self.per_diameter
             * self.per_diameter
     }
@@ -144,7 +144,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             return [S::ZERO; 2];
         }
         let slope = self.active_by_displacement(ahead, displacement);
-        let twice = S::literal(2.0) * (circuit.voltage + self.surface.tribo_charge);
+        let twice = S::from_f64(2.0) * (circuit.voltage + self.surface.tribo_charge);
         let by_charge = -self.dielectric * slope * twice * circuit.per_active;
         [self.field_force(circuit, slope), by_charge]
     }
@@ -166,7 +166,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         let voltage = circuit.voltage;
         self.dielectric
             * (curvature * voltage * (voltage + tribo + tribo)
-                + S::literal(2.0) * slope.active * slope.voltage * (voltage + tribo))
+                + S::from_f64(2.0) * slope.active * slope.voltage * (voltage + tribo))
     }
 
     /// Terminal voltage and load current, in volts and amperes.
@@ -175,7 +175,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// small part of `V_oc` where the resistance is small.
     #[inline(always)]
     pub(super) fn voltage_and_current(&self, mode: Mode, state: &[S; STATES], rate: &[S; STATES]) -> (S, S) {
-        if Self::STICKS && mode == Mode::Stuck && !self.sticking.relaxes() {
+        if Self::STICKS && mode == Mode::Stick && !self.sticking.relaxes() {
             return (S::ZERO, S::ZERO);
         }
         let [displacement, velocity, charge] = *state;
@@ -197,7 +197,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     pub(super) fn energies(&self, mode: Mode, [displacement, velocity, charge]: [S; STATES]) -> [S; 2] {
         let circuit = self.circuit(mode.is_ahead(displacement), displacement, charge);
         let elastic = self.stiffness_per_mass * displacement * displacement;
-        let mechanical = S::literal(0.5) * self.modal_mass * (velocity * velocity + elastic);
+        let mechanical = S::from_f64(0.5) * self.modal_mass * (velocity * velocity + elastic);
         // (q − σS2)² d / (2 ε0 ε_r S1) is M d V² s1 in these units.
         let electrical =
             self.modal_mass * self.dielectric * circuit.voltage * circuit.voltage * circuit.overlap.active;
@@ -216,7 +216,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
     /// Whether the slider is held; where it never is, the compiler drops the code for it.
     #[inline(always)]
     fn is_stuck(&self) -> bool {
-        Sliding::<S, P>::STICKS && self.mode == Mode::Stuck
+        Sliding::<S, P>::STICKS && self.mode == Mode::Stick
     }
 
     /// Rate of the charge per unit of voltage: 0 unless a resistor carries current in this mode.
@@ -234,7 +234,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
     fn direction(&self) -> S {
         match self.mode {
             Mode::Sliding { forward: false, .. } => -S::ONE,
-            Mode::Sliding { forward: true, .. } | Mode::Stuck => S::ONE,
+            Mode::Sliding { forward: true, .. } | Mode::Stick => S::ONE,
         }
     }
 
@@ -290,13 +290,13 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         };
         powers[account::VOLTAGE_SQUARED] = voltage * voltage;
         powers[account::VOLTAGE] = voltage;
-        powers[account::CURRENT_MAGNITUDE] = current.absolute();
+        powers[account::CURRENT_MAGNITUDE] = current.abs();
         powers[account::BASE] = base;
-        powers[account::BASE_MAGNITUDE] = base.absolute();
+        powers[account::BASE_MAGNITUDE] = base.abs();
         powers[account::DISSIPATION] =
             momentum * (scene.damping_per_mass * velocity + self.direction() * coefficient * normal);
-        powers[account::GIVEN_UP] = if scene.lateral_force.acts() { taken_up } else { S::ZERO };
-        powers[account::TAKEN_UP] = taken_up;
+        powers[account::ELECTROSTATIC_WORK] = if scene.lateral_force.acts() { taken_up } else { S::ZERO };
+        powers[account::FIELD_WORK] = taken_up;
         powers
     }
 }
@@ -359,7 +359,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     }
 
     #[inline(always)]
-    fn eliminate(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
+    fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
         if !self.is_stuck() {
             increment[DISPLACEMENT] = weight * (base[VELOCITY] + increment[VELOCITY]);
         }
@@ -386,18 +386,18 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let overlap = scene.overlap(self.mode.is_ahead(displacement), displacement);
         let stiffness = step * self.circuit_rate();
         let share = stiffness / (overlap.active + stiffness);
-        let rounding = S::EPSILON * S::literal(ROUNDINGS) * charge.absolute() * share;
-        let current = rate[CHARGE].absolute();
+        let rounding = S::EPSILON * S::from_f64(ROUNDINGS) * charge.abs() * share;
+        let current = rate[CHARGE].abs();
         ohms * scene.charge_unit * scene.charge_unit * (current + current + rounding / step) * rounding
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the
     /// patch's diameter), charges to the tribo-charge.
     #[inline(always)]
-    fn weigh(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
+    fn error_norm(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let scene = self.scene;
-        let least = S::literal(1e-9) * scene.diameter;
+        let least = S::from_f64(1e-9) * scene.diameter;
         let motion = [state[DISPLACEMENT], state[VELOCITY]];
-        coupled::weigh(motion, change, scene.radian, least, scene.per_tribo_charge)
+        coupled::error_norm(motion, change, scene.time_scale, least, scene.per_tribo_charge)
     }
 }

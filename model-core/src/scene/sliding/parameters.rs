@@ -90,24 +90,24 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
     /// The first field that is out of its bounds, with its value.
     pub fn build(&self) -> Result<Sliding<S, P>, ParameterError<S>> {
         self.check()?;
-        let two = S::literal(2.0);
+        let two = S::from_f64(2.0);
         let section = self.beam_width * self.beam_thickness;
         let square = self.beam_thickness * self.beam_thickness;
         let mode = Cantilever {
             length: self.beam_length,
-            bending_stiffness: self.young_modulus * section * square * S::literal(1.0 / 12.0),
+            bending_stiffness: self.young_modulus * section * square * S::from_f64(1.0 / 12.0),
             mass_per_length: self.density * section,
             tip_mass: self.slider_mass,
         }
         .mode(1);
         let angular_frequency = mode.angular_frequency;
-        let hertz = angular_frequency * S::literal(0.5 * core::f64::consts::FRAC_1_PI);
+        let hertz = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
         Bounds::new(1e-3, 1e4).check("natural frequency of the beam with the slider", hertz)?;
         let tip = mode.shape(S::ONE).value;
         let modal_mass = S::ONE / (tip * tip);
-        let area = S::literal(core::f64::consts::PI) * self.patch_radius * self.patch_radius;
-        let permittivity_area = S::literal(VACUUM_PERMITTIVITY) * self.relative_permittivity * area;
-        let charge_unit = (two * permittivity_area * modal_mass).square_root();
+        let area = S::from_f64(core::f64::consts::PI) * self.patch_radius * self.patch_radius;
+        let permittivity_area = S::from_f64(VACUUM_PERMITTIVITY) * self.relative_permittivity * area;
+        let charge_unit = (two * permittivity_area * modal_mass).sqrt();
         let tribo_charge = self.charge_density * area / charge_unit;
         let elastance = self.dielectric_thickness / permittivity_area;
         let circuit_rate = match self.load.resistance() {
@@ -120,7 +120,7 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         // hundredth of the diameter moves a ten-thousandth of the energy.
         let patch_energy = modal_mass * self.dielectric_thickness * tribo_charge * tribo_charge;
         let share = match self.load.resistance() {
-            Resistance::Finite(_) => (two * angular_frequency / circuit_rate).smaller(S::ONE),
+            Resistance::Finite(_) => (two * angular_frequency / circuit_rate).min(S::ONE),
             Resistance::Short | Resistance::Open => S::ONE,
         };
         let scene = Sliding {
@@ -129,20 +129,20 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
             angular_frequency,
             stiffness_per_mass: angular_frequency * angular_frequency,
             damping_per_mass: two * self.damping_ratio * angular_frequency,
-            radian: S::ONE / angular_frequency,
-            weight_per_mass: self.slider_mass * S::literal(GRAVITY) / modal_mass,
+            time_scale: S::ONE / angular_frequency,
+            weight_per_mass: self.slider_mass * S::from_f64(GRAVITY) / modal_mass,
             diameter,
             per_diameter: S::ONE / diameter,
             dielectric: self.dielectric_thickness,
             charge_unit,
-            surface: Surface { tribo_charge, root_permittivity: self.relative_permittivity.square_root() },
-            per_tribo_charge: S::ONE / tribo_charge.larger(S::literal(1e-12)),
+            surface: Surface { tribo_charge, root_permittivity: self.relative_permittivity.sqrt() },
+            per_tribo_charge: S::ONE / tribo_charge.max(S::from_f64(1e-12)),
             circuit_rate,
             field: charge_unit * elastance,
             // The acceleration of a release may be off by a rounding, and so point the wrong way until the
             // pull has grown: for much less than a hundredth of a radian.
-            velocity_margin: S::literal(0.01 * GRAVITY) * S::EPSILON / angular_frequency,
-            energy_floor: (S::literal(1e-8) * share * patch_energy).larger(S::TINY),
+            velocity_margin: S::from_f64(0.01 * GRAVITY) * S::EPSILON / angular_frequency,
+            energy_floor: (S::from_f64(1e-8) * share * patch_energy).max(S::TINY),
             load: self.load,
             force_law: self.force_law,
             friction: self.friction,

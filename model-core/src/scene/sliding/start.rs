@@ -67,6 +67,6 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             let flow = crate::hybrid::Automaton::<S, STATES, POWERS>::flow(self, mode);
             start_state.point = Point::with_derivative(&flow, state, derivative, acceleration);
         }
-        Ok(if mode == Mode::Stuck { start_state } else { start_state.disarmed() })
+        Ok(if mode == Mode::Stick { start_state } else { start_state.disarmed() })
     }
 }

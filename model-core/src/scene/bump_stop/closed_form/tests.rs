@@ -8,7 +8,7 @@ use crate::scene::bump_stop::{AnyContact, AnyCoupling, AnyParts, Parameters, Sto
 /// The baseline: 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A against an aluminium rod of 20 × 2 × 2 mm,
 /// 10 µm from its tip.
 fn baseline<S: Scalar>(coupling: AnyCoupling, ohms: f64) -> Parameters<S, AnyParts> {
-    let number = S::literal;
+    let number = S::from_f64;
     Parameters {
         beam_length: number(0.05),
         beam_width: number(0.01),
@@ -206,13 +206,13 @@ fn into_a_store_it_is_shu_and_liens_formula() {
         close(found.mean_power, expected * expected / ohms, 2e-6);
         assert!(found.validity.holds(), "{:?}", found.validity);
     }
-    // Without back-coupling a bus at the store's voltage takes what the store's load does.
+    // Without back-coupling a bus at the storage's voltage takes what the storage's load does.
     let scene = free::<4>(ONE_WAY, 1e6);
-    let store = scene.closed_form_into_store(20.0, 220.0, 1e5, 0.3);
-    let voltage = (store.mean_power * 1e5).sqrt();
+    let storage = scene.closed_form_into_store(20.0, 220.0, 1e5, 0.3);
+    let voltage = (storage.mean_power * 1e5).sqrt();
     let bus = scene.closed_form_into_bus(20.0, 220.0, voltage, 0.3);
-    close(bus.mean_power, store.mean_power, 1e-9);
-    close(bus.rms_voltage, store.rms_voltage, 1e-9);
+    close(bus.mean_power, storage.mean_power, 1e-9);
+    close(bus.rms_voltage, storage.rms_voltage, 1e-9);
     // Drops that the voltage does not overcome.
     assert_eq!(scene.closed_form_into_store(20.0, 220.0, 1e5, 10.0).mean_power, 0.0);
     // At resonance the motion is not one harmonic.

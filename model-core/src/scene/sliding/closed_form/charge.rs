@@ -27,7 +27,7 @@ impl<S: Scalar> Increments<S> {
     pub(super) fn new(active: &[S; 3], per_step: S, tribo_charge: S) -> Self {
         // All rows by the largest that they hold, so that an open circuit overflows nothing.
         let scale = S::ONE / (S::ONE + per_step);
-        let stages = STAGES.map(|row| row.map(S::literal));
+        let stages = STAGES.map(|row| row.map(S::from_f64));
         let row = |stage: usize| {
             let mut row = [S::ZERO; 3];
             let own = active.get(stage).copied().unwrap_or(S::ZERO);
@@ -60,7 +60,7 @@ impl<S: Scalar> Increments<S> {
 
     /// Over the whole step.
     pub(super) fn over_step(&self) -> [S; 2] {
-        let weights = WEIGHTS.map(S::literal);
+        let weights = WEIGHTS.map(S::from_f64);
         [sum(&weights, &self.constant), sum(&weights, &self.by_charge)]
     }
 

@@ -20,7 +20,7 @@ fn parameters<S: Scalar>(
     friction: [f64; 4],
     damping_ratio: f64,
 ) -> Parameters<S, AnyParts> {
-    let number = S::literal;
+    let number = S::from_f64;
     let [static_active, static_inert, kinetic_active, kinetic_inert] = friction.map(number);
     Parameters {
         beam_length: number(0.1),

@@ -4,14 +4,14 @@ use super::force_law::ForceLaw;
 use super::{ContactSeparation, Mode, Parts, STATES, Start, Sticking};
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
-use crate::image::{Fingerprint, Image, ImageError, Reader, Writer};
 use crate::integrate::StepControl;
 use crate::part::load::Load;
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
-use crate::scene::{Followed, ParameterError};
+use crate::scene::{ParameterError, Resumable};
+use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
 
-impl<S: Scalar, P: Parts<S>, const POWERS: usize> Followed<S, STATES, POWERS> for ContactSeparation<S, P> {
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> Resumable<S, STATES, POWERS> for ContactSeparation<S, P> {
     fn at_rest<E: Excitation<S>, C: StepControl<S>>(
         &self,
         _before: Option<&HybridState<S, Mode, STATES, POWERS>>,
@@ -50,14 +50,14 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Followed<S, STATES, POWERS> fo
 }
 
 /// A byte: 0 free, 1 stuck.
-impl Image for Mode {
+impl Snapshot for Mode {
     const BYTES: usize = 1;
 
     fn write(&self, out: &mut Writer<'_>) {
-        (*self == Self::Stuck).write(out);
+        (*self == Self::Stick).write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
-        Ok(if bool::read(from)? { Self::Stuck } else { Self::Free })
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+        Ok(if bool::read(from)? { Self::Stick } else { Self::Free })
     }
 }

@@ -1,4 +1,4 @@
-//! Power-down and wake-up: an image resumes with the same bits, and whatever else there is in flash is refused.
+//! Power-down and wake-up: a snapshot resumes with the same bits, and whatever else there is in flash is refused.
 
 mod common;
 
@@ -10,21 +10,21 @@ use model_core::energy::estimator::{HybridModel, Model, Sample, SampleFormat, Se
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{Silence, Sine, Stream};
 use model_core::hybrid::{Driver, HybridState};
-use model_core::image::{self, Image, ImageError};
 use model_core::integrate::{Adaptive, FixedStep, RungeKutta4, TrBdf2};
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{self, AnyContact, AnyCoupling, Restitution, Stepper};
 use model_core::scene::{contact_separation, sliding};
+use model_core::snapshot::{self, Snapshot, SnapshotError};
 
 const EVER: u32 = u32::MAX;
 
 fn settings<S: Scalar>(rate: f64) -> Settings<S> {
     Settings {
-        rate: S::literal(rate),
-        format: SampleFormat::accelerations(S::literal(60.0)),
+        rate: S::from_f64(rate),
+        format: SampleFormat::accelerations(S::from_f64(60.0)),
         longest_gap: 3,
-        settling_seconds: S::literal(0.1),
+        settling_seconds: S::from_f64(0.1),
     }
 }
 
@@ -45,13 +45,13 @@ fn rough<S: Scalar>(samples: &[S], seed: u64) -> Vec<Sample<S>> {
             lost -= 1;
             return Sample::Missing;
         }
-        if choice == 3 { Sample::Saturated(S::literal(60.0)) } else { Sample::Good(sample) }
+        if choice == 3 { Sample::Saturated(S::from_f64(60.0)) } else { Sample::Good(sample) }
     };
     samples.iter().map(rough).collect()
 }
 
 /// Follows the samples with small budgets; every few of them, in the middle of one too, the estimator is saved,
-/// and its twin goes on from the image. Gives how many images were made, and of which states.
+/// and its twin goes on from the snapshot. Gives how many snapshots were made, and of which states.
 fn resume_from_images<S: Scalar, M: Model<S> + Copy + PartialEq + core::fmt::Debug>(
     model: M,
     settings: Settings<S>,
@@ -70,9 +70,9 @@ fn resume_from_images<S: Scalar, M: Model<S> + Copy + PartialEq + core::fmt::Deb
             assert_eq!(progress, same);
             if random.next().is_multiple_of(4) {
                 let used = interrupted.save(&mut flash).expect("room");
-                assert_eq!(used, Estimator::<S, M>::IMAGE_BYTES);
+                assert_eq!(used, Estimator::<S, M>::SNAPSHOT_BYTES);
                 interrupted = Estimator::new(model, settings).expect("valid");
-                interrupted.restore(&flash).expect("its own image");
+                interrupted.restore(&flash).expect("its own snapshot");
                 assert_eq!(interrupted, uninterrupted);
                 states.push(*interrupted.model_state());
                 in_the_middle += u32::from(!progress.finished);
@@ -94,22 +94,22 @@ fn resume_from_images<S: Scalar, M: Model<S> + Copy + PartialEq + core::fmt::Deb
 fn resume_contact_separation<S: Scalar>() {
     let mut parameters = contact_parameters::<S>();
     // Heavily charged and not rebounding: the mass sticks now and then.
-    parameters.charge_density = S::literal(120e-6);
+    parameters.charge_density = S::from_f64(120e-6);
     parameters.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: S::ZERO });
-    let model = hybrid(parameters.build().expect("in bounds"), Adaptive::new(S::literal(1e-3)));
+    let model = hybrid(parameters.build().expect("in bounds"), Adaptive::new(S::from_f64(1e-3)));
     let samples = rough(&sine_samples::<S>(30.0, 15.0, 400.0, 1600), 1);
     let states = resume_from_images(model, settings(400.0), &samples);
-    let stuck = states.iter().filter(|state| state.mode == contact_separation::Mode::Stuck).count();
+    let stuck = states.iter().filter(|state| state.mode == contact_separation::Mode::Stick).count();
     assert!(stuck > 10 && stuck + 10 < states.len(), "{stuck} of {}", states.len());
 }
 
 fn resume_sliding<S: Scalar>() {
-    let model = hybrid(slide::<S>(), Adaptive::new(S::literal(1e-3)));
+    let model = hybrid(slide::<S>(), Adaptive::new(S::from_f64(1e-3)));
     let samples = rough(&sine_samples::<S>(3.0, 6.0, 400.0, 1600), 2);
     let states = resume_from_images(model, settings(400.0), &samples);
-    let stuck = states.iter().filter(|state| state.mode == sliding::Mode::Stuck).count();
+    let stuck = states.iter().filter(|state| state.mode == sliding::Mode::Stick).count();
     assert!(stuck > 10 && stuck + 10 < states.len(), "{stuck} of {}", states.len());
-    // Every mode has been in an image.
+    // Every mode has been in a snapshot.
     for forward in [false, true] {
         for ahead in [false, true] {
             let mode = sliding::Mode::Sliding { forward, ahead };
@@ -138,13 +138,13 @@ fn a_run_goes_on_from_its_image_with_the_same_bits() {
     resume_bump_stop::<f64, 3, 0>(AnyContact::NoStop);
 }
 
-/// An estimator in the middle of a run, and its image.
+/// An estimator in the middle of a run, and its snapshot.
 fn saved<S: Scalar, M: Model<S> + Copy>(model: M, settings: Settings<S>) -> (Estimator<S, M>, Vec<u8>) {
     let mut estimator = Estimator::new(model, settings).expect("valid");
     for sample in rough(&sine_samples::<S>(20.0, 20.0, 400.0, 120), 4) {
         estimator.push(sample, EVER).expect("runs");
     }
-    let mut bytes = vec![0; Estimator::<S, M>::IMAGE_BYTES];
+    let mut bytes = vec![0; Estimator::<S, M>::SNAPSHOT_BYTES];
     assert_eq!(estimator.save(&mut bytes), Ok(bytes.len()));
     (estimator, bytes)
 }
@@ -162,9 +162,9 @@ where
     }
     for length in 0..bytes.len() {
         let needed = bytes.len();
-        assert_eq!(awake.restore(&bytes[..length]), Err(ImageError::TooShort { needed, given: length }));
+        assert_eq!(awake.restore(&bytes[..length]), Err(SnapshotError::TooShort { needed, given: length }));
         let mut room = vec![0; length];
-        assert_eq!(awake.save(&mut room), Err(ImageError::NoRoom { needed, given: length }));
+        assert_eq!(awake.save(&mut room), Err(SnapshotError::NoRoom { needed, given: length }));
     }
     // What was refused has changed nothing.
     assert_eq!(awake, estimator);
@@ -178,12 +178,12 @@ fn every_flipped_bit_and_every_cut_is_refused() {
     every_flip_and_cut_is_refused::<f32, _>(bump::<f32, 4, 1>(AnyContact::ResidualFlexibility));
 }
 
-/// Whether an estimator of this model and settings takes the image.
-fn takes<S: Scalar, M: Model<S>>(model: M, settings: Settings<S>, bytes: &[u8]) -> Result<(), ImageError> {
+/// Whether an estimator of this model and settings takes the snapshot.
+fn takes<S: Scalar, M: Model<S>>(model: M, settings: Settings<S>, bytes: &[u8]) -> Result<(), SnapshotError> {
     Estimator::new(model, settings).expect("valid").restore(bytes)
 }
 
-const FOREIGN: Result<(), ImageError> = Err(ImageError::ForeignModel);
+const FOREIGN: Result<(), SnapshotError> = Err(SnapshotError::ForeignModel);
 
 /// A change of one parameter.
 type Change<P> = fn(&mut P);
@@ -289,12 +289,12 @@ fn an_image_of_another_scene_precision_method_or_rate_is_foreign() {
     assert_eq!(takes(Stepper::new(*stepper.scene(), 9e-6, 81e-6), settings(400.0), &bytes), FOREIGN);
 }
 
-/// One value into an image and back.
-fn round_trip<T: Image + PartialEq + core::fmt::Debug>(value: &T) {
-    let mut bytes = vec![0; image::size_of::<T>()];
-    assert_eq!(image::save(value, 7, &mut bytes), Ok(bytes.len()));
-    assert_eq!(&image::restore::<T>(7, &bytes).expect("sound"), value);
-    assert_eq!(image::restore::<T>(8, &bytes), Err(ImageError::ForeignModel));
+/// One value into a snapshot and back.
+fn round_trip<T: Snapshot + PartialEq + core::fmt::Debug>(value: &T) {
+    let mut bytes = vec![0; snapshot::size_of::<T>()];
+    assert_eq!(snapshot::save(value, 7, &mut bytes), Ok(bytes.len()));
+    assert_eq!(&snapshot::restore::<T>(7, &bytes).expect("sound"), value);
+    assert_eq!(snapshot::restore::<T>(8, &bytes), Err(SnapshotError::ForeignModel));
 }
 
 #[test]
@@ -315,7 +315,7 @@ fn states_meters_and_streams_have_images_of_their_own() {
     round_trip(&stream);
 }
 
-/// A scene of four states, as a store adds one: only its modes need bytes of their own.
+/// A scene of four states, as a storage adds one: only its modes need bytes of their own.
 #[derive(Debug, Clone, Copy)]
 struct Four;
 
@@ -355,8 +355,8 @@ fn images_in_single_precision_are_a_few_hundred_bytes() {
     type Contact = HybridModel<common::harvesters::Contact<f32>, TrBdf2, Adaptive<f32>, 3, 1>;
     type Bump = common::harvesters::Bump<f32, 4, 1>;
     // What a firmware reserves; a change of the layout is another version.
-    assert_eq!(Estimator::<f32, Contact>::IMAGE_BYTES, 214);
-    assert_eq!(Estimator::<f32, Bump>::IMAGE_BYTES, 213);
-    assert_eq!(image::size_of::<<Contact as Model<f32>>::State>(), 92);
-    assert_eq!(image::size_of::<<Bump as Model<f32>>::State>(), 91);
+    assert_eq!(Estimator::<f32, Contact>::SNAPSHOT_BYTES, 214);
+    assert_eq!(Estimator::<f32, Bump>::SNAPSHOT_BYTES, 213);
+    assert_eq!(snapshot::size_of::<<Contact as Model<f32>>::State>(), 92);
+    assert_eq!(snapshot::size_of::<<Bump as Model<f32>>::State>(), 91);
 }

@@ -4,13 +4,13 @@ use super::force_law::ForceLaw;
 use super::{Friction, LateralForce, Mode, Parts, STATES, Sliding, Start, Sticking};
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
-use crate::image::{Fingerprint, Image, ImageError, Reader, Writer};
 use crate::integrate::StepControl;
 use crate::part::load::Load;
 use crate::scalar::Scalar;
-use crate::scene::{Followed, ParameterError};
+use crate::scene::{ParameterError, Resumable};
+use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
 
-impl<S: Scalar, P: Parts<S>, const POWERS: usize> Followed<S, STATES, POWERS> for Sliding<S, P> {
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> Resumable<S, STATES, POWERS> for Sliding<S, P> {
     fn at_rest<E: Excitation<S>, C: StepControl<S>>(
         &self,
         _before: Option<&HybridState<S, Mode, STATES, POWERS>>,
@@ -50,22 +50,22 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Followed<S, STATES, POWERS> fo
 }
 
 /// A byte: 0 to 3 sliding, 1 for forward and 2 for ahead added up; 4 stuck.
-impl Image for Mode {
+impl Snapshot for Mode {
     const BYTES: usize = 1;
 
     fn write(&self, out: &mut Writer<'_>) {
         match *self {
             Self::Sliding { forward, ahead } => u8::from(forward) + 2 * u8::from(ahead),
-            Self::Stuck => 4,
+            Self::Stick => 4,
         }
         .write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         match u8::read(from)? {
             sliding @ 0..=3 => Ok(Self::Sliding { forward: sliding & 1 != 0, ahead: sliding & 2 != 0 }),
-            4 => Ok(Self::Stuck),
-            _ => Err(ImageError::NoState),
+            4 => Ok(Self::Stick),
+            _ => Err(SnapshotError::NoState),
         }
     }
 }

@@ -4,9 +4,9 @@ use super::circuit::Circuit;
 use super::contact_law::{ContactKind, ContactLaw};
 use super::parameters::Coupling;
 use super::{BumpStop, Parts, State, StateOf, Stepper};
-use crate::image::{Fingerprint, Image, ImageError, Reader, Writer};
 use crate::scalar::Scalar;
-use crate::scene::StoreReading;
+use crate::scene::StorageReading;
+use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Takes everything that tells this harvester from another into a fingerprint.
@@ -33,17 +33,17 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Voltage and energy of the store; `None` without one.
+    /// Voltage and energy of the storage; `None` without one.
     #[must_use]
-    pub fn reading(&self, state: &StateOf<S, P, B, R>) -> Option<StoreReading<S>> {
-        let voltage = self.load.store(&state.circuit)?.voltage;
-        self.load.stored(&state.circuit).map(|energy| StoreReading { voltage, energy })
+    pub fn reading(&self, state: &StateOf<S, P, B, R>) -> Option<StorageReading<S>> {
+        let voltage = self.load.storage(&state.circuit)?.voltage;
+        self.load.stored(&state.circuit).map(|energy| StorageReading { voltage, energy })
     }
 
-    /// Puts the store to a voltage in V, at or above 0: for what is drawn from it, or read of it, from outside.
-    /// Without a store nothing changes.
-    pub fn set_store_voltage(&self, state: &mut StateOf<S, P, B, R>, volts: S) {
-        P::Load::set_store_voltage(&mut state.circuit, volts);
+    /// Puts the storage to a voltage in V, at or above 0: for what is drawn from it, or read of it, from outside.
+    /// Without a storage nothing changes.
+    pub fn set_storage_voltage(&self, state: &mut StateOf<S, P, B, R>, volts: S) {
+        P::Load::set_storage_voltage(&mut state.circuit, volts);
     }
 }
 
@@ -62,7 +62,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     }
 }
 
-impl<S: Scalar, const B: usize, const R: usize, C: Image> Image for State<S, B, R, C> {
+impl<S: Scalar, const B: usize, const R: usize, C: Snapshot> Snapshot for State<S, B, R, C> {
     const BYTES: usize = u64::BYTES + (2 * (B + R) + 6) * S::BYTES + bool::BYTES + u16::BYTES + C::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -80,20 +80,20 @@ impl<S: Scalar, const B: usize, const R: usize, C: Image> Image for State<S, B, 
         self.circuit.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         Ok(Self {
-            clock: Image::read(from)?,
-            beam: Image::read(from)?,
-            rod: Image::read(from)?,
-            strain_charge: Image::read(from)?,
-            moved_charge: Image::read(from)?,
-            charge_remainder: Image::read(from)?,
-            gap: Image::read(from)?,
-            drift: Image::read(from)?,
-            acceleration: Image::read(from)?,
-            closed: Image::read(from)?,
-            short_steps: Image::read(from)?,
-            circuit: Image::read(from)?,
+            clock: Snapshot::read(from)?,
+            beam: Snapshot::read(from)?,
+            rod: Snapshot::read(from)?,
+            strain_charge: Snapshot::read(from)?,
+            moved_charge: Snapshot::read(from)?,
+            charge_remainder: Snapshot::read(from)?,
+            gap: Snapshot::read(from)?,
+            drift: Snapshot::read(from)?,
+            acceleration: Snapshot::read(from)?,
+            closed: Snapshot::read(from)?,
+            short_steps: Snapshot::read(from)?,
+            circuit: Snapshot::read(from)?,
         })
     }
 }

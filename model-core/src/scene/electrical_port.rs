@@ -16,7 +16,7 @@ use crate::scene::{Harvester, account};
 
 /// Voltage at the terminals, and how it changes with position and charge.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TerminalVoltage<S> {
+pub struct PortVoltage<S> {
     /// `V` in volts.
     pub value: S,
     /// `∂V/∂x` in V/m.
@@ -36,7 +36,7 @@ pub struct TerminalVoltage<S> {
 ///
 /// Implemented by [`crate::scene::contact_separation::ContactSeparation`] and
 /// [`crate::scene::sliding::Sliding`]; some of it can only be written inside this crate.
-pub trait Terminals<S: Scalar>: Harvester<S, STATES, 0> + Copy + Debug + PartialEq {
+pub trait ElectricalPort<S: Scalar>: Harvester<S, STATES, 0> + Copy + Debug + PartialEq {
     /// Initial values.
     type Start;
 
@@ -61,10 +61,10 @@ pub trait Terminals<S: Scalar>: Harvester<S, STATES, 0> + Copy + Debug + Partial
     fn typical_voltage(&self) -> S;
 
     /// The voltage at the terminals.
-    fn terminal_voltage(&self, mode: Self::Mode, position: S, charge: S) -> TerminalVoltage<S>;
+    fn port_voltage(&self, mode: Self::Mode, position: S, charge: S) -> PortVoltage<S>;
 
     /// Whether the charge stays as it is in `mode`, the terminals being taken as open and without voltage.
-    fn is_frozen(&self, mode: Self::Mode) -> bool;
+    fn charge_is_frozen(&self, mode: Self::Mode) -> bool;
 
     /// Whether the guards of `mode` can be watched from a state, none of them being zero to rounding.
     fn is_clear(&self, mode: Self::Mode, state: &[S; STATES]) -> bool;

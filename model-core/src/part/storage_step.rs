@@ -1,4 +1,4 @@
-//! A store over a part of a step in which nothing comes in: what leaks and what is drawn.
+//! A storage over a part of a step in which nothing comes in: what leaks and what is drawn.
 //!
 //! `C V' = −I(V)` is taken by the exponential rule of Rosenbrock's kind,
 //!
@@ -10,17 +10,17 @@
 //! of second order where it is not (a constant power). The energy `½ C (V² − V⁺²)` that leaves is divided
 //! between leakage and draw in the ratio of their currents at the mean voltage.
 //!
-//! The draw's lock-out is looked at where a step ends: in a step of 80 µs a store of
+//! The draw's lock-out is looked at where a step ends: in a step of 80 µs a storage of
 //! 1 µF that gives 100 µA falls by 8 mV, and one of 1 mF by 8 µV.
 
-use super::store::Reservoir;
-use crate::image::{Image, ImageError, Reader, Writer};
+use super::storage::StorageElement;
 use crate::scalar::{Mathematics, Scalar, add_increment};
+use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
-/// What changes in a store.
+/// What changes in a storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct StoreState<S> {
+pub struct StorageState<S> {
     /// Voltage in V.
     pub voltage: S,
     /// What rounding took from it.
@@ -29,7 +29,7 @@ pub struct StoreState<S> {
     pub connected: bool,
 }
 
-impl<S: Scalar> Image for StoreState<S> {
+impl<S: Scalar> Snapshot for StorageState<S> {
     const BYTES: usize = 2 * S::BYTES + bool::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -38,34 +38,34 @@ impl<S: Scalar> Image for StoreState<S> {
         self.connected.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
-        Ok(Self { voltage: Image::read(from)?, remainder: Image::read(from)?, connected: Image::read(from)? })
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+        Ok(Self {
+            voltage: Snapshot::read(from)?,
+            remainder: Snapshot::read(from)?,
+            connected: Snapshot::read(from)?,
+        })
     }
 }
 
 /// Energies of a step in joules, each of them at or above zero.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct StoreAccount<S> {
-    /// Into the store: the integral of its voltage times the rectified current.
+pub struct StorageAccount<S> {
+    /// Into the storage: the integral of its voltage times the rectified current.
     pub delivered: S,
     /// Lost in the diodes.
     pub diodes: S,
-    /// Leaked from the store.
+    /// Leaked from the storage.
     pub leaked: S,
-    /// Drawn from the store.
+    /// Drawn from the storage.
     pub drawn: S,
 }
 
-impl<S: Scalar> StoreState<S> {
-    /// Of a reservoir before the first step.
+impl<S: Scalar> StorageState<S> {
+    /// Of a storage before the first step.
     #[must_use]
-    pub(crate) fn of<R: Reservoir<S>>(reservoir: &R) -> Self {
-        Self {
-            voltage: reservoir.initial_voltage(),
-            remainder: S::ZERO,
-            connected: reservoir.starts_connected(),
-        }
+    pub(crate) fn of<R: StorageElement<S>>(storage: &R) -> Self {
+        Self { voltage: storage.initial_voltage(), remainder: S::ZERO, connected: storage.starts_connected() }
     }
 
     /// Its voltage is another, for what happens to it from outside.
@@ -85,35 +85,35 @@ impl<S: Scalar> StoreState<S> {
         (self.voltage - other.voltage) + (self.remainder - other.remainder)
     }
 
-    /// Lets it leak and be drawn from for `seconds`; `elastance` is the reservoir's.
+    /// Lets it leak and be drawn from for `seconds`; `elastance` is the storage's.
     #[inline(always)]
-    pub(crate) fn drain<R: Reservoir<S>>(
+    pub(crate) fn drain<R: StorageElement<S>>(
         &mut self,
-        reservoir: &R,
+        storage: &R,
         elastance: S,
         seconds: S,
-        account: &mut StoreAccount<S>,
+        account: &mut StorageAccount<S>,
     ) {
         if !R::CHARGES {
             return;
         }
-        let outflow = reservoir.outflow(self.voltage, self.connected);
+        let outflow = storage.outflow(self.voltage, self.connected);
         let per_current = elastance * seconds;
         if !(outflow > S::ZERO) || per_current == S::ZERO {
             return;
         }
-        let growth = -per_current * reservoir.outflow_by_voltage(self.voltage, self.connected);
+        let growth = -per_current * storage.outflow_by_voltage(self.voltage, self.connected);
         let mut charge = seconds * outflow * mean_growth(growth);
         let mut fall = elastance * charge;
         if fall > self.voltage {
-            // A current that does not fall with the voltage empties the store within the step.
+            // A current that does not fall with the voltage empties the storage within the step.
             charge = self.voltage / elastance;
             fall = self.voltage;
         }
-        let mean = self.voltage - S::literal(0.5) * fall;
+        let mean = self.voltage - S::from_f64(0.5) * fall;
         self.rise(-fall);
         let energy = charge * mean;
-        let (leakage, total) = (reservoir.leakage(mean), reservoir.outflow(mean, self.connected));
+        let (leakage, total) = (storage.leakage(mean), storage.outflow(mean, self.connected));
         let leaked = if total > S::ZERO { energy * (leakage / total) } else { S::ZERO };
         account.leaked += leaked;
         account.drawn += energy - leaked;
@@ -121,9 +121,9 @@ impl<S: Scalar> StoreState<S> {
 
     /// Connects or disconnects the draw.
     #[inline(always)]
-    pub(crate) fn switch<R: Reservoir<S>>(&mut self, reservoir: &R) {
+    pub(crate) fn switch<R: StorageElement<S>>(&mut self, storage: &R) {
         if R::SWITCHES
-            && let Some(lockout) = reservoir.lockout()
+            && let Some(lockout) = storage.lockout()
         {
             let threshold = if self.connected { lockout.turn_off } else { lockout.turn_on };
             self.connected =
@@ -138,17 +138,17 @@ const SERIES_GROWTH: f64 = 0.0625;
 /// `φ(z) = (e^z − 1)/z`.
 #[inline(always)]
 fn mean_growth<S: Scalar>(z: S) -> S {
-    if z.absolute() <= S::literal(SERIES_GROWTH) {
+    if z.abs() <= S::from_f64(SERIES_GROWTH) {
         // 1 + z/2 (1 + z/3 (1 + …)): the first term left out is below 2⁻⁵³.
         let next = |inner: S, part: S| S::ONE + z * part * inner;
-        let sum = next(S::ONE, S::literal(1.0 / 9.0));
-        let sum = next(sum, S::literal(1.0 / 8.0));
-        let sum = next(sum, S::literal(1.0 / 7.0));
-        let sum = next(sum, S::literal(1.0 / 6.0));
-        let sum = next(sum, S::literal(1.0 / 5.0));
-        let sum = next(sum, S::literal(1.0 / 4.0));
-        let sum = next(sum, S::literal(1.0 / 3.0));
-        next(sum, S::literal(1.0 / 2.0))
+        let sum = next(S::ONE, S::from_f64(1.0 / 9.0));
+        let sum = next(sum, S::from_f64(1.0 / 8.0));
+        let sum = next(sum, S::from_f64(1.0 / 7.0));
+        let sum = next(sum, S::from_f64(1.0 / 6.0));
+        let sum = next(sum, S::from_f64(1.0 / 5.0));
+        let sum = next(sum, S::from_f64(1.0 / 4.0));
+        let sum = next(sum, S::from_f64(1.0 / 3.0));
+        next(sum, S::from_f64(1.0 / 2.0))
     } else {
         far_growth(z)
     }
@@ -163,19 +163,19 @@ fn far_growth<S: Scalar>(z: S) -> S {
 mod tests {
     use super::*;
     use crate::part::draw::{AnyDraw, CurrentDraw, Lockout, NoDraw, PowerDraw, ResistiveDraw};
-    use crate::part::store::{Capacitor, DcBus};
+    use crate::part::storage::{Capacitor, DcBus};
 
     const LOCKOUT: Lockout<f64> = Lockout { turn_on: 3.0, turn_off: 1.0 };
 
-    fn store(leakage_ohms: f64, draw: AnyDraw<f64>) -> Capacitor<f64, AnyDraw<f64>> {
+    fn storage(leakage_ohms: f64, draw: AnyDraw<f64>) -> Capacitor<f64, AnyDraw<f64>> {
         Capacitor { farads: 1e-6, leakage_ohms, initial_voltage: 3.5, draw }
     }
 
     /// Voltage after `seconds` in `count` steps, and the account of them.
-    fn after(store: &Capacitor<f64, AnyDraw<f64>>, seconds: f64, count: u32) -> (f64, StoreAccount<f64>) {
-        let (mut state, mut account) = (StoreState::of(store), StoreAccount::default());
+    fn after(storage: &Capacitor<f64, AnyDraw<f64>>, seconds: f64, count: u32) -> (f64, StorageAccount<f64>) {
+        let (mut state, mut account) = (StorageState::of(storage), StorageAccount::default());
         for _ in 0..count {
-            state.drain(store, 1e6, seconds / f64::from(count), &mut account);
+            state.drain(storage, 1e6, seconds / f64::from(count), &mut account);
         }
         (state.voltage, account)
     }
@@ -187,17 +187,17 @@ mod tests {
         for seconds in [1e-6_f64, 1e-3, 0.02, 0.3] {
             for count in [1, 7] {
                 let decay = |ohms: f64| (-seconds / (ohms * 1e-6)).exp();
-                let (leaked, _) = after(&store(1e5, AnyDraw::None), seconds, count);
+                let (leaked, _) = after(&storage(1e5, AnyDraw::None), seconds, count);
                 assert!((leaked - 3.5 * decay(1e5)).abs() < 1e-14, "{seconds} {leaked}");
-                let (both, account) = after(&store(1e5, resistor), seconds, count);
+                let (both, account) = after(&storage(1e5, resistor), seconds, count);
                 let parallel = 1.0 / (1.0 / 1e5 + 1.0 / 3e4);
                 assert!((both - 3.5 * decay(parallel)).abs() < 1e-14, "{seconds} {both}");
                 // A leak of 3/13 of the conductance takes 3/13 of the energy.
                 let gone = 0.5e-6 * (3.5 * 3.5 - both * both);
                 assert!((account.leaked / gone - 3.0 / 13.0).abs() < 1e-8, "{}", account.leaked / gone);
                 assert!(((account.leaked + account.drawn) / gone - 1.0).abs() < 1e-8);
-                // C V' = −V/R − I: towards −R I, down to an empty store.
-                let (fed, _) = after(&store(1e5, current), seconds, count);
+                // C V' = −V/R − I: towards −R I, down to an empty storage.
+                let (fed, _) = after(&storage(1e5, current), seconds, count);
                 let exact = (-2.0 + (3.5 + 2.0) * decay(1e5)).max(0.0);
                 assert!((fed - exact).abs() < 1e-12, "{seconds} {fed} {exact}");
             }
@@ -207,36 +207,37 @@ mod tests {
     #[test]
     fn constant_power_is_taken_in_second_order() {
         let watts = 2e-5;
-        let store = store(f64::INFINITY, AnyDraw::Power(PowerDraw { watts, lockout: LOCKOUT }));
+        let storage = storage(f64::INFINITY, AnyDraw::Power(PowerDraw { watts, lockout: LOCKOUT }));
         // ½ C V² falls by P t.
         let exact = (3.5_f64 * 3.5 - 2.0 * watts * 0.1 / 1e-6).sqrt();
-        let error = |count| (after(&store, 0.1, count).0 - exact).abs();
+        let error = |count| (after(&storage, 0.1, count).0 - exact).abs();
         let (coarse, fine) = (error(20), error(40));
         assert!(coarse < 1e-3 && (coarse / fine - 4.0).abs() < 0.3, "{coarse} {fine}");
-        let (_, account) = after(&store, 0.1, 4000);
+        let (_, account) = after(&storage, 0.1, 4000);
         assert!((account.drawn / (watts * 0.1) - 1.0).abs() < 1e-6);
     }
 
     #[test]
     fn the_draw_is_connected_with_hysteresis() {
-        let store = store(f64::INFINITY, AnyDraw::Current(CurrentDraw { amperes: 1e-5, lockout: LOCKOUT }));
-        let mut state = StoreState::of(&store);
+        let storage =
+            storage(f64::INFINITY, AnyDraw::Current(CurrentDraw { amperes: 1e-5, lockout: LOCKOUT }));
+        let mut state = StorageState::of(&storage);
         let mut seen = Vec::new();
         for voltage in [3.5, 1.5, 1.0, 1.5, 2.9, 3.0, 1.1] {
             state.voltage = voltage;
-            state.switch(&store);
+            state.switch(&storage);
             seen.push(state.connected);
         }
         assert_eq!(seen, [true, true, false, false, false, true, true]);
-        // A bus has nothing to switch, and a sealed store keeps what it has.
-        let mut account = StoreAccount::default();
+        // A bus has nothing to switch, and a sealed storage keeps what it has.
+        let mut account = StorageAccount::default();
         let bus = DcBus { volts: 2.0 };
-        let mut state = StoreState::of(&bus);
+        let mut state = StorageState::of(&bus);
         state.drain(&bus, 0.0, 1.0, &mut account);
         let sealed =
             Capacitor { farads: 1e-6, leakage_ohms: f64::INFINITY, initial_voltage: 2.0, draw: NoDraw };
         state.drain(&sealed, 1e6, 1.0, &mut account);
-        assert_eq!((state.voltage, account), (2.0, StoreAccount::default()));
+        assert_eq!((state.voltage, account), (2.0, StorageAccount::default()));
     }
 
     #[test]
@@ -253,9 +254,9 @@ mod tests {
         // The exponential of the growth of the current is beyond what single precision holds.
         let lockout = Lockout { turn_on: 0.9_f32, turn_off: 0.5 };
         let draw = AnyDraw::Power(PowerDraw { watts: 5e-3, lockout });
-        let store = Capacitor { farads: 1e-7, leakage_ohms: 1e9, initial_voltage: 1.0, draw };
-        let (mut state, mut account) = (StoreState::of(&store), StoreAccount::<f32>::default());
-        state.drain(&store, store.elastance(), 3.9e-3, &mut account);
+        let storage = Capacitor { farads: 1e-7, leakage_ohms: 1e9, initial_voltage: 1.0, draw };
+        let (mut state, mut account) = (StorageState::of(&storage), StorageAccount::<f32>::default());
+        state.drain(&storage, storage.elastance(), 3.9e-3, &mut account);
         assert_eq!(state.voltage, 0.0);
         assert!(((account.drawn + account.leaked) / 5e-8 - 1.0).abs() < 1e-6, "{account:?}");
     }

@@ -1,4 +1,4 @@
-//! The cyclic redundancy check of images, and fingerprints made of it.
+//! The cyclic redundancy check of snapshots, and fingerprints made of it.
 
 use crate::scalar::Scalar;
 

@@ -5,7 +5,7 @@ type Payload = ([f64; 2], [u16; 3], Option<u32>, [bool; 2]);
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sample(Payload);
 
-impl Image for Sample {
+impl Snapshot for Sample {
     const BYTES: usize = <[f64; 2]>::BYTES + <[u16; 3]>::BYTES + <Option<u32>>::BYTES + <[bool; 2]>::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -16,15 +16,15 @@ impl Image for Sample {
         flags.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
-        Ok(Self((Image::read(from)?, Image::read(from)?, Image::read(from)?, Image::read(from)?)))
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+        Ok(Self((Snapshot::read(from)?, Snapshot::read(from)?, Snapshot::read(from)?, Snapshot::read(from)?)))
     }
 }
 
 const SAMPLE: Sample = Sample(([-0.0, 1.0e-310], [1, 2, 65_535], Some(7), [true, false]));
 const SIZE: usize = size_of::<Sample>();
 
-fn image() -> [u8; SIZE] {
+fn snapshot() -> [u8; SIZE] {
     let mut bytes = [0; SIZE];
     assert_eq!(save(&SAMPLE, 99, &mut bytes), Ok(SIZE));
     bytes
@@ -43,10 +43,10 @@ fn the_same_bits_come_back_and_what_follows_is_not_touched() {
 #[test]
 fn every_flipped_bit_is_refused() {
     for bit in 0..SIZE * 8 {
-        let mut bytes = image();
+        let mut bytes = snapshot();
         bytes[bit / 8] ^= 1 << (bit % 8);
         let refused = restore::<Sample>(99, &bytes).expect_err("a bit is flipped");
-        assert!(!matches!(refused, ImageError::NoState | ImageError::ForeignModel), "{bit}: {refused}");
+        assert!(!matches!(refused, SnapshotError::NoState | SnapshotError::ForeignModel), "{bit}: {refused}");
     }
 }
 
@@ -55,12 +55,12 @@ fn too_little_room_and_too_few_bytes_are_named() {
     for given in 0..SIZE {
         let mut bytes = [0x55; SIZE];
         let room = bytes.get_mut(..given).expect("less");
-        assert_eq!(save(&SAMPLE, 99, room), Err(ImageError::NoRoom { needed: SIZE, given }));
+        assert_eq!(save(&SAMPLE, 99, room), Err(SnapshotError::NoRoom { needed: SIZE, given }));
         assert_eq!(bytes, [0x55; SIZE]);
-        let short = &image()[..given];
-        assert_eq!(restore::<Sample>(99, short), Err(ImageError::TooShort { needed: SIZE, given }));
+        let short = &snapshot()[..given];
+        assert_eq!(restore::<Sample>(99, short), Err(SnapshotError::TooShort { needed: SIZE, given }));
     }
-    let message = ImageError::NoRoom { needed: 80, given: 64 }.to_string();
+    let message = SnapshotError::NoRoom { needed: 80, given: 64 }.to_string();
     assert!(message.contains("80") && message.contains("64"));
 }
 
@@ -68,44 +68,44 @@ fn too_little_room_and_too_few_bytes_are_named() {
 #[derive(Debug)]
 struct Raw([u8; Sample::BYTES]);
 
-impl Image for Raw {
+impl Snapshot for Raw {
     const BYTES: usize = Sample::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
         self.0.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
-        Ok(Self(Image::read(from)?))
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+        Ok(Self(Snapshot::read(from)?))
     }
 }
 
 #[test]
 fn a_sound_image_of_no_state_is_refused() {
-    let payload = restore::<Raw>(99, &image()).expect("bytes").0;
+    let payload = restore::<Raw>(99, &snapshot()).expect("bytes").0;
     let change = |place: usize, to: &[u8]| {
         let mut changed = payload;
         changed[place..place + to.len()].copy_from_slice(to);
-        let mut bytes = image();
+        let mut bytes = snapshot();
         save(&Raw(changed), 99, &mut bytes).expect("room");
         restore::<Sample>(99, &bytes)
     };
     assert_eq!(change(0, &(-0.0_f64).to_le_bytes()), Ok(SAMPLE));
     for number in [f64::NAN, f64::INFINITY] {
-        assert_eq!(change(8, &number.to_le_bytes()), Err(ImageError::NoState));
+        assert_eq!(change(8, &number.to_le_bytes()), Err(SnapshotError::NoState));
     }
     // The flag of the choice, and the last truth value.
     for place in [22, Sample::BYTES - 1] {
-        assert_eq!(change(place, &[2]), Err(ImageError::NoState));
+        assert_eq!(change(place, &[2]), Err(SnapshotError::NoState));
     }
 }
 
 #[test]
 fn another_model_state_or_version_is_foreign() {
-    assert_eq!(restore::<Sample>(98, &image()), Err(ImageError::ForeignModel));
-    assert_eq!(restore::<[f64; 3]>(99, &image()), Err(ImageError::ForeignModel));
-    assert_eq!(restore::<Sample>(99, &[0xff; SIZE]), Err(ImageError::NoImage));
-    let mut later = image();
+    assert_eq!(restore::<Sample>(98, &snapshot()), Err(SnapshotError::ForeignModel));
+    assert_eq!(restore::<[f64; 3]>(99, &snapshot()), Err(SnapshotError::ForeignModel));
+    assert_eq!(restore::<Sample>(99, &[0xff; SIZE]), Err(SnapshotError::NotASnapshot));
+    let mut later = snapshot();
     later[4] = 2;
-    assert_eq!(restore::<Sample>(99, &later), Err(ImageError::ForeignVersion { version: 2 }));
+    assert_eq!(restore::<Sample>(99, &later), Err(SnapshotError::ForeignVersion { version: 2 }));
 }

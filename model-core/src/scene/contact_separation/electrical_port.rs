@@ -11,9 +11,9 @@ use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
 use crate::scene::account;
 use crate::scene::coupled::Derivatives;
-use crate::scene::terminals::{TerminalVoltage, Terminals};
+use crate::scene::electrical_port::{ElectricalPort, PortVoltage};
 
-impl<S: Scalar, P: Parts<S>> Terminals<S> for ContactSeparation<S, P> {
+impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for ContactSeparation<S, P> {
     type Start = Start<S>;
 
     fn begin<E: Excitation<S>, C: StepControl<S>>(
@@ -41,29 +41,29 @@ impl<S: Scalar, P: Parts<S>> Terminals<S> for ContactSeparation<S, P> {
 
     /// `V = (σ S g − Q (g + d_e)) / (ε0 S + C_p (g + d_e))`.
     #[inline(always)]
-    fn terminal_voltage(&self, _mode: Mode, gap: S, charge: S) -> TerminalVoltage<S> {
+    fn port_voltage(&self, _mode: Mode, gap: S, charge: S) -> PortVoltage<S> {
         let circuit = self.circuit(gap, charge);
         let sharing = self.field * circuit.sharing;
         let by_gap = self.field * circuit.voltage_by_gap;
         // ∂V/∂g = field (σ S (1 + c d_e) − Q) s², with s = 1/(1 + c (g + d_e)).
-        TerminalVoltage {
+        PortVoltage {
             value: self.field * circuit.voltage,
             by_position: by_gap,
             by_charge: self.field * circuit.voltage_by_charge,
-            curvature: -S::literal(2.0) * circuit.parasitic * circuit.sharing * by_gap,
+            curvature: -S::from_f64(2.0) * circuit.parasitic * circuit.sharing * by_gap,
             by_both: -sharing * circuit.sharing,
-            magnitude: sharing * self.tribo_charge.larger(charge.absolute()) * (gap + self.dielectric),
+            magnitude: sharing * self.tribo_charge.max(charge.abs()) * (gap + self.dielectric),
         }
     }
 
     #[inline(always)]
-    fn is_frozen(&self, mode: Mode) -> bool {
-        P::Sticking::POSSIBLE && mode == Mode::Stuck && !self.sticking.relaxes()
+    fn charge_is_frozen(&self, mode: Mode) -> bool {
+        P::Sticking::POSSIBLE && mode == Mode::Stick && !self.sticking.relaxes()
     }
 
     #[inline(always)]
     fn is_clear(&self, mode: Mode, state: &[S; STATES]) -> bool {
-        mode == Mode::Stuck || state[GAP] > self.release_margin()
+        mode == Mode::Stick || state[GAP] > self.release_margin()
     }
 
     #[inline(always)]

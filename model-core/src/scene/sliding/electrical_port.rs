@@ -11,9 +11,9 @@ use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
 use crate::scene::account;
 use crate::scene::coupled::Derivatives;
-use crate::scene::terminals::{TerminalVoltage, Terminals};
+use crate::scene::electrical_port::{ElectricalPort, PortVoltage};
 
-impl<S: Scalar, P: Parts<S>> Terminals<S> for Sliding<S, P> {
+impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
     type Start = Start<S>;
 
     fn begin<E: Excitation<S>, C: StepControl<S>>(
@@ -41,7 +41,7 @@ impl<S: Scalar, P: Parts<S>> Terminals<S> for Sliding<S, P> {
 
     /// `V = (σ S2 − q) d / (ε0 ε_r S1)`.
     #[inline(always)]
-    fn terminal_voltage(&self, mode: Mode, displacement: S, charge: S) -> TerminalVoltage<S> {
+    fn port_voltage(&self, mode: Mode, displacement: S, charge: S) -> PortVoltage<S> {
         let ahead = mode.is_ahead(displacement);
         let circuit = self.circuit(ahead, displacement, charge);
         let slope = self.active_by_displacement(ahead, displacement);
@@ -51,24 +51,24 @@ impl<S: Scalar, P: Parts<S>> Terminals<S> for Sliding<S, P> {
         let growth = -slope * circuit.per_active;
         let first = per_active * (self.surface.tribo_charge - charge);
         let bend = self.active_curvature(ahead, displacement) * circuit.per_active;
-        TerminalVoltage {
+        PortVoltage {
             value: self.field * circuit.voltage,
             by_position: first * growth,
             by_charge: -per_active,
-            curvature: first * (S::literal(2.0) * growth * growth - bend),
+            curvature: first * (S::from_f64(2.0) * growth * growth - bend),
             by_both: -per_active * growth,
-            magnitude: per_active * self.surface.tribo_charge.larger(charge.absolute()),
+            magnitude: per_active * self.surface.tribo_charge.max(charge.abs()),
         }
     }
 
     #[inline(always)]
-    fn is_frozen(&self, mode: Mode) -> bool {
-        Self::STICKS && mode == Mode::Stuck && !self.sticking.relaxes()
+    fn charge_is_frozen(&self, mode: Mode) -> bool {
+        Self::STICKS && mode == Mode::Stick && !self.sticking.relaxes()
     }
 
     #[inline(always)]
     fn is_clear(&self, mode: Mode, state: &[S; STATES]) -> bool {
-        mode == Mode::Stuck || state[VELOCITY].absolute() > self.velocity_margin
+        mode == Mode::Stick || state[VELOCITY].abs() > self.velocity_margin
     }
 
     #[inline(always)]

@@ -13,7 +13,7 @@ use super::draw::{AnyDraw, Draw, HIGHEST_VOLTAGE, Lockout};
 use crate::scalar::Scalar;
 
 /// What is behind a rectifier.
-pub trait Reservoir<S: Scalar>: Copy + Debug + PartialEq {
+pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether its voltage changes.
     const CHARGES: bool;
     /// Whether it has a draw that can be connected and disconnected.
@@ -80,7 +80,7 @@ pub struct Capacitor<S, D> {
     pub draw: D,
 }
 
-impl<S: Scalar, D: Draw<S>> Reservoir<S> for Capacitor<S, D> {
+impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
     const CHARGES: bool = true;
     const SWITCHES: bool = D::POSSIBLE;
 
@@ -116,14 +116,14 @@ impl<S: Scalar, D: Draw<S>> Reservoir<S> for Capacitor<S, D> {
 
     #[inline(always)]
     fn stored_energy(&self, voltage: S) -> S {
-        S::literal(0.5) * self.farads * voltage * voltage
+        S::from_f64(0.5) * self.farads * voltage * voltage
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(1e-12, 1e4).check("store.farads", self.farads)?;
-        Bounds { lowest: S::literal(1e-3), highest: S::INFINITY }
-            .check("store.leakage_ohms", self.leakage_ohms)?;
-        Bounds::new(0.0, HIGHEST_VOLTAGE).check("store.initial_voltage", self.initial_voltage)?;
+        Bounds::new(1e-12, 1e4).check("storage.farads", self.farads)?;
+        Bounds { lowest: S::from_f64(1e-3), highest: S::INFINITY }
+            .check("storage.leakage_ohms", self.leakage_ohms)?;
+        Bounds::new(0.0, HIGHEST_VOLTAGE).check("storage.initial_voltage", self.initial_voltage)?;
         self.draw.check()
     }
 }
@@ -136,7 +136,7 @@ pub struct DcBus<S> {
     pub volts: S,
 }
 
-impl<S: Scalar> Reservoir<S> for DcBus<S> {
+impl<S: Scalar> StorageElement<S> for DcBus<S> {
     const CHARGES: bool = false;
     const SWITCHES: bool = false;
 
@@ -183,21 +183,21 @@ impl<S: Scalar> Reservoir<S> for DcBus<S> {
 /// A capacitor or a bus, chosen at run time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum AnyReservoir<S> {
+pub enum AnyStorage<S> {
     /// As [`Capacitor`].
     Capacitor(Capacitor<S, AnyDraw<S>>),
     /// As [`DcBus`].
     DcBus(DcBus<S>),
 }
 
-impl<S: Scalar> Reservoir<S> for AnyReservoir<S> {
+impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
     const CHARGES: bool = true;
     const SWITCHES: bool = true;
 
     #[inline(always)]
     fn elastance(&self) -> S {
         match self {
-            Self::Capacitor(store) => store.elastance(),
+            Self::Capacitor(storage) => storage.elastance(),
             Self::DcBus(bus) => bus.elastance(),
         }
     }
@@ -205,7 +205,7 @@ impl<S: Scalar> Reservoir<S> for AnyReservoir<S> {
     #[inline(always)]
     fn initial_voltage(&self) -> S {
         match self {
-            Self::Capacitor(store) => store.initial_voltage(),
+            Self::Capacitor(storage) => storage.initial_voltage(),
             Self::DcBus(bus) => bus.initial_voltage(),
         }
     }
@@ -213,7 +213,7 @@ impl<S: Scalar> Reservoir<S> for AnyReservoir<S> {
     #[inline(always)]
     fn leakage(&self, voltage: S) -> S {
         match self {
-            Self::Capacitor(store) => store.leakage(voltage),
+            Self::Capacitor(storage) => storage.leakage(voltage),
             Self::DcBus(bus) => bus.leakage(voltage),
         }
     }
@@ -221,7 +221,7 @@ impl<S: Scalar> Reservoir<S> for AnyReservoir<S> {
     #[inline(always)]
     fn drawn(&self, voltage: S) -> S {
         match self {
-            Self::Capacitor(store) => store.drawn(voltage),
+            Self::Capacitor(storage) => storage.drawn(voltage),
             Self::DcBus(bus) => bus.drawn(voltage),
         }
     }
@@ -229,7 +229,7 @@ impl<S: Scalar> Reservoir<S> for AnyReservoir<S> {
     #[inline(always)]
     fn by_voltage(&self, voltage: S) -> [S; 2] {
         match self {
-            Self::Capacitor(store) => store.by_voltage(voltage),
+            Self::Capacitor(storage) => storage.by_voltage(voltage),
             Self::DcBus(bus) => bus.by_voltage(voltage),
         }
     }
@@ -237,7 +237,7 @@ impl<S: Scalar> Reservoir<S> for AnyReservoir<S> {
     #[inline(always)]
     fn lockout(&self) -> Option<Lockout<S>> {
         match self {
-            Self::Capacitor(store) => store.lockout(),
+            Self::Capacitor(storage) => storage.lockout(),
             Self::DcBus(bus) => bus.lockout(),
         }
     }
@@ -245,14 +245,14 @@ impl<S: Scalar> Reservoir<S> for AnyReservoir<S> {
     #[inline(always)]
     fn stored_energy(&self, voltage: S) -> S {
         match self {
-            Self::Capacitor(store) => store.stored_energy(voltage),
+            Self::Capacitor(storage) => storage.stored_energy(voltage),
             Self::DcBus(bus) => bus.stored_energy(voltage),
         }
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
         match self {
-            Self::Capacitor(store) => store.check(),
+            Self::Capacitor(storage) => storage.check(),
             Self::DcBus(bus) => bus.check(),
         }
     }
@@ -266,30 +266,30 @@ mod tests {
     #[test]
     fn what_leaves_is_leakage_and_what_is_connected() {
         let draw = PowerDraw { watts: 6e-6_f64, lockout: Lockout { turn_on: 3.0, turn_off: 2.0 } };
-        let store = Capacitor { farads: 1e-6, leakage_ohms: 1e6, initial_voltage: 2.5, draw };
-        assert!(!store.starts_connected());
-        assert!((store.outflow(2.0, false) - 2e-6).abs() < 1e-18);
-        assert!((store.outflow(2.0, true) - 5e-6).abs() < 1e-18);
-        assert!((store.outflow_by_voltage(2.0, true) + 0.5e-6).abs() < 1e-18);
-        let sealed = Capacitor { leakage_ohms: f64::INFINITY, draw: NoDraw, ..store_without_draw(&store) };
+        let storage = Capacitor { farads: 1e-6, leakage_ohms: 1e6, initial_voltage: 2.5, draw };
+        assert!(!storage.starts_connected());
+        assert!((storage.outflow(2.0, false) - 2e-6).abs() < 1e-18);
+        assert!((storage.outflow(2.0, true) - 5e-6).abs() < 1e-18);
+        assert!((storage.outflow_by_voltage(2.0, true) + 0.5e-6).abs() < 1e-18);
+        let sealed = Capacitor { leakage_ohms: f64::INFINITY, draw: NoDraw, ..store_without_draw(&storage) };
         assert_eq!((sealed.outflow(2.0, true), sealed.outflow_by_voltage(2.0, true)), (0.0, 0.0));
         assert!(sealed.starts_connected());
         assert_eq!(DcBus { volts: 3.0 }.outflow(3.0, true), 0.0);
     }
 
-    fn store_without_draw(store: &Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f64, NoDraw> {
-        let Capacitor { farads, leakage_ohms, initial_voltage, draw: _ } = *store;
+    fn store_without_draw(storage: &Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f64, NoDraw> {
+        let Capacitor { farads, leakage_ohms, initial_voltage, draw: _ } = *storage;
         Capacitor { farads, leakage_ohms, initial_voltage, draw: NoDraw }
     }
 
     #[test]
     fn parameters_out_of_bounds_are_named() {
         let good = Capacitor { farads: 1e-6, leakage_ohms: 1e9, initial_voltage: 0.0, draw: NoDraw };
-        let field = |store: Capacitor<f64, NoDraw>| store.check().err().map(|error| error.field);
+        let field = |storage: Capacitor<f64, NoDraw>| storage.check().err().map(|error| error.field);
         assert_eq!(field(good), None);
-        assert_eq!(field(Capacitor { farads: 0.0, ..good }), Some("store.farads"));
-        assert_eq!(field(Capacitor { leakage_ohms: f64::NAN, ..good }), Some("store.leakage_ohms"));
-        assert_eq!(field(Capacitor { initial_voltage: -1.0, ..good }), Some("store.initial_voltage"));
+        assert_eq!(field(Capacitor { farads: 0.0, ..good }), Some("storage.farads"));
+        assert_eq!(field(Capacitor { leakage_ohms: f64::NAN, ..good }), Some("storage.leakage_ohms"));
+        assert_eq!(field(Capacitor { initial_voltage: -1.0, ..good }), Some("storage.initial_voltage"));
         assert_eq!(DcBus { volts: f64::INFINITY }.check().err().map(|error| error.field), Some("bus.volts"));
     }
 }

@@ -2,11 +2,11 @@
 
 use heapless::Vec;
 
-use super::{Image, ImageError, Reader, Writer};
+use super::{Reader, Snapshot, SnapshotError, Writer};
 
 macro_rules! integers {
     ($($integer:ty),*) => {$(
-        impl Image for $integer {
+        impl Snapshot for $integer {
             const BYTES: usize = size_of::<Self>();
 
             #[inline]
@@ -15,7 +15,7 @@ macro_rules! integers {
             }
 
             #[inline]
-            fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+            fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
                 Ok(Self::from_le_bytes(from.bytes()?))
             }
         }
@@ -27,7 +27,7 @@ integers!(u8, u16, u32, u64, i8, i16, i32, i64);
 macro_rules! floats {
     ($($float:ty),*) => {$(
         /// By its bits; only a finite number is read.
-        impl Image for $float {
+        impl Snapshot for $float {
             const BYTES: usize = size_of::<Self>();
 
             #[inline]
@@ -36,9 +36,9 @@ macro_rules! floats {
             }
 
             #[inline]
-            fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
-                let value = Self::from_bits(Image::read(from)?);
-                if value.is_finite() { Ok(value) } else { Err(ImageError::NoState) }
+            fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
+                let value = Self::from_bits(Snapshot::read(from)?);
+                if value.is_finite() { Ok(value) } else { Err(SnapshotError::NoState) }
             }
         }
     )*};
@@ -47,34 +47,34 @@ macro_rules! floats {
 floats!(f32, f64);
 
 /// Nothing: no bytes.
-impl Image for () {
+impl Snapshot for () {
     const BYTES: usize = 0;
 
     fn write(&self, _out: &mut Writer<'_>) {}
 
-    fn read(_from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(_from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         Ok(())
     }
 }
 
 /// A byte that is 0 or 1.
-impl Image for bool {
+impl Snapshot for bool {
     const BYTES: usize = 1;
 
     fn write(&self, out: &mut Writer<'_>) {
         u8::from(*self).write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         match u8::read(from)? {
             0 => Ok(false),
             1 => Ok(true),
-            _ => Err(ImageError::NoState),
+            _ => Err(SnapshotError::NoState),
         }
     }
 }
 
-impl<T: Image, const N: usize> Image for [T; N] {
+impl<T: Snapshot, const N: usize> Snapshot for [T; N] {
     const BYTES: usize = N * T::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -83,17 +83,17 @@ impl<T: Image, const N: usize> Image for [T; N] {
         }
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         let mut entries = Vec::<T, N>::new();
         for _ in 0..N {
-            entries.push(T::read(from)?).map_err(|_| ImageError::NoState)?;
+            entries.push(T::read(from)?).map_err(|_| SnapshotError::NoState)?;
         }
-        entries.into_array().map_err(|_| ImageError::NoState)
+        entries.into_array().map_err(|_| SnapshotError::NoState)
     }
 }
 
 /// A value or none: a byte that says which, and room for the value.
-impl<T: Image> Image for Option<T>
+impl<T: Snapshot> Snapshot for Option<T>
 where
     T: Default,
 {
@@ -107,7 +107,7 @@ where
         }
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         let is_some = bool::read(from)?;
         let value = T::read(from)?;
         Ok(is_some.then_some(value))

@@ -2,11 +2,11 @@
 
 use crate::clock::Instant;
 use crate::hybrid::{Event, Observer, Span};
-use crate::image::{Image, ImageError, Reader, Writer};
 use crate::integrate::step_control::REMEMBERED_RADIANS;
 use crate::scalar::{CompensatedSum, Scalar};
-use crate::scene::StoreReading;
+use crate::scene::StorageReading;
 use crate::scene::bump_stop::{Memory, ModalObserver, ModalSpan};
+use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 /// A power is a square: a small error of the state moves it twice as much.
 const POWER_PER_STATE: f64 = 2.0;
@@ -18,7 +18,7 @@ const SUM_ROUNDINGS: f64 = 2.0;
 
 /// Delivered energy and the errors made in it, added up over steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tally<S> {
+pub struct EnergyAccumulator<S> {
     /// Energy delivered to the load, in joules.
     energy: CompensatedSum<S>,
     /// Magnitudes of the estimated local errors of that, in joules.
@@ -28,7 +28,7 @@ pub struct Tally<S> {
     ticks: u64,
 }
 
-impl<S: Scalar> Tally<S> {
+impl<S: Scalar> EnergyAccumulator<S> {
     /// Nothing yet.
     pub(super) const EMPTY: Self = Self {
         energy: CompensatedSum::ZERO,
@@ -56,24 +56,24 @@ impl<S: Scalar> Tally<S> {
     /// Error of the energy by the method's own estimate, in joules.
     pub(super) fn step_error(&self, angular_frequency: S) -> S {
         // The state carries what was made within the radians for which it is remembered.
-        let radians = (angular_frequency * self.seconds()).larger(S::TINY);
-        let remembered = S::literal(REMEMBERED_RADIANS).smaller(radians);
+        let radians = (angular_frequency * self.seconds()).max(S::TINY);
+        let remembered = S::from_f64(REMEMBERED_RADIANS).min(radians);
         let carried = self.state_error.value() * (remembered / radians);
-        self.energy_error.value() + S::literal(POWER_PER_STATE) * carried * self.energy().absolute()
+        self.energy_error.value() + S::from_f64(POWER_PER_STATE) * carried * self.energy().abs()
     }
 
     /// Error of the energy by rounding, in joules.
     pub(super) fn rounding(&self) -> S {
         let of_state = POWER_PER_STATE * REMEMBERED_RADIANS;
-        S::EPSILON * S::literal(ENERGY_ROUNDINGS + SUM_ROUNDINGS + of_state) * self.energy().absolute()
+        S::EPSILON * S::from_f64(ENERGY_ROUNDINGS + SUM_ROUNDINGS + of_state) * self.energy().abs()
     }
 }
 
-impl<S: Scalar, Mode, const N: usize, const P: usize> Observer<S, Mode, N, P> for Tally<S> {
+impl<S: Scalar, Mode, const N: usize, const P: usize> Observer<S, Mode, N, P> for EnergyAccumulator<S> {
     #[inline(always)]
     fn step(&mut self, span: &Span<'_, S, Mode, N, P>) {
         self.add(span.energies.first().copied().unwrap_or(S::ZERO), span.ticks);
-        self.energy_error.add(span.energy_error.absolute());
+        self.energy_error.add(span.energy_error.abs());
         self.state_error.add(span.state_error);
     }
 
@@ -86,14 +86,16 @@ impl<S: Scalar, Mode, const N: usize, const P: usize> Observer<S, Mode, N, P> fo
     }
 }
 
-impl<S: Scalar, const B: usize, const R: usize, C: Memory> ModalObserver<S, B, R, C> for Tally<S> {
+impl<S: Scalar, const B: usize, const R: usize, C: Memory> ModalObserver<S, B, R, C>
+    for EnergyAccumulator<S>
+{
     #[inline(always)]
     fn step(&mut self, span: &ModalSpan<'_, S, B, R, C>) {
         self.add(span.delivered, span.ticks);
     }
 }
 
-impl<S: Scalar> Image for Tally<S> {
+impl<S: Scalar> Snapshot for EnergyAccumulator<S> {
     const BYTES: usize = 3 * CompensatedSum::<S>::BYTES + u64::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
@@ -103,12 +105,12 @@ impl<S: Scalar> Image for Tally<S> {
         self.ticks.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, ImageError> {
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         Ok(Self {
-            energy: Image::read(from)?,
-            energy_error: Image::read(from)?,
-            state_error: Image::read(from)?,
-            ticks: Image::read(from)?,
+            energy: Snapshot::read(from)?,
+            energy_error: Snapshot::read(from)?,
+            state_error: Snapshot::read(from)?,
+            ticks: Snapshot::read(from)?,
         })
     }
 }
@@ -123,8 +125,8 @@ pub struct Estimate<S> {
     pub mean_power: S,
     /// Integrated time in seconds.
     pub seconds: S,
-    /// The store as it is now; `None` for a harvester without one.
-    pub store: Option<StoreReading<S>>,
+    /// The storage as it is now; `None` for a harvester without one.
+    pub storage: Option<StorageReading<S>>,
     /// How far this can be trusted.
     pub uncertainty: Uncertainty<S>,
 }

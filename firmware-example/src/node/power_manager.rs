@@ -1,4 +1,4 @@
-//! What the node may spend: its store, its actions, and when it takes them.
+//! What the node may spend: its storage, its actions, and when it takes them.
 
 use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, IncomeParameters, StorageParameters,
@@ -8,9 +8,9 @@ use super::{Decision, NodeError, VOLTAGE_ERROR};
 
 /// Slots of the day of which the budget learns what they bring.
 const SLOTS: usize = 24;
-/// Seconds from one measurement to the next, if the store allows it.
+/// Seconds from one measurement to the next, if the storage allows it.
 const MEASURE_EVERY: u32 = 10;
-/// Seconds from one transmission to the next, if the store allows it.
+/// Seconds from one transmission to the next, if the storage allows it.
 const TRANSMIT_EVERY: u32 = 60;
 
 /// A ceramic capacitor behind the bridge, and a node that runs straight from it: 22 µF, used from 1.9 V up to
@@ -28,7 +28,7 @@ pub(super) const STORAGE: StorageParameters<f32> = StorageParameters {
 
 /// The budget of the node and its habits.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Economy {
+pub struct PowerManager {
     budget: Budget<f32, SLOTS>,
     state: BudgetState<f32, SLOTS>,
     measure: Action<f32>,
@@ -37,8 +37,8 @@ pub struct Economy {
     since_transmission: u32,
 }
 
-impl Economy {
-    /// At midnight, with an empty store until a first reading says otherwise.
+impl PowerManager {
+    /// At midnight, with an empty storage until a first reading says otherwise.
     ///
     /// # Errors
     /// If a parameter is out of its bounds.
@@ -63,7 +63,7 @@ impl Economy {
         })
     }
 
-    /// The store as it was read.
+    /// The storage as it was read.
     pub fn read(&mut self, volts: f32) {
         self.budget.correct_by_voltage(&mut self.state, volts, VOLTAGE_ERROR);
     }
@@ -91,19 +91,19 @@ impl Economy {
         decision
     }
 
-    /// Energy in the store, in joules.
+    /// Energy in the storage, in joules.
     #[must_use]
     pub fn stored(&self) -> f32 {
         self.state.energy()
     }
 
-    /// Voltage of the store, in volts.
+    /// Voltage of the storage, in volts.
     #[must_use]
-    pub fn store_voltage(&self) -> f32 {
+    pub fn storage_voltage(&self) -> f32 {
         self.budget.storage().voltage(self.state.energy())
     }
 
-    /// What the account of the store leaves unexplained, in joules.
+    /// What the account of the storage leaves unexplained, in joules.
     #[must_use]
     pub fn unexplained(&self) -> f32 {
         self.state.account().balance() - self.state.energy()

@@ -1,0 +1,208 @@
+//! States as bytes: for a power-down, from which a run resumes with the same bits.
+//!
+//! A snapshot is of fixed size for each type of state, little endian, floats by their bits:
+//!
+//! | bytes | what |
+//! | --- | --- |
+//! | 4 | `VEHI` |
+//! | 2 | version of this layout, 1 |
+//! | 2 | length of the payload |
+//! | 4 | fingerprint of the model whose state it is ([`Fingerprint`]) |
+//! | … | the state, entry by entry ([`Snapshot`]) |
+//! | 4 | CRC-32 of all before it |
+//!
+//! [`restore`] refuses whatever is not the very snapshot that [`save`] wrote for the same model: every single
+//! flipped bit and every burst of up to 32 is found by the checksum, another scene, other parameters, another
+//! precision or other mode counts by the fingerprint and the length.
+//!
+//! ```
+//! use model_core::snapshot::{self, Snapshot, SnapshotError};
+//!
+//! let state = [1.5_f32, -2.0];
+//! let mut flash = [0xff_u8; 64];
+//! let used = snapshot::save(&state, 0x1234, &mut flash)?;
+//! assert_eq!(used, snapshot::size_of::<[f32; 2]>());
+//! assert_eq!(snapshot::restore::<[f32; 2]>(0x1234, &flash)?, state);
+//! assert_eq!(snapshot::restore::<[f32; 2]>(0x4321, &flash), Err(SnapshotError::ForeignModel));
+//! flash[13] ^= 4;
+//! assert_eq!(snapshot::restore::<[f32; 2]>(0x1234, &flash), Err(SnapshotError::Corrupt));
+//! # Ok::<(), SnapshotError>(())
+//! ```
+
+mod checksum;
+mod plain;
+
+use core::fmt;
+
+use checksum::Checksum;
+pub use checksum::Fingerprint;
+
+const MAGIC: u32 = u32::from_le_bytes(*b"VEHI");
+/// Version of the layout of the frame and of every state in it.
+const VERSION: u16 = 1;
+/// Bytes before the payload, and after it.
+const HEAD: usize = 12;
+const TAIL: usize = 4;
+
+/// Why a snapshot was not written or not accepted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum SnapshotError {
+    /// There is not enough room for the snapshot.
+    NoRoom {
+        /// Bytes that it takes.
+        needed: usize,
+        /// Bytes that there are.
+        given: usize,
+    },
+    /// The bytes end before the snapshot does.
+    TooShort {
+        /// Bytes that it takes.
+        needed: usize,
+        /// Bytes that there are.
+        given: usize,
+    },
+    /// The bytes do not begin as a snapshot does: erased flash, or something else.
+    NotASnapshot,
+    /// A snapshot in another layout.
+    ForeignVersion {
+        /// Its version.
+        version: u16,
+    },
+    /// The checksum does not match.
+    Corrupt,
+    /// A sound snapshot of the state of another model: another scene, other parameters, another precision.
+    ForeignModel,
+    /// A sound snapshot whose payload is no state: a mode that does not exist, a number that is not finite.
+    NoState,
+}
+
+impl fmt::Display for SnapshotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoRoom { needed, given } => {
+                write!(f, "the snapshot takes {needed} bytes and there is room for {given}")
+            }
+            Self::TooShort { needed, given } => write!(f, "a snapshot of {needed} bytes ends after {given}"),
+            Self::NotASnapshot => write!(f, "no snapshot"),
+            Self::ForeignVersion { version } => {
+                write!(f, "a snapshot of version {version}, not {VERSION}")
+            }
+            Self::Corrupt => write!(f, "the checksum does not match"),
+            Self::ForeignModel => write!(f, "a snapshot of another model"),
+            Self::NoState => write!(f, "the snapshot holds no state"),
+        }
+    }
+}
+
+impl core::error::Error for SnapshotError {}
+
+/// A plain value that can be written as a fixed number of bytes and read back with the same bits.
+pub trait Snapshot: Sized {
+    /// Number of bytes.
+    const BYTES: usize;
+
+    /// Appends the value.
+    fn write(&self, out: &mut Writer<'_>);
+
+    /// Takes the value from the front.
+    ///
+    /// # Errors
+    /// [`SnapshotError::NoState`] where the bytes are no such value or are used up.
+    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError>;
+}
+
+/// Where a snapshot is written to.
+#[derive(Debug)]
+pub struct Writer<'a> {
+    left: &'a mut [u8],
+}
+
+impl Writer<'_> {
+    /// Appends `bytes`; those for which there is no room are lost, which [`save`] has ruled out.
+    pub(crate) fn bytes<const N: usize>(&mut self, bytes: [u8; N]) {
+        let left = core::mem::take(&mut self.left);
+        if let Some((front, rest)) = left.split_first_chunk_mut::<N>() {
+            *front = bytes;
+            self.left = rest;
+        }
+    }
+}
+
+/// What a snapshot is read from.
+#[derive(Debug)]
+pub struct Reader<'a> {
+    left: &'a [u8],
+}
+
+impl Reader<'_> {
+    /// The next `N` bytes.
+    pub(crate) fn bytes<const N: usize>(&mut self) -> Result<[u8; N], SnapshotError> {
+        let (front, rest) = self.left.split_first_chunk::<N>().ok_or(SnapshotError::NoState)?;
+        self.left = rest;
+        Ok(*front)
+    }
+}
+
+/// Bytes that the snapshot of a state takes.
+#[must_use]
+pub const fn size_of<T: Snapshot>() -> usize {
+    HEAD + T::BYTES + TAIL
+}
+
+/// Writes the snapshot of `state`, the state of a model with this fingerprint, to the front of `bytes`; gives
+/// its size.
+///
+/// # Errors
+/// [`SnapshotError::NoRoom`] with both sizes; `bytes` is then as before.
+pub fn save<T: Snapshot>(state: &T, fingerprint: u32, bytes: &mut [u8]) -> Result<usize, SnapshotError> {
+    let (needed, given) = (size_of::<T>(), bytes.len());
+    // A payload whose length the head cannot tell has no room in a snapshot of any size.
+    let length = u16::try_from(T::BYTES).ok();
+    let (Some(length), Some(snapshot)) = (length, bytes.get_mut(..needed)) else {
+        return Err(SnapshotError::NoRoom { needed, given });
+    };
+    let mut out = Writer { left: &mut *snapshot };
+    MAGIC.write(&mut out);
+    VERSION.write(&mut out);
+    length.write(&mut out);
+    fingerprint.write(&mut out);
+    state.write(&mut out);
+    if let Some((content, tail)) = snapshot.split_last_chunk_mut::<TAIL>() {
+        *tail = Checksum::of(content).to_le_bytes();
+    }
+    Ok(needed)
+}
+
+/// Reads the state from a snapshot at the front of `bytes`; what follows the snapshot is not looked at.
+///
+/// # Errors
+/// Every [`SnapshotError`] but [`SnapshotError::NoRoom`].
+pub fn restore<T: Snapshot>(fingerprint: u32, bytes: &[u8]) -> Result<T, SnapshotError> {
+    let given = bytes.len();
+    let too_short = |needed| SnapshotError::TooShort { needed, given };
+    let mut head = Reader { left: bytes.get(..HEAD).ok_or(too_short(size_of::<T>()))? };
+    if u32::read(&mut head)? != MAGIC {
+        return Err(SnapshotError::NotASnapshot);
+    }
+    let version = u16::read(&mut head)?;
+    if version != VERSION {
+        return Err(SnapshotError::ForeignVersion { version });
+    }
+    let length = usize::from(u16::read(&mut head)?);
+    let needed = HEAD + length + TAIL;
+    let snapshot = bytes.get(..needed).ok_or(too_short(needed))?;
+    let (content, tail) = snapshot.split_last_chunk::<TAIL>().ok_or(too_short(needed))?;
+    if Checksum::of(content) != u32::from_le_bytes(*tail) {
+        return Err(SnapshotError::Corrupt);
+    }
+    if u32::read(&mut head)? != fingerprint || length != T::BYTES {
+        return Err(SnapshotError::ForeignModel);
+    }
+    let mut payload = Reader { left: content.get(HEAD..).ok_or(SnapshotError::NoState)? };
+    T::read(&mut payload)
+}
+
+#[cfg(test)]
+mod tests;
