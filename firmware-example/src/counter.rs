@@ -51,5 +51,5 @@ impl Counter {
 #[exception]
 fn SysTick() {
     let wraps = WRAPS.load(Ordering::Relaxed);
-    WRAPS.storage(wraps.wrapping_add(1), Ordering::Relaxed);
+    WRAPS.store(wraps.wrapping_add(1), Ordering::Relaxed);
 }

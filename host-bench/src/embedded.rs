@@ -7,17 +7,18 @@ mod bridge;
 mod bump_stop;
 mod contact_separation;
 mod excitation;
-mod hybrid_run;
 mod recorder;
-mod rectified;
+mod run;
 mod shooting;
 mod sliding;
 mod steady_state;
 mod store_in_loop;
+mod triboelectric;
 mod whole_day;
 
 use model_core::scalar::{Libm, Mathematics, Micromath, Polynomial, Scalar};
 
+use self::excitation::with_setting;
 use crate::method::{Failure, Math, Method, Options, Precision};
 use crate::outcome::Outcome;
 use crate::scene_file::{Excitation, Model, Scene};
@@ -55,19 +56,11 @@ pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 }
 
 fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
-    match &scene.model {
-        Model::ContactSeparation(model) => match bridge::bridge(scene.load) {
-            Some(bridge) => contact_separation::rectified::<S, M>(scene, model, options, bridge),
-            None => {
-                contact_separation::prepared::<S, M, _>(scene, model, options, |run, state| run.to_end(state))
-            }
-        },
-        Model::Sliding(model) => match bridge::bridge(scene.load) {
-            Some(bridge) => sliding::rectified::<S, M>(scene, model, options, bridge),
-            None => sliding::prepared::<S, M, _>(scene, model, options, |run, state| run.to_end(state)),
-        },
-        Model::BumpStop(model) => bump_stop::run::<S, M>(scene, model, options),
-    }
+    with_setting::<S, M, _>(scene, options, |setting| match &scene.model {
+        Model::ContactSeparation(model) => contact_separation::run::<S, M>(setting, model),
+        Model::Sliding(model) => sliding::run(setting, model),
+        Model::BumpStop(model) => bump_stop::run(setting, model),
+    })
 }
 
 /// The periodic steady state of a scene under one sine, by shooting; the scene's own run where it has no
@@ -85,17 +78,17 @@ pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure
 }
 
 fn steady_state_as<M: Mathematics<f64>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
-    match &scene.model {
+    with_setting::<f64, M, _>(scene, options, |setting| match &scene.model {
         Model::ContactSeparation(model) => {
-            contact_separation::prepared::<f64, M, _>(scene, model, options, |run, state| {
-                run.steady_state(state)
+            contact_separation::prepared::<f64, M, _>(setting, model, |prepared, start| {
+                prepared.steady_state(start, contact_separation::typical(model, prepared.core))
             })
         }
-        Model::Sliding(model) => {
-            sliding::prepared::<f64, M, _>(scene, model, options, |run, state| run.steady_state(state))
-        }
+        Model::Sliding(model) => sliding::prepared(setting, model, |prepared, start| {
+            prepared.steady_state(start, sliding::typical(model, prepared.core))
+        }),
         Model::BumpStop(_) => Err(no_steady_state(scene)),
-    }
+    })
 }
 
 /// The refusal of a scene whose motion is not sought by shooting.
@@ -149,16 +142,22 @@ fn resonance_peak_as<M: Mathematics<f64>>(
         Model::ContactSeparation(model) => {
             let mut known = None;
             resonance(range, points, |frequency_hz| {
-                contact_separation::prepared::<f64, M, _>(&at(frequency_hz), model, options, |run, state| {
-                    run.response(state, &mut known, &mut spent)
+                with_setting::<f64, M, _>(&at(frequency_hz), options, |setting| {
+                    contact_separation::prepared::<f64, M, _>(setting, model, |prepared, start| {
+                        let typical = contact_separation::typical(model, prepared.core);
+                        prepared.response(start, typical, &mut known, &mut spent)
+                    })
                 })
             })?
         }
         Model::Sliding(model) => {
             let mut known = None;
             resonance(range, points, |frequency_hz| {
-                sliding::prepared::<f64, M, _>(&at(frequency_hz), model, options, |run, state| {
-                    run.response(state, &mut known, &mut spent)
+                with_setting::<f64, M, _>(&at(frequency_hz), options, |setting| {
+                    sliding::prepared(setting, model, |prepared, start| {
+                        let typical = sliding::typical(model, prepared.core);
+                        prepared.response(start, typical, &mut known, &mut spent)
+                    })
                 })
             })?
         }

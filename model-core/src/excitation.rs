@@ -56,6 +56,34 @@ pub trait Excitation<S: Scalar> {
     }
 }
 
+/// A reference to an excitation, of a type that is known or not.
+impl<S: Scalar, E: Excitation<S> + ?Sized> Excitation<S> for &E {
+    #[inline]
+    fn acceleration(&self, at: Instant) -> S {
+        (**self).acceleration(at)
+    }
+
+    #[inline]
+    fn jerk(&self, at: Instant) -> S {
+        (**self).jerk(at)
+    }
+
+    #[inline]
+    fn resolved_ticks(&self) -> u32 {
+        (**self).resolved_ticks()
+    }
+
+    #[inline]
+    fn angular_frequency(&self) -> S {
+        (**self).angular_frequency()
+    }
+
+    #[inline]
+    fn smooth_ticks(&self, at: Instant) -> u32 {
+        (**self).smooth_ticks(at)
+    }
+}
+
 /// Why an excitation was refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

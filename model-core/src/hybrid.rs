@@ -5,9 +5,9 @@
 //! zero a *jump* gives the next mode and state. An [`Automaton`] states these as pure functions
 //! and holds parameters only. The [`Driver`] advances a [`HybridState`] and knows no physics.
 
+mod attempt;
 mod driver;
 mod locate;
-mod observer;
 
 use core::fmt::Debug;
 
@@ -16,11 +16,11 @@ use crate::excitation::Excitation;
 use crate::integrate::cubic::Cubic;
 use crate::integrate::step_control::{ControlMemory, ErrorScale};
 use crate::integrate::{Point, StepControl, System};
+use crate::observer::Outputs;
 use crate::scalar::Scalar;
 use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 pub use driver::{Advance, Driver, Ended, LEAST_BUDGET, StepError, StepFailure, Work};
-pub use observer::{Event, Observer, Span};
 
 /// A guard and its rate of change along the flow.
 ///
@@ -110,37 +110,50 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     /// The flow of `mode`.
     fn flow(&self, mode: Self::Mode) -> Self::Flow<'_>;
 
-    /// Number of guards of `mode`, at most 32.
-    fn guards(&self, mode: Self::Mode) -> usize;
+    /// Number of guards of `mode`, at most 32; by default none, for a system without events.
+    #[inline(always)]
+    fn guards(&self, _mode: Self::Mode) -> usize {
+        0
+    }
 
     /// Guard number `index` of `mode`.
     ///
     /// Where `armed` is false the guard is to be lowered by a margin of rounding size, so that it
     /// cannot fire at its start but still catches a state that sinks through.
+    #[inline(always)]
     fn guard<E: Excitation<S>>(
         &self,
-        mode: Self::Mode,
-        index: usize,
-        armed: bool,
-        point: &Point<S, N, P>,
-        moment: &InputAt<'_, E>,
-    ) -> Guard<S>;
+        _mode: Self::Mode,
+        _index: usize,
+        _armed: bool,
+        _point: &Point<S, N, P>,
+        _input: &InputAt<'_, E>,
+    ) -> Guard<S> {
+        Guard { value: S::ONE, rate: S::ZERO }
+    }
 
     /// Whether guards that were left unwatched by a jump into `mode` can be watched from here on.
-    fn rearms(&self, mode: Self::Mode, point: &Point<S, N, P>) -> bool;
+    #[inline(always)]
+    fn rearms(&self, _mode: Self::Mode, _point: &Point<S, N, P>) -> bool {
+        true
+    }
 
     /// What happens where guard number `index` of `mode` falls through zero.
     ///
     /// `step` is the length in seconds of the step that is to follow: a derivative that changes
     /// within a boundary layer much thinner than that is best given as it is beyond the layer.
+    #[inline(always)]
     fn jump<E: Excitation<S>>(
         &self,
         mode: Self::Mode,
-        index: usize,
+        _index: usize,
         point: &Point<S, N, P>,
-        moment: &InputAt<'_, E>,
-        step: S,
-    ) -> Jump<S, Self::Mode, N>;
+        _input: &InputAt<'_, E>,
+        _step: S,
+    ) -> Jump<S, Self::Mode, N> {
+        let Point { state, remainder, derivative, .. } = *point;
+        Jump { mode, state, remainder, derivative, loss: S::ZERO, armed: true }
+    }
 
     /// The part of each power that passes in no time in that jump, to `after`, in joules: a capacitor that
     /// is joined to another shares its charge at once.
@@ -153,6 +166,24 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
         _after: &Jump<S, Self::Mode, N>,
     ) -> [S; P] {
         [S::ZERO; P]
+    }
+
+    /// The outputs at a point of `mode`; by default zeros with the state variables.
+    #[inline(always)]
+    fn outputs<'a>(&self, _mode: Self::Mode, point: &'a Point<S, N, P>) -> Outputs<'a, S> {
+        Outputs::of_state(&point.state)
+    }
+
+    /// Whether the moving part sticks in `mode`.
+    #[inline(always)]
+    fn is_stick(&self, _mode: Self::Mode) -> bool {
+        false
+    }
+
+    /// Whether guard number `index` of `mode` is an impact.
+    #[inline(always)]
+    fn is_impact(&self, _mode: Self::Mode, _index: usize) -> bool {
+        false
     }
 
     /// The scales by which the step control measures errors.

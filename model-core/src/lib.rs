@@ -11,11 +11,11 @@
 //! use model_core::clock::Instant;
 //! use model_core::energy::PowerMeter;
 //! use model_core::excitation::Sine;
-//! use model_core::hybrid::Driver;
 //! use model_core::integrate::{Adaptive, TrBdf2};
 //! use model_core::part::load::Resistor;
 //! use model_core::part::parasitic::ParasiticCapacitance;
 //! use model_core::part::restitution::ConstantRestitution;
+//! use model_core::scene::{Harvester, Simulation};
 //! use model_core::scene::contact_separation::{FrozenCharge, Parameters, Parts, Start, TransferredCharge};
 //!
 //! // What the harvester is made of: one type for each choice, and no code for the others.
@@ -47,10 +47,10 @@
 //! }
 //! .build()?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
-//! let driver = Driver::new(TrBdf2, Adaptive::new(5e-2));
-//! let mut state = scene.start(&Start::default(), &shaking, &driver.control)?;
-//! let mut meter = PowerMeter::<f32, 1>::new();
-//! driver.advance(&scene, &mut state, &shaking, Instant::from_whole_seconds(2), 10_000, &mut meter)?;
+//! let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(5e-2));
+//! let mut state = harvester.start(&Start::default(), &shaking)?;
+//! let mut meter = PowerMeter::new();
+//! harvester.advance(&mut state, &shaking, Instant::from_whole_seconds(2), 10_000, &mut meter)?;
 //! assert!((5e-6..20e-6).contains(&meter.mean_power())); // watts
 //! # Ok(())
 //! # }
@@ -82,6 +82,7 @@ pub mod energy;
 pub mod excitation;
 pub mod hybrid;
 pub mod integrate;
+pub mod observer;
 pub mod part;
 pub mod scalar;
 pub mod scene;

@@ -1,7 +1,8 @@
-//! Harvesters.
+//! The harvesters: parameters, checked once, and pure functions of a state.
 //!
-//! A scene is parameters, checked once, and a handful of pure functions: see
-//! [`crate::hybrid::Automaton`]. What a meter needs of any of them is [`Harvester`].
+//! [`Harvester`] is what every one of them offers: a start, an advance, outputs, a snapshot of its state. The
+//! triboelectric scenes are hybrid automata ([`Scene`]) and become harvesters with a method and a step control in a
+//! [`Simulation`]; bump-stop has its own [`bump_stop::Stepper`].
 
 pub mod bump_stop;
 pub mod closed_form;
@@ -9,99 +10,188 @@ pub mod contact_separation;
 mod coupled;
 mod electrical_port;
 pub mod rectified;
-mod resumable;
+mod simulation;
 pub mod sliding;
 
-use crate::hybrid::{Automaton, Guard};
-use crate::integrate::Point;
+use core::fmt::Debug;
+
+use crate::clock::Instant;
+use crate::excitation::Excitation;
+use crate::hybrid::{Advance, Automaton, HybridState, StepError};
+use crate::integrate::StepControl;
+use crate::observer::{Observer, Outputs, StorageOutput};
 use crate::scalar::Scalar;
+use crate::snapshot::{Fingerprint, Snapshot};
 
 pub use crate::part::bounds::{Bounds, ParameterError};
-pub use resumable::{Resumable, StorageReading};
+pub use closed_form::ClosedForm;
+pub use simulation::Simulation;
 
-/// The powers that every scene can integrate along with its state, and their places in the list.
+/// A harvester that can be stepped along its base acceleration.
 ///
-/// A scene offers two lists: the first entry alone, which is what a sensor node pays for, and the
-/// whole account, from which the energy ledger is drawn up.
-pub mod account {
-    use crate::scalar::Scalar;
+/// [`Simulation`] implements it for every [`Scene`], [`bump_stop::Stepper`] for bump-stop.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a harvester in `{S}`",
+    note = "put a scene with a method and a step control into `Simulation::new(scene, TrBdf2, Adaptive::new(..)?)`",
+    note = "put a bump-stop scene into `bump_stop::Stepper::new(scene, short_step, long_step)`"
+)]
+pub trait Harvester<S: Scalar> {
+    /// What changes while the harvester runs: a plain value that can be copied, compared, saved and restored.
+    type State: Copy + Debug + PartialEq + Snapshot;
+    /// Initial values.
+    type Start: Default;
 
-    /// Power delivered to the load, in watts; behind a rectifier, the power that enters the storage.
-    pub const LOAD: usize = 0;
-    /// Square of the terminal voltage, in V².
-    pub const VOLTAGE_SQUARED: usize = 1;
-    /// Terminal voltage, in volts.
-    pub const VOLTAGE: usize = 2;
-    /// Magnitude of the load current, in amperes.
-    pub const CURRENT_MAGNITUDE: usize = 3;
-    /// Power that the moving base puts in, in watts.
-    pub const BASE: usize = 4;
-    /// Its magnitude.
-    pub const BASE_MAGNITUDE: usize = 5;
-    /// Power lost to damping and friction, in watts.
-    pub const DISSIPATION: usize = 6;
-    /// Power that the mechanics give up to the electrostatic force of the scene's force law.
-    pub const ELECTROSTATIC_WORK: usize = 7;
-    /// Power that the electrostatic field takes from the motion.
+    /// Whether steps come with an estimate of their error.
+    const ESTIMATES_ERROR: bool;
+    /// Attempted steps that [`Harvester::advance`] takes as the smallest budget.
+    const LEAST_BUDGET: u32;
+
+    /// The state at time zero.
     ///
-    /// The same as `ELECTROSTATIC_WORK` where the force law is the field's own; under an inferred force law
-    /// the difference is what that law creates or destroys.
-    pub const FIELD_WORK: usize = 8;
-    /// Power lost in the diodes of a rectifier.
-    pub const DIODES: usize = 9;
-    /// Power that leaks from the storage behind a rectifier.
-    pub const LEAKED: usize = 10;
-    /// Power that the node draws from it.
-    pub const DRAWN: usize = 11;
-    /// Number of entries in the whole account.
-    pub const WHOLE: usize = 12;
+    /// # Errors
+    /// An initial value out of bounds.
+    fn start<E: Excitation<S>>(
+        &self,
+        start: &Self::Start,
+        excitation: &E,
+    ) -> Result<Self::State, ParameterError<S>>;
 
-    /// The first `P` entries of a whole account. Those beyond are not computed: the compiler drops what is
-    /// not read.
-    #[inline(always)]
-    pub(super) fn first<S: Scalar, const P: usize>(whole: &[S; WHOLE]) -> [S; P] {
-        core::array::from_fn(|i| whole.get(i).copied().unwrap_or(S::ZERO))
+    /// The state at rest at `at`, under the acceleration there. The storage keeps its charge in `before`.
+    ///
+    /// # Errors
+    /// If the harvester cannot start at rest.
+    fn restart<E: Excitation<S>>(
+        &self,
+        before: Option<&Self::State>,
+        excitation: &E,
+        at: Instant,
+    ) -> Result<Self::State, ParameterError<S>>;
+
+    /// Advances `state` to `until`, in at most `budget` attempted steps.
+    ///
+    /// Dividing a run by budgets changes no bit; dividing it by `until` cuts a step there.
+    ///
+    /// # Errors
+    /// [`StepError`]; `state` is then the last good one, and `observer` has seen all before it.
+    fn advance<E: Excitation<S>, O: Observer<S>>(
+        &self,
+        state: &mut Self::State,
+        excitation: &E,
+        until: Instant,
+        budget: u32,
+        observer: &mut O,
+    ) -> Result<Advance, StepError<S>>;
+
+    /// Advances `state` to `until` or less than `sample_ticks` beyond it, whichever is cheaper.
+    ///
+    /// # Errors
+    /// As [`Harvester::advance`].
+    #[inline]
+    fn advance_past<E: Excitation<S>, O: Observer<S>>(
+        &self,
+        state: &mut Self::State,
+        excitation: &E,
+        until: Instant,
+        _sample_ticks: u64,
+        budget: u32,
+        observer: &mut O,
+    ) -> Result<Advance, StepError<S>> {
+        self.advance(state, excitation, until, budget, observer)
     }
+
+    /// Simulated time.
+    fn clock(&self, state: &Self::State) -> Instant;
+
+    /// Outputs at `state`.
+    fn outputs<'a>(&self, state: &'a Self::State) -> Outputs<'a, S>;
+
+    /// Sets the voltage of the storage in V, at or above 0, under a base acceleration in m/s². Without a storage
+    /// nothing changes.
+    fn set_storage_voltage(&self, _state: &mut Self::State, _voltage: S, _acceleration: S) {}
+
+    /// Angular frequency of the slowest undamped motion in rad/s.
+    fn angular_frequency(&self) -> S;
+
+    /// Resonance frequency of the slowest undamped motion in Hz.
+    fn resonance_frequency(&self) -> S {
+        self.angular_frequency() * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI)
+    }
+
+    /// Mean power without a trajectory, under the base acceleration `amplitude · sin(2π · frequency · t)` in m/s² and
+    /// Hz; `None` for a harvester without a closed form.
+    fn closed_form(&self, _amplitude: S, _frequency: S) -> Option<ClosedForm<S>> {
+        None
+    }
+
+    /// Adds all parameters and choices on which the meaning of a state depends to a fingerprint.
+    fn identify(&self, fingerprint: &mut Fingerprint);
 }
 
-/// Energy stored in a harvester, in joules.
+/// A harvester written as a hybrid automaton of `N` states with `P` powers.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a scene of {N} states with {P} powers in `{S}`",
+    note = "a triboelectric scene needs a `Load` (`Resistor`, `OpenCircuit`, ..); behind a bridge, give it \
+            `OpenCircuit` and put it into `rectified::Rectified::new(scene, bridge)`"
+)]
+pub trait Scene<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, P, Mode: Snapshot> {
+    /// Initial values.
+    type Start: Default;
+
+    /// The state at time zero.
+    ///
+    /// # Errors
+    /// An initial value out of bounds.
+    fn start<E: Excitation<S>, C: StepControl<S>>(
+        &self,
+        start: &Self::Start,
+        excitation: &E,
+        control: &C,
+    ) -> Result<HybridState<S, Self::Mode, N, P>, ParameterError<S>>;
+
+    /// Puts the storage of `before` into `state`, under a base acceleration in m/s². Without a storage nothing changes.
+    fn keep_storage(
+        &self,
+        _before: &HybridState<S, Self::Mode, N, P>,
+        _state: &mut HybridState<S, Self::Mode, N, P>,
+        _acceleration: S,
+    ) {
+    }
+
+    /// As [`Harvester::set_storage_voltage`].
+    fn set_storage_voltage(
+        &self,
+        _state: &mut HybridState<S, Self::Mode, N, P>,
+        _voltage: S,
+        _acceleration: S,
+    ) {
+    }
+
+    /// As [`Harvester::closed_form`].
+    fn closed_form(&self, _amplitude: S, _frequency: S) -> Option<ClosedForm<S>> {
+        None
+    }
+
+    /// As [`Harvester::identify`].
+    fn identify(&self, fingerprint: &mut Fingerprint);
+}
+
+/// What a storage holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct StoredEnergy<S> {
-    /// Kinetic and elastic.
-    pub mechanical: S,
-    /// In the electric field and the capacitances.
-    pub electrical: S,
+pub struct StorageReading<S> {
+    /// Voltage in V.
+    pub voltage: S,
+    /// Energy in J; 0 for a DC bus.
+    pub energy: S,
 }
 
-/// What a meter can read from a harvester, whatever it is.
-pub trait Harvester<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, P> {
-    /// The coordinate whose extremes are reported, with its rate: a gap, a displacement.
-    fn coordinate(&self, point: &Point<S, N, P>) -> Guard<S>;
-
-    /// Voltage at the terminals, in volts.
-    fn voltage(&self, mode: Self::Mode, point: &Point<S, N, P>) -> S;
-
-    /// Stored energy.
-    fn stored_energy(&self, mode: Self::Mode, point: &Point<S, N, P>) -> StoredEnergy<S>;
-
-    /// Whether the moving part is held in `mode`.
-    fn is_stick(&self, mode: Self::Mode) -> bool;
-
-    /// Whether guard number `guard` of `mode` is an impact.
-    fn is_impact(&self, mode: Self::Mode, guard: usize) -> bool;
-
-    /// Voltage in V of the storage behind a rectifier, and what rounding took from it: a step brings a large
-    /// storage less than a rounding of its voltage. Zeros where there is none.
-    #[inline(always)]
-    fn compensated_storage_voltage(&self, _mode: Self::Mode, _point: &Point<S, N, P>) -> [S; 2] {
-        [S::ZERO; 2]
-    }
-
-    /// Energy in J that the storage gains from one such voltage to another; `None` where there is none, and
-    /// for a bus, which has no end.
-    #[inline(always)]
-    fn storage_gain(&self, _from: [S; 2], _to: [S; 2]) -> Option<S> {
-        None
+impl<S: Scalar> StorageReading<S> {
+    /// The reading of a storage.
+    #[must_use]
+    pub fn of(storage: &StorageOutput<S>) -> Self {
+        let half = S::from_f64(0.5) * storage.capacitance;
+        let voltage = storage.voltage;
+        let energy = if half.is_finite() { half * voltage * voltage } else { S::ZERO };
+        Self { voltage, energy }
     }
 }

@@ -38,6 +38,10 @@ struct Ball {
 impl<S: Scalar> Problem<S, 2> for Ball {
     type Mode = Mode;
 
+    fn number(&self, mode: Mode) -> u8 {
+        mode as u8
+    }
+
     fn rate(&self, mode: Mode, y: &[S; 2], _input: S) -> [S; 2] {
         match mode {
             Mode::Flying => [y[1], -S::from_f64(GRAVITY)],

@@ -3,10 +3,9 @@
 mod common;
 
 use common::harvesters::{Bump, Contact, bump_parameters_into, contact_parameters};
-use model_core::energy::estimator::{HybridModel, Model, SampleFormat, Settings};
+use model_core::energy::estimator::{SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled};
-use model_core::hybrid::Driver;
 use model_core::integrate::{Adaptive, TrBdf2};
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw};
 use model_core::part::load::AnyLoad;
@@ -14,10 +13,11 @@ use model_core::part::storage::{AnyStorage, Capacitor};
 use model_core::scene::bump_stop::{self, AnyBridgedParts, Stepper};
 use model_core::scene::contact_separation::Start;
 use model_core::scene::rectified::{FullBridge, Rectified, STATES};
+use model_core::scene::{Harvester, Simulation};
 use model_core::snapshot::SnapshotError;
 
 type Bridged = Rectified<f32, Contact<f32>, AnyStorage<f32>>;
-type Hybrid = HybridModel<Bridged, TrBdf2, Adaptive<f32>, STATES, 1>;
+type Hybrid = Simulation<Bridged, TrBdf2, Adaptive<f32>, STATES, 1>;
 
 const RATE: f32 = 400.0;
 
@@ -37,7 +37,7 @@ fn scene(bridge: FullBridge<f32, AnyStorage<f32>>) -> Bridged {
 }
 
 fn hybrid(bridge: FullBridge<f32, AnyStorage<f32>>) -> Hybrid {
-    HybridModel::new(scene(bridge), TrBdf2, Adaptive::new(5e-2))
+    Simulation::new(scene(bridge), TrBdf2, Adaptive::new(5e-2))
 }
 
 fn modal(bridge: FullBridge<f32, AnyStorage<f32>>) -> Stepper<f32, AnyBridgedParts, 4, 1> {
@@ -45,14 +45,14 @@ fn modal(bridge: FullBridge<f32, AnyStorage<f32>>) -> Stepper<f32, AnyBridgedPar
     Stepper::new(parameters.build().expect("in bounds"), 9e-6, 80e-6)
 }
 
-fn estimator<M: Model<f32>>(model: M, rate: f32) -> Estimator<f32, M> {
+fn estimator<H: Harvester<f32>>(harvester: H, rate: f32) -> Estimator<f32, H> {
     let format = SampleFormat::accelerations(f32::INFINITY);
     let settings = Settings { rate, format, longest_gap: 4, settling_seconds: 0.0 };
-    Estimator::new(model, settings).expect("in bounds")
+    Estimator::new(harvester, settings).expect("in bounds")
 }
 
 /// Pushes `count` samples of a sine, from sample number `from` on.
-fn feed<M: Model<f32>>(estimator: &mut Estimator<f32, M>, sine: [f64; 3], from: u32, count: u32) {
+fn feed<H: Harvester<f32>>(estimator: &mut Estimator<f32, H>, sine: [f64; 3], from: u32, count: u32) {
     for sample in common::harvesters::sine_samples(sine[0], sine[1], sine[2], from + count)
         .into_iter()
         .skip(from as usize)
@@ -70,18 +70,20 @@ fn what_enters_the_store_is_what_a_power_meter_counts_shared_charge_included() {
     let mut estimator = estimator(hybrid(bridge), RATE);
     feed(&mut estimator, SHAKEN, 0, 1200);
     // The same samples, as a trace, advanced to where the estimator stands.
-    let (scene, driver) = (scene(bridge), Driver::new(TrBdf2, Adaptive::new(5e-2)));
+    let simulation = hybrid(bridge);
     let samples = common::harvesters::sine_samples::<f32>(SHAKEN[0], SHAKEN[1], SHAKEN[2], 1201);
     let trace = Sampled::new(&samples, RATE, AfterLastSample::Silence).expect("valid");
-    let mut state = scene.start(&Start::default(), &trace, &driver.control).expect("in bounds");
-    let mut meter = PowerMeter::<f32, 1>::new();
+    let mut state = simulation.start(&Start::default(), &trace).expect("in bounds");
+    let mut meter = PowerMeter::<f32>::new();
     let until = estimator.known_until();
-    driver.advance(&scene, &mut state, &trace, until, u32::MAX, &mut meter).expect("runs");
+    simulation.advance(&mut state, &trace, until, u32::MAX, &mut meter).expect("runs");
     let (found, expected) = (estimator.estimate(), meter.delivered_energy());
     assert!(expected > 1e-6);
     assert!((found.energy / expected - 1.0).abs() < 2e-2, "{} {expected}", found.energy);
     let storage = found.storage.expect("there is one");
-    assert!((storage.voltage - scene.storage_voltage(state.mode, &state.point.state)).abs() < 2e-2);
+    assert!(
+        (storage.voltage - simulation.scene().storage_voltage(state.mode, &state.point.state)).abs() < 2e-2
+    );
 }
 
 #[test]
@@ -112,20 +114,20 @@ fn a_store_that_is_drawn_from_outside_takes_up_what_the_harvester_holds_above_it
     }
 }
 
-fn resumes<M: Model<f32> + Copy>(model: M, foreign: &[M], sine: [f64; 3], stops: [u32; 3]) {
-    let mut whole = estimator(model, sine[2] as f32);
+fn resumes<H: Harvester<f32> + Copy>(harvester: H, foreign: &[H], sine: [f64; 3], stops: [u32; 3]) {
+    let mut whole = estimator(harvester, sine[2] as f32);
     let mut from = 0;
     for stop in stops {
         feed(&mut whole, sine, from, stop - from);
         from = stop;
         let mut snapshot = [0; 512];
         whole.save(&mut snapshot).expect("there is room");
-        let mut awake = estimator(model, sine[2] as f32);
+        let mut awake = estimator(harvester, sine[2] as f32);
         awake.restore(&snapshot).expect("its own");
         feed(&mut awake, sine, stop, 50);
         let mut uninterrupted = whole;
         feed(&mut uninterrupted, sine, stop, 50);
-        assert_eq!(awake.model_state(), uninterrupted.model_state());
+        assert_eq!(awake.harvester_state(), uninterrupted.harvester_state());
         assert_eq!(awake.estimate(), uninterrupted.estimate());
         for (index, &other) in foreign.iter().enumerate() {
             let refused = estimator(other, sine[2] as f32).restore(&snapshot);

@@ -9,8 +9,10 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
 use bridged::{Bridged, advance, baseline, bus, close, measured, seconds, shaking, storage};
 use model_core::excitation::Sine;
+use model_core::observer::PowerIndex;
 use model_core::part::draw::AnyDraw;
 use model_core::part::load::AnyLoad;
+use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{AnyContact, AnyCoupling, Parameters, Parts, Start, Stepper};
 
 const HERTZ: f64 = 220.0;
@@ -36,16 +38,16 @@ fn open_voltage() -> f64 {
 }
 
 /// One mode without a stop.
-fn one_mode<P>(parameters: Parameters<f64, P>, coupling: AnyCoupling) -> Stepper<f64, P, 1, 0>
+fn one_mode<P>(parameters: Parameters<f64, P>, coupling: AnyCoupling) -> Stepper<f64, P, 1, 0, 1>
 where
     P: Parts<f64, Coupling = AnyCoupling, Contact = AnyContact<f64>>,
 {
     let parameters = Parameters { coupling, contact: AnyContact::NoStop, ..parameters };
-    Stepper::new(parameters.build().expect("valid"), STEP, STEP)
+    Stepper::with_all_powers(parameters.build().expect("valid"), STEP, STEP)
 }
 
 /// Mean power over 22 periods of a motion that has settled for 1.5 s.
-fn settled_power<P: Parts<f64>>(stepper: &Stepper<f64, P, 1, 0>, hertz: f64) -> f64 {
+fn settled_power<P: Parts<f64>>(stepper: &Stepper<f64, P, 1, 0, 1>, hertz: f64) -> f64 {
     let excitation = shaking(hertz);
     let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
     stepper.advance(&mut state, &excitation, seconds(1.5), u32::MAX, &mut ()).expect("runs");
@@ -67,7 +69,7 @@ fn a_bus_takes_what_the_closed_form_says() {
             let meter = measured(&stepper, &mut state, &excitation, 1.6);
             let beyond = open - volts - 2.0 * drop;
             close("power", meter.mean_power(), 4.0 * HERTZ * CAPACITANCE * volts * beyond, 1e-5);
-            let lost = meter.storage_account().diodes / 0.1;
+            let lost = meter.integrals().integral(PowerIndex::Diodes) / 0.1;
             if drop > 0.0 {
                 close("diode loss", lost, 8.0 * HERTZ * CAPACITANCE * drop * beyond, 1e-5);
             } else {

@@ -3,19 +3,19 @@
 
 mod bridged;
 
-use bridged::{
-    AnyBridge, Bridged, With, advance, baseline, close, measured, resistor, seconds, shaking, storage,
-};
+use bridged::{AnyBridge, Bridged, With, advance, baseline, close, resistor, seconds, shaking, storage};
+use model_core::energy::{Ledger, PowerMeter, RunMeter};
 use model_core::excitation::Silence;
+use model_core::observer::{AcceptedStep, Observer, PowerIndex};
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, NoDraw, PowerDraw, ResistiveDraw};
 use model_core::part::load::OpenCircuit;
 use model_core::part::rectifier::FullBridge;
 use model_core::part::storage::{AnyStorage, Capacitor, DcBus};
 use model_core::part::storage_step::StorageState;
 use model_core::scalar::Scalar;
+use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{
-    AnyContact, AnyCoupling, Circuit, ModalLedger, ModalObserver, ModalSpan, Parameters, Restitution, Start,
-    State, StateOf, Stepper,
+    AnyContact, AnyCoupling, Circuit, Parameters, Restitution, Start, State, StateOf, Stepper,
 };
 
 /// Open or in contact, blocked or conducting either way: 0.2 µF at 0.2 V under 2 MΩ, diodes of 0.05 V, a gap
@@ -76,10 +76,10 @@ fn charged<S: Scalar>(farads: f64) -> f64 {
     let mut parameters = baseline(storage::<S>(farads, 1.0, AnyDraw::None, 0.3));
     parameters.stop.position = S::from_f64(0.025);
     let scene = parameters.build::<4, 1>().expect("valid");
-    let stepper = Stepper::new(scene, S::from_f64(1e-6), S::from_f64(2e-5));
+    let stepper = Stepper::with_all_powers(scene, S::from_f64(1e-6), S::from_f64(2e-5));
     let excitation = shaking(220.0);
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
-    let mut ledger = ModalLedger::open(&scene, &state);
+    let mut ledger = Ledger::open(&stepper.outputs(&state));
     stepper.advance(&mut state, &excitation, seconds(0.5), u32::MAX, &mut ledger).expect("runs");
     let residual = ledger.residual().total().expect("work").to_f64();
     println!("{farads} F: residual {residual:e}");
@@ -124,24 +124,26 @@ fn the_ledger_of_harvester_and_store_closes() {
                 storage.leakage_ohms = 5e6;
             }
             let scene = Parameters { coupling, contact, ..baseline(bridge) }.build::<4, 1>().expect("valid");
-            let stepper = Stepper::new(scene, 1e-6, long);
+            let stepper = Stepper::with_all_powers(scene, 1e-6, long);
             let excitation = shaking(220.0);
             let mut state = scene.start(&Start::default(), &excitation).expect("valid");
-            let mut ledger = ModalLedger::open(&scene, &state);
-            let mut meter = model_core::scene::bump_stop::ModalMeter::new(&scene);
+            let mut ledger = Ledger::open(&stepper.outputs(&state));
+            let mut meter = RunMeter::new();
             let mut both = (&mut ledger, &mut meter);
             stepper.advance(&mut state, &excitation, seconds(0.05), u32::MAX, &mut both).expect("runs");
             let residual = ledger.residual();
             let relative = residual.largest().expect("work");
             assert!(relative < 1e-10, "{draw:?} {coupling:?} {contact:?}: {residual:?}");
             // And against the storage's own energy, which the scale leaves out.
-            let account = meter.storage_account();
-            assert!(residual.storage.abs() < 1e-10 * account.delivered, "{residual:?} {account:?}");
+            let delivered = meter.delivered_energy();
+            let [diodes, leaked, drawn] = [PowerIndex::Diodes, PowerIndex::Leakage, PowerIndex::Draw]
+                .map(|power| meter.integrals().integral(power));
+            assert!(residual.storage.abs() < 1e-10 * delivered, "{residual:?} {delivered}");
             let gained = 0.1e-6 * (state.circuit.voltage.powi(2) - 0.04);
-            let left = account.delivered - account.leaked - account.drawn;
-            assert!((gained - left).abs() < 1e-10 * account.delivered, "{gained} {left}");
-            assert!(account.diodes > 0.0 && account.leaked > 0.0);
-            assert!((account.drawn > 0.0) == (draw != AnyDraw::None));
+            let left = delivered - leaked - drawn;
+            assert!((gained - left).abs() < 1e-10 * delivered, "{gained} {left}");
+            assert!(diodes > 0.0 && leaked > 0.0);
+            assert!((drawn > 0.0) == (draw != AnyDraw::None));
         }
     }
 }
@@ -156,20 +158,20 @@ fn no_step_of_any_length_makes_energy() {
             parameters.damping_ratio = 0.0;
             parameters.piezo_permittivity = permittivity;
             let scene = parameters.build::<6, 2>().expect("valid");
-            let stepper = Stepper::new(scene, step, step);
+            let stepper = Stepper::with_all_powers(scene, step, step);
             let mut start = Start::default();
             start.beam[0] = [-30e-6 / 31.974_430_7, 0.0];
             let mut state = scene.start(&start, &Silence).expect("valid");
-            let mut meter = model_core::scene::bump_stop::ModalMeter::new(&scene);
-            let mut energy: f64 = scene.stored_energy(&state).iter().sum();
+            let mut meter = RunMeter::new();
+            let mut energy: f64 = stepper.outputs(&state).stored.total();
             let before = energy;
             let mut spent = 0.0;
             for k in 1..=20 {
                 let end = f64::from(k) * if step < 5e-7 { 1e-3 } else { 2e-2 };
                 stepper.advance(&mut state, &Silence, seconds(end), u32::MAX, &mut meter).expect("runs");
-                let now: f64 = scene.stored_energy(&state).iter().sum();
-                let account = meter.storage_account();
-                let newly = account.delivered + account.diodes - spent;
+                let now = stepper.outputs(&state).stored.total();
+                let diodes = meter.integrals().integral(PowerIndex::Diodes);
+                let newly = meter.delivered_energy() + diodes - spent;
                 assert!(newly >= 0.0 && (energy - now - newly).abs() < 1e-10 * before, "{step} {k}");
                 (energy, spent) = (now, spent + newly);
             }
@@ -244,9 +246,9 @@ struct Switching {
     off: Vec<f64>,
 }
 
-impl<const B: usize, const R: usize> ModalObserver<f64, B, R, StorageState<f64>> for Switching {
-    fn step(&mut self, span: &ModalSpan<'_, f64, B, R, StorageState<f64>>) {
-        let [from, to] = [span.start.circuit, span.end.circuit];
+impl Observer<f64> for Switching {
+    fn step(&mut self, step: &AcceptedStep<'_, f64>) {
+        let [from, to] = [&step.start, &step.end].map(|outputs| outputs.storage.expect("a storage"));
         match (from.connected, to.connected) {
             (false, true) => self.on.push(to.voltage),
             (true, false) => self.off.push(to.voltage),
@@ -293,8 +295,9 @@ fn charges(stop: Option<[f64; 2]>, published: &[(f64, f64)], relative: f64) {
     let excitation = shaking(220.0);
     let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
     for &(at, volts) in published {
-        let delivered = measured(&stepper, &mut state, &excitation, at).delivered_energy();
-        assert!(delivered >= 0.0);
+        let mut meter = PowerMeter::new();
+        stepper.advance(&mut state, &excitation, seconds(at), u32::MAX, &mut meter).expect("runs");
+        assert!(meter.delivered_energy() >= 0.0);
         close(&format!("{stop:?} at {at} s"), state.circuit.voltage, volts, relative);
     }
 }

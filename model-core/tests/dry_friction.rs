@@ -47,6 +47,10 @@ impl Slider {
 impl<S: Scalar> Problem<S, 2> for Slider {
     type Mode = Mode;
 
+    fn number(&self, mode: Mode) -> u8 {
+        mode as u8
+    }
+
     fn rate(&self, mode: Mode, y: &[S; 2], _input: S) -> [S; 2] {
         let speed = S::from_f64(self.base_speed) + y[1];
         if mode == Mode::Stick {
@@ -106,7 +110,7 @@ fn coulomb<S: Scalar>(name: &str, method: impl Method<S>, control: impl StepCont
     for (k, (event, (position, after))) in run.log.events.iter().zip(turns).enumerate() {
         let time = event.at - core::f64::consts::PI * (k + 1) as f64;
         worst = [worst[0].max(time.abs()), worst[1].max((event.reached[0] - position).abs())];
-        assert_eq!(event.after, after, "{name}: turn {k}");
+        assert_eq!(event.after, after as u8, "{name}: turn {k}");
         assert_eq!(event.left[1], 0.0);
     }
     println!(
@@ -147,8 +151,9 @@ fn belt<S: Scalar>(name: &str, method: impl Method<S>, control: impl StepControl
     let mut worst = [0.0_f64; 3];
     for pair in run.log.events.chunks(2) {
         let [break_away, catch] = pair else { unreachable!("an even number") };
-        assert_eq!((break_away.before, break_away.after), (Mode::Stick, Mode::SlipDown));
-        assert_eq!((catch.before, catch.after), (Mode::SlipDown, Mode::Stick));
+        let (stick, slip_down) = (Mode::Stick as u8, Mode::SlipDown as u8);
+        assert_eq!((break_away.before, break_away.after), (stick, slip_down));
+        assert_eq!((catch.before, catch.after), (slip_down, stick));
         let errors =
             [break_away.at - before - STICK_TIME, catch.at - break_away.at - SLIP_TIME, catch.reached[0]];
         worst = core::array::from_fn(|i| worst[i].max(errors[i].abs()));

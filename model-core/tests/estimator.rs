@@ -5,15 +5,15 @@ mod common;
 use common::Random;
 use common::harvesters::{bump, contact, contact_parameters, sine_samples, slide, sliding_parameters};
 use model_core::clock::Instant;
-use model_core::energy::estimator::{EstimatorError, HybridModel, Model, Sample, SampleFormat, Settings};
+use model_core::energy::estimator::{EstimatorError, Sample, SampleFormat, Settings};
 use model_core::energy::{Estimate, Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled, Stream};
 use model_core::hybrid::{Driver, StepFailure};
 use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::scalar::Scalar;
-use model_core::scene::Resumable;
 use model_core::scene::bump_stop::{self, AnyContact, Restitution};
 use model_core::scene::sliding::PatchFriction;
+use model_core::scene::{Harvester, Scene, Simulation};
 
 const EVER: u32 = u32::MAX;
 
@@ -26,12 +26,12 @@ fn settings<S: Scalar>(rate: f64) -> Settings<S> {
     }
 }
 
-fn hybrid<S: Scalar, H: Resumable<S, 3, 1>, M: Method<S>, C: StepControl<S>>(
-    scene: H,
+fn hybrid<S: Scalar, A: Scene<S, 3, 1>, M: Method<S>, C: StepControl<S>>(
+    scene: A,
     method: M,
     control: C,
-) -> HybridModel<H, M, C, 3, 1> {
-    HybridModel::new(scene, method, control)
+) -> Simulation<A, M, C, 3, 1> {
+    Simulation::new(scene, method, control)
 }
 
 /// The instants to which a stream of that many samples is known, one after the other.
@@ -46,7 +46,7 @@ fn known<S: Scalar>(rate: f64, samples: &[S]) -> Vec<Instant> {
 }
 
 /// Follows all samples; gives the estimate.
-fn follow<S: Scalar, M: Model<S>>(estimator: &mut Estimator<S, M>, samples: &[S]) -> Estimate<S> {
+fn follow<S: Scalar, H: Harvester<S>>(estimator: &mut Estimator<S, H>, samples: &[S]) -> Estimate<S> {
     for &sample in samples {
         let progress = estimator.push_acceleration(sample, EVER).expect("runs");
         assert!(progress.finished);
@@ -54,9 +54,9 @@ fn follow<S: Scalar, M: Model<S>>(estimator: &mut Estimator<S, M>, samples: &[S]
     estimator.estimate()
 }
 
-fn same_bits_as_a_trace<S: Scalar, H, M, C>(scene: H, method: M, control: C, rate: f64, samples: &[S])
+fn same_bits_as_a_trace<S: Scalar, A, M, C>(scene: A, method: M, control: C, rate: f64, samples: &[S])
 where
-    H: Resumable<S, 3, 1> + Copy,
+    A: Scene<S, 3, 1> + Copy,
     M: Method<S> + Copy,
     C: StepControl<S> + Copy,
 {
@@ -64,18 +64,18 @@ where
     let estimate = follow(&mut estimator, samples);
     let trace = Sampled::new(samples, S::from_f64(rate), AfterLastSample::Silence).expect("valid");
     let driver = Driver::new(method, control);
-    let mut state = scene.at_rest(None, &trace, &control).expect("starts");
-    let mut meter = PowerMeter::<S, 1>::new();
+    let mut state = scene.start(&Default::default(), &trace, &control).expect("starts");
+    let mut meter = PowerMeter::<S>::new();
     for until in known(rate, samples) {
         driver.advance(&scene, &mut state, &trace, until, EVER, &mut meter).expect("runs");
     }
-    assert_eq!(*estimator.model_state(), state);
+    assert_eq!(*estimator.harvester_state(), state);
     assert_eq!(estimate.energy, meter.delivered_energy());
     assert_eq!(estimate.mean_power, meter.mean_power());
     assert!(estimate.energy > S::ZERO);
     // What an undivided run finds differs by the cuts alone.
-    let mut state = scene.at_rest(None, &trace, &control).expect("starts");
-    let mut whole = PowerMeter::<S, 1>::new();
+    let mut state = scene.start(&Default::default(), &trace, &control).expect("starts");
+    let mut whole = PowerMeter::<S>::new();
     driver.advance(&scene, &mut state, &trace, estimator.known_until(), EVER, &mut whole).expect("runs");
     let difference = (whole.delivered_energy() / estimate.energy).to_f64() - 1.0;
     assert!(difference.abs() < 2e-2, "{difference}");
@@ -109,24 +109,25 @@ fn same_bits_of_bump_stop<S: Scalar>() {
     for (rate, seconds) in [(3200.0, 0.4), (4800.0, 0.4), (200_000.0, 0.02)] {
         for contact in contacts {
             let stepper = bump::<S, 4, 1>(contact);
+            let short_ticks = Instant::from_seconds(S::from_f64(9e-6)).expect("in range").ticks() as u32;
             let samples = sine_samples::<S>(20.0, 220.0, rate, (seconds * rate) as u32);
             let mut estimator = Estimator::new(stepper, settings(rate)).expect("valid");
             let estimate = follow(&mut estimator, &samples);
             let trace = Sampled::new(&samples, S::from_f64(rate), AfterLastSample::Silence).expect("valid");
             let mut state = stepper.scene().start(&bump_stop::Start::default(), &trace).expect("valid");
-            let mut meter = PowerMeter::<S, 1>::new();
+            let mut meter = PowerMeter::<S>::new();
             for until in known(rate, &samples) {
                 let beyond = rate < 100_000.0;
                 let ended = if beyond {
-                    stepper.advance_beyond(&mut state, &trace, until, EVER, &mut meter)
+                    stepper.advance_past(&mut state, &trace, until, u64::MAX, EVER, &mut meter)
                 } else {
                     stepper.advance(&mut state, &trace, until, EVER, &mut meter)
                 };
                 ended.expect("runs");
                 let late = until.ticks_until(state.clock, EVER);
-                assert!(state.clock >= until && (late == 0 || beyond && late < stepper.short_ticks()));
+                assert!(state.clock >= until && (late == 0 || beyond && late < short_ticks));
             }
-            assert_eq!(*estimator.model_state(), state);
+            assert_eq!(*estimator.harvester_state(), state);
             assert_eq!(estimate.energy, meter.delivered_energy());
             assert!(estimate.energy > S::ZERO);
             assert_eq!(estimate.uncertainty.step, None);
@@ -141,13 +142,18 @@ fn a_stream_gives_the_bits_of_a_whole_trace_in_bump_stop() {
 }
 
 /// Pushes each sample with a budget of its own, and resumes until it is finished.
-fn by_budgets<M: Model<f32>>(model: M, rate: f64, samples: &[f32], seed: u64) -> (Estimator<f32, M>, usize) {
-    let mut estimator = Estimator::new(model, settings(rate)).expect("valid");
+fn by_budgets<H: Harvester<f32>>(
+    harvester: H,
+    rate: f64,
+    samples: &[f32],
+    seed: u64,
+) -> (Estimator<f32, H>, usize) {
+    let mut estimator = Estimator::new(harvester, settings(rate)).expect("valid");
     let mut random = Random(seed);
     let mut resumed = 0;
     for &sample in samples {
         let budget = |random: &mut Random| (random.next() % 120) as u32;
-        let limit = |budget: u32| budget.max(M::LEAST_BUDGET);
+        let limit = |budget: u32| budget.max(H::LEAST_BUDGET);
         let given = budget(&mut random);
         let mut progress = estimator.push_acceleration(sample, given).expect("runs");
         assert!(progress.work.attempts() <= limit(given));
@@ -166,10 +172,10 @@ fn by_budgets<M: Model<f32>>(model: M, rate: f64, samples: &[f32], seed: u64) ->
 #[test]
 fn budgets_change_no_bit_and_are_kept() {
     let samples = sine_samples::<f32>(1.962, 20.0, 100.0, 300);
-    let model = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(1e-3));
-    let mut whole = Estimator::new(model, settings(100.0)).expect("valid");
+    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(1e-3));
+    let mut whole = Estimator::new(harvester, settings(100.0)).expect("valid");
     follow(&mut whole, &samples);
-    let (divided, resumed) = by_budgets(model, 100.0, &samples, 5);
+    let (divided, resumed) = by_budgets(harvester, 100.0, &samples, 5);
     assert_eq!(divided, whole);
     assert!(resumed > 100, "{resumed}");
 
@@ -186,25 +192,25 @@ fn budgets_change_no_bit_and_are_kept() {
 fn counts_are_the_accelerations_they_stand_for() {
     let scale = 9.81_f32 / 16_384.0;
     let counts: Vec<i16> = sine_samples::<f64>(3277.0, 20.0, 400.0, 800).iter().map(|&a| a as i16).collect();
-    let model = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2));
+    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2));
     let format = SampleFormat::counts(scale, 32_767);
-    let mut raw = Estimator::new(model, Settings { format, ..settings(400.0) }).expect("valid");
-    let mut si = Estimator::new(model, settings(400.0)).expect("valid");
+    let mut raw = Estimator::new(harvester, Settings { format, ..settings(400.0) }).expect("valid");
+    let mut si = Estimator::new(harvester, settings(400.0)).expect("valid");
     for &count in &counts {
         raw.push_count(count, EVER).expect("runs");
         si.push_acceleration(f32::from(count) * scale, EVER).expect("runs");
     }
     assert_eq!(raw.estimate(), si.estimate());
-    assert_eq!(raw.model_state(), si.model_state());
+    assert_eq!(raw.harvester_state(), si.harvester_state());
 }
 
 #[test]
 fn a_short_gap_is_a_straight_line() {
     // A zigzag whose corners are eight samples apart, on binary fractions: what is lost lies on the line exactly.
     let zigzag = |n: u32| f64::from(4 - (n % 16).abs_diff(8) as i32) * 0.5;
-    let model = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
-    let mut whole = Estimator::new(model, settings(256.0)).expect("valid");
-    let mut gappy = Estimator::new(model, settings(256.0)).expect("valid");
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
+    let mut whole = Estimator::new(harvester, settings(256.0)).expect("valid");
+    let mut gappy = Estimator::new(harvester, settings(256.0)).expect("valid");
     let (mut lost, mut gaps) = (0, 0);
     for n in 0..1024 {
         whole.push_acceleration(zigzag(n), EVER).expect("runs");
@@ -216,7 +222,7 @@ fn a_short_gap_is_a_straight_line() {
             gappy.push_acceleration(zigzag(n), EVER).expect("runs");
         }
     }
-    assert_eq!(gappy.model_state(), whole.model_state());
+    assert_eq!(gappy.harvester_state(), whole.harvester_state());
     let [gappy, whole] = [gappy, whole].map(|estimator| estimator.estimate());
     assert_eq!(gappy.energy, whole.energy);
     assert_eq!(gappy.uncertainty.missing_samples, lost);
@@ -231,9 +237,9 @@ fn a_short_gap_is_a_straight_line() {
 #[test]
 fn a_long_gap_is_unknown_and_the_harvester_starts_anew() {
     let samples = sine_samples::<f64>(1.962, 20.0, 256.0, 1000);
-    let model = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
     let settled = Settings { settling_seconds: 0.5, ..settings(256.0) };
-    let mut estimator = Estimator::new(model, settled).expect("valid");
+    let mut estimator = Estimator::new(harvester, settled).expect("valid");
     let before = follow(&mut estimator, &samples[..500]);
     assert_eq!(before.uncertainty.uncertain_seconds, 0.5);
     // Samples 500 to 599 are lost: with the last before them its interval is integrated at once.
@@ -251,21 +257,21 @@ fn a_long_gap_is_unknown_and_the_harvester_starts_anew() {
     assert_eq!(after.uncertainty.uncertain_seconds, 1.0);
     assert_eq!(after.seconds, 897.0 / 256.0);
     // After the gap everything is as in a run that begins there; on a binary grid to the bit.
-    let mut fresh = Estimator::new(model, settled).expect("valid");
+    let mut fresh = Estimator::new(harvester, settled).expect("valid");
     let anew = follow(&mut fresh, &samples[600..]);
-    let mut moved = *fresh.model_state();
+    let mut moved = *fresh.harvester_state();
     moved.clock = Instant::from_ticks(moved.clock.ticks() + (600 << 32));
-    assert_eq!(*estimator.model_state(), moved);
+    assert_eq!(*estimator.harvester_state(), moved);
     assert!((after.energy - energy_before - anew.energy).abs() < 1e-15 * after.energy);
     assert!(after.uncertainty.relative > (1.0 + 101.0 / 256.0) / (998.0 / 256.0));
 }
 
 #[test]
 fn saturated_samples_are_cut_off_counted_and_uncertain() {
-    let model = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
     let limited = Settings { format: SampleFormat::accelerations(1.5), ..settings(256.0) };
-    let mut estimator = Estimator::new(model, limited).expect("valid");
-    let mut clipped = Estimator::new(model, settings(256.0)).expect("valid");
+    let mut estimator = Estimator::new(harvester, limited).expect("valid");
+    let mut clipped = Estimator::new(harvester, settings(256.0)).expect("valid");
     let samples = sine_samples::<f64>(1.962, 20.0, 256.0, 700);
     let estimate = follow(&mut estimator, &samples);
     let limits: Vec<f64> = samples.iter().map(|a| a.clamp(-1.5, 1.5)).collect();
@@ -281,9 +287,9 @@ fn saturated_samples_are_cut_off_counted_and_uncertain() {
 #[test]
 fn sequence_numbers_find_what_was_lost() {
     let samples = sine_samples::<f32>(1.962, 20.0, 400.0, 900);
-    let model = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2));
-    let mut numbered = Estimator::new(model, settings(400.0)).expect("valid");
-    let mut told = Estimator::new(model, settings(400.0)).expect("valid");
+    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2));
+    let mut numbered = Estimator::new(harvester, settings(400.0)).expect("valid");
+    let mut told = Estimator::new(harvester, settings(400.0)).expect("valid");
     // Starts near the end of the numbers, so that they wrap.
     let first = u32::MAX - 100;
     for (n, &sample) in (0_u32..).zip(&samples) {
@@ -315,10 +321,10 @@ fn sequence_numbers_find_what_was_lost() {
 
 #[test]
 fn every_interval_is_integrated_or_unknown() {
-    let model = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(5e-2));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(5e-2));
     let mut random = Random(11);
     for _ in 0..40 {
-        let mut estimator = Estimator::new(model, settings(256.0)).expect("valid");
+        let mut estimator = Estimator::new(harvester, settings(256.0)).expect("valid");
         let length = 20 + (random.next() % 200) as u32;
         let (mut first, mut missing) = (None, 0);
         let mut n = 0;
@@ -359,8 +365,8 @@ fn a_step_that_cannot_be_taken_is_an_error_once() {
     parameters.friction =
         PatchFriction { static_active: 0.0, static_inert: 0.0, kinetic_active: 0.0, kinetic_inert: 0.0 };
     let scene = parameters.build().expect("in bounds");
-    let model = hybrid(scene, TrBdf2, Adaptive::new(1e-2));
-    let mut estimator = Estimator::new(model, settings(256.0)).expect("valid");
+    let harvester = hybrid(scene, TrBdf2, Adaptive::new(1e-2));
+    let mut estimator = Estimator::new(harvester, settings(256.0)).expect("valid");
     let samples = sine_samples::<f64>(0.5, 17.0, 256.0, 600);
     let before = follow(&mut estimator, &samples[..300]);
     // A shock that takes the slider off its patch.
@@ -387,23 +393,23 @@ fn a_step_that_cannot_be_taken_is_an_error_once() {
 #[test]
 fn clearing_begins_a_new_account_and_leaves_the_motion() {
     let samples = sine_samples::<f64>(1.962, 20.0, 256.0, 1200);
-    let model = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
-    let mut estimator = Estimator::new(model, settings(256.0)).expect("valid");
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
+    let mut estimator = Estimator::new(harvester, settings(256.0)).expect("valid");
     let mut whole = estimator;
     let first = follow(&mut estimator, &samples[..600]);
     estimator.clear();
     assert_eq!((estimator.estimate().energy, estimator.estimate().seconds), (0.0, 0.0));
     let second = follow(&mut estimator, &samples[600..]);
     let both = follow(&mut whole, &samples);
-    assert_eq!(estimator.model_state(), whole.model_state());
+    assert_eq!(estimator.harvester_state(), whole.harvester_state());
     assert_eq!(first.seconds + second.seconds, both.seconds);
     assert!((first.energy + second.energy - both.energy).abs() < 1e-14 * both.energy);
 }
 
 #[test]
 fn settings_out_of_bounds_are_named() {
-    let model = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
-    let refused = |settings: Settings<f64>| match Estimator::new(model, settings) {
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
+    let refused = |settings: Settings<f64>| match Estimator::new(harvester, settings) {
         Err(EstimatorError::Parameter(error)) => Some(error.field),
         _ => None,
     };
@@ -417,8 +423,8 @@ fn settings_out_of_bounds_are_named() {
 }
 
 /// One run from rest: the energy in joules, and the figures for its error by step and by rounding.
-fn measured<S: Scalar, H: Resumable<S, 3, 1>, C: StepControl<S>>(
-    scene: H,
+fn measured<S: Scalar, A: Scene<S, 3, 1>, C: StepControl<S>>(
+    scene: A,
     control: C,
     samples: &[S],
 ) -> [f64; 3] {
@@ -428,7 +434,7 @@ fn measured<S: Scalar, H: Resumable<S, 3, 1>, C: StepControl<S>>(
 }
 
 /// The figure for the error by the step over the actual error, for each tolerance of a scene.
-fn step_figures<H: Resumable<f64, 3, 1> + Copy>(name: &str, scene: H, samples: &[f64]) -> Vec<f64> {
+fn step_figures<A: Scene<f64, 3, 1> + Copy>(name: &str, scene: A, samples: &[f64]) -> Vec<f64> {
     let [exact, ..] = measured(scene, Adaptive::new(1e-6), samples);
     let mut ratios = Vec::new();
     for tolerance in [1e-1, 5e-2, 1e-2, 1e-3, 1e-4] {

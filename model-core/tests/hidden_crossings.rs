@@ -36,6 +36,10 @@ struct Graze {
 impl<S: Scalar> Problem<S, 2> for Graze {
     type Mode = Side;
 
+    fn number(&self, side: Side) -> u8 {
+        side as u8
+    }
+
     fn rate(&self, _side: Side, y: &[S; 2], _input: S) -> [S; 2] {
         let (pace, stiffness) = (S::from_f64(PACE), S::from_f64(self.stiffness));
         [pace * y[1], pace * (-stiffness * y[0] - (S::ONE - stiffness))]
@@ -172,6 +176,10 @@ struct Walk<'a> {
 
 impl<S: Scalar> Problem<S, 1> for Walk<'_> {
     type Mode = u32;
+
+    fn number(&self, passed: u32) -> u8 {
+        passed as u8
+    }
 
     fn rate(&self, _passed: u32, _y: &[S; 1], _input: S) -> [S; 1] {
         [S::from_f64(PACE)]

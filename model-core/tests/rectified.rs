@@ -6,13 +6,14 @@ use bridge::{WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage};
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Excitation;
-use model_core::hybrid::{Automaton, Driver, Event, HybridState, Observer, Span};
+use model_core::hybrid::{Automaton, Driver, HybridState};
 use model_core::integrate::{AnyStepControl, Method, TrBdf2};
+use model_core::observer::{AcceptedStep, Event, Observer, Outputs, StorageOutput};
 use model_core::part::force_law::AnyForceLaw;
 use model_core::part::storage::{Capacitor, DcBus, StorageElement};
 use model_core::scalar::Scalar;
 use model_core::scene::rectified::{BridgeRegime, ElectricalPort, FullBridge, Mode, Rectified, STATES};
-use model_core::scene::{Harvester, contact_separation as contact, sliding};
+use model_core::scene::{Scene, contact_separation as contact, sliding};
 
 /// What is left over in the ledgers of a run, relative: the sum of mechanics and field, and the storage.
 fn residuals<S, H, R, M, E>(
@@ -30,7 +31,8 @@ where
     E: Excitation<S>,
 {
     let opening = scene.start::<_, _, WHOLE>(start, shaking, &driver.control).expect("in bounds");
-    let mut ledger = Ledger::open(scene, &opening);
+    let mut ledger =
+        Ledger::open(&Automaton::<S, STATES, WHOLE>::outputs(scene, opening.mode, &opening.point));
     run(scene, start, shaking, driver, seconds, &mut ledger);
     let left = ledger.residual();
     let scale = left.scale.to_f64();
@@ -80,29 +82,55 @@ fn ledgers_close_in_single_precision_too() {
 }
 
 /// Looks whether each regime is what it says at the end of every step.
-struct Regimes<'a, H, R> {
+struct Regimes<'a, H: Automaton<f64, 3, 0>, R> {
     scene: &'a Rectified<f64, H, R>,
+    /// The harvester's own mode of a number.
+    inner: fn(u8) -> H::Mode,
     steps: [u32; 3],
     begun: u32,
     highest: f64,
 }
 
-impl<'a, H, R> Regimes<'a, H, R> {
-    fn of(scene: &'a Rectified<f64, H, R>) -> Self {
-        Self { scene, steps: [0; 3], begun: 0, highest: 0.0 }
+impl<'a, H: ElectricalPort<f64>, R: StorageElement<f64>> Regimes<'a, H, R> {
+    fn of(scene: &'a Rectified<f64, H, R>, inner: fn(u8) -> H::Mode) -> Self {
+        Self { scene, inner, steps: [0; 3], begun: 0, highest: 0.0 }
+    }
+
+    /// The mode of which outputs give the number.
+    fn mode(&self, outputs: &Outputs<'_, f64>) -> Mode<H::Mode> {
+        let regime = match outputs.mode & 48 {
+            0 => BridgeRegime::Blocked,
+            16 => BridgeRegime::Forward,
+            32 => BridgeRegime::Backward,
+            other => panic!("no regime {other}"),
+        };
+        Mode { inner: (self.inner)(outputs.mode & 15), regime, connected: outputs.mode & 64 != 0 }
+    }
+
+    /// The harvester's own state, and the voltage of the storage.
+    fn at(&self, outputs: &Outputs<'_, f64>) -> ([f64; 3], f64) {
+        let (mode, state) = (self.mode(outputs), outputs.state.try_into().expect("four states"));
+        let storage = outputs.storage.expect("a storage").voltage;
+        assert!((storage / self.scene.storage_voltage(mode, state) - 1.0).abs() < 1e-14);
+        (self.scene.harvester_state(mode, state), storage)
     }
 }
 
-impl<H, R, Q> Observer<f64, Mode<Q>, STATES, WHOLE> for Regimes<'_, H, R>
-where
-    H: ElectricalPort<f64> + Automaton<f64, 3, 0, Mode = Q>,
-    R: StorageElement<f64>,
-    Q: Copy,
-{
-    fn step(&mut self, span: &Span<'_, f64, Mode<Q>, STATES, WHOLE>) {
-        let (mode, state) = (span.mode, &span.end.state);
-        let [position, velocity, charge] = self.scene.harvester_state(mode, state);
-        let storage = self.scene.storage_voltage(mode, state);
+fn contact_mode(number: u8) -> contact::Mode {
+    [contact::Mode::Free, contact::Mode::Stick][usize::from(number)]
+}
+
+fn sliding_mode(number: u8) -> sliding::Mode {
+    match number {
+        4 => sliding::Mode::Stick,
+        _ => sliding::Mode::Sliding { forward: number & 1 != 0, ahead: number & 2 != 0 },
+    }
+}
+
+impl<H: ElectricalPort<f64>, R: StorageElement<f64>> Observer<f64> for Regimes<'_, H, R> {
+    fn step(&mut self, step: &AcceptedStep<'_, f64>) {
+        let mode = self.mode(&step.end);
+        let ([position, velocity, charge], storage) = self.at(&step.end);
         let threshold = self.scene.bridge().threshold(storage);
         let terminal = self.scene.harvester().port_voltage(mode.inner, position, charge);
         // A step that ends a regime ends a tick or two beyond it.
@@ -126,16 +154,16 @@ where
         }
     }
 
-    fn event(&mut self, event: &Event<'_, f64, Mode<Q>, STATES, WHOLE>) {
+    fn event(&mut self, event: &Event<'_, f64>) {
         let blocked = BridgeRegime::Blocked;
-        self.begun += u32::from(event.before.regime == blocked && event.after.regime != blocked);
+        let [before, after] = [&event.before, &event.after].map(|outputs| self.mode(outputs).regime);
+        self.begun += u32::from(before == blocked && after != blocked);
         // No event moves charge or energy: what conduction has brought is taken up as it ends. An impact
         // ends a fraction of a picometre beyond contact, and is taken back to it.
-        let [before, after] =
-            [(event.before, event.reached), (event.after, event.left)].map(|(mode, point)| {
-                let [_, _, charge] = self.scene.harvester_state(mode, &point.state);
-                (charge, self.scene.storage_voltage(mode, &point.state))
-            });
+        let [before, after] = [&event.before, &event.after].map(|outputs| {
+            let ([_, _, charge], storage) = self.at(outputs);
+            (charge, storage)
+        });
         assert!((before.0 - after.0).abs() <= 1e-7 * before.0.abs().max(1.0), "{before:?} {after:?}");
         assert!((before.1 - after.1).abs() <= 1e-7 * before.1, "{before:?} {after:?}");
     }
@@ -146,12 +174,12 @@ fn each_regime_is_what_it_says() {
     let tight = || Capacitor { leakage_ohms: f64::INFINITY, ..storage(1e-8, 1.0) };
     let driver = Driver::new(TrBdf2, adaptive(1e-4));
     let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::TransferredCharge), tight(), 0.3);
-    let mut regimes = Regimes::of(&scene);
+    let mut regimes = Regimes::of(&scene, contact_mode);
     run(&scene, &contact::Start::default(), &sine(0.2, 20.0), &driver, 4.0, &mut regimes);
     println!("contact {:?}, {} conductions, {} V", regimes.steps, regimes.begun, regimes.highest);
     assert!(regimes.begun > 120 && regimes.steps.iter().all(|&steps| steps > 1000) && regimes.highest > 10.0);
     let scene = behind(slider::<f64>(f64::INFINITY), tight(), 0.3);
-    let mut regimes = Regimes::of(&scene);
+    let mut regimes = Regimes::of(&scene, sliding_mode);
     run(&scene, &sliding::Start::default(), &sine(0.36, 18.373), &driver, 4.0, &mut regimes);
     println!("sliding {:?}, {} conductions, {} V", regimes.steps, regimes.begun, regimes.highest);
     assert!(regimes.begun > 120 && regimes.steps.iter().all(|&steps| steps > 1000) && regimes.highest > 10.0);
@@ -181,11 +209,11 @@ fn a_supercapacitor_fills_in_single_precision() {
     let double = behind(pad::<f64>(f64::INFINITY, law), storage(1.0, 3.0), 0.3);
     let single = behind(pad::<f32>(f64::INFINITY, law), storage(1.0, 3.0), 0.3);
     let start = (contact::Start::default(), contact::Start::default());
-    let (mut exact, mut meter) = (RunMeter::new(&double), RunMeter::new(&single));
+    let (mut exact, mut meter) = (RunMeter::new(), RunMeter::new());
     let end = run(&double, &start.0, &shaking.0, &Driver::new(TrBdf2, fixed(1e-5)), 4.0, &mut exact);
     let found = run(&single, &start.1, &shaking.1, &Driver::new(TrBdf2, fixed(1e-5)), 4.0, &mut meter);
-    let gained = double.store_gain_from(&end, 3.0);
-    let in_single = single.store_gain_from(&found, 3.0);
+    let gained = store_gain_from(&double, &end, 3.0);
+    let in_single = store_gain_from(&single, &found, 3.0);
     println!("{gained:e} J and {in_single:e} J stored, {:e} J delivered", exact.delivered_energy());
     assert!((in_single / gained - 1.0).abs() < 1e-3);
     // What leaks in 4 s through a gigaohm at 3 V is 36 nJ.
@@ -194,19 +222,14 @@ fn a_supercapacitor_fills_in_single_precision() {
 }
 
 /// Energy in J that the storage of a scene has gained since `volts`.
-trait Gain<S, M> {
-    fn store_gain_from(&self, state: &HybridState<S, M, STATES, WHOLE>, volts: f64) -> f64;
-}
-
-impl<S: Scalar, H, R, M> Gain<S, M> for Rectified<S, H, R>
+fn store_gain_from<S, A>(scene: &A, state: &HybridState<S, A::Mode, STATES, WHOLE>, volts: f64) -> f64
 where
-    Self: Harvester<S, STATES, WHOLE, Mode = M>,
-    M: Copy,
+    S: Scalar,
+    A: Scene<S, STATES, WHOLE>,
 {
-    fn store_gain_from(&self, state: &HybridState<S, M, STATES, WHOLE>, volts: f64) -> f64 {
-        let voltage = self.compensated_storage_voltage(state.mode, &state.point);
-        self.storage_gain([S::from_f64(volts), S::ZERO], voltage).expect("a storage").to_f64()
-    }
+    let now = scene.outputs(state.mode, &state.point).storage.expect("a storage");
+    let earlier = StorageOutput { voltage: S::from_f64(volts), remainder: S::ZERO, ..now };
+    now.gained_since(&earlier).expect("no bus").to_f64()
 }
 
 #[test]

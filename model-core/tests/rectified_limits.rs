@@ -5,12 +5,14 @@ mod bridge;
 use bridge::{VACUUM_PERMITTIVITY, WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage};
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, RunMeter};
-use model_core::hybrid::Driver;
+use model_core::hybrid::{Automaton, Driver};
 use model_core::integrate::{RungeKutta4, TrBdf2};
+use model_core::observer::PowerIndex;
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
 use model_core::part::force_law::AnyForceLaw;
 use model_core::part::storage::{Capacitor, DcBus};
-use model_core::scene::{account, contact_separation as contact, sliding};
+use model_core::scene::rectified::STATES;
+use model_core::scene::{contact_separation as contact, sliding};
 
 /// A bus and diodes without voltage short the terminals: the charge follows the position as at 0 Ω.
 #[test]
@@ -99,7 +101,7 @@ fn a_bus_receives_what_the_extremes_of_the_motion_say() {
     let mut state = scene
         .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &implicit.control)
         .expect("in bounds");
-    let mut meter = RunMeter::new(&scene);
+    let mut meter = RunMeter::new();
     implicit.advance(&scene, &mut state, &shaking, settled, u32::MAX, &mut ()).expect("runs");
     implicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
     let gap = meter.coordinate();
@@ -108,9 +110,9 @@ fn a_bus_receives_what_the_extremes_of_the_motion_say() {
     println!("gap {gap:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
     assert!(passed > 0.0 && meter.impacts() == 0);
     assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
-    let lost = meter.integrals().integral(account::DIODES);
+    let lost = meter.integrals().integral(PowerIndex::Diodes);
     assert!((lost / (expected * 2.0 * drop / volts) - 1.0).abs() < 1e-5);
-    assert!((meter.charge_moved() / (20.0 * passed) - 1.0).abs() < 1e-5);
+    assert!((meter.integrals().integral(PowerIndex::CurrentMagnitude) / (20.0 * passed) - 1.0).abs() < 1e-5);
 }
 
 /// The same of the slider, whose voltage has an extreme at the centre too; by an explicit method, for which the
@@ -137,7 +139,7 @@ fn an_explicit_method_finds_the_same_of_the_slider() {
     let mut state = scene
         .start::<_, _, WHOLE>(&sliding::Start::default(), &shaking, &explicit.control)
         .expect("in bounds");
-    let mut meter = RunMeter::new(&scene);
+    let mut meter = RunMeter::new();
     explicit.advance(&scene, &mut state, &shaking, settled, u32::MAX, &mut ()).expect("runs");
     explicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
     let reach = meter.coordinate();
@@ -163,13 +165,14 @@ fn a_charge_beyond_the_threshold_is_shared_at_once() {
     let driver = Driver::new(TrBdf2, fixed(1e-9));
     let still = sine::<f64>(0.0, 20.0);
     let opening = scene.start::<_, _, WHOLE>(&start, &still, &driver.control).expect("in bounds");
-    let mut ledger = Ledger::open(&scene, &opening);
+    let mut ledger =
+        Ledger::open(&Automaton::<f64, STATES, WHOLE>::outputs(&scene, opening.mode, &opening.point));
     let end = run(&scene, &start, &still, &driver, 1e-8, &mut ledger);
     // The capacitance at the terminals and the storage's, joined from 10 V and 1.6 V.
     let joined = capacitance + 1e-12;
     let passed = (volts - 1.6) * joined * farads / (joined + farads);
     let (delivered, lost) = (passed * (1.0 + 0.5 * passed / farads), passed * (0.6 + 0.5 * (volts - 1.6)));
-    let found = [account::LOAD, account::DIODES].map(|entry| ledger.integrals().integral(entry));
+    let found = [PowerIndex::Load, PowerIndex::Diodes].map(|entry| ledger.integrals().integral(entry));
     println!("{found:?} J, expected {delivered:e} J and {lost:e} J");
     assert!((scene.storage_voltage(end.mode, &end.point.state) - 1.0 - passed / farads).abs() < 1e-6);
     assert!((found[0] / delivered - 1.0).abs() < 1e-6 && (found[1] / lost - 1.0).abs() < 1e-6);
@@ -199,13 +202,13 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
             .start::<_, _, WHOLE>(&contact::Start::default(), &still, &driver.control)
             .expect("in bounds");
         assert!(state.mode.connected);
-        let mut meter = RunMeter::new(&scene);
+        let mut meter = RunMeter::new();
         let end = Instant::from_whole_seconds(3);
         driver.advance(&scene, &mut state, &still, end, u32::MAX, &mut meter).expect("runs");
         let found = state.clock.seconds::<f64>();
         println!("{draw:?}: {found} s, expected {seconds} s");
         assert!(!state.mode.connected && (found / seconds - 1.0).abs() < 1e-6, "{draw:?}");
-        let drawn = meter.integrals().integral(account::DRAWN);
+        let drawn = meter.integrals().integral(PowerIndex::Draw);
         assert!((drawn / (0.5 * farads * (full * full - 4.0)) - 1.0).abs() < 1e-6, "{draw:?}: {drawn:e}");
     }
     // Charged from below: connected at each rise to the upper voltage, and not before.

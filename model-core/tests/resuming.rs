@@ -39,6 +39,10 @@ impl Latched {
 impl<S: Scalar> Problem<S, 3> for Latched {
     type Mode = Mode;
 
+    fn number(&self, mode: Mode) -> u8 {
+        mode as u8
+    }
+
     fn rate(&self, mode: Mode, y: &[S; 3], input: S) -> [S; 3] {
         match mode {
             Mode::Free => {
@@ -185,7 +189,7 @@ fn after_release<S: Scalar>(push: f64) -> Option<f64> {
     let until = Instant::from_seconds(HOLD + 0.04).expect("in range");
     driver.advance(&machine, &mut state, &input, until, u32::MAX, &mut log).expect("a sound problem");
     assert!((log.events[0].at - HOLD).abs() < 1e-8);
-    assert_eq!(log.events[0].after, Mode::Free);
+    assert_eq!(log.events[0].after, Mode::Free as u8);
     assert!(state.point.state[0].to_f64() >= -STOP - 1e-4, "the stop holds");
     log.events.get(1).map(|event| event.at - HOLD)
 }

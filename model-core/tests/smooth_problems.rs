@@ -199,6 +199,10 @@ fn clock_of(reaction_time: f64) -> f64 {
 impl<S: Scalar> Problem<S, 3> for Robertson {
     type Mode = usize;
 
+    fn number(&self, roots: usize) -> u8 {
+        roots as u8
+    }
+
     fn rate(&self, _roots: usize, y: &[S; 3], input: S) -> [S; 3] {
         let forward = S::from_f64(0.04) * y[0] - S::from_f64(1e4) * y[1] * y[2];
         let third = S::from_f64(3e7) * y[1] * y[1];

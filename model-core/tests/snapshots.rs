@@ -6,7 +6,7 @@ use common::Random;
 use common::harvesters::{
     ContactParts, bump, bump_parameters, contact, contact_parameters, sine_samples, slide, sliding_parameters,
 };
-use model_core::energy::estimator::{HybridModel, Model, Sample, SampleFormat, Settings};
+use model_core::energy::estimator::{Sample, SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{Silence, Sine, Stream};
 use model_core::hybrid::{Driver, HybridState};
@@ -14,7 +14,7 @@ use model_core::integrate::{Adaptive, FixedStep, RungeKutta4, TrBdf2};
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{self, AnyContact, AnyCoupling, Restitution, Stepper};
-use model_core::scene::{contact_separation, sliding};
+use model_core::scene::{Harvester, Simulation, contact_separation, sliding};
 use model_core::snapshot::{self, Snapshot, SnapshotError};
 
 const EVER: u32 = u32::MAX;
@@ -28,8 +28,8 @@ fn settings<S: Scalar>(rate: f64) -> Settings<S> {
     }
 }
 
-fn hybrid<H, C>(scene: H, control: C) -> HybridModel<H, TrBdf2, C, 3, 1> {
-    HybridModel::new(scene, TrBdf2, control)
+fn hybrid<A, C>(scene: A, control: C) -> Simulation<A, TrBdf2, C, 3, 1> {
+    Simulation::new(scene, TrBdf2, control)
 }
 
 /// Samples with gaps of both kinds and shocks beyond the range, the same on every machine.
@@ -52,12 +52,12 @@ fn rough<S: Scalar>(samples: &[S], seed: u64) -> Vec<Sample<S>> {
 
 /// Follows the samples with small budgets; every few of them, in the middle of one too, the estimator is saved,
 /// and its twin goes on from the snapshot. Gives how many snapshots were made, and of which states.
-fn resume_from_images<S: Scalar, M: Model<S> + Copy + PartialEq + core::fmt::Debug>(
-    model: M,
+fn resume_from_images<S: Scalar, H: Harvester<S> + Copy + PartialEq + core::fmt::Debug>(
+    harvester: H,
     settings: Settings<S>,
     samples: &[Sample<S>],
-) -> Vec<M::State> {
-    let mut uninterrupted = Estimator::new(model, settings).expect("valid");
+) -> Vec<H::State> {
+    let mut uninterrupted = Estimator::new(harvester, settings).expect("valid");
     let mut interrupted = uninterrupted;
     let mut random = Random(3);
     let mut states = Vec::new();
@@ -70,11 +70,11 @@ fn resume_from_images<S: Scalar, M: Model<S> + Copy + PartialEq + core::fmt::Deb
             assert_eq!(progress, same);
             if random.next().is_multiple_of(4) {
                 let used = interrupted.save(&mut flash).expect("room");
-                assert_eq!(used, Estimator::<S, M>::SNAPSHOT_BYTES);
-                interrupted = Estimator::new(model, settings).expect("valid");
+                assert_eq!(used, Estimator::<S, H>::SNAPSHOT_BYTES);
+                interrupted = Estimator::new(harvester, settings).expect("valid");
                 interrupted.restore(&flash).expect("its own snapshot");
                 assert_eq!(interrupted, uninterrupted);
-                states.push(*interrupted.model_state());
+                states.push(*interrupted.harvester_state());
                 in_the_middle += u32::from(!progress.finished);
             }
             if progress.finished {
@@ -96,17 +96,17 @@ fn resume_contact_separation<S: Scalar>() {
     // Heavily charged and not rebounding: the mass sticks now and then.
     parameters.charge_density = S::from_f64(120e-6);
     parameters.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: S::ZERO });
-    let model = hybrid(parameters.build().expect("in bounds"), Adaptive::new(S::from_f64(1e-3)));
+    let harvester = hybrid(parameters.build().expect("in bounds"), Adaptive::new(S::from_f64(1e-3)));
     let samples = rough(&sine_samples::<S>(30.0, 15.0, 400.0, 1600), 1);
-    let states = resume_from_images(model, settings(400.0), &samples);
+    let states = resume_from_images(harvester, settings(400.0), &samples);
     let stuck = states.iter().filter(|state| state.mode == contact_separation::Mode::Stick).count();
     assert!(stuck > 10 && stuck + 10 < states.len(), "{stuck} of {}", states.len());
 }
 
 fn resume_sliding<S: Scalar>() {
-    let model = hybrid(slide::<S>(), Adaptive::new(S::from_f64(1e-3)));
+    let harvester = hybrid(slide::<S>(), Adaptive::new(S::from_f64(1e-3)));
     let samples = rough(&sine_samples::<S>(3.0, 6.0, 400.0, 1600), 2);
-    let states = resume_from_images(model, settings(400.0), &samples);
+    let states = resume_from_images(harvester, settings(400.0), &samples);
     let stuck = states.iter().filter(|state| state.mode == sliding::Mode::Stick).count();
     assert!(stuck > 10 && stuck + 10 < states.len(), "{stuck} of {}", states.len());
     // Every mode has been in a snapshot.
@@ -139,21 +139,24 @@ fn a_run_goes_on_from_its_image_with_the_same_bits() {
 }
 
 /// An estimator in the middle of a run, and its snapshot.
-fn saved<S: Scalar, M: Model<S> + Copy>(model: M, settings: Settings<S>) -> (Estimator<S, M>, Vec<u8>) {
-    let mut estimator = Estimator::new(model, settings).expect("valid");
+fn saved<S: Scalar, H: Harvester<S> + Copy>(
+    harvester: H,
+    settings: Settings<S>,
+) -> (Estimator<S, H>, Vec<u8>) {
+    let mut estimator = Estimator::new(harvester, settings).expect("valid");
     for sample in rough(&sine_samples::<S>(20.0, 20.0, 400.0, 120), 4) {
         estimator.push(sample, EVER).expect("runs");
     }
-    let mut bytes = vec![0; Estimator::<S, M>::SNAPSHOT_BYTES];
+    let mut bytes = vec![0; Estimator::<S, H>::SNAPSHOT_BYTES];
     assert_eq!(estimator.save(&mut bytes), Ok(bytes.len()));
     (estimator, bytes)
 }
 
-fn every_flip_and_cut_is_refused<S: Scalar, M>(model: M)
+fn every_flip_and_cut_is_refused<S: Scalar, H>(harvester: H)
 where
-    M: Model<S> + Copy + PartialEq + core::fmt::Debug,
+    H: Harvester<S> + Copy + PartialEq + core::fmt::Debug,
 {
-    let (estimator, bytes) = saved(model, settings(400.0));
+    let (estimator, bytes) = saved(harvester, settings(400.0));
     let mut awake = estimator;
     for bit in 0..bytes.len() * 8 {
         let mut flipped = bytes.clone();
@@ -178,9 +181,13 @@ fn every_flipped_bit_and_every_cut_is_refused() {
     every_flip_and_cut_is_refused::<f32, _>(bump::<f32, 4, 1>(AnyContact::ResidualFlexibility));
 }
 
-/// Whether an estimator of this model and settings takes the snapshot.
-fn takes<S: Scalar, M: Model<S>>(model: M, settings: Settings<S>, bytes: &[u8]) -> Result<(), SnapshotError> {
-    Estimator::new(model, settings).expect("valid").restore(bytes)
+/// Whether an estimator of this harvester and settings takes the snapshot.
+fn takes<S: Scalar, H: Harvester<S>>(
+    harvester: H,
+    settings: Settings<S>,
+    bytes: &[u8],
+) -> Result<(), SnapshotError> {
+    Estimator::new(harvester, settings).expect("valid").restore(bytes)
 }
 
 const FOREIGN: Result<(), SnapshotError> = Err(SnapshotError::ForeignModel);
@@ -190,9 +197,9 @@ type Change<P> = fn(&mut P);
 
 #[test]
 fn an_image_of_other_parameters_is_foreign() {
-    let model = hybrid(contact::<f32>(), Adaptive::new(1e-2));
-    let (_, bytes) = saved(model, settings(400.0));
-    assert_eq!(takes(model, settings(400.0), &bytes), Ok(()));
+    let harvester = hybrid(contact::<f32>(), Adaptive::new(1e-2));
+    let (_, bytes) = saved(harvester, settings(400.0));
+    assert_eq!(takes(harvester, settings(400.0), &bytes), Ok(()));
     let changes: [Change<contact_separation::Parameters<f32, ContactParts<f32>>>; 13] = [
         |p| p.mass *= 1.000_001,
         |p| p.stiffness = 80.001,
@@ -215,8 +222,8 @@ fn an_image_of_other_parameters_is_foreign() {
         assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN, "change {index}");
     }
 
-    let model = hybrid(slide::<f64>(), Adaptive::new(1e-2));
-    let (_, bytes) = saved(model, settings(400.0));
+    let harvester = hybrid(slide::<f64>(), Adaptive::new(1e-2));
+    let (_, bytes) = saved(harvester, settings(400.0));
     let changes: [Change<sliding::Parameters<f64, sliding::AnyParts>>; 15] = [
         |p| p.beam_length = 0.101,
         |p| p.beam_width = 0.021,
@@ -264,8 +271,8 @@ fn an_image_of_other_parameters_is_foreign() {
 
 #[test]
 fn an_image_of_another_scene_precision_method_or_rate_is_foreign() {
-    let model = hybrid(contact::<f32>(), Adaptive::new(1e-2));
-    let (_, bytes) = saved(model, settings(400.0));
+    let harvester = hybrid(contact::<f32>(), Adaptive::new(1e-2));
+    let (_, bytes) = saved(harvester, settings(400.0));
     assert_eq!(takes(hybrid(slide::<f32>(), Adaptive::new(1e-2)), settings(400.0), &bytes), FOREIGN);
     assert_eq!(takes(hybrid(contact::<f64>(), Adaptive::new(1e-2)), settings(400.0), &bytes), FOREIGN);
     assert_eq!(takes(hybrid(contact::<f32>(), Adaptive::new(1.1e-2)), settings(400.0), &bytes), FOREIGN);
@@ -273,10 +280,10 @@ fn an_image_of_another_scene_precision_method_or_rate_is_foreign() {
     assert_eq!(takes(hybrid(contact::<f32>(), Adaptive::new(1.1e-5)), settings(400.0), &accurate), FOREIGN);
     let fixed = FixedStep::of_seconds(1e-3_f32);
     assert_eq!(takes(hybrid(contact::<f32>(), fixed), settings(400.0), &bytes), FOREIGN);
-    assert_eq!(takes(model, settings(401.0), &bytes), FOREIGN);
-    assert_eq!(takes(model, Settings { longest_gap: 2, ..settings(400.0) }, &bytes), FOREIGN);
+    assert_eq!(takes(harvester, settings(401.0), &bytes), FOREIGN);
+    assert_eq!(takes(harvester, Settings { longest_gap: 2, ..settings(400.0) }, &bytes), FOREIGN);
 
-    let explicit = HybridModel::<_, _, _, 3, 1>::new(slide::<f32>(), RungeKutta4, fixed);
+    let explicit = Simulation::new(slide::<f32>(), RungeKutta4, fixed);
     let (_, bytes) = saved(explicit, settings(400.0));
     assert_eq!(takes(hybrid(slide::<f32>(), fixed), settings(400.0), &bytes), FOREIGN);
 
@@ -303,7 +310,7 @@ fn states_meters_and_streams_have_images_of_their_own() {
     let scene = contact::<f32>();
     let driver = Driver::new(TrBdf2, Adaptive::new(1e-2));
     let mut state = scene.start::<_, _, 1>(&Default::default(), &sine, &driver.control).expect("starts");
-    let mut meter = PowerMeter::<f32, 1>::new();
+    let mut meter = PowerMeter::<f32>::new();
     let until = model_core::clock::Instant::from_whole_seconds(1);
     driver.advance(&scene, &mut state, &sine, until, EVER, &mut meter).expect("runs");
     round_trip(&state);
@@ -321,6 +328,10 @@ struct Four;
 
 impl common::Problem<f64, 4> for Four {
     type Mode = bool;
+
+    fn number(&self, mode: bool) -> u8 {
+        u8::from(mode)
+    }
 
     fn rate(&self, _mode: bool, y: &[f64; 4], _input: f64) -> [f64; 4] {
         [y[1], -y[0], y[3], -4.0 * y[2]]
@@ -352,11 +363,11 @@ fn a_state_of_any_size_has_an_image() {
 
 #[test]
 fn images_in_single_precision_are_a_few_hundred_bytes() {
-    type Contact = HybridModel<common::harvesters::Contact<f32>, TrBdf2, Adaptive<f32>, 3, 1>;
+    type Contact = Simulation<common::harvesters::Contact<f32>, TrBdf2, Adaptive<f32>, 3, 1>;
     type Bump = common::harvesters::Bump<f32, 4, 1>;
     // What a firmware reserves; a change of the layout is another version.
     assert_eq!(Estimator::<f32, Contact>::SNAPSHOT_BYTES, 214);
     assert_eq!(Estimator::<f32, Bump>::SNAPSHOT_BYTES, 213);
-    assert_eq!(snapshot::size_of::<<Contact as Model<f32>>::State>(), 92);
-    assert_eq!(snapshot::size_of::<<Bump as Model<f32>>::State>(), 91);
+    assert_eq!(snapshot::size_of::<<Contact as Harvester<f32>>::State>(), 92);
+    assert_eq!(snapshot::size_of::<<Bump as Harvester<f32>>::State>(), 91);
 }

@@ -40,6 +40,10 @@ impl Stop {
 impl<S: Scalar> Problem<S, 2> for Stop {
     type Mode = Mode;
 
+    fn number(&self, mode: Mode) -> u8 {
+        mode as u8
+    }
+
     fn rate(&self, mode: Mode, y: &[S; 2], _input: S) -> [S; 2] {
         [y[1], -S::from_f64(self.stiffness(mode)) * y[0] - S::from_f64(GAP)]
     }

@@ -92,7 +92,7 @@ impl<S: Scalar> Problem<S, 1> for Falling {
 struct Failed<S: Scalar> {
     error: StepError<S>,
     state: State<S, (), 1>,
-    log: Log<()>,
+    log: Log,
 }
 
 /// Attempts from the start to the trouble, in steps of a millisecond, and those on its brink: a

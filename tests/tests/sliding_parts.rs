@@ -10,7 +10,6 @@ use model_core::hybrid::Driver;
 use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::part::load::{OpenCircuit, Resistor, ShortCircuit};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
-use model_core::scene::account;
 use model_core::scene::sliding::{
     AnyParts, FieldLateralForce, Friction, Frictionless, FrozenCharge, GapField, LateralForce, Mode,
     NeverSticks, NoLateralForce, Parameters, Parts, PatchFriction, RelaxingCharge, Start, Sticking,
@@ -93,8 +92,7 @@ where
     let driver = Driver::new(integrator, control);
     let velocity = (case.velocity != 0.0).then(|| S::from_f64(case.velocity));
     let start = Start { velocity, ..Start::default() };
-    let mut state =
-        harvester.start::<_, _, { account::LOAD + 1 }>(&start, &shaking, &driver.control).expect("in bounds");
+    let mut state = harvester.start::<_, _, 1>(&start, &shaking, &driver.control).expect("in bounds");
     let mut stuck = false;
     let states = (1..=100)
         .map(|hundredth| {

@@ -1,7 +1,8 @@
 //! The node that steps the harvester's model along the samples.
 
 use model_core::energy::Estimator;
-use model_core::energy::estimator::{EstimatorError, Model, SampleFormat, Settings};
+use model_core::energy::estimator::{EstimatorError, SampleFormat, Settings};
+use model_core::scene::Harvester;
 
 use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE};
 
@@ -10,26 +11,26 @@ const BUDGET: u32 = 200;
 
 /// A node that follows its harvester.
 #[derive(Debug, Clone, Copy)]
-pub struct Following<B, M: Model<f32>> {
+pub struct Following<B, H: Harvester<f32>> {
     board: B,
-    estimator: Estimator<f32, M>,
+    estimator: Estimator<f32, H>,
     power_manager: PowerManager,
     seconds: u32,
 }
 
-impl<B: Board, M: Model<f32>> Following<B, M> {
+impl<B: Board, H: Harvester<f32>> Following<B, H> {
     /// A node whose harvester is at rest when the first sample is taken.
     ///
     /// # Errors
     /// If a parameter is refused.
-    pub fn new(mut board: B, model: M) -> Result<Self, NodeError> {
+    pub fn new(mut board: B, harvester: H) -> Result<Self, NodeError> {
         let settings = Settings {
             rate: RATE_HZ as f32,
             format: SampleFormat::counts(SCALE, i16::MAX.unsigned_abs()),
             longest_gap: 4,
             settling_seconds: 0.0,
         };
-        let estimator = Estimator::new(model, settings).map_err(|_| NodeError::Parameters)?;
+        let estimator = Estimator::new(harvester, settings).map_err(|_| NodeError::Parameters)?;
         let mut power_manager = PowerManager::new()?;
         if let Some(volts) = board.storage_voltage() {
             power_manager.read(volts);

@@ -1,6 +1,5 @@
 //! What the two nodes harvest with.
 
-use model_core::energy::estimator::{HybridModel, Model};
 use model_core::integrate::{Adaptive, TrBdf2};
 use model_core::part::draw::NoDraw;
 use model_core::part::load::OpenCircuit;
@@ -10,7 +9,8 @@ use model_core::part::restitution::VelocityDependentRestitution;
 use model_core::part::storage::Capacitor;
 use model_core::scene::bump_stop::{self, BumpStop, NoStop, OneWay, Stop};
 use model_core::scene::contact_separation::{self, FrozenCharge, TransferredCharge};
-use model_core::scene::rectified::{FullBridge, Rectified, STATES};
+use model_core::scene::rectified::{FullBridge, Rectified};
+use model_core::scene::{Harvester, Simulation};
 
 use super::NodeError;
 use super::power_manager::STORAGE;
@@ -37,7 +37,7 @@ impl contact_separation::Parts<f32> for Bridged {
 ///
 /// # Errors
 /// If its parameters are refused.
-pub fn following() -> Result<impl Model<f32>, NodeError> {
+pub fn following() -> Result<impl Harvester<f32>, NodeError> {
     let refused = |_| NodeError::Parameters;
     let parameters = parts::with_load::<Bridged>(OpenCircuit, PARASITIC, LAW_OF_SPEED, FrozenCharge);
     let storage = Capacitor {
@@ -49,7 +49,7 @@ pub fn following() -> Result<impl Model<f32>, NodeError> {
     let bridge = FullBridge { diode_drop: DIODE_DROP, storage };
     let alone = core::hint::black_box(parameters).build().map_err(refused)?;
     let scene = Rectified::new(alone, core::hint::black_box(bridge)).map_err(refused)?;
-    Ok(HybridModel::<_, _, _, STATES, 1>::new(scene, TrBdf2, Adaptive::new(TOLERANCE)))
+    Ok(Simulation::new(scene, TrBdf2, Adaptive::new(TOLERANCE)))
 }
 
 /// Parts of a piezoelectric cantilever with nothing to hit.

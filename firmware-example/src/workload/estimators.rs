@@ -6,13 +6,13 @@
 use core::hint::black_box;
 
 use model_core::energy::Estimator;
-use model_core::energy::estimator::{HybridModel, Model, SampleFormat, Settings};
+use model_core::energy::estimator::{SampleFormat, Settings};
 use model_core::excitation::{Excitation, Sine, ToneMeter, ToneMeterState};
 use model_core::integrate::{Adaptive, FixedStep, RungeKutta4, TrBdf2};
 use model_core::scalar::Polynomial;
 use model_core::scene::bump_stop::Stepper;
 use model_core::scene::closed_form::ClosedForm;
-use model_core::scene::{contact_separation, sliding};
+use model_core::scene::{Harvester, Simulation, contact_separation, sliding};
 
 use super::bump_stop::parts as bump_stop_parts;
 use super::bump_stop::scenes as bump_stop_scenes;
@@ -65,28 +65,28 @@ impl Played {
 
 /// An estimator that is fed a sine.
 #[derive(Debug)]
-struct Fed<M: Model<f32>> {
+struct Fed<H: Harvester<f32>> {
     played: Played,
     counts: [i16; LONGEST],
-    estimator: Estimator<f32, M>,
+    estimator: Estimator<f32, H>,
     entries: u32,
     bits: [u32; 3],
 }
 
-impl<M: Model<f32>> Fed<M> {
-    fn new(played: Played, model: M) -> Option<Self> {
+impl<H: Harvester<f32>> Fed<H> {
+    fn new(played: Played, harvester: H) -> Option<Self> {
         let settings = Settings {
             rate: black_box(played.rate()),
             format: SampleFormat::counts(SCALE, i16::MAX.unsigned_abs()),
             longest_gap: 4,
             settling_seconds: 0.0,
         };
-        let estimator = Estimator::new(model, settings).ok()?;
+        let estimator = Estimator::new(harvester, settings).ok()?;
         Some(Self { counts: played.counts()?, played, estimator, entries: 0, bits: [0; 3] })
     }
 }
 
-impl<M: Model<f32>> Workload for Fed<M> {
+impl<H: Harvester<f32>> Workload for Fed<H> {
     fn name(&self) -> &'static str {
         self.played.name
     }
@@ -202,17 +202,10 @@ pub fn with_all<R>(work: impl FnOnce(Option<&mut [&mut dyn Workload]>) -> R) -> 
     let Some((contact, slide, bump)) = scenes() else { return work(None) };
     let meter = ToneMeter::new(black_box(TONE.rate()), TONE.period * TONE.periods).ok();
     let estimators = (
-        Fed::new(
-            CONTACT,
-            HybridModel::<_, _, _, 3, 1>::new(contact, TrBdf2, Adaptive::new(contact_scenes::TOLERANCE)),
-        ),
+        Fed::new(CONTACT, Simulation::new(contact, TrBdf2, Adaptive::new(contact_scenes::TOLERANCE))),
         Fed::new(
             SLIDING,
-            HybridModel::<_, _, _, 3, 1>::new(
-                slide,
-                RungeKutta4,
-                FixedStep::of_seconds(black_box(sliding_scenes::STEP)),
-            ),
+            Simulation::new(slide, RungeKutta4, FixedStep::of_seconds(black_box(sliding_scenes::STEP))),
         ),
         Fed::new(
             BUMP_STOP,

@@ -72,7 +72,7 @@ pub struct HybridRun<P: Parameters, M, C> {
     driver: Driver<M, C>,
     excitation: Sine<f32>,
     state: State<P::Harvester>,
-    meter: PowerMeter<f32, 1>,
+    meter: PowerMeter<f32>,
     samples: u32,
     bits: [u32; 5],
 }

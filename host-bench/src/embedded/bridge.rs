@@ -48,11 +48,3 @@ fn draw<S: Scalar>(draw: Draw) -> AnyDraw<S> {
         }
     }
 }
-
-/// Energy in J that the store of a load holds at a voltage in V; `None` for a bus, which has no end.
-pub(super) fn stored_energy(load: Load, volts: f64) -> Option<f64> {
-    match load {
-        Load::RectifiedStore(store) => Some(0.5 * store.capacitance_f * volts * volts),
-        Load::Resistor { .. } | Load::DcBus { .. } => None,
-    }
-}

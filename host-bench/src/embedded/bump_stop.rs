@@ -2,29 +2,25 @@
 
 mod shapes;
 
-use std::time::Instant as Stopwatch;
-
 use model_core::clock::{Instant, LONGEST_STEP_S};
-use model_core::hybrid::StepError;
-use model_core::integrate::cubic::Cubic;
+use model_core::energy::Residual;
+use model_core::observer::{AcceptedStep, Outputs, PowerIndex};
 use model_core::part::load::AnyLoad;
 use model_core::part::monomorph::Layer;
-use model_core::part::storage_step::StorageAccount;
-use model_core::scalar::{Mathematics, Scalar};
+use model_core::scalar::Scalar;
+use model_core::scene::Harvester as _;
 use model_core::scene::bump_stop::{
-    AnyBridgedParts, AnyContact, AnyCoupling, AnyParts, BumpStop as Harvester, Circuit, ModalLedger,
-    ModalMeter, ModalObserver, ModalSpan, Parameters, Parts, Restitution, Start, StateOf, Stepper, Stop,
+    AnyBridgedParts, AnyContact, AnyCoupling, AnyParts, BumpStop as Harvester, Parameters, Parts,
+    Restitution, Start, StateOf, Stepper, Stop,
 };
 
 pub use self::shapes::{DeflectedShape, deflected_shapes};
-use super::bridge::{bridge, stored_energy};
-use super::excitation::{HostExcitation, with_excitation};
-use super::hybrid_run::{Total, ends_of, refuse_parameter, refuse_start};
-use super::precision_name;
+use super::bridge::bridge;
+use super::excitation::Setting;
+use super::recorder::{dense, dense_voltage};
+use super::run::{Found, Report, Run, refuse_parameter, refuse_start};
 use crate::method::{Failure, Options};
-use crate::outcome::{
-    BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, Recording, StoreOutcome, with_store,
-};
+use crate::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, with_store};
 use crate::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
 
 /// Step near contact where none is given, in s.
@@ -33,7 +29,7 @@ const DEFAULT_SHORT_STEP_S: f64 = 1e-6;
 const DEFAULT_LONG_STEP_S: f64 = 2e-5;
 
 /// Columns of a recording behind a bridge.
-const STORE_COLUMNS: [&str; 8] = with_store(BUMP_STOP_COLUMNS);
+const STORAGE_COLUMNS: [&str; 8] = with_store(BUMP_STOP_COLUMNS);
 
 /// Parts chosen at run time, the load aside.
 pub(super) trait HostedParts<S: Scalar>:
@@ -113,28 +109,22 @@ fn parameters_with<S: Scalar, P: HostedParts<S>>(model: &BumpStop, load: P::Load
 ///
 /// The mode counts are type parameters of the core. A mode beyond the scene's own stays at rest and
 /// leaves every bit as it is, so a few capacities serve all scenes.
-pub(super) fn run<S: Scalar, M: Mathematics<S>>(
-    scene: &Scene,
-    model: &BumpStop,
-    options: &Options,
-) -> Result<Outcome, Failure> {
-    match bridge(scene.load) {
-        Some(bridge) => with_load::<S, M, AnyBridgedParts>(scene, model, options, bridge),
-        None => with_load::<S, M, AnyParts>(scene, model, options, resistance(scene.load)),
+pub(super) fn run<S: Scalar>(setting: Setting<'_, S>, model: &BumpStop) -> Result<Outcome, Failure> {
+    match bridge(setting.scene.load) {
+        Some(bridge) => with_load::<S, AnyBridgedParts>(setting, model, bridge),
+        None => with_load::<S, AnyParts>(setting, model, resistance(setting.scene.load)),
     }
 }
 
-fn with_load<S: Scalar, M: Mathematics<S>, P: HostedParts<S>>(
-    scene: &Scene,
+fn with_load<S: Scalar, P: HostedParts<S>>(
+    setting: Setting<'_, S>,
     model: &BumpStop,
-    options: &Options,
     load: P::Load,
 ) -> Result<Outcome, Failure> {
-    let what = (scene, model, options);
     match (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)) {
-        (..=4, ..=2) => prepared::<S, M, P, 4, 2, _>(what, load, |run, state| run.to_end(state)),
-        (..=10, ..=10) => prepared::<S, M, P, 10, 10, _>(what, load, |run, state| run.to_end(state)),
-        _ => prepared::<S, M, P, 20, 20, _>(what, load, |run, state| run.to_end(state)),
+        (..=4, ..=2) => run_with::<S, P, 4, 2>(setting, model, load),
+        (..=10, ..=10) => run_with::<S, P, 10, 10>(setting, model, load),
+        _ => run_with::<S, P, 20, 20>(setting, model, load),
     }
 }
 
@@ -158,20 +148,26 @@ fn steps(options: &Options) -> Result<[f64; 2], Failure> {
     Ok([short, long])
 }
 
-/// Calls `with` with all that a run of the scene with a load of the core needs, and the state it starts in.
-fn prepared<S: Scalar, M: Mathematics<S>, P: HostedParts<S>, const B: usize, const R: usize, T>(
+/// A harvester of the core with its initial values.
+struct Prepared<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
+    scene: Harvester<S, P, B, R>,
+    start: Start<S, B, R>,
+    /// Lengths of step near contact and in free flight in s.
+    steps: [S; 2],
+}
+
+fn prepared<S: Scalar, P: HostedParts<S>, const B: usize, const R: usize>(
     (scene, model, options): (&Scene, &BumpStop, &Options),
     load: P::Load,
-    with: impl FnOnce(&Run<'_, S, M, P, B, R>, StateOf<S, P, B, R>) -> Result<T, Failure>,
-) -> Result<T, Failure> {
-    let [short, long] = steps(options)?;
+) -> Result<Prepared<S, P, B, R>, Failure> {
+    let steps = steps(options)?.map(S::from_f64);
     let (beam_modes, rod_modes) =
         (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
     let harvester = parameters_with::<S, P>(model, load)
         .build_first::<B, R>(beam_modes, rod_modes)
         .map_err(|error| refuse_parameter(scene, &error))?;
-    let mut start = Start { voltage: S::from_f64(model.initial.voltage_v), ..Start::default() };
     let initial = &model.initial;
+    let mut start = Start { voltage: S::from_f64(initial.voltage_v), ..Start::default() };
     let put = |coordinates: &mut [[S; 2]], displacements: &[f64], velocities: &[f64]| {
         for ((coordinate, &displacement), &velocity) in
             coordinates.iter_mut().zip(displacements).zip(velocities)
@@ -181,213 +177,128 @@ fn prepared<S: Scalar, M: Mathematics<S>, P: HostedParts<S>, const B: usize, con
     };
     put(&mut start.beam, &initial.modal_displacement, &initial.modal_velocity);
     put(&mut start.rod, &initial.rod_modal_displacement, &initial.rod_modal_velocity);
-    let stepper = Stepper::new(harvester, S::from_f64(short), S::from_f64(long));
-    with_excitation::<S, M, _>(scene, |excitation| {
-        let state = stepper.scene().start(&start, excitation).map_err(|error| refuse_start(scene, &error))?;
-        with(&Run { scene, model, options, stepper: &stepper, excitation }, state)
-    })
+    Ok(Prepared { scene: harvester, start, steps })
 }
 
-/// Attempts per call: the counts of a call fit in 32 bits.
-const BUDGET: u32 = 1 << 24;
-
-/// What a run needs.
-struct Run<'a, S: Scalar, M, P: Parts<S>, const B: usize, const R: usize> {
-    scene: &'a Scene,
-    model: &'a BumpStop,
-    options: &'a Options,
-    stepper: &'a Stepper<S, P, B, R>,
-    excitation: &'a HostExcitation<'a, S, M>,
-}
-
-impl<S: Scalar, M: Mathematics<S>, P: Parts<S>, const B: usize, const R: usize> Run<'_, S, M, P, B, R> {
-    fn to_end(&self, mut state: StateOf<S, P, B, R>) -> Result<Outcome, Failure> {
-        let Self { scene, model, options, stepper, excitation } = self;
-        let harvester = stepper.scene();
-        let [settled, end] = ends_of(scene, &scene.run)?;
-        let mut ledger = (!options.bare).then(|| ModalLedger::open(harvester, &state));
-        let mut whole_run = ModalMeter::new(harvester);
-        let mut window = ModalMeter::new(harvester);
-        let every = options.trace_every_s.unwrap_or(f64::INFINITY);
-        let has_stop = model.stop.is_some();
-        let mut recorder = Recorder { harvester, has_stop, every, rows: Vec::new() };
-        let mut total = Total::default();
-        let began = Stopwatch::now();
-        for (until, measured) in [(settled, false), (end, true)] {
-            let mut of_run = ledger.as_mut().map(|ledger| (ledger, &mut whole_run));
-            let mut whole = of_run.as_mut();
-            let mut recording = options.trace_every_s.map(|_| &mut recorder);
-            if measured {
-                window = ModalMeter::from(harvester, &state);
-            }
-            let mut measuring = measured.then_some(&mut window);
-            let mut others = (&mut recording, &mut measuring);
-            let mut observer = (&mut whole, &mut others);
-            while state.clock < until {
-                let advance = stepper
-                    .advance(&mut state, *excitation, until, BUDGET, &mut observer)
-                    .map_err(|error| step_failure(&error, harvester, &state))?;
-                total.add(&advance.work);
-            }
-        }
-        let wall_s = began.elapsed().as_secs_f64();
-        let residual = ledger.and_then(|ledger| match model.parameters.coupling {
-            Coupling::TwoWay => ledger.residual().total(),
-            Coupling::OneWay => ledger.residual().largest(),
-        });
-        let number = |value: S| Some(value.to_f64());
-        let periods = scene.excitation.single_frequency().map(|frequency| frequency * scene.run.window_s());
-        let with_stop = |value: S| model.stop.as_ref().map(|_| value.to_f64());
-        let contacts = u64::from(window.contacts());
-        Ok(Outcome {
-            scene: scene.name(),
-            method: "discrete-gradient".to_owned(),
-            precision: precision_name::<S>(),
-            math: M::NAME,
-            duration_s: scene.run.duration_s,
-            settle_s: scene.run.settle_s,
-            mean_power_w: number(window.mean_power()),
-            rms_voltage_v: number(window.rms_voltage()),
-            peak_voltage_v: number(window.voltage().magnitude()),
-            mean_voltage_v: number(window.mean_voltage()),
-            delivered_energy_j: number(window.delivered_energy()),
-            energy_residual: residual.map(S::to_f64),
-            steps: total.steps,
-            rejected_steps: total.rejected,
-            newton_iterations: total.iterations,
-            events: total.events,
-            wall_s,
-            particular: Particular::BumpStop(BumpStopOutcome {
-                natural_frequencies_hz: self.natural_frequencies_hz(),
-                peak_tip_displacement_m: number(window.tip().magnitude()),
-                peak_stop_point_displacement_m: with_stop(window.stop_point().magnitude()),
-                contacts,
-                contacts_per_period: periods.map(|periods| contacts as f64 / periods),
-                contact_fraction: number(window.contact_fraction()),
-                first_contact_s: whole_run.first_contact().map(Instant::seconds),
-                peak_force_n: with_stop(window.peak_force()),
-                mean_force_n: with_stop(window.mean_force()),
-                end_state: self.scaled(&state),
-            }),
-            store: self.store(&state, &whole_run),
-            steady_state: None,
-            trace: options
-                .trace_every_s
-                .map(|_| Recording { columns: recorder.columns(), rows: std::mem::take(&mut recorder.rows) }),
-        })
-    }
-
-    /// What the store holds at the end, and what the whole run spent; a `bare` run has no account.
-    fn store(
-        &self,
-        state: &StateOf<S, P, B, R>,
-        whole_run: &ModalMeter<'_, S, P, B, R>,
-    ) -> Option<StoreOutcome> {
-        let store = self.stepper.scene().storage(state)?;
-        let volts = store.voltage.to_f64();
-        let account = (!self.options.bare).then(|| whole_run.storage_account());
-        let spent = |of: fn(&StorageAccount<S>) -> S| account.as_ref().map(|account| of(account).to_f64());
-        Some(StoreOutcome {
-            store_voltage_v: Some(volts),
-            stored_energy_j: stored_energy(self.scene.load, volts),
-            diode_loss_j: spent(|account| account.diodes),
-            leaked_energy_j: spent(|account| account.leaked),
-            drawn_energy_j: spent(|account| account.drawn),
-        })
-    }
-
-    /// The state with half the sum of its squares the energy in J of motion and charge.
-    fn scaled(&self, state: &StateOf<S, P, B, R>) -> Vec<f64> {
-        let harvester = self.stepper.scene();
-        let rod_modes = self.model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
-        let beam = state.beam.iter().enumerate().take(self.model.parameters.beam_modes);
-        let beam = beam.filter_map(|(i, motion)| Some((harvester.beam_angular_frequency(i)?, motion)));
-        let rod = state.rod.iter().enumerate().take(rod_modes);
-        let rod = rod.filter_map(|(j, motion)| Some((harvester.rod_angular_frequency(j)?, motion)));
-        let charge = harvester.capacitance().to_f64().sqrt() * harvester.voltage(state).to_f64();
-        beam.chain(rod)
-            .flat_map(|(omega, [at, rate])| [omega.to_f64() * at.to_f64(), rate.to_f64()])
-            .chain([charge])
-            .collect()
-    }
-
-    /// Of the modes that the scene keeps, the beam's first.
-    fn natural_frequencies_hz(&self) -> Vec<f64> {
-        let harvester = self.stepper.scene();
-        let beam = (0..self.model.parameters.beam_modes).filter_map(|i| harvester.beam_angular_frequency(i));
-        let rod_modes = self.model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
-        let rod = (0..rod_modes).filter_map(|j| harvester.rod_angular_frequency(j));
-        beam.chain(rod).map(|omega| omega.to_f64() / std::f64::consts::TAU).collect()
+fn run_with<S: Scalar, P: HostedParts<S>, const B: usize, const R: usize>(
+    setting: Setting<'_, S>,
+    model: &BumpStop,
+    load: P::Load,
+) -> Result<Outcome, Failure> {
+    let options = setting.options;
+    let Prepared { scene, start, steps: [short, long] } =
+        prepared::<S, P, B, R>((setting.scene, model, options), load)?;
+    if options.bare {
+        to_end(setting, model, &Stepper::new(scene, short, long), &start)
+    } else {
+        to_end(setting, model, &Stepper::with_all_powers(scene, short, long), &start)
     }
 }
 
-fn step_failure<S: Scalar, P: Parts<S>, const B: usize, const R: usize>(
-    error: &StepError<S>,
-    harvester: &Harvester<S, P, B, R>,
-    state: &StateOf<S, P, B, R>,
-) -> Failure {
-    Failure::Step(format!(
-        "{error}: tip {:e} m, gap {:e} m, voltage {:e} V",
-        harvester.tip(state)[0].to_f64(),
-        state.gap().to_f64(),
-        harvester.voltage(state).to_f64()
-    ))
+fn to_end<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>(
+    setting: Setting<'_, S>,
+    model: &BumpStop,
+    harvester: &Stepper<S, P, B, R, ALL>,
+    start: &Start<S, B, R>,
+) -> Result<Outcome, Failure> {
+    let Setting { scene, excitation, .. } = setting;
+    let report = BumpStopReport(model);
+    let state = harvester.start(start, &excitation).map_err(|error| refuse_start(scene, &error))?;
+    Run { setting, harvester, report: &report, method: "discrete-gradient" }.measured(state, &scene.run)
 }
 
-/// Rows of a trace at equal distances in time: the columns of [`BUMP_STOP_COLUMNS`], and behind a bridge of
-/// [`STORE_COLUMNS`].
-struct Recorder<'a, S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
-    harvester: &'a Harvester<S, P, B, R>,
-    /// Without one there is no stop point, no rod and no force.
-    has_stop: bool,
-    every: f64,
-    rows: Vec<Vec<f64>>,
-}
+/// The report of a bump-stop scene.
+struct BumpStopReport<'a>(&'a BumpStop);
 
-impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Recorder<'_, S, P, B, R> {
-    fn columns(&self) -> &'static [&'static str] {
-        if P::Load::SWITCHES { &STORE_COLUMNS } else { &BUMP_STOP_COLUMNS }
-    }
-}
-
-/// What a load of the parts `P` remembers.
-type MemoryOf<S, P> = <<P as Parts<S>>::Load as Circuit<S>>::State;
-
-impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> ModalObserver<S, B, R, MemoryOf<S, P>>
-    for Recorder<'_, S, P, B, R>
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
+    Report<S, Stepper<S, P, B, R, ALL>> for BumpStopReport<'_>
 {
-    fn step(&mut self, span: &ModalSpan<'_, S, B, R, MemoryOf<S, P>>) {
-        let (from, end) = (span.start.clock.seconds::<f64>(), span.end.clock.seconds::<f64>());
-        loop {
-            let time = self.rows.len() as f64 * self.every;
-            if Instant::from_seconds(time).is_none_or(|row| row > span.end.clock) {
-                return;
-            }
-            let theta = S::from_f64(((time - from) / (end - from)).clamp(0.0, 1.0));
-            type Of<S, P, const B: usize, const R: usize> =
-                fn(&Harvester<S, P, B, R>, &StateOf<S, P, B, R>) -> [S; 2];
-            let dense = |of: Of<S, P, B, R>| {
-                let [start, end] = [span.start, span.end].map(|state| of(self.harvester, state));
-                Cubic::new(start[0], start[1], end[0], end[1], span.step).value(theta).to_f64()
-            };
-            let voltages = [span.start, span.end].map(|state| self.harvester.voltage(state));
-            let voltage = Cubic::with_mean(voltages[0], voltages[1], span.mean_voltage).value(theta);
-            let of_stop = |value: f64| if self.has_stop { value } else { f64::NAN };
-            let [before, after] = span.accelerations().map(S::to_f64);
-            let stores = [span.start, span.end].map(|state| self.harvester.storage(state));
-            let [from_store, to_store] = stores.map(|store| store.map(|store| store.voltage));
-            let store = from_store.zip(to_store).map(|(from, to)| (from + (to - from) * theta).to_f64());
-            let mut row = vec![
-                time,
-                dense(Harvester::tip),
-                of_stop(dense(Harvester::stop_point)),
-                of_stop(dense(Harvester::rod_tip)),
-                voltage.to_f64(),
-                of_stop(span.force.to_f64()),
-                before + (after - before) * theta.to_f64(),
-            ];
-            row.extend(store);
-            self.rows.push(row);
+    fn columns(&self, with_storage: bool) -> &'static [&'static str] {
+        if with_storage { &STORAGE_COLUMNS } else { &BUMP_STOP_COLUMNS }
+    }
+
+    /// Tip, stop point, rod face, voltage, contact force, base acceleration.
+    fn row(&self, step: &AcceptedStep<'_, S>, fraction: S, acceleration: S) -> [S; 6] {
+        let place =
+            |index: usize| dense(step.start.motions[index], step.end.motions[index], step.step, fraction);
+        // Without a stop there is no stop point, no rod and no force.
+        let of_stop = |value: S| if self.0.stop.is_some() { value } else { S::from_f64(f64::NAN) };
+        let voltage = dense_voltage(step, fraction);
+        [place(0), of_stop(place(1)), of_stop(place(2)), voltage, of_stop(step.contact.force), acceleration]
+    }
+
+    fn residual(&self, residual: &Residual<S>) -> Option<S> {
+        match self.0.parameters.coupling {
+            Coupling::TwoWay => residual.total(),
+            Coupling::OneWay => residual.largest(),
         }
     }
+
+    fn particular(
+        &self,
+        harvester: &Stepper<S, P, B, R, ALL>,
+        found: &Found<'_, S>,
+        end: &StateOf<S, P, B, R>,
+    ) -> Particular {
+        let window = found.window;
+        let number = |value: S| Some(value.to_f64());
+        let with_stop = |value: S| self.0.stop.as_ref().map(|_| value.to_f64());
+        let contacts = u64::from(window.contacts());
+        let modes = self.modes();
+        Particular::BumpStop(BumpStopOutcome {
+            natural_frequencies_hz: natural_frequencies_hz(harvester.scene(), modes),
+            peak_tip_displacement_m: number(window.coordinate().magnitude()),
+            peak_stop_point_displacement_m: with_stop(window.stop_point().magnitude()),
+            contacts,
+            contacts_per_period: found.periods.map(|periods| contacts as f64 / periods),
+            contact_fraction: number(window.contact_fraction()),
+            first_contact_s: found.first_contact.map(Instant::seconds),
+            peak_force_n: with_stop(window.peak_force()),
+            mean_force_n: with_stop(window.integrals().mean(PowerIndex::ContactForce)),
+            end_state: scaled(harvester.scene(), end, modes),
+        })
+    }
+
+    fn describe(&self, outputs: &Outputs<'_, S>) -> String {
+        format!(
+            "tip {:e} m, gap {:e} m, voltage {:e} V",
+            outputs.coordinate().value.to_f64(),
+            outputs.penetration.to_f64(),
+            outputs.voltage.to_f64()
+        )
+    }
+}
+
+impl BumpStopReport<'_> {
+    /// Numbers of modes of beam and rod that the scene keeps.
+    fn modes(&self) -> [usize; 2] {
+        [self.0.parameters.beam_modes, self.0.stop.as_ref().map_or(0, |stop| stop.rod_modes)]
+    }
+}
+
+/// The state with half the sum of its squares the energy in J of motion and charge.
+fn scaled<S: Scalar, P: Parts<S>, const B: usize, const R: usize>(
+    scene: &Harvester<S, P, B, R>,
+    state: &StateOf<S, P, B, R>,
+    [beam_modes, rod_modes]: [usize; 2],
+) -> Vec<f64> {
+    let beam = state.beam.iter().enumerate().take(beam_modes);
+    let beam = beam.filter_map(|(i, motion)| Some((scene.beam_angular_frequency(i)?, motion)));
+    let rod = state.rod.iter().enumerate().take(rod_modes);
+    let rod = rod.filter_map(|(j, motion)| Some((scene.rod_angular_frequency(j)?, motion)));
+    let charge = scene.capacitance().to_f64().sqrt() * scene.voltage(state).to_f64();
+    beam.chain(rod)
+        .flat_map(|(omega, [at, rate])| [omega.to_f64() * at.to_f64(), rate.to_f64()])
+        .chain([charge])
+        .collect()
+}
+
+/// Of the modes that the scene keeps, the beam's first.
+fn natural_frequencies_hz<S: Scalar, P: Parts<S>, const B: usize, const R: usize>(
+    scene: &Harvester<S, P, B, R>,
+    [beam_modes, rod_modes]: [usize; 2],
+) -> Vec<f64> {
+    let beam = (0..beam_modes).filter_map(|i| scene.beam_angular_frequency(i));
+    let rod = (0..rod_modes).filter_map(|j| scene.rod_angular_frequency(j));
+    beam.chain(rod).map(|omega| omega.to_f64() / std::f64::consts::TAU).collect()
 }

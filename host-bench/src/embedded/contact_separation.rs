@@ -4,24 +4,21 @@ use std::marker::PhantomData;
 
 use model_core::clock::Instant;
 use model_core::energy::Residual;
-use model_core::hybrid::HybridState;
+use model_core::observer::{AcceptedStep, Outputs};
 use model_core::part::VACUUM_PERMITTIVITY;
 use model_core::part::load::AnyLoad;
 use model_core::part::parasitic::ParasiticCapacitance;
-use model_core::part::rectifier::FullBridge;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution, VelocityDependentRestitution};
-use model_core::part::storage::AnyStorage;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::contact_separation::{
-    AnyForceLaw, AnyParts, AnyStickCharge, ContactSeparation as Harvester, Mode, Parameters, STATES, Start,
+    AnyForceLaw, AnyParts, AnyStickCharge, ContactSeparation as Harvester, Parameters, STATES, Start,
 };
 
-use super::excitation::with_excitation;
-use super::hybrid_run::{
-    Found, HostedScene, Run, WHOLE, refuse_parameter, refuse_start, step_control, unit_of_charge,
-};
-use super::rectified;
-use crate::method::{Failure, Options};
+use super::bridge::bridge;
+use super::excitation::Setting;
+use super::run::{Found, Report, refuse_parameter, step_control};
+use super::triboelectric::{self, Prepared, behind_bridge, unit_of_charge};
+use crate::method::Failure;
 use crate::outcome::{self, CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Outcome, Particular};
 use crate::scene_file::{ContactSeparation, ForceLaw, Load, Restitution, Scene, StickCharge};
 
@@ -79,54 +76,43 @@ pub(super) fn sticking(charge: StickCharge) -> AnyStickCharge {
     }
 }
 
-/// Calls `with` with all that a run of the scene needs, and the state it starts in.
-pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
-    scene: &Scene,
-    model: &ContactSeparation,
-    options: &Options,
-    with: impl FnOnce(
-        &Run<'_, S, M, Hosted<'_, S, M>, STATES>,
-        HybridState<S, Mode, STATES, WHOLE>,
-    ) -> Result<R, Failure>,
-) -> Result<R, Failure> {
-    let hosted = hosted::<S, M>(scene, model)?;
-    let control = step_control(scene, options, explicit_step(model, scene.load))?;
-    with_excitation::<S, M, _>(scene, |excitation| {
-        let state = hosted
-            .harvester
-            .start(&start(model), excitation, &control)
-            .map_err(|error| refuse_start(scene, &error))?;
-        with(&Run { scene, options, hosted: &hosted, excitation, control }, state)
-    })
-}
-
-/// The outcome of the scene behind a bridge.
-pub(super) fn rectified<S: Scalar, M: Mathematics<S>>(
-    scene: &Scene,
-    model: &ContactSeparation,
-    options: &Options,
-    bridge: FullBridge<S, AnyStorage<S>>,
-) -> Result<Outcome, Failure> {
-    let hosted = hosted::<S, M>(scene, model)?;
-    let motion_s = explicit_step(model, scene.load);
-    rectified::run::<S, M, _>(scene, options, hosted, &start(model), bridge, motion_s)
-}
-
-fn hosted<'a, S: Scalar, M: Mathematics<S>>(
-    scene: &Scene,
-    model: &'a ContactSeparation,
-) -> Result<Hosted<'a, S, M>, Failure> {
-    let harvester =
-        parameters::<S, M>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))?;
-    Ok(Hosted { harvester, model })
-}
-
 /// The core's harvester of a scene.
 pub(super) fn core<S: Scalar, M: Mathematics<S>>(
     scene: &Scene,
     model: &ContactSeparation,
 ) -> Result<Harvester<S, AnyParts<M>>, Failure> {
-    hosted(scene, model).map(|hosted| hosted.harvester)
+    parameters::<S, M>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))
+}
+
+/// Calls `with` with all that a run of the scene needs, and its initial values.
+pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
+    setting: Setting<'_, S>,
+    model: &ContactSeparation,
+    with: impl FnOnce(
+        &Prepared<'_, S, Harvester<S, AnyParts<M>>, ContactSeparationReport<'_>>,
+        &Start<S>,
+    ) -> Result<R, Failure>,
+) -> Result<R, Failure> {
+    let Setting { scene, options, .. } = setting;
+    let core = core::<S, M>(scene, model)?;
+    let control = step_control(scene, options, explicit_step(model, scene.load))?;
+    let report = ContactSeparationReport(model);
+    with(&Prepared { setting, core: &core, report: &report, control }, &start(model))
+}
+
+/// Runs the scene from its start to its end.
+pub(super) fn run<S: Scalar, M: Mathematics<S>>(
+    setting: Setting<'_, S>,
+    model: &ContactSeparation,
+) -> Result<Outcome, Failure> {
+    let scene = setting.scene;
+    let Some(bridge) = bridge(scene.load) else {
+        return prepared::<S, M, _>(setting, model, |prepared, start| prepared.to_end(start));
+    };
+    let core = core::<S, M>(scene, model)?;
+    let motion_s = explicit_step(model, scene.load);
+    let inner = (core, &ContactSeparationReport(model));
+    behind_bridge(setting, inner, &start(model), bridge, motion_s)
 }
 
 /// The core's initial values of a scene.
@@ -150,58 +136,57 @@ fn explicit_step(model: &ContactSeparation, load: Load) -> f64 {
     (period / 800.0).min(circuit)
 }
 
-/// The core's harvester with what a report asks beside.
-pub(super) struct Hosted<'a, S: Scalar, M: Mathematics<S>> {
-    harvester: Harvester<S, AnyParts<M>>,
-    model: &'a ContactSeparation,
+/// Gap, velocity and charge as large as they are in a motion that uses the whole gap.
+pub(super) fn typical<S: Scalar, M: Mathematics<S>>(
+    model: &ContactSeparation,
+    core: &Harvester<S, AnyParts<M>>,
+) -> [f64; STATES] {
+    let from = &model.parameters;
+    let tribo_charge = from.charge_density_c_per_m2 * from.electrode_area_m2;
+    [
+        from.initial_gap_m,
+        from.initial_gap_m * core.angular_frequency().to_f64(),
+        unit_of_charge(tribo_charge, core.charge_unit().to_f64()),
+    ]
 }
 
-impl<S: Scalar, M: Mathematics<S>> HostedScene<S, STATES> for Hosted<'_, S, M> {
-    type Core = Harvester<S, AnyParts<M>>;
+/// The report of a contact-separation scene.
+pub(super) struct ContactSeparationReport<'a>(&'a ContactSeparation);
 
-    fn core(&self) -> &Self::Core {
-        &self.harvester
+impl<S: Scalar, H: model_core::scene::Harvester<S>> Report<S, H> for ContactSeparationReport<'_> {
+    fn columns(&self, with_storage: bool) -> &'static [&'static str] {
+        const WITH_STORAGE: [&str; 8] = outcome::with_store(CONTACT_SEPARATION_COLUMNS);
+        if with_storage { &WITH_STORAGE } else { &CONTACT_SEPARATION_COLUMNS }
     }
 
-    fn columns(&self, with_store: bool) -> &'static [&'static str] {
-        const WITH_STORE: [&str; 8] = outcome::with_store(CONTACT_SEPARATION_COLUMNS);
-        if with_store { &WITH_STORE } else { &CONTACT_SEPARATION_COLUMNS }
-    }
-
-    fn coulombs(&self, gap: S, charge: S) -> S {
-        self.harvester.transferred_charge(gap, charge)
-    }
-
-    /// Gap, velocity and charge as large as they are in a motion that uses the whole gap.
-    fn typical(&self) -> [f64; STATES] {
-        let from = &self.model.parameters;
-        let tribo_charge = from.charge_density_c_per_m2 * from.electrode_area_m2;
-        [
-            from.initial_gap_m,
-            from.initial_gap_m * self.harvester.angular_frequency().to_f64(),
-            unit_of_charge(tribo_charge, self.harvester.charge_unit().to_f64()),
-        ]
+    fn row(&self, step: &AcceptedStep<'_, S>, fraction: S, acceleration: S) -> [S; 6] {
+        triboelectric::row(step, fraction, acceleration)
     }
 
     fn residual(&self, residual: &Residual<S>) -> Option<S> {
-        match self.model.parameters.force_law {
+        match self.0.parameters.force_law {
             ForceLaw::GapField => residual.total(),
             ForceLaw::TransferredCharge => residual.largest(),
         }
     }
 
-    fn particular(&self, found: &Found<S>) -> Particular {
+    fn particular(&self, _harvester: &H, found: &Found<'_, S>, _end: &H::State) -> Particular {
+        let window = found.window;
         let number = |value: S| Some(value.to_f64());
-        let impacts = u64::from(found.impacts);
+        let impacts = u64::from(window.impacts());
         Particular::ContactSeparation(ContactSeparationOutcome {
-            peak_gap_m: number(found.coordinate.highest),
+            peak_gap_m: number(window.coordinate().highest),
             // A step that ends in an impact ends up to a tick beyond contact.
-            min_gap_m: number(found.coordinate.lowest.max(S::ZERO)),
+            min_gap_m: number(window.coordinate().lowest.max(S::ZERO)),
             impacts,
             impacts_per_period: found.periods.map(|periods| impacts as f64 / periods),
-            max_impact_speed_m_per_s: (impacts > 0).then(|| found.fastest_impact.to_f64()),
-            first_impact_s: found.first_impact.map(Instant::seconds),
-            stuck_fraction: number(found.stick_fraction),
+            max_impact_speed_m_per_s: (impacts > 0).then(|| window.fastest_impact().to_f64()),
+            first_impact_s: found.first_contact.map(Instant::seconds),
+            stuck_fraction: number(window.stick_fraction()),
         })
+    }
+
+    fn describe(&self, outputs: &Outputs<'_, S>) -> String {
+        triboelectric::describe("gap_m", outputs)
     }
 }

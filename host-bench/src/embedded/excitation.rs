@@ -1,26 +1,37 @@
 //! The excitation of a scene file as one of the core's.
 
-use model_core::excitation::{AfterLastSample, AnyExcitation, ExcitationError, Sampled, Sine, Tones};
+use model_core::excitation::{AfterLastSample, Excitation, ExcitationError, Sampled, Silence, Sine, Tones};
 use model_core::scalar::{Mathematics, Scalar};
 
-use crate::method::Failure;
-use crate::scene_file::{Excitation, Scene, Tone};
+use crate::method::{Failure, Options};
+use crate::scene_file::{self, Scene, Tone};
 
 /// Sines that a sum may have.
 const MOST_TONES: usize = 32;
 
-/// The core's excitation for any scene file.
-pub(super) type HostExcitation<'a, S, M> = AnyExcitation<'a, S, MOST_TONES, M>;
+/// The core's excitation for any scene file, behind a reference: the run is compiled once for all of them.
+pub(super) type HostExcitation<'a, S> = &'a dyn Excitation<S>;
 
-/// Calls `with` with the scene's excitation in the precision `S`.
+/// What every run of a scene needs, whatever the scene is.
+#[derive(Clone, Copy)]
+pub(super) struct Setting<'a, S> {
+    pub(super) scene: &'a Scene,
+    pub(super) options: &'a Options,
+    pub(super) excitation: HostExcitation<'a, S>,
+    /// Name of the elementary functions.
+    pub(super) math: &'static str,
+}
+
+/// Calls `with` with the setting of a scene in the precision `S` with the elementary functions `M`.
 ///
 /// The samples of a trace are converted here and live for the call.
 ///
 /// # Errors
-/// [`Failure::Input`] if the core refuses it, and whatever `with` gives.
-pub(super) fn with_excitation<S, M, R>(
+/// [`Failure::Input`] if the core refuses the excitation, and whatever `with` gives.
+pub(super) fn with_setting<S, M, R>(
     scene: &Scene,
-    with: impl FnOnce(&HostExcitation<'_, S, M>) -> Result<R, Failure>,
+    options: &Options,
+    with: impl FnOnce(Setting<'_, S>) -> Result<R, Failure>,
 ) -> Result<R, Failure>
 where
     S: Scalar,
@@ -28,11 +39,13 @@ where
 {
     let refuse =
         |error: ExcitationError| Failure::Input(format!("{}: excitation: {error}", scene.file.display()));
+    let with =
+        |excitation: HostExcitation<'_, S>| with(Setting { scene, options, excitation, math: M::NAME });
     match &scene.excitation {
-        Excitation::Silence => with(&AnyExcitation::Silence),
-        Excitation::Sine(tone) => with(&AnyExcitation::Sine(sine(tone).map_err(refuse)?)),
-        Excitation::Sines(list) => {
-            let mut tones = Tones::new();
+        scene_file::Excitation::Silence => with(&Silence),
+        scene_file::Excitation::Sine(tone) => with(&sine::<S, M>(tone).map_err(refuse)?),
+        scene_file::Excitation::Sines(list) => {
+            let mut tones = Tones::<S, MOST_TONES, M>::new();
             for tone in list {
                 tones.push(sine(tone).map_err(refuse)?).map_err(|_| {
                     Failure::Input(format!(
@@ -42,13 +55,12 @@ where
                     ))
                 })?;
             }
-            with(&AnyExcitation::Tones(tones))
+            with(&tones)
         }
-        Excitation::File(trace) => {
+        scene_file::Excitation::File(trace) => {
             let samples: Vec<S> = trace.samples_m_per_s2.iter().map(|&sample| S::from_f64(sample)).collect();
             let after = if trace.repeat { AfterLastSample::Repeat } else { AfterLastSample::Silence };
-            let sampled = Sampled::new(&samples, S::from_f64(trace.rate_hz), after).map_err(refuse)?;
-            with(&AnyExcitation::Sampled(sampled))
+            with(&Sampled::new(&samples, S::from_f64(trace.rate_hz), after).map_err(refuse)?)
         }
     }
 }

@@ -1,23 +1,20 @@
 //! A sliding run on the embedded core.
 
 use model_core::energy::Residual;
-use model_core::hybrid::HybridState;
+use model_core::observer::{AcceptedStep, Outputs};
 use model_core::part::VACUUM_PERMITTIVITY;
 use model_core::part::load::AnyLoad;
-use model_core::part::rectifier::FullBridge;
-use model_core::part::storage::AnyStorage;
-use model_core::scalar::{Mathematics, Scalar};
+use model_core::scalar::Scalar;
 use model_core::scene::sliding::{
-    AnyLateralForce, AnyParts, Mode, Parameters, PatchFriction, STATES, Sliding as Harvester, Start,
+    AnyLateralForce, AnyParts, Parameters, PatchFriction, STATES, Sliding as Harvester, Start,
 };
 
+use super::bridge::bridge;
 use super::contact_separation::{force_law, sticking};
-use super::excitation::with_excitation;
-use super::hybrid_run::{
-    Found, HostedScene, Run, WHOLE, refuse_parameter, refuse_start, step_control, unit_of_charge,
-};
-use super::rectified;
-use crate::method::{Failure, Options};
+use super::excitation::Setting;
+use super::run::{Found, Report, refuse_parameter, step_control};
+use super::triboelectric::{self, Prepared, behind_bridge, unit_of_charge};
+use crate::method::Failure;
 use crate::outcome::{self, Outcome, Particular, SLIDING_COLUMNS, SlidingOutcome};
 use crate::scene_file::{Load, Scene, Sliding};
 
@@ -52,48 +49,37 @@ pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyPa
     }
 }
 
-/// Calls `with` with all that a run of the scene needs, and the state it starts in.
-pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
-    scene: &Scene,
-    model: &Sliding,
-    options: &Options,
-    with: impl FnOnce(
-        &Run<'_, S, M, Hosted<'_, S>, STATES>,
-        HybridState<S, Mode, STATES, WHOLE>,
-    ) -> Result<R, Failure>,
-) -> Result<R, Failure> {
-    let hosted = hosted::<S>(scene, model)?;
-    let control = step_control(scene, options, explicit_step(&hosted.harvester, model, scene.load))?;
-    with_excitation::<S, M, _>(scene, |excitation| {
-        let state = hosted
-            .harvester
-            .start(&start(model), excitation, &control)
-            .map_err(|error| refuse_start(scene, &error))?;
-        with(&Run { scene, options, hosted: &hosted, excitation, control }, state)
-    })
-}
-
-/// The outcome of the scene behind a bridge.
-pub(super) fn rectified<S: Scalar, M: Mathematics<S>>(
-    scene: &Scene,
-    model: &Sliding,
-    options: &Options,
-    bridge: FullBridge<S, AnyStorage<S>>,
-) -> Result<Outcome, Failure> {
-    let hosted = hosted::<S>(scene, model)?;
-    let motion_s = explicit_step(&hosted.harvester, model, scene.load);
-    rectified::run::<S, M, _>(scene, options, hosted, &start(model), bridge, motion_s)
-}
-
-fn hosted<'a, S: Scalar>(scene: &Scene, model: &'a Sliding) -> Result<Hosted<'a, S>, Failure> {
-    let harvester =
-        parameters::<S>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))?;
-    Ok(Hosted { harvester, model })
-}
-
 /// The core's harvester of a scene.
 pub(super) fn core<S: Scalar>(scene: &Scene, model: &Sliding) -> Result<Harvester<S, AnyParts>, Failure> {
-    hosted(scene, model).map(|hosted| hosted.harvester)
+    parameters::<S>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))
+}
+
+/// Calls `with` with all that a run of the scene needs, and its initial values.
+pub(super) fn prepared<S: Scalar, R>(
+    setting: Setting<'_, S>,
+    model: &Sliding,
+    with: impl FnOnce(
+        &Prepared<'_, S, Harvester<S, AnyParts>, SlidingReport<'_>>,
+        &Start<S>,
+    ) -> Result<R, Failure>,
+) -> Result<R, Failure> {
+    let Setting { scene, options, .. } = setting;
+    let core = core::<S>(scene, model)?;
+    let control = step_control(scene, options, explicit_step(&core, model, scene.load))?;
+    let report = SlidingReport(model);
+    with(&Prepared { setting, core: &core, report: &report, control }, &start(model))
+}
+
+/// Runs the scene from its start to its end.
+pub(super) fn run<S: Scalar>(setting: Setting<'_, S>, model: &Sliding) -> Result<Outcome, Failure> {
+    let scene = setting.scene;
+    let Some(bridge) = bridge(scene.load) else {
+        return prepared(setting, model, |prepared, start| prepared.to_end(start));
+    };
+    let core = core::<S>(scene, model)?;
+    let motion_s = explicit_step(&core, model, scene.load);
+    let inner = (core, &SlidingReport(model));
+    behind_bridge(setting, inner, &start(model), bridge, motion_s)
 }
 
 /// The core's initial values of a scene.
@@ -118,57 +104,53 @@ fn explicit_step<S: Scalar>(harvester: &Harvester<S, AnyParts>, model: &Sliding,
     (period / 800.0).min(circuit)
 }
 
-/// The core's harvester with what a report asks beside.
-pub(super) struct Hosted<'a, S: Scalar> {
-    harvester: Harvester<S, AnyParts>,
-    model: &'a Sliding,
+/// Displacement, velocity and charge as large as they are in a motion over half the patch.
+pub(super) fn typical<S: Scalar>(model: &Sliding, core: &Harvester<S, AnyParts>) -> [f64; STATES] {
+    let from = &model.parameters;
+    let tribo_charge =
+        from.charge_density_c_per_m2 * std::f64::consts::PI * from.patch_radius_m * from.patch_radius_m;
+    [
+        from.patch_radius_m,
+        from.patch_radius_m * core.angular_frequency().to_f64(),
+        unit_of_charge(tribo_charge, core.charge_unit().to_f64()),
+    ]
 }
 
-impl<S: Scalar> HostedScene<S, STATES> for Hosted<'_, S> {
-    type Core = Harvester<S, AnyParts>;
+/// The report of a sliding scene.
+pub(super) struct SlidingReport<'a>(&'a Sliding);
 
-    fn core(&self) -> &Self::Core {
-        &self.harvester
+impl<S: Scalar, H: model_core::scene::Harvester<S>> Report<S, H> for SlidingReport<'_> {
+    fn columns(&self, with_storage: bool) -> &'static [&'static str] {
+        const WITH_STORAGE: [&str; 8] = outcome::with_store(SLIDING_COLUMNS);
+        if with_storage { &WITH_STORAGE } else { &SLIDING_COLUMNS }
     }
 
-    fn columns(&self, with_store: bool) -> &'static [&'static str] {
-        const WITH_STORE: [&str; 8] = outcome::with_store(SLIDING_COLUMNS);
-        if with_store { &WITH_STORE } else { &SLIDING_COLUMNS }
-    }
-
-    fn coulombs(&self, _displacement: S, charge: S) -> S {
-        self.harvester.charge_unit() * charge
-    }
-
-    /// Displacement, velocity and charge as large as they are in a motion over half the patch.
-    fn typical(&self) -> [f64; STATES] {
-        let from = &self.model.parameters;
-        let tribo_charge =
-            from.charge_density_c_per_m2 * std::f64::consts::PI * from.patch_radius_m * from.patch_radius_m;
-        [
-            from.patch_radius_m,
-            from.patch_radius_m * self.harvester.angular_frequency().to_f64(),
-            unit_of_charge(tribo_charge, self.harvester.charge_unit().to_f64()),
-        ]
+    fn row(&self, step: &AcceptedStep<'_, S>, fraction: S, acceleration: S) -> [S; 6] {
+        triboelectric::row(step, fraction, acceleration)
     }
 
     /// Without the lateral force what the field takes from the motion is not debited there: each
     /// ledger closes by itself only.
     fn residual(&self, residual: &Residual<S>) -> Option<S> {
-        if self.model.parameters.lateral_force { residual.total() } else { residual.largest() }
+        if self.0.parameters.lateral_force { residual.total() } else { residual.largest() }
     }
 
-    fn particular(&self, found: &Found<S>) -> Particular {
+    fn particular(&self, harvester: &H, found: &Found<'_, S>, _end: &H::State) -> Particular {
+        let window = found.window;
         let number = |value: S| Some(value.to_f64());
-        let displacement = found.coordinate;
+        let displacement = window.coordinate();
         let half = S::from_f64(0.5);
-        let hertz = self.harvester.angular_frequency().to_f64() / std::f64::consts::TAU;
+        let hertz = harvester.angular_frequency().to_f64() / std::f64::consts::TAU;
         Particular::Sliding(SlidingOutcome {
             natural_frequency_hz: Some(hertz),
             peak_displacement_m: number(displacement.magnitude()),
             amplitude_m: number(half * (displacement.highest - displacement.lowest)),
-            stick_fraction: number(found.stick_fraction),
-            sticks_per_period: found.periods.map(|periods| f64::from(found.sticks) / periods),
+            stick_fraction: number(window.stick_fraction()),
+            sticks_per_period: found.periods.map(|periods| f64::from(window.sticks()) / periods),
         })
+    }
+
+    fn describe(&self, outputs: &Outputs<'_, S>) -> String {
+        triboelectric::describe("displacement_m", outputs)
     }
 }

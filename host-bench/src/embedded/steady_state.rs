@@ -4,9 +4,8 @@ use std::fmt::Debug;
 use std::time::Instant as Stopwatch;
 
 use model_core::excitation::Excitation;
-use model_core::hybrid::{HybridState, StepError};
+use model_core::hybrid::{Automaton, HybridState, StepError};
 use model_core::integrate::Method as Integrator;
-use model_core::scene::Harvester;
 
 use crate::method::Failure;
 use crate::outcome::{Outcome, SteadyState};
@@ -18,7 +17,7 @@ use crate::steady_state::{ForcedSystem, Orbit, Search, Spent, Verdict};
 ///
 /// `measured` makes a run from a state to the end of a span; `failed` words a step that cannot be taken.
 pub(super) fn sought<A, E, I, Mode, const N: usize, const P: usize>(
-    shaken: &ForcedSystem<'_, A, E, I>,
+    forced: &ForcedSystem<'_, A, E, I>,
     start: HybridState<f64, Mode, N, P>,
     search: &Search<N>,
     run: &RunSpan,
@@ -27,17 +26,17 @@ pub(super) fn sought<A, E, I, Mode, const N: usize, const P: usize>(
 ) -> Result<Outcome, Failure>
 where
     Mode: Copy + Debug + PartialEq,
-    A: Harvester<f64, N, P, Mode = Mode>,
+    A: Automaton<f64, N, P, Mode = Mode>,
     E: Excitation<f64>,
     I: Integrator<f64>,
 {
     let began = Stopwatch::now();
     let mut spent = Spent::default();
-    let verdict = shaken.steady_state(start, search, &mut spent).map_err(failed)?;
+    let verdict = forced.steady_state(start, search, &mut spent).map_err(failed)?;
     let (from, span) = match &verdict {
         Verdict::StablePeriodOne(orbit) => {
             let settle_s = orbit.start.clock.seconds::<f64>();
-            (orbit.start, RunSpan { duration_s: settle_s + 1.0 / shaken.frequency_hz, settle_s })
+            (orbit.start, RunSpan { duration_s: settle_s + 1.0 / forced.frequency_hz, settle_s })
         }
         Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound => (start, *run),
     };
@@ -46,7 +45,7 @@ where
     outcome.steady_state = Some(SteadyState {
         steady_state: verdict.name(),
         largest_multiplier: verdict.orbit().map(Orbit::largest_multiplier),
-        simulated_periods: spent.periods + simulated_s * shaken.frequency_hz,
+        simulated_periods: spent.periods + simulated_s * forced.frequency_hz,
     });
     outcome.steps += spent.steps;
     outcome.rejected_steps += spent.rejected;

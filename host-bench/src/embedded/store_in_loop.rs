@@ -7,24 +7,22 @@
 
 use model_core::clock::Instant;
 use model_core::energy::Ledger;
-use model_core::hybrid::{Driver, HybridState};
+use model_core::hybrid::{Automaton, HybridState};
 use model_core::integrate::{AnyStepControl, TrBdf2};
+use model_core::observer::{ALL_POWERS, PowerIndex};
 use model_core::part::draw::{Lockout, PowerDraw};
 use model_core::part::rectifier::FullBridge;
 use model_core::part::storage::Capacitor;
 use model_core::scalar::Scalar;
 use model_core::scene::rectified::{ElectricalPort, Mode, Rectified, STATES};
-use model_core::scene::{Harvester, account};
+use model_core::scene::{Harvester, Simulation};
 
-use super::excitation::{HostExcitation, with_excitation};
-use super::hybrid_run::{WHOLE, refuse_start, step_control};
+use super::excitation::{HostExcitation, with_setting};
+use super::run::{BUDGET, refuse_start, step_control};
 use super::whole_day::Daily;
 use super::{contact_separation, sliding};
 use crate::method::{Failure, Options, Precision};
 use crate::scene_file::{HOURS, Model, Scene, Storage};
-
-/// Attempts per call: the counts of a call fit in 32 bits.
-const BUDGET: u32 = 1 << 24;
 
 /// What a stretch of time did, in joules.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -128,8 +126,8 @@ impl Setting<'_> {
         let core = connected(scene, harvester, bridge)?;
         // Only an explicit method asks how fast the circuit is.
         let control = step_control(scene, self.options, f64::INFINITY)?;
-        with_excitation::<S, S::Build, _>(scene, |excitation| {
-            let daily = Daily { base: excitation, factors: self.hours.map(S::from_f64) };
+        with_setting::<S, S::Build, _>(scene, self.options, |setting| {
+            let daily = Daily { base: setting.excitation, factors: self.hours.map(S::from_f64) };
             let mut state =
                 core.start(start, &daily, &control).map_err(|error| refuse_start(scene, &error))?;
             // Between the thresholds the voltage alone does not tell.
@@ -154,9 +152,9 @@ fn connected<S: Scalar, H: ElectricalPort<S>>(
 struct Loop<'a, S: Scalar, H: ElectricalPort<S>> {
     scene: &'a Scene,
     core: Core<S, H>,
-    daily: Daily<'a, S, HostExcitation<'a, S, S::Build>>,
+    daily: Daily<S, HostExcitation<'a, S>>,
     control: AnyStepControl<S>,
-    state: HybridState<S, Mode<H::Mode>, STATES, WHOLE>,
+    state: HybridState<S, Mode<H::Mode>, STATES, ALL_POWERS>,
 }
 
 impl<S: Scalar, H: ElectricalPort<S>> StoreInLoop for Loop<'_, S, H> {
@@ -164,30 +162,30 @@ impl<S: Scalar, H: ElectricalPort<S>> StoreInLoop for Loop<'_, S, H> {
         let mut bridge = *self.core.bridge();
         bridge.storage.draw.watts = S::from_f64(draw_w);
         self.core = connected(self.scene, *self.core.harvester(), bridge)?;
-        let driver = Driver::new(TrBdf2, self.control);
+        let simulation = Simulation::with_all_powers(self.core, TrBdf2, self.control);
         let until = Instant::from_whole_seconds(until_s);
-        let mut ledger = Ledger::open(&self.core, &self.state);
+        let mut ledger = Ledger::open(&simulation.outputs(&self.state));
         let mut steps = 0;
         while self.state.clock < until {
-            let advance = driver
-                .advance(&self.core, &mut self.state, &self.daily, until, BUDGET, &mut ledger)
+            let advance = simulation
+                .advance(&mut self.state, &self.daily, until, BUDGET, &mut ledger)
                 .map_err(|error| Failure::Step(format!("{error}: {:?}", self.state)))?;
             steps += u64::from(advance.work.steps);
         }
-        let integral = |index| ledger.integrals().integral(index).to_f64();
+        let integral = |power| ledger.integrals().integral(power).to_f64();
         Ok(Stretch {
-            delivered_j: integral(account::LOAD),
-            leaked_j: integral(account::LEAKED),
-            drawn_j: integral(account::DRAWN),
-            diodes_j: integral(account::DIODES),
+            delivered_j: integral(PowerIndex::Load),
+            leaked_j: integral(PowerIndex::Leakage),
+            drawn_j: integral(PowerIndex::Draw),
+            diodes_j: integral(PowerIndex::Diodes),
             steps,
         })
     }
 
     fn voltage(&self) -> f64 {
         // With what rounding took from it: a large store gains less than a rounding in a step.
-        let [volts, rest] = self.core.compensated_storage_voltage(self.state.mode, &self.state.point);
-        volts.to_f64() + rest.to_f64()
+        let storage = self.core.outputs(self.state.mode, &self.state.point).storage;
+        storage.map_or(0.0, |storage| storage.voltage.to_f64() + storage.remainder.to_f64())
     }
 
     fn is_connected(&self) -> bool {

@@ -3,11 +3,14 @@
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, PowerMeter};
 use model_core::excitation::Excitation;
-use model_core::hybrid::{Driver, HybridState};
 use model_core::integrate::TrBdf2;
-use model_core::scalar::{Mathematics, Scalar};
+use model_core::observer::ALL_POWERS;
+use model_core::scalar::Scalar;
+use model_core::scene::{Harvester, Scene as CoreScene};
 
-use super::hybrid_run::{HostedScene, ModeOf, Run, STATES, WHOLE};
+use super::excitation::with_setting;
+use super::run::{BUDGET, Report};
+use super::triboelectric::{Prepared, STATES, Simulated};
 use super::{contact_separation, sliding};
 use crate::method::{Failure, Options, Precision};
 use crate::scene_file::{HOURS, Load, Model, Scene};
@@ -16,8 +19,6 @@ use crate::scene_file::{HOURS, Load, Model, Scene};
 const DAY_S: u32 = 86_400;
 /// Seconds in an hour.
 const HOUR_S: u32 = 3600;
-/// Attempts per call: the counts of a call fit in 32 bits.
-const BUDGET: u32 = 1 << 24;
 
 /// What a day brought.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,17 +62,17 @@ fn whole_day_as<S: Scalar>(
     interval_s: u32,
     options: &Options,
 ) -> Result<WholeDay, Failure> {
-    match &scene.model {
+    with_setting::<S, S::Build, _>(scene, options, |setting| match &scene.model {
         Model::ContactSeparation(model) => {
-            contact_separation::prepared::<S, S::Build, _>(scene, model, options, |run, state| {
-                run.whole_day(state, hours, interval_s)
+            contact_separation::prepared::<S, S::Build, _>(setting, model, |prepared, start| {
+                day(prepared, start, hours, interval_s)
             })
         }
-        Model::Sliding(model) => sliding::prepared::<S, S::Build, _>(scene, model, options, |run, state| {
-            run.whole_day(state, hours, interval_s)
-        }),
+        Model::Sliding(model) => {
+            sliding::prepared(setting, model, |prepared, start| day(prepared, start, hours, interval_s))
+        }
         Model::BumpStop(_) => Err(refuse_bump_stop(scene)),
-    }
+    })
 }
 
 /// The refusal of a bump-stop scene: at 10⁵ steps a second a day would take hours.
@@ -83,45 +84,47 @@ pub(super) fn refuse_bump_stop(scene: &Scene) -> Failure {
     ))
 }
 
-impl<S: Scalar, M: Mathematics<S>, H: HostedScene<S, STATES>> Run<'_, S, M, H, STATES> {
-    fn whole_day(
-        &self,
-        mut state: HybridState<S, ModeOf<S, H, STATES>, STATES, WHOLE>,
-        hours: &[f64; HOURS],
-        interval_s: u32,
-    ) -> Result<WholeDay, Failure> {
-        let daily = Daily { base: self.excitation, factors: hours.map(S::from_f64) };
-        let driver = Driver::new(TrBdf2, self.control);
-        let harvester = self.hosted.core();
-        let mut ledger = Ledger::open(harvester, &state);
-        let mut energies_j = Vec::new();
-        let mut steps = 0;
-        for end in (interval_s..=DAY_S).step_by(interval_s as usize) {
-            let mut meter = PowerMeter::<S, WHOLE>::new();
-            let until = Instant::from_whole_seconds(end);
-            let mut observer = (&mut ledger, &mut meter);
-            while state.clock < until {
-                let advance = driver
-                    .advance(harvester, &mut state, &daily, until, BUDGET, &mut observer)
-                    .map_err(|error| self.step_failure(&error, &state))?;
-                steps += u64::from(advance.work.steps);
-            }
-            energies_j.push(meter.delivered_energy().to_f64());
+fn day<S: Scalar, A, R>(
+    prepared: &Prepared<'_, S, A, R>,
+    start: &A::Start,
+    hours: &[f64; HOURS],
+    interval_s: u32,
+) -> Result<WholeDay, Failure>
+where
+    A: CoreScene<S, STATES, ALL_POWERS> + Copy,
+    R: Report<S, Simulated<S, A, TrBdf2, STATES>>,
+{
+    let daily = Daily { base: prepared.setting.excitation, factors: hours.map(S::from_f64) };
+    let simulation = prepared.simulation(TrBdf2);
+    let mut state = prepared.start(&simulation, start)?;
+    let mut ledger = Ledger::open(&simulation.outputs(&state));
+    let mut energies_j = Vec::new();
+    let mut steps = 0;
+    for end in (interval_s..=DAY_S).step_by(interval_s as usize) {
+        let mut meter = PowerMeter::new();
+        let until = Instant::from_whole_seconds(end);
+        let mut observer = (&mut ledger, &mut meter);
+        while state.clock < until {
+            let advance = simulation
+                .advance(&mut state, &daily, until, BUDGET, &mut observer)
+                .map_err(|error| prepared.run(&simulation).step_failure(&error, &state))?;
+            steps += u64::from(advance.work.steps);
         }
-        let energy_residual = self.hosted.residual(&ledger.residual()).map(S::to_f64);
-        Ok(WholeDay { energies_j, energy_residual, steps })
+        energies_j.push(meter.delivered_energy().to_f64());
     }
+    let energy_residual = prepared.report.residual(&ledger.residual()).map(S::to_f64);
+    Ok(WholeDay { energies_j, energy_residual, steps })
 }
 
 /// An excitation multiplied with a factor for each hour of the day. In the first second of an hour the factor goes
 /// in a straight line from the one before, so that the acceleration has no jump.
 #[derive(Debug)]
-pub(super) struct Daily<'a, S, E> {
-    pub(super) base: &'a E,
+pub(super) struct Daily<S, E> {
+    pub(super) base: E,
     pub(super) factors: [S; HOURS],
 }
 
-impl<S: Scalar, E> Daily<'_, S, E> {
+impl<S: Scalar, E> Daily<S, E> {
     /// The factor, its rate in 1/s, and the ticks until it next has a kink.
     fn factor(&self, at: Instant) -> (S, S, u64) {
         let hour_ticks = Instant::from_whole_seconds(HOUR_S).ticks();
@@ -139,7 +142,7 @@ impl<S: Scalar, E> Daily<'_, S, E> {
     }
 }
 
-impl<S: Scalar, E: Excitation<S>> Excitation<S> for Daily<'_, S, E> {
+impl<S: Scalar, E: Excitation<S>> Excitation<S> for Daily<S, E> {
     fn acceleration(&self, at: Instant) -> S {
         self.factor(at).0 * self.base.acceleration(at)
     }

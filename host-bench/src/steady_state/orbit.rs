@@ -5,9 +5,8 @@ use std::fmt::Debug;
 use model_core::clock::Instant;
 use model_core::energy::RunMeter;
 use model_core::excitation::Excitation;
-use model_core::hybrid::{HybridState, StepError};
+use model_core::hybrid::{Automaton, HybridState, StepError};
 use model_core::integrate::Method;
-use model_core::scene::Harvester;
 use nalgebra::Complex;
 
 use super::newton::{Linearisation, Map};
@@ -135,7 +134,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     ) -> Result<Verdict<Mode, N, P>, StepError<f64>>
     where
         Mode: Copy + Debug + PartialEq,
-        A: Harvester<f64, N, P, Mode = Mode>,
+        A: Automaton<f64, N, P, Mode = Mode>,
         E: Excitation<f64>,
         I: Method<f64>,
     {
@@ -145,7 +144,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
         for _ in 0..search.attempts {
             periods += search.patience;
             self.advance(&mut state, self.instant(f64::from(periods - 1)), &mut (), spent)?;
-            let mut watch = Watch::new(self.harvester);
+            let mut watch = Watch::<N>::new();
             self.advance(&mut state, self.instant(f64::from(periods)), &mut watch, spent)?;
             let phase = watch.calmest();
             let section = Instant::from_ticks(state.clock.ticks() + phase);
@@ -176,7 +175,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     ) -> Option<Orbit<Mode, N, P>>
     where
         Mode: Copy + Debug + PartialEq,
-        A: Harvester<f64, N, P, Mode = Mode>,
+        A: Automaton<f64, N, P, Mode = Mode>,
         E: Excitation<f64>,
         I: Method<f64>,
     {
@@ -199,7 +198,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     ) -> Result<Option<Response>, StepError<f64>>
     where
         Mode: Copy + Debug + PartialEq,
-        A: Harvester<f64, N, P, Mode = Mode>,
+        A: Automaton<f64, N, P, Mode = Mode>,
         E: Excitation<f64>,
         I: Method<f64>,
     {
@@ -222,11 +221,11 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     ) -> Option<Response>
     where
         Mode: Copy + Debug + PartialEq,
-        A: Harvester<f64, N, P, Mode = Mode>,
+        A: Automaton<f64, N, P, Mode = Mode>,
         E: Excitation<f64>,
         I: Method<f64>,
     {
-        let mut meter = RunMeter::<f64, A, P>::new(self.harvester);
+        let mut meter = RunMeter::new();
         self.period(&orbit.start, &orbit.start.point.state, &mut meter, spent)?;
         let coordinate = meter.coordinate();
         Some(Response {
@@ -246,7 +245,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     ) -> Option<Orbit<Mode, N, P>>
     where
         Mode: Copy + Debug + PartialEq,
-        A: Harvester<f64, N, P, Mode = Mode>,
+        A: Automaton<f64, N, P, Mode = Mode>,
         E: Excitation<f64>,
         I: Method<f64>,
     {
@@ -271,7 +270,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     ) -> bool
     where
         Mode: Copy + Debug + PartialEq,
-        A: Harvester<f64, N, P, Mode = Mode>,
+        A: Automaton<f64, N, P, Mode = Mode>,
         E: Excitation<f64>,
         I: Method<f64>,
     {

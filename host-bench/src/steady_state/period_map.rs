@@ -4,9 +4,9 @@ use std::fmt::Debug;
 
 use model_core::clock::Instant;
 use model_core::excitation::Excitation;
-use model_core::hybrid::{Automaton, Driver, Event, HybridState, Observer, Span, StepError, Work};
+use model_core::hybrid::{Automaton, Driver, HybridState, StepError, Work};
 use model_core::integrate::{AnyStepControl, Method, Point};
-use model_core::scene::Harvester;
+use model_core::observer::{AcceptedStep, Event, Observer};
 
 /// Attempts per call of the driver: the counts of a call fit in 32 bits.
 const BUDGET: u32 = 1 << 24;
@@ -76,7 +76,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
         A: Automaton<f64, N, P, Mode = Mode>,
         E: Excitation<f64>,
         I: Method<f64>,
-        O: Observer<f64, Mode, N, P>,
+        O: Observer<f64>,
     {
         let from = state.clock;
         while state.clock < until {
@@ -120,7 +120,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
         A: Automaton<f64, N, P, Mode = Mode>,
         E: Excitation<f64>,
         I: Method<f64>,
-        O: Observer<f64, Mode, N, P>,
+        O: Observer<f64>,
     {
         let mut state = self.at(pattern, vector);
         let until = Instant::from_ticks(state.clock.ticks().saturating_add(self.instant(1.0).ticks()));
@@ -131,25 +131,23 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
 
 /// The smooth stretches of a motion, and how far each state went.
 #[derive(Debug)]
-pub(super) struct Watch<'a, A, Mode, const N: usize> {
-    harvester: &'a A,
-    stretches: Vec<Stretch<Mode>>,
+pub(super) struct Watch<const N: usize> {
+    stretches: Vec<Stretch>,
     event: bool,
     lowest: [f64; N],
     highest: [f64; N],
 }
 
 #[derive(Debug)]
-struct Stretch<Mode> {
-    mode: Mode,
+struct Stretch {
+    stick: bool,
     from: u64,
     to: u64,
 }
 
-impl<'a, A, Mode, const N: usize> Watch<'a, A, Mode, N> {
-    pub(super) fn new(harvester: &'a A) -> Self {
+impl<const N: usize> Watch<N> {
+    pub(super) fn new() -> Self {
         Self {
-            harvester,
             stretches: Vec::new(),
             event: true,
             lowest: [f64::INFINITY; N],
@@ -165,41 +163,32 @@ impl<'a, A, Mode, const N: usize> Watch<'a, A, Mode, N> {
         })
     }
 
-    /// Ticks from the start of the watch to the middle of the longest smooth stretch, one in which
-    /// the moving part is not held if there is one; 0 where nothing ever happened.
-    pub(super) fn calmest<const P: usize>(&self) -> u64
-    where
-        A: Harvester<f64, N, P, Mode = Mode>,
-        Mode: Copy,
-    {
+    /// Ticks from the start of the watch to the middle of the longest smooth stretch, one without stick if there is
+    /// one; 0 where nothing ever happened.
+    pub(super) fn calmest(&self) -> u64 {
         let [first, _, ..] = &self.stretches[..] else { return 0 };
-        let longest = self
-            .stretches
-            .iter()
-            .max_by_key(|stretch| (!self.harvester.is_stick(stretch.mode), stretch.to - stretch.from));
+        let longest = self.stretches.iter().max_by_key(|stretch| (!stretch.stick, stretch.to - stretch.from));
         longest.map_or(0, |stretch| stretch.from.midpoint(stretch.to) - first.from)
     }
 }
 
-impl<A, Mode, const N: usize, const P: usize> Observer<f64, Mode, N, P> for Watch<'_, A, Mode, N>
-where
-    Mode: Copy,
-{
-    fn step(&mut self, span: &Span<'_, f64, Mode, N, P>) {
-        let (from, to) = (span.from.ticks(), span.from.after(span.ticks).ticks());
+impl<const N: usize> Observer<f64> for Watch<N> {
+    fn step(&mut self, step: &AcceptedStep<'_, f64>) {
+        let (from, to) = (step.from.ticks(), step.until().ticks());
         match self.stretches.last_mut() {
             Some(stretch) if !self.event => stretch.to = to,
-            _ => self.stretches.push(Stretch { mode: span.mode, from, to }),
+            _ => self.stretches.push(Stretch { stick: step.start.stick, from, to }),
         }
         self.event = false;
-        for index in 0..N {
-            let ends = [span.start.state[index], span.end.state[index]];
-            self.lowest[index] = self.lowest[index].min(ends[0]).min(ends[1]);
-            self.highest[index] = self.highest[index].max(ends[0]).max(ends[1]);
+        for state in [step.start.state, step.end.state] {
+            for (index, &entry) in state.iter().enumerate().take(N) {
+                self.lowest[index] = self.lowest[index].min(entry);
+                self.highest[index] = self.highest[index].max(entry);
+            }
         }
     }
 
-    fn event(&mut self, _event: &Event<'_, f64, Mode, N, P>) {
+    fn event(&mut self, _event: &Event<'_, f64>) {
         self.event = true;
     }
 }

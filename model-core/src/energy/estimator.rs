@@ -2,8 +2,9 @@
 //!
 //! ```
 //! use model_core::energy::Estimator;
-//! use model_core::energy::estimator::{HybridModel, SampleFormat, Settings};
+//! use model_core::energy::estimator::{SampleFormat, Settings};
 //! use model_core::integrate::{Adaptive, TrBdf2};
+//! use model_core::scene::Simulation;
 //! # use model_core::part::load::Resistor;
 //! # use model_core::part::parasitic::ParasiticCapacitance;
 //! # use model_core::part::restitution::ConstantRestitution;
@@ -35,14 +36,14 @@
 //! #     restitution: ConstantRestitution { coefficient: 0.75 },
 //! #     sticking: FrozenCharge,
 //! # };
-//! let model = HybridModel::<_, _, _, 3, 1>::new(parameters.build()?, TrBdf2, Adaptive::new(5e-2));
+//! let harvester = Simulation::new(parameters.build()?, TrBdf2, Adaptive::new(5e-2));
 //! let settings = Settings {
 //!     rate: 400.0,                                           // samples per second
 //!     format: SampleFormat::counts(9.81 / 16_384.0, 32_767), // ± 2 g in 16 bits
 //!     longest_gap: 4,                                        // lost samples to interpolate across
 //!     settling_seconds: 0.0,                                 // the node starts at rest
 //! };
-//! let mut estimator = Estimator::new(model, settings)?;
+//! let mut estimator = Estimator::new(harvester, settings)?;
 //!
 //! for n in 0..800 {
 //!     // At most 100 attempted steps, then something else may run.
@@ -58,7 +59,7 @@
 //! // Power down, and wake up: three samples have gone by.
 //! let mut flash = [0; 256];
 //! estimator.save(&mut flash)?;
-//! let mut awake = Estimator::new(model, settings)?;
+//! let mut awake = Estimator::new(harvester, settings)?;
 //! awake.restore(&flash)?;
 //! assert_eq!(awake, estimator);
 //! awake.push_missing(3, 100)?;
@@ -80,19 +81,18 @@
 
 mod accumulator;
 mod gaps;
-mod model;
 mod sample;
 mod state;
 
 use crate::clock::Instant;
-use crate::excitation::Stream;
+use crate::excitation::{Excitation, Stream};
 use crate::hybrid::{Ended, StepError, Work};
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
+use crate::scene::{Harvester, StorageReading};
 use crate::snapshot::{self, Fingerprint, SnapshotError};
 
 pub use accumulator::{EnergyAccumulator, Estimate, Uncertainty};
-pub use model::{HybridModel, Model};
 pub use sample::{Sample, SampleFormat};
 pub use state::State;
 use state::{Phase, Queue};
@@ -163,21 +163,21 @@ pub struct Progress {
 /// With a sample the interval that ends *before* it is integrated, see [`Stream`]: the estimate is one sample
 /// behind. Time counts from the first sample, and for half a year ([`Instant`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimator<S: Scalar, M: Model<S>> {
-    model: M,
+pub struct Estimator<S: Scalar, H: Harvester<S>> {
+    harvester: H,
     settings: Settings<S>,
-    state: State<S, M::State>,
+    state: State<S, H::State>,
 }
 
-impl<S: Scalar, M: Model<S>> Estimator<S, M> {
+impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// Bytes that [`Estimator::save`] writes.
-    pub const SNAPSHOT_BYTES: usize = snapshot::size_of::<State<S, M::State>>();
+    pub const SNAPSHOT_BYTES: usize = snapshot::size_of::<State<S, H::State>>();
 
     /// An estimator that waits for its first sample.
     ///
     /// # Errors
     /// [`EstimatorError::Parameter`] with the setting that is out of its bounds.
-    pub fn new(model: M, settings: Settings<S>) -> Result<Self, EstimatorError<S>> {
+    pub fn new(harvester: H, settings: Settings<S>) -> Result<Self, EstimatorError<S>> {
         let Settings { rate, format, settling_seconds, .. } = settings;
         let bounds = Bounds::new(1e-3, 1e6);
         bounds
@@ -189,7 +189,9 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         let stream = Stream::new(rate, S::ZERO).map_err(|_| EstimatorError::Parameter(out_of_bounds))?;
         let state = State {
             stream,
-            model: model.at_rest(None, &stream).map_err(EstimatorError::Parameter)?,
+            harvester: harvester
+                .restart(None, &stream, stream.known_until())
+                .map_err(EstimatorError::Parameter)?,
             accumulator: EnergyAccumulator::EMPTY,
             queue: Queue::EMPTY,
             phase: Phase::Waiting,
@@ -203,13 +205,13 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
             uncertain_intervals: 0,
             unknown_intervals: 0,
         };
-        Ok(Self { model, settings, state })
+        Ok(Self { harvester, settings, state })
     }
 
     /// The model.
     #[must_use]
-    pub fn model(&self) -> &M {
-        &self.model
+    pub fn harvester(&self) -> &H {
+        &self.harvester
     }
 
     /// The settings.
@@ -220,8 +222,8 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
 
     /// The state of the model, one sample behind.
     #[must_use]
-    pub fn model_state(&self) -> &M::State {
-        &self.state.model
+    pub fn harvester_state(&self) -> &H::State {
+        &self.state.harvester
     }
 
     /// The instant up to which the samples so far are integrated, once they are finished.
@@ -285,7 +287,7 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
 
     /// Takes in the next sample, in at most `budget` attempted steps.
     ///
-    /// Budgets below [`Model::LEAST_BUDGET`] are taken as that. The same bits result whatever the budgets
+    /// Budgets below [`Harvester::LEAST_BUDGET`] are taken as that. The same bits result whatever the budgets
     /// are.
     ///
     /// # Errors
@@ -309,17 +311,24 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         loop {
             while self.state.pending {
                 let left = budget.saturating_sub(work.attempts());
-                if work.attempts() + work.events > 0 && left < M::LEAST_BUDGET {
+                if work.attempts() + work.events > 0 && left < H::LEAST_BUDGET {
                     return Ok(Progress { finished: false, work });
                 }
-                let State { stream, model, accumulator, .. } = &mut self.state;
-                match self.model.advance(model, stream, left, accumulator) {
+                let State { stream, harvester, accumulator, .. } = &mut self.state;
+                match self.harvester.advance_past(
+                    harvester,
+                    stream,
+                    stream.known_until(),
+                    stream.ticks_per_sample(),
+                    left,
+                    accumulator,
+                ) {
                     Ok(advance) => {
                         work = work.and(advance.work);
                         self.state.pending = advance.ended != Ended::Finished;
                     }
                     Err(error) => {
-                        self.lose_model();
+                        self.lose_harvester();
                         return Err(EstimatorError::Step(error));
                     }
                 }
@@ -338,10 +347,10 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
     /// What is known of the harvest so far.
     #[must_use]
     pub fn estimate(&self) -> Estimate<S> {
-        let State { accumulator, model, .. } = &self.state;
-        let angular_frequency = self.model.angular_frequency();
+        let State { accumulator, harvester, .. } = &self.state;
+        let angular_frequency = self.harvester.angular_frequency();
         let (energy, seconds) = (accumulator.energy(), accumulator.seconds());
-        let step = M::ESTIMATES_ERROR.then(|| accumulator.step_error(angular_frequency));
+        let step = H::ESTIMATES_ERROR.then(|| accumulator.step_error(angular_frequency));
         let rounding = accumulator.rounding();
         let [uncertain_seconds, unknown_seconds] =
             [self.state.uncertain_intervals, self.state.unknown_intervals]
@@ -352,7 +361,7 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
             energy,
             mean_power: if seconds > S::ZERO { energy / seconds } else { S::ZERO },
             seconds,
-            storage: self.model.storage(model),
+            storage: self.harvester.outputs(harvester).storage.map(|storage| StorageReading::of(&storage)),
             uncertainty: Uncertainty {
                 step,
                 rounding,
@@ -369,8 +378,9 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
     /// and where the harvester has no storage without effect. What is no voltage changes nothing.
     pub fn set_storage_voltage(&mut self, volts: S) {
         if volts >= S::ZERO && volts.is_finite() {
-            let State { stream, model, .. } = &mut self.state;
-            self.model.set_storage_voltage(model, stream, volts);
+            let State { stream, harvester, .. } = &mut self.state;
+            let acceleration = stream.acceleration(self.harvester.clock(harvester));
+            self.harvester.set_storage_voltage(harvester, volts, acceleration);
         }
     }
 
@@ -405,7 +415,7 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
     /// Of the model, how it is stepped, and all settings.
     fn fingerprint(&self) -> u32 {
         let mut fingerprint = Fingerprint::new();
-        self.model.identify(&mut fingerprint);
+        self.harvester.identify(&mut fingerprint);
         self.settings.format.identify(&mut fingerprint);
         fingerprint.numbers(&[self.settings.rate, self.settings.settling_seconds]);
         fingerprint.count(self.settings.longest_gap.into());

@@ -1,34 +1,34 @@
 //! A log of events of fixed capacity.
 
 use crate::clock::Instant;
-use crate::hybrid::{Event, Observer, Span};
+use crate::observer::{AcceptedStep, Event, Motion, Observer};
 use crate::scalar::Scalar;
 use heapless::Vec;
 
 /// One event.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct LoggedEvent<S, Mode, const N: usize> {
-    /// When.
+pub struct LoggedEvent<S> {
+    /// Time of the event.
     pub at: Instant,
-    /// The mode that ended.
-    pub before: Mode,
-    /// The mode that began.
-    pub after: Mode,
-    /// The state at which it began.
-    pub state: [S; N],
-    /// Energy lost, in joules.
+    /// Numbers of the modes before and after it.
+    pub modes: [u8; 2],
+    /// Impact speed in m/s; `None` for an event that is no impact.
+    pub impact_speed: Option<S>,
+    /// The first coordinate after the event in m, and its rate in m/s.
+    pub coordinate: Motion<S>,
+    /// Energy lost in J.
     pub loss: S,
 }
 
 /// The first `CAPACITY` events of a run, and the number of those for which there was no room.
 #[derive(Debug, Clone, PartialEq)]
-pub struct EventLog<S, Mode, const N: usize, const CAPACITY: usize> {
-    events: Vec<LoggedEvent<S, Mode, N>, CAPACITY>,
+pub struct EventLog<S, const CAPACITY: usize> {
+    events: Vec<LoggedEvent<S>, CAPACITY>,
     overflowed: u32,
 }
 
-impl<S, Mode, const N: usize, const CAPACITY: usize> EventLog<S, Mode, N, CAPACITY> {
+impl<S, const CAPACITY: usize> EventLog<S, CAPACITY> {
     /// An empty log.
     #[must_use]
     pub const fn new() -> Self {
@@ -37,7 +37,7 @@ impl<S, Mode, const N: usize, const CAPACITY: usize> EventLog<S, Mode, N, CAPACI
 
     /// The logged events, in order of time.
     #[must_use]
-    pub fn events(&self) -> &[LoggedEvent<S, Mode, N>] {
+    pub fn events(&self) -> &[LoggedEvent<S>] {
         &self.events
     }
 
@@ -48,24 +48,25 @@ impl<S, Mode, const N: usize, const CAPACITY: usize> EventLog<S, Mode, N, CAPACI
     }
 }
 
-impl<S, Mode, const N: usize, const CAPACITY: usize> Default for EventLog<S, Mode, N, CAPACITY> {
+impl<S, const CAPACITY: usize> Default for EventLog<S, CAPACITY> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<S, Mode, const N: usize, const P: usize, const CAPACITY: usize> Observer<S, Mode, N, P>
-    for EventLog<S, Mode, N, CAPACITY>
-where
-    S: Scalar,
-    Mode: Copy,
-{
-    #[inline(always)]
-    fn step(&mut self, _span: &Span<'_, S, Mode, N, P>) {}
+impl<S: Scalar, const CAPACITY: usize> Observer<S> for EventLog<S, CAPACITY> {
+    #[inline]
+    fn step(&mut self, _step: &AcceptedStep<'_, S>) {}
 
-    fn event(&mut self, event: &Event<'_, S, Mode, N, P>) {
-        let Event { at, before, after, loss, .. } = *event;
-        if self.events.push(LoggedEvent { at, before, after, state: event.left.state, loss }).is_err() {
+    fn event(&mut self, event: &Event<'_, S>) {
+        let logged = LoggedEvent {
+            at: event.at,
+            modes: [event.before.mode, event.after.mode],
+            impact_speed: event.impact_speed,
+            coordinate: event.after.coordinate(),
+            loss: event.loss,
+        };
+        if self.events.push(logged).is_err() {
             self.overflowed = self.overflowed.saturating_add(1);
         }
     }

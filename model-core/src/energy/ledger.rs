@@ -1,42 +1,39 @@
 //! The energy ledger: what the base put in, against what was stored, lost and delivered.
 //!
 //! ```text
-//! Δ(mechanical)  = ∫ base − ∫ dissipation − ∫ given up − losses in contact
-//! Δ(electrical)  = ∫ taken up − ∫ load − ∫ diodes
-//! Δ(storage)       = ∫ load − ∫ leaked − ∫ drawn
+//! Δ(mechanical) = ∫ base − ∫ dissipation − ∫ electrostatic work − losses in contact
+//! Δ(electrical) = ∫ field work − ∫ load − ∫ diodes
+//! Δ(storage)    = ∫ load − ∫ leakage − ∫ draw
 //! ```
 //!
-//! The third only where there is a storage behind a rectifier.
-//!
-//! The identities of sections 6.3 and 6.4 of the model's derivation: they hold along any exact
-//! trajectory, so what is left over is the error of the integration. No reference is needed.
-
-use crate::hybrid::{Event, HybridState, Observer, Span};
-use crate::integrate::Point;
-use crate::scalar::{CompensatedSum, Scalar};
-use crate::scene::{Harvester, StoredEnergy, account};
+//! The third holds where a storage capacitor is behind a rectifier. The identities hold along any exact trajectory
+//! (multiply the equation of motion by the velocity, the circuit's by the voltage), so the residual is the error of
+//! the integration. A small residual says nothing about the error of a method that conserves energy at any step:
+//! that of bump-stop.
 
 use super::meter::Integrals;
+use crate::observer::{AcceptedStep, Event, Observer, Outputs, PowerIndex, StorageOutput, StoredEnergy};
+use crate::scalar::{CompensatedSum, Scalar};
 
-/// What is left over, in joules, and what it is to be compared with.
+/// Residuals of the ledgers in J, and the energy that they are compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Residual<S> {
-    /// Of the mechanical ledger.
+    /// Residual of the mechanical ledger.
     pub mechanical: S,
-    /// Of the electrical ledger.
+    /// Residual of the electrical ledger.
     pub electrical: S,
-    /// Of the ledger of the storage behind a rectifier; 0 without one.
+    /// Residual of the ledger of the storage behind a rectifier; 0 without one.
     pub storage: S,
     /// The larger of `∫ |base power| dt` and the peak of the stored energy.
     pub scale: S,
 }
 
 impl<S: Scalar> Residual<S> {
-    /// The larger residual of the sum of the mechanical and the electrical ledger and of the storage's,
-    /// relative to the scale; `None` if the scale is 0.
+    /// The larger residual of the sum of the mechanical and the electrical ledger and of the storage's, relative to
+    /// the scale; `None` if the scale is 0.
     ///
-    /// The sum closes only where the force law is the field's own.
+    /// The sum closes only where the force law is that of the field.
     #[must_use]
     pub fn total(&self) -> Option<S> {
         self.relative((self.mechanical + self.electrical).abs().max(self.storage.abs()))
@@ -50,110 +47,96 @@ impl<S: Scalar> Residual<S> {
     }
 
     fn relative(&self, residual: S) -> Option<S> {
-        (self.scale > S::ZERO).then(|| residual.abs() / self.scale)
+        (self.scale > S::ZERO).then(|| residual / self.scale)
     }
 }
 
-/// Draws up the ledger of a run.
+/// Draws up the ledger of a run that integrates all powers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ledger<'a, S, H> {
-    harvester: &'a H,
-    integrals: Integrals<S, { account::WHOLE }>,
+pub struct Ledger<S> {
+    integrals: Integrals<S>,
     losses: CompensatedSum<S>,
     start: StoredEnergy<S>,
     now: StoredEnergy<S>,
     peak: S,
-    /// Compensated voltage of the storage at the start.
-    opening_voltage: [S; 2],
-    /// What the storage has gained; `None` without a storage.
-    stored: Option<S>,
+    storage_at_start: Option<StorageOutput<S>>,
+    storage_now: Option<StorageOutput<S>>,
 }
 
-impl<'a, S: Scalar, H> Ledger<'a, S, H> {
-    /// A ledger that opens at `state`.
+impl<S: Scalar> Ledger<S> {
+    /// A ledger that opens with the outputs at the start of a run.
     #[must_use]
-    pub fn open<const N: usize>(
-        harvester: &'a H,
-        state: &HybridState<S, H::Mode, N, { account::WHOLE }>,
-    ) -> Self
-    where
-        H: Harvester<S, N, { account::WHOLE }>,
-    {
-        let start = harvester.stored_energy(state.mode, &state.point);
+    pub fn open(outputs: &Outputs<'_, S>) -> Self {
+        let start = outputs.stored;
         Self {
-            harvester,
-            integrals: Integrals::new(),
+            integrals: Integrals::ZERO,
             losses: CompensatedSum::ZERO,
             start,
             now: start,
-            peak: start.mechanical + start.electrical,
-            opening_voltage: harvester.compensated_storage_voltage(state.mode, &state.point),
-            stored: None,
+            peak: start.total(),
+            storage_at_start: outputs.storage,
+            storage_now: outputs.storage,
         }
     }
 
     /// The integrals of the powers.
     #[must_use]
-    pub fn integrals(&self) -> &Integrals<S, { account::WHOLE }> {
+    pub fn integrals(&self) -> &Integrals<S> {
         &self.integrals
     }
 
-    /// What is left over so far.
+    /// The residuals so far.
     #[must_use]
     pub fn residual(&self) -> Residual<S> {
-        let integral = |index| self.integrals.integral(index);
+        let integral = |power| self.integrals.integral(power);
         let (start, now) = (self.start, self.now);
-        let income = integral(account::BASE) - integral(account::DISSIPATION);
-        let outgoings = integral(account::ELECTROSTATIC_WORK) + self.losses.value();
-        let left = integral(account::LOAD) - integral(account::LEAKED) - integral(account::DRAWN);
+        let income = integral(PowerIndex::Base) - integral(PowerIndex::Dissipation);
+        let outgoings = integral(PowerIndex::ElectrostaticWork) + self.losses.value();
+        let delivered = integral(PowerIndex::Load);
+        let left = delivered - integral(PowerIndex::Leakage) - integral(PowerIndex::Draw);
         Residual {
             mechanical: (now.mechanical - start.mechanical) - (income - outgoings),
             electrical: (now.electrical - start.electrical)
-                - (integral(account::FIELD_WORK) - integral(account::LOAD) - integral(account::DIODES)),
-            storage: self.stored.map_or(S::ZERO, |stored| stored - left),
-            scale: integral(account::BASE_MAGNITUDE).max(self.peak),
+                - (integral(PowerIndex::FieldWork) - delivered - integral(PowerIndex::Diodes)),
+            storage: self.stored().map_or(S::ZERO, |stored| stored - left),
+            scale: integral(PowerIndex::BaseMagnitude).max(self.peak),
         }
     }
 
-    /// Work of the electrostatic force on the motion so far, in joules: negative where the force
-    /// has given the motion energy.
+    /// Work of the motion on the electrostatic force so far, in J: negative where the force gave energy to the motion.
     #[must_use]
     pub fn electrostatic_work(&self) -> S {
-        self.integrals.integral(account::ELECTROSTATIC_WORK)
+        self.integrals.integral(PowerIndex::ElectrostaticWork)
     }
 
-    /// Energy lost in contact so far, in joules.
+    /// Energy lost in contact so far, in J; below zero where a contact law created energy.
     #[must_use]
     pub fn lost_in_contact(&self) -> S {
         self.losses.value()
     }
-}
 
-impl<S: Scalar, H> Ledger<'_, S, H> {
-    fn look<const N: usize>(&mut self, mode: H::Mode, point: &Point<S, N, { account::WHOLE }>)
-    where
-        H: Harvester<S, N, { account::WHOLE }>,
-    {
-        self.now = self.harvester.stored_energy(mode, point);
-        let voltage = self.harvester.compensated_storage_voltage(mode, point);
-        self.stored = self.harvester.storage_gain(self.opening_voltage, voltage);
-        self.peak = self.peak.max(self.now.mechanical + self.now.electrical);
+    /// Energy in J that the storage gained; `None` without a storage, and for a DC bus.
+    fn stored(&self) -> Option<S> {
+        self.storage_now?.gained_since(&self.storage_at_start?)
+    }
+
+    fn look(&mut self, outputs: &Outputs<'_, S>) {
+        self.now = outputs.stored;
+        self.storage_now = outputs.storage;
+        self.peak = self.peak.max(self.now.total());
     }
 }
 
-impl<S, H, const N: usize> Observer<S, H::Mode, N, { account::WHOLE }> for Ledger<'_, S, H>
-where
-    S: Scalar,
-    H: Harvester<S, N, { account::WHOLE }>,
-{
-    fn step(&mut self, span: &Span<'_, S, H::Mode, N, { account::WHOLE }>) {
-        self.integrals.add(span.energies, span.ticks);
-        self.look(span.mode, span.end);
+impl<S: Scalar> Observer<S> for Ledger<S> {
+    fn step(&mut self, step: &AcceptedStep<'_, S>) {
+        self.integrals.add(step.energies, step.ticks);
+        self.losses.add(step.contact.loss);
+        self.look(&step.end);
     }
 
-    fn event(&mut self, event: &Event<'_, S, H::Mode, N, { account::WHOLE }>) {
+    fn event(&mut self, event: &Event<'_, S>) {
         self.losses.add(event.loss);
         self.integrals.add_at_once(event.energies);
-        self.look(event.after, event.left);
+        self.look(&event.after);
     }
 }

@@ -1,42 +1,37 @@
-//! Meters: observers that add up what the integrator integrated.
+//! Meters: observers that add up what a run integrates.
 //!
-//! Energy is the integral of a power over each step by the method's own stage weights, never a
-//! sample at the end of a step: in these harvesters the power comes in spikes of a fraction of a
-//! millisecond. Sums are compensated, so a day of simulated time drifts in `f32` by a rounding.
+//! Energy is the integral of a power over each step by the stage weights of the method, not a sample at the end of a
+//! step: the power of these harvesters comes in spikes of a fraction of a millisecond. Sums are compensated, so a day
+//! of simulated time drifts in `f32` by one rounding.
 
-use crate::hybrid::{Event, Observer, Span};
+use crate::clock::Instant;
 use crate::integrate::cubic::Cubic;
+use crate::observer::{ALL_POWERS, AcceptedStep, Event, Motion, Observer, Outputs, PowerIndex};
 use crate::scalar::{CompensatedSum, Scalar};
-use crate::scene::{Harvester, account};
 use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
-/// Integrals over time of the first `P` powers of the account, and the time itself.
+/// Integrals of all powers over time, and the elapsed time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Integrals<S, const P: usize> {
-    sums: [CompensatedSum<S>; P],
-    /// Elapsed ticks.
+pub struct Integrals<S> {
+    sums: [CompensatedSum<S>; ALL_POWERS],
     ticks: u64,
 }
 
-impl<S: Scalar, const P: usize> Integrals<S, P> {
-    /// Nothing yet.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { sums: [CompensatedSum::ZERO; P], ticks: 0 }
-    }
+impl<S: Scalar> Integrals<S> {
+    pub(crate) const ZERO: Self = Self { sums: [CompensatedSum::ZERO; ALL_POWERS], ticks: 0 };
 
     /// Adds the integrals over one step.
-    #[inline(always)]
-    pub(crate) fn add(&mut self, energies: &[S; P], ticks: u32) {
+    #[inline]
+    pub(crate) fn add(&mut self, energies: &[S], ticks: u32) {
         for (sum, &energy) in self.sums.iter_mut().zip(energies) {
             sum.add(energy);
         }
         self.ticks = self.ticks.wrapping_add(u64::from(ticks));
     }
 
-    /// Adds what passed in no time.
-    #[inline(always)]
-    pub(crate) fn add_at_once(&mut self, energies: &[S; P]) {
+    /// Adds the part of each integral that passed in no time.
+    #[inline]
+    pub(crate) fn add_at_once(&mut self, energies: &[S]) {
         for (sum, &energy) in self.sums.iter_mut().zip(energies) {
             if energy != S::ZERO {
                 sum.add(energy);
@@ -44,115 +39,95 @@ impl<S: Scalar, const P: usize> Integrals<S, P> {
         }
     }
 
-    /// Integral of entry `index` of the account; 0 if it is not among the first `P`.
+    /// Integral of a power over the elapsed time, in the unit of the power times s; 0 where it was not integrated.
     #[must_use]
-    pub fn integral(&self, index: usize) -> S {
-        self.sums.get(index).map_or(S::ZERO, CompensatedSum::value)
+    pub fn integral(&self, power: PowerIndex) -> S {
+        self.sums.get(power as usize).map_or(S::ZERO, CompensatedSum::value)
     }
 
-    /// Mean of entry `index` of the account over the elapsed time; 0 before any.
+    /// Mean of a power over the elapsed time, in the unit of the power; 0 before any time.
     #[must_use]
-    pub fn mean(&self, index: usize) -> S {
-        if self.ticks == 0 { S::ZERO } else { self.integral(index) / self.seconds() }
+    pub fn mean(&self, power: PowerIndex) -> S {
+        if self.ticks == 0 { S::ZERO } else { self.integral(power) / self.seconds() }
     }
 
-    /// Elapsed time in seconds.
+    /// Elapsed time in s.
     #[must_use]
     pub fn seconds(&self) -> S {
-        crate::clock::Instant::from_ticks(self.ticks).seconds()
-    }
-}
-
-impl<S: Scalar, const P: usize> Default for Integrals<S, P> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<S: Scalar, const P: usize> Snapshot for Integrals<S, P> {
-    const BYTES: usize = P * CompensatedSum::<S>::BYTES + u64::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.sums.write(out);
-        self.ticks.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(Self { sums: Snapshot::read(from)?, ticks: Snapshot::read(from)? })
+        Instant::from_ticks(self.ticks).seconds()
     }
 }
 
 /// What a sensor node needs: energy delivered to the load, and mean power.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PowerMeter<S, const P: usize>(Integrals<S, P>);
+pub struct PowerMeter<S> {
+    delivered: CompensatedSum<S>,
+    ticks: u64,
+}
 
-impl<S: Scalar, const P: usize> PowerMeter<S, P> {
+impl<S: Scalar> PowerMeter<S> {
     /// A meter at zero.
     #[must_use]
     pub const fn new() -> Self {
-        Self(Integrals::new())
+        Self { delivered: CompensatedSum::ZERO, ticks: 0 }
     }
 
-    /// Adds a step that delivered an energy.
-    #[inline(always)]
-    pub(crate) fn add_delivered(&mut self, energy: S, ticks: u32) {
-        let mut energies = [S::ZERO; P];
-        if let Some(first) = energies.first_mut() {
-            *first = energy;
-        }
-        self.0.add(&energies, ticks);
-    }
-
-    /// Energy delivered to the load, in joules.
+    /// Energy delivered to the load, in J.
     #[must_use]
     pub fn delivered_energy(&self) -> S {
-        self.0.integral(account::LOAD)
+        self.delivered.value()
     }
 
-    /// Mean power delivered to the load, in watts.
+    /// Mean power delivered to the load, in W; 0 before any time.
     #[must_use]
     pub fn mean_power(&self) -> S {
-        self.0.mean(account::LOAD)
+        if self.ticks == 0 { S::ZERO } else { self.delivered_energy() / self.seconds() }
     }
 
-    /// Elapsed time in seconds.
+    /// Elapsed time in s.
     #[must_use]
     pub fn seconds(&self) -> S {
-        self.0.seconds()
+        Instant::from_ticks(self.ticks).seconds()
     }
 }
 
-impl<S: Scalar, const P: usize> Default for PowerMeter<S, P> {
+impl<S: Scalar> Default for PowerMeter<S> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<S: Scalar, const P: usize> Snapshot for PowerMeter<S, P> {
-    const BYTES: usize = Integrals::<S, P>::BYTES;
+impl<S: Scalar> Snapshot for PowerMeter<S> {
+    const BYTES: usize = CompensatedSum::<S>::BYTES + u64::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
-        self.0.write(out);
+        self.delivered.write(out);
+        self.ticks.write(out);
     }
 
     fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(Self(Snapshot::read(from)?))
+        Ok(Self { delivered: Snapshot::read(from)?, ticks: Snapshot::read(from)? })
     }
 }
 
-impl<S: Scalar, Mode, const N: usize, const P: usize> Observer<S, Mode, N, P> for PowerMeter<S, P> {
+impl<S: Scalar> Observer<S> for PowerMeter<S> {
     #[inline(always)]
-    fn step(&mut self, span: &Span<'_, S, Mode, N, P>) {
-        self.0.add(span.energies, span.ticks);
+    fn step(&mut self, step: &AcceptedStep<'_, S>) {
+        self.delivered.add(step.energy(PowerIndex::Load));
+        self.ticks = self.ticks.wrapping_add(u64::from(step.ticks));
     }
 
     #[inline(always)]
-    fn event(&mut self, event: &Event<'_, S, Mode, N, P>) {
-        self.0.add_at_once(event.energies);
+    fn event(&mut self, event: &Event<'_, S>) {
+        if let Some(&energy) = event.energies.first()
+            && energy != S::ZERO
+        {
+            self.delivered.add(energy);
+        }
     }
 }
 
-/// The smallest and the largest value of something.
+/// The smallest and the largest value of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak<S> {
     /// Smallest value; infinite before any.
@@ -162,17 +137,20 @@ pub struct Peak<S> {
 }
 
 impl<S: Scalar> Peak<S> {
-    /// Nothing yet.
-    #[must_use]
-    pub fn new() -> Self {
+    fn new() -> Self {
         Self { lowest: S::INFINITY, highest: -S::INFINITY }
     }
 
-    /// Takes in a step, turning points inside it included.
+    /// Includes a step with the turning points inside it.
     #[inline]
-    pub(crate) fn include(&mut self, cubic: &Cubic<S>) {
+    fn include(&mut self, cubic: &Cubic<S>) {
         self.lowest = cubic.smallest().min(self.lowest);
         self.highest = cubic.largest().max(self.highest);
+    }
+
+    /// Includes the motion of a coordinate over a step of `step` seconds.
+    fn include_motion(&mut self, start: Motion<S>, end: Motion<S>, step: S) {
+        self.include(&Cubic::new(start.value, start.rate, end.value, end.rate, step));
     }
 
     /// Largest magnitude; 0 before any.
@@ -182,84 +160,89 @@ impl<S: Scalar> Peak<S> {
     }
 }
 
-impl<S: Scalar> Default for Peak<S> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-/// Everything that a report of a run shows.
+/// The numbers of a report of a run, for every harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RunMeter<'a, S, H, const P: usize> {
-    harvester: &'a H,
-    integrals: Integrals<S, P>,
-    coordinate: Peak<S>,
+pub struct RunMeter<S> {
+    integrals: Integrals<S>,
+    motions: [Peak<S>; 3],
     voltage: Peak<S>,
     impacts: u32,
     fastest_impact: S,
     sticks: u32,
     stick_ticks: u64,
+    contacts: u32,
+    contact_seconds: CompensatedSum<S>,
+    peak_force: S,
+    first_contact: Option<Instant>,
+    /// Whether the last step ended in contact.
+    in_contact: bool,
 }
 
-impl<'a, S: Scalar, H, const P: usize> RunMeter<'a, S, H, P> {
-    /// A meter at zero, for runs of `harvester`.
+impl<S: Scalar> RunMeter<S> {
+    /// A meter at zero.
     #[must_use]
-    pub fn new(harvester: &'a H) -> Self {
+    pub fn new() -> Self {
         Self {
-            harvester,
-            integrals: Integrals::new(),
-            coordinate: Peak::new(),
+            integrals: Integrals::ZERO,
+            motions: [Peak::new(); 3],
             voltage: Peak::new(),
             impacts: 0,
             fastest_impact: S::ZERO,
             sticks: 0,
             stick_ticks: 0,
+            contacts: 0,
+            contact_seconds: CompensatedSum::ZERO,
+            peak_force: S::ZERO,
+            first_contact: None,
+            in_contact: false,
         }
+    }
+
+    /// A meter at zero that does not count a contact that is closed at `outputs`.
+    #[must_use]
+    pub fn starting_at(outputs: &Outputs<'_, S>) -> Self {
+        Self { in_contact: outputs.in_contact, ..Self::new() }
     }
 
     /// The integrals of the powers.
     #[must_use]
-    pub fn integrals(&self) -> &Integrals<S, P> {
+    pub fn integrals(&self) -> &Integrals<S> {
         &self.integrals
     }
 
-    /// Energy delivered to the load, in joules.
+    /// Energy delivered to the load, in J.
     #[must_use]
     pub fn delivered_energy(&self) -> S {
-        self.integrals.integral(account::LOAD)
+        self.integrals.integral(PowerIndex::Load)
     }
 
-    /// Mean power delivered to the load, in watts.
+    /// Mean power delivered to the load, in W.
     #[must_use]
     pub fn mean_power(&self) -> S {
-        self.integrals.mean(account::LOAD)
+        self.integrals.mean(PowerIndex::Load)
     }
 
-    /// Root mean square of the terminal voltage, in volts.
+    /// Root mean square of the terminal voltage, in V.
     #[must_use]
     pub fn rms_voltage(&self) -> S {
-        self.integrals.mean(account::VOLTAGE_SQUARED).sqrt()
+        self.integrals.mean(PowerIndex::VoltageSquared).sqrt()
     }
 
-    /// Mean terminal voltage, in volts.
-    #[must_use]
-    pub fn mean_voltage(&self) -> S {
-        self.integrals.mean(account::VOLTAGE)
-    }
-
-    /// Charge moved through the load in either direction, in coulombs.
-    #[must_use]
-    pub fn charge_moved(&self) -> S {
-        self.integrals.integral(account::CURRENT_MAGNITUDE)
-    }
-
-    /// Extremes of the harvester's coordinate (a gap, a displacement), in metres.
+    /// Extremes of the harvester's first coordinate (a gap, a displacement), in m.
     #[must_use]
     pub fn coordinate(&self) -> Peak<S> {
-        self.coordinate
+        let [first, ..] = self.motions;
+        first
     }
 
-    /// Extremes of the terminal voltage, in volts.
+    /// Extremes of the beam's displacement at the stop of bump-stop, in m.
+    #[must_use]
+    pub fn stop_point(&self) -> Peak<S> {
+        let [_, second, _] = self.motions;
+        second
+    }
+
+    /// Extremes of the terminal voltage, in V.
     #[must_use]
     pub fn voltage(&self) -> Peak<S> {
         self.voltage
@@ -271,55 +254,100 @@ impl<'a, S: Scalar, H, const P: usize> RunMeter<'a, S, H, P> {
         self.impacts
     }
 
-    /// Largest impact speed in m/s; 0 if there was no impact.
+    /// Largest impact speed in m/s; 0 without an impact.
     #[must_use]
     pub fn fastest_impact(&self) -> S {
         self.fastest_impact
     }
 
-    /// Number of times the moving part came to be held.
+    /// Number of times that the moving part began to stick.
     #[must_use]
     pub fn sticks(&self) -> u32 {
         self.sticks
     }
 
-    /// Part of the time for which the moving part was held, 0 to 1.
+    /// Fraction of the time in which the moving part stuck, 0 to 1.
     #[must_use]
     pub fn stick_fraction(&self) -> S {
-        if self.integrals.ticks == 0 {
-            return S::ZERO;
+        self.fraction(Instant::from_ticks(self.stick_ticks).seconds())
+    }
+
+    /// Number of contacts: intervals with a contact force, and impacts.
+    #[must_use]
+    pub fn contacts(&self) -> u32 {
+        self.contacts
+    }
+
+    /// Fraction of the time in contact, 0 to 1.
+    #[must_use]
+    pub fn contact_fraction(&self) -> S {
+        self.fraction(self.contact_seconds.value())
+    }
+
+    /// Time of the first contact or impact.
+    #[must_use]
+    pub fn first_contact(&self) -> Option<Instant> {
+        self.first_contact
+    }
+
+    /// Largest contact force in N; an impact has none.
+    #[must_use]
+    pub fn peak_force(&self) -> S {
+        self.peak_force
+    }
+
+    fn fraction(&self, seconds: S) -> S {
+        if self.integrals.ticks == 0 { S::ZERO } else { seconds / self.integrals.seconds() }
+    }
+
+    /// Counts a contact that begins at `at`, unless it continues.
+    fn touch(&mut self, at: Instant) {
+        if !self.in_contact {
+            self.contacts = self.contacts.saturating_add(1);
+            self.first_contact = self.first_contact.or(Some(at));
         }
-        crate::clock::Instant::from_ticks(self.stick_ticks).seconds::<S>() / self.integrals.seconds()
     }
 }
 
-impl<S, H, const N: usize, const P: usize> Observer<S, H::Mode, N, P> for RunMeter<'_, S, H, P>
-where
-    S: Scalar,
-    H: Harvester<S, N, P>,
-{
-    fn step(&mut self, span: &Span<'_, S, H::Mode, N, P>) {
-        self.integrals.add(span.energies, span.ticks);
-        let (start, end) = (self.harvester.coordinate(span.start), self.harvester.coordinate(span.end));
-        self.coordinate.include(&Cubic::new(start.value, start.rate, end.value, end.rate, span.step));
-        // The rate of the voltage is a small difference where the circuit is stiff; its mean over
-        // the step is not.
-        let ends = [span.start, span.end].map(|point| self.harvester.voltage(span.mode, point));
-        let mean = span.energies.get(account::VOLTAGE).map_or(S::ZERO, |&integral| integral / span.step);
-        self.voltage.include(&Cubic::with_mean(ends[0], ends[1], mean));
-        if self.harvester.is_stick(span.mode) {
-            self.stick_ticks = self.stick_ticks.wrapping_add(u64::from(span.ticks));
+impl<S: Scalar> Default for RunMeter<S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<S: Scalar> Observer<S> for RunMeter<S> {
+    fn step(&mut self, step: &AcceptedStep<'_, S>) {
+        self.integrals.add(step.energies, step.ticks);
+        let ends = step.start.motions.iter().zip(&step.end.motions);
+        for (peak, (start, end)) in self.motions.iter_mut().zip(ends) {
+            peak.include_motion(*start, *end, step.step);
         }
+        // The mean gives a better curve than the rates: the rate of the voltage of a stiff circuit is a small difference.
+        self.voltage.include(&Cubic::with_mean(step.start.voltage, step.end.voltage, step.mean_voltage));
+        if step.start.stick {
+            self.stick_ticks = self.stick_ticks.wrapping_add(u64::from(step.ticks));
+        }
+        let contact = &step.contact;
+        if contact.force > S::ZERO {
+            self.peak_force = self.peak_force.max(contact.peak_force);
+            self.contact_seconds.add(step.step * (contact.ends - contact.begins));
+            let ticks = (contact.begins * S::from_u32(step.ticks)).to_u32();
+            self.touch(step.from.after(ticks));
+        }
+        self.in_contact = contact.force > S::ZERO && step.end.in_contact;
     }
 
-    fn event(&mut self, event: &Event<'_, S, H::Mode, N, P>) {
+    fn event(&mut self, event: &Event<'_, S>) {
         self.integrals.add_at_once(event.energies);
-        if self.harvester.is_impact(event.before, event.guard) {
+        if let Some(speed) = event.impact_speed {
             self.impacts = self.impacts.saturating_add(1);
-            self.fastest_impact =
-                self.harvester.coordinate(event.reached).rate.abs().max(self.fastest_impact);
+            self.fastest_impact = self.fastest_impact.max(speed);
+            self.in_contact = false;
+            self.touch(event.at);
+            // A contact that the impact closes is the same contact.
+            self.in_contact = true;
         }
-        if self.harvester.is_stick(event.after) && !self.harvester.is_stick(event.before) {
+        if event.after.stick && !event.before.stick {
             self.sticks = self.sticks.saturating_add(1);
         }
     }

@@ -1,11 +1,13 @@
 //! The driver: flow, guard, jump, flow.
 
-use super::locate::{Attempts, MOST_ATTEMPTS, MOST_GUARDS};
-use super::{Automaton, Event, HybridState, InputAt, Observer, Span};
+use super::attempt::{Attempts, MOST_GUARDS};
+use super::locate::MOST_ATTEMPTS;
+use super::{Automaton, HybridState, InputAt};
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
 use crate::integrate::step_control::{ErrorScale, StepErrors, Verdict};
-use crate::integrate::{Method, Point, StepControl, System, Trial};
+use crate::integrate::{Method, NotConverged, Point, StepControl, System, Trial};
+use crate::observer::{AcceptedStep, Contact, Event, Observer, PowerIndex};
 use crate::scalar::Scalar;
 
 /// Attempts that [`Driver::advance`] may need to come to a point where it can pause: one step and
@@ -172,7 +174,7 @@ impl<M, C> Driver<M, C> {
         C: StepControl<S>,
         A: Automaton<S, N, P>,
         E: Excitation<S>,
-        O: Observer<S, A::Mode, N, P>,
+        O: Observer<S>,
     {
         let mut work = Work::default();
         let scale = automaton.error_scale().of_the_faster(excitation.angular_frequency());
@@ -201,17 +203,7 @@ impl<M, C> Driver<M, C> {
                     automaton
                         .check(state.mode, &kept.trial.end.state)
                         .map_err(|(quantity, value)| fail(StepFailure::OutsideDomain { quantity, value }))?;
-                    observer.step(&Span {
-                        mode: state.mode,
-                        from: state.clock,
-                        ticks: kept.ticks,
-                        step: seconds_of_ticks(kept.ticks),
-                        start: &state.point,
-                        end: &kept.trial.end,
-                        energies: &kept.trial.energies,
-                        energy_error: kept.trial.energy_error,
-                        state_error: kept.trial.error,
-                    });
+                    observer.step(&accepted_step(automaton, state, &kept));
                     work.steps += 1;
                     state.clock = state.clock.after(kept.ticks);
                     state.since_event = state.since_event.saturating_add(kept.ticks);
@@ -299,29 +291,77 @@ impl<M, C> Driver<M, C> {
         if ticks < proposed {
             control.keep_proposal(&state.control);
         }
-        let mut kept = Kept { trial, ticks, event: None, searched: false };
-        // A bit for each guard that has been located in this step: each is, once at most.
-        let mut done = 0_u32;
-        let mut attempts_left = MOST_ATTEMPTS;
-        // Where one guard was located another may have fallen before it: the dense output of a long
-        // step puts them in the wrong order, or promises a graze that a step to it does not find.
-        for _ in 0..=automaton.guards(state.mode).min(MOST_GUARDS) {
-            let Some((guard, theta)) = attempts.first_fall(&kept.trial, kept.ticks, done) else { break };
-            kept.searched = true;
-            if attempts_left == 0 {
-                break;
-            }
-            let before = work.locating;
-            let located = attempts.locate(guard, theta, kept.trial, kept.ticks, attempts_left, work);
-            let Ok(located) = located else { return shorten(&mut state.control, work) };
-            attempts_left -= (work.locating - before).min(attempts_left);
-            kept.trial = located.trial;
-            kept.ticks = located.ticks;
-            kept.event = located.fell.then_some(guard);
-            done |= 1 << guard;
-        }
+        let whole = Kept { trial, ticks, event: None, searched: false };
+        let Ok(kept) = first_event(&attempts, whole, automaton.guards(state.mode), work) else {
+            return shorten(&mut state.control, work);
+        };
         state.control = control;
         Ok(Some(kept))
+    }
+}
+
+/// Cuts an attempted step at the first guard that falls in it.
+///
+/// Where one guard was located another may have fallen before it: the dense output of a long step can put them in the
+/// wrong order, or show a graze that a step to it does not have.
+#[inline(always)]
+fn first_event<S, A, E, M, const N: usize, const P: usize>(
+    attempts: &Attempts<'_, S, A, E, M, N, P>,
+    mut kept: Kept<S, N, P>,
+    guards: usize,
+    work: &mut Work,
+) -> Result<Kept<S, N, P>, NotConverged>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+    E: Excitation<S>,
+    M: Method<S>,
+{
+    // A bit for each guard that has been located in this step: each is, once at most.
+    let mut done = 0_u32;
+    let mut attempts_left = MOST_ATTEMPTS;
+    for _ in 0..=guards.min(MOST_GUARDS) {
+        let Some((guard, theta)) = attempts.first_fall(&kept.trial, kept.ticks, done) else { break };
+        kept.searched = true;
+        if attempts_left == 0 {
+            break;
+        }
+        let before = work.locating;
+        let located = attempts.locate(guard, theta, kept.trial, kept.ticks, attempts_left, work)?;
+        attempts_left -= (work.locating - before).min(attempts_left);
+        kept.trial = located.trial;
+        kept.ticks = located.ticks;
+        kept.event = located.fell.then_some(guard);
+        done |= 1 << guard;
+    }
+    Ok(kept)
+}
+
+/// What an observer sees of a step that is kept.
+#[inline(always)]
+fn accepted_step<'a, S, A, const N: usize, const P: usize>(
+    automaton: &A,
+    state: &'a HybridState<S, A::Mode, N, P>,
+    kept: &'a Kept<S, N, P>,
+) -> AcceptedStep<'a, S>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+{
+    let Kept { trial, ticks, .. } = kept;
+    let step = seconds_of_ticks(*ticks);
+    let voltage = trial.energies.get(PowerIndex::Voltage as usize);
+    AcceptedStep {
+        from: state.clock,
+        ticks: *ticks,
+        step,
+        start: automaton.outputs(state.mode, &state.point),
+        end: automaton.outputs(state.mode, &trial.end),
+        energies: &trial.energies,
+        mean_voltage: voltage.map_or(S::ZERO, |&integral| integral / step),
+        contact: Contact::NONE,
+        energy_error: trial.energy_error,
+        state_error: trial.error,
     }
 }
 
@@ -337,9 +377,9 @@ where
     A: Automaton<S, N, P>,
     E: Excitation<S>,
 {
-    let moment = InputAt::new(excitation, state.clock);
+    let input = InputAt::new(excitation, state.clock);
     (0..automaton.guards(state.mode).min(MOST_GUARDS))
-        .find(|&index| automaton.guard(state.mode, index, state.armed, &state.point, &moment).is_due())
+        .find(|&index| automaton.guard(state.mode, index, state.armed, &state.point, &input).is_due())
 }
 
 /// Carries out the jump of guard number `guard`.
@@ -356,27 +396,28 @@ where
     S: Scalar,
     A: Automaton<S, N, P>,
     E: Excitation<S>,
-    O: Observer<S, A::Mode, N, P>,
+    O: Observer<S>,
 {
     let crowded = state.since_event < CROWDED_TICKS;
     let crowded_events = if crowded { state.crowded_events + 1 } else { 0 };
     if crowded_events > MOST_CROWDED_EVENTS {
         return Err(StepError { failure: StepFailure::EventStorm, at: state.clock });
     }
-    let moment = InputAt::new(excitation, state.clock);
+    let input_at = InputAt::new(excitation, state.clock);
     let step = seconds_of_ticks(state.control.ticks);
-    let jump = automaton.jump(state.mode, guard, &state.point, &moment, step);
+    let jump = automaton.jump(state.mode, guard, &state.point, &input_at, step);
     let energies = automaton.jump_energies(state.mode, guard, &state.point, &jump);
-    let input = moment.acceleration();
+    let input = input_at.acceleration();
     let mut left = Point::with_derivative(&automaton.flow(jump.mode), jump.state, jump.derivative, input);
     left.remainder = jump.remainder;
+    let before = automaton.outputs(state.mode, &state.point);
+    let is_impact = automaton.is_impact(state.mode, guard);
     observer.event(&Event {
         at: state.clock,
-        before: state.mode,
         guard,
-        reached: &state.point,
-        after: jump.mode,
-        left: &left,
+        impact_speed: is_impact.then(|| before.coordinate().rate.abs()),
+        before,
+        after: automaton.outputs(jump.mode, &left),
         loss: jump.loss,
         energies: &energies,
     });

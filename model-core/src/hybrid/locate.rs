@@ -1,49 +1,15 @@
-//! Finding the tick at which a guard falls through zero.
+//! Location of an event: the tick at which a guard falls through zero.
 
-use super::{Automaton, Guard, InputAt, Work};
-use crate::clock::{Instant, seconds_of_ticks};
+use super::attempt::Attempts;
+use super::{Automaton, Work};
+use crate::clock::seconds_of_ticks;
 use crate::excitation::Excitation;
-use crate::integrate::{Method, NotConverged, Point, Trial};
+use crate::integrate::{Method, NotConverged, Trial};
 use crate::scalar::Scalar;
 
-/// Guards that a mode may have: each has a bit in the set of those located in a step.
-pub(super) const MOST_GUARDS: usize = 32;
 /// Attempts that the events of one step may take to locate. Newton needs two or three for one;
 /// bisection of 2³² ticks, 32.
 pub(super) const MOST_ATTEMPTS: u32 = 40;
-
-/// One mode of one automaton from one start: what every attempt of a location has in common.
-pub(super) struct Attempts<'a, S, A, E, M, const N: usize, const P: usize>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
-{
-    pub(super) automaton: &'a A,
-    pub(super) mode: A::Mode,
-    pub(super) armed: bool,
-    pub(super) start: &'a Point<S, N, P>,
-    pub(super) clock: Instant,
-    pub(super) excitation: &'a E,
-    pub(super) method: &'a M,
-    pub(super) accuracy: S,
-}
-
-impl<S, A, E, M, const N: usize, const P: usize> Clone for Attempts<'_, S, A, E, M, N, P>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
-{
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S, A, E, M, const N: usize, const P: usize> Copy for Attempts<'_, S, A, E, M, N, P>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
-{
-}
 
 /// The end of a search.
 pub(super) struct Located<S, const N: usize, const P: usize> {
@@ -60,38 +26,6 @@ where
     E: Excitation<S>,
     M: Method<S>,
 {
-    /// Takes a step of `ticks`.
-    #[inline(always)]
-    pub(super) fn attempt(&self, ticks: u32) -> Result<Trial<S, N, P>, NotConverged> {
-        let flow = self.automaton.flow(self.mode);
-        let input = |offset: u32| self.excitation.acceleration(self.clock.after(offset));
-        self.method.attempt(&flow, self.start, input, ticks, self.accuracy)
-    }
-
-    /// Guard number `index` at a point `ticks` into the step.
-    #[inline(always)]
-    pub(super) fn guard(&self, index: usize, point: &Point<S, N, P>, ticks: u32) -> Guard<S> {
-        let moment = InputAt::new(self.excitation, self.clock.after(ticks));
-        self.automaton.guard(self.mode, index, self.armed, point, &moment)
-    }
-
-    /// The guard, without those whose bit is in `done`, that falls first in the step to `trial`, with
-    /// the fraction of the step at which the dense output has it.
-    #[inline(always)]
-    pub(super) fn first_fall(&self, trial: &Trial<S, N, P>, ticks: u32, done: u32) -> Option<(usize, S)> {
-        let mut first = None;
-        for index in 0..self.automaton.guards(self.mode).min(MOST_GUARDS) {
-            let (start, end) = (self.guard(index, self.start, 0), self.guard(index, &trial.end, ticks));
-            if done & (1 << index) == 0
-                && let Some(theta) = start.until(&end, seconds_of_ticks(ticks)).first_fall()
-                && first.is_none_or(|(_, earliest)| theta < earliest)
-            {
-                first = Some((index, theta));
-            }
-        }
-        first
-    }
-
     /// Steps from the start to the tick at which guard `index` falls through zero: a tick on the
     /// far side, the first as far as rounding tells, found by Newton's iteration on steps taken anew, in a bracket.
     ///

@@ -22,6 +22,9 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     /// `1/C` in 1/F: volts per coulomb brought in; 0 for a stiff bus.
     fn elastance(&self) -> S;
 
+    /// Capacitance in F; infinite for a stiff bus.
+    fn capacitance(&self) -> S;
+
     /// Voltage in V before the first step.
     fn initial_voltage(&self) -> S;
 
@@ -90,6 +93,11 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
     }
 
     #[inline(always)]
+    fn capacitance(&self) -> S {
+        self.farads
+    }
+
+    #[inline(always)]
     fn initial_voltage(&self) -> S {
         self.initial_voltage
     }
@@ -146,6 +154,11 @@ impl<S: Scalar> StorageElement<S> for DcBus<S> {
     }
 
     #[inline(always)]
+    fn capacitance(&self) -> S {
+        S::INFINITY
+    }
+
+    #[inline(always)]
     fn initial_voltage(&self) -> S {
         self.volts
     }
@@ -199,6 +212,14 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
         match self {
             Self::Capacitor(storage) => storage.elastance(),
             Self::DcBus(bus) => bus.elastance(),
+        }
+    }
+
+    #[inline(always)]
+    fn capacitance(&self) -> S {
+        match self {
+            Self::Capacitor(capacitor) => capacitor.capacitance(),
+            Self::DcBus(bus) => bus.capacitance(),
         }
     }
 

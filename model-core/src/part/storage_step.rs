@@ -79,12 +79,6 @@ impl<S: Scalar> StorageState<S> {
         (self.voltage, self.remainder) = add_increment(self.voltage, self.remainder, volts);
     }
 
-    /// How much higher its voltage is than that of `other`, in V, what rounding took from both included.
-    #[must_use]
-    pub(crate) fn above(&self, other: &Self) -> S {
-        (self.voltage - other.voltage) + (self.remainder - other.remainder)
-    }
-
     /// Lets it leak and be drawn from for `seconds`; `elastance` is the storage's.
     #[inline(always)]
     pub(crate) fn drain<R: StorageElement<S>>(

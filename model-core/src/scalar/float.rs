@@ -194,15 +194,15 @@ mod tests {
         let mut x = 1.1e-30_f64;
         while x < 1e30 {
             let exact = x.sqrt();
-            assert!((x.sqrt() - exact).abs() <= exact * f64::EPSILON, "{x}");
+            assert!((Scalar::sqrt(x) - exact).abs() <= exact * f64::EPSILON, "{x}");
             let single = x as f32;
             let exact = single.sqrt();
-            assert!((single.sqrt() - exact).abs() <= exact * f32::EPSILON, "{x}");
+            assert!((Scalar::sqrt(single) - exact).abs() <= exact * f32::EPSILON, "{x}");
             x *= 1.37;
         }
-        assert_eq!((-1.0_f64).sqrt(), 0.0);
-        assert_eq!(f32::NAN.sqrt(), 0.0);
-        assert_eq!(f64::INFINITY.sqrt(), f64::INFINITY);
+        assert_eq!(Scalar::sqrt(-1.0_f64), 0.0);
+        assert_eq!(Scalar::sqrt(f32::NAN), 0.0);
+        assert_eq!(Scalar::sqrt(f64::INFINITY), f64::INFINITY);
     }
 
     #[test]

@@ -32,24 +32,20 @@
 mod circuit;
 mod closed_form;
 mod contact_law;
-mod ledger;
-mod meter;
-mod observer;
+mod energies;
+mod harvester;
+mod identity;
 mod parameters;
 mod rectified;
-mod resumable;
 mod state;
 mod step_set;
 mod stepper;
 mod trial;
 
-pub use circuit::{Circuit, Flow, Memory};
+pub use circuit::{Circuit, Memory, StepCurrent};
 pub use contact_law::{
     AnyContact, ContactKind, ContactLaw, DisplacementConstraint, NoStop, ResidualFlexibility, Restitution,
 };
-pub use ledger::ModalLedger;
-pub use meter::ModalMeter;
-pub use observer::{ModalImpact, ModalObserver, ModalSpan};
 pub use parameters::{
     AnyBridgedParts, AnyCoupling, AnyParts, Coupling, OneWay, Parameters, Parts, Stop, TwoWay,
 };
@@ -57,7 +53,6 @@ pub use state::{Start, State, StateOf};
 pub use step_set::{StepSet, StepSetOf};
 pub use stepper::{LEAST_BUDGET, Stepper};
 
-use crate::part::storage_step::StorageState;
 use crate::scalar::Scalar;
 
 /// Coefficients of a beam mode, in SI units with a modal mass of one.
@@ -155,12 +150,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     #[must_use]
     pub fn voltage<C>(&self, state: &State<S, B, R, C>) -> S {
         (state.strain_charge - state.moved_charge) * self.elastance
-    }
-
-    /// The storage or the bus behind a bridge; `None` where the load is a resistor.
-    #[must_use]
-    pub fn storage(&self, state: &StateOf<S, P, B, R>) -> Option<StorageState<S>> {
-        self.load.storage(&state.circuit)
     }
 
     fn along_beam<C>(&self, state: &State<S, B, R, C>, weight: impl Fn(&BeamCoefficients<S>) -> S) -> [S; 2] {

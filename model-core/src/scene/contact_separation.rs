@@ -32,8 +32,8 @@ mod closed_form;
 mod electrical_port;
 mod flow;
 mod force_law;
+mod identity;
 mod parameters;
-mod resumable;
 mod start;
 
 pub use crate::scene::coupled::ModeFactor;

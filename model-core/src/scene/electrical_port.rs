@@ -5,14 +5,11 @@
 
 use core::fmt::Debug;
 
-use crate::excitation::Excitation;
-use crate::hybrid::HybridState;
-use crate::integrate::StepControl;
-use crate::part::bounds::ParameterError;
+use crate::observer::ALL_POWERS;
 use crate::part::load::Resistance;
 use crate::scalar::Scalar;
+use crate::scene::Scene;
 use crate::scene::coupled::{Derivatives, STATES};
-use crate::scene::{Harvester, account};
 
 /// Voltage at the terminals, and how it changes with position and charge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,21 +33,7 @@ pub struct PortVoltage<S> {
 ///
 /// Implemented by [`crate::scene::contact_separation::ContactSeparation`] and
 /// [`crate::scene::sliding::Sliding`]; some of it can only be written inside this crate.
-pub trait ElectricalPort<S: Scalar>: Harvester<S, STATES, 0> + Copy + Debug + PartialEq {
-    /// Initial values.
-    type Start;
-
-    /// The state at time zero.
-    ///
-    /// # Errors
-    /// A value that is out of bounds.
-    fn begin<E: Excitation<S>, C: StepControl<S>>(
-        &self,
-        start: &Self::Start,
-        excitation: &E,
-        control: &C,
-    ) -> Result<HybridState<S, Self::Mode, STATES, 0>, ParameterError<S>>;
-
+pub trait ElectricalPort<S: Scalar>: Scene<S, 3, 0> + Copy + Debug + PartialEq {
     /// The harvester's own load.
     fn resistance(&self) -> Resistance<S>;
 
@@ -72,6 +55,6 @@ pub trait ElectricalPort<S: Scalar>: Harvester<S, STATES, 0> + Copy + Debug + Pa
     /// Derivatives of the force where the position moves.
     fn derivatives(&self, mode: Self::Mode, state: &[S; STATES]) -> Derivatives<S>;
 
-    /// The whole account of powers with the terminals open; see [`account`].
-    fn account(&self, mode: Self::Mode, state: &[S; STATES], acceleration: S) -> [S; account::WHOLE];
+    /// The whole account of powers with the terminals open; see [`crate::observer::PowerIndex`].
+    fn all_powers(&self, mode: Self::Mode, state: &[S; STATES], acceleration: S) -> [S; ALL_POWERS];
 }

@@ -56,7 +56,6 @@
 //! use model_core::clock::Instant;
 //! use model_core::energy::PowerMeter;
 //! use model_core::excitation::Sine;
-//! use model_core::hybrid::Driver;
 //! use model_core::integrate::{Adaptive, TrBdf2};
 //! use model_core::part::draw::{Lockout, PowerDraw};
 //! use model_core::part::load::OpenCircuit;
@@ -66,6 +65,7 @@
 //! use model_core::part::storage::Capacitor;
 //! use model_core::scene::contact_separation::{FrozenCharge, Parameters, Parts, Start, TransferredCharge};
 //! use model_core::scene::rectified::Rectified;
+//! use model_core::scene::{Harvester, Simulation};
 //!
 //! #[derive(Debug, Clone, Copy, PartialEq)]
 //! struct MyHarvester;
@@ -99,10 +99,10 @@
 //! let storage = Capacitor { farads: 1e-6, leakage_ohms: 1e9, initial_voltage: 0.0, draw };
 //! let scene = Rectified::new(harvester, FullBridge { diode_drop: 0.3, storage })?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
-//! let driver = Driver::new(TrBdf2, Adaptive::new(1e-3));
-//! let mut state = scene.start(&Start::default(), &shaking, &driver.control)?;
-//! let mut meter = PowerMeter::<f32, 1>::new();
-//! driver.advance(&scene, &mut state, &shaking, Instant::from_whole_seconds(2), 100_000, &mut meter)?;
+//! let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(1e-3));
+//! let mut state = harvester.start(&Start::default(), &shaking)?;
+//! let mut meter = PowerMeter::new();
+//! harvester.advance(&mut state, &shaking, Instant::from_whole_seconds(2), 100_000, &mut meter)?;
 //! let volts = scene.storage_voltage(state.mode, &state.point.state);
 //! assert!((0.5..3.0).contains(&volts));
 //! // Nothing is drawn yet and hardly anything leaks: what was delivered is stored.
@@ -114,7 +114,7 @@
 mod automaton;
 mod electrics;
 mod flow;
-mod resumable;
+mod identity;
 
 pub use automaton::Mode;
 pub use flow::Flow;
@@ -129,7 +129,7 @@ use crate::part::bounds::{Bounds, ParameterError};
 use crate::part::load::Resistance;
 use crate::part::storage::StorageElement;
 use crate::scalar::Scalar;
-use crate::scene::coupled;
+use crate::scene::{Scene, coupled};
 
 /// Number of states: those of the harvester, and the storage's voltage.
 pub const STATES: usize = coupled::STATES + 1;
@@ -198,7 +198,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         E: Excitation<S>,
         C: StepControl<S>,
     {
-        let alone = self.harvester.begin(start, excitation, control)?;
+        let alone = Scene::start(&self.harvester, start, excitation, control)?;
         let storage = &self.bridge.storage;
         let mode =
             Mode { inner: alone.mode, regime: BridgeRegime::Blocked, connected: storage.starts_connected() };

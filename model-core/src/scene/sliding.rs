@@ -41,9 +41,9 @@ mod closed_form;
 mod electrical_port;
 mod flow;
 mod force_law;
+mod identity;
 mod lateral_force;
 mod parameters;
-mod resumable;
 mod start;
 
 pub use automaton::Mode;

@@ -7,8 +7,9 @@ mod harvesters;
 
 use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
-use model_core::hybrid::{Automaton, Driver, HybridState, Observer};
+use model_core::hybrid::{Automaton, Driver, HybridState};
 use model_core::integrate::{Adaptive, AnyStepControl, FixedStep, Method};
+use model_core::observer::{Observer, PowerIndex};
 use model_core::part::draw::AnyDraw;
 use model_core::part::force_law::AnyForceLaw;
 use model_core::part::load::AnyLoad;
@@ -18,9 +19,10 @@ use model_core::part::stick_charge::AnyStickCharge;
 use model_core::part::storage::{Capacitor, StorageElement};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::rectified::{ElectricalPort, FullBridge, Mode, Rectified, STATES};
-use model_core::scene::{Harvester, account, contact_separation as contact, sliding};
+use model_core::scene::{contact_separation as contact, sliding};
 
-pub(crate) const WHOLE: usize = account::WHOLE;
+/// Number of all powers.
+pub(crate) const WHOLE: usize = PowerIndex::ContactForce as usize + 1;
 pub(crate) const GRAVITY: f64 = 9.81;
 pub(crate) const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
 
@@ -106,11 +108,11 @@ pub(crate) fn run<S, H, R, M, E, O>(
 ) -> HybridState<S, Mode<<H as Automaton<S, 3, 0>>::Mode>, STATES, WHOLE>
 where
     S: Scalar,
-    H: ElectricalPort<S> + Harvester<S, 3, 0>,
+    H: ElectricalPort<S>,
     R: StorageElement<S>,
     M: Method<S>,
     E: Excitation<S>,
-    O: Observer<S, Mode<<H as Automaton<S, 3, 0>>::Mode>, STATES, WHOLE>,
+    O: Observer<S>,
 {
     let mut state = scene.start::<_, _, WHOLE>(start, shaking, &driver.control).expect("in bounds");
     let end = Instant::from_seconds(seconds).expect("in range");

@@ -6,14 +6,14 @@
 mod harvesters;
 
 use model_core::clock::Instant;
+use model_core::energy::RunMeter;
 use model_core::excitation::{Excitation, Sine};
 use model_core::part::draw::{AnyDraw, ResistiveDraw};
 use model_core::part::rectifier::FullBridge;
 use model_core::part::storage::{AnyStorage, Capacitor, DcBus, StorageElement};
 use model_core::scalar::Scalar;
-use model_core::scene::bump_stop::{
-    AnyContact, AnyCoupling, ModalMeter, Parameters, Parts, StateOf, Stepper,
-};
+use model_core::scene::Harvester;
+use model_core::scene::bump_stop::{AnyContact, AnyCoupling, Parameters, Parts, StateOf, Stepper};
 
 /// Everything at run time but the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,8 +75,8 @@ pub(crate) fn close(what: &str, value: f64, expected: f64, relative: f64) {
 }
 
 /// Advances to a time in s.
-pub(crate) fn advance<S, R, E, const B: usize, const Q: usize>(
-    stepper: &Stepper<S, With<FullBridge<S, R>>, B, Q>,
+pub(crate) fn advance<S, R, E, const B: usize, const Q: usize, const ALL: usize>(
+    stepper: &Stepper<S, With<FullBridge<S, R>>, B, Q, ALL>,
     state: &mut StateOf<S, With<FullBridge<S, R>>, B, Q>,
     excitation: &E,
     to: f64,
@@ -89,17 +89,17 @@ pub(crate) fn advance<S, R, E, const B: usize, const Q: usize>(
 }
 
 /// The same, and what a meter sees on the way.
-pub(crate) fn measured<'a, P, E, const B: usize, const Q: usize>(
-    stepper: &'a Stepper<f64, P, B, Q>,
+pub(crate) fn measured<P, E, const B: usize, const Q: usize>(
+    stepper: &Stepper<f64, P, B, Q, 1>,
     state: &mut StateOf<f64, P, B, Q>,
     excitation: &E,
     to: f64,
-) -> ModalMeter<'a, f64, P, B, Q>
+) -> RunMeter<f64>
 where
     P: Parts<f64>,
     E: Excitation<f64>,
 {
-    let mut meter = ModalMeter::new(stepper.scene());
+    let mut meter = RunMeter::new();
     stepper.advance(state, excitation, seconds(to), u32::MAX, &mut meter).expect("runs");
     meter
 }

@@ -1,10 +1,13 @@
 //! What holds at any step: energy, bits, counts, bounds.
 
+use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Silence;
+use model_core::observer::{AcceptedStep, Observer, PowerIndex};
 use model_core::part::load::Resistor;
+use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{
-    AnyContact, AnyCoupling, AnyParts, BumpStop, ModalLedger, ModalMeter, ModalObserver, ModalSpan, NoStop,
-    OneWay, Parameters, Parts, ResidualFlexibility, Restitution, Start, Stepper, TwoWay,
+    AnyContact, AnyCoupling, AnyParts, NoStop, OneWay, Parameters, Parts, ResidualFlexibility, Restitution,
+    Start, Stepper, TwoWay,
 };
 
 use super::setup::{Touches, baseline, seconds, shaking};
@@ -17,19 +20,19 @@ fn energy_is_conserved_by_every_step_without_damping_and_load() {
     parameters.stop.gap = 0.0;
     let scene = parameters.build::<6, 2>().expect("valid");
     for step in [1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
-        let stepper = Stepper::new(scene, step, step);
+        let stepper = Stepper::with_all_powers(scene, step, step);
         // Bent back by 30 µm at the tip, and let go.
         let mut start = Start::default();
         start.beam[0] = [-30e-6 / 31.974_430_7, 0.0];
         let mut state = scene.start(&start, &Silence).expect("valid");
-        let mut ledger = ModalLedger::open(&scene, &state);
-        let mut meter = ModalMeter::new(&scene);
-        let before: f64 = scene.stored_energy(&state).iter().sum();
+        let mut ledger = Ledger::open(&stepper.outputs(&state));
+        let mut meter = RunMeter::new();
+        let before: f64 = stepper.outputs(&state).stored.total();
         let duration = if step < 5e-7 { 0.02 } else { 0.5 };
         stepper
             .advance(&mut state, &Silence, seconds(duration), u32::MAX, &mut (&mut ledger, &mut meter))
             .expect("runs");
-        let after: f64 = scene.stored_energy(&state).iter().sum();
+        let after: f64 = stepper.outputs(&state).stored.total();
         assert!(meter.contacts() >= 12, "{step}: {} contacts", meter.contacts());
         assert!((after / before - 1.0).abs() < 1e-9, "{step}: {}", after / before - 1.0);
         assert!(ledger.residual().total().expect("energy") < 1e-9);
@@ -47,16 +50,18 @@ fn with_damping_load_and_shaking_the_ledger_closes() {
         for coupling in [AnyCoupling::TwoWay, AnyCoupling::OneWay] {
             let parameters = Parameters { contact, coupling, ..baseline::<f64>() };
             let scene = parameters.build::<6, 2>().expect("valid");
-            let stepper = Stepper::new(scene, step, step.max(2e-5));
+            let stepper = Stepper::with_all_powers(scene, step, step.max(2e-5));
             let excitation = shaking();
             let mut state = scene.start(&Start::default(), &excitation).expect("valid");
-            let mut ledger = ModalLedger::open(&scene, &state);
+            let mut ledger = Ledger::open(&stepper.outputs(&state));
             stepper.advance(&mut state, &excitation, seconds(0.05), u32::MAX, &mut ledger).expect("runs");
             let residual = ledger.residual().largest().expect("work");
             assert!(residual < 1e-10, "{step} {contact:?} {coupling:?}: {residual}");
-            assert!(ledger.base_work() > 0.0 && ledger.damped() > 0.0);
+            let [base_work, damped] =
+                [PowerIndex::Base, PowerIndex::Dissipation].map(|power| ledger.integrals().integral(power));
+            assert!(base_work > 0.0 && damped > 0.0);
             if contact != AnyContact::DisplacementConstraint {
-                assert!(ledger.lost_in_contact() >= -1e-12 * ledger.base_work());
+                assert!(ledger.lost_in_contact() >= -1e-12 * base_work);
             }
         }
     }
@@ -68,7 +73,7 @@ fn a_long_step_is_only_taken_where_no_contact_can_be() {
     let scene = baseline::<f64>().build::<10, 10>().expect("valid");
     let excitation = shaking();
     let run = |long: f64| {
-        let stepper = Stepper::new(scene, 5e-7, long);
+        let stepper = Stepper::with_all_powers(scene, 5e-7, long);
         let mut state = scene.start(&Start::default(), &excitation).expect("valid");
         let mut touches = Touches::default();
         let advance =
@@ -143,11 +148,10 @@ fn impacts_and_closed_contacts_make_no_energy() {
     parameters.damping_ratio = 0.0;
     parameters.load.ohms = f64::INFINITY;
     parameters.stop.gap = 0.0;
-    struct Highest<'a, const B: usize, const R: usize>(&'a BumpStop<f64, AnyParts, B, R>, f64, u32);
-    impl<const B: usize, const R: usize> ModalObserver<f64, B, R> for Highest<'_, B, R> {
-        fn step(&mut self, span: &ModalSpan<'_, f64, B, R>) {
-            self.1 = self.1.max(self.0.stored_energy(span.end).iter().sum());
-            self.2 += u32::from(span.force > 0.0);
+    struct Highest(f64);
+    impl Observer<f64> for Highest {
+        fn step(&mut self, step: &AcceptedStep<'_, f64>) {
+            self.0 = self.0.max(step.end.stored.total());
         }
     }
     for coefficient in [0.0, 0.5, 1.0] {
@@ -161,10 +165,10 @@ fn impacts_and_closed_contacts_make_no_energy() {
             let mut start = Start::default();
             start.beam[0] = [-30e-6 / 31.974_430_7, 0.0];
             let mut state = scene.start(&start, &Silence).expect("valid");
-            let before: f64 = scene.stored_energy(&state).iter().sum();
-            let mut highest = Highest(&scene, before, 0);
+            let before: f64 = stepper.outputs(&state).stored.total();
+            let mut highest = Highest(before);
             stepper.advance(&mut state, &Silence, seconds(5e-3), u32::MAX, &mut highest).expect("runs");
-            assert!(highest.1 < before * (1.0 + 1e-9), "{coefficient} {step}: {}", highest.1 / before);
+            assert!(highest.0 < before * (1.0 + 1e-9), "{coefficient} {step}: {}", highest.0 / before);
         }
     }
 }
@@ -178,15 +182,15 @@ fn a_constrained_contact_is_counted_once() {
     let excitation = shaking();
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     struct Intervals(u32, bool);
-    impl ModalObserver<f64, 6, 2> for Intervals {
-        fn step(&mut self, span: &ModalSpan<'_, f64, 6, 2>) {
-            let touches = span.force > 0.0;
+    impl Observer<f64> for Intervals {
+        fn step(&mut self, step: &AcceptedStep<'_, f64>) {
+            let touches = step.contact.force > 0.0;
             self.0 += u32::from(touches && !self.1);
             self.1 = touches;
         }
     }
     let mut intervals = Intervals(0, false);
-    let mut meter = ModalMeter::new(&scene);
+    let mut meter = RunMeter::new();
     let observer = &mut (&mut intervals, &mut meter);
     stepper.advance(&mut state, &excitation, seconds(12e-3), u32::MAX, observer).expect("runs");
     assert!(intervals.0 > 10);

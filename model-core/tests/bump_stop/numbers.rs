@@ -1,10 +1,10 @@
 //! Closed forms, published numbers, and those of the event-driven reference.
 
 use model_core::excitation::Silence;
+use model_core::observer::{AcceptedStep, Observer, PowerIndex};
 use model_core::part::load::AnyLoad;
-use model_core::scene::bump_stop::{
-    AnyContact, AnyCoupling, AnyParts, BumpStop, ModalObserver, ModalSpan, Parameters, Start, Stepper,
-};
+use model_core::scene::Harvester;
+use model_core::scene::bump_stop::{AnyContact, AnyCoupling, AnyParts, BumpStop, Parameters, Start, Stepper};
 
 use super::setup::{Touches, baseline, close, measured, seconds, shaking};
 
@@ -38,18 +38,18 @@ fn without_a_stop_the_steady_state_is_the_frequency_response() {
         [(AnyCoupling::TwoWay, 5.298_981, 66.9337e-6), (AnyCoupling::OneWay, 7.029_422, 86.8043e-6)]
     {
         let parameters = Parameters { contact: AnyContact::NoStop, coupling, ..baseline::<f64>() };
-        let stepper = Stepper::new(parameters.build::<10, 0>().expect("valid"), 5e-6, 5e-6);
+        let stepper = Stepper::with_all_powers(parameters.build::<10, 0>().expect("valid"), 5e-6, 5e-6);
         let meter = measured(&stepper, &shaking(), 2.0, 2.5);
         close(meter.rms_voltage(), volts / 2f64.sqrt(), 2e-5);
         close(meter.voltage().magnitude(), volts, 2e-5);
-        close(meter.tip().magnitude(), metres, 2e-5);
+        close(meter.coordinate().magnitude(), metres, 2e-5);
         close(meter.mean_power(), volts * volts / 2e6, 4e-5);
     }
     // A small and a large resistance, six modes.
     for (ohms, volts) in [(1e3, 0.154_761_8), (45.41e3, 4.188_495)] {
         let parameters =
             Parameters { contact: AnyContact::NoStop, load: AnyLoad { ohms }, ..baseline::<f64>() };
-        let stepper = Stepper::new(parameters.build::<6, 0>().expect("valid"), 5e-6, 5e-6);
+        let stepper = Stepper::with_all_powers(parameters.build::<6, 0>().expect("valid"), 5e-6, 5e-6);
         close(measured(&stepper, &shaking(), 2.0, 2.5).voltage().magnitude(), volts, 3e-5);
     }
 }
@@ -61,7 +61,7 @@ fn the_golden_trajectory_is_met_and_approached_in_second_order() {
     let (tip, volts) = (-1.509_803_342e-5, -0.701_496_050_4);
     let scene = baseline::<f64>().build::<6, 2>().expect("valid");
     let run = |step: f64| {
-        let stepper = Stepper::new(scene, step, step);
+        let stepper = Stepper::with_all_powers(scene, step, step);
         let excitation = shaking();
         let mut state = scene.start(&Start::default(), &excitation).expect("valid");
         let mut touches = Touches::default();
@@ -93,7 +93,7 @@ fn the_golden_trajectory_is_met_and_approached_in_second_order() {
 fn one_way_coupling_has_its_own_contacts() {
     let parameters = Parameters { coupling: AnyCoupling::OneWay, ..baseline::<f64>() };
     let scene = parameters.build::<6, 2>().expect("valid");
-    let stepper = Stepper::new(scene, 1e-7, 1e-7);
+    let stepper = Stepper::with_all_powers(scene, 1e-7, 1e-7);
     let excitation = shaking();
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     let mut touches = Touches::default();
@@ -111,19 +111,19 @@ fn mean_deflections_are_those_of_the_mean_force() {
     let mut parameters = baseline::<f64>();
     parameters.stop.gap = 0.0;
     let scene = parameters.build::<4, 1>().expect("valid");
-    let stepper = Stepper::new(scene, 2e-6, 2e-5);
+    let stepper = Stepper::with_all_powers(scene, 2e-6, 2e-5);
     let excitation = shaking();
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
-    struct Mean(f64, f64, BumpStop<f64, AnyParts, 4, 1>);
-    impl ModalObserver<f64, 4, 1> for Mean {
-        fn step(&mut self, span: &ModalSpan<'_, f64, 4, 1>) {
+    struct Mean(f64, f64);
+    impl Observer<f64> for Mean {
+        fn step(&mut self, step: &AcceptedStep<'_, f64>) {
             // Simpson's rule would need the middle; the corrected trapezium has the rates.
-            let [a, b] = [span.start, span.end].map(|state| self.2.stop_point(state));
-            self.0 += span.step * (0.5 * (a[0] + b[0]) + span.step / 12.0 * (a[1] - b[1]));
-            self.1 += span.force * span.step;
+            let [a, b] = [step.start, step.end].map(|outputs| outputs.motions[1]);
+            self.0 += step.step * (0.5 * (a.value + b.value) + step.step / 12.0 * (a.rate - b.rate));
+            self.1 += step.energy(PowerIndex::ContactForce);
         }
     }
-    let mut mean = Mean(0.0, 0.0, scene);
+    let mut mean = Mean(0.0, 0.0);
     stepper.advance(&mut state, &excitation, seconds(0.5), u32::MAX, &mut ()).expect("runs");
     stepper.advance(&mut state, &excitation, seconds(2.5), u32::MAX, &mut mean).expect("runs");
     let compliance = 0.05f64.powi(3) / (3.0 * 0.089_738_408_5) - 2.891e-7;
@@ -138,13 +138,13 @@ fn statistics_are_those_of_the_event_driven_reference() {
         let mut parameters = baseline::<f64>();
         (parameters.stop.position, parameters.stop.gap) = (position, gap);
         let [voltage, force] = if ten {
-            let stepper = Stepper::new(parameters.build::<10, 10>().expect("valid"), 1e-6, 2e-5);
+            let stepper = Stepper::with_all_powers(parameters.build::<10, 10>().expect("valid"), 1e-6, 2e-5);
             let meter = measured(&stepper, &shaking(), 0.5, 1.0);
-            [meter.rms_voltage(), meter.mean_force()]
+            [meter.rms_voltage(), meter.integrals().mean(PowerIndex::ContactForce)]
         } else {
-            let stepper = Stepper::new(parameters.build::<6, 2>().expect("valid"), 1e-6, 2e-5);
+            let stepper = Stepper::with_all_powers(parameters.build::<6, 2>().expect("valid"), 1e-6, 2e-5);
             let meter = measured(&stepper, &shaking(), 0.5, 1.5);
-            [meter.rms_voltage(), meter.mean_force()]
+            [meter.rms_voltage(), meter.integrals().mean(PowerIndex::ContactForce)]
         };
         close(voltage, volts, 0.05);
         close(force, newtons, 0.05);
@@ -163,19 +163,21 @@ fn single_precision_has_the_statistics_of_double() {
         let (mut double, mut single) = (baseline::<f64>(), baseline::<f32>());
         (double.stop.position, double.stop.gap) = (position, gap);
         (single.stop.position, single.stop.gap) = (position as f32, gap as f32);
-        let double = Stepper::new(double.build::<6, 1>().expect("valid"), 2e-6, 5e-5);
-        let single = Stepper::new(single.build::<6, 1>().expect("valid"), 2e-6, 5e-5);
+        let double = Stepper::with_all_powers(double.build::<6, 1>().expect("valid"), 2e-6, 5e-5);
+        let single = Stepper::with_all_powers(single.build::<6, 1>().expect("valid"), 2e-6, 5e-5);
         let (fine, coarse) =
             (measured(&double, &shaking(), 0.5, 10.5), measured(&single, &shaking(), 0.5, 10.5));
+        let force_of_coarse = coarse.integrals().mean(PowerIndex::ContactForce);
+        let force_of_fine = fine.integrals().mean(PowerIndex::ContactForce);
         println!(
             "{position} {gap}: {} {} V, {} {} N",
             coarse.rms_voltage(),
             fine.rms_voltage(),
-            coarse.mean_force(),
-            fine.mean_force()
+            force_of_coarse,
+            force_of_fine
         );
         close(coarse.rms_voltage().into(), fine.rms_voltage(), 0.02);
-        close(coarse.mean_force().into(), fine.mean_force(), 0.02);
+        close(force_of_coarse.into(), force_of_fine, 0.02);
         close(coarse.mean_power().into(), fine.mean_power(), 0.04);
     }
 }
@@ -185,7 +187,7 @@ fn the_impulse_of_the_first_impact_is_that_of_the_continuum() {
     // F(t) = Z v e^τ erfc √τ, τ = (a Z)² t, until the wave comes back through the rod: 6.631e-6 N·s in
     // 7.8 µs at 0.05 m/s. The modes that are kept come within some per cent of it.
     let impulse = |scene: BumpStop<f64, AnyParts, 20, 20>| {
-        let stepper = Stepper::new(scene, 1e-8, 1e-8);
+        let stepper = Stepper::with_all_powers(scene, 1e-8, 1e-8);
         let mut start = Start::<f64, 20, 20>::default();
         // The beam moves as a whole: ṙ = γ v, and γ = ∫ m' φ is what the base couples by.
         let coupled = Parameters { contact: AnyContact::NoStop, ..baseline::<f64>() };

@@ -5,9 +5,12 @@
 mod harvesters;
 
 use model_core::clock::Instant;
+use model_core::energy::RunMeter;
 use model_core::excitation::{Excitation, Sine};
+use model_core::observer::{AcceptedStep, Observer, PowerIndex};
 use model_core::scalar::Scalar;
-use model_core::scene::bump_stop::{ModalMeter, ModalObserver, ModalSpan, Parts, Start, Stepper};
+use model_core::scene::Harvester;
+use model_core::scene::bump_stop::{Parts, Start, Stepper};
 
 /// The baseline.
 pub(super) use harvesters::bump_parameters as baseline;
@@ -25,26 +28,26 @@ pub(super) fn close(value: f64, expected: f64, relative: f64) {
 }
 
 /// Runs from rest to `settle` and on to `end`; gives what the meter saw from `settle` on.
-pub(super) fn measured<'a, S, P, E, const B: usize, const R: usize>(
-    stepper: &'a Stepper<S, P, B, R>,
+pub(super) fn measured<S, P, E, const B: usize, const R: usize>(
+    stepper: &Stepper<S, P, B, R, 1>,
     excitation: &E,
     settle: f64,
     end: f64,
-) -> ModalMeter<'a, S, P, B, R>
+) -> RunMeter<S>
 where
     S: Scalar,
     P: Parts<S>,
     E: Excitation<S>,
 {
     let mut state = stepper.scene().start(&Start::default(), excitation).expect("valid");
-    let mut meter = ModalMeter::new(stepper.scene());
+    let mut meter = RunMeter::new();
     let budget = u32::MAX;
     stepper.advance(&mut state, excitation, seconds(settle), budget, &mut ()).expect("runs");
     stepper.advance(&mut state, excitation, seconds(end), budget, &mut meter).expect("runs");
     meter
 }
 
-/// Notes the first touch-downs and sums the impulse.
+/// Notes the first touch-downs and sums the impulse; for a stepper with all powers.
 #[derive(Default)]
 pub(super) struct Touches {
     pub(super) at: Vec<f64>,
@@ -55,18 +58,20 @@ pub(super) struct Touches {
     pub(super) pulled_open: bool,
 }
 
-impl<const B: usize, const R: usize> ModalObserver<f64, B, R> for Touches {
-    fn step(&mut self, span: &ModalSpan<'_, f64, B, R>) {
-        self.negative |= span.force < 0.0;
-        self.pulled_open |= span.force > 0.0 && span.start.gap() <= 0.0 && span.end.gap() < 0.0;
-        self.impulse += span.force * span.step;
-        self.largest = self.largest.max(span.force);
-        let touches = span.force > 0.0;
+impl Observer<f64> for Touches {
+    fn step(&mut self, step: &AcceptedStep<'_, f64>) {
+        assert!(step.energies.len() > PowerIndex::ContactForce as usize);
+        let impulse = step.energy(PowerIndex::ContactForce);
+        let (from, to) = (step.start.penetration, step.end.penetration);
+        self.negative |= impulse < 0.0;
+        self.pulled_open |= impulse > 0.0 && from <= 0.0 && to < 0.0;
+        self.impulse += impulse;
+        self.largest = self.largest.max(impulse / step.step);
+        let touches = impulse > 0.0;
         if touches && !self.touching {
-            let (from, to) = (span.start.gap(), span.end.gap());
             let fraction = if to > from { (-from / (to - from)).max(0.0) } else { 0.0 };
-            self.at.push(span.start.clock.seconds::<f64>() + fraction * span.step);
+            self.at.push(step.from.seconds::<f64>() + fraction * step.step);
         }
-        self.touching = touches && span.end.gap() > 0.0;
+        self.touching = touches && to > 0.0;
     }
 }

@@ -9,12 +9,11 @@ use core::fmt::Debug;
 
 use model_core::clock::Instant;
 use model_core::excitation::Excitation;
-use model_core::hybrid::{
-    Automaton, Driver, Ended, Event, Guard, HybridState, InputAt, Jump, Observer, Span, StepError, Work,
-};
+use model_core::hybrid::{Automaton, Driver, Ended, Guard, HybridState, InputAt, Jump, StepError, Work};
 use model_core::integrate::linear::Factored;
 use model_core::integrate::step_control::ErrorScale;
 use model_core::integrate::{Method, Point, StepControl, System};
+use model_core::observer::{AcceptedStep, Event, Observer, Outputs, PowerIndex};
 use model_core::scalar::Scalar;
 
 /// Where a jump leads.
@@ -28,6 +27,10 @@ pub(crate) struct Leap<S, Mode, const N: usize> {
 pub(crate) trait Problem<S: Scalar, const N: usize>: Copy {
     type Mode: Copy + Debug + PartialEq;
 
+    /// Number of a mode, by which events name it; 0 for a problem of one mode.
+    fn number(&self, _mode: Self::Mode) -> u8 {
+        0
+    }
     fn rate(&self, mode: Self::Mode, y: &[S; N], input: S) -> [S; N];
     fn jacobian(&self, mode: Self::Mode, y: &[S; N], input: S) -> [[S; N]; N];
     /// Radians of the slow motion per second of the clock.
@@ -140,6 +143,10 @@ impl<S: Scalar, const N: usize, Q: Problem<S, N>> Automaton<S, N, 1> for Machine
         Jump { mode, state, remainder: [S::ZERO; N], derivative, loss: S::ZERO, armed }
     }
 
+    fn outputs<'a>(&self, mode: Q::Mode, point: &'a Point<S, N, 1>) -> Outputs<'a, S> {
+        Outputs { mode: self.0.number(mode), ..Outputs::of_state(&point.state) }
+    }
+
     fn error_scale(&self) -> ErrorScale<S> {
         ErrorScale { angular_frequency: self.0.angular_frequency(), energy_floor: S::ONE }
     }
@@ -165,20 +172,21 @@ impl<S: Scalar, F: Fn(f64) -> f64> Excitation<S> for Given<F> {
 
 /// An event as it was observed.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Seen<Mode> {
+pub(crate) struct Seen {
     /// Seconds, exactly: a run of these tests is shorter than 2⁵³ ticks.
     pub(crate) at: f64,
     pub(crate) guard: usize,
-    pub(crate) before: Mode,
-    pub(crate) after: Mode,
+    /// Numbers of the modes, as [`Problem::number`] gives them.
+    pub(crate) before: u8,
+    pub(crate) after: u8,
     pub(crate) reached: Vec<f64>,
     pub(crate) left: Vec<f64>,
 }
 
-/// Keeps all events, adds up the energies, and checks that the spans join.
+/// Keeps all events, adds up the energies, and checks that the steps join.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Log<Mode> {
-    pub(crate) events: Vec<Seen<Mode>>,
+pub(crate) struct Log {
+    pub(crate) events: Vec<Seen>,
     pub(crate) steps: usize,
     pub(crate) energy: f64,
     pub(crate) clock: u64,
@@ -187,7 +195,7 @@ pub(crate) struct Log<Mode> {
     pub(crate) highest: f64,
 }
 
-impl<Mode> Log<Mode> {
+impl Log {
     pub(crate) fn new() -> Self {
         Self {
             events: Vec::new(),
@@ -209,26 +217,26 @@ pub(crate) fn exact_seconds(at: Instant) -> f64 {
     at.ticks() as f64 / 2f64.powi(40)
 }
 
-impl<S: Scalar, Mode: Copy, const N: usize> Observer<S, Mode, N, 1> for Log<Mode> {
-    fn step(&mut self, span: &Span<'_, S, Mode, N, 1>) {
-        assert_eq!(span.from.ticks(), self.clock, "a step must begin where the one before ended");
-        assert!(span.ticks > 0, "a step must advance the clock");
-        self.clock += u64::from(span.ticks);
+impl<S: Scalar> Observer<S> for Log {
+    fn step(&mut self, step: &AcceptedStep<'_, S>) {
+        assert_eq!(step.from.ticks(), self.clock, "a step must begin where the one before ended");
+        assert!(step.ticks > 0, "a step must advance the clock");
+        self.clock += u64::from(step.ticks);
         self.steps += 1;
-        self.energy += span.energies[0].to_f64();
-        self.lowest = self.lowest.min(span.end.state[0].to_f64());
-        self.highest = self.highest.max(span.end.state[0].to_f64());
+        self.energy += step.energy(PowerIndex::Load).to_f64();
+        self.lowest = self.lowest.min(step.end.state[0].to_f64());
+        self.highest = self.highest.max(step.end.state[0].to_f64());
     }
 
-    fn event(&mut self, event: &Event<'_, S, Mode, N, 1>) {
+    fn event(&mut self, event: &Event<'_, S>) {
         assert_eq!(event.at.ticks(), self.clock, "an event must lie at the end of a step");
         self.events.push(Seen {
             at: exact_seconds(event.at),
             guard: event.guard,
-            before: event.before,
-            after: event.after,
-            reached: event.reached.state.iter().map(|y| y.to_f64()).collect(),
-            left: event.left.state.iter().map(|y| y.to_f64()).collect(),
+            before: event.before.mode,
+            after: event.after.mode,
+            reached: event.before.state.iter().map(|y| y.to_f64()).collect(),
+            left: event.after.state.iter().map(|y| y.to_f64()).collect(),
         });
     }
 }
@@ -245,7 +253,7 @@ where
     pub(crate) input: E,
     pub(crate) driver: Driver<M, C>,
     pub(crate) state: State<S, Q::Mode, N>,
-    pub(crate) log: Log<Q::Mode>,
+    pub(crate) log: Log,
 }
 
 impl<S, Q, E, M, C, const N: usize> Run<S, Q, E, M, C, N>

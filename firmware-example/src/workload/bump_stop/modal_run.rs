@@ -5,6 +5,7 @@ use core::hint::black_box;
 use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
 use model_core::excitation::Sine;
+use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{Parameters, Parts, Start, StateOf, Stepper};
 
 use crate::workload::{Progress, Workload};
@@ -52,7 +53,7 @@ pub struct ModalRun<P: Parts<f32>, const B: usize, const R: usize> {
     stepper: Stepper<f32, P, B, R>,
     excitation: Sine<f32>,
     state: StateOf<f32, P, B, R>,
-    meter: PowerMeter<f32, 1>,
+    meter: PowerMeter<f32>,
     samples: u32,
     rejected: u32,
     bits: [u32; WORDS],

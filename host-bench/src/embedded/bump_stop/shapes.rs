@@ -1,12 +1,17 @@
 //! The shape of the beam at some instants of a run.
 
 use model_core::clock::Instant;
+use model_core::observer::{AcceptedStep, Observer};
 use model_core::part::beam::{BeamMode, Cantilever};
 use model_core::part::monomorph::Monomorph;
 use model_core::scalar::Polynomial;
-use model_core::scene::bump_stop::{AnyBridgedParts, AnyParts, Memory, ModalObserver, ModalSpan};
+use model_core::scene::Harvester;
+use model_core::scene::bump_stop::{AnyBridgedParts, AnyParts, Stepper};
 
-use super::{BUDGET, HostedParts, bridge, parameters, prepared, resistance, step_failure};
+use super::{
+    BumpStopReport, HostedParts, Prepared, Report, bridge, parameters, prepared, refuse_start, resistance,
+};
+use crate::embedded::excitation::with_setting;
 use crate::method::{Failure, Options};
 use crate::scene_file::{BumpStop, Model, Scene};
 
@@ -78,30 +83,40 @@ impl Shapes<'_> {
         load: P::Load,
     ) -> Result<(), Failure> {
         let (scene, instants) = (what.0, self.instants);
-        prepared::<f64, Polynomial, P, 20, 20, _>(what, load, |run, mut state| {
+        let Prepared { scene: harvester, start, steps: [short, long] } =
+            prepared::<f64, P, 20, 20>(what, load)?;
+        let stepper = Stepper::new(harvester, short, long);
+        let report = BumpStopReport(what.1);
+        with_setting::<f64, Polynomial, _>(scene, what.2, |setting| {
+            let excitation = setting.excitation;
+            let mut state =
+                stepper.start(&start, &excitation).map_err(|error| refuse_start(scene, &error))?;
             let last = instants.last().copied().unwrap_or(0.0);
             let end = Instant::from_seconds(last.max(scene.run.duration_s)).ok_or_else(|| {
                 Failure::Input(format!("{}: run: {last} s, must be below 16777216", scene.file.display()))
             })?;
             // To the end of the last step that is wanted, and no step is cut short for it.
             while state.clock < end && self.found.len() < instants.len() {
-                run.stepper
-                    .advance(&mut state, run.excitation, end, BUDGET.min(1 << 12), self)
-                    .map_err(|error| step_failure(&error, run.stepper.scene(), &state))?;
+                stepper.advance(&mut state, &excitation, end, 1 << 12, self).map_err(|error| {
+                    let described =
+                        Report::<f64, Stepper<f64, P, 20, 20>>::describe(&report, &stepper.outputs(&state));
+                    Failure::Step(format!("{error}: {described}"))
+                })?;
             }
             Ok(())
         })
     }
 }
 
-impl<const B: usize, const R: usize, C: Memory> ModalObserver<f64, B, R, C> for Shapes<'_> {
-    fn step(&mut self, span: &ModalSpan<'_, f64, B, R, C>) {
-        let time_s = span.end.clock.seconds::<f64>();
+impl Observer<f64> for Shapes<'_> {
+    fn step(&mut self, step: &AcceptedStep<'_, f64>) {
+        let time_s = step.until().seconds::<f64>();
         while self.instants.get(self.found.len()).is_some_and(|instant| *instant <= time_s) {
             let points = (0..=self.stations).map(|station| {
                 let place = station as f64 / self.stations as f64;
-                let modes = self.modes.iter().zip(&span.end.beam);
-                let displacement = modes.map(|(mode, [coordinate, _])| mode.shape(place).value * coordinate);
+                // The state has displacement and velocity of each mode in turn.
+                let modes = self.modes.iter().zip(step.end.state.iter().step_by(2));
+                let displacement = modes.map(|(mode, coordinate)| mode.shape(place).value * coordinate);
                 [place * self.length, displacement.sum()]
             });
             self.found.push(DeflectedShape { time_s, points: points.collect() });

@@ -1,11 +1,10 @@
 //! What the estimator adds up along the steps, and what it says of it.
 
 use crate::clock::Instant;
-use crate::hybrid::{Event, Observer, Span};
 use crate::integrate::step_control::REMEMBERED_RADIANS;
+use crate::observer::{AcceptedStep, Event, Observer, PowerIndex};
 use crate::scalar::{CompensatedSum, Scalar};
 use crate::scene::StorageReading;
-use crate::scene::bump_stop::{Memory, ModalObserver, ModalSpan};
 use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
 /// A power is a square: a small error of the state moves it twice as much.
@@ -69,29 +68,20 @@ impl<S: Scalar> EnergyAccumulator<S> {
     }
 }
 
-impl<S: Scalar, Mode, const N: usize, const P: usize> Observer<S, Mode, N, P> for EnergyAccumulator<S> {
+impl<S: Scalar> Observer<S> for EnergyAccumulator<S> {
     #[inline(always)]
-    fn step(&mut self, span: &Span<'_, S, Mode, N, P>) {
-        self.add(span.energies.first().copied().unwrap_or(S::ZERO), span.ticks);
-        self.energy_error.add(span.energy_error.abs());
-        self.state_error.add(span.state_error);
+    fn step(&mut self, step: &AcceptedStep<'_, S>) {
+        self.add(step.energy(PowerIndex::Load), step.ticks);
+        self.energy_error.add(step.energy_error.abs());
+        self.state_error.add(step.state_error);
     }
 
-    fn event(&mut self, event: &Event<'_, S, Mode, N, P>) {
+    fn event(&mut self, event: &Event<'_, S>) {
         if let Some(&energy) = event.energies.first()
             && energy != S::ZERO
         {
             self.energy.add(energy);
         }
-    }
-}
-
-impl<S: Scalar, const B: usize, const R: usize, C: Memory> ModalObserver<S, B, R, C>
-    for EnergyAccumulator<S>
-{
-    #[inline(always)]
-    fn step(&mut self, span: &ModalSpan<'_, S, B, R, C>) {
-        self.add(span.delivered, span.ticks);
     }
 }
 

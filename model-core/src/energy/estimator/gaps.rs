@@ -1,10 +1,11 @@
 //! Samples one by one, and what is done where they are not there: interpolation, giving up, starting anew.
 
 use super::state::{Phase, Queue};
-use super::{Estimator, EstimatorError, Model, Sample};
+use super::{Estimator, EstimatorError, Sample};
 use crate::scalar::Scalar;
+use crate::scene::Harvester;
 
-impl<S: Scalar, M: Model<S>> Estimator<S, M> {
+impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// Queues a sample, with those that were lost before it.
     pub(super) fn take(&mut self, sample: Sample<S>) {
         let (target, saturated) = match sample {
@@ -49,7 +50,7 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
     /// Gives the harvester up in the interval in which a step could not be taken, with all samples that
     /// were to follow.
     #[cold]
-    pub(super) fn lose_model(&mut self) {
+    pub(super) fn lose_harvester(&mut self) {
         let state = &mut self.state;
         let queued = core::mem::take(&mut state.queue.left);
         // The interval itself, the one up to the newest sample unless that only stands in, and the queued
@@ -90,10 +91,10 @@ impl<S: Scalar, M: Model<S>> Estimator<S, M> {
         } else {
             stream.restart_with(state.missing, sample);
             state.unknown_intervals = state.unknown_intervals.wrapping_add(1);
-            Some(&state.model)
+            Some(&state.harvester)
         };
-        match self.model.at_rest(before, &stream) {
-            Ok(model) => state.model = model,
+        match self.harvester.restart(before, &stream, stream.known_until()) {
+            Ok(harvester) => state.harvester = harvester,
             Err(error) => {
                 state.missing = state.missing.saturating_add(1);
                 return Err(EstimatorError::Parameter(error));

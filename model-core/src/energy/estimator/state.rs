@@ -51,15 +51,15 @@ impl<S: Scalar> Queue<S> {
 
 /// The state of an estimator: a plain value that can be copied, saved, compared and restored.
 ///
-/// `T` is the state of its model.
+/// `T` is the state of its harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<S, T> {
     pub(super) stream: Stream<S>,
-    pub(super) model: T,
+    pub(super) harvester: T,
     pub(super) accumulator: EnergyAccumulator<S>,
     pub(super) queue: Queue<S>,
     pub(super) phase: Phase,
-    /// Whether the model has yet to be advanced to where the stream is known.
+    /// Whether the harvester has yet to be advanced to where the stream is known.
     pub(super) pending: bool,
     /// Whether each of the stream's samples is uncertain: bit 0 the newest, bit 2 the oldest.
     pub(super) uncertain: u8,
@@ -89,7 +89,7 @@ impl<S: Scalar, T: Snapshot> Snapshot for State<S, T> {
 
     fn write(&self, out: &mut Writer<'_>) {
         self.stream.write(out);
-        self.model.write(out);
+        self.harvester.write(out);
         self.accumulator.write(out);
         self.queue.write(out);
         self.phase.write(out);
@@ -107,7 +107,7 @@ impl<S: Scalar, T: Snapshot> Snapshot for State<S, T> {
     fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         Ok(Self {
             stream: Snapshot::read(from)?,
-            model: Snapshot::read(from)?,
+            harvester: Snapshot::read(from)?,
             accumulator: Snapshot::read(from)?,
             queue: Snapshot::read(from)?,
             phase: Snapshot::read(from)?,

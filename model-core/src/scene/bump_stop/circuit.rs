@@ -2,6 +2,7 @@
 
 use core::fmt::Debug;
 
+use crate::observer::StorageOutput;
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::part::bridge_step::{BridgeStep, Passed};
 use crate::part::circuit::CircuitStep;
@@ -33,7 +34,7 @@ type AccountOf<S, C> = <<C as Circuit<S>>::State as Memory>::Account;
 
 /// The current of a step, taken as constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Flow<S> {
+pub struct StepCurrent<S> {
     /// Voltage in V at the start.
     pub voltage: S,
     /// Charge in C that strain brings to the electrodes.
@@ -51,6 +52,9 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
     type Step: Copy + Debug + PartialEq;
     /// Whether it has other lines than the one tried first; if not, the code for them is not there.
     const SWITCHES: bool;
+
+    /// The resistance of a resistive load; `None` behind a bridge.
+    fn resistance(&self) -> Option<Resistance<S>>;
 
     /// Whether its terminals are joined, so that the charge follows the strain.
     fn is_short(&self) -> bool;
@@ -71,7 +75,7 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
     fn line(step: &Self::Step) -> &CircuitStep<S>;
 
     /// The storage behind it, or the bus; `None` for a resistor.
-    fn storage(&self, state: &Self::State) -> Option<StorageState<S>>;
+    fn storage(&self, state: &Self::State) -> Option<StorageOutput<S>>;
 
     /// Whether a voltage may be taken for one that strays from it by at most `interpolation_bound`, both in V.
     fn resolves(&self, voltage: S, interpolation_bound: S, state: &Self::State) -> bool;
@@ -86,7 +90,7 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
     fn conclude(
         &self,
         step: &Self::Step,
-        flow: &Flow<S>,
+        flow: &StepCurrent<S>,
         state: &mut Self::State,
         account: &mut AccountOf<S, Self>,
     ) -> Passed<S>;
@@ -96,12 +100,6 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
 
     /// The account of a step behind a bridge; zeros for a resistor.
     fn account(account: &AccountOf<S, Self>) -> StorageAccount<S>;
-
-    /// Energy in J that the storage has gained from one state to another; `None` where there is none.
-    fn gained(&self, from: &Self::State, to: &Self::State) -> Option<S>;
-
-    /// Energy in J in the storage; `None` without one.
-    fn stored(&self, state: &Self::State) -> Option<S>;
 
     /// Puts the storage to a voltage in V; without one nothing changes.
     fn set_storage_voltage(state: &mut Self::State, volts: S);
@@ -118,13 +116,17 @@ macro_rules! resistive {
             type Step = CircuitStep<S>;
             const SWITCHES: bool = false;
 
+            fn resistance(&self) -> Option<Resistance<S>> {
+                Some(Load::resistance(self))
+            }
+
             #[inline(always)]
             fn is_short(&self) -> bool {
-                matches!(self.resistance(), Resistance::<S>::Short)
+                matches!(Load::resistance(self), Resistance::<S>::Short)
             }
 
             fn check(&self) -> Result<(), ParameterError<S>> {
-                match self.resistance() {
+                match Load::resistance(self) {
                     Resistance::Finite(ohms) => Bounds::new(1e-9, 1e30).check("resistance", ohms),
                     Resistance::Short | Resistance::Open => Ok(()),
                 }
@@ -133,7 +135,7 @@ macro_rules! resistive {
             fn start(&self) {}
 
             fn step(&self, capacitance: S, step: S) -> CircuitStep<S> {
-                CircuitStep::new(capacitance, self.resistance(), step)
+                CircuitStep::new(capacitance, Load::resistance(self), step)
             }
 
             #[inline(always)]
@@ -141,7 +143,7 @@ macro_rules! resistive {
                 step
             }
 
-            fn storage(&self, _state: &()) -> Option<StorageState<S>> {
+            fn storage(&self, _state: &()) -> Option<StorageOutput<S>> {
                 None
             }
 
@@ -164,7 +166,7 @@ macro_rules! resistive {
             fn conclude(
                 &self,
                 step: &CircuitStep<S>,
-                flow: &Flow<S>,
+                flow: &StepCurrent<S>,
                 _state: &mut (),
                 _account: &mut (),
             ) -> Passed<S> {
@@ -179,15 +181,6 @@ macro_rules! resistive {
             #[inline(always)]
             fn account(_account: &()) -> StorageAccount<S> {
                 StorageAccount::default()
-            }
-
-            #[inline(always)]
-            fn gained(&self, _from: &(), _to: &()) -> Option<S> {
-                None
-            }
-
-            fn stored(&self, _state: &()) -> Option<S> {
-                None
             }
 
             fn set_storage_voltage(_state: &mut (), _volts: S) {}
@@ -209,6 +202,10 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
     type State = StorageState<S>;
     type Step = BridgeStep<S>;
     const SWITCHES: bool = true;
+
+    fn resistance(&self) -> Option<Resistance<S>> {
+        None
+    }
 
     #[inline(always)]
     fn is_short(&self) -> bool {
@@ -232,8 +229,10 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
         &step.blocked
     }
 
-    fn storage(&self, state: &StorageState<S>) -> Option<StorageState<S>> {
-        Some(*state)
+    #[inline(always)]
+    fn storage(&self, state: &StorageState<S>) -> Option<StorageOutput<S>> {
+        let StorageState { voltage, remainder, connected } = *state;
+        Some(StorageOutput { voltage, remainder, capacitance: self.storage.capacitance(), connected })
     }
 
     /// Where it blocks either way, or the difference is small beside the threshold.
@@ -265,7 +264,7 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
     fn conclude(
         &self,
         step: &BridgeStep<S>,
-        flow: &Flow<S>,
+        flow: &StepCurrent<S>,
         state: &mut StorageState<S>,
         account: &mut StorageAccount<S>,
     ) -> Passed<S> {
@@ -280,18 +279,6 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
     #[inline(always)]
     fn account(account: &StorageAccount<S>) -> StorageAccount<S> {
         *account
-    }
-
-    /// `½ C (V² − V₀²)` as a product, so that a large storage shows small gains.
-    #[inline(always)]
-    fn gained(&self, from: &StorageState<S>, to: &StorageState<S>) -> Option<S> {
-        let elastance = self.storage.elastance();
-        let charge = S::from_f64(0.5) * to.above(from) / elastance;
-        (elastance > S::ZERO).then(|| charge * (to.voltage + from.voltage))
-    }
-
-    fn stored(&self, state: &StorageState<S>) -> Option<S> {
-        Some(self.storage.stored_energy(state.voltage))
     }
 
     fn set_storage_voltage(state: &mut StorageState<S>, volts: S) {

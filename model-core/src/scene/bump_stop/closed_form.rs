@@ -39,10 +39,22 @@ impl<S: Scalar, P: Parts<S, Load: Load<S>>, const B: usize, const R: usize> Bump
     /// transient from rest, of up to twice the amplitude, reaches the stop, it is not claimed to hold.
     #[must_use]
     pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
+        self.closed_form_into(Load::resistance(&self.load), amplitude, hertz)
+    }
+}
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
+    /// [`BumpStop::closed_form`] with a resistance in place of the load.
+    pub(super) fn closed_form_into(
+        &self,
+        resistance: Resistance<S>,
+        amplitude: S,
+        hertz: S,
+    ) -> ClosedForm<S> {
         let response = self.response(hertz);
         let by_base = response.charge_by_base.scaled(amplitude * self.elastance);
         let unloaded = Complex::new(S::ONE, S::ZERO) - response.charge_by_voltage.scaled(self.elastance);
-        let (voltage, conductance) = match self.load.resistance() {
+        let (voltage, conductance) = match resistance {
             Resistance::Short => (Complex::ZERO, S::ZERO),
             Resistance::Open => (by_base * unloaded.inverse(), S::ZERO),
             Resistance::Finite(ohms) => {

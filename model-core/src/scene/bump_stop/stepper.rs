@@ -1,16 +1,17 @@
 //! Advancing: short steps near contact, long ones where none can be, and impacts where they are located.
 
-use super::circuit::{Circuit, Memory};
+use super::circuit::Circuit;
 use super::contact_law::{ContactKind, ContactLaw};
-use super::observer::{ModalImpact, ModalObserver};
+use super::energies::GramianSet;
 use super::parameters::Coupling;
 use super::state::StateOf;
 use super::step_set::StepSetOf;
-use super::trial::{Trial, TrialOf};
+use super::trial::TrialOf;
 use super::{BumpStop, Parts, State};
 use crate::clock::{Instant, seconds_of_ticks, ticks_of_seconds};
 use crate::excitation::Excitation;
 use crate::hybrid::{Advance, Ended, StepError, StepFailure, Work};
+use crate::observer::{ALL_POWERS, AcceptedStep, Event, Observer, PowerIndex};
 use crate::scalar::Scalar;
 
 /// Attempts that one step may take, the location of an impact included: a smaller budget of
@@ -24,9 +25,6 @@ const CLOSING_SPEED: f64 = 1e-5;
 /// A gap this many times as wide as what has drifted is open.
 const OPENED: f64 = 16.0;
 
-/// What the load of the parts `P` remembers.
-type MemoryOf<S, P> = <<P as Parts<S>>::Load as Circuit<S>>::State;
-
 /// A harvester with its two lengths of step, and what a bound on the gap's curvature is made of.
 ///
 /// The gap cannot come to zero within a step of `h` if `max(g, g⁺) + M h²/8 < 0`, where `M` bounds
@@ -37,8 +35,10 @@ type MemoryOf<S, P> = <<P as Parts<S>>::Load as Circuit<S>>::State;
 ///
 /// A bridge sees the voltage at the ends of a step: a long one is taken where the modes' part in a like bound
 /// says that it blocks throughout, or that the voltage strays little from a straight line.
+///
+/// `ALL` is 1 where every power is integrated, 0 where only the delivered energy is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
+pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize = 0> {
     pub(super) scene: BumpStop<S, P, B, R>,
     pub(super) short: StepSetOf<S, P, B, R>,
     pub(super) long: StepSetOf<S, P, B, R>,
@@ -52,13 +52,30 @@ pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
     curvature_by_voltage: S,
     /// `h²/8` of the long step.
     sagitta: S,
+    /// For the energies of a short and of a long step.
+    gramians: [[GramianSet<S, B, R>; 2]; ALL],
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R> {
-    /// With steps of the ticks nearest to `short` seconds near contact and `long` in free flight, both up to
+    /// With the delivered energy as the only integral, which is what a node needs, and with steps of the ticks nearest to `short` seconds near contact and `long` in free flight, both up to
     /// 3.9 ms; a `long` that is not longer than `short` leaves one length for all.
     #[must_use]
     pub fn new(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Self {
+        Self::build(scene, short, long)
+    }
+}
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R, 1> {
+    /// As [`Stepper::new`], with the integral of every [`crate::observer::PowerIndex`], for a report and an energy
+    /// ledger.
+    #[must_use]
+    pub fn with_all_powers(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Self {
+        Self::build(scene, short, long)
+    }
+}
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> Stepper<S, P, B, R, ALL> {
+    fn build(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Self {
         let (short, long) = (scene.step_set(ticks_of_seconds(short)), scene.step_set(ticks_of_seconds(long)));
         let three = S::from_f64(3.0);
         let damping = S::from_f64(2.0) * scene.damping_ratio;
@@ -79,6 +96,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             curvature_by_base: by_base,
             curvature_by_voltage: if two_way { by_voltage } else { S::ZERO },
             sagitta: S::from_f64(0.125) * long.step * long.step,
+            gramians: core::array::from_fn(|_| {
+                [short.ticks, long.ticks].map(|ticks| GramianSet::new(&scene, ticks))
+            }),
             scene,
             short,
             long,
@@ -92,54 +112,13 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         &self.scene
     }
 
-    /// Advances `state` to `until`, in at most `budget` attempted steps.
+    /// Advances `state` to `until`; without `CUT` it ends with a whole step, less than a short step beyond `until`.
     ///
-    /// The same bits result however a run is divided by budgets; dividing it by `until` cuts a step
-    /// there. The base acceleration is taken as linear over each step: kinks of a sampled excitation
-    /// within a long step are rounded off.
-    ///
-    /// # Errors
-    /// [`StepError`] where the state is no longer finite; `state` is then the last good one.
-    pub fn advance<E, O>(
-        &self,
-        state: &mut StateOf<S, P, B, R>,
-        excitation: &E,
-        until: Instant,
-        budget: u32,
-        observer: &mut O,
-    ) -> Result<Advance, StepError<S>>
-    where
-        E: Excitation<S>,
-        O: ModalObserver<S, B, R, MemoryOf<S, P>>,
-    {
-        self.run::<true, E, O>(state, excitation, until, budget, observer)
-    }
-
-    /// The same, but ends with a whole step: less than a short step beyond `until`.
-    ///
-    /// A cut step makes coefficients of its own, which costs more than many steps: where a run is advanced
-    /// from sample to sample this is the cheaper way. `excitation` must be known for a short step beyond
-    /// `until`.
-    ///
-    /// # Errors
-    /// As [`Stepper::advance`].
-    pub fn advance_beyond<E, O>(
-        &self,
-        state: &mut StateOf<S, P, B, R>,
-        excitation: &E,
-        until: Instant,
-        budget: u32,
-        observer: &mut O,
-    ) -> Result<Advance, StepError<S>>
-    where
-        E: Excitation<S>,
-        O: ModalObserver<S, B, R, MemoryOf<S, P>>,
-    {
-        self.run::<false, E, O>(state, excitation, until, budget, observer)
-    }
-
+    /// A cut step makes coefficients of its own, which cost more than many steps: where a run is advanced from sample to
+    /// sample, whole steps are cheaper. The base acceleration is taken as linear over each step: kinks of a sampled
+    /// excitation within a long step are rounded off.
     #[inline]
-    fn run<const CUT: bool, E, O>(
+    pub(super) fn run<const CUT: bool, E, O>(
         &self,
         state: &mut StateOf<S, P, B, R>,
         excitation: &E,
@@ -149,7 +128,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     ) -> Result<Advance, StepError<S>>
     where
         E: Excitation<S>,
-        O: ModalObserver<S, B, R, MemoryOf<S, P>>,
+        O: Observer<S>,
     {
         let mut work = Work::default();
         let budget = budget.max(LEAST_BUDGET);
@@ -176,7 +155,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
                     if self.cannot_touch(state, &trial, modes)
                         && self.resolves_voltage(&trial.end, interpolation_bound)
                     {
-                        take(state, &trial, (self.long.ticks, self.long.step), observer, &mut work)?;
+                        self.take(state, &trial, (self.long.ticks, self.long.step), observer, &mut work)?;
                         continue;
                     }
                 }
@@ -259,10 +238,69 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         bound
     }
 
+    /// Keeps a step of a number of ticks and seconds.
+    #[inline(always)]
+    fn take<O: Observer<S>>(
+        &self,
+        state: &mut StateOf<S, P, B, R>,
+        trial: &TrialOf<S, P, B, R>,
+        (ticks, step): (u32, S),
+        observer: &mut O,
+        work: &mut Work,
+    ) -> Result<(), StepError<S>> {
+        if !(trial.end.gap.is_finite() && trial.end.strain_charge.is_finite()) {
+            let failure = StepFailure::OutsideDomain { quantity: "gap coordinate", value: trial.end.gap };
+            return Err(StepError { failure, at: state.clock });
+        }
+        let mut energies = [S::ZERO; ALL_POWERS];
+        let integrated = match self.gramians.first() {
+            None => {
+                energies[PowerIndex::Load as usize] = trial.delivered;
+                1
+            }
+            Some(known) => {
+                let made;
+                let gramians = match known.iter().find(|known| known.ticks() == ticks) {
+                    Some(known) => known,
+                    None => {
+                        made = GramianSet::new(&self.scene, ticks);
+                        &made
+                    }
+                };
+                energies = self.scene.energies(gramians, state, trial, step);
+                ALL_POWERS
+            }
+        };
+        let (start, mut end) = (self.scene.outputs(state), self.scene.outputs(&trial.end));
+        end.in_contact |= self.scene.contact.kind() == ContactKind::Constrained;
+        // Behind a bridge the voltage of a step has its extremes at the ends, or at the corner of a polyline, which is
+        // level with the end or below it.
+        let chord = S::from_f64(0.5) * (start.voltage + end.voltage);
+        observer.step(&AcceptedStep {
+            from: state.clock,
+            ticks,
+            step,
+            start,
+            end,
+            energies: energies.get(..integrated).unwrap_or(&energies),
+            mean_voltage: if P::Load::SWITCHES { chord } else { trial.mean_voltage },
+            contact: self.scene.contact_within(state, trial),
+            energy_error: S::ZERO,
+            state_error: S::ZERO,
+        });
+        *state = State { short_steps: state.short_steps, ..trial.end };
+        if state.drift > S::ZERO && state.gap < -S::from_f64(OPENED) * state.drift {
+            state.gap += state.drift;
+            state.drift = S::ZERO;
+        }
+        work.steps += 1;
+        Ok(())
+    }
+
     /// A step of `ticks`, to where the run is divided: coefficients of its own, once.
     #[cold]
     #[inline(never)]
-    fn cut_step<E: Excitation<S>, O: ModalObserver<S, B, R, MemoryOf<S, P>>>(
+    fn cut_step<E: Excitation<S>, O: Observer<S>>(
         &self,
         ticks: u32,
         state: &mut StateOf<S, P, B, R>,
@@ -276,7 +314,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
 
     /// A step near contact, up to the first impact in it.
     #[inline(always)]
-    fn short_step<E: Excitation<S>, O: ModalObserver<S, B, R, MemoryOf<S, P>>>(
+    fn short_step<E: Excitation<S>, O: Observer<S>>(
         &self,
         set: &StepSetOf<S, P, B, R>,
         state: &mut StateOf<S, P, B, R>,
@@ -293,7 +331,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             return self.locate_impact((*set, trial), restitution, state, excitation, observer, work);
         }
         let was_closed = state.closed;
-        take(state, &trial, (set.ticks, set.step), observer, work)?;
+        self.take(state, &trial, (set.ticks, set.step), observer, work)?;
         if P::Contact::POSSIBLE && was_closed && !state.closed {
             BumpStop::<S, P, B, R>::close_gap(state);
         }
@@ -305,7 +343,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// The gap is at or below zero at the start and above it at the end of the attempt `beyond`.
     #[cold]
     #[inline(never)]
-    fn locate_impact<E: Excitation<S>, O: ModalObserver<S, B, R, MemoryOf<S, P>>>(
+    fn locate_impact<E: Excitation<S>, O: Observer<S>>(
         &self,
         beyond: (StepSetOf<S, P, B, R>, TrialOf<S, P, B, R>),
         restitution: S,
@@ -340,7 +378,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
             }
         }
         work.locating += attempts;
-        take(state, &reached, (set.ticks, set.step), observer, work)?;
+        self.take(state, &reached, (set.ticks, set.step), observer, work)?;
+        let before = *state;
         BumpStop::<S, P, B, R>::close_gap(state);
         let speed = reached.gap_rate;
         if !(speed > S::ZERO) {
@@ -359,7 +398,17 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
         state.closed = holds;
         let half = S::from_f64(0.5);
         let loss = half * (S::ONE - rebound * rebound) * speed * speed / self.scene.inverse_mass;
-        observer.impact(&ModalImpact { at: state.clock, speed, impulse, loss });
+        let mut energies = [S::ZERO; ALL_POWERS];
+        energies[PowerIndex::ContactForce as usize] = impulse;
+        observer.event(&Event {
+            at: state.clock,
+            guard: 0,
+            impact_speed: Some(speed),
+            before: self.scene.outputs(&before),
+            after: self.scene.outputs(state),
+            loss,
+            energies: &energies,
+        });
         Ok(())
     }
 }
@@ -373,29 +422,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             state.gap = S::ZERO;
         }
     }
-}
-
-/// Keeps a step.
-#[inline(always)]
-fn take<S: Scalar, C: Memory, O: ModalObserver<S, B, R, C>, const B: usize, const R: usize>(
-    state: &mut State<S, B, R, C>,
-    trial: &Trial<S, B, R, C>,
-    length: (u32, S),
-    observer: &mut O,
-    work: &mut Work,
-) -> Result<(), StepError<S>> {
-    if !(trial.end.gap.is_finite() && trial.end.strain_charge.is_finite()) {
-        let failure = StepFailure::OutsideDomain { quantity: "gap coordinate", value: trial.end.gap };
-        return Err(StepError { failure, at: state.clock });
-    }
-    observer.step(&trial.span(state, length));
-    *state = State { short_steps: state.short_steps, ..trial.end };
-    if state.drift > S::ZERO && state.gap < -S::from_f64(OPENED) * state.drift {
-        state.gap += state.drift;
-        state.drift = S::ZERO;
-    }
-    work.steps += 1;
-    Ok(())
 }
 
 /// At least `√(a² + b²)`, at most 8 % above it, without a root.

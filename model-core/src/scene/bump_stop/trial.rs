@@ -5,9 +5,8 @@
 //! with the tangent at the charge that was found, up to [`MOST_REDONE`] times, until the charge stays where it
 //! is. Modes do not enter these repetitions, only what they add up to.
 
-use super::circuit::{Circuit, Flow, Memory};
+use super::circuit::{Circuit, Memory, StepCurrent};
 use super::contact_law::{ContactKind, ContactLaw};
-use super::observer::ModalSpan;
 use super::parameters::Coupling;
 use super::state::StateOf;
 use super::step_set::StepSetOf;
@@ -20,37 +19,19 @@ pub(super) struct Trial<S, const B: usize, const R: usize, C: Memory> {
     pub(super) end: State<S, B, R, C>,
     /// Rate of the gap coordinate at the end of a step without contact force.
     pub(super) gap_rate: S,
-    force: S,
+    /// Contact force in N, constant over the step.
+    pub(super) force: S,
+    /// Mean terminal voltage in V, and mean of its square in V².
     pub(super) mean_voltage: S,
-    mean_square_voltage: S,
-    delivered: S,
-    account: C::Account,
+    pub(super) mean_square_voltage: S,
+    /// Energy delivered to the load in J; behind a bridge, into the storage.
+    pub(super) delivered: S,
+    pub(super) account: C::Account,
 }
 
 /// The trial of a harvester made of the parts `P`.
 pub(super) type TrialOf<S, P, const B: usize, const R: usize> =
     Trial<S, B, R, <<P as Parts<S>>::Load as Circuit<S>>::State>;
-
-impl<S: Scalar, const B: usize, const R: usize, C: Memory> Trial<S, B, R, C> {
-    /// What a meter sees of it, given the ticks and the seconds that it took.
-    pub(super) fn span<'a>(
-        &'a self,
-        start: &'a State<S, B, R, C>,
-        (ticks, step): (u32, S),
-    ) -> ModalSpan<'a, S, B, R, C> {
-        ModalSpan {
-            ticks,
-            step,
-            start,
-            end: &self.end,
-            force: self.force,
-            mean_voltage: self.mean_voltage,
-            mean_square_voltage: self.mean_square_voltage,
-            delivered: self.delivered,
-            account: self.account,
-        }
-    }
-}
 
 /// Times that a step is solved again at most.
 ///
@@ -68,7 +49,7 @@ struct Unloaded<S> {
 }
 
 /// A line of the circuit, solved for what it depends on.
-struct Line<S> {
+struct AffineCircuit<S> {
     /// Mean voltage without contact force.
     mean_voltage: S,
     /// Mean voltage per unit force, negated.
@@ -143,7 +124,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             }
         }
         end.strain_charge = strain;
-        let flow = Flow { voltage: start_voltage, charge: strain - start.strain_charge, mean_voltage };
+        let flow = StepCurrent { voltage: start_voltage, charge: strain - start.strain_charge, mean_voltage };
         let passed = self.load.conclude(&set.circuit, &flow, &mut end.circuit, &mut account);
         if self.load.is_short() {
             end.moved_charge = strain;
@@ -194,7 +175,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     ) -> Solution<S> {
         let unloaded_charge = unloaded.strain - start.strain_charge;
         let first = P::Load::line(&set.circuit);
-        let line = Line {
+        let line = AffineCircuit {
             mean_voltage: set.per_circuit
                 * (first.mean_by_voltage * start_voltage + first.mean_by_charge * unloaded_charge),
             voltage_by_force: set.voltage_by_force,
@@ -220,7 +201,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             let per_circuit = S::ONE / (S::ONE + back);
             let voltage_by_force = slope * set.gap_by_voltage * per_circuit;
             let by_circuit = if two_way { set.gap_by_voltage * voltage_by_force } else { S::ZERO };
-            let line = Line {
+            let line = AffineCircuit {
                 mean_voltage: per_circuit * (at_zero + slope * unloaded_charge),
                 voltage_by_force,
                 flexibility: without_circuit - by_circuit,
@@ -243,7 +224,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         &self,
         set: &StepSetOf<S, P, B, R>,
         start: &StateOf<S, P, B, R>,
-        line: &Line<S>,
+        line: &AffineCircuit<S>,
         unloaded: Unloaded<S>,
     ) -> Solution<S> {
         let Unloaded { mut strain, mut gap, mut rate } = unloaded;

@@ -1,16 +1,17 @@
 //! Modes, guards and jumps: impact, stick and release.
 
-use super::flow::Flow;
+use super::flow::{Circuit, Flow};
 use super::force_law::ForceLaw;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};
 use crate::integrate::step_control::ErrorScale;
 use crate::integrate::{Point, System};
+use crate::observer::{Motion, Outputs, StoredEnergy};
 use crate::part::load::{Load, Resistance};
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
-use crate::scene::{Harvester, StoredEnergy, coupled};
+use crate::scene::coupled;
 
 /// The modes of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +49,22 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         }
     }
 
+    /// Stored energy at a gap with its circuit and a velocity.
+    #[inline(always)]
+    fn stored_energy(&self, circuit: &Circuit<S>, gap: S, velocity: S) -> StoredEnergy<S> {
+        let half = S::from_f64(0.5);
+        let deflection = gap - self.initial_gap;
+        let opposite = self.tribo_charge - circuit.transferred;
+        // In charge units q²/(2 ε0 S) is m q²; the last term is C_p V²/2.
+        let electrical = opposite * opposite * gap
+            + circuit.transferred * circuit.transferred * self.dielectric
+            + self.parasitic * circuit.voltage * circuit.voltage;
+        StoredEnergy {
+            mechanical: half * (self.mass * velocity * velocity + self.stiffness * deflection * deflection),
+            electrical: self.mass * electrical,
+        }
+    }
+
     /// The contact force per mass while the mass is held, and its rate.
     ///
     /// Out of line, or the compiler would evaluate the excitation for it in flight too.
@@ -56,14 +73,14 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     fn release_guard<E: Excitation<S>, const POWERS: usize>(
         &self,
         point: &Point<S, STATES, POWERS>,
-        moment: &InputAt<'_, E>,
+        input: &InputAt<'_, E>,
     ) -> Guard<S> {
         let charge = point.state[CHARGE];
         let circuit = self.circuit(S::ZERO, charge);
         let [_, by_charge] = self.force_law.derivatives(&circuit, self.tribo_charge);
         Guard {
-            value: self.contact_force_per_mass(charge, moment.acceleration()),
-            rate: moment.jerk() + by_charge * point.derivative[CHARGE],
+            value: self.contact_force_per_mass(charge, input.acceleration()),
+            rate: input.jerk() + by_charge * point.derivative[CHARGE],
         }
     }
 
@@ -138,10 +155,10 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         _index: usize,
         armed: bool,
         point: &Point<S, STATES, POWERS>,
-        moment: &InputAt<'_, E>,
+        input: &InputAt<'_, E>,
     ) -> Guard<S> {
         if P::Sticking::POSSIBLE && mode == Mode::Stick {
-            return self.release_guard(point, moment);
+            return self.release_guard(point, input);
         }
         // After a release the gap starts at zero with no rate: it is let sink by the margin.
         let lowered = if armed { S::ZERO } else { self.release_margin() };
@@ -158,10 +175,10 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         mode: Mode,
         _index: usize,
         point: &Point<S, STATES, POWERS>,
-        moment: &InputAt<'_, E>,
+        input: &InputAt<'_, E>,
         step: S,
     ) -> Jump<S, Mode, STATES> {
-        let acceleration = moment.acceleration();
+        let acceleration = input.acceleration();
         if P::Sticking::POSSIBLE && mode == Mode::Stick {
             return self.leave_contact(Mode::Free, S::ZERO, point, acceleration, S::ZERO);
         }
@@ -186,39 +203,33 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
     fn error_scale(&self) -> ErrorScale<S> {
         ErrorScale { angular_frequency: self.angular_frequency, energy_floor: self.energy_floor }
     }
-}
 
-impl<S: Scalar, P: Parts<S>, const POWERS: usize> Harvester<S, STATES, POWERS> for ContactSeparation<S, P> {
-    fn coordinate(&self, point: &Point<S, STATES, POWERS>) -> Guard<S> {
-        Guard { value: point.state[GAP], rate: point.state[VELOCITY] }
-    }
-
-    fn voltage(&self, mode: Mode, point: &Point<S, STATES, POWERS>) -> S {
-        self.voltage_and_current(mode, &point.state, &point.derivative).0
-    }
-
-    fn stored_energy(&self, _mode: Mode, point: &Point<S, STATES, POWERS>) -> StoredEnergy<S> {
-        let [gap, velocity, charge] = point.state;
-        let half = S::from_f64(0.5);
-        let deflection = gap - self.initial_gap;
-        let circuit = self.circuit(gap, charge);
-        let opposite = self.tribo_charge - circuit.transferred;
-        // In charge units q²/(2 ε0 S) is m q²; the last term is C_p V²/2.
-        let electrical = opposite * opposite * gap
-            + circuit.transferred * circuit.transferred * self.dielectric
-            + self.parasitic * circuit.voltage * circuit.voltage;
-        StoredEnergy {
-            mechanical: half * (self.mass * velocity * velocity + self.stiffness * deflection * deflection),
-            electrical: self.mass * electrical,
-        }
-    }
-
+    #[inline(always)]
     fn is_stick(&self, mode: Mode) -> bool {
         mode == Mode::Stick
     }
 
+    #[inline(always)]
     fn is_impact(&self, mode: Mode, _guard: usize) -> bool {
         mode == Mode::Free
+    }
+
+    #[inline(always)]
+    fn outputs<'a>(&self, mode: Mode, point: &'a Point<S, STATES, POWERS>) -> Outputs<'a, S> {
+        let [gap, velocity, charge] = point.state;
+        let mut outputs = Outputs::of_state(&point.state);
+        outputs.motions[0] = Motion { value: gap, rate: velocity };
+        let circuit = self.circuit(gap, charge);
+        let (voltage, _) = self.voltage_and_current(mode, &point.state, &point.derivative);
+        let current =
+            circuit.transferred_by_gap * velocity + circuit.transferred_by_charge * point.derivative[CHARGE];
+        outputs.charge =
+            Motion { value: self.charge_unit * circuit.transferred, rate: self.charge_unit * current };
+        outputs.voltage = voltage;
+        outputs.stored = self.stored_energy(&circuit, gap, velocity);
+        outputs.stick = mode == Mode::Stick;
+        outputs.mode = u8::from(outputs.stick);
+        outputs
     }
 }
 

@@ -2,29 +2,14 @@
 
 use super::automaton::Mode;
 use super::flow::Flow;
-use super::{ContactSeparation, GAP, Parts, STATES, Start, Sticking};
-use crate::excitation::Excitation;
-use crate::hybrid::HybridState;
-use crate::integrate::StepControl;
-use crate::part::bounds::ParameterError;
+use super::{ContactSeparation, GAP, Parts, STATES, Sticking};
+use crate::observer::ALL_POWERS;
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
-use crate::scene::account;
 use crate::scene::coupled::Derivatives;
 use crate::scene::electrical_port::{ElectricalPort, PortVoltage};
 
 impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for ContactSeparation<S, P> {
-    type Start = Start<S>;
-
-    fn begin<E: Excitation<S>, C: StepControl<S>>(
-        &self,
-        start: &Start<S>,
-        excitation: &E,
-        control: &C,
-    ) -> Result<HybridState<S, Mode, STATES, 0>, ParameterError<S>> {
-        self.start(start, excitation, control)
-    }
-
     #[inline(always)]
     fn resistance(&self) -> Resistance<S> {
         self.load.resistance()
@@ -72,8 +57,8 @@ impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for ContactSeparation<S, P> {
     }
 
     #[inline(always)]
-    fn account(&self, mode: Mode, state: &[S; STATES], acceleration: S) -> [S; account::WHOLE] {
+    fn all_powers(&self, mode: Mode, state: &[S; STATES], acceleration: S) -> [S; ALL_POWERS] {
         // Of the rates the account asks for the current in a resistor only.
-        Flow { scene: self, mode }.account(state, &[S::ZERO; STATES], acceleration)
+        Flow { scene: self, mode }.all_powers(state, &[S::ZERO; STATES], acceleration)
     }
 }

@@ -4,10 +4,10 @@ use super::automaton::Mode;
 use super::force_law::ForceLaw;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
 use crate::integrate::System;
+use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
 use crate::part::load::{Load, Resistance};
 use crate::part::parasitic::Parasitic;
 use crate::scalar::Scalar;
-use crate::scene::account;
 use crate::scene::coupled::{self, Derivatives, ModeFactor};
 
 /// The electrical quantities at a gap and a total charge; charges in units of `√(2 ε0 S m)`.
@@ -134,14 +134,14 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         }
     }
 
-    /// The whole account of powers; see [`account`].
+    /// All powers; see [`PowerIndex`].
     #[inline(always)]
-    pub(super) fn account(
+    pub(super) fn all_powers(
         &self,
         state: &[S; STATES],
         rate: &[S; STATES],
         acceleration: S,
-    ) -> [S; account::WHOLE] {
+    ) -> [S; ALL_POWERS] {
         let scene = self.scene;
         let (voltage, current) = scene.voltage_and_current(self.mode, state, rate);
         let velocity = state[VELOCITY];
@@ -149,20 +149,20 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         let base = -momentum * acceleration;
         let circuit = scene.circuit(state[GAP], state[CHARGE]);
         let opposite = scene.tribo_charge - circuit.transferred;
-        let mut powers = [S::ZERO; account::WHOLE];
+        let mut powers = [S::ZERO; ALL_POWERS];
         // Written out: the compiler cannot know that nothing times a current is nothing.
-        powers[account::LOAD] = match scene.load.resistance() {
+        powers[PowerIndex::Load as usize] = match scene.load.resistance() {
             Resistance::Finite(_) => voltage * current,
             Resistance::Short | Resistance::Open => S::ZERO,
         };
-        powers[account::VOLTAGE_SQUARED] = voltage * voltage;
-        powers[account::VOLTAGE] = voltage;
-        powers[account::CURRENT_MAGNITUDE] = current.abs();
-        powers[account::BASE] = base;
-        powers[account::BASE_MAGNITUDE] = base.abs();
-        powers[account::DISSIPATION] = scene.damping_per_mass * momentum * velocity;
-        powers[account::ELECTROSTATIC_WORK] = scene.attraction(&circuit) * momentum;
-        powers[account::FIELD_WORK] = opposite * opposite * momentum;
+        powers[PowerIndex::VoltageSquared as usize] = voltage * voltage;
+        powers[PowerIndex::Voltage as usize] = voltage;
+        powers[PowerIndex::CurrentMagnitude as usize] = current.abs();
+        powers[PowerIndex::Base as usize] = base;
+        powers[PowerIndex::BaseMagnitude as usize] = base.abs();
+        powers[PowerIndex::Dissipation as usize] = scene.damping_per_mass * momentum * velocity;
+        powers[PowerIndex::ElectrostaticWork as usize] = scene.attraction(&circuit) * momentum;
+        powers[PowerIndex::FieldWork as usize] = opposite * opposite * momentum;
         powers
     }
 }
@@ -232,7 +232,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
 
     #[inline(always)]
     fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
-        account::first(&self.account(state, rate, acceleration))
+        first_powers(&self.all_powers(state, rate, acceleration))
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least a

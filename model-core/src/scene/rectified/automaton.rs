@@ -7,9 +7,9 @@ use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};
 use crate::integrate::step_control::ErrorScale;
 use crate::integrate::{Point, System};
+use crate::observer::{ALL_POWERS, Outputs, PowerIndex, StorageOutput, first_powers};
 use crate::part::storage::StorageElement;
 use crate::scalar::{Scalar, add_increment};
-use crate::scene::{Harvester, StoredEnergy, account};
 
 /// The modes: the harvester's, the bridge's regime, and whether the draw is connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -207,11 +207,11 @@ where
         index: usize,
         armed: bool,
         point: &Point<S, STATES, POWERS>,
-        moment: &InputAt<'_, E>,
+        input: &InputAt<'_, E>,
     ) -> Guard<S> {
         match self.watch(mode, index) {
             Watch::Harvester(index) => {
-                self.harvester.guard(mode.inner, index, armed, &self.own_point(mode, point), moment)
+                self.harvester.guard(mode.inner, index, armed, &self.own_point(mode, point), input)
             }
             Watch::Begin(regime) => self.begin_guard(mode, regime, &point.state),
             Watch::End => self.end_guard(mode, point),
@@ -229,10 +229,10 @@ where
         mode: Self::Mode,
         index: usize,
         point: &Point<S, STATES, POWERS>,
-        moment: &InputAt<'_, E>,
+        input: &InputAt<'_, E>,
         step: S,
     ) -> Jump<S, Self::Mode, STATES> {
-        let acceleration = moment.acceleration();
+        let acceleration = input.acceleration();
         let Point { state, remainder, .. } = *point;
         let watch = self.watch(mode, index);
         let Watch::Harvester(index) = watch else {
@@ -244,7 +244,7 @@ where
             let mode = Mode { regime, connected, ..mode };
             return self.land::<POWERS>(mode, watch == Watch::End, state, remainder, acceleration);
         };
-        let own = self.harvester.jump(mode.inner, index, &self.own_point(mode, point), moment, step);
+        let own = self.harvester.jump(mode.inner, index, &self.own_point(mode, point), input, step);
         let mode = Mode { inner: own.mode, ..mode };
         let state = [own.state[POSITION], own.state[VELOCITY], state[CHARGE], state[STORAGE]];
         let remainder =
@@ -268,7 +268,7 @@ where
         point: &Point<S, STATES, POWERS>,
         after: &Jump<S, Self::Mode, STATES>,
     ) -> [S; POWERS] {
-        let mut energies = [S::ZERO; account::WHOLE];
+        let mut energies = [S::ZERO; ALL_POWERS];
         if let Watch::Begin(regime) = self.watch(mode, index) {
             let sign: S = regime.sign();
             let at = self.electrics(after.mode, &after.state);
@@ -278,11 +278,11 @@ where
             let half = S::from_f64(0.5);
             // V(x, Q0) − s (B + 2 V_D), which has fallen to what the storage rises as the charge has passed.
             let excess = sign * (at.charge - after.state[CHARGE]) / at.charge_by_voltage;
-            energies[account::LOAD] = passed * (base + half * at.gained);
-            energies[account::CURRENT_MAGNITUDE] = passed;
-            energies[account::DIODES] = passed * (drop + drop + half * excess);
+            energies[PowerIndex::Load as usize] = passed * (base + half * at.gained);
+            energies[PowerIndex::CurrentMagnitude as usize] = passed;
+            energies[PowerIndex::Diodes as usize] = passed * (drop + drop + half * excess);
         }
-        account::first(&energies)
+        first_powers(&energies)
     }
 
     #[inline(always)]
@@ -291,45 +291,11 @@ where
     }
 
     #[inline(always)]
-    fn check(&self, mode: Self::Mode, state: &[S; STATES]) -> Result<(), (&'static str, S)> {
-        self.harvester.check(mode.inner, &[state[POSITION], state[VELOCITY], state[CHARGE]])
-    }
-}
-
-impl<S, H, R, const POWERS: usize> Harvester<S, STATES, POWERS> for Rectified<S, H, R>
-where
-    S: Scalar,
-    H: ElectricalPort<S>,
-    R: StorageElement<S>,
-{
-    fn coordinate(&self, point: &Point<S, STATES, POWERS>) -> Guard<S> {
-        // Position and velocity are the harvester's whatever the bridge does.
-        let own = Point {
-            state: [point.state[POSITION], point.state[VELOCITY], point.state[CHARGE]],
-            remainder: [S::ZERO; 3],
-            derivative: [point.derivative[POSITION], point.derivative[VELOCITY], S::ZERO],
-            powers: [],
-        };
-        self.harvester.coordinate(&own)
-    }
-
-    fn voltage(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> S {
-        if mode.regime == BridgeRegime::Blocked {
-            self.harvester.voltage(mode.inner, &self.own_point(mode, point))
-        } else {
-            mode.regime.sign::<S>() * self.bridge.threshold(self.storage_voltage(mode, &point.state))
-        }
-    }
-
-    /// Of the harvester; for the storage see [`Rectified::stored_energy_at`].
-    fn stored_energy(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> StoredEnergy<S> {
-        self.harvester.stored_energy(mode.inner, &self.own_point(mode, point))
-    }
-
     fn is_stick(&self, mode: Self::Mode) -> bool {
         self.harvester.is_stick(mode.inner)
     }
 
+    #[inline(always)]
     fn is_impact(&self, mode: Self::Mode, guard: usize) -> bool {
         match self.watch(mode, guard) {
             Watch::Harvester(index) => self.harvester.is_impact(mode.inner, index),
@@ -337,15 +303,28 @@ where
         }
     }
 
-    fn compensated_storage_voltage(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> [S; 2] {
+    /// Stored energy is that of the harvester alone.
+    #[inline(always)]
+    fn outputs<'a>(&self, mode: Self::Mode, point: &'a Point<S, STATES, POWERS>) -> Outputs<'a, S> {
+        let own = self.own_point(mode, point);
+        let mut outputs = self.harvester.outputs(mode.inner, &own).with_state(&point.state);
         let gained = self.electrics(mode, &point.state).gained;
-        let (voltage, rest) = add_increment(point.state[STORAGE], point.remainder[STORAGE], gained);
-        [voltage, rest]
+        let (voltage, remainder) = add_increment(point.state[STORAGE], point.remainder[STORAGE], gained);
+        if mode.regime != BridgeRegime::Blocked {
+            outputs.voltage = mode.regime.sign::<S>() * self.bridge.threshold(voltage);
+        }
+        outputs.storage = Some(StorageOutput {
+            voltage,
+            remainder,
+            capacitance: self.bridge.storage.capacitance(),
+            connected: mode.connected,
+        });
+        outputs.mode = mode.number(outputs.mode);
+        outputs
     }
 
-    fn storage_gain(&self, from: [S; 2], to: [S; 2]) -> Option<S> {
-        let rise = (to[0] - from[0]) + (to[1] - from[1]);
-        let half = S::from_f64(0.5) / self.per_farad;
-        (self.per_farad > S::ZERO).then(|| half * rise * (to[0] + from[0]))
+    #[inline(always)]
+    fn check(&self, mode: Self::Mode, state: &[S; STATES]) -> Result<(), (&'static str, S)> {
+        self.harvester.check(mode.inner, &[state[POSITION], state[VELOCITY], state[CHARGE]])
     }
 }

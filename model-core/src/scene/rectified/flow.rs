@@ -3,9 +3,9 @@
 use super::electrics::Electrics;
 use super::{BridgeRegime, ElectricalPort, Mode, POSITION, Rectified, STATES, STORAGE, VELOCITY};
 use crate::integrate::System;
+use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
 use crate::part::storage::StorageElement;
 use crate::scalar::Scalar;
-use crate::scene::account;
 use crate::scene::coupled::{Derivatives, ModeFactor};
 
 /// The flow of one mode, `M` the harvester's own.
@@ -30,27 +30,28 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Flow<'_, S, H, R, H:
         self.scene.harvester.is_stick(self.mode.inner)
     }
 
-    /// The whole account of powers; see [`account`].
+    /// All powers; see [`PowerIndex`].
     #[inline(always)]
-    fn account(&self, state: &[S; STATES], acceleration: S) -> [S; account::WHOLE] {
+    fn all_powers(&self, state: &[S; STATES], acceleration: S) -> [S; ALL_POWERS] {
         let scene = self.scene;
         let (at, own) = self.parts(state);
         let storage = &scene.bridge.storage;
         let volts = at.storage_voltage;
-        let mut powers = scene.harvester.account(self.mode.inner, &own, acceleration);
+        let mut powers = scene.harvester.all_powers(self.mode.inner, &own, acceleration);
         if self.mode.regime != BridgeRegime::Blocked {
             let sign: S = self.mode.regime.sign();
             let current = scene.harvester.coulombs() * at.rectified(sign, state[VELOCITY]);
             let threshold = scene.bridge.threshold(volts);
             let drop = scene.bridge.diode_drop;
-            powers[account::LOAD] = volts * current;
-            powers[account::VOLTAGE_SQUARED] = threshold * threshold;
-            powers[account::VOLTAGE] = sign * threshold;
-            powers[account::CURRENT_MAGNITUDE] = current.abs();
-            powers[account::DIODES] = (drop + drop) * current;
+            powers[PowerIndex::Load as usize] = volts * current;
+            powers[PowerIndex::VoltageSquared as usize] = threshold * threshold;
+            powers[PowerIndex::Voltage as usize] = sign * threshold;
+            powers[PowerIndex::CurrentMagnitude as usize] = current.abs();
+            powers[PowerIndex::Diodes as usize] = (drop + drop) * current;
         }
-        powers[account::LEAKED] = volts * storage.leakage(volts);
-        powers[account::DRAWN] = if self.mode.connected { volts * storage.drawn(volts) } else { S::ZERO };
+        powers[PowerIndex::Leakage as usize] = volts * storage.leakage(volts);
+        powers[PowerIndex::Draw as usize] =
+            if self.mode.connected { volts * storage.drawn(volts) } else { S::ZERO };
         powers
     }
 }
@@ -133,7 +134,7 @@ where
 
     #[inline(always)]
     fn powers(&self, state: &[S; STATES], _rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
-        account::first(&self.account(state, acceleration))
+        first_powers(&self.all_powers(state, acceleration))
     }
 
     /// The charge that passes in a step is what the ends have let pass, and the storage's voltage is linear in it but
@@ -149,12 +150,12 @@ where
         let charge = sign * scene.harvester.coulombs() * (to.passed - from.passed);
         let drop = scene.bridge.diode_drop;
         let known = [
-            (account::LOAD, S::from_f64(0.5) * (from.storage_voltage + to.storage_voltage) * charge),
-            (account::CURRENT_MAGNITUDE, charge),
-            (account::DIODES, (drop + drop) * charge),
+            (PowerIndex::Load, S::from_f64(0.5) * (from.storage_voltage + to.storage_voltage) * charge),
+            (PowerIndex::CurrentMagnitude, charge),
+            (PowerIndex::Diodes, (drop + drop) * charge),
         ];
         for (index, energy) in known {
-            if let Some(entry) = energies.get_mut(index) {
+            if let Some(entry) = energies.get_mut(index as usize) {
                 *entry = energy;
             }
         }

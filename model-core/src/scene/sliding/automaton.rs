@@ -6,10 +6,11 @@ use crate::excitation::{Excitation, Sine};
 use crate::hybrid::{Automaton, Guard, HybridState, InputAt, Jump};
 use crate::integrate::step_control::ErrorScale;
 use crate::integrate::{Point, System};
+use crate::observer::{Motion, Outputs, StoredEnergy};
 use crate::part::friction::turns_until_release;
 use crate::part::load::{Load, Resistance};
 use crate::scalar::{Mathematics, Scalar};
-use crate::scene::{Harvester, StoredEnergy, coupled};
+use crate::scene::coupled;
 
 /// The modes of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,12 +126,12 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         &self,
         index: usize,
         point: &Point<S, STATES, POWERS>,
-        moment: &InputAt<'_, E>,
+        input: &InputAt<'_, E>,
     ) -> Guard<S> {
         let charge_rate = point.derivative[CHARGE];
         let [[pull, pull_by_charge], [hold, hold_by_charge]] =
-            self.balance(&point.state, moment.acceleration());
-        let pull_rate = self.base_coupling * moment.jerk() + pull_by_charge * charge_rate;
+            self.balance(&point.state, input.acceleration());
+        let pull_rate = self.base_coupling * input.jerk() + pull_by_charge * charge_rate;
         let hold_rate = hold_by_charge * charge_rate;
         if index == BACKWARD {
             Guard { value: hold - pull, rate: hold_rate - pull_rate }
@@ -205,11 +206,11 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         index: usize,
         armed: bool,
         point: &Point<S, STATES, POWERS>,
-        moment: &InputAt<'_, E>,
+        input: &InputAt<'_, E>,
     ) -> Guard<S> {
         let (forward, ahead) = match mode {
             Mode::Sliding { forward, ahead } => (forward, ahead),
-            Mode::Stick if Self::STICKS => return self.release_guard(index, point, moment),
+            Mode::Stick if Self::STICKS => return self.release_guard(index, point, input),
             Mode::Stick => (true, true),
         };
         let [displacement, velocity, _] = point.state;
@@ -242,10 +243,10 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         mode: Mode,
         index: usize,
         point: &Point<S, STATES, POWERS>,
-        moment: &InputAt<'_, E>,
+        input: &InputAt<'_, E>,
         step: S,
     ) -> Jump<S, Mode, STATES> {
-        let acceleration = moment.acceleration();
+        let acceleration = input.acceleration();
         let [displacement, velocity, charge] = point.state;
         let rate = point.derivative[CHARGE];
         let rest = [displacement, S::ZERO, charge];
@@ -279,32 +280,29 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
     }
 
     #[inline(always)]
-    fn check(&self, _mode: Mode, state: &[S; STATES]) -> Result<(), (&'static str, S)> {
-        let displacement = state[DISPLACEMENT];
-        if displacement.abs() < self.diameter { Ok(()) } else { Err(("displacement", displacement)) }
-    }
-}
-
-impl<S: Scalar, P: Parts<S>, const POWERS: usize> Harvester<S, STATES, POWERS> for Sliding<S, P> {
-    fn coordinate(&self, point: &Point<S, STATES, POWERS>) -> Guard<S> {
-        Guard { value: point.state[DISPLACEMENT], rate: point.state[VELOCITY] }
-    }
-
-    fn voltage(&self, mode: Mode, point: &Point<S, STATES, POWERS>) -> S {
-        self.voltage_and_current(mode, &point.state, &point.derivative).0
-    }
-
-    fn stored_energy(&self, mode: Mode, point: &Point<S, STATES, POWERS>) -> StoredEnergy<S> {
-        let [mechanical, electrical] = self.energies(mode, point.state);
-        StoredEnergy { mechanical, electrical }
-    }
-
     fn is_stick(&self, mode: Mode) -> bool {
         mode == Mode::Stick
     }
 
-    fn is_impact(&self, _mode: Mode, _guard: usize) -> bool {
-        false
+    #[inline(always)]
+    fn outputs<'a>(&self, mode: Mode, point: &'a Point<S, STATES, POWERS>) -> Outputs<'a, S> {
+        let [displacement, velocity, charge] = point.state;
+        let mut outputs = Outputs::of_state(&point.state);
+        outputs.motions[0] = Motion { value: displacement, rate: velocity };
+        let (voltage, current) = self.voltage_and_current(mode, &point.state, &point.derivative);
+        outputs.charge = Motion { value: self.charge_unit * charge, rate: current };
+        outputs.voltage = voltage;
+        let [mechanical, electrical] = self.energies(mode, point.state);
+        outputs.stored = StoredEnergy { mechanical, electrical };
+        outputs.stick = mode == Mode::Stick;
+        outputs.mode = mode.number();
+        outputs
+    }
+
+    #[inline(always)]
+    fn check(&self, _mode: Mode, state: &[S; STATES]) -> Result<(), (&'static str, S)> {
+        let displacement = state[DISPLACEMENT];
+        if displacement.abs() < self.diameter { Ok(()) } else { Err(("displacement", displacement)) }
     }
 }
 

@@ -5,10 +5,10 @@ use super::force_law::ForceLaw;
 use super::lateral_force::LateralForce;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
 use crate::integrate::System;
+use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
 use crate::part::disc_overlap::DiscOverlap;
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
-use crate::scene::account;
 use crate::scene::coupled::{self, Derivatives, ModeFactor};
 
 /// The electrical quantities at a displacement and a charge, in units of the charge and of volts per
@@ -263,14 +263,14 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         }
     }
 
-    /// The whole account of powers; see [`account`].
+    /// All powers; see [`PowerIndex`].
     #[inline(always)]
-    pub(super) fn account(
+    pub(super) fn all_powers(
         &self,
         state: &[S; STATES],
         rate: &[S; STATES],
         acceleration: S,
-    ) -> [S; account::WHOLE] {
+    ) -> [S; ALL_POWERS] {
         let scene = self.scene;
         let [displacement, velocity, charge] = *state;
         let (voltage, current) = scene.voltage_and_current(self.mode, state, rate);
@@ -282,21 +282,22 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         let [normal, _] = scene.normal(&circuit);
         let slope = scene.active_by_displacement(ahead, displacement);
         let taken_up = -scene.field_force(&circuit, slope) * momentum;
-        let mut powers = [S::ZERO; account::WHOLE];
+        let mut powers = [S::ZERO; ALL_POWERS];
         // Written out: the compiler cannot know that nothing times a current is nothing.
-        powers[account::LOAD] = match scene.load.resistance() {
+        powers[PowerIndex::Load as usize] = match scene.load.resistance() {
             Resistance::Finite(_) => voltage * current,
             Resistance::Short | Resistance::Open => S::ZERO,
         };
-        powers[account::VOLTAGE_SQUARED] = voltage * voltage;
-        powers[account::VOLTAGE] = voltage;
-        powers[account::CURRENT_MAGNITUDE] = current.abs();
-        powers[account::BASE] = base;
-        powers[account::BASE_MAGNITUDE] = base.abs();
-        powers[account::DISSIPATION] =
+        powers[PowerIndex::VoltageSquared as usize] = voltage * voltage;
+        powers[PowerIndex::Voltage as usize] = voltage;
+        powers[PowerIndex::CurrentMagnitude as usize] = current.abs();
+        powers[PowerIndex::Base as usize] = base;
+        powers[PowerIndex::BaseMagnitude as usize] = base.abs();
+        powers[PowerIndex::Dissipation as usize] =
             momentum * (scene.damping_per_mass * velocity + self.direction() * coefficient * normal);
-        powers[account::ELECTROSTATIC_WORK] = if scene.lateral_force.acts() { taken_up } else { S::ZERO };
-        powers[account::FIELD_WORK] = taken_up;
+        powers[PowerIndex::ElectrostaticWork as usize] =
+            if scene.lateral_force.acts() { taken_up } else { S::ZERO };
+        powers[PowerIndex::FieldWork as usize] = taken_up;
         powers
     }
 }
@@ -373,7 +374,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
 
     #[inline(always)]
     fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
-        account::first(&self.account(state, rate, acceleration))
+        first_powers(&self.all_powers(state, rate, acceleration))
     }
 
     /// The charge `q` follows `t s2(x)` within `Λ h/(s1 + Λ h)` of their difference, whose rounding `δ`

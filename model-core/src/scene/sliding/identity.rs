@@ -7,17 +7,23 @@ use crate::hybrid::HybridState;
 use crate::integrate::StepControl;
 use crate::part::load::Load;
 use crate::scalar::Scalar;
-use crate::scene::{ParameterError, Resumable};
+use crate::scene::{ClosedForm, ParameterError, Scene};
 use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
 
-impl<S: Scalar, P: Parts<S>, const POWERS: usize> Resumable<S, STATES, POWERS> for Sliding<S, P> {
-    fn at_rest<E: Excitation<S>, C: StepControl<S>>(
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for Sliding<S, P> {
+    type Start = Start<S>;
+
+    fn start<E: Excitation<S>, C: StepControl<S>>(
         &self,
-        _before: Option<&HybridState<S, Mode, STATES, POWERS>>,
+        start: &Start<S>,
         excitation: &E,
         control: &C,
     ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>> {
-        self.start(&Start::default(), excitation, control)
+        self.start(start, excitation, control)
+    }
+
+    fn closed_form(&self, amplitude: S, frequency: S) -> Option<ClosedForm<S>> {
+        Some(self.closed_form(amplitude, frequency))
     }
 
     fn identify(&self, fingerprint: &mut Fingerprint) {
@@ -49,16 +55,22 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Resumable<S, STATES, POWERS> f
     }
 }
 
+impl Mode {
+    /// Number of the mode in outputs and snapshots.
+    pub(super) fn number(self) -> u8 {
+        match self {
+            Self::Sliding { forward, ahead } => u8::from(forward) + 2 * u8::from(ahead),
+            Self::Stick => 4,
+        }
+    }
+}
+
 /// A byte: 0 to 3 sliding, 1 for forward and 2 for ahead added up; 4 stuck.
 impl Snapshot for Mode {
     const BYTES: usize = 1;
 
     fn write(&self, out: &mut Writer<'_>) {
-        match *self {
-            Self::Sliding { forward, ahead } => u8::from(forward) + 2 * u8::from(ahead),
-            Self::Stick => 4,
-        }
-        .write(out);
+        self.number().write(out);
     }
 
     fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {

@@ -8,17 +8,23 @@ use crate::integrate::StepControl;
 use crate::part::load::Load;
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
-use crate::scene::{ParameterError, Resumable};
+use crate::scene::{ClosedForm, ParameterError, Scene};
 use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
 
-impl<S: Scalar, P: Parts<S>, const POWERS: usize> Resumable<S, STATES, POWERS> for ContactSeparation<S, P> {
-    fn at_rest<E: Excitation<S>, C: StepControl<S>>(
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for ContactSeparation<S, P> {
+    type Start = Start<S>;
+
+    fn start<E: Excitation<S>, C: StepControl<S>>(
         &self,
-        _before: Option<&HybridState<S, Mode, STATES, POWERS>>,
+        start: &Start<S>,
         excitation: &E,
         control: &C,
     ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>> {
-        self.start(&Start::default(), excitation, control)
+        self.start(start, excitation, control)
+    }
+
+    fn closed_form(&self, amplitude: S, frequency: S) -> Option<ClosedForm<S>> {
+        Some(self.closed_form(amplitude, frequency))
     }
 
     fn identify(&self, fingerprint: &mut Fingerprint) {

@@ -6,43 +6,44 @@ use crate::hybrid::{Automaton, HybridState};
 use crate::integrate::{Point, StepControl};
 use crate::part::storage::StorageElement;
 use crate::scalar::{Scalar, add_increment};
-use crate::scene::{ParameterError, Resumable, StorageReading, coupled};
+use crate::scene::{ParameterError, Scene, coupled};
 use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
 
 /// The mode of a rectified harvester.
 type ModeOf<S, H> = Mode<<H as Automaton<S, { coupled::STATES }, 0>>::Mode>;
 
-impl<S, H, R, const POWERS: usize> Resumable<S, STATES, POWERS> for Rectified<S, H, R>
+impl<S, H, R, const POWERS: usize> Scene<S, STATES, POWERS> for Rectified<S, H, R>
 where
     S: Scalar,
-    H: ElectricalPort<S, Start: Default> + Resumable<S, { coupled::STATES }, 0>,
+    H: ElectricalPort<S>,
     R: StorageElement<S>,
 {
-    fn at_rest<E: Excitation<S>, C: StepControl<S>>(
+    type Start = H::Start;
+
+    fn start<E: Excitation<S>, C: StepControl<S>>(
         &self,
-        before: Option<&HybridState<S, ModeOf<S, H>, STATES, POWERS>>,
+        start: &H::Start,
         excitation: &E,
         control: &C,
     ) -> Result<HybridState<S, ModeOf<S, H>, STATES, POWERS>, ParameterError<S>> {
-        let mut state = self.start(&H::Start::default(), excitation, control)?;
-        if let Some(before) = before {
-            state.mode.connected = before.mode.connected;
-            let volts = self.storage_voltage(before.mode, &before.point.state);
-            let input = excitation.acceleration(state.clock);
-            Resumable::set_storage_voltage(self, &mut state, volts, input);
-        }
-        Ok(state)
+        self.start(start, excitation, control)
+    }
+
+    fn keep_storage(
+        &self,
+        before: &HybridState<S, ModeOf<S, H>, STATES, POWERS>,
+        state: &mut HybridState<S, ModeOf<S, H>, STATES, POWERS>,
+        acceleration: S,
+    ) {
+        state.mode.connected = before.mode.connected;
+        let voltage = self.storage_voltage(before.mode, &before.point.state);
+        Scene::set_storage_voltage(self, state, voltage, acceleration);
     }
 
     fn identify(&self, fingerprint: &mut Fingerprint) {
         fingerprint.name("rectified");
         self.harvester.identify(fingerprint);
         self.bridge.identify(fingerprint);
-    }
-
-    fn storage(&self, state: &HybridState<S, ModeOf<S, H>, STATES, POWERS>) -> Option<StorageReading<S>> {
-        let voltage = self.storage_voltage(state.mode, &state.point.state);
-        Some(StorageReading { voltage, energy: self.stored_energy_at(voltage) })
     }
 
     fn set_storage_voltage(
@@ -60,6 +61,18 @@ where
         state.mode.regime = BridgeRegime::Blocked;
         state.point =
             Point { remainder, ..Point::at(&Flow { scene: self, mode: state.mode }, now, acceleration) };
+    }
+}
+
+impl<M> Mode<M> {
+    /// Number of the mode in outputs: the harvester's, 16 times the regime, 64 for a connected draw.
+    pub(super) fn number(&self, inner: u8) -> u8 {
+        let regime = match self.regime {
+            BridgeRegime::Blocked => 0,
+            BridgeRegime::Forward => 16,
+            BridgeRegime::Backward => 32,
+        };
+        inner + regime + 64 * u8::from(self.connected)
     }
 }
 

@@ -3,14 +3,13 @@
 use super::circuit::Circuit;
 use super::contact_law::{ContactKind, ContactLaw};
 use super::parameters::Coupling;
-use super::{BumpStop, Parts, State, StateOf, Stepper};
+use super::{BumpStop, Parts, State};
 use crate::scalar::Scalar;
-use crate::scene::StorageReading;
 use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Takes everything that tells this harvester from another into a fingerprint.
-    pub fn identify(&self, fingerprint: &mut Fingerprint) {
+    pub(super) fn identify(&self, fingerprint: &mut Fingerprint) {
         fingerprint.name("bump-stop");
         fingerprint.count(self.beam.len() as u32);
         fingerprint.count(self.rod.len() as u32);
@@ -29,36 +28,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             ContactKind::Constrained => fingerprint.count(2),
             ContactKind::Impulsive { restitution } => fingerprint.numbers(&[restitution]),
         }
-    }
-}
-
-impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Voltage and energy of the storage; `None` without one.
-    #[must_use]
-    pub fn reading(&self, state: &StateOf<S, P, B, R>) -> Option<StorageReading<S>> {
-        let voltage = self.load.storage(&state.circuit)?.voltage;
-        self.load.stored(&state.circuit).map(|energy| StorageReading { voltage, energy })
-    }
-
-    /// Puts the storage to a voltage in V, at or above 0: for what is drawn from it, or read of it, from outside.
-    /// Without a storage nothing changes.
-    pub fn set_storage_voltage(&self, state: &mut StateOf<S, P, B, R>, volts: S) {
-        P::Load::set_storage_voltage(&mut state.circuit, volts);
-    }
-}
-
-impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R> {
-    /// Length of a short step in ticks.
-    #[must_use]
-    pub fn short_ticks(&self) -> u32 {
-        self.short.ticks
-    }
-
-    /// Takes the harvester and the lengths of its steps into a fingerprint.
-    pub fn identify(&self, fingerprint: &mut Fingerprint) {
-        self.scene.identify(fingerprint);
-        fingerprint.count(self.short.ticks);
-        fingerprint.count(self.long.ticks);
     }
 }
 

@@ -1,0 +1,83 @@
+//! Attempted steps of one mode from one start, and the guards along them.
+
+use super::{Automaton, Guard, InputAt};
+use crate::clock::{Instant, seconds_of_ticks};
+use crate::excitation::Excitation;
+use crate::integrate::{Method, NotConverged, Point, Trial};
+use crate::scalar::Scalar;
+
+/// Guards that a mode may have: each has a bit in the set of those located in a step.
+pub(super) const MOST_GUARDS: usize = 32;
+
+/// One mode of one automaton from one start: what every attempt of a step has in common.
+pub(super) struct Attempts<'a, S, A, E, M, const N: usize, const P: usize>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+{
+    pub(super) automaton: &'a A,
+    pub(super) mode: A::Mode,
+    pub(super) armed: bool,
+    pub(super) start: &'a Point<S, N, P>,
+    pub(super) clock: Instant,
+    pub(super) excitation: &'a E,
+    pub(super) method: &'a M,
+    pub(super) accuracy: S,
+}
+
+impl<S, A, E, M, const N: usize, const P: usize> Clone for Attempts<'_, S, A, E, M, N, P>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+{
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S, A, E, M, const N: usize, const P: usize> Copy for Attempts<'_, S, A, E, M, N, P>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+{
+}
+
+impl<S, A, E, M, const N: usize, const P: usize> Attempts<'_, S, A, E, M, N, P>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+    E: Excitation<S>,
+    M: Method<S>,
+{
+    /// Takes a step of `ticks`.
+    #[inline(always)]
+    pub(super) fn attempt(&self, ticks: u32) -> Result<Trial<S, N, P>, NotConverged> {
+        let flow = self.automaton.flow(self.mode);
+        let input = |offset: u32| self.excitation.acceleration(self.clock.after(offset));
+        self.method.attempt(&flow, self.start, input, ticks, self.accuracy)
+    }
+
+    /// Guard number `index` at a point `ticks` into the step.
+    #[inline(always)]
+    pub(super) fn guard(&self, index: usize, point: &Point<S, N, P>, ticks: u32) -> Guard<S> {
+        let input = InputAt::new(self.excitation, self.clock.after(ticks));
+        self.automaton.guard(self.mode, index, self.armed, point, &input)
+    }
+
+    /// The guard, without those whose bit is in `done`, that falls first in the step to `trial`, with
+    /// the fraction of the step at which the dense output has it.
+    #[inline(always)]
+    pub(super) fn first_fall(&self, trial: &Trial<S, N, P>, ticks: u32, done: u32) -> Option<(usize, S)> {
+        let mut first = None;
+        for index in 0..self.automaton.guards(self.mode).min(MOST_GUARDS) {
+            let (start, end) = (self.guard(index, self.start, 0), self.guard(index, &trial.end, ticks));
+            if done & (1 << index) == 0
+                && let Some(theta) = start.until(&end, seconds_of_ticks(ticks)).first_fall()
+                && first.is_none_or(|(_, earliest)| theta < earliest)
+            {
+                first = Some((index, theta));
+            }
+        }
+        first
+    }
+}

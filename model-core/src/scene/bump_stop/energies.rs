@@ -1,0 +1,268 @@
+//! The energies of a step: work of the base, damping, contact, circuit.
+//!
+//! Over a step each mode moves under a force that is linear in time, so its velocity is known in closed form: `ẇ` of
+//! the same oscillator, driven by the constant rate of the force. The integrals of the velocity's square (damping) and
+//! of its product with the base acceleration (work) are quadratic and linear in the state. Their coefficients are made
+//! once for each length of step by Gauss's rule. The energy ledger then closes up to the error of contact and circuit:
+//!
+//! ```text
+//! Δ(½ Σ (ṙ² + ω² r²) + ½ Σ (q̇² + Ω² q²) + ½ k g₊² + χ ½ C v²)
+//!     = −∫ a (Σ γ ṙ + Σ g q̇) dt − ∫ 2ζ (Σ ω ṙ² + Σ Ω q̇²) dt − χ ∫ v²/R dt − losses in contact
+//! ```
+
+use super::circuit::Circuit;
+use super::contact_law::{ContactKind, ContactLaw};
+use super::parameters::Coupling;
+use super::state::StateOf;
+use super::trial::TrialOf;
+use super::{BumpStop, Parts, State};
+use crate::clock::seconds_of_ticks;
+use crate::integrate::modal::ModalStep;
+use crate::observer::{ALL_POWERS, Contact, PowerIndex, StoredEnergy};
+use crate::scalar::{CompensatedSum, Scalar};
+
+/// Integrals over a step of the free responses `A` (to a displacement) and `B` (to a velocity).
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Gramian<S> {
+    /// `∫A², ∫AB, ∫B²`.
+    squares: [S; 3],
+    /// `∫A, ∫B`.
+    means: [S; 2],
+    /// `∫tA, ∫tB`.
+    moments: [S; 2],
+}
+
+/// Nodes and weights of Gauss's rule of five points on −1 to 1, those above zero.
+const NODES: [f64; 3] = [0.0, 0.538_469_310_105_683_1, 0.906_179_845_938_664];
+const WEIGHTS: [f64; 3] = [0.568_888_888_888_888_9, 0.478_628_670_499_366_47, 0.236_926_885_056_189_08];
+/// Radians of a mode in one panel of the rule.
+const PANEL: f64 = 0.25;
+/// Panels at most: beyond, a mode turns so often in a step that its damping is not resolved.
+const MOST_PANELS: u32 = 4096;
+
+impl<S: Scalar> Gramian<S> {
+    fn new(angular_frequency: S, damping_ratio: S, step: S) -> Self {
+        let radians = angular_frequency * step;
+        let panels = (radians / S::from_f64(PANEL)).to_u32().saturating_add(1).min(MOST_PANELS);
+        let half = S::from_f64(0.5) * step / S::from_u32(panels);
+        let mut sums = [CompensatedSum::ZERO; 7];
+        for panel in 0..panels {
+            let middle = half * S::from_u32(2 * panel + 1);
+            for (place, weight) in NODES.into_iter().zip(WEIGHTS) {
+                for sign in [-1.0, 1.0] {
+                    if place == 0.0 && sign < 0.0 {
+                        continue;
+                    }
+                    let at = middle + half * S::from_f64(place * sign);
+                    let modal = ModalStep::new(angular_frequency, damping_ratio, at);
+                    let (a, b) =
+                        (S::ONE + modal.displacement_by_displacement, modal.displacement_by_velocity);
+                    let weight = half * S::from_f64(weight);
+                    let terms = [a * a, a * b, b * b, a, b, at * a, at * b];
+                    for (sum, term) in sums.iter_mut().zip(terms) {
+                        sum.add(weight * term);
+                    }
+                }
+            }
+        }
+        let [aa, ab, bb, a, b, ta, tb] = sums.map(|sum| sum.value());
+        Self { squares: [aa, ab, bb], means: [a, b], moments: [ta, tb] }
+    }
+}
+
+/// The Gramians of all modes for one length of step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct GramianSet<S, const B: usize, const R: usize> {
+    ticks: u32,
+    beam: [Gramian<S>; B],
+    rod: [Gramian<S>; R],
+}
+
+/// What one oscillator did in one step.
+struct Oscillator<S> {
+    angular_frequency: S,
+    damping_ratio: S,
+    /// Displacement and velocity at the start.
+    start: [S; 2],
+    /// Modal force at the start and its rise over the step.
+    force: [S; 2],
+}
+
+impl<S: Scalar> Oscillator<S> {
+    /// `∫ 2ζω ẇ² dt`, and `∫ ẇ dt` and `∫ t ẇ dt`, of the velocity `w`.
+    fn integrals(&self, gramian: &Gramian<S>, step: S) -> (S, [S; 2]) {
+        let omega = self.angular_frequency;
+        let damping = S::from_f64(2.0) * self.damping_ratio * omega;
+        let [displacement, velocity] = self.start;
+        // w'' + 2ζω w' + ω² w = p' : towards w∞ from w(0) and w'(0).
+        let settled = self.force[1] / (step * omega * omega);
+        let start = velocity - settled;
+        let rate = self.force[0] - damping * velocity - omega * omega * displacement;
+        let two = S::from_f64(2.0);
+        let [aa, ab, bb] = gramian.squares;
+        let mean = gramian.means[0] * start + gramian.means[1] * rate;
+        let moment = gramian.moments[0] * start + gramian.moments[1] * rate;
+        let square = settled * (settled * step + two * mean)
+            + aa * start * start
+            + two * ab * start * rate
+            + bb * rate * rate;
+        let half_square = S::from_f64(0.5) * step * step;
+        (damping * square, [settled * step + mean, settled * half_square + moment])
+    }
+}
+
+impl<S: Scalar, const B: usize, const R: usize> GramianSet<S, B, R> {
+    /// The Gramians of all modes of `scene` for a step of `ticks`.
+    pub(super) fn new<P: Parts<S>>(scene: &BumpStop<S, P, B, R>, ticks: u32) -> Self {
+        let of = |omega| Gramian::new(omega, scene.damping_ratio, seconds_of_ticks(ticks));
+        Self {
+            ticks,
+            beam: scene.beam.map(|mode| of(mode.angular_frequency)),
+            rod: scene.rod.map(|mode| of(mode.angular_frequency)),
+        }
+    }
+
+    /// Length of the step in ticks.
+    pub(super) fn ticks(&self) -> u32 {
+        self.ticks
+    }
+}
+
+/// Works of one step, in J.
+struct Works<S> {
+    base: S,
+    damping: S,
+}
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
+    /// Integrals of all powers over a step of `step` seconds, in the order of [`PowerIndex`].
+    pub(super) fn energies(
+        &self,
+        gramians: &GramianSet<S, B, R>,
+        start: &StateOf<S, P, B, R>,
+        trial: &TrialOf<S, P, B, R>,
+        step: S,
+    ) -> [S; ALL_POWERS] {
+        let Works { base, damping } = self.works(gramians, start, trial, step);
+        let field = trial.mean_voltage * (trial.end.strain_charge - start.strain_charge);
+        let account = P::Load::account(&trial.account);
+        let mut energies = [S::ZERO; ALL_POWERS];
+        energies[PowerIndex::Load as usize] = trial.delivered;
+        energies[PowerIndex::VoltageSquared as usize] = trial.mean_square_voltage * step;
+        energies[PowerIndex::Voltage as usize] = trial.mean_voltage * step;
+        energies[PowerIndex::CurrentMagnitude as usize] = (trial.end.moved_charge - start.moved_charge).abs();
+        energies[PowerIndex::Base as usize] = base;
+        energies[PowerIndex::BaseMagnitude as usize] = base.abs();
+        energies[PowerIndex::Dissipation as usize] = damping;
+        energies[PowerIndex::ElectrostaticWork as usize] =
+            if self.coupling.is_two_way() { field } else { S::ZERO };
+        energies[PowerIndex::FieldWork as usize] = field;
+        energies[PowerIndex::Diodes as usize] = account.diodes;
+        energies[PowerIndex::Leakage as usize] = account.leaked;
+        energies[PowerIndex::Draw as usize] = account.drawn;
+        energies[PowerIndex::ContactForce as usize] = trial.force * step;
+        energies
+    }
+
+    /// Work of the base and of the damping on all modes.
+    fn works(
+        &self,
+        gramians: &GramianSet<S, B, R>,
+        start: &StateOf<S, P, B, R>,
+        trial: &TrialOf<S, P, B, R>,
+        step: S,
+    ) -> Works<S> {
+        let voltage = if self.coupling.is_two_way() { trial.mean_voltage } else { S::ZERO };
+        let acceleration = start.acceleration;
+        let rise = trial.end.acceleration - acceleration;
+        let damping_ratio = self.damping_ratio;
+        let mut works = Works { base: S::ZERO, damping: S::ZERO };
+        let mut add = |angular_frequency, gramian: &Gramian<S>, start, base: S, constant: S| {
+            let force = [constant - base * acceleration, -base * rise];
+            let oscillator = Oscillator { angular_frequency, damping_ratio, start, force };
+            let (loss, [moved, moment]) = oscillator.integrals(gramian, step);
+            works.damping += loss;
+            works.base -= base * (acceleration * moved + rise * moment / step);
+        };
+        for ((mode, gramian), start) in self.beam.iter().zip(&gramians.beam).zip(&start.beam) {
+            let constant = -mode.contact * trial.force - mode.voltage * voltage;
+            add(mode.angular_frequency, gramian, *start, mode.base, constant);
+        }
+        for ((mode, gramian), start) in self.rod.iter().zip(&gramians.rod).zip(&start.rod) {
+            add(mode.angular_frequency, gramian, *start, mode.base, mode.contact * trial.force);
+        }
+        works
+    }
+
+    /// The contact within a step.
+    #[inline(always)]
+    pub(super) fn contact_within(
+        &self,
+        start: &StateOf<S, P, B, R>,
+        trial: &TrialOf<S, P, B, R>,
+    ) -> Contact<S> {
+        if !P::Contact::POSSIBLE || !(trial.force > S::ZERO) {
+            return Contact::NONE;
+        }
+        let (from, to) = (start.gap, trial.end.gap);
+        // Before touch-down and after lift-off the step is open.
+        let begins = if from < S::ZERO && to > S::ZERO { crossing(from, to) } else { S::ZERO };
+        let ends = if to < S::ZERO && from > S::ZERO { crossing(from, to) } else { S::ONE };
+        let compliant = self.contact.kind() == ContactKind::Compliant;
+        let at_end = if compliant { self.stiffness * to } else { S::ZERO };
+        Contact {
+            force: trial.force,
+            peak_force: trial.force.max(at_end),
+            begins,
+            ends,
+            loss: if compliant { S::ZERO } else { self.contact_loss(start, trial) },
+        }
+    }
+
+    /// Energy in J that a rigid contact takes from the modes in a step.
+    fn contact_loss(&self, start: &StateOf<S, P, B, R>, trial: &TrialOf<S, P, B, R>) -> S {
+        let mut closed = S::ZERO;
+        for ((mode, start), end) in self.beam.iter().zip(&start.beam).zip(&trial.end.beam) {
+            closed += mode.contact * (end[0] - start[0]);
+        }
+        for ((mode, start), end) in self.rod.iter().zip(&start.rod).zip(&trial.end.rod) {
+            closed -= mode.contact * (end[0] - start[0]);
+        }
+        trial.force * closed
+    }
+
+    /// Stored energy: mechanical (modes and contact), and in the capacitance.
+    #[inline]
+    pub(super) fn stored_energy<C>(&self, state: &State<S, B, R, C>) -> StoredEnergy<S> {
+        let half = S::from_f64(0.5);
+        let mut mechanical = self.contact_energy(state);
+        let of = |omega: S, [displacement, velocity]: [S; 2]| {
+            let scaled = omega * displacement;
+            half * (velocity * velocity + scaled * scaled)
+        };
+        for (mode, coordinate) in self.beam.iter().zip(&state.beam) {
+            mechanical += of(mode.angular_frequency, *coordinate);
+        }
+        for (mode, coordinate) in self.rod.iter().zip(&state.rod) {
+            mechanical += of(mode.angular_frequency, *coordinate);
+        }
+        let voltage = self.voltage(state);
+        StoredEnergy { mechanical, electrical: half * self.capacitance * voltage * voltage }
+    }
+
+    /// Energy of the contact's spring in J; a rigid contact has none.
+    fn contact_energy<C>(&self, state: &State<S, B, R, C>) -> S {
+        if P::Contact::POSSIBLE && self.contact.kind() == ContactKind::Compliant {
+            let pressed = state.gap.max(S::ZERO);
+            S::from_f64(0.5) * self.stiffness * pressed * pressed
+        } else {
+            S::ZERO
+        }
+    }
+}
+
+/// The fraction of a step at which a gap coordinate comes to zero, by a straight line.
+fn crossing<S: Scalar>(from: S, to: S) -> S {
+    let apart = (to - from).abs();
+    if apart > S::ZERO { from.abs() / apart } else { S::ZERO }
+}
