@@ -7,7 +7,7 @@
 //! 10⁻⁹ of a turn of the truth, in either precision.
 
 use crate::scalar::Scalar;
-use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::snapshot_fields;
 
 /// Number of ticks in a second, as a power of two.
 const TICKS_PER_SECOND_LOG2: i32 = 40;
@@ -76,17 +76,7 @@ impl Instant {
     }
 }
 
-impl Snapshot for Instant {
-    const BYTES: usize = u64::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.0.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(Self(Snapshot::read(from)?))
-    }
-}
+snapshot_fields!(impl [] Instant { 0 });
 
 /// `mantissa · 2^exponent` rounded to nearest; `None` if it does not fit in 128 bits.
 fn scale_to_integer(mantissa: u64, exponent: i32) -> Option<u128> {

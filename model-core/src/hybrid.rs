@@ -18,7 +18,7 @@ use crate::integrate::step_control::{ControlMemory, ErrorScale};
 use crate::integrate::{Point, StepControl, System};
 use crate::observer::Outputs;
 use crate::scalar::Scalar;
-use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::{Snapshot, snapshot_fields};
 
 pub use driver::{Advance, Driver, Ended, LEAST_BUDGET, StepError, StepFailure, Work};
 
@@ -251,39 +251,6 @@ impl<S: Scalar, Mode: Copy, const N: usize, const P: usize> HybridState<S, Mode,
     }
 }
 
-impl<S: Scalar, Mode: Snapshot, const N: usize, const P: usize> Snapshot for HybridState<S, Mode, N, P> {
-    const BYTES: usize = Instant::BYTES
-        + Mode::BYTES
-        + Point::<S, N, P>::BYTES
-        + bool::BYTES
-        + ControlMemory::<S>::BYTES
-        + u32::BYTES
-        + u8::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.clock.write(out);
-        self.mode.write(out);
-        self.point.write(out);
-        self.armed.write(out);
-        self.control.write(out);
-        self.since_event.write(out);
-        self.crowded_events.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        let state = Self {
-            clock: Snapshot::read(from)?,
-            mode: Snapshot::read(from)?,
-            point: Snapshot::read(from)?,
-            armed: Snapshot::read(from)?,
-            control: Snapshot::read(from)?,
-            since_event: Snapshot::read(from)?,
-            crowded_events: Snapshot::read(from)?,
-        };
-        if state.crowded_events <= driver::MOST_CROWDED_EVENTS {
-            Ok(state)
-        } else {
-            Err(SnapshotError::NoState)
-        }
-    }
-}
+snapshot_fields!(impl [S: Scalar, Mode: Snapshot, const N: usize, const P: usize] HybridState<S, Mode, N, P> {
+    clock, mode, point, armed, control, since_event, crowded_events,
+} if |state| state.crowded_events <= driver::MOST_CROWDED_EVENTS);

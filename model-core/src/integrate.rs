@@ -14,7 +14,7 @@ pub mod step_control;
 mod tr_bdf2;
 
 use crate::scalar::Scalar;
-use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::snapshot_fields;
 
 pub use runge_kutta::RungeKutta4;
 pub use step_control::{Adaptive, AnyStepControl, FixedStep, StepControl};
@@ -127,25 +127,9 @@ impl<S: Scalar, const N: usize, const P: usize> Point<S, N, P> {
     }
 }
 
-impl<S: Scalar, const N: usize, const P: usize> Snapshot for Point<S, N, P> {
-    const BYTES: usize = (3 * N + P) * S::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.state.write(out);
-        self.remainder.write(out);
-        self.derivative.write(out);
-        self.powers.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(Self {
-            state: Snapshot::read(from)?,
-            remainder: Snapshot::read(from)?,
-            derivative: Snapshot::read(from)?,
-            powers: Snapshot::read(from)?,
-        })
-    }
-}
+snapshot_fields!(impl [S: Scalar, const N: usize, const P: usize] Point<S, N, P> {
+    state, remainder, derivative, powers,
+});
 
 /// What a method found at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -113,6 +113,67 @@ pub trait Snapshot: Sized {
     fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError>;
 }
 
+/// Implements [`Snapshot`] for a struct from one list of its fields, which are written in that order.
+///
+/// `snapshot_fields!(impl [S: Scalar] Pair<S> { low, high } if |pair| pair.low <= pair.high);` The condition
+/// after `if` is optional. A value for which the condition does not hold is refused on reading.
+macro_rules! snapshot_fields {
+    (impl [$($generics:tt)*] $type:ty { $($field:tt),+ $(,)? } $(if $is_sound:expr)?) => {
+        impl<$($generics)*> $crate::snapshot::Snapshot for $type {
+            const BYTES: usize = 0 $(+ $crate::snapshot::bytes_of_field(|value: &Self| &value.$field))+;
+
+            fn write(&self, out: &mut $crate::snapshot::Writer<'_>) {
+                $($crate::snapshot::Snapshot::write(&self.$field, out);)+
+            }
+
+            fn read(
+                from: &mut $crate::snapshot::Reader<'_>,
+            ) -> Result<Self, $crate::snapshot::SnapshotError> {
+                let value = Self { $($field: $crate::snapshot::Snapshot::read(from)?),+ };
+                $(
+                    let is_sound: fn(&Self) -> bool = $is_sound;
+                    if !is_sound(&value) {
+                        return Err($crate::snapshot::SnapshotError::NoState);
+                    }
+                )?
+                Ok(value)
+            }
+        }
+    };
+}
+pub(crate) use snapshot_fields;
+
+/// Bytes of the field that the function selects; only the type of the field is used.
+pub(crate) const fn bytes_of_field<T, Field: Snapshot>(_select: fn(&T) -> &Field) -> usize {
+    Field::BYTES
+}
+
+/// Implements [`Snapshot`] for an enum without fields: one byte, the discriminant of the variant.
+macro_rules! snapshot_variants {
+    ($type:ty { $($variant:ident),+ $(,)? }) => {
+        impl $crate::snapshot::Snapshot for $type {
+            const BYTES: usize = 1;
+
+            fn write(&self, out: &mut $crate::snapshot::Writer<'_>) {
+                $crate::snapshot::Snapshot::write(&(*self as u8), out);
+            }
+
+            fn read(
+                from: &mut $crate::snapshot::Reader<'_>,
+            ) -> Result<Self, $crate::snapshot::SnapshotError> {
+                let byte: u8 = $crate::snapshot::Snapshot::read(from)?;
+                $(
+                    if byte == Self::$variant as u8 {
+                        return Ok(Self::$variant);
+                    }
+                )+
+                Err($crate::snapshot::SnapshotError::NoState)
+            }
+        }
+    };
+}
+pub(crate) use snapshot_variants;
+
 /// Where a snapshot is written to.
 #[derive(Debug)]
 pub struct Writer<'a> {

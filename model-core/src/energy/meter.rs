@@ -8,7 +8,7 @@ use crate::clock::Instant;
 use crate::integrate::cubic::Cubic;
 use crate::observer::{ALL_POWERS, AcceptedStep, Event, Motion, Observer, Outputs, PowerIndex};
 use crate::scalar::{CompensatedSum, Scalar};
-use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::snapshot_fields;
 
 /// Integrals of all powers over time, and the elapsed time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,18 +97,7 @@ impl<S: Scalar> Default for PowerMeter<S> {
     }
 }
 
-impl<S: Scalar> Snapshot for PowerMeter<S> {
-    const BYTES: usize = CompensatedSum::<S>::BYTES + u64::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.delivered.write(out);
-        self.ticks.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(Self { delivered: Snapshot::read(from)?, ticks: Snapshot::read(from)? })
-    }
-}
+snapshot_fields!(impl [S: Scalar] PowerMeter<S> { delivered, ticks });
 
 impl<S: Scalar> Observer<S> for PowerMeter<S> {
     #[inline(always)]

@@ -15,7 +15,7 @@
 
 use super::storage::StorageElement;
 use crate::scalar::{Mathematics, Scalar, add_increment};
-use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::snapshot_fields;
 
 /// What changes in a storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,23 +29,7 @@ pub struct StorageState<S> {
     pub connected: bool,
 }
 
-impl<S: Scalar> Snapshot for StorageState<S> {
-    const BYTES: usize = 2 * S::BYTES + bool::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.voltage.write(out);
-        self.remainder.write(out);
-        self.connected.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(Self {
-            voltage: Snapshot::read(from)?,
-            remainder: Snapshot::read(from)?,
-            connected: Snapshot::read(from)?,
-        })
-    }
-}
+snapshot_fields!(impl [S: Scalar] StorageState<S> { voltage, remainder, connected });
 
 /// Energies of a step in joules, each of them at or above zero.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,7 +1,7 @@
 //! Sums that keep the part a plain addition would round away.
 
 use super::Scalar;
-use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::snapshot_fields;
 
 /// A running sum with a correction term: the error stays at one rounding of the result however
 /// many terms are added, so that a day of small energies adds up in `f32`.
@@ -46,18 +46,7 @@ impl<S: Scalar> Default for CompensatedSum<S> {
     }
 }
 
-impl<S: Scalar> Snapshot for CompensatedSum<S> {
-    const BYTES: usize = 2 * S::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.sum.write(out);
-        self.correction.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(Self { sum: Snapshot::read(from)?, correction: Snapshot::read(from)? })
-    }
-}
+snapshot_fields!(impl [S: Scalar] CompensatedSum<S> { sum, correction });
 
 /// `high + low + increment` as a new pair whose `low` is what rounding took from `high`.
 ///

@@ -5,7 +5,7 @@ use crate::integrate::step_control::REMEMBERED_RADIANS;
 use crate::observer::{AcceptedStep, Event, Observer, PowerIndex};
 use crate::scalar::{CompensatedSum, Scalar};
 use crate::scene::StorageReading;
-use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::snapshot_fields;
 
 /// A power is a square: a small error of the state moves it twice as much.
 const POWER_PER_STATE: f64 = 2.0;
@@ -85,25 +85,7 @@ impl<S: Scalar> Observer<S> for EnergyAccumulator<S> {
     }
 }
 
-impl<S: Scalar> Snapshot for EnergyAccumulator<S> {
-    const BYTES: usize = 3 * CompensatedSum::<S>::BYTES + u64::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.energy.write(out);
-        self.energy_error.write(out);
-        self.state_error.write(out);
-        self.ticks.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(Self {
-            energy: Snapshot::read(from)?,
-            energy_error: Snapshot::read(from)?,
-            state_error: Snapshot::read(from)?,
-            ticks: Snapshot::read(from)?,
-        })
-    }
-}
+snapshot_fields!(impl [S: Scalar] EnergyAccumulator<S> { energy, energy_error, state_error, ticks });
 
 /// What is known of the harvest so far.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use super::accumulator::EnergyAccumulator;
 use crate::excitation::Stream;
 use crate::scalar::Scalar;
-use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::{Snapshot, snapshot_fields, snapshot_variants};
 
 /// How the samples stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,98 +75,12 @@ pub struct State<S, T> {
     pub(super) unknown_intervals: u64,
 }
 
-impl<S: Scalar, T: Snapshot> Snapshot for State<S, T> {
-    const BYTES: usize = Stream::<S>::BYTES
-        + T::BYTES
-        + EnergyAccumulator::<S>::BYTES
-        + Queue::<S>::BYTES
-        + Phase::BYTES
-        + bool::BYTES
-        + u8::BYTES
-        + 4 * u32::BYTES
-        + Option::<u32>::BYTES
-        + 2 * u64::BYTES;
+snapshot_fields!(impl [S: Scalar, T: Snapshot] State<S, T> {
+    stream, harvester, accumulator, queue, phase, pending, uncertain, settling, missing, expected, missing_samples,
+    saturated_samples, uncertain_intervals, unknown_intervals,
+});
 
-    fn write(&self, out: &mut Writer<'_>) {
-        self.stream.write(out);
-        self.harvester.write(out);
-        self.accumulator.write(out);
-        self.queue.write(out);
-        self.phase.write(out);
-        self.pending.write(out);
-        self.uncertain.write(out);
-        self.settling.write(out);
-        self.missing.write(out);
-        self.expected.write(out);
-        self.missing_samples.write(out);
-        self.saturated_samples.write(out);
-        self.uncertain_intervals.write(out);
-        self.unknown_intervals.write(out);
-    }
+snapshot_fields!(impl [S: Scalar] Queue<S> { from, target, saturated, restarts, length, left }
+    if |queue| queue.left <= queue.length);
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(Self {
-            stream: Snapshot::read(from)?,
-            harvester: Snapshot::read(from)?,
-            accumulator: Snapshot::read(from)?,
-            queue: Snapshot::read(from)?,
-            phase: Snapshot::read(from)?,
-            pending: Snapshot::read(from)?,
-            uncertain: Snapshot::read(from)?,
-            settling: Snapshot::read(from)?,
-            missing: Snapshot::read(from)?,
-            expected: Snapshot::read(from)?,
-            missing_samples: Snapshot::read(from)?,
-            saturated_samples: Snapshot::read(from)?,
-            uncertain_intervals: Snapshot::read(from)?,
-            unknown_intervals: Snapshot::read(from)?,
-        })
-    }
-}
-
-impl<S: Scalar> Snapshot for Queue<S> {
-    const BYTES: usize = 2 * S::BYTES + 2 * bool::BYTES + 2 * u32::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.from.write(out);
-        self.target.write(out);
-        self.saturated.write(out);
-        self.restarts.write(out);
-        self.length.write(out);
-        self.left.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        let queue = Self {
-            from: Snapshot::read(from)?,
-            target: Snapshot::read(from)?,
-            saturated: Snapshot::read(from)?,
-            restarts: Snapshot::read(from)?,
-            length: Snapshot::read(from)?,
-            left: Snapshot::read(from)?,
-        };
-        if queue.left <= queue.length { Ok(queue) } else { Err(SnapshotError::NoState) }
-    }
-}
-
-impl Snapshot for Phase {
-    const BYTES: usize = 1;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        match self {
-            Self::Waiting => 0_u8,
-            Self::Following => 1,
-            Self::Lost => 2,
-        }
-        .write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        match u8::read(from)? {
-            0 => Ok(Self::Waiting),
-            1 => Ok(Self::Following),
-            2 => Ok(Self::Lost),
-            _ => Err(SnapshotError::NoState),
-        }
-    }
-}
+snapshot_variants!(Phase { Waiting, Following, Lost });

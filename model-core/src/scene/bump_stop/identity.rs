@@ -5,7 +5,7 @@ use super::contact_law::{ContactKind, ContactLaw};
 use super::parameters::Coupling;
 use super::{BumpStop, Parts, State};
 use crate::scalar::Scalar;
-use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::{Fingerprint, Snapshot, snapshot_fields};
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Takes everything that tells this harvester from another into a fingerprint.
@@ -31,38 +31,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 }
 
-impl<S: Scalar, const B: usize, const R: usize, C: Snapshot> Snapshot for State<S, B, R, C> {
-    const BYTES: usize = u64::BYTES + (2 * (B + R) + 6) * S::BYTES + bool::BYTES + u16::BYTES + C::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.clock.write(out);
-        self.beam.write(out);
-        self.rod.write(out);
-        self.strain_charge.write(out);
-        self.moved_charge.write(out);
-        self.charge_remainder.write(out);
-        self.gap.write(out);
-        self.drift.write(out);
-        self.acceleration.write(out);
-        self.closed.write(out);
-        self.short_steps.write(out);
-        self.circuit.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(Self {
-            clock: Snapshot::read(from)?,
-            beam: Snapshot::read(from)?,
-            rod: Snapshot::read(from)?,
-            strain_charge: Snapshot::read(from)?,
-            moved_charge: Snapshot::read(from)?,
-            charge_remainder: Snapshot::read(from)?,
-            gap: Snapshot::read(from)?,
-            drift: Snapshot::read(from)?,
-            acceleration: Snapshot::read(from)?,
-            closed: Snapshot::read(from)?,
-            short_steps: Snapshot::read(from)?,
-            circuit: Snapshot::read(from)?,
-        })
-    }
-}
+snapshot_fields!(impl [S: Scalar, const B: usize, const R: usize, C: Snapshot] State<S, B, R, C> {
+    clock, beam, rod, strain_charge, moved_charge, charge_remainder, gap, drift, acceleration, closed, short_steps,
+    circuit,
+});

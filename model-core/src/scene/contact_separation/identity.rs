@@ -9,7 +9,7 @@ use crate::part::load::Load;
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
 use crate::scene::{ClosedForm, ParameterError, Scene};
-use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::{Fingerprint, snapshot_variants};
 
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for ContactSeparation<S, P> {
     type Start = Start<S>;
@@ -55,15 +55,4 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for C
     }
 }
 
-/// A byte: 0 free, 1 stuck.
-impl Snapshot for Mode {
-    const BYTES: usize = 1;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        (*self == Self::Stick).write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(if bool::read(from)? { Self::Stick } else { Self::Free })
-    }
-}
+snapshot_variants!(Mode { Free, Stick });

@@ -7,7 +7,7 @@ use crate::integrate::{Point, StepControl};
 use crate::part::storage::StorageElement;
 use crate::scalar::{Scalar, add_increment};
 use crate::scene::{ParameterError, Scene, coupled};
-use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::{Fingerprint, Snapshot, snapshot_fields, snapshot_variants};
 
 /// The mode of a rectified harvester.
 type ModeOf<S, H> = Mode<<H as Automaton<S, { coupled::STATES }, 0>>::Mode>;
@@ -67,38 +67,9 @@ where
 impl<M> Mode<M> {
     /// Number of the mode in outputs: the harvester's, 16 times the regime, 64 for a connected draw.
     pub(super) fn number(&self, inner: u8) -> u8 {
-        let regime = match self.regime {
-            BridgeRegime::Blocked => 0,
-            BridgeRegime::Forward => 16,
-            BridgeRegime::Backward => 32,
-        };
-        inner + regime + 64 * u8::from(self.connected)
+        inner + 16 * self.regime as u8 + 64 * u8::from(self.connected)
     }
 }
 
-/// The harvester's own mode, and a byte each for the regime (0 blocked, 1 forward, 2 backward) and the draw.
-impl<M: Snapshot> Snapshot for Mode<M> {
-    const BYTES: usize = M::BYTES + 2;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.inner.write(out);
-        let regime: u8 = match self.regime {
-            BridgeRegime::Blocked => 0,
-            BridgeRegime::Forward => 1,
-            BridgeRegime::Backward => 2,
-        };
-        regime.write(out);
-        self.connected.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        let inner = M::read(from)?;
-        let regime = match u8::read(from)? {
-            0 => BridgeRegime::Blocked,
-            1 => BridgeRegime::Forward,
-            2 => BridgeRegime::Backward,
-            _ => return Err(SnapshotError::NoState),
-        };
-        Ok(Self { inner, regime, connected: bool::read(from)? })
-    }
-}
+snapshot_variants!(BridgeRegime { Blocked, Forward, Backward });
+snapshot_fields!(impl [M: Snapshot] Mode<M> { inner, regime, connected });
