@@ -1,9 +1,12 @@
-//! Integrating a small system of ordinary differential equations one step at a time.
+//! One step of a small system of ordinary differential equations, `y' = f(y, u)`, and the length of the
+//! next step.
 //!
-//! Nothing here knows physics, a clock or an event. A [`System`] gives its flow, its Jacobian (as
-//! a factored iteration matrix) and a short list of powers; a [`Method`] takes one step from one
-//! [`Point`] to the next and integrates the powers with its own stage weights; a [`StepControl`]
-//! judges the step and proposes the next.
+//! A [`System`] gives its flow, its Jacobian as a factored iteration matrix, and a short list of powers. A
+//! [`Method`] takes one step from one [`Point`] to the next and integrates the powers with the weights of its
+//! stages. A [`StepControl`] accepts or rejects the step and proposes the length of the next one.
+//!
+//! The length of a step is a whole number of clock ticks of 2⁻⁴⁰ s. A method asks for the input `u` at a
+//! number of ticks into the step. Absolute time, events and physics are unknown to this module.
 
 pub mod cubic;
 pub mod discrete_gradient;

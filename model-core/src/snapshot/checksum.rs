@@ -1,6 +1,6 @@
 //! The cyclic redundancy check of snapshots, and fingerprints made of it.
 
-use crate::scalar::Scalar;
+use super::{Snapshot, Writer};
 
 /// CRC-32 with the polynomial of IEEE 802.3, reflected, started and ended with all bits set.
 ///
@@ -67,12 +67,13 @@ impl Fingerprint {
         self.0.include(name.as_bytes());
     }
 
-    /// Takes in the bits of numbers, and so their precision.
-    pub fn numbers<S: Scalar>(&mut self, numbers: &[S]) {
+    /// Takes in the bytes of numbers of at most 64 bits, and with their count also their precision.
+    pub fn numbers<T: Snapshot>(&mut self, numbers: &[T]) {
+        const { assert!(T::BYTES <= 8, "numbers of at most 64 bits") };
         for number in numbers {
             let mut bytes = [0; 8];
-            number.write(&mut super::Writer { left: &mut bytes });
-            self.0.include(bytes.get(..S::BYTES).unwrap_or(&bytes));
+            number.write(&mut Writer { left: &mut bytes });
+            self.0.include(bytes.get(..T::BYTES).unwrap_or(&bytes));
         }
     }
 
