@@ -3,7 +3,7 @@
 //! the motion of the shipped scene.
 //!
 //! Three ways: the scene's own elimination by hand, whose time includes making the Jacobian; model-core's
-//! factorisation for any small system; and nalgebra's. The last two are given the matrix.
+//! factorisation for any small system; and nalgebra's. The last two are given the Jacobian.
 
 mod common;
 
@@ -11,8 +11,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use model_core::hybrid::Automaton;
-use model_core::integrate::System;
-use model_core::integrate::linear::Factored;
+use model_core::integrate::{DenseFactor, System};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::contact_separation::{ContactSeparation, Flow, Mode};
 use nalgebra::{RealField, SMatrix, SVector};
@@ -29,7 +28,7 @@ type Scene<S, M> = ContactSeparation<S, common::ShippedParts<M>>;
 struct Sample<S> {
     state: [S; N],
     weight: S,
-    matrix: [[S; N]; N],
+    jacobian: [[S; N]; N],
 }
 
 fn flow<S: Scalar, M: Mathematics<S>>(scene: &Scene<S, M>) -> Flow<'_, S, common::ShippedParts<M>> {
@@ -55,15 +54,20 @@ fn samples<S: Scalar + RealField>() -> Vec<Sample<S>> {
                 SVector::<f64, N>::from(System::<f64, N, 1>::solve(&flow, &factor, unit))
             }));
             let matrix = inverse.try_inverse().expect("regular");
+            let jacobian = (SMatrix::<f64, N, N>::identity() - matrix) / weight;
             Sample {
                 state: point.map(<S as Scalar>::from_f64),
                 weight: <S as Scalar>::from_f64(weight),
-                matrix: core::array::from_fn(|i| {
-                    core::array::from_fn(|j| <S as Scalar>::from_f64(matrix[(i, j)]))
+                jacobian: core::array::from_fn(|i| {
+                    core::array::from_fn(|j| <S as Scalar>::from_f64(jacobian[(i, j)]))
                 }),
             }
         })
         .collect()
+}
+
+fn peer_jacobian<S: RealField + Copy>(sample: &Sample<S>) -> SMatrix<S, N, N> {
+    SMatrix::from_fn(|i, j| sample.jacobian[i][j])
 }
 
 fn precision<S: Scalar + RealField, M: Mathematics<S>>(criterion: &mut Criterion, name: &str) {
@@ -88,7 +92,7 @@ fn precision<S: Scalar + RealField, M: Mathematics<S>>(criterion: &mut Criterion
     group.bench_function("model-core", |bencher| {
         bencher.iter(|| {
             for sample in black_box(&samples) {
-                let factor = Factored::new(sample.matrix).expect("regular");
+                let factor = DenseFactor::new(&sample.jacobian, sample.weight).expect("regular");
                 let mut x = right;
                 for _ in 0..SOLVES {
                     x = factor.solve(&x);
@@ -98,12 +102,12 @@ fn precision<S: Scalar + RealField, M: Mathematics<S>>(criterion: &mut Criterion
         });
     });
     group.bench_function("nalgebra", |bencher| {
-        let matrices: Vec<SMatrix<S, N, N>> =
-            samples.iter().map(|sample| SMatrix::from_fn(|i, j| sample.matrix[i][j])).collect();
+        let jacobians: Vec<(SMatrix<S, N, N>, S)> =
+            samples.iter().map(|sample| (peer_jacobian(sample), sample.weight)).collect();
         let right = SVector::<S, N>::from(right);
         bencher.iter(|| {
-            for matrix in black_box(&matrices) {
-                let factor = matrix.lu();
+            for (jacobian, weight) in black_box(&jacobians) {
+                let factor = (SMatrix::identity() - jacobian * *weight).lu();
                 let mut x = right;
                 for _ in 0..SOLVES {
                     x = factor.solve(&x).expect("regular");
@@ -124,8 +128,8 @@ fn agree<S: Scalar + RealField, M: Mathematics<S>>(samples: &[Sample<S>], right:
         let factor =
             System::<S, N, 1>::factor(&flow, &sample.state, S::ZERO, sample.weight).expect("regular");
         let hand = System::<S, N, 1>::solve(&flow, &factor, right);
-        let own = Factored::new(sample.matrix).expect("regular").solve(&right);
-        let peer = SMatrix::<S, N, N>::from_fn(|i, j| sample.matrix[i][j])
+        let own = DenseFactor::new(&sample.jacobian, sample.weight).expect("regular").solve(&right);
+        let peer = (SMatrix::identity() - peer_jacobian(sample) * sample.weight)
             .lu()
             .solve(&SVector::from(right))
             .expect("regular");

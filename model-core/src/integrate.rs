@@ -10,7 +10,7 @@
 
 pub mod cubic;
 pub mod discrete_gradient;
-pub mod linear;
+mod linear;
 pub mod modal;
 mod runge_kutta;
 pub mod step_control;
@@ -19,6 +19,7 @@ mod tr_bdf2;
 use crate::scalar::Scalar;
 use crate::snapshot::snapshot_fields;
 
+pub use linear::DenseFactor;
 pub use runge_kutta::RungeKutta4;
 pub use step_control::{Adaptive, AnyStepControl, FixedStep, StepControl};
 pub use tr_bdf2::TrBdf2;

@@ -11,8 +11,7 @@ use common::{Leap, Log, Machine, Problem, State, exact_seconds, precision};
 use model_core::clock::Instant;
 use model_core::excitation::Silence;
 use model_core::hybrid::{Driver, Ended, HybridState, LEAST_BUDGET, StepError, StepFailure};
-use model_core::integrate::linear::Factored;
-use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::integrate::{Adaptive, DenseFactor, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::scalar::Scalar;
 
 /// Where the trouble is; all start at 1 and fall with unit speed.
@@ -241,8 +240,8 @@ fn calling_again_after_a_vanished_step_changes_nothing() {
 #[test]
 fn a_matrix_that_is_not_finite_is_refused() {
     for pivot in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
-        assert_eq!(Factored::new([[pivot]]), None, "{pivot}");
-        assert_eq!(Factored::new([[2.0, 1.0], [1.0, pivot]]), None, "{pivot}");
-        assert_eq!(Factored::iteration_matrix(&[[pivot]], 0.1), None, "{pivot}");
+        assert_eq!(DenseFactor::new(&[[pivot]], 0.1), None, "{pivot}");
+        assert_eq!(DenseFactor::new(&[[pivot]], -1.0), None, "{pivot}");
+        assert_eq!(DenseFactor::new(&[[2.0, 1.0], [1.0, pivot]], 0.1), None, "{pivot}");
     }
 }

@@ -10,9 +10,8 @@ use core::fmt::Debug;
 use model_core::clock::Instant;
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, Ended, Guard, HybridState, InputAt, Jump, StepError, Work};
-use model_core::integrate::linear::Factored;
 use model_core::integrate::step_control::ErrorScale;
-use model_core::integrate::{Method, Point, StepControl, System};
+use model_core::integrate::{DenseFactor, Method, Point, StepControl, System};
 use model_core::observer::{AcceptedStep, Event, Observer, Outputs, PowerIndex};
 use model_core::scalar::Scalar;
 
@@ -71,14 +70,14 @@ pub(crate) struct Flowing<'a, Q, Mode> {
 }
 
 impl<S: Scalar, const N: usize, Q: Problem<S, N>> System<S, N, 1> for Flowing<'_, Q, Q::Mode> {
-    type Factor = Factored<S, N>;
+    type Factor = DenseFactor<S, N>;
 
     fn flow(&self, state: &[S; N], input: S) -> [S; N] {
         self.problem.rate(self.mode, state, input)
     }
 
     fn factor(&self, state: &[S; N], input: S, weight: S) -> Option<Self::Factor> {
-        Factored::iteration_matrix(&self.problem.jacobian(self.mode, state, input), weight)
+        DenseFactor::new(&self.problem.jacobian(self.mode, state, input), weight)
     }
 
     fn solve(&self, factor: &Self::Factor, right: [S; N]) -> [S; N] {
