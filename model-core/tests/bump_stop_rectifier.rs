@@ -79,7 +79,7 @@ fn a_bus_takes_what_the_closed_form_says() {
             close("peak voltage", meter.voltage().magnitude(), volts + 2.0 * drop, 1e-9);
         }
     }
-    // The published numbers, from an independent computation.
+    // Another program, not in this repository: event-driven, in NumPy, by the eigenvectors of each regime.
     let half = one_mode(baseline(bus(7.087_22 / 2.0, 0.0)), AnyCoupling::OneWay);
     close("published power", settled_power(&half, HERTZ), 176.0311e-6, 1e-5);
     let half = one_mode(baseline(bus((7.087_22 - 0.6) / 2.0, 0.3)), AnyCoupling::OneWay);
@@ -105,11 +105,11 @@ fn charging_from_empty_takes_the_steps_of_the_closed_form() {
             close("storage voltage", state.circuit.voltage, expected, 2e-5);
         }
     }
-    // Published for a start at rest of the circuit, whose phase is another: half a period is a hundredth.
+    // The NumPy program, for a start at rest of the circuit. Its phase is another: half a period is a hundredth.
     close("100 half periods", 7.087_22 * (1.0 - (0.984_07_f64 / 1.015_93).powi(100)), 6.7943, 1e-4);
 }
 
-/// The same from rest of the electrical side only, as published.
+/// The same from rest of the electrical side only, against the NumPy program.
 #[test]
 fn charging_does_not_depend_on_where_it_starts_by_more_than_half_a_period() {
     let (amplitude, lag) = receptance(HERTZ);

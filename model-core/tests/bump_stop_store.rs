@@ -1,4 +1,4 @@
-//! The bump-stop harvester behind a full bridge: the published trajectory through six regimes, the energy
+//! The bump-stop harvester behind a full bridge: the trajectory of another program through six regimes, the energy
 //! ledger with the storage in it, bits, and what the lengths of step cost.
 
 mod bridged;
@@ -35,7 +35,8 @@ fn after_12_ms<S: Scalar>(stepper: &Stepper<S, Bridged<S>, 4, 1>) -> ([f64; 2], 
     (voltages.map(S::to_f64), taken.work.steps)
 }
 
-/// By event location, from an independent computation; 54 events.
+/// Another program, not in this repository: event-driven, in NumPy, by the eigenvectors of the six regimes; 54
+/// events.
 const STORE_VOLTS: f64 = 0.675_257_0;
 const TERMINAL_VOLTS: f64 = 0.216_503_9;
 
@@ -47,7 +48,7 @@ fn the_published_trajectory_is_approached_in_second_order() {
         println!("{step:e}: {:e} {:e}", storage - STORE_VOLTS, terminals - TERMINAL_VOLTS);
         [(storage - STORE_VOLTS).abs(), (terminals - TERMINAL_VOLTS).abs()]
     });
-    // As good as the published method's at each step.
+    // As good at each step as the same method in another program.
     for (found, published) in errors.iter().zip([2.3e-4, 5.7e-5, 2.3e-6, 6.2e-7]) {
         assert!(found[0] < 1.02 * published, "{found:?}");
     }
@@ -281,10 +282,10 @@ fn a_draw_is_connected_and_disconnected_at_its_thresholds() {
     assert!(seen.on.iter().all(|volts| (turn_on..turn_on + 0.05).contains(volts)));
 }
 
-/// Storage voltages in V of 4.7 µF behind diodes of 0.3 V, from empty, at some instants in s; published to 1 mV
-/// for (10, 3) modes in steps of 1 µs. At rest the voltage of a storage is that of rare peaks, and so the
-/// figure that depends most on details: 0.3 % without a stop and 1.5 % with one are what the published
-/// computation claims for it.
+/// Storage voltages in V of 4.7 µF behind diodes of 0.3 V, from empty, at some instants in s. They are those of another
+/// program with the same method, (10, 3) modes and steps of 1 µs, to 1 mV. At the end rare peaks decide the voltage of
+/// the storage, so it depends on details more than any other figure. The other program states 0.3 % without a stop and
+/// 1.5 % with one for it.
 fn charges(stop: Option<[f64; 2]>, published: &[(f64, f64)], relative: f64) {
     let mut parameters = baseline(storage(4.7e-6, 0.0, AnyDraw::None, 0.3));
     match stop {

@@ -1,4 +1,7 @@
 //! The bump-stop scene behind a full bridge, from a scene file to an outcome.
+//!
+//! The expected store voltage is that of another program, which is not in this repository: event-driven, in NumPy,
+//! by the eigenvectors of the six regimes of contact and bridge.
 
 use std::path::Path;
 
@@ -23,7 +26,7 @@ fn run(scene: &Scene, options: &Options) -> (Outcome, StoreOutcome) {
 
 const SIX_REGIMES: &str = "{kind='rectified-store',capacitance_f=0.2e-6,diode_drop_v=0.05,leakage_ohm=inf,\
      initial_v=0.2,draw={kind='resistor',value=2e6}}";
-const AS_PUBLISHED: [(&str, &str); 5] = [
+const OTHER_PROGRAM: [(&str, &str); 5] = [
     ("parameters.beam_modes", "4"),
     ("stop.rod_modes", "1"),
     ("stop.gap_m", "5e-6"),
@@ -32,8 +35,8 @@ const AS_PUBLISHED: [(&str, &str); 5] = [
 ];
 
 #[test]
-fn the_published_store_voltage_comes_out_of_a_scene_file() {
-    let scene = shipped(SIX_REGIMES, &AS_PUBLISHED);
+fn the_store_voltage_of_another_program_comes_out_of_a_scene_file() {
+    let scene = shipped(SIX_REGIMES, &OTHER_PROGRAM);
     let step = Options { step_s: Some(1e-7), trace_every_s: Some(1e-3), ..Options::default() };
     let (outcome, storage) = run(&scene, &step);
     assert_close("storage voltage", value(storage.store_voltage_v), 0.675_257_0, 1e-5);
@@ -59,7 +62,7 @@ fn the_published_store_voltage_comes_out_of_a_scene_file() {
 
 #[test]
 fn steps_as_they_are_by_default_and_single_precision_keep_the_store_voltage() {
-    let scene = shipped(SIX_REGIMES, &AS_PUBLISHED);
+    let scene = shipped(SIX_REGIMES, &OTHER_PROGRAM);
     let single = Options { precision: Some(Precision::F32), ..Options::default() };
     for options in [Options::default(), single] {
         let (outcome, storage) = run(&scene, &options);
@@ -72,7 +75,7 @@ fn steps_as_they_are_by_default_and_single_precision_keep_the_store_voltage() {
 #[test]
 fn a_bus_has_a_voltage_and_no_energy() {
     let bus = "{kind='dc-bus',voltage_v=0.4,diode_drop_v=0.05}";
-    let (outcome, storage) = run(&shipped(bus, &AS_PUBLISHED), &Options::default());
+    let (outcome, storage) = run(&shipped(bus, &OTHER_PROGRAM), &Options::default());
     assert_eq!((storage.store_voltage_v, storage.stored_energy_j), (Some(0.4), None));
     assert!(value(outcome.mean_power_w) > 0.0 && value(outcome.energy_residual) < 1e-10);
     // The bridge holds the terminals at the bus and two diodes.
@@ -82,7 +85,7 @@ fn a_bus_has_a_voltage_and_no_energy() {
 
 #[test]
 fn methods_without_a_bridge_refuse_it() {
-    let scene = shipped(SIX_REGIMES, &AS_PUBLISHED);
+    let scene = shipped(SIX_REGIMES, &OTHER_PROGRAM);
     for method in [Method::TrBdf2, Method::Rk4, Method::Newmark] {
         let refused = run_scene(&scene, &Options { method, ..Options::default() });
         let Err(Failure::Input(told)) = refused else { panic!("{method:?} runs") };

@@ -1,6 +1,7 @@
-//! The work of the electrostatic force over a whole run, against the values of the derivation: under the
-//! transferred-charge law the force gives the mass energy, under the gap-field law it takes what the load
-//! receives.
+//! The work of the electrostatic force over a whole run, against another program: under the transferred-charge law
+//! the force gives the mass energy, under the gap-field law it takes what the load receives.
+//!
+//! The other program is not in this repository: TR-BDF2 with fixed steps and bisected events.
 
 use cross_crate_tests::{contact_separation, value};
 use host_bench::embedded::contact_separation_parameters;

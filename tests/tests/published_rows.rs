@@ -1,8 +1,14 @@
-//! The reference results for the contact-separation scene: response over frequency for the charge
-//! densities and resistances of the paper's figures 8 to 11, computed once with another program.
+//! The contact-separation scene against another program: response over frequency for the charge densities
+//! and resistances of figures 8 to 11 of Fu, Ouyang and Davis.
 //!
-//! Every frequency starts anew from rest at the initial gap; 300 periods, of which the last 100 are
+//! The expected numbers are those of a separate program that is not in this repository: TR-BDF2 in double
+//! precision with fixed steps and bisected events. Its values at the point with one impact a period were checked
+//! with SciPy's Radau at a relative tolerance of 10⁻⁹. The paper's own numbers are lost.
+//!
+//! Every frequency starts anew from rest at the initial gap. A run takes 300 periods, of which the last 100 are
 //! measured. The right edge of the band depends on the start.
+
+use std::ops::RangeInclusive;
 
 use cross_crate_tests::{
     adaptive, assert_close, contact_separation, on_all_cores, periods, reference, resistor, run, sine, value,
@@ -24,21 +30,28 @@ fn scene(density: f64, resistance: f64, frequency: f64) -> Scene {
 struct Row {
     density: f64,
     resistance: f64,
+    /// First and last frequency in Hz with an impact.
     band: [f64; 2],
+    /// Frequency in Hz from which on there is one impact a period, up to the end of the band.
     periodic_from: f64,
+    /// Frequency in Hz above `periodic_from` at which the start from rest leads to the coexisting orbit of three
+    /// periods with two impacts instead. The expected `periodic_from` passes over it.
+    coexisting: Option<f64>,
     peak_gap: f64,
     rms_voltage: f64,
 }
 
+/// The reference reaches the coexisting orbit at 20.05 Hz and at 19.65 Hz too. At 19.90 Hz it has one impact a
+/// period, and so has the core at a tolerance of 10⁻⁴: there the tolerance of 10⁻³ of this test decides.
 const ROWS: [Row; 8] = [
-    row(5e-6, 1e6, [19.75, 20.75], 20.35, 6.018e-3, 0.2861),
-    row(20e-6, 1e6, [19.65, 20.65], 20.05, 5.945e-3, 1.139),
-    row(35e-6, 1e6, [19.45, 20.45], 19.90, 5.783e-3, 1.980),
-    row(50e-6, 1e6, [19.05, 20.10], 19.65, 5.522e-3, 2.791),
-    row(5e-6, 1e8, [19.75, 20.75], 20.35, 6.018e-3, 3.858),
-    row(20e-6, 1e8, [19.60, 20.65], 20.15, 5.945e-3, 15.38),
-    row(35e-6, 1e8, [19.35, 20.45], 19.85, 5.792e-3, 26.87),
-    row(50e-6, 1e8, [18.85, 20.15], 19.45, 5.537e-3, 37.66),
+    row(5e-6, 1e6, [19.75, 20.75], 20.35, None, 6.018e-3, 0.2861),
+    row(20e-6, 1e6, [19.65, 20.65], 20.05, None, 5.945e-3, 1.139),
+    row(35e-6, 1e6, [19.45, 20.45], 19.90, Some(20.05), 5.783e-3, 1.980),
+    row(50e-6, 1e6, [19.05, 20.10], 19.65, None, 5.522e-3, 2.791),
+    row(5e-6, 1e8, [19.75, 20.75], 20.35, None, 6.018e-3, 3.858),
+    row(20e-6, 1e8, [19.60, 20.65], 20.15, None, 5.945e-3, 15.38),
+    row(35e-6, 1e8, [19.35, 20.45], 19.85, Some(19.90), 5.792e-3, 26.87),
+    row(50e-6, 1e8, [18.85, 20.15], 19.45, Some(19.65), 5.537e-3, 37.66),
 ];
 
 const fn row(
@@ -46,10 +59,28 @@ const fn row(
     resistance: f64,
     band: [f64; 2],
     periodic_from: f64,
+    coexisting: Option<f64>,
     peak_gap: f64,
     rms_voltage: f64,
 ) -> Row {
-    Row { density, resistance, band, periodic_from, peak_gap, rms_voltage }
+    Row { density, resistance, band, periodic_from, coexisting, peak_gap, rms_voltage }
+}
+
+/// Impacts in the 100 measured periods of the orbit of three periods with two impacts.
+const TWO_IN_THREE: RangeInclusive<u64> = 66..=67;
+
+/// Frequency and what was found there.
+type Response<'a> = Vec<(f64, &'a Outcome, &'a ContactSeparationOutcome)>;
+
+/// The lowest frequency from which up to the end of the band every point has one impact a period, but for the
+/// coexisting orbit where `expected` has one.
+fn periodic_from(response: &Response<'_>, expected: &Row) -> f64 {
+    let is_coexisting = |frequency: f64| expected.coexisting.is_some_and(|at| (at - frequency).abs() < 1e-9);
+    let down = response.iter().rev().skip_while(|point| point.2.impacts == 0);
+    let periodic = down.take_while(|(frequency, _, motion)| {
+        motion.impacts == 100 || is_coexisting(*frequency) && TWO_IN_THREE.contains(&motion.impacts)
+    });
+    periodic.filter(|point| point.2.impacts == 100).last().map_or(f64::NAN, |point| point.0)
 }
 
 /// Band edges and the start of one impact a period within 0.05 Hz, largest gap and RMS voltage over
@@ -64,7 +95,7 @@ fn the_impacting_band_is_where_it_should_be() {
     });
     for (index, expected) in ROWS.iter().enumerate() {
         let name = format!("σ = {} µC/m², R = {:e} Ω", expected.density * 1e6, expected.resistance);
-        let response: Vec<(f64, &Outcome, &ContactSeparationOutcome)> = points
+        let response: Response<'_> = points
             .iter()
             .zip(&found)
             .filter(|((row, _), _)| *row == index)
@@ -73,22 +104,7 @@ fn the_impacting_band_is_where_it_should_be() {
         let impacting: Vec<f64> =
             response.iter().filter(|point| point.2.impacts > 0).map(|point| point.0).collect();
         let edges = [impacting[0], impacting[impacting.len() - 1]];
-        // From the top of the band down. Beside the orbit with one impact a period stands one of three
-        // periods with two, and a start from rest may fall to it at single points, where the reference
-        // falls to it as well: the list passes over one such point in some rows.
-        let periodic_from = |exceptions: usize| {
-            let mut others = 0;
-            let band = response.iter().rev().skip_while(|point| point.2.impacts == 0);
-            let periodic = band.take_while(|point| {
-                others += usize::from(point.2.impacts != 100);
-                others <= exceptions
-            });
-            periodic.filter(|point| point.2.impacts == 100).last().map_or(f64::NAN, |point| point.0)
-        };
-        let readings = [periodic_from(0), periodic_from(1)];
-        let distance = |reading: &f64| (reading - expected.periodic_from).abs();
-        let periodic =
-            if distance(&readings[1]) < distance(&readings[0]) { readings[1] } else { readings[0] };
+        let periodic = periodic_from(&response, expected);
         let peak_gap = response.iter().map(|point| value(point.2.peak_gap_m)).fold(0.0, f64::max);
         let rms_voltage = response.iter().map(|point| value(point.1.rms_voltage_v)).fold(0.0, f64::max);
         println!(

@@ -1,11 +1,13 @@
-//! The reference results for the sliding scene: peaks of the response over frequency for the charge
-//! densities and resistances of the first paper's figures 3 to 6, computed once with another program, by
-//! long transients and a fit of the peak.
+//! The sliding scene against another program: peaks of the response over frequency for the charge densities and
+//! resistances of figures 3 to 6 of Fu, Ouyang and Davis.
 //!
-//! That program went upwards in frequency with 160 periods at each, in which a disturbance of a motion with
-//! little friction fades to a thirtieth. With little charge its peaks stand up to a millihertz higher and
-//! are up to 6e-4 lower than those of the steady states here; with much charge, and more friction, they agree
-//! to 5e-5 Hz. The reference, below, agrees with the steady states.
+//! The expected numbers are those of a separate program that is not in this repository: TR-BDF2 in double
+//! precision with bisected events, long transients and a fit of the peak. The paper's own numbers are lost.
+//!
+//! That program went upwards in frequency with 160 periods at each frequency. In that time a disturbance of a
+//! motion with little friction fades to a thirtieth. With little charge its peaks stand up to a millihertz higher
+//! and are up to 6e-4 lower than the peaks of the steady states here. With much charge, and more friction, they
+//! agree to 5e-5 Hz. The reference, below, agrees with the steady states.
 
 use std::path::Path;
 
@@ -129,7 +131,7 @@ fn the_peak_moves_to_the_left_and_beyond_its_place_without_resistance() {
     compare(&rows);
     let [shorted, left, open] = [0.0, 5e7, 1e10].map(|resistance| peak(120e-6, resistance));
     assert!(left[0] < shorted[0] - 0.02 && shorted[0] < open[0], "{shorted:?}, {left:?}, {open:?}");
-    // The amplitude first rises by a little: published, 0.03 %.
+    // The amplitude first rises: by 0.03 % in the other program.
     let risen = peak(120e-6, 5e6);
     let rise = risen[1] / shorted[1] - 1.0;
     assert!((1e-4..5e-4).contains(&rise), "{rise}");

@@ -22,7 +22,7 @@ fn a_scene_has_its_power_and_whether_that_holds() {
     };
     let found = of(&["closed-form", SLIDING, "--format", "json"]);
     assert_eq!((&found["scene"], &found["holds"]), (&"sliding".into(), &true.into()));
-    // The published RMS voltage at the peak, 44.18 V, a millihertz away.
+    // The RMS voltage at the peak, a millihertz away, of the other program of `sliding_rows.rs`.
     let voltage = found["rms_voltage_v"].as_f64().expect("a number");
     assert!((voltage / 44.18 - 1.0).abs() < 0.01, "{voltage}");
     let found = of(&["closed-form", SHIPPED, "--format", "json", "--precision", "f32"]);

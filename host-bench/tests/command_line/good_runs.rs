@@ -60,6 +60,7 @@ fn the_same_numbers_in_every_format() {
     let table = run("table");
     for (name, cell) in lines[0].split(',').zip(lines[1].split(',')) {
         assert!(table.lines().any(|line| line.split_whitespace().next() == Some(name)), "{name}");
+        assert!(object.get(name).is_some(), "{name} is not in the JSON object");
         if let (Some(value), true) = (object[name].as_f64(), name != "wall_s") {
             assert_eq!(cell.parse::<f64>().expect("a number"), value, "{name}");
         }

@@ -86,7 +86,7 @@ fn a_long_step_is_only_taken_where_no_contact_can_be() {
     for (a, b) in every.iter().zip(&few_at).take(3) {
         assert!((a - b).abs() < 2e-7, "{a} {b}");
     }
-    // Published: the first contact with ten and ten modes.
+    // The event-driven NumPy program: the first contact with ten and ten modes.
     assert!((every[0] - 3.306_545_404e-3).abs() < 5e-7);
 }
 

@@ -1,4 +1,7 @@
-//! Closed forms, published numbers, and those of the event-driven reference.
+//! Closed forms, and the numbers of two other programs.
+//!
+//! The other programs are not in this repository: one is event-driven, in NumPy, by the eigenvectors of each state
+//! of contact; the other has the same method and step as the kernel here.
 
 use model_core::excitation::Silence;
 use model_core::observer::{AcceptedStep, Observer, PowerIndex};
@@ -10,7 +13,7 @@ use super::setup::{Touches, baseline, close, measured, seconds, shaking};
 
 #[test]
 fn contact_stiffness_is_that_of_the_modes_left_out() {
-    // Published for the tip, in N/m, by numbers of beam and rod modes; and for mid-span.
+    // N/m at the tip, by numbers of beam and rod modes; and at mid-span: sums over modes in the other programs.
     let tip = |b, r| baseline::<f64>().build_first::<10, 10>(b, r).expect("valid").contact_stiffness();
     for (beam, rod, stiffness) in [
         (3, 0, 1.348e6),
@@ -74,7 +77,7 @@ fn the_golden_trajectory_is_met_and_approached_in_second_order() {
     for (at, expected) in touches.at.iter().zip(contacts) {
         assert!((at - expected).abs() < 1e-6, "{at} {expected}");
     }
-    // Published for this kernel and step.
+    // The other program with this method and step.
     close(at_end, -1.508_875_072e-5, 1e-6);
     close(voltage, -0.699_504_923_2, 1e-6);
     close(touches.impulse, 7.701_610_553e-5, 1e-6);
