@@ -53,14 +53,14 @@ impl Instant {
 
     /// The instant `ticks` later.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub const fn after(self, ticks: u32) -> Self {
         Self(self.0.wrapping_add(ticks as u64))
     }
 
     /// Ticks from here until `later`, at most `limit`; 0 if `later` has passed.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn ticks_until(self, later: Self, limit: u32) -> u32 {
         u32::try_from(later.0.saturating_sub(self.0)).unwrap_or(u32::MAX).min(limit)
     }
@@ -92,7 +92,7 @@ fn scale_to_integer(mantissa: u64, exponent: i32) -> Option<u128> {
 
 /// Seconds in `ticks` ticks.
 #[must_use]
-#[inline(always)]
+#[inline]
 pub fn seconds_of_ticks<S: Scalar>(ticks: u32) -> S {
     S::from_u32(ticks) * S::power_of_two(-TICKS_PER_SECOND_LOG2)
 }
@@ -146,7 +146,7 @@ impl Frequency {
     ///
     /// Three 32-bit and two long multiplications: cheap where 64-bit arithmetic is not.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn phase(self, at: Instant) -> u64 {
         let ticks = at.0;
         let lower = u64::from(self.lower);

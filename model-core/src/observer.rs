@@ -48,7 +48,7 @@ pub enum PowerIndex {
 pub const ALL_POWERS: usize = 13;
 
 /// The first `P` of all powers. The compiler drops the computation of the others.
-#[inline(always)]
+#[inline]
 pub(crate) fn first_powers<S: Scalar, const P: usize>(all: &[S; ALL_POWERS]) -> [S; P] {
     core::array::from_fn(|i| all.get(i).copied().unwrap_or(S::ZERO))
 }
@@ -135,7 +135,7 @@ pub struct Outputs<'a, S> {
 impl<'a, S: Scalar> Outputs<'a, S> {
     /// Zeros, with the state variables `state`.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn of_state(state: &'a [S]) -> Self {
         let zero = Motion { value: S::ZERO, rate: S::ZERO };
         Self {
@@ -153,7 +153,7 @@ impl<'a, S: Scalar> Outputs<'a, S> {
     }
 
     /// The same outputs with other state variables.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn with_state<'b>(&self, state: &'b [S]) -> Outputs<'b, S> {
         let Self { motions, charge, voltage, stored, storage, penetration, stick, in_contact, mode, .. } =
             *self;
@@ -224,7 +224,7 @@ impl<S: Scalar> AcceptedStep<'_, S> {
 
     /// Integral of one power over the step; 0 where it was not integrated.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn energy(&self, power: PowerIndex) -> S {
         self.energies.get(power as usize).copied().unwrap_or(S::ZERO)
     }
@@ -259,26 +259,26 @@ pub trait Observer<S: Scalar> {
     fn step(&mut self, step: &AcceptedStep<'_, S>);
 
     /// An event happened.
-    #[inline(always)]
+    #[inline]
     fn event(&mut self, _event: &Event<'_, S>) {}
 }
 
 /// Sees nothing.
 impl<S: Scalar> Observer<S> for () {
-    #[inline(always)]
+    #[inline]
     fn step(&mut self, _step: &AcceptedStep<'_, S>) {}
 }
 
 /// An observer, or none.
 impl<S: Scalar, A: Observer<S>> Observer<S> for Option<&mut A> {
-    #[inline(always)]
+    #[inline]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         if let Some(observer) = self {
             observer.step(step);
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn event(&mut self, event: &Event<'_, S>) {
         if let Some(observer) = self {
             observer.event(event);
@@ -288,13 +288,13 @@ impl<S: Scalar, A: Observer<S>> Observer<S> for Option<&mut A> {
 
 /// Two observers of the same run.
 impl<S: Scalar, A: Observer<S>, B: Observer<S>> Observer<S> for (&mut A, &mut B) {
-    #[inline(always)]
+    #[inline]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         self.0.step(step);
         self.1.step(step);
     }
 
-    #[inline(always)]
+    #[inline]
     fn event(&mut self, event: &Event<'_, S>) {
         self.0.event(event);
         self.1.event(event);

@@ -128,14 +128,14 @@ pub trait Scalar:
 
     /// The larger of two numbers; `other` if this one is not a number.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     fn max(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
 
     /// The smaller of two numbers; `other` if this one is not a number.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     fn min(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
@@ -157,14 +157,14 @@ pub trait Mathematics<S: Scalar>: Copy + Debug + PartialEq + 'static {
     fn exponential(x: S) -> S;
 
     /// `cos(2π · phase / 2^64)`: the sine a quarter of a turn further on.
-    #[inline(always)]
+    #[inline]
     fn cosine_of_turns(phase: u64) -> S {
         Self::sine_of_turns(phase.wrapping_add(1 << 62))
     }
 }
 
 /// A polynomial by Horner's rule, coefficients from the constant one up.
-#[inline(always)]
+#[inline]
 pub(crate) fn horner<S: Scalar, const N: usize>(coefficients: &[S; N], x: S) -> S {
     coefficients.iter().rev().fold(S::ZERO, |sum, &coefficient| sum * x + coefficient)
 }

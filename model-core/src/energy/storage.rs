@@ -141,14 +141,14 @@ impl<S: Scalar> Storage<S> {
 
     /// What reaches the storage of an energy harvested.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn stored(&self, harvested: S) -> S {
         harvested * self.parameters.charging_efficiency
     }
 
     /// What the storage gives for an energy used by the load.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn drawn(&self, used: S) -> S {
         used * self.drawn_per_used
     }
@@ -245,28 +245,28 @@ impl<S: Scalar> Relaxation<S> {
 
     /// What leaks of `energy` at the start and of `net` that comes in evenly, without a difference of large
     /// numbers.
-    #[inline(always)]
+    #[inline]
     fn leaked(&self, energy: S, net: S) -> S {
         self.ratio * (energy * self.of_income + net * self.second)
     }
 
     /// `1 − e^(−x)`: part of the energy at the start that leaks.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn lost(&self) -> S {
         self.ratio * self.of_income
     }
 
     /// Part of an even income that leaks.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn lost_of_income(&self) -> S {
         self.ratio * self.second
     }
 
     /// What is left of an even income above what is left of one that came at the start, per joule.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn lost_by_early_income(&self) -> S {
         self.ratio * (self.of_income - self.second)
     }
@@ -274,7 +274,7 @@ impl<S: Scalar> Relaxation<S> {
 
 impl<S: Scalar> Relaxation<S> {
     /// For an exponential mean: `x` is the interval over the time constant.
-    #[inline(always)]
+    #[inline]
     pub(super) fn of_ratio(ratio: S) -> Self {
         Self::new(ratio)
     }

@@ -25,7 +25,7 @@ impl<S: Scalar> SampleGrid<S> {
     }
 
     /// The number of whole samples before `at`, and how far it lies from that one to the next, 0 to 1.
-    #[inline(always)]
+    #[inline]
     pub(super) fn place(&self, at: Instant) -> (u64, S) {
         let Cycles { whole, fraction } = self.rate.cycles(at);
         // from_fraction counts in 2^63.
@@ -33,7 +33,7 @@ impl<S: Scalar> SampleGrid<S> {
     }
 
     /// The number of whole samples before `at`.
-    #[inline(always)]
+    #[inline]
     pub(super) fn sample_before(&self, at: Instant) -> u64 {
         self.rate.cycles(at).whole
     }

@@ -10,12 +10,12 @@ use crate::scalar::Scalar;
 pub struct Silence;
 
 impl<S: Scalar> Excitation<S> for Silence {
-    #[inline(always)]
+    #[inline]
     fn acceleration(&self, _at: Instant) -> S {
         S::ZERO
     }
 
-    #[inline(always)]
+    #[inline]
     fn jerk(&self, _at: Instant) -> S {
         S::ZERO
     }

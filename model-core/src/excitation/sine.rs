@@ -52,29 +52,29 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
     }
 
     /// Phase at `at` in units of 2⁻⁶⁴ turns.
-    #[inline(always)]
+    #[inline]
     pub fn phase(&self, at: Instant) -> u64 {
         self.frequency.phase(at).wrapping_add(self.start)
     }
 }
 
 impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {
-    #[inline(always)]
+    #[inline]
     fn acceleration(&self, at: Instant) -> S {
         self.amplitude * M::sine_of_turns(self.phase(at))
     }
 
-    #[inline(always)]
+    #[inline]
     fn jerk(&self, at: Instant) -> S {
         self.amplitude * self.angular_frequency * M::cosine_of_turns(self.phase(at))
     }
 
-    #[inline(always)]
+    #[inline]
     fn resolved_ticks(&self) -> u32 {
         self.resolved
     }
 
-    #[inline(always)]
+    #[inline]
     fn angular_frequency(&self) -> S {
         self.angular_frequency
     }

@@ -167,7 +167,7 @@ impl<S: Scalar> Stream<S> {
     }
 
     /// The first tick at or after sample `index`, where `before` is that of the sample before it.
-    #[inline(always)]
+    #[inline]
     fn tick_of_next(&self, before: Instant, index: u64) -> Instant {
         // `before` is less than a tick late, and the interval less than a tick short: the sum is the tick
         // before the sample or the one after it.
@@ -198,7 +198,7 @@ impl<S: Scalar> Stream<S> {
     }
 
     /// The samples on either side of `at`, and how far it lies between them.
-    #[inline(always)]
+    #[inline]
     fn bracket(&self, at: Instant) -> (S, S, S) {
         let (whole, theta) = self.grid.place(at);
         let [first, middle, last] = self.samples;

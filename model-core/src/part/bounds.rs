@@ -38,7 +38,7 @@ impl<S: Scalar> core::error::Error for ParameterError<S> {}
 impl<S: Scalar> Bounds<S> {
     /// From `lowest` to `highest`, which are literals of the source.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn new(lowest: f64, highest: f64) -> Self {
         Self { lowest: S::from_f64(lowest), highest: S::from_f64(highest) }
     }

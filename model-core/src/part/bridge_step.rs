@@ -80,7 +80,7 @@ struct Approach<S> {
 
 impl<S: Scalar> Approach<S> {
     /// `f`; only where there is a charge beyond.
-    #[inline(always)]
+    #[inline]
     fn part_before(&self) -> S {
         self.before / (self.before + self.beyond)
     }
@@ -103,7 +103,7 @@ impl<S: Scalar> BridgeStep<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn approach(&self, threshold: S, voltage: S, charge: S) -> Approach<S> {
         let sign = if charge < S::ZERO { -S::ONE } else { S::ONE };
         let room = (threshold - sign * voltage).max(S::ZERO);
@@ -116,7 +116,7 @@ impl<S: Scalar> BridgeStep<S> {
     ///
     /// `voltage` is that at the start of the step, within the `threshold`.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub(crate) fn tangent(&self, threshold: S, voltage: S, charge: S) -> Option<[S; 2]> {
         let at = self.approach(threshold, voltage, charge);
         if !(at.beyond > S::ZERO) {
@@ -130,7 +130,7 @@ impl<S: Scalar> BridgeStep<S> {
     }
 
     /// Lets a charge flow from a voltage within the threshold, `[v, Δq]`, then the other half of the outflow.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn conclude<R: StorageElement<S>>(
         &self,
         bridge: &FullBridge<S, R>,
@@ -147,7 +147,7 @@ impl<S: Scalar> BridgeStep<S> {
 
     /// The flow alone: what passes into the storage, in C and with its sign, and where it conducts the mean
     /// square of the terminal voltage.
-    #[inline(always)]
+    #[inline]
     fn pass<R: StorageElement<S>>(
         &self,
         bridge: &FullBridge<S, R>,
@@ -170,7 +170,7 @@ impl<S: Scalar> BridgeStep<S> {
 
     /// Half of what leaves the storage, and what the capacitance gives it to be level again; gives what has
     /// passed the bridge, in C and with its sign.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn drain<R: StorageElement<S>>(
         &self,
         bridge: &FullBridge<S, R>,
@@ -190,7 +190,7 @@ impl<S: Scalar> BridgeStep<S> {
 
     /// The storage takes a charge that came through the diodes from a voltage that was higher than they need by
     /// `excess` at the start, and by nothing at the end.
-    #[inline(always)]
+    #[inline]
     fn receive<R: StorageElement<S>>(
         &self,
         bridge: &FullBridge<S, R>,

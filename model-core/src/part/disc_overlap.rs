@@ -85,7 +85,7 @@ impl<S: Scalar> DiscOverlap<S> {
     /// `xi` is `x/2r` on the side in question, −0.8 to 1; beyond 1, where the discs are apart, `s1` is
     /// as small as it can be and still be divided by.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn at(xi: S) -> Self {
         // Constant in each precision: the other branch is not compiled.
         if S::EPSILON > S::from_f64(1e-10) {
@@ -95,7 +95,7 @@ impl<S: Scalar> DiscOverlap<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn in_two_pieces<const I: usize, const O: usize>(
         xi: S,
         joint: f64,
@@ -145,7 +145,7 @@ impl<S: Scalar> DiscOverlap<S> {
 
     /// `ds1/dξ = −(4/π) √(1 − ξ²)` on the side in question; 0 where the discs are apart.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn active_by_xi(xi: S) -> S {
         S::from_f64(-2.0 * core::f64::consts::FRAC_2_PI) * ((S::ONE - xi) * (S::ONE + xi)).sqrt()
     }

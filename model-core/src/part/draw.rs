@@ -25,7 +25,7 @@ pub struct Lockout<S> {
 
 impl<S: Scalar> Lockout<S> {
     /// Whether a storage that starts at `voltage` starts with its draw connected: from the turn-on voltage.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn starts_connected(&self, voltage: S) -> bool {
         voltage >= self.turn_on
     }
@@ -66,17 +66,17 @@ pub struct NoDraw;
 impl<S: Scalar> Draw<S> for NoDraw {
     const POSSIBLE: bool = false;
 
-    #[inline(always)]
+    #[inline]
     fn current(&self, _voltage: S) -> S {
         S::ZERO
     }
 
-    #[inline(always)]
+    #[inline]
     fn current_by_voltage(&self, _voltage: S) -> S {
         S::ZERO
     }
 
-    #[inline(always)]
+    #[inline]
     fn lockout(&self) -> Option<Lockout<S>> {
         None
     }
@@ -99,17 +99,17 @@ pub struct ResistiveDraw<S> {
 impl<S: Scalar> Draw<S> for ResistiveDraw<S> {
     const POSSIBLE: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn current(&self, voltage: S) -> S {
         voltage / self.ohms
     }
 
-    #[inline(always)]
+    #[inline]
     fn current_by_voltage(&self, _voltage: S) -> S {
         S::ONE / self.ohms
     }
 
-    #[inline(always)]
+    #[inline]
     fn lockout(&self) -> Option<Lockout<S>> {
         self.lockout
     }
@@ -133,17 +133,17 @@ pub struct CurrentDraw<S> {
 impl<S: Scalar> Draw<S> for CurrentDraw<S> {
     const POSSIBLE: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn current(&self, _voltage: S) -> S {
         self.amperes
     }
 
-    #[inline(always)]
+    #[inline]
     fn current_by_voltage(&self, _voltage: S) -> S {
         S::ZERO
     }
 
-    #[inline(always)]
+    #[inline]
     fn lockout(&self) -> Option<Lockout<S>> {
         Some(self.lockout)
     }
@@ -170,7 +170,7 @@ const LOWEST_POWER_VOLTAGE: f64 = 1e-3;
 impl<S: Scalar> PowerDraw<S> {
     /// A trial step may look below the turn-off voltage, where the event then cuts it: from half of that
     /// on the current is taken as constant.
-    #[inline(always)]
+    #[inline]
     fn floor(&self) -> S {
         S::from_f64(0.5) * self.lockout.turn_off
     }
@@ -179,17 +179,17 @@ impl<S: Scalar> PowerDraw<S> {
 impl<S: Scalar> Draw<S> for PowerDraw<S> {
     const POSSIBLE: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn current(&self, voltage: S) -> S {
         self.watts / voltage.max(self.floor())
     }
 
-    #[inline(always)]
+    #[inline]
     fn current_by_voltage(&self, voltage: S) -> S {
         if voltage > self.floor() { -self.watts / (voltage * voltage) } else { S::ZERO }
     }
 
-    #[inline(always)]
+    #[inline]
     fn lockout(&self) -> Option<Lockout<S>> {
         Some(self.lockout)
     }
@@ -218,7 +218,7 @@ pub enum AnyDraw<S> {
 impl<S: Scalar> Draw<S> for AnyDraw<S> {
     const POSSIBLE: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn current(&self, voltage: S) -> S {
         match self {
             Self::None => S::ZERO,
@@ -228,7 +228,7 @@ impl<S: Scalar> Draw<S> for AnyDraw<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn current_by_voltage(&self, voltage: S) -> S {
         match self {
             Self::None => S::ZERO,
@@ -238,7 +238,7 @@ impl<S: Scalar> Draw<S> for AnyDraw<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn lockout(&self) -> Option<Lockout<S>> {
         match self {
             Self::None => None,

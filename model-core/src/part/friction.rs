@@ -51,17 +51,17 @@ pub struct PatchFriction<S> {
 impl<S: Scalar> Friction<S> for PatchFriction<S> {
     const PRESENT: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn static_coefficient(&self, active: S) -> S {
         self.static_inert + (self.static_active - self.static_inert) * active
     }
 
-    #[inline(always)]
+    #[inline]
     fn kinetic_coefficient(&self, active: S) -> S {
         self.kinetic_inert + self.kinetic_by_share() * active
     }
 
-    #[inline(always)]
+    #[inline]
     fn kinetic_by_share(&self) -> S {
         self.kinetic_active - self.kinetic_inert
     }
@@ -84,17 +84,17 @@ pub struct Frictionless;
 impl<S: Scalar> Friction<S> for Frictionless {
     const PRESENT: bool = false;
 
-    #[inline(always)]
+    #[inline]
     fn static_coefficient(&self, _active: S) -> S {
         S::ZERO
     }
 
-    #[inline(always)]
+    #[inline]
     fn kinetic_coefficient(&self, _active: S) -> S {
         S::ZERO
     }
 
-    #[inline(always)]
+    #[inline]
     fn kinetic_by_share(&self) -> S {
         S::ZERO
     }

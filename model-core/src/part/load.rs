@@ -40,7 +40,7 @@ pub struct Resistor<S> {
 }
 
 impl<S: Scalar> Load<S> for Resistor<S> {
-    #[inline(always)]
+    #[inline]
     fn resistance(&self) -> Resistance<S> {
         Resistance::Finite(self.ohms)
     }
@@ -52,7 +52,7 @@ impl<S: Scalar> Load<S> for Resistor<S> {
 pub struct ShortCircuit;
 
 impl<S: Scalar> Load<S> for ShortCircuit {
-    #[inline(always)]
+    #[inline]
     fn resistance(&self) -> Resistance<S> {
         Resistance::Short
     }
@@ -64,7 +64,7 @@ impl<S: Scalar> Load<S> for ShortCircuit {
 pub struct OpenCircuit;
 
 impl<S: Scalar> Load<S> for OpenCircuit {
-    #[inline(always)]
+    #[inline]
     fn resistance(&self) -> Resistance<S> {
         Resistance::Open
     }
@@ -79,7 +79,7 @@ pub struct AnyLoad<S> {
 }
 
 impl<S: Scalar> Load<S> for AnyLoad<S> {
-    #[inline(always)]
+    #[inline]
     fn resistance(&self) -> Resistance<S> {
         if self.ohms == S::ZERO {
             Resistance::Short

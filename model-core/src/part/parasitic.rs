@@ -19,7 +19,7 @@ pub struct NoParasitic;
 impl<S: Scalar> Parasitic<S> for NoParasitic {
     const PRESENT: bool = false;
 
-    #[inline(always)]
+    #[inline]
     fn farads(&self) -> S {
         S::ZERO
     }
@@ -36,7 +36,7 @@ pub struct ParasiticCapacitance<S> {
 impl<S: Scalar> Parasitic<S> for ParasiticCapacitance<S> {
     const PRESENT: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn farads(&self) -> S {
         self.farads
     }

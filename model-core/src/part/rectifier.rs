@@ -38,7 +38,7 @@ pub enum BridgeRegime {
 impl BridgeRegime {
     /// Sign of the voltage while it conducts; 0 where it blocks.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn sign<S: Scalar>(self) -> S {
         match self {
             Self::Blocked => S::ZERO,
@@ -51,7 +51,7 @@ impl BridgeRegime {
 impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
     /// Voltage in V at the terminals from which the bridge conducts, at a storage voltage in V.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn threshold(&self, storage_voltage: S) -> S {
         storage_voltage + self.diode_drop + self.diode_drop
     }

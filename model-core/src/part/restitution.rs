@@ -34,7 +34,7 @@ pub struct ConstantRestitution<S> {
 }
 
 impl<S: Scalar> Restitution<S> for ConstantRestitution<S> {
-    #[inline(always)]
+    #[inline]
     fn coefficient(&self, _speed: S) -> S {
         self.coefficient
     }

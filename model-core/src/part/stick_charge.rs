@@ -20,7 +20,7 @@ pub struct FrozenCharge;
 impl Sticking for FrozenCharge {
     const POSSIBLE: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn relaxes(&self) -> bool {
         false
     }
@@ -34,7 +34,7 @@ pub struct RelaxingCharge;
 impl Sticking for RelaxingCharge {
     const POSSIBLE: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn relaxes(&self) -> bool {
         true
     }
@@ -51,7 +51,7 @@ pub struct NeverSticks;
 impl Sticking for NeverSticks {
     const POSSIBLE: bool = false;
 
-    #[inline(always)]
+    #[inline]
     fn relaxes(&self) -> bool {
         false
     }
@@ -70,7 +70,7 @@ pub enum AnyStickCharge {
 impl Sticking for AnyStickCharge {
     const POSSIBLE: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn relaxes(&self) -> bool {
         *self == Self::Relaxing
     }

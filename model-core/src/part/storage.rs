@@ -50,20 +50,20 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     fn check(&self) -> Result<(), ParameterError<S>>;
 
     /// Current in A that leaves at a voltage in V: leakage, and the draw if it is connected.
-    #[inline(always)]
+    #[inline]
     fn outflow(&self, voltage: S, connected: bool) -> S {
         if connected { self.leakage(voltage) + self.drawn(voltage) } else { self.leakage(voltage) }
     }
 
     /// Its derivative by the voltage, in A/V.
-    #[inline(always)]
+    #[inline]
     fn outflow_by_voltage(&self, voltage: S, connected: bool) -> S {
         let [leakage, drawn] = self.by_voltage(voltage);
         if connected { leakage + drawn } else { leakage }
     }
 
     /// Whether the draw is connected before the first step.
-    #[inline(always)]
+    #[inline]
     fn starts_connected(&self) -> bool {
         self.lockout().is_none_or(|lockout| lockout.starts_connected(self.initial_voltage()))
     }
@@ -87,42 +87,42 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
     const CHARGES: bool = true;
     const SWITCHES: bool = D::POSSIBLE;
 
-    #[inline(always)]
+    #[inline]
     fn elastance(&self) -> S {
         S::ONE / self.farads
     }
 
-    #[inline(always)]
+    #[inline]
     fn capacitance(&self) -> S {
         self.farads
     }
 
-    #[inline(always)]
+    #[inline]
     fn initial_voltage(&self) -> S {
         self.initial_voltage
     }
 
-    #[inline(always)]
+    #[inline]
     fn leakage(&self, voltage: S) -> S {
         voltage / self.leakage_ohms
     }
 
-    #[inline(always)]
+    #[inline]
     fn drawn(&self, voltage: S) -> S {
         self.draw.current(voltage)
     }
 
-    #[inline(always)]
+    #[inline]
     fn by_voltage(&self, voltage: S) -> [S; 2] {
         [S::ONE / self.leakage_ohms, self.draw.current_by_voltage(voltage)]
     }
 
-    #[inline(always)]
+    #[inline]
     fn lockout(&self) -> Option<Lockout<S>> {
         self.draw.lockout()
     }
 
-    #[inline(always)]
+    #[inline]
     fn stored_energy(&self, voltage: S) -> S {
         S::from_f64(0.5) * self.farads * voltage * voltage
     }
@@ -148,42 +148,42 @@ impl<S: Scalar> StorageElement<S> for DcBus<S> {
     const CHARGES: bool = false;
     const SWITCHES: bool = false;
 
-    #[inline(always)]
+    #[inline]
     fn elastance(&self) -> S {
         S::ZERO
     }
 
-    #[inline(always)]
+    #[inline]
     fn capacitance(&self) -> S {
         S::INFINITY
     }
 
-    #[inline(always)]
+    #[inline]
     fn initial_voltage(&self) -> S {
         self.volts
     }
 
-    #[inline(always)]
+    #[inline]
     fn leakage(&self, _voltage: S) -> S {
         S::ZERO
     }
 
-    #[inline(always)]
+    #[inline]
     fn drawn(&self, _voltage: S) -> S {
         S::ZERO
     }
 
-    #[inline(always)]
+    #[inline]
     fn by_voltage(&self, _voltage: S) -> [S; 2] {
         [S::ZERO; 2]
     }
 
-    #[inline(always)]
+    #[inline]
     fn lockout(&self) -> Option<Lockout<S>> {
         None
     }
 
-    #[inline(always)]
+    #[inline]
     fn stored_energy(&self, _voltage: S) -> S {
         S::ZERO
     }
@@ -207,7 +207,7 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
     const CHARGES: bool = true;
     const SWITCHES: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn elastance(&self) -> S {
         match self {
             Self::Capacitor(storage) => storage.elastance(),
@@ -215,7 +215,7 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn capacitance(&self) -> S {
         match self {
             Self::Capacitor(capacitor) => capacitor.capacitance(),
@@ -223,7 +223,7 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn initial_voltage(&self) -> S {
         match self {
             Self::Capacitor(storage) => storage.initial_voltage(),
@@ -231,7 +231,7 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn leakage(&self, voltage: S) -> S {
         match self {
             Self::Capacitor(storage) => storage.leakage(voltage),
@@ -239,7 +239,7 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn drawn(&self, voltage: S) -> S {
         match self {
             Self::Capacitor(storage) => storage.drawn(voltage),
@@ -247,7 +247,7 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn by_voltage(&self, voltage: S) -> [S; 2] {
         match self {
             Self::Capacitor(storage) => storage.by_voltage(voltage),
@@ -255,7 +255,7 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn lockout(&self) -> Option<Lockout<S>> {
         match self {
             Self::Capacitor(storage) => storage.lockout(),
@@ -263,7 +263,7 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn stored_energy(&self, voltage: S) -> S {
         match self {
             Self::Capacitor(storage) => storage.stored_energy(voltage),

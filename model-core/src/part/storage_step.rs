@@ -58,13 +58,13 @@ impl<S: Scalar> StorageState<S> {
     }
 
     /// Its voltage rises.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn rise(&mut self, volts: S) {
         (self.voltage, self.remainder) = add_increment(self.voltage, self.remainder, volts);
     }
 
     /// Lets it leak and be drawn from for `seconds`; `elastance` is the storage's.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn drain<R: StorageElement<S>>(
         &mut self,
         storage: &R,
@@ -98,7 +98,7 @@ impl<S: Scalar> StorageState<S> {
     }
 
     /// Connects or disconnects the draw.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn switch<R: StorageElement<S>>(&mut self, storage: &R) {
         if R::SWITCHES
             && let Some(lockout) = storage.lockout()
@@ -114,7 +114,7 @@ impl<S: Scalar> StorageState<S> {
 const SERIES_GROWTH: f64 = 0.0625;
 
 /// `φ(z) = (e^z − 1)/z`.
-#[inline(always)]
+#[inline]
 fn mean_growth<S: Scalar>(z: S) -> S {
     if z.abs() <= S::from_f64(SERIES_GROWTH) {
         // 1 + z/2 (1 + z/3 (1 + …)): the first term left out is below 2⁻⁵³.

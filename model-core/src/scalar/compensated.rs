@@ -20,7 +20,7 @@ impl<S: Scalar> CompensatedSum<S> {
     pub const ZERO: Self = Self { sum: S::ZERO, correction: S::ZERO };
 
     /// Adds `term`.
-    #[inline(always)]
+    #[inline]
     pub fn add(&mut self, term: S) {
         let moved = term + self.correction;
         let total = self.sum + moved;
@@ -34,7 +34,7 @@ impl<S: Scalar> CompensatedSum<S> {
 
     /// The sum, rounded once.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn value(&self) -> S {
         self.sum + self.correction
     }
@@ -53,7 +53,7 @@ snapshot_fields!(impl [S: Scalar] CompensatedSum<S> { sum, correction });
 /// For a state that moves by small increments. Three additions: the branch of
 /// [`CompensatedSum::add`] is not needed while an increment is smaller than the state, and where
 /// it is not the loss is that of a plain addition.
-#[inline(always)]
+#[inline]
 pub(crate) fn add_increment<S: Scalar>(high: S, low: S, increment: S) -> (S, S) {
     let moved = increment + low;
     let sum = high + moved;

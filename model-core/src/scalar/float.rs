@@ -11,35 +11,35 @@ impl Scalar for f32 {
     const TINY: Self = f32::MIN_POSITIVE;
     const INFINITY: Self = f32::INFINITY;
 
-    #[inline(always)]
+    #[inline]
     #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
     fn from_f64(value: f64) -> Self {
         value as f32
     }
 
-    #[inline(always)]
+    #[inline]
     fn from_u32(value: u32) -> Self {
         value as f32
     }
 
-    #[inline(always)]
+    #[inline]
     fn from_i32(value: i32) -> Self {
         value as f32
     }
 
-    #[inline(always)]
+    #[inline]
     fn from_fraction(value: i64) -> Self {
         // The top word holds more bits than the mantissa: no 64-bit conversion on a 32-bit core.
         (value >> 32) as i32 as f32 * (1.0 / 2_147_483_648.0)
     }
 
-    #[inline(always)]
+    #[inline]
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, as documented")]
     fn to_u32(self) -> u32 {
         self as u32
     }
 
-    #[inline(always)]
+    #[inline]
     fn to_f32(self) -> f32 {
         self
     }
@@ -48,17 +48,17 @@ impl Scalar for f32 {
         f64::from(self)
     }
 
-    #[inline(always)]
+    #[inline]
     fn from_f32(value: f32) -> Self {
         value
     }
 
-    #[inline(always)]
+    #[inline]
     fn abs(self) -> Self {
         f32::from_bits(self.to_bits() & 0x7fff_ffff)
     }
 
-    #[inline(always)]
+    #[inline]
     fn is_finite(self) -> bool {
         f32::is_finite(self)
     }
@@ -74,7 +74,7 @@ impl Scalar for f32 {
         Some(Decomposed { mantissa: u64::from(mantissa), exponent, negative: self < 0.0 })
     }
 
-    #[inline(always)]
+    #[inline]
     fn power_of_two(power: i32) -> Self {
         f32::from_bits((power.clamp(-126, 127) + 127).cast_unsigned() << 23)
     }
@@ -102,33 +102,33 @@ impl Scalar for f64 {
     const TINY: Self = f64::MIN_POSITIVE;
     const INFINITY: Self = f64::INFINITY;
 
-    #[inline(always)]
+    #[inline]
     fn from_f64(value: f64) -> Self {
         value
     }
 
-    #[inline(always)]
+    #[inline]
     fn from_u32(value: u32) -> Self {
         f64::from(value)
     }
 
-    #[inline(always)]
+    #[inline]
     fn from_i32(value: i32) -> Self {
         f64::from(value)
     }
 
-    #[inline(always)]
+    #[inline]
     fn from_fraction(value: i64) -> Self {
         value as f64 * (1.0 / 9_223_372_036_854_775_808.0)
     }
 
-    #[inline(always)]
+    #[inline]
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, as documented")]
     fn to_u32(self) -> u32 {
         self as u32
     }
 
-    #[inline(always)]
+    #[inline]
     #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
     fn to_f32(self) -> f32 {
         self as f32
@@ -138,17 +138,17 @@ impl Scalar for f64 {
         self
     }
 
-    #[inline(always)]
+    #[inline]
     fn from_f32(value: f32) -> Self {
         f64::from(value)
     }
 
-    #[inline(always)]
+    #[inline]
     fn abs(self) -> Self {
         f64::from_bits(self.to_bits() & 0x7fff_ffff_ffff_ffff)
     }
 
-    #[inline(always)]
+    #[inline]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
     }
@@ -168,7 +168,7 @@ impl Scalar for f64 {
         Some(Decomposed { mantissa, exponent, negative: self < 0.0 })
     }
 
-    #[inline(always)]
+    #[inline]
     fn power_of_two(power: i32) -> Self {
         f64::from_bits(u64::from((power.clamp(-1022, 1023) + 1023).cast_unsigned()) << 52)
     }

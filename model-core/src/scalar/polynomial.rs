@@ -54,14 +54,14 @@ const EXPONENTIAL_F64: [f64; 13] = [
 
 /// Folds a phase in turns into [−1/4, 1/4] turn with the same sine; returned in units of half a
 /// turn per 2^63, so that the conversion to a float is exact to its last bit.
-#[inline(always)]
+#[inline]
 fn fold_quarter_wave(phase: u64) -> i64 {
     let signed = phase.cast_signed();
     // Above a quarter of a turn, sin(½ turn − x) = sin x; the subtraction wraps as phases do.
     if (phase.wrapping_add(1 << 62)) >> 63 == 0 { signed } else { i64::MIN.wrapping_sub(signed) }
 }
 
-#[inline(always)]
+#[inline]
 fn sine_of_turns<S: Scalar, const N: usize>(phase: u64, coefficients: &[S; N]) -> S {
     // from_fraction counts in 2^63 = half a turn.
     let turns = S::from_fraction(fold_quarter_wave(phase)) * S::from_f64(0.5);
@@ -69,7 +69,7 @@ fn sine_of_turns<S: Scalar, const N: usize>(phase: u64, coefficients: &[S; N]) -
 }
 
 /// `e^x = 2^n e^r` with |r| ≤ ln 2 / 2; `ln 2` is taken off in two parts so that r is exact.
-#[inline(always)]
+#[inline]
 fn exponential<S: Scalar, const N: usize>(
     x: S,
     lowest: f64,
@@ -97,7 +97,7 @@ fn exponential<S: Scalar, const N: usize>(
 impl Mathematics<f32> for Polynomial {
     const NAME: &'static str = "polynomial";
 
-    #[inline(always)]
+    #[inline]
     fn sine_of_turns(phase: u64) -> f32 {
         sine_of_turns(phase, &SINE_F32)
     }
@@ -110,7 +110,7 @@ impl Mathematics<f32> for Polynomial {
 impl Mathematics<f64> for Polynomial {
     const NAME: &'static str = "polynomial";
 
-    #[inline(always)]
+    #[inline]
     fn sine_of_turns(phase: u64) -> f64 {
         sine_of_turns(phase, &SINE_F64)
     }

@@ -122,7 +122,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
 
     /// Total charge in charge units at which the voltage vanishes at `gap`: `σ S g / (g + d_e)`.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     fn relaxed_charge(&self, gap: S) -> S {
         // A trial step may end far below contact, where this has a pole; the step is then cut at
         // the impact, and only a finite value is asked for.
@@ -131,7 +131,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     }
 
     /// Whether the circuit is a short circuit: then the charge follows the gap.
-    #[inline(always)]
+    #[inline]
     fn is_shorted(&self) -> bool {
         matches!(self.load.resistance(), Resistance::Short)
     }

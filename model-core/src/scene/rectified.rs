@@ -234,7 +234,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
 
     /// The harvester's own state: position, velocity, and the charge that has passed its terminals, in its units.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn harvester_state(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> [S; coupled::STATES] {
         [state[POSITION], state[VELOCITY], self.electrics(mode, state).charge]
     }

@@ -142,13 +142,13 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
 
     /// Charge in charge units at which the voltage vanishes at a displacement: `σ S2`.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     fn relaxed_charge(&self, displacement: S) -> S {
         self.surface.tribo_charge * self.overlap(displacement >= S::ZERO, displacement).inert
     }
 
     /// Whether the circuit is a short circuit: then the charge follows the displacement.
-    #[inline(always)]
+    #[inline]
     fn is_shorted(&self) -> bool {
         matches!(self.load.resistance(), Resistance::Short)
     }

@@ -120,7 +120,7 @@ macro_rules! resistive {
                 Some(Load::resistance(self))
             }
 
-            #[inline(always)]
+            #[inline]
             fn is_short(&self) -> bool {
                 matches!(Load::resistance(self), Resistance::<S>::Short)
             }
@@ -138,7 +138,7 @@ macro_rules! resistive {
                 CircuitStep::new(capacitance, Load::resistance(self), step)
             }
 
-            #[inline(always)]
+            #[inline]
             fn line(step: &CircuitStep<S>) -> &CircuitStep<S> {
                 step
             }
@@ -147,22 +147,22 @@ macro_rules! resistive {
                 None
             }
 
-            #[inline(always)]
+            #[inline]
             fn resolves(&self, _voltage: S, _sag: S, _state: &()) -> bool {
                 true
             }
 
-            #[inline(always)]
+            #[inline]
             fn begin(&self, _step: &CircuitStep<S>, _voltage: S, _state: &mut ()) -> (S, ()) {
                 (S::ZERO, ())
             }
 
-            #[inline(always)]
+            #[inline]
             fn tangent(&self, _step: &CircuitStep<S>, _voltage: S, _charge: S, _state: &()) -> Option<[S; 2]> {
                 None
             }
 
-            #[inline(always)]
+            #[inline]
             fn conclude(
                 &self,
                 step: &CircuitStep<S>,
@@ -173,12 +173,12 @@ macro_rules! resistive {
                 Passed { charge: step.charge_by_mean * flow.mean_voltage, mean_square_voltage: None }
             }
 
-            #[inline(always)]
+            #[inline]
             fn delivered(step: &CircuitStep<S>, mean_square_voltage: S, _account: &()) -> S {
                 step.charge_by_mean * mean_square_voltage
             }
 
-            #[inline(always)]
+            #[inline]
             fn account(_account: &()) -> StorageAccount<S> {
                 StorageAccount::default()
             }
@@ -207,7 +207,7 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
         None
     }
 
-    #[inline(always)]
+    #[inline]
     fn is_short(&self) -> bool {
         false
     }
@@ -224,32 +224,32 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
         BridgeStep::new(capacitance, &self.storage, step)
     }
 
-    #[inline(always)]
+    #[inline]
     fn line(step: &BridgeStep<S>) -> &CircuitStep<S> {
         &step.blocked
     }
 
-    #[inline(always)]
+    #[inline]
     fn storage(&self, state: &StorageState<S>) -> Option<StorageOutput<S>> {
         let StorageState { voltage, remainder, connected } = *state;
         Some(StorageOutput { voltage, remainder, capacitance: self.storage.capacitance(), connected })
     }
 
     /// Where it blocks either way, or the difference is small beside the threshold.
-    #[inline(always)]
+    #[inline]
     fn resolves(&self, voltage: S, interpolation_bound: S, state: &StorageState<S>) -> bool {
         let threshold = self.threshold(state.voltage);
         interpolation_bound <= S::from_f64(RESOLUTION) * threshold
             || voltage.abs() + interpolation_bound < threshold
     }
 
-    #[inline(always)]
+    #[inline]
     fn begin(&self, step: &BridgeStep<S>, voltage: S, state: &mut StorageState<S>) -> (S, StorageAccount<S>) {
         let mut account = StorageAccount::default();
         (step.drain(self, voltage, state, &mut account), account)
     }
 
-    #[inline(always)]
+    #[inline]
     fn tangent(
         &self,
         step: &BridgeStep<S>,
@@ -260,7 +260,7 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
         step.tangent(self.threshold(state.voltage), voltage, charge)
     }
 
-    #[inline(always)]
+    #[inline]
     fn conclude(
         &self,
         step: &BridgeStep<S>,
@@ -271,12 +271,12 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
         step.conclude(self, [flow.voltage, flow.charge], state, account)
     }
 
-    #[inline(always)]
+    #[inline]
     fn delivered(_step: &BridgeStep<S>, _mean_square_voltage: S, account: &StorageAccount<S>) -> S {
         account.delivered
     }
 
-    #[inline(always)]
+    #[inline]
     fn account(account: &StorageAccount<S>) -> StorageAccount<S> {
         *account
     }

@@ -49,7 +49,7 @@ pub struct NoStop;
 impl<S: Scalar> ContactLaw<S> for NoStop {
     const POSSIBLE: bool = false;
 
-    #[inline(always)]
+    #[inline]
     fn kind(&self) -> ContactKind<S> {
         ContactKind::None
     }
@@ -67,7 +67,7 @@ pub struct ResidualFlexibility;
 impl<S: Scalar> ContactLaw<S> for ResidualFlexibility {
     const POSSIBLE: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn kind(&self) -> ContactKind<S> {
         ContactKind::Compliant
     }
@@ -88,7 +88,7 @@ pub struct Restitution<S> {
 impl<S: Scalar> ContactLaw<S> for Restitution<S> {
     const POSSIBLE: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn kind(&self) -> ContactKind<S> {
         ContactKind::Impulsive { restitution: self.coefficient }
     }
@@ -106,7 +106,7 @@ pub struct DisplacementConstraint;
 impl<S: Scalar> ContactLaw<S> for DisplacementConstraint {
     const POSSIBLE: bool = true;
 
-    #[inline(always)]
+    #[inline]
     fn kind(&self) -> ContactKind<S> {
         ContactKind::Constrained
     }

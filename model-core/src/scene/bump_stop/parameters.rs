@@ -26,7 +26,7 @@ pub trait Coupling: Copy + Debug + PartialEq {
 pub struct TwoWay;
 
 impl Coupling for TwoWay {
-    #[inline(always)]
+    #[inline]
     fn is_two_way(&self) -> bool {
         true
     }
@@ -38,7 +38,7 @@ impl Coupling for TwoWay {
 pub struct OneWay;
 
 impl Coupling for OneWay {
-    #[inline(always)]
+    #[inline]
     fn is_two_way(&self) -> bool {
         false
     }
@@ -55,7 +55,7 @@ pub enum AnyCoupling {
 }
 
 impl Coupling for AnyCoupling {
-    #[inline(always)]
+    #[inline]
     fn is_two_way(&self) -> bool {
         *self == Self::TwoWay
     }

@@ -30,7 +30,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// Contact force per mass while the mass is held, in m/s²: `a + (F_e − k d0) / m`.
     ///
     /// Equation (22) of the paper, derived; contact is kept while it is positive.
-    #[inline(always)]
+    #[inline]
     pub(super) fn contact_force_per_mass(&self, charge: S, acceleration: S) -> S {
         let attraction = self.attraction(&self.circuit(S::ZERO, charge));
         acceleration + attraction - self.stiffness_per_mass * self.initial_gap
@@ -50,7 +50,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     }
 
     /// Stored energy at a gap with its circuit and a velocity.
-    #[inline(always)]
+    #[inline]
     fn stored_energy(&self, circuit: &Circuit<S>, gap: S, velocity: S) -> StoredEnergy<S> {
         let half = S::from_f64(0.5);
         let deflection = gap - self.initial_gap;
@@ -85,13 +85,13 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     }
 
     /// Smallest gap that is told from contact after a release.
-    #[inline(always)]
+    #[inline]
     pub(super) fn release_margin(&self) -> S {
         S::from_f64(RELEASE_ROUNDINGS) * S::EPSILON * self.initial_gap
     }
 
     /// The jump to `mode` at contact, leaving at `speed`.
-    #[inline(always)]
+    #[inline]
     fn leave_contact<const POWERS: usize>(
         &self,
         mode: Mode,
@@ -118,7 +118,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// The rate itself is continuous, since it depends on gap and charge only, and the value of
     /// the stage before is better than the difference that the flow computes. But the rate
     /// `∂Q_eq/∂g · v` of a charge that follows the gap turns with the velocity.
-    #[inline(always)]
+    #[inline]
     fn charge_rate_after_impact(&self, before: S, speed: S, charge: S, step: S) -> S {
         if !matches!(self.load.resistance(), Resistance::Finite(_)) {
             return before;
@@ -137,18 +137,18 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
     where
         Self: 'a;
 
-    #[inline(always)]
+    #[inline]
     fn flow(&self, mode: Mode) -> Flow<'_, S, P> {
         // Where sticking is left out the compiler knows the mode, and drops the other.
         Flow { scene: self, mode: if P::Sticking::POSSIBLE { mode } else { Mode::Free } }
     }
 
-    #[inline(always)]
+    #[inline]
     fn guards(&self, _mode: Mode) -> usize {
         1
     }
 
-    #[inline(always)]
+    #[inline]
     fn guard<E: Excitation<S>>(
         &self,
         mode: Mode,
@@ -165,7 +165,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         Guard { value: point.state[GAP] + lowered, rate: point.state[VELOCITY] }
     }
 
-    #[inline(always)]
+    #[inline]
     fn rearms(&self, mode: Mode, point: &Point<S, STATES, POWERS>) -> bool {
         mode == Mode::Stick || point.state[VELOCITY] > S::ZERO && point.state[GAP] > self.release_margin()
     }
@@ -199,22 +199,22 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         jump
     }
 
-    #[inline(always)]
+    #[inline]
     fn error_scale(&self) -> ErrorScale<S> {
         ErrorScale { angular_frequency: self.angular_frequency, energy_floor: self.energy_floor }
     }
 
-    #[inline(always)]
+    #[inline]
     fn is_stick(&self, mode: Mode) -> bool {
         mode == Mode::Stick
     }
 
-    #[inline(always)]
+    #[inline]
     fn is_impact(&self, mode: Mode, _guard: usize) -> bool {
         mode == Mode::Free
     }
 
-    #[inline(always)]
+    #[inline]
     fn outputs<'a>(&self, mode: Mode, point: &'a Point<S, STATES, POWERS>) -> Outputs<'a, S> {
         let [gap, velocity, charge] = point.state;
         let mut outputs = Outputs::of_state(&point.state);

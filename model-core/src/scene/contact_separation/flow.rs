@@ -34,7 +34,7 @@ pub struct Circuit<S> {
 impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// The electrical quantities where the charge is a state of its own, or, in a short circuit,
     /// where it follows the gap.
-    #[inline(always)]
+    #[inline]
     pub(super) fn circuit(&self, gap: S, charge: S) -> Circuit<S> {
         let distance = gap + self.dielectric;
         let present = <P::Parasitic as Parasitic<S>>::PRESENT;
@@ -71,7 +71,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     }
 
     /// Attraction per mass, in m/s².
-    #[inline(always)]
+    #[inline]
     pub(super) fn attraction(&self, circuit: &Circuit<S>) -> S {
         self.force_law.attraction(circuit, self.tribo_charge)
     }
@@ -80,7 +80,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     ///
     /// With a resistor both come from the rate of the charge: the voltage as a difference,
     /// `V_oc − q/C`, is 17 kV less 17 kV where the resistance is small.
-    #[inline(always)]
+    #[inline]
     pub(super) fn voltage_and_current(&self, mode: Mode, state: &[S; STATES], rate: &[S; STATES]) -> (S, S) {
         if mode == Mode::Stick && !self.sticking.relaxes() {
             return (S::ZERO, S::ZERO);
@@ -109,7 +109,7 @@ pub struct Flow<'a, S: Scalar, P: Parts<S>> {
 impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
     /// Derivative of the charge's rate by gap and by charge, per unit of voltage: 0 unless a
     /// resistor carries current in this mode.
-    #[inline(always)]
+    #[inline]
     fn circuit_rate(&self) -> S {
         let frozen = self.mode == Mode::Stick && !self.scene.sticking.relaxes();
         match self.scene.load.resistance() {
@@ -119,7 +119,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
     }
 
     /// Derivatives of force and current while the mass is free.
-    #[inline(always)]
+    #[inline]
     pub(super) fn derivatives(&self, state: &[S; STATES]) -> Derivatives<S> {
         let scene = self.scene;
         let circuit = scene.circuit(state[GAP], state[CHARGE]);
@@ -135,7 +135,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
     }
 
     /// All powers; see [`PowerIndex`].
-    #[inline(always)]
+    #[inline]
     pub(super) fn all_powers(
         &self,
         state: &[S; STATES],
@@ -170,7 +170,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for Flow<'_, S, P> {
     type Factor = ModeFactor<S>;
 
-    #[inline(always)]
+    #[inline]
     fn flow(&self, state: &[S; STATES], acceleration: S) -> [S; STATES] {
         let scene = self.scene;
         let [gap, velocity, charge] = *state;
@@ -186,7 +186,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
         let derivatives = self.derivatives(state);
         if self.mode == Mode::Stick {
@@ -195,12 +195,12 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         ModeFactor::moving(weight, &derivatives)
     }
 
-    #[inline(always)]
+    #[inline]
     fn solve(&self, factor: &ModeFactor<S>, right: [S; STATES]) -> [S; STATES] {
         factor.solve(right)
     }
 
-    #[inline(always)]
+    #[inline]
     fn iterate(
         &self,
         factor: &ModeFactor<S>,
@@ -220,7 +220,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         )
     }
 
-    #[inline(always)]
+    #[inline]
     fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
         if self.mode == Mode::Free {
             increment[GAP] = weight * (base[VELOCITY] + increment[VELOCITY]);
@@ -230,14 +230,14 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         increment[CHARGE] = rate * circuit.voltage / (S::ONE - rate * circuit.voltage_by_charge);
     }
 
-    #[inline(always)]
+    #[inline]
     fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
         first_powers(&self.all_powers(state, rate, acceleration))
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least a
     /// thousandth of the initial gap), charges to the tribo-charge.
-    #[inline(always)]
+    #[inline]
     fn error_norm(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let scene = self.scene;
         let least = S::from_f64(1e-3) * scene.initial_gap;

@@ -25,13 +25,13 @@ pub trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
 /// mass more on approach than it takes on departure, and the sum of the mechanical and the
 /// electrical ledger does not close, though each does by itself.
 impl<S: Scalar> ForceLaw<S> for TransferredCharge {
-    #[inline(always)]
+    #[inline]
     fn attraction(&self, circuit: &Circuit<S>, _tribo_charge: S) -> S {
         let shared = circuit.transferred * circuit.sharing;
         shared * shared
     }
 
-    #[inline(always)]
+    #[inline]
     fn derivatives(&self, circuit: &Circuit<S>, _tribo_charge: S) -> [S; 2] {
         let shared = circuit.transferred * circuit.sharing;
         let twice = shared + shared;
@@ -45,13 +45,13 @@ impl<S: Scalar> ForceLaw<S> for TransferredCharge {
 ///
 /// With it the total energy ledger closes.
 impl<S: Scalar> ForceLaw<S> for GapField {
-    #[inline(always)]
+    #[inline]
     fn attraction(&self, circuit: &Circuit<S>, tribo_charge: S) -> S {
         let opposite = tribo_charge - circuit.transferred;
         opposite * opposite
     }
 
-    #[inline(always)]
+    #[inline]
     fn derivatives(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 2] {
         let opposite = tribo_charge - circuit.transferred;
         let twice = -(opposite + opposite);
@@ -60,7 +60,7 @@ impl<S: Scalar> ForceLaw<S> for GapField {
 }
 
 impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
-    #[inline(always)]
+    #[inline]
     fn attraction(&self, circuit: &Circuit<S>, tribo_charge: S) -> S {
         match self {
             Self::TransferredCharge => TransferredCharge.attraction(circuit, tribo_charge),
@@ -68,7 +68,7 @@ impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn derivatives(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 2] {
         match self {
             Self::TransferredCharge => TransferredCharge.derivatives(circuit, tribo_charge),

@@ -41,7 +41,7 @@ const THRESHOLD_ROUNDINGS: f64 = 8.0;
 
 impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// Guards of the harvester and of the bridge in a mode.
-    #[inline(always)]
+    #[inline]
     fn counts(&self, mode: Mode<H::Mode>) -> [usize; 2] {
         let own = self.harvester.guards(mode.inner);
         let bridge = match mode.regime {
@@ -53,7 +53,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     }
 
     /// What guard number `index` of `mode` is for: the harvester's first, then the bridge's.
-    #[inline(always)]
+    #[inline]
     fn watch(&self, mode: Mode<H::Mode>, index: usize) -> Watch {
         let [own, bridge] = self.counts(mode);
         if index < own {
@@ -70,7 +70,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     }
 
     /// The harvester's own point.
-    #[inline(always)]
+    #[inline]
     fn own_point<const POWERS: usize>(
         &self,
         mode: Mode<H::Mode>,
@@ -94,7 +94,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// How far the voltage is below the threshold at which conduction in the direction of `regime` begins.
     ///
     /// Lowered by the roundings of a voltage: where conduction has ended the voltage is at the threshold.
-    #[inline(always)]
+    #[inline]
     fn begin_guard(&self, mode: Mode<H::Mode>, regime: BridgeRegime, state: &[S; STATES]) -> Guard<S> {
         let sign: S = regime.sign();
         let at = self.electrics(mode, state);
@@ -108,7 +108,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     }
 
     /// The current through the bridge in the measure of [`Electrics::drive`], and its rate.
-    #[inline(always)]
+    #[inline]
     fn end_guard<const POWERS: usize>(
         &self,
         mode: Mode<H::Mode>,
@@ -129,7 +129,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     }
 
     /// How far the storage is from the voltage of the lock-out that it is to come to next.
-    #[inline(always)]
+    #[inline]
     fn lockout_guard<const POWERS: usize>(
         &self,
         mode: Mode<H::Mode>,
@@ -151,7 +151,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
 
     /// The jump to a mode at a state that has the electrics of `mode.regime`, or of `leaving` if conduction
     /// is to end with it.
-    #[inline(always)]
+    #[inline]
     fn land<const POWERS: usize>(
         &self,
         mode: Mode<H::Mode>,
@@ -188,19 +188,19 @@ where
     where
         Self: 'a;
 
-    #[inline(always)]
+    #[inline]
     fn flow(&self, mode: Self::Mode) -> Flow<'_, S, H, R, H::Mode> {
         Flow { scene: self, mode }
     }
 
-    #[inline(always)]
+    #[inline]
     fn guards(&self, mode: Self::Mode) -> usize {
         let [own, bridge] = self.counts(mode);
         let switches = R::SWITCHES && self.bridge.storage.lockout().is_some();
         own + bridge + usize::from(switches)
     }
 
-    #[inline(always)]
+    #[inline]
     fn guard<E: Excitation<S>>(
         &self,
         mode: Self::Mode,
@@ -219,7 +219,7 @@ where
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn rearms(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> bool {
         self.harvester.rearms(mode.inner, &self.own_point(mode, point))
     }
@@ -285,17 +285,17 @@ where
         first_powers(&energies)
     }
 
-    #[inline(always)]
+    #[inline]
     fn error_scale(&self) -> ErrorScale<S> {
         self.harvester.error_scale()
     }
 
-    #[inline(always)]
+    #[inline]
     fn is_stick(&self, mode: Self::Mode) -> bool {
         self.harvester.is_stick(mode.inner)
     }
 
-    #[inline(always)]
+    #[inline]
     fn is_impact(&self, mode: Self::Mode, guard: usize) -> bool {
         match self.watch(mode, guard) {
             Watch::Harvester(index) => self.harvester.is_impact(mode.inner, index),
@@ -304,7 +304,7 @@ where
     }
 
     /// Stored energy is that of the harvester alone.
-    #[inline(always)]
+    #[inline]
     fn outputs<'a>(&self, mode: Self::Mode, point: &'a Point<S, STATES, POWERS>) -> Outputs<'a, S> {
         let own = self.own_point(mode, point);
         let mut outputs = self.harvester.outputs(mode.inner, &own).with_state(&point.state);
@@ -323,7 +323,7 @@ where
         outputs
     }
 
-    #[inline(always)]
+    #[inline]
     fn check(&self, mode: Self::Mode, state: &[S; STATES]) -> Result<(), (&'static str, S)> {
         self.harvester.check(mode.inner, &[state[POSITION], state[VELOCITY], state[CHARGE]])
     }

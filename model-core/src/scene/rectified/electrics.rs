@@ -26,13 +26,13 @@ pub(super) struct Electrics<S> {
 
 impl<S: Scalar> Electrics<S> {
     /// `s Q' (1/C_s − ∂V/∂Q)` in V/s at a velocity: positive while the bridge conducts.
-    #[inline(always)]
+    #[inline]
     pub(super) fn drive(&self, sign: S, velocity: S) -> S {
         sign * self.voltage_by_position * velocity + self.fall
     }
 
     /// `s Q'` in charge units per second: the rectified current.
-    #[inline(always)]
+    #[inline]
     pub(super) fn rectified(&self, sign: S, velocity: S) -> S {
         self.charge_by_voltage * self.drive(sign, velocity)
     }
@@ -40,7 +40,7 @@ impl<S: Scalar> Electrics<S> {
 
 impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// The circuit at a state; see [`super`].
-    #[inline(always)]
+    #[inline]
     pub(super) fn electrics(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> Electrics<S> {
         let (start, base) = (state[CHARGE], state[STORAGE]);
         let fall_at = |voltage| self.per_farad * self.bridge.storage.outflow(voltage, mode.connected);
@@ -75,7 +75,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     }
 
     /// Derivative of [`Electrics::fall`] by the storage's voltage, in 1/s.
-    #[inline(always)]
+    #[inline]
     pub(super) fn fall_by_voltage(&self, mode: Mode<H::Mode>, at: &Electrics<S>) -> S {
         self.per_farad * self.bridge.storage.outflow_by_voltage(at.storage_voltage, mode.connected)
     }

@@ -17,7 +17,7 @@ pub struct Flow<'a, S, H, R, M> {
 
 impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Flow<'_, S, H, R, H::Mode> {
     /// The circuit at a state, and the harvester's own state.
-    #[inline(always)]
+    #[inline]
     fn parts(&self, state: &[S; STATES]) -> (Electrics<S>, [S; 3]) {
         let at = self.scene.electrics(self.mode, state);
         let own = [state[POSITION], state[VELOCITY], at.charge];
@@ -25,13 +25,13 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Flow<'_, S, H, R, H:
     }
 
     /// Whether the harvester's position is held.
-    #[inline(always)]
+    #[inline]
     fn is_stick(&self) -> bool {
         self.scene.harvester.is_stick(self.mode.inner)
     }
 
     /// All powers; see [`PowerIndex`].
-    #[inline(always)]
+    #[inline]
     fn all_powers(&self, state: &[S; STATES], acceleration: S) -> [S; ALL_POWERS] {
         let scene = self.scene;
         let (at, own) = self.parts(state);
@@ -64,7 +64,7 @@ where
 {
     type Factor = ModeFactor<S>;
 
-    #[inline(always)]
+    #[inline]
     fn flow(&self, state: &[S; STATES], acceleration: S) -> [S; STATES] {
         let (at, own) = self.parts(state);
         let [velocity, rate, _] =
@@ -73,7 +73,7 @@ where
     }
 
     /// With the charge following the position, and without what the storage's slow voltage does to the motion.
-    #[inline(always)]
+    #[inline]
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
         if self.is_stick() {
             return Some(ModeFactor::held(weight, S::ZERO));
@@ -85,7 +85,7 @@ where
         ModeFactor::moving(weight, &Derivatives { stiffness, ..open })
     }
 
-    #[inline(always)]
+    #[inline]
     fn solve(
         &self,
         factor: &ModeFactor<S>,
@@ -96,7 +96,7 @@ where
     }
 
     /// Newton's iteration on the velocity; the storage takes one of its own in each.
-    #[inline(always)]
+    #[inline]
     fn iterate(
         &self,
         factor: &ModeFactor<S>,
@@ -118,7 +118,7 @@ where
         [position, velocity, S::ZERO, storage]
     }
 
-    #[inline(always)]
+    #[inline]
     fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
         if !self.is_stick() {
             increment[POSITION] = weight * (base[VELOCITY] + increment[VELOCITY]);
@@ -132,14 +132,14 @@ where
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn powers(&self, state: &[S; STATES], _rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
         first_powers(&self.all_powers(state, acceleration))
     }
 
     /// The charge that passes in a step is what the ends have let pass, and the storage's voltage is linear in it but
     /// for what leaks and is drawn: then the storage's ledger closes to rounding whatever the step.
-    #[inline(always)]
+    #[inline]
     fn settle(&self, start: &[S; STATES], end: &[S; STATES], energies: &mut [S; POWERS]) {
         if self.mode.regime == BridgeRegime::Blocked {
             return;
@@ -162,7 +162,7 @@ where
     }
 
     /// The harvester's own measure; the storage relative to the threshold that its voltage makes.
-    #[inline(always)]
+    #[inline]
     fn error_norm(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let [position, velocity, charge, storage] = *change;
         let own = [state[POSITION], state[VELOCITY], state[super::CHARGE]];

@@ -10,12 +10,12 @@ use crate::scene::coupled::Derivatives;
 use crate::scene::electrical_port::{ElectricalPort, PortVoltage};
 
 impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
-    #[inline(always)]
+    #[inline]
     fn resistance(&self) -> Resistance<S> {
         self.load.resistance()
     }
 
-    #[inline(always)]
+    #[inline]
     fn coulombs(&self) -> S {
         self.charge_unit
     }
@@ -25,7 +25,7 @@ impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
     }
 
     /// `V = (σ S2 − q) d / (ε0 ε_r S1)`.
-    #[inline(always)]
+    #[inline]
     fn port_voltage(&self, mode: Mode, displacement: S, charge: S) -> PortVoltage<S> {
         let ahead = mode.is_ahead(displacement);
         let circuit = self.circuit(ahead, displacement, charge);
@@ -46,22 +46,22 @@ impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn charge_is_frozen(&self, mode: Mode) -> bool {
         Self::STICKS && mode == Mode::Stick && !self.sticking.relaxes()
     }
 
-    #[inline(always)]
+    #[inline]
     fn is_clear(&self, mode: Mode, state: &[S; STATES]) -> bool {
         mode == Mode::Stick || state[VELOCITY].abs() > self.velocity_margin
     }
 
-    #[inline(always)]
+    #[inline]
     fn derivatives(&self, mode: Mode, state: &[S; STATES]) -> Derivatives<S> {
         Flow { scene: self, mode }.derivatives(state)
     }
 
-    #[inline(always)]
+    #[inline]
     fn all_powers(&self, mode: Mode, state: &[S; STATES], acceleration: S) -> [S; ALL_POWERS] {
         // Of the rates the account asks for the current in a resistor only.
         Flow { scene: self, mode }.all_powers(state, &[S::ZERO; STATES], acceleration)

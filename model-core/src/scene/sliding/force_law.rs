@@ -28,7 +28,7 @@ pub trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
 /// Of the forms tried only this one, with or without the factor `ε_r`, gives the paper's fall of the
 /// amplitude and its shift of the peak to the left and back as the resistance grows.
 impl<S: Scalar> ForceLaw<S> for TransferredCharge {
-    #[inline(always)]
+    #[inline]
     fn acting_charge(&self, transferred: S, _surface: &Surface<S>) -> [S; 2] {
         [transferred, S::ONE]
     }
@@ -38,7 +38,7 @@ impl<S: Scalar> ForceLaw<S> for TransferredCharge {
 ///
 /// Its trends with the resistance are opposite to the paper's.
 impl<S: Scalar> ForceLaw<S> for GapField {
-    #[inline(always)]
+    #[inline]
     fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2] {
         let root = surface.root_permittivity;
         [root * (surface.tribo_charge - transferred), -root]
@@ -46,7 +46,7 @@ impl<S: Scalar> ForceLaw<S> for GapField {
 }
 
 impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
-    #[inline(always)]
+    #[inline]
     fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2] {
         match self {
             Self::TransferredCharge => TransferredCharge.acting_charge(transferred, surface),

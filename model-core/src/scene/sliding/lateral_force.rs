@@ -18,7 +18,7 @@ pub trait LateralForce: Copy + Debug + PartialEq {
 pub struct NoLateralForce;
 
 impl LateralForce for NoLateralForce {
-    #[inline(always)]
+    #[inline]
     fn acts(&self) -> bool {
         false
     }
@@ -30,7 +30,7 @@ impl LateralForce for NoLateralForce {
 pub struct FieldLateralForce;
 
 impl LateralForce for FieldLateralForce {
-    #[inline(always)]
+    #[inline]
     fn acts(&self) -> bool {
         true
     }
@@ -47,7 +47,7 @@ pub enum AnyLateralForce {
 }
 
 impl LateralForce for AnyLateralForce {
-    #[inline(always)]
+    #[inline]
     fn acts(&self) -> bool {
         *self == Self::Field
     }
