@@ -1,5 +1,6 @@
 //! The host side of `model-core`: scene files, the independent reference, and the command line.
 
+mod base_motion;
 pub mod budget;
 pub mod closed_form;
 pub mod command;
@@ -11,7 +12,10 @@ pub mod outcome;
 mod peer;
 pub mod reference;
 pub mod report;
+mod root;
 pub mod scene_file;
 pub mod stability;
 pub mod steady_state;
+#[cfg(test)]
+mod test_support;
 pub mod work_precision;

@@ -1,61 +1,27 @@
 //! The independent reference: `std`, double precision, and no code of `model-core`.
 //!
-//! The physics is written again, in state variables of its own, and integrated by the crate `diffsol`
-//! at tolerances near rounding. Everything that is measured as an integral is carried by the
-//! integrator as a further state. The bump-stop harvester is linear between its events and is propagated
-//! exactly instead.
+//! The physics is written again, in other state variables than those of the core. The crate `diffsol`
+//! integrates the triboelectric scenes at tolerances near rounding, and with them every measured integral as a
+//! further state. The bump-stop harvester is linear between its events and is propagated exactly.
 
-mod base;
-mod bridge;
 mod bump_stop;
-mod cantilever;
 mod contact_separation;
-mod effort;
-mod integrals;
+mod ledger;
+mod options;
 mod recorder;
-mod root;
+mod schedule;
 mod sliding;
-mod store;
+mod storage;
+mod totals;
+mod triboelectric;
 
-pub(crate) use self::base::{Base, LocalBase};
-pub(crate) use self::bump_stop::BumpStopModes;
-pub(crate) use self::cantilever::Cantilever;
-
+use self::contact_separation::ContactSeparation;
+pub use self::options::{ReferenceOptions, StepFailure};
+use self::sliding::Sliding;
 use crate::outcome::Outcome;
 use crate::scene_file::{BumpStop, Contact, Model, Scene};
 
-/// How accurate, and what to record.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReferenceOptions {
-    /// Relative tolerance of the integrator; what is propagated exactly meets any.
-    pub tolerance: f64,
-    /// Distance of recorded rows in s; `None`: no recording.
-    pub record_every: Option<f64>,
-    /// Steps of a triboelectric scene after which it is given up at the next event.
-    pub most_steps: Option<u64>,
-}
-
-impl Default for ReferenceOptions {
-    /// A tolerance of 10⁻¹²: ten times tighter the results of the shipped scene change by a few 10⁻¹¹,
-    /// and the Newton iteration comes near to rounding.
-    fn default() -> Self {
-        Self { tolerance: 1e-12, record_every: None, most_steps: None }
-    }
-}
-
-/// A run that could not be finished.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{reason} at {time_s} s ({state})")]
-pub struct StepFailure {
-    /// What went wrong.
-    pub reason: String,
-    /// Simulated time in s.
-    pub time_s: f64,
-    /// The last good state, in words.
-    pub state: String,
-}
-
-/// Why the reference has nothing to say about a scene, if so.
+/// The reason why the reference refuses a scene, if it does.
 #[must_use]
 pub fn refusal(scene: &Scene) -> Option<String> {
     let Model::BumpStop(BumpStop { stop: Some(stop), .. }) = &scene.model else { return None };
@@ -71,11 +37,16 @@ pub fn refusal(scene: &Scene) -> Option<String> {
 /// Runs a scene on the reference.
 ///
 /// # Errors
-/// If the integrator cannot go on; the scene itself has been checked when it was read.
+/// If the integrator cannot go on. The scene itself was checked when it was read.
 pub fn run(scene: &Scene, options: &ReferenceOptions) -> Result<Outcome, StepFailure> {
     match &scene.model {
-        Model::ContactSeparation(model) => contact_separation::run(scene, model, options),
-        Model::Sliding(model) => sliding::run(scene, model, options),
-        Model::BumpStop(model) => bump_stop::run(scene, model, options),
+        Model::ContactSeparation(model) => {
+            let start = ContactSeparation::new(&model.parameters, scene.load, &model.initial);
+            triboelectric::run(scene, start, options)
+        }
+        Model::Sliding(model) => {
+            triboelectric::run(scene, Sliding::new(&model.parameters, scene.load, &model.initial), options)
+        }
+        Model::BumpStop(model) => bump_stop::run(scene, model, options, |_| {}),
     }
 }

@@ -10,6 +10,7 @@ mod contact_separation;
 mod document;
 mod excitation;
 mod load;
+pub(crate) mod modes;
 mod node;
 mod preset;
 mod run_span;

@@ -2,9 +2,9 @@
 
 use super::bounds::{self, Bound, Short};
 use super::document::SceneError;
+use super::modes::BumpStopModes;
 use super::scene::{BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters};
 use super::section::Section;
-use crate::reference::BumpStopModes;
 
 /// The values that a number of these tables may have.
 fn bound(key: &str) -> Bound {

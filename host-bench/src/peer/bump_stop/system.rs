@@ -8,7 +8,8 @@
 //! The modes of beam and rod stand in one list: `l` is the shape at the stop for the beam, minus that at
 //! the face for the rod, whose `θ` is zero. Equations (1) to (4) and (10) of Mak, McWilliam, Popov and Fox.
 
-use crate::reference::{Base, BumpStopModes, LocalBase};
+use crate::base_motion::{Base, LocalBase};
+use crate::scene_file::modes::BumpStopModes;
 use crate::scene_file::{BumpStop, BumpStopStart, Coupling, Excitation, Load};
 
 /// A mode of beam or rod, with a modal mass of one.

@@ -1,12 +1,14 @@
 //! Exact propagation of `y' = A y` over a grid step and its binary fractions, and exact integrals of
 //! quadratic forms of `y` along the way.
 //!
-//! The exponential is kept as `E = exp(A h) − 1` and doubled, `E ← 2E + E²`, from a step so short that a few
-//! terms of its series give it to rounding; so slow modes keep all their digits beside fast ones, however
-//! stiff the circuit is. The integral of `yᵀ M y` over a step is `y₀ᵀ G y₀` with the Gramian `G`, doubled
-//! with it: `G ← G + (1+E)ᵀ G (1+E)`.
+//! The exponential is stored as `E = exp(A h) − 1`, so that slow modes keep their digits beside fast ones in a
+//! stiff circuit. `E` of a very short step is a few terms of the series, and `E ← 2E + E²` doubles the step.
+//! The integral of `yᵀ M y` over a step is `y₀ᵀ G y₀` with the Gramian `G`, doubled as
+//! `G ← G + (1+E)ᵀ G (1+E)`.
 
 use nalgebra::DMatrix;
+
+use crate::reference::ledger::Integrals;
 
 /// Binary digits of a time within a grid step.
 pub(super) const DIGITS: u32 = 40;
@@ -14,13 +16,13 @@ pub(super) const DIGITS: u32 = 40;
 /// Ticks of a whole grid step.
 pub(super) const WHOLE: u64 = 1 << DIGITS;
 
-/// Number of quadratic forms that are integrated.
+/// Number of quadratic forms that are integrated: one for each of the [`Integrals`].
 pub(super) const FORMS: usize = 10;
 
 /// Terms of the series at the shortest step, whose norm is at most 2⁻⁸.
 const TERMS: u32 = 8;
 
-/// Steps after which the moments are summed up: so many sums of so many terms round little.
+/// Steps after which the moments are summed up, so that rounding stays small.
 const BATCH: u32 = 1 << 12;
 
 /// Propagation over `step / 2^level` for each level.
@@ -88,7 +90,7 @@ impl Propagator {
     fn step(&self, level: usize, from: &[f64], to: &mut [f64]) {
         to.copy_from_slice(from);
         let increment = self.levels[level].increment.as_slice();
-        // Four columns at a time, for speed: this is where a run spends its time.
+        // Four columns at a time, for speed: a run spends its time here.
         let (fours, rest) = (increment.chunks_exact(4 * self.size), from.chunks_exact(4).remainder());
         let columns = fours.remainder().chunks_exact(self.size);
         for (columns, weights) in fours.zip(from.chunks_exact(4)) {
@@ -113,7 +115,7 @@ impl Propagator {
         self.walk(from, ticks, to, |_, _| {});
     }
 
-    /// The same, and `moments` takes down what the integrals need.
+    /// As [`Self::advance`]; adds the moments of the path.
     pub(super) fn advance_measured(
         &self,
         from: &[f64],
@@ -124,12 +126,12 @@ impl Propagator {
         self.walk(from, ticks, to, |level, vector| moments.add(self, level, vector));
     }
 
-    /// Takes down what the integrals over a whole grid step from `from` need.
+    /// Adds the moments of a whole grid step from `from`.
     pub(super) fn measure_whole(&self, from: &[f64], moments: &mut Moments) {
         moments.add(self, 0, from);
     }
 
-    /// Goes `ticks` on from `from` and shows each step's level and start to `visit`.
+    /// Advances by `ticks` from `from` and shows the level and the start of each step to `visit`.
     fn walk(&self, from: &[f64], ticks: u64, to: &mut Vec<f64>, mut visit: impl FnMut(usize, &[f64])) {
         to.resize(from.len(), 0.0);
         if ticks == WHOLE {
@@ -146,8 +148,7 @@ impl Propagator {
         }
     }
 
-    /// The first tick after the vector `from` that is past something, if the tick at `until` is and all
-    /// before some tick are not.
+    /// The first tick after the vector `from` at which `past` holds; `past` holds at `until` and changes once.
     pub(super) fn first_past(&self, from: &[f64], until: u64, past: impl Fn(&[f64]) -> bool) -> u64 {
         let (mut here, mut there) = (from.to_vec(), from.to_vec());
         let mut offset = 0;
@@ -166,12 +167,12 @@ impl Propagator {
     }
 }
 
-/// Sums of `y yᵀ` over the steps of each level: what all integrals of quadratic forms have in common.
+/// Sums of `y yᵀ` over the steps of each level, from which the integrals of all quadratic forms follow.
 #[derive(Debug)]
 pub(super) struct Moments {
     /// For each level the number of steps, and the sums below and on the diagonal, column by column.
     levels: Vec<(u32, Vec<f64>)>,
-    integrals: [f64; FORMS],
+    integrals: Integrals,
 }
 
 impl Moments {
@@ -217,7 +218,7 @@ impl Moments {
     }
 
     /// The integrals of the forms since the last call.
-    pub(super) fn take(&mut self, propagator: &Propagator) -> [f64; FORMS] {
+    pub(super) fn take(&mut self, propagator: &Propagator) -> Integrals {
         for level in 0..self.levels.len() {
             self.sum_up(propagator, level);
         }

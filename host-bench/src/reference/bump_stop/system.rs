@@ -1,4 +1,4 @@
-//! The harvester as a linear system for each state of contact, the base acceleration made part of it.
+//! The bump-stop harvester as a linear system `y' = A y` for each state of contact and circuit.
 //!
 //! Equations (1) to (4) and (10) of Mak, McWilliam, Popov and Fox in modal coordinates `r`, `q`, with the
 //! back-coupling that conserves energy:
@@ -10,16 +10,15 @@
 //! ```
 //!
 //! The coordinates are scaled so that half their square is energy: `ω r`, `r'`, `Ω q`, `q'`, `√C v`, and
-//! `√C_s V_s` of a store. Behind them stand a constant 1, the generators of the base acceleration (sine and cosine
-//! of each tone, and a straight line) and that of a constant power. In each state of contact the force is a row
-//! times the whole vector, and in each of the circuit so is every current, so the vector obeys `y' = A y` and is
-//! propagated exactly.
+//! `√C_s V_s` of a storage. The vector holds after them a constant 1, the generators of the base acceleration
+//! (a straight line, sine and cosine of each tone), and the generator of a constant power. The contact force
+//! and every current are rows times this vector, so its propagation is exact.
 
 use nalgebra::DMatrix;
 
-use super::modes::BumpStopModes;
-use crate::reference::base::LocalBase;
-use crate::reference::store::Store;
+use crate::base_motion::LocalBase;
+use crate::reference::storage::Storage;
+use crate::scene_file::modes::BumpStopModes;
 use crate::scene_file::{BumpStop, BumpStopStart, Contact, Coupling, Draw, Load};
 
 /// Places of the quantities in the vector.
@@ -32,24 +31,14 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Scaled displacement of a mode of the beam.
-    fn beam(&self, mode: usize) -> usize {
-        mode
+    /// Scaled displacement and velocity of a mode of the beam.
+    fn beam(&self, mode: usize) -> [usize; 2] {
+        [mode, self.beam + mode]
     }
 
-    /// Velocity of a mode of the beam.
-    fn beam_rate(&self, mode: usize) -> usize {
-        self.beam + mode
-    }
-
-    /// Scaled displacement of a mode of the rod.
-    fn rod(&self, mode: usize) -> usize {
-        2 * self.beam + mode
-    }
-
-    /// Velocity of a mode of the rod.
-    fn rod_rate(&self, mode: usize) -> usize {
-        2 * self.beam + self.rod + mode
+    /// Scaled displacement and velocity of a mode of the rod.
+    fn rod(&self, mode: usize) -> [usize; 2] {
+        [2 * self.beam + mode, 2 * self.beam + self.rod + mode]
     }
 
     /// Scaled voltage; all before it is mechanical.
@@ -57,14 +46,14 @@ impl Layout {
         2 * (self.beam + self.rod)
     }
 
-    /// Scaled voltage of the store.
-    pub(super) fn store(&self) -> usize {
+    /// Scaled voltage of the storage.
+    pub(super) fn storage(&self) -> usize {
         self.voltage() + 1
     }
 
     /// The constant 1.
     pub(super) fn one(&self) -> usize {
-        self.store() + 1
+        self.storage() + 1
     }
 
     /// The straight line of the base acceleration and its slope.
@@ -85,8 +74,8 @@ impl Layout {
 
     /// Scaled displacement and velocity of each mode, the beam's first, and the scaled voltage.
     pub(super) fn by_mode(&self, vector: &[f64]) -> Vec<f64> {
-        let beam = (0..self.beam).map(|mode| [self.beam(mode), self.beam_rate(mode)]);
-        let rod = (0..self.rod).map(|mode| [self.rod(mode), self.rod_rate(mode)]);
+        let (beam, rod) =
+            ((0..self.beam).map(|mode| self.beam(mode)), (0..self.rod).map(|mode| self.rod(mode)));
         beam.chain(rod).flatten().chain([self.voltage()]).map(|place| vector[place]).collect()
     }
 
@@ -114,36 +103,36 @@ pub(super) fn value(row: &[f64], vector: &[f64]) -> f64 {
     rest + sums.iter().sum::<f64>()
 }
 
-/// Everything about the harvester that does not depend on the state of contact.
+/// The harvester, without what depends on the state of contact.
 #[derive(Debug)]
 pub(super) struct System {
     pub(super) modes: BumpStopModes,
     pub(super) layout: Layout,
-    /// Without contact, the terminals on a resistor or open behind a bridge that blocks; nothing of a store.
+    /// Matrix without contact and without storage; the terminals are on a resistor, or open behind a bridge.
     pub(super) free: DMatrix<f64>,
-    /// How a force of 1 N in the contact moves the vector.
+    /// Rate of the vector for a contact force of 1 N.
     pub(super) push: Row,
     /// Penetration in m: negative while the contact is open. Zero weights without a stop.
     pub(super) gap: Row,
+    /// Rate of the penetration in m/s.
+    pub(super) gap_rate: Row,
     /// Displacement of the tip in m.
     pub(super) tip: Row,
     /// Displacement in m of the beam at the point of contact.
     pub(super) stop_point: Row,
-    /// Displacement in m of the rod's face.
+    /// Displacement in m of the face of the rod.
     pub(super) face: Row,
-    /// Rate of the penetration in m/s.
-    pub(super) gap_rate: Row,
-    /// Voltage in V.
+    /// Voltage in V; zero weights behind a short circuit.
     pub(super) voltage: Row,
-    /// What stands behind a bridge.
-    pub(super) store: Option<Store>,
-    /// Voltage of the store in V; zero weights without one.
-    pub(super) store_voltage: Row,
+    /// The storage behind a bridge.
+    pub(super) storage: Option<Storage>,
+    /// Voltage of the storage in V; zero weights without one.
+    pub(super) storage_voltage: Row,
     /// Base acceleration in m/s².
     pub(super) base: Row,
     /// `−(Σ γ r' + Σ g q')`: base power over base acceleration, in N·s.
     pub(super) base_lever: Row,
-    /// Loss factors `2ζω` of the velocities, zero elsewhere.
+    /// Loss factors `2ζω` in 1/s of the velocities, zero elsewhere.
     pub(super) damping: Row,
     /// Current into the circuit in A.
     pub(super) current: Row,
@@ -156,106 +145,128 @@ pub(super) struct System {
 }
 
 impl System {
+    /// The system of a scene; `base` gives the sines of the base acceleration.
     pub(super) fn new(model: &BumpStop, load: Load, base: &LocalBase) -> Self {
-        let parameters = &model.parameters;
-        let modes = BumpStopModes::new(parameters, model.stop.as_ref());
-        let tones: Vec<[f64; 3]> = base.sines().collect();
-        let store = Store::of(load);
-        let has_power = store.is_some_and(|store| matches!(store.draw, Draw::Power { .. }));
-        let layout = Layout { beam: modes.beam.len(), rod: modes.rod.len(), tones: tones.len(), has_power };
+        let modes = BumpStopModes::new(&model.parameters, model.stop.as_ref());
+        let storage = Storage::of(load);
+        let has_power = storage.is_some_and(|storage| matches!(storage.draw, Draw::Power { .. }));
+        let tones = base.sines().len();
+        let layout = Layout { beam: modes.beam.len(), rod: modes.rod.len(), tones, has_power };
         let size = layout.size();
-        let row = || vec![0.0; size];
-        let damping_ratio = parameters.damping_ratio;
-        let resistance_ohm = load.resistance_ohm();
-        let short = resistance_ohm == 0.0;
-        let conductance = if short { 0.0 } else { resistance_ohm.recip() };
-        let two_way = parameters.coupling == Coupling::TwoWay;
-        let root_capacitance = modes.capacitance.sqrt();
-
-        let mut acceleration = row();
-        let [line, slope] = layout.line();
-        acceleration[line] = 1.0;
-        for tone in 0..layout.tones {
-            acceleration[layout.tone(tone)[0]] = 1.0;
-        }
-
-        let mut free = DMatrix::zeros(size, size);
-        let (mut push, mut gap, mut tip, mut stop_point, mut face) = (row(), row(), row(), row(), row());
-        let (mut base_lever, mut damping, mut current, mut voltage) = (row(), row(), row(), row());
-        let mut oscillator = |at: usize, rate: usize, angular_frequency: f64, participation: f64| {
-            free[(at, rate)] = angular_frequency;
-            free[(rate, at)] = -angular_frequency;
-            free[(rate, rate)] = -2.0 * damping_ratio * angular_frequency;
-            damping[rate] = 2.0 * damping_ratio * angular_frequency;
-            base_lever[rate] = -participation;
-            for (column, weight) in acceleration.iter().enumerate() {
-                free[(rate, column)] -= participation * weight;
-            }
-        };
-        for (index, mode) in modes.beam.iter().enumerate() {
-            let (at, rate) = (layout.beam(index), layout.beam_rate(index));
-            oscillator(at, rate, mode.angular_frequency, mode.participation);
-            tip[at] = mode.at_tip / mode.angular_frequency;
-            stop_point[at] = mode.at_stop / mode.angular_frequency;
-            gap[at] = stop_point[at];
-            push[rate] = -mode.at_stop;
-            current[rate] = mode.coupling;
-        }
-        for (index, mode) in modes.rod.iter().enumerate() {
-            let (at, rate) = (layout.rod(index), layout.rod_rate(index));
-            oscillator(at, rate, mode.angular_frequency, mode.participation);
-            face[at] = mode.at_face / mode.angular_frequency;
-            gap[at] = -face[at];
-            push[rate] = mode.at_face;
-        }
-        for (tone, [_, angular_frequency, _]) in tones.iter().enumerate() {
-            let [sine, cosine] = layout.tone(tone);
-            free[(sine, cosine)] = *angular_frequency;
-            free[(cosine, sine)] = -*angular_frequency;
-        }
-        free[(line, slope)] = 1.0;
-        let electric = layout.voltage();
-        if !short {
-            voltage[electric] = root_capacitance.recip();
-            for rate in (0..layout.beam).map(|mode| layout.beam_rate(mode)) {
-                free[(electric, rate)] = current[rate] / root_capacitance;
-                if two_way {
-                    free[(rate, electric)] = -current[rate] / root_capacitance;
-                }
-            }
-            free[(electric, electric)] = -conductance / modes.capacitance;
-        }
-        let mut store_voltage = row();
-        if let Some(store) = &store {
-            let is_bus = store.capacitance.is_infinite();
-            store_voltage[layout.store()] = if is_bus { 1.0 } else { store.capacitance.sqrt().recip() };
-        }
-        if has_power {
-            let [draw, slope] = layout.draw();
-            free[(draw, slope)] = 1.0;
-        }
-        gap[layout.one()] = model.stop.as_ref().map_or(0.0, |stop| -stop.gap_m);
-        let mobility = push.iter().map(|weight| weight * weight).sum();
-        Self {
+        let zero = || vec![0.0; size];
+        let resistance = load.resistance_ohm();
+        let mut system = Self {
             modes,
             layout,
-            push,
-            gap_rate: Self::rate(&gap, &free),
-            free,
-            gap,
-            tip,
-            stop_point,
-            face,
-            voltage,
-            store,
-            store_voltage,
-            base: acceleration,
-            base_lever,
-            damping,
-            current,
-            conductance,
-            two_way,
-            mobility,
+            free: DMatrix::zeros(size, size),
+            push: zero(),
+            gap: zero(),
+            gap_rate: zero(),
+            tip: zero(),
+            stop_point: zero(),
+            face: zero(),
+            voltage: zero(),
+            storage,
+            storage_voltage: zero(),
+            base: zero(),
+            base_lever: zero(),
+            damping: zero(),
+            current: zero(),
+            conductance: if resistance == 0.0 { 0.0 } else { resistance.recip() },
+            two_way: model.parameters.coupling == Coupling::TwoWay,
+            mobility: 0.0,
+        };
+        system.add_base(base);
+        system.add_beam(model.parameters.damping_ratio);
+        system.add_rod(model.parameters.damping_ratio);
+        if resistance > 0.0 {
+            system.add_voltage();
+        }
+        system.add_storage();
+        system.gap[layout.one()] = model.stop.as_ref().map_or(0.0, |stop| -stop.gap_m);
+        system.gap_rate = Self::rate(&system.gap, &system.free);
+        system.mobility = system.push.iter().map(|weight| weight * weight).sum();
+        system
+    }
+
+    /// The generators of the base acceleration.
+    fn add_base(&mut self, base: &LocalBase) {
+        let [line, slope] = self.layout.line();
+        self.base[line] = 1.0;
+        self.free[(line, slope)] = 1.0;
+        for (tone, [_, angular_frequency, _]) in base.sines().iter().enumerate() {
+            let [sine, cosine] = self.layout.tone(tone);
+            self.base[sine] = 1.0;
+            self.free[(sine, cosine)] = *angular_frequency;
+            self.free[(cosine, sine)] = -angular_frequency;
+        }
+    }
+
+    /// A mode at these places of displacement and velocity.
+    fn add_mode(
+        &mut self,
+        [at, rate]: [usize; 2],
+        angular_frequency: f64,
+        damping_ratio: f64,
+        participation: f64,
+    ) {
+        self.free[(at, rate)] = angular_frequency;
+        self.free[(rate, at)] = -angular_frequency;
+        self.free[(rate, rate)] = -2.0 * damping_ratio * angular_frequency;
+        self.damping[rate] = 2.0 * damping_ratio * angular_frequency;
+        self.base_lever[rate] = -participation;
+        for (column, weight) in self.base.iter().enumerate() {
+            self.free[(rate, column)] -= participation * weight;
+        }
+    }
+
+    /// The modes of the beam.
+    fn add_beam(&mut self, damping_ratio: f64) {
+        for (index, mode) in self.modes.beam.clone().into_iter().enumerate() {
+            let [at, rate] = self.layout.beam(index);
+            self.add_mode([at, rate], mode.angular_frequency, damping_ratio, mode.participation);
+            self.tip[at] = mode.at_tip / mode.angular_frequency;
+            self.stop_point[at] = mode.at_stop / mode.angular_frequency;
+            self.gap[at] = self.stop_point[at];
+            self.push[rate] = -mode.at_stop;
+            self.current[rate] = mode.coupling;
+        }
+    }
+
+    /// The modes of the rod.
+    fn add_rod(&mut self, damping_ratio: f64) {
+        for (index, mode) in self.modes.rod.clone().into_iter().enumerate() {
+            let [at, rate] = self.layout.rod(index);
+            self.add_mode([at, rate], mode.angular_frequency, damping_ratio, mode.participation);
+            self.face[at] = mode.at_face / mode.angular_frequency;
+            self.gap[at] = -self.face[at];
+            self.push[rate] = mode.at_face;
+        }
+    }
+
+    /// The voltage, unless the terminals are short-circuited.
+    fn add_voltage(&mut self) {
+        let electric = self.layout.voltage();
+        let root_capacitance = self.modes.capacitance.sqrt();
+        self.voltage[electric] = root_capacitance.recip();
+        for [_, rate] in (0..self.layout.beam).map(|mode| self.layout.beam(mode)) {
+            self.free[(electric, rate)] = self.current[rate] / root_capacitance;
+            if self.two_way {
+                self.free[(rate, electric)] = -self.current[rate] / root_capacitance;
+            }
+        }
+        self.free[(electric, electric)] = -self.conductance / self.modes.capacitance;
+    }
+
+    /// The storage, and the straight line of a draw of constant power.
+    fn add_storage(&mut self) {
+        if let Some(storage) = &self.storage {
+            let weight = if storage.is_bus() { 1.0 } else { storage.capacitance.sqrt().recip() };
+            self.storage_voltage[self.layout.storage()] = weight;
+        }
+        if self.layout.has_power {
+            let [draw, slope] = self.layout.draw();
+            self.free[(draw, slope)] = 1.0;
         }
     }
 
@@ -264,42 +275,44 @@ impl System {
         let Self { layout, modes, .. } = self;
         let mut vector = vec![0.0; layout.size()];
         for (index, mode) in modes.beam.iter().enumerate() {
-            vector[layout.beam(index)] = mode.angular_frequency * from.modal_displacement[index];
-            vector[layout.beam_rate(index)] = from.modal_velocity[index];
+            let [at, rate] = layout.beam(index);
+            vector[at] = mode.angular_frequency * from.modal_displacement[index];
+            vector[rate] = from.modal_velocity[index];
         }
         for (index, mode) in modes.rod.iter().enumerate() {
-            vector[layout.rod(index)] = mode.angular_frequency * from.rod_modal_displacement[index];
-            vector[layout.rod_rate(index)] = from.rod_modal_velocity[index];
+            let [at, rate] = layout.rod(index);
+            vector[at] = mode.angular_frequency * from.rod_modal_displacement[index];
+            vector[rate] = from.rod_modal_velocity[index];
         }
         let electric = layout.voltage();
         if self.voltage[electric] != 0.0 {
             vector[electric] = from.voltage_v / self.voltage[electric];
         }
         vector[layout.one()] = 1.0;
-        if let Some(store) = &self.store {
-            // A bridge that finds more than its threshold conducts at once, and nothing holds the charge up.
-            let excess = (from.voltage_v.abs() - store.initial - store.drop).max(0.0);
-            let rise = excess * modes.capacitance / (modes.capacitance + store.capacitance);
+        if let Some(storage) = &self.storage {
+            // A voltage above the threshold shares its charge with the storage at once.
+            let excess = (from.voltage_v.abs() - storage.initial - storage.drop).max(0.0);
+            let rise = excess * modes.capacitance / (modes.capacitance + storage.capacitance);
             let voltage = if excess > 0.0 {
-                (store.initial + store.drop + rise).copysign(from.voltage_v)
+                (storage.initial + storage.drop + rise).copysign(from.voltage_v)
             } else {
                 from.voltage_v
             };
             vector[electric] = voltage / self.voltage[electric];
-            let place = layout.store();
-            vector[place] = (store.initial + rise) / self.store_voltage[place];
+            let place = layout.storage();
+            vector[place] = (storage.initial + rise) / self.storage_voltage[place];
         }
         vector
     }
 
-    /// Sets the generator of a constant power to the tangent to `P/V_s`, in a regime in which the voltage of the
-    /// store has this row of rates.
-    pub(super) fn set_draw(&self, vector: &mut [f64], power: f64, store_rate: &[f64]) {
+    /// Sets the generator of a constant power in W to the tangent to `P/V_s`; `storage_rate` is the row of the
+    /// rate of the storage voltage.
+    pub(super) fn set_draw(&self, vector: &mut [f64], power: f64, storage_rate: &[f64]) {
         let [draw, slope] = self.layout.draw();
-        let voltage = value(&self.store_voltage, vector);
+        let voltage = value(&self.storage_voltage, vector);
         vector[draw] = power / voltage;
         vector[slope] = 0.0;
-        vector[slope] = -power / (voltage * voltage) * value(store_rate, vector);
+        vector[slope] = -power / (voltage * voltage) * value(storage_rate, vector);
     }
 
     /// Sets the generators to the base acceleration from its local origin on.
@@ -307,7 +320,7 @@ impl System {
         for (place, entry) in self.layout.line().into_iter().zip(base.line()) {
             vector[place] = entry;
         }
-        for (tone, [amplitude, _, phase]) in base.sines().enumerate() {
+        for (tone, [amplitude, _, phase]) in base.sines().iter().enumerate() {
             let [sine, cosine] = self.layout.tone(tone);
             vector[sine] = amplitude * phase.sin();
             vector[cosine] = amplitude * phase.cos();
@@ -319,35 +332,43 @@ impl System {
         matrix.column_iter().map(|column| value(row, column.as_slice())).collect()
     }
 
-    /// Force in N while the contact is closed, as a row: the penetration on the static compliance of the
-    /// modes left out (MacNeal's residual flexibility) and what is in series with it, or the force that
-    /// keeps the gap from accelerating.
-    pub(super) fn closed_force(&self, model: &BumpStop) -> Row {
-        let Some(stop) = &model.stop else { return vec![0.0; self.layout.size()] };
+    /// The closed contact: the rows of its force in N and of its release, and its stiffness in N/m.
+    ///
+    /// The force is the penetration over the static compliance of the modes left out (MacNeal's residual
+    /// flexibility) and of the contact in series. In a rigid contact, of stiffness 0 here, the force keeps the
+    /// gap from accelerating.
+    pub(super) fn closed_contact(&self, model: &BumpStop) -> ([Row; 2], f64) {
+        let negated = |row: &Row| row.iter().map(|weight| -weight).collect();
+        let Some(stop) = &model.stop else {
+            // The guard of the release is zero and never rises.
+            return ([vec![0.0; self.layout.size()], vec![0.0; self.layout.size()]], 0.0);
+        };
         match stop.contact {
             Contact::ResidualFlexibility => {
                 let compliance =
                     self.modes.beam_residual + self.modes.rod_residual + stop.contact_compliance_m_per_n;
-                self.gap.iter().map(|weight| weight / compliance).collect()
+                let force = self.gap.iter().map(|weight| weight / compliance).collect();
+                ([force, negated(&self.gap)], compliance.recip())
             }
             Contact::Restitution | Contact::DisplacementConstraint => {
-                let velocity = Self::rate(&self.gap, &self.free);
-                let acceleration = Self::rate(&velocity, &self.free);
-                acceleration.iter().map(|weight| weight / self.mobility).collect()
+                let acceleration = Self::rate(&self.gap_rate, &self.free);
+                let force: Row = acceleration.iter().map(|weight| weight / self.mobility).collect();
+                let release = negated(&force);
+                ([force, release], 0.0)
             }
         }
     }
 
-    /// Energy in J of the store.
-    pub(super) fn stored(&self, vector: &[f64]) -> f64 {
-        self.store.map_or(0.0, |store| store.energy(value(&self.store_voltage, vector)))
-    }
-
-    /// Energy in J of beam and rod, and that of the charge.
-    pub(super) fn energies(&self, vector: &[f64]) -> [f64; 2] {
+    /// Energies in J of beam and rod, of the charge, and of the storage.
+    pub(super) fn energies(&self, vector: &[f64]) -> [f64; 3] {
         let electric = self.layout.voltage();
         let half_squares = |part: &[f64]| 0.5 * part.iter().map(|entry| entry * entry).sum::<f64>();
-        [half_squares(&vector[..electric]), half_squares(&vector[electric..=electric])]
+        let storage = |storage: Storage| storage.energy(value(&self.storage_voltage, vector));
+        [
+            half_squares(&vector[..electric]),
+            half_squares(&vector[electric..=electric]),
+            self.storage.map_or(0.0, storage),
+        ]
     }
 
     /// Highest frequency in Hz of the modes, free or closed on a spring of `stiffness` N/m.

@@ -3,50 +3,25 @@
 mod contact;
 mod linear;
 mod statistics;
-mod store;
+mod storage;
 
-use super::{Event, run_watched};
+use super::Event;
 use crate::outcome::{BumpStopOutcome, Outcome, Particular};
 use crate::reference::ReferenceOptions;
 use crate::scene_file::{
     BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, Excitation, Load, Model, RunSpan, Scene,
     StopParameters, Tone,
 };
+use crate::test_support::{bump_stop, close, number};
 
 /// The beam of the shipped scene.
-pub(super) fn parameters(beam_modes: usize) -> BumpStopParameters {
-    BumpStopParameters {
-        beam_length_m: 50e-3,
-        beam_width_m: 10e-3,
-        substrate_thickness_m: 0.5e-3,
-        substrate_young_modulus_pa: 200e9,
-        substrate_density_kg_per_m3: 7850.0,
-        piezo_thickness_m: 0.5e-3,
-        piezo_young_modulus_pa: 66e9,
-        piezo_density_kg_per_m3: 7800.0,
-        piezo_d31_m_per_v: -190e-12,
-        piezo_permittivity_f_per_m: 15.93e-9,
-        damping_ratio: 0.01,
-        beam_modes,
-        coupling: Coupling::TwoWay,
-    }
+fn parameters(beam_modes: usize) -> BumpStopParameters {
+    BumpStopParameters { beam_modes, ..bump_stop().parameters }
 }
 
 /// The stop of the shipped scene.
-pub(super) fn stop(rod_modes: usize) -> StopParameters {
-    StopParameters {
-        length_m: 20e-3,
-        width_m: 2e-3,
-        thickness_m: 2e-3,
-        young_modulus_pa: 70e9,
-        density_kg_per_m3: 2700.0,
-        position_m: 50e-3,
-        gap_m: 10e-6,
-        rod_modes,
-        contact: Contact::ResidualFlexibility,
-        contact_compliance_m_per_n: 0.0,
-        restitution: None,
-    }
+fn stop(rod_modes: usize) -> StopParameters {
+    StopParameters { rod_modes, ..bump_stop().stop.expect("there is a stop") }
 }
 
 const FREQUENCY: f64 = 220.0;
@@ -75,7 +50,7 @@ fn run(model: &BumpStop, scene: &Scene, record_every: Option<f64>) -> (Outcome, 
     let options = ReferenceOptions { record_every, ..ReferenceOptions::default() };
     let mut events = Vec::new();
     let outcome =
-        run_watched(scene, model, &options, |event| events.push(*event)).expect("the run gets to its end");
+        super::run(scene, model, &options, |event| events.push(*event)).expect("the run gets to its end");
     (outcome, events)
 }
 
@@ -86,22 +61,10 @@ fn particular(outcome: &Outcome) -> &BumpStopOutcome {
     }
 }
 
-/// The number, or not-a-number, which fails every comparison.
-fn number(value: Option<f64>) -> f64 {
-    value.unwrap_or(f64::NAN)
-}
-
 /// The row recorded at `time`: `time`, tip, stop point, face, voltage, force, base.
 fn row(outcome: &Outcome, time: f64) -> &[f64] {
     let rows = &outcome.trace.as_ref().expect("a recording").rows;
     rows.iter().find(|row| (row[0] - time).abs() < 1e-12).expect("a row at that time")
-}
-
-/// Asserts that `found` is within `relative` of `expected`.
-#[track_caller]
-fn close(what: &str, found: f64, expected: f64, relative: f64) {
-    let error = (found / expected - 1.0).abs();
-    assert!(error <= relative, "{what}: {found:e}, not {expected:e}: off by {error:.1e}");
 }
 
 /// Digits of an independent computation, event-driven, in the eigenvectors of each state of contact; that
@@ -116,7 +79,7 @@ fn the_first_contacts_are_those_of_an_independent_computation() {
     for (event, expected) in events.iter().zip(milliseconds) {
         assert!((event.time - 1e-3 * expected).abs() <= 0.6e-12, "{event:?} {expected}");
     }
-    close("speed", events[0].speed, 0.046_365_446, 2e-8);
+    close(events[0].speed, 0.046_365_446, 2e-8);
     assert_eq!(particular(&outcome).first_contact_s, Some(events[0].time));
     for (time, tip, face, voltage, force) in [
         (1e-3, -5.539_933_047e-6, -1.506_246_795e-10, -0.402_252_778_1, 0.0),
@@ -126,10 +89,10 @@ fn the_first_contacts_are_those_of_an_independent_computation() {
         (6e-3, -1.509_803_342e-5, -1.396_847_401e-10, -0.701_496_050_4, 0.0),
     ] {
         let row = row(&outcome, time);
-        close("tip", row[1], tip, 1e-9);
+        close(row[1], tip, 1e-9);
         assert_eq!(row[1], row[2]);
-        close("face", row[3], face, 1e-9);
-        close("voltage", row[4], voltage, 1e-9);
+        close(row[3], face, 1e-9);
+        close(row[4], voltage, 1e-9);
         assert!((row[5] - force).abs() <= 1e-6, "{row:?} {force}");
     }
     assert!(number(outcome.energy_residual) < 1e-12);
@@ -140,8 +103,8 @@ fn the_first_contacts_are_those_of_an_independent_computation() {
     for (event, expected) in events.iter().zip(milliseconds) {
         assert!((event.time - 1e-3 * expected).abs() <= 0.6e-12, "{event:?} {expected}");
     }
-    close("voltage", row(&outcome, 6e-3)[4], -0.682_948_187_4, 1e-9);
-    close("tip", row(&outcome, 6e-3)[1], -1.644_225_653e-5, 1e-9);
+    close(row(&outcome, 6e-3)[4], -0.682_948_187_4, 1e-9);
+    close(row(&outcome, 6e-3)[1], -1.644_225_653e-5, 1e-9);
     assert!(number(outcome.energy_residual) < 1e-12);
 }
 

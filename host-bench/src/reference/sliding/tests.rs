@@ -4,40 +4,25 @@ mod ledgers;
 mod limits;
 mod published;
 mod sticking;
-mod store;
+mod storage;
 
 use crate::outcome::{Outcome, SlidingOutcome};
+use crate::reference::triboelectric::VACUUM_PERMITTIVITY;
+use crate::reference::triboelectric::tests::run;
 use crate::reference::{self, ReferenceOptions};
+use crate::scene_file::modes::Cantilever;
 use crate::scene_file::{
-    Excitation, ForceLaw, Load, Model, RunSpan, Scene, Sliding, SlidingParameters, SlidingStart, StickCharge,
-    Tone,
+    Excitation, ForceLaw, GRAVITY, Load, Model, RunSpan, Scene, Sliding, SlidingParameters, SlidingStart,
+    StickCharge, Tone,
 };
+use crate::test_support::{close, number, sliding};
 
 /// Natural frequency of Table 1 in Hz.
 const NATURAL: f64 = 18.373_129_8;
 
-/// Table 1 of the paper as completed by our choices.
+/// Table 1 of the paper with another charge and force law.
 pub(super) fn table_1(charge_density: f64, force_law: ForceLaw) -> SlidingParameters {
-    SlidingParameters {
-        beam_length_m: 0.1,
-        beam_width_m: 20e-3,
-        beam_thickness_m: 0.5e-3,
-        young_modulus_pa: 210e9,
-        density_kg_per_m3: 7800.0,
-        damping_ratio: 0.0035,
-        slider_mass_kg: 8e-3,
-        patch_radius_m: 10e-3,
-        static_friction_active: 0.35,
-        static_friction_inert: 0.25,
-        kinetic_friction_active: 0.30,
-        kinetic_friction_inert: 0.20,
-        dielectric_thickness_m: 0.05e-3,
-        relative_permittivity: 2.0,
-        charge_density_c_per_m2: charge_density,
-        force_law,
-        stick_charge: StickCharge::Frozen,
-        lateral_force: false,
-    }
+    SlidingParameters { charge_density_c_per_m2: charge_density, force_law, ..sliding() }
 }
 
 /// Table 1 with the same friction everywhere.
@@ -53,7 +38,7 @@ fn rubbing(charge_density: f64, friction: f64) -> SlidingParameters {
 
 /// Amplitude in g.
 fn sine(gravities: f64, frequency_hz: f64) -> Excitation {
-    Excitation::Sine(Tone { amplitude_m_per_s2: gravities * 9.81, frequency_hz, phase_rad: 0.0 })
+    Excitation::Sine(Tone { amplitude_m_per_s2: gravities * GRAVITY, frequency_hz, phase_rad: 0.0 })
 }
 
 /// A run from rest, of so many periods of the frequency, measured over the last of them.
@@ -85,18 +70,6 @@ fn scene(
     }
 }
 
-fn run(scene: &Scene) -> Outcome {
-    reference::run(scene, &ReferenceOptions::default()).expect("the reference gets to the end")
-}
-
 fn particular(outcome: &Outcome) -> &SlidingOutcome {
     outcome.sliding().expect("a sliding run")
-}
-
-/// Asserts that a number is there and within `relative` of what is expected.
-#[track_caller]
-fn close(actual: Option<f64>, expected: f64, relative: f64) {
-    let actual = actual.expect("a number");
-    let error = (actual - expected).abs();
-    assert!(error <= relative * expected.abs(), "{actual} is not {expected}: off by {:e}", error / expected);
 }

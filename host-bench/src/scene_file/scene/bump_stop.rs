@@ -1,7 +1,5 @@
 //! A bump-stop scene as plain numbers.
 
-use crate::reference::BumpStopModes;
-
 /// A bump-stop harvester and the state it starts in.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BumpStop {
@@ -11,15 +9,6 @@ pub struct BumpStop {
     pub stop: Option<StopParameters>,
     /// Table `[initial]`.
     pub initial: BumpStopStart,
-}
-
-impl BumpStop {
-    /// Natural frequencies in Hz of the modes kept, short-circuit and undamped: those of the beam,
-    /// rising, then those of the rod, rising.
-    #[must_use]
-    pub fn natural_frequencies_hz(&self) -> Vec<f64> {
-        BumpStopModes::new(&self.parameters, self.stop.as_ref()).natural_frequencies_hz()
-    }
 }
 
 /// `[parameters]` of a bump-stop scene: a cantilever of a substrate and one piezoelectric layer, both of

@@ -1,9 +1,6 @@
 //! A sliding scene as plain numbers.
 
-use std::f64::consts::TAU;
-
 use super::{ForceLaw, StickCharge};
-use crate::reference::Cantilever;
 
 /// A sliding harvester and the state it starts in.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,14 +51,6 @@ pub struct SlidingParameters {
     pub stick_charge: StickCharge,
     /// Whether the electrostatic force along the patches acts on the slider.
     pub lateral_force: bool,
-}
-
-impl SlidingParameters {
-    /// Natural frequency in Hz of the first bending mode with the slider, undamped and without friction.
-    #[must_use]
-    pub fn natural_frequency_hz(&self) -> f64 {
-        Cantilever::new(self).angular_frequency / TAU
-    }
 }
 
 /// `[initial]` of a sliding scene; what is `None` takes its default.

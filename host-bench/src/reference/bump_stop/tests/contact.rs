@@ -1,7 +1,7 @@
 //! In contact: static limits, conserved energy, impacts of restitution.
 
 use super::*;
-use crate::reference::bump_stop::BumpStopModes;
+use crate::scene_file::modes::BumpStopModes;
 
 /// A base acceleration of 5 m/s² that presses the beam against the stop.
 fn pressing() -> Excitation {
@@ -30,7 +30,7 @@ fn static_voltage_and_force_on_a_prop() {
                 .iter()
                 .map(|mode| mode.coupling * mode.participation * 5.0 / mode.angular_frequency.powi(2))
                 .sum();
-            close("free", number(free.mean_voltage_v), charge / modes.capacitance, 1e-6);
+            close(number(free.mean_voltage_v), charge / modes.capacitance, 1e-6);
             let young_modulus_pa = 7e13;
             model.stop = Some(StopParameters {
                 position_m,
@@ -42,13 +42,13 @@ fn static_voltage_and_force_on_a_prop() {
             });
             let (propped, _) = run(&model, &scene, None);
             let found = particular(&propped);
-            close("fraction", number(found.contact_fraction), 1.0, 1e-9);
+            close(number(found.contact_fraction), 1.0, 1e-9);
             // The slope of 20 modes misses 2 % of that of a force at the tip.
             let ratio = number(propped.mean_voltage_v) / number(free.mean_voltage_v);
             assert!((ratio - slope).abs() < 0.03 * (1.0 - slope), "{contact:?} {ratio} {slope}");
             let load = modes.beam_mass * 5.0;
-            close("force", number(found.mean_force_n), share * load, 2e-3);
-            close("peak force", number(found.peak_force_n), share * load, 2e-3);
+            close(number(found.mean_force_n), share * load, 2e-3);
+            close(number(found.peak_force_n), share * load, 2e-3);
         }
     }
 }
@@ -84,20 +84,20 @@ fn impacts_of_restitution_reverse_the_speed_and_come_to_rest() {
     let found = particular(&outcome);
     // One mode without damping returns with the speed it left with.
     for pair in events.windows(2) {
-        close("speed", pair[1].speed, 0.5 * pair[0].speed, 1e-6);
+        close(pair[1].speed, 0.5 * pair[0].speed, 1e-6);
     }
     let [first, .., last] = events[..] else { panic!("there are impacts") };
     assert!(last.speed < 1e-5 && last.speed > 0.4e-5, "{last:?}");
     assert_eq!(found.contacts, events.len() as u64);
-    close("fraction", number(found.contact_fraction), 1.0 - last.time / 0.1, 1e-9);
+    close(number(found.contact_fraction), 1.0 - last.time / 0.1, 1e-9);
     // Pressed by γ a φ − ω² g of one mode; and the momentum of all impacts, 1.5 p + 0.75 p + … .
     let mode = BumpStopModes::new(&model.parameters, model.stop.as_ref()).beam[0];
     let mass = mode.at_tip.powi(-2);
     let force = mass * (mode.at_tip * mode.participation * 5.0 - mode.angular_frequency.powi(2) * 1e-6);
     let impacts: f64 =
         events.iter().map(|event| 1.5 * mass * event.speed).sum::<f64>() - 0.5 * mass * last.speed;
-    close("mean force", number(found.mean_force_n), (impacts + force * (0.1 - last.time)) / 0.1, 1e-9);
-    close("peak force", number(found.peak_force_n), force, 1e-9);
+    close(number(found.mean_force_n), (impacts + force * (0.1 - last.time)) / 0.1, 1e-9);
+    close(number(found.peak_force_n), force, 1e-9);
     assert!(first.speed > 1e-3);
     assert!(number(outcome.energy_residual) < 1e-12, "{:?}", outcome.energy_residual);
 }
@@ -121,6 +121,6 @@ fn a_compliance_in_series_adds_to_that_of_the_contact() {
         let squared = mode.angular_frequency.powi(2);
         let free = mode.at_tip * mode.participation * 5.0 / squared;
         let whole = mode.at_tip.powi(2) / squared + modes.beam_residual + modes.rod_residual + compliance;
-        close("force", force, free / whole, 1e-9);
+        close(force, free / whole, 1e-9);
     }
 }

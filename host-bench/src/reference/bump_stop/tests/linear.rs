@@ -3,8 +3,8 @@
 use nalgebra::Complex;
 
 use super::*;
-use crate::reference::bump_stop::BumpStopModes;
 use crate::scene_file::Trace;
+use crate::scene_file::modes::BumpStopModes;
 
 /// The steady state to a sine: phasors of `a = B sin ωt` as imaginary parts.
 pub(super) struct Steady {
@@ -76,11 +76,11 @@ fn the_steady_state_is_that_of_the_frequency_response() {
             let power = if resistance > 0.0 { voltage * voltage / (2.0 * resistance) } else { 0.0 };
             let found = number(outcome.mean_power_w);
             assert!((found - power).abs() <= 1e-10 * power, "{resistance}: {found} {power}");
-            close("tip", number(particular(&outcome).peak_tip_displacement_m), steady.tip.norm(), 1e-9);
+            close(number(particular(&outcome).peak_tip_displacement_m), steady.tip.norm(), 1e-9);
             if resistance > 0.0 {
                 let root_mean_square = voltage / 2f64.sqrt();
-                close("rms", number(outcome.rms_voltage_v), root_mean_square, 1e-10);
-                close("peak", number(outcome.peak_voltage_v), voltage, 1e-9);
+                close(number(outcome.rms_voltage_v), root_mean_square, 1e-10);
+                close(number(outcome.peak_voltage_v), voltage, 1e-9);
                 assert!(number(outcome.mean_voltage_v).abs() < 1e-10 * voltage);
             } else {
                 assert_eq!(outcome.rms_voltage_v, Some(0.0));
@@ -105,12 +105,12 @@ fn numbers_of_the_frequency_response() {
         let (mut model, mut scene) = scene([modes, 0], [0.0, 1.0]);
         model.parameters.coupling = coupling;
         let (_, outcome) = from_steady(&mut model, &mut scene, resistance);
-        close("voltage", number(outcome.peak_voltage_v), voltage, 1e-6);
+        close(number(outcome.peak_voltage_v), voltage, 1e-6);
         if !tip.is_nan() {
-            close("tip", 1e6 * number(particular(&outcome).peak_tip_displacement_m), tip, 2e-6);
+            close(1e6 * number(particular(&outcome).peak_tip_displacement_m), tip, 2e-6);
         }
         if !power.is_nan() {
-            close("power", 1e6 * number(outcome.mean_power_w), power, 4e-6);
+            close(1e6 * number(outcome.mean_power_w), power, 4e-6);
         }
     }
 }
@@ -144,9 +144,9 @@ fn the_base_may_be_written_in_several_ways() {
         (first.time, row[1], row[4], row[6])
     };
     let same = |one: (f64, f64, f64, f64), other: (f64, f64, f64, f64), allowed: f64| {
-        close("first contact", one.0, other.0, allowed);
-        close("tip", one.1, other.1, allowed);
-        close("voltage", one.2, other.2, allowed);
+        close(one.0, other.0, allowed);
+        close(one.1, other.1, allowed);
+        close(one.2, other.2, allowed);
         assert!((one.3 - other.3).abs() < 1e-9);
     };
     let tone = Tone { amplitude_m_per_s2: AMPLITUDE, frequency_hz: FREQUENCY, phase_rad: 0.0 };

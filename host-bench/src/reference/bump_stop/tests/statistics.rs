@@ -1,7 +1,7 @@
 //! Long runs: means that follow from stationarity, and statistics of an independent computation.
 
 use super::*;
-use crate::reference::bump_stop::BumpStopModes;
+use crate::scene_file::modes::BumpStopModes;
 
 /// With a gap of 10 µm at the tip the motion of (6, 2) modes has the period of the base. Over whole periods the
 /// mean voltage is 0 and the means of the displacements are those that the mean force makes.
@@ -14,20 +14,20 @@ fn means_follow_from_the_mean_force() {
     let every = 1.0 / (1600.0 * FREQUENCY);
     let (outcome, _) = run(&model, &scene, Some(every));
     let found = particular(&outcome);
-    close("contacts", number(found.contacts_per_period), 9.0, 1e-9);
+    close(number(found.contacts_per_period), 9.0, 1e-9);
     let rows = &outcome.trace.as_ref().expect("a recording").rows[320_000..326_400];
     let mean = |column: usize| rows.iter().map(|row| row[column]).sum::<f64>() / rows.len() as f64;
     let force = number(found.mean_force_n);
     let modes = BumpStopModes::new(&model.parameters, model.stop.as_ref());
     let beam: f64 = modes.beam.iter().map(|mode| (mode.at_stop / mode.angular_frequency).powi(2)).sum();
     let rod: f64 = modes.rod.iter().map(|mode| (mode.at_face / mode.angular_frequency).powi(2)).sum();
-    close("tip", mean(1), -force * beam, 1e-3);
-    close("face", mean(3), force * rod, 2e-2);
+    close(mean(1), -force * beam, 1e-3);
+    close(mean(3), force * rod, 2e-2);
     let root_mean_square = number(outcome.rms_voltage_v);
     let mean_voltage = number(outcome.mean_voltage_v);
     assert!(mean_voltage.abs() < 1e-3 * root_mean_square, "{mean_voltage:e}");
     // The independent computation has 0.694 V over a second.
-    close("rms", root_mean_square, 0.694, 3e-3);
+    close(root_mean_square, 0.694, 3e-3);
     assert!(number(outcome.energy_residual) < 1e-11);
 }
 
@@ -45,7 +45,7 @@ fn restitution_gives_the_same_voltage() {
             ..stop(3)
         });
         let (outcome, _) = run(&model, &scene, None);
-        close("rms", number(outcome.rms_voltage_v), expected, 0.05);
+        close(number(outcome.rms_voltage_v), expected, 0.05);
     }
 }
 
@@ -78,7 +78,7 @@ fn statistics_of_ten_modes_each() {
         for ((found, expected), allowed) in
             numbers.iter().zip(expected).zip([0.02, 0.04, 0.02, 0.05, 0.05, 0.05])
         {
-            close("statistic", *found, expected, allowed);
+            close(*found, expected, allowed);
         }
     }
 }

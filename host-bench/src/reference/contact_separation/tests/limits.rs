@@ -3,10 +3,10 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use super::super::hold::Hold;
 use super::super::physics::Physics;
 use super::*;
-use crate::reference::base::Base;
+use crate::base_motion::Base;
+use crate::reference::triboelectric::Stick;
 use crate::scene_file::Trace;
 
 /// Natural frequency of Table 2 in rad/s.
@@ -25,7 +25,7 @@ fn mechanical(coefficient: f64) -> ContactSeparationParameters {
 
 #[test]
 fn without_charge_or_impact_the_oscillator_is_linear() {
-    let (amplitude, omega) = (0.1 * 9.81, TAU * 15.0);
+    let (amplitude, omega) = (0.1 * GRAVITY, TAU * 15.0);
     let parameters = table_2(0.0, ForceLaw::TransferredCharge);
     let outcome =
         run(&scene(parameters, ContactSeparationStart::default(), 1e8, sine(amplitude, 15.0), [40.0, 41.0]));
@@ -46,7 +46,7 @@ fn a_fixed_gap_discharges_into_the_load() {
         stiffness_n_per_m: 1e9,
         ..table_2(50e-6, ForceLaw::GapField)
     };
-    let permittivity_area = 8.854_187_812_8e-12 * 4e-4;
+    let permittivity_area = VACUUM_PERMITTIVITY * 4e-4;
     let capacitance = permittivity_area / (3e-3 + 25e-6);
     let total = capacitance + 1e-12;
     let voltage = 100.0;
@@ -193,13 +193,13 @@ fn adheres_above_the_threshold_charge() {
         let found = particular(&outcome);
         assert_eq!(found.stuck_fraction, Some(f64::from(u8::from(stuck))));
         assert_eq!(found.peak_gap_m > Some(1e-3), !stuck);
-        // Nothing moves, but the gap of the held mass stores energy: the ratio exists.
+        // Nothing moves, but the field in the dielectric has energy: the ratio exists.
         assert!(outcome.energy_residual.expect("a number") < 1e-9);
     }
 }
 
 #[test]
-fn a_held_mass_leaves_when_the_base_stops_pressing() {
+fn a_sticking_mass_leaves_when_the_base_stops_pressing() {
     let parameters = table_2(0.0, ForceLaw::GapField);
     let start = ContactSeparationStart { gap_m: Some(0.0), ..Default::default() };
     let (physics, motion) = Physics::new(&parameters, Load::Resistor { resistance_ohm: 1e8 }, &start);
@@ -211,10 +211,10 @@ fn a_held_mass_leaves_when_the_base_stops_pressing() {
         phase_rad: 0.5 * PI,
     });
     let base = Base(&excitation).from(0.0);
-    let hold = Hold { physics: &physics, base: &base, start: motion };
+    let stick = Stick { harvester: &physics, base: &base, start: motion };
     let expected = (80.0f64 * 3e-3 / (5e-3 * amplitude)).acos() / (TAU * frequency);
-    close(hold.release(1.0), expected, 1e-12);
-    assert_eq!(hold.release(0.9 * expected), None);
+    close(stick.release(1.0), expected, 1e-12);
+    assert_eq!(stick.release(0.9 * expected), None);
 }
 
 /// A dip of the contact force far shorter than the excitation's period.
@@ -234,8 +234,8 @@ fn a_short_dip_of_the_contact_force_releases() {
         let push = weight + 10.0 - depth;
         let excitation = Excitation::Sines(vec![tone(push, 0.0, 0.5 * PI), tone(10.0, 7.0, 0.3)]);
         let base = Base(&excitation).from(0.0);
-        let hold = Hold { physics: &physics, base: &base, start: motion };
-        assert_eq!(hold.release(1.0 / 7.0).is_some(), released, "{depth}");
+        let stick = Stick { harvester: &physics, base: &base, start: motion };
+        assert_eq!(stick.release(1.0 / 7.0).is_some(), released, "{depth}");
     }
 }
 
@@ -247,7 +247,7 @@ fn a_sampled_sine_is_nearly_the_sine() {
     let mut sampled = smooth.clone();
     let rate = 4000.0;
     let samples: Arc<[f64]> =
-        (0..200).map(|index| 0.2 * 9.81 * (TAU * 20.0 * f64::from(index) / rate).sin()).collect();
+        (0..200).map(|index| 0.2 * GRAVITY * (TAU * 20.0 * f64::from(index) / rate).sin()).collect();
     sampled.excitation = Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: rate, repeat: true });
     let (smooth, sampled) = (run(&smooth), run(&sampled));
     // Straight lines between samples take (2π · 20 / 4000)² / 12 off the amplitude.

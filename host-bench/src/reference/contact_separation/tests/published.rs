@@ -18,7 +18,7 @@ fn impacts_once_a_period() {
 #[test]
 fn impacts_once_a_period_under_the_gap_field() {
     let parameters = table_2(100e-6, ForceLaw::GapField);
-    let excitation = sine(0.2 * 9.81, 20.5);
+    let excitation = sine(0.2 * GRAVITY, 20.5);
     let span = [200.0 / 20.5, 300.0 / 20.5];
     let outcome = run(&scene(parameters, ContactSeparationStart::default(), 1e8, excitation, span));
     let found = particular(&outcome);
@@ -46,7 +46,7 @@ fn sticks_each_period() {
             ..table_2(20e-6, force_law)
         };
         let span = [20.0 / 6.0, 40.0 / 6.0];
-        let excitation = sine(9.81, 6.0);
+        let excitation = sine(GRAVITY, 6.0);
         let outcome =
             run(&scene(parameters, ContactSeparationStart::default(), resistance, excitation, span));
         let found = particular(&outcome);
@@ -64,7 +64,7 @@ fn band_of_impacts_begins_where_it_was_found() {
         [(18.83, 1e8, false), (18.84, 1e8, true), (18.96, 1e6, false), (18.97, 1e6, true)]
     {
         let mut scene = shipped(resistance);
-        scene.excitation = sine(0.2 * 9.81, frequency);
+        scene.excitation = sine(0.2 * GRAVITY, frequency);
         scene.run = RunSpan { settle_s: 200.0 / frequency, duration_s: 300.0 / frequency };
         let outcome = run(&scene);
         assert_eq!(particular(&outcome).impacts > 0, impacts, "{frequency} Hz, {resistance} ohm");

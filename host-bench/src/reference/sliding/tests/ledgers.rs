@@ -48,7 +48,7 @@ fn the_lateral_force_brakes_by_what_the_load_receives() {
     let loss = 1.0 - amplitude(&braked) / amplitude(&free);
     // At resonance the work of the base is proportional to the amplitude, that of the damper to its square:
     // d X / X = −P / P_damper.
-    let beam = reference::Cantilever::new(&table_1(0.0, ForceLaw::GapField));
+    let beam = Cantilever::new(&table_1(0.0, ForceLaw::GapField));
     let speed = beam.angular_frequency * amplitude(&free);
     let damper = 0.05 * beam.angular_frequency * beam.modal_mass * speed * speed;
     let share = braked.mean_power_w.expect("a number") / damper;
@@ -63,7 +63,7 @@ fn a_sampled_sine_is_nearly_the_sine() {
     let mut sampled = smooth.clone();
     let rate = 1000.0;
     let samples: Arc<[f64]> = (0..100)
-        .map(|index| 0.3 * 9.81 * (std::f64::consts::TAU * 10.0 * f64::from(index) / rate).sin())
+        .map(|index| 0.3 * GRAVITY * (std::f64::consts::TAU * 10.0 * f64::from(index) / rate).sin())
         .collect();
     sampled.excitation = Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: rate, repeat: true });
     let (smooth, sampled) = (run(&smooth), run(&sampled));

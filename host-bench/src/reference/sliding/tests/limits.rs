@@ -2,14 +2,14 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::super::guards::REACH;
 use super::super::overlap::Overlap;
 use super::super::physics::Physics;
-use super::super::slip::REACH;
 use super::*;
 
 /// Angular frequency in rad/s, modal mass in kg and participation of Table 1.
 fn mode() -> [f64; 3] {
-    let beam = reference::Cantilever::new(&table_1(0.0, ForceLaw::TransferredCharge));
+    let beam = Cantilever::new(&table_1(0.0, ForceLaw::TransferredCharge));
     [beam.angular_frequency, beam.modal_mass, beam.participation]
 }
 
@@ -20,8 +20,8 @@ fn without_friction_the_beam_is_linear() {
     let ([omega, _, participation], drive) = (mode(), TAU * 15.0);
     let response = (omega * omega - drive * drive).hypot(2.0 * 0.05 * omega * drive);
     let found = particular(&outcome);
-    close(found.amplitude_m, participation * 0.3 * 9.81 / response, 1e-9);
-    close(found.peak_displacement_m, participation * 0.3 * 9.81 / response, 1e-9);
+    close(found.amplitude_m, participation * 0.3 * GRAVITY / response, 1e-9);
+    close(found.peak_displacement_m, participation * 0.3 * GRAVITY / response, 1e-9);
     assert_eq!((found.stick_fraction, outcome.events), (Some(0.0), 0));
     assert_eq!((outcome.mean_power_w, outcome.peak_voltage_v), (Some(0.0), Some(0.0)));
 }
@@ -36,8 +36,8 @@ fn under_coulomb_friction_it_has_den_hartogs_amplitude() {
         let ratio = TAU * frequency / omega;
         let response = 1.0 / (1.0 - ratio * ratio);
         let damping = (PI / ratio).sin() / (ratio * (1.0 + (PI / ratio).cos()));
-        let drive = participation * 0.36 * 9.81 / (omega * omega);
-        let friction = 0.2 * 8e-3 * 9.81 / (modal_mass * omega * omega);
+        let drive = participation * 0.36 * GRAVITY / (omega * omega);
+        let friction = 0.2 * 8e-3 * GRAVITY / (modal_mass * omega * omega);
         let expected = ((drive * response).powi(2) - (friction * damping).powi(2)).sqrt();
         // What is left of the transient.
         close(particular(&outcome).amplitude_m, expected, 1e-6);
@@ -50,11 +50,11 @@ fn under_coulomb_friction_it_has_den_hartogs_amplitude() {
 fn at_resonance_the_energy_balances() {
     let [omega, modal_mass, participation] = mode();
     let parameters = table_1(80e-6, ForceLaw::TransferredCharge);
-    let permittivity_area = 8.854_187_812_8e-12 * 2.0 * PI * 1e-4;
+    let permittivity_area = VACUUM_PERMITTIVITY * 2.0 * PI * 1e-4;
     let friction = |x: f64| {
         let overlap = Overlap::at(x, 10e-3, 1.0);
         let charge = 80e-6 * PI * 1e-4 * overlap.inert;
-        let normal = 8e-3 * 9.81 + charge * charge / (2.0 * permittivity_area * overlap.active);
+        let normal = 8e-3 * GRAVITY + charge * charge / (2.0 * permittivity_area * overlap.active);
         (0.3 * overlap.active + 0.2 * overlap.inert) * normal
     };
     let surplus = |amplitude: f64| {
@@ -62,7 +62,7 @@ fn at_resonance_the_energy_balances() {
         let count = 1000;
         let middles = (0..count).map(|index| (f64::from(index) + 0.5) / f64::from(count));
         let mean = middles.map(|part| friction(part * amplitude)).sum::<f64>() / f64::from(count);
-        PI * participation * modal_mass * 0.36 * 9.81 * amplitude - damper - 4.0 * mean * amplitude
+        PI * participation * modal_mass * 0.36 * GRAVITY * amplitude - damper - 4.0 * mean * amplitude
     };
     let (mut low, mut high) = (1e-3, 19e-3);
     for _ in 0..60 {

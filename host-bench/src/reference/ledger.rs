@@ -1,0 +1,109 @@
+//! The integrals over a run, and the energy ledger made of them.
+
+use super::storage::Storage;
+
+/// Integrals over time, in the order of [`integral`].
+pub(super) type Integrals = [f64; 10];
+
+/// Places among the [`Integrals`]; those from [`integral::INTO_LOAD`] on are about the load.
+pub(super) mod integral {
+    /// `∫ V² dt` in V² s.
+    pub(crate) const VOLTAGE_SQUARED: usize = 0;
+    /// `∫ V dt` in V s.
+    pub(crate) const VOLTAGE: usize = 1;
+    /// Work of the base in J.
+    pub(crate) const BASE_WORK: usize = 2;
+    /// Loss in the damping in J.
+    pub(crate) const DAMPING: usize = 3;
+    /// Triboelectric: energy in J that the motion gives to the other surface, as work against the electrostatic
+    /// force between plates or as loss in the friction between patches.
+    pub(crate) const SURFACE_WORK: usize = 4;
+    /// Bump-stop: `∫ F dt` of the contact force in N s.
+    pub(crate) const FORCE: usize = 4;
+    /// Triboelectric: work in J on the motion of the electrostatic force that conserves energy, whether it acts
+    /// or not.
+    pub(crate) const FIELD_WORK: usize = 5;
+    /// Bump-stop: `∫ v Σ θ r' dt` in J, the work of the beam on the charge.
+    pub(crate) const COUPLING: usize = 5;
+    /// Energy in J into the storage or bus; of a bump-stop scene also into the resistor.
+    pub(crate) const INTO_LOAD: usize = 6;
+    /// Loss in the diodes in J.
+    pub(crate) const DIODES: usize = 7;
+    /// Energy in J that leaks from the storage.
+    pub(crate) const LEAKED: usize = 8;
+    /// Energy in J that the node draws from the storage.
+    pub(crate) const DRAWN: usize = 9;
+}
+
+/// Adds others times a weight.
+pub(super) fn add(sums: &mut Integrals, weight: f64, others: &Integrals) {
+    for (sum, other) in sums.iter_mut().zip(others) {
+        *sum += weight * other;
+    }
+}
+
+/// What a run has gained and lost.
+#[derive(Debug)]
+pub(super) struct Ledger {
+    /// Integrals over the whole run.
+    pub(super) total: Integrals,
+    /// Integrals over the measuring window.
+    pub(super) window: Integrals,
+    /// Whether what follows lies in the measuring window.
+    pub(super) in_window: bool,
+    /// Energy in J lost in impacts.
+    pub(super) impact_loss: f64,
+    /// `∫ |base power| dt` in J.
+    pub(super) base_work_magnitude: f64,
+    /// Energies in J at the start: mechanical, electrical, and of the storage.
+    pub(super) start: [f64; 3],
+    peak_stored: f64,
+}
+
+impl Ledger {
+    pub(super) fn new(start: [f64; 3]) -> Self {
+        Self {
+            total: Integrals::default(),
+            window: Integrals::default(),
+            in_window: false,
+            impact_loss: 0.0,
+            base_work_magnitude: 0.0,
+            start,
+            peak_stored: start[0] + start[1],
+        }
+    }
+
+    /// Adds the integrals over a stretch.
+    pub(super) fn add(&mut self, stretch: &Integrals) {
+        add(&mut self.total, 1.0, stretch);
+        if self.in_window {
+            add(&mut self.window, 1.0, stretch);
+        }
+    }
+
+    /// Compares the stored energy with the largest so far; a storage counts with its gain or loss since the
+    /// start.
+    pub(super) fn compare(&mut self, [mechanical, electrical, storage]: [f64; 3]) {
+        let stored = mechanical + electrical + (storage - self.start[2]).abs();
+        self.peak_stored = self.peak_stored.max(stored);
+    }
+
+    /// Largest of the remainders in J at the end of the run, over the larger of `∫ |base power| dt` and the
+    /// peak stored energy. The storage has a remainder of its own; a bus has none.
+    pub(super) fn residual(
+        &self,
+        remainder: f64,
+        storage: Option<Storage>,
+        storage_energy: f64,
+    ) -> Option<f64> {
+        let [into, leaked, drawn] =
+            [integral::INTO_LOAD, integral::LEAKED, integral::DRAWN].map(|place| self.total[place]);
+        let of_storage = if storage.is_some_and(|storage| !storage.is_bus()) {
+            storage_energy - self.start[2] - (into - leaked - drawn)
+        } else {
+            0.0
+        };
+        let scale = self.base_work_magnitude.max(self.peak_stored);
+        (scale > 0.0).then(|| remainder.max(of_storage.abs()) / scale)
+    }
+}

@@ -1,0 +1,45 @@
+//! What the tests of this crate share: the shipped scenes, and comparisons of numbers.
+
+use std::path::Path;
+
+use crate::scene_file::{self, BumpStop, ContactSeparationParameters, Model, Scene, SlidingParameters};
+
+/// A shipped scene, by the name of its file.
+pub(crate) fn shipped(name: &str) -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    scene_file::read(&file, &[]).expect("the shipped scene is valid")
+}
+
+/// The contact-separation harvester of Table 2.
+pub(crate) fn contact_separation() -> ContactSeparationParameters {
+    shipped("contact-separation.toml").contact_separation().expect("contact-separation").parameters
+}
+
+/// The sliding harvester of Table 1.
+pub(crate) fn sliding() -> SlidingParameters {
+    let Model::Sliding(model) = shipped("sliding.toml").model else { panic!("another scene") };
+    model.parameters
+}
+
+/// The bump-stop harvester with its stop.
+pub(crate) fn bump_stop() -> BumpStop {
+    let Model::BumpStop(model) = shipped("bump-stop.toml").model else { panic!("another scene") };
+    model
+}
+
+/// The number, or not-a-number, which fails every comparison.
+pub(crate) fn number(value: Option<f64>) -> f64 {
+    value.unwrap_or(f64::NAN)
+}
+
+/// Asserts that a number is there and within `relative` of what is expected.
+#[track_caller]
+pub(crate) fn close(found: impl Into<Option<f64>>, expected: f64, relative: f64) {
+    let found = number(found.into());
+    let error = (found - expected).abs();
+    assert!(
+        error <= relative * expected.abs(),
+        "{found:e} is not {expected:e}: off by {:.1e}",
+        error / expected
+    );
+}
