@@ -21,7 +21,7 @@ const SOLVES: usize = 5;
 /// Iteration matrices in one measurement.
 const MATRICES: usize = 64;
 
-type Scene<S, M> = ContactSeparation<S, common::ShippedParts<M>>;
+type Scene<S, M> = ContactSeparation<S, common::Shipped<S, M>>;
 
 /// One matrix: where it is from, and its entries.
 #[derive(Clone, Copy)]
@@ -31,7 +31,7 @@ struct Sample<S> {
     jacobian: [[S; N]; N],
 }
 
-fn flow<S: Scalar, M: Mathematics<S>>(scene: &Scene<S, M>) -> Flow<'_, S, common::ShippedParts<M>> {
+fn flow<S: Scalar, M: Mathematics<S>>(scene: &Scene<S, M>) -> Flow<'_, S, common::Shipped<S, M>> {
     Automaton::<S, N, 1>::flow(scene, Mode::Free)
 }
 

@@ -10,10 +10,10 @@ use model_core::clock::ticks_of_seconds;
 use model_core::excitation::Excitation;
 use model_core::hybrid::Automaton;
 use model_core::integrate::{Method, Point, RungeKutta4, TrBdf2};
+use model_core::observer::ALL_POWERS;
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
-use model_core::scene::account;
 use model_core::scene::contact_separation::{
-    AnyParts, CHARGE, ContactSeparation, GAP, Mode, Parts, VELOCITY,
+    AnyChoices, CHARGE, ContactSeparation, GAP, Mode, Parts, VELOCITY,
 };
 
 /// Benches a step that carries `POWERS` powers.
@@ -46,10 +46,10 @@ fn step<S, F, P, M, const POWERS: usize>(
 }
 
 fn all<S: Scalar, F: Mathematics<S>>(criterion: &mut Criterion, precision: &str) {
-    let scene: ContactSeparation<S, common::ShippedParts<F>> = common::shipped(1e8);
-    let any: ContactSeparation<S, AnyParts<F>> = common::any(1e8);
+    let scene: ContactSeparation<S, common::Shipped<S, F>> = common::shipped(1e8);
+    let any: ContactSeparation<S, AnyChoices<S, F>> = common::any(1e8);
     step::<S, F, _, _, 1>(criterion, &format!("step/tr-bdf2/{precision}/energy"), &scene, TrBdf2);
-    step::<S, F, _, _, { account::WHOLE }>(
+    step::<S, F, _, _, { ALL_POWERS }>(
         criterion,
         &format!("step/tr-bdf2/{precision}/account"),
         &scene,
@@ -57,7 +57,7 @@ fn all<S: Scalar, F: Mathematics<S>>(criterion: &mut Criterion, precision: &str)
     );
     step::<S, F, _, _, 1>(criterion, &format!("step/tr-bdf2/{precision}/energy, any parts"), &any, TrBdf2);
     step::<S, F, _, _, 1>(criterion, &format!("step/rk4/{precision}/energy"), &scene, RungeKutta4);
-    step::<S, F, _, _, { account::WHOLE }>(
+    step::<S, F, _, _, { ALL_POWERS }>(
         criterion,
         &format!("step/rk4/{precision}/account"),
         &scene,

@@ -4,7 +4,7 @@ pub mod map;
 
 use model_core::part::bounds::ParameterError;
 use model_core::scalar::Scalar;
-use model_core::scene::bump_stop::{AnyParts, BumpStop as Beam};
+use model_core::scene::bump_stop::{AnyChoices, BumpStop as Beam};
 use model_core::scene::closed_form::{ClosedForm, Reason, Validity};
 use serde_json::Value;
 
@@ -121,7 +121,7 @@ impl Terminals {
 
     fn ask<S: Scalar, const B: usize, const R: usize>(
         self,
-        beam: &Beam<S, AnyParts, B, R>,
+        beam: &Beam<S, AnyChoices<S>, B, R>,
         amplitude: S,
         hertz: S,
     ) -> ClosedForm<S> {
@@ -149,9 +149,9 @@ fn of_bump_stop<S: Scalar>(
     let parameters = bump_stop_parameters::<S>(model, scene.load);
     let (beam, rod) = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
     Ok(match (beam, rod) {
-        (..=4, ..=2) => terminals.ask(&parameters.build_first::<4, 2>(beam, rod)?, amplitude, hertz),
-        (..=10, ..=10) => terminals.ask(&parameters.build_first::<10, 10>(beam, rod)?, amplitude, hertz),
-        _ => terminals.ask(&parameters.build_first::<20, 20>(beam, rod)?, amplitude, hertz),
+        (..=4, ..=2) => terminals.ask(&parameters.build::<4, 2>()?, amplitude, hertz),
+        (..=10, ..=10) => terminals.ask(&parameters.build::<10, 10>()?, amplitude, hertz),
+        _ => terminals.ask(&parameters.build::<20, 20>()?, amplitude, hertz),
     })
 }
 

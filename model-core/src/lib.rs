@@ -1,6 +1,11 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+#![allow(
+    private_bounds,
+    private_interfaces,
+    reason = "some traits are sealed: the crate implements them, nobody else"
+)]
 //! Vibration energy harvesters on a microcontroller: how much power is being harvested, estimated on
 //! the device.
 //!
@@ -13,24 +18,12 @@
 //! use model_core::excitation::Sine;
 //! use model_core::integrate::{Adaptive, TrBdf2};
 //! use model_core::part::load::Resistor;
-//! use model_core::part::parasitic::ParasiticCapacitance;
 //! use model_core::part::restitution::ConstantRestitution;
+//! use model_core::scene::contact_separation::{Choices, Parameters, Start};
 //! use model_core::scene::{Harvester, Simulation};
-//! use model_core::scene::contact_separation::{FrozenCharge, Parameters, Parts, Start, TransferredCharge};
-//!
-//! // What the harvester is made of: one type for each choice, and no code for the others.
-//! #[derive(Debug, Clone, Copy, PartialEq)]
-//! struct MyHarvester;
-//! impl Parts<f32> for MyHarvester {
-//!     type ForceLaw = TransferredCharge;
-//!     type Load = Resistor<f32>;
-//!     type Parasitic = ParasiticCapacitance<f32>;
-//!     type Restitution = ConstantRestitution<f32>;
-//!     type Sticking = FrozenCharge;
-//! }
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let scene = Parameters::<f32, MyHarvester> {
+//! let scene = Parameters {
 //!     mass: 5e-3,
 //!     stiffness: 80.0,
 //!     damping_ratio: 0.005,
@@ -39,11 +32,7 @@
 //!     dielectric_thickness: 5e-5,
 //!     relative_permittivity: 2.0,
 //!     charge_density: 50e-6,
-//!     parasitic: ParasiticCapacitance { farads: 1e-12 },
-//!     load: Resistor { ohms: 1e8 },
-//!     force_law: TransferredCharge,
-//!     restitution: ConstantRestitution { coefficient: 0.75 },
-//!     sticking: FrozenCharge,
+//!     choices: Choices::new(Resistor { ohms: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
 //! }
 //! .build()?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad

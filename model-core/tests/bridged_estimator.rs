@@ -10,7 +10,7 @@ use model_core::integrate::{Adaptive, TrBdf2};
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw};
 use model_core::part::load::AnyLoad;
 use model_core::part::storage::{AnyStorage, Capacitor};
-use model_core::scene::bump_stop::{self, AnyBridgedParts, Stepper};
+use model_core::scene::bump_stop::{self, AnyChoices, Stepper};
 use model_core::scene::contact_separation::Start;
 use model_core::scene::rectified::{FullBridge, Rectified, STATES};
 use model_core::scene::{Harvester, Simulation};
@@ -32,7 +32,7 @@ fn bridge(diode_drop: f32, farads: f32, draw: AnyDraw<f32>) -> FullBridge<f32, A
 
 fn scene(bridge: FullBridge<f32, AnyStorage<f32>>) -> Bridged {
     let mut parameters = contact_parameters::<f32>();
-    parameters.load = AnyLoad { ohms: f32::INFINITY };
+    parameters.choices.load = AnyLoad { ohms: f32::INFINITY };
     Rectified::new(parameters.build().expect("in bounds"), bridge).expect("in bounds")
 }
 
@@ -40,8 +40,10 @@ fn hybrid(bridge: FullBridge<f32, AnyStorage<f32>>) -> Hybrid {
     Simulation::new(scene(bridge), TrBdf2, Adaptive::new(5e-2))
 }
 
-fn modal(bridge: FullBridge<f32, AnyStorage<f32>>) -> Stepper<f32, AnyBridgedParts, 4, 1> {
-    let parameters = bump_parameters_into::<f32, AnyBridgedParts>(bridge);
+type Bridge = FullBridge<f32, AnyStorage<f32>>;
+
+fn modal(bridge: Bridge) -> Stepper<f32, AnyChoices<f32, Bridge>, 4, 1> {
+    let parameters = bump_parameters_into(bridge);
     Stepper::new(parameters.build().expect("in bounds"), 9e-6, 80e-6)
 }
 

@@ -7,13 +7,15 @@ mod bridged;
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
-use bridged::{Bridged, advance, baseline, bus, close, measured, seconds, shaking, storage};
+use bridged::{advance, baseline, bus, close, measured, seconds, shaking, storage};
 use model_core::excitation::Sine;
 use model_core::observer::PowerIndex;
 use model_core::part::draw::AnyDraw;
 use model_core::part::load::AnyLoad;
 use model_core::scene::Harvester;
-use model_core::scene::bump_stop::{AnyContact, AnyCoupling, Parameters, Parts, Start, Stepper};
+use model_core::scene::bump_stop::{
+    AnyChoices, AnyContact, AnyCoupling, Circuit, Parameters, Parts, Resistive, Start, Stepper,
+};
 
 const HERTZ: f64 = 220.0;
 const BASE: f64 = 20.0;
@@ -38,11 +40,12 @@ fn open_voltage() -> f64 {
 }
 
 /// One mode without a stop.
-fn one_mode<P>(parameters: Parameters<f64, P>, coupling: AnyCoupling) -> Stepper<f64, P, 1, 0, 1>
-where
-    P: Parts<f64, Coupling = AnyCoupling, Contact = AnyContact<f64>>,
-{
-    let parameters = Parameters { coupling, contact: AnyContact::NoStop, ..parameters };
+fn one_mode<L: Circuit<f64>>(
+    mut parameters: Parameters<f64, AnyChoices<f64, L>>,
+    coupling: AnyCoupling,
+) -> Stepper<f64, AnyChoices<f64, L>, 1, 0, 1> {
+    parameters.choices.coupling = coupling;
+    parameters.choices.stop.contact = AnyContact::NoStop;
     Stepper::with_all_powers(parameters.build().expect("valid"), STEP, STEP)
 }
 
@@ -166,7 +169,8 @@ fn with_a_tenth_of_the_coupling_the_voltage_is_that_of_a_harmonic_displacement()
 fn the_best_resistor_and_the_best_bus_are_those_of_weak_coupling() {
     let (omega, open) = (TAU * HERTZ, open_voltage());
     let best = 1.0 / (omega * CAPACITANCE);
-    let power = |ohms| settled_power(&one_mode(baseline(AnyLoad { ohms }), AnyCoupling::OneWay), HERTZ);
+    let power =
+        |ohms| settled_power(&one_mode(baseline(Resistive(AnyLoad { ohms })), AnyCoupling::OneWay), HERTZ);
     let resistive = power(best);
     close("resistor", resistive, 0.25 * omega * CAPACITANCE * open * open, 1e-5);
     assert!(power(0.9 * best) < resistive && power(1.1 * best) < resistive);
@@ -184,11 +188,11 @@ fn no_load_takes_more_than_the_damping_leaves() {
     let mut best: [f64; 2] = [0.0; 2];
     for hertz in [MODE_HERTZ, 242.5] {
         for volts in [8.0, 12.0, 20.0] {
-            let stepper = one_mode::<Bridged<f64>>(baseline(bus(volts, 0.0)), AnyCoupling::TwoWay);
+            let stepper = one_mode(baseline(bus(volts, 0.0)), AnyCoupling::TwoWay);
             best[0] = best[0].max(settled_power(&stepper, hertz));
         }
         for ohms in [16.2e3, 40e3] {
-            let stepper = one_mode(baseline(AnyLoad { ohms }), AnyCoupling::TwoWay);
+            let stepper = one_mode(baseline(Resistive(AnyLoad { ohms })), AnyCoupling::TwoWay);
             best[1] = best[1].max(settled_power(&stepper, hertz));
         }
     }

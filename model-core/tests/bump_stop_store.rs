@@ -3,7 +3,7 @@
 
 mod bridged;
 
-use bridged::{AnyBridge, Bridged, With, advance, baseline, close, resistor, seconds, shaking, storage};
+use bridged::{AnyBridge, Bridged, advance, baseline, close, resistor, seconds, shaking, storage};
 use model_core::energy::{Ledger, PowerMeter, RunMeter};
 use model_core::excitation::Silence;
 use model_core::observer::{AcceptedStep, Observer, PowerIndex};
@@ -15,14 +15,14 @@ use model_core::part::storage_step::StorageState;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{
-    AnyContact, AnyCoupling, Circuit, Parameters, Restitution, Start, State, StateOf, Stepper,
+    AnyChoices, AnyContact, AnyCoupling, Circuit, Resistive, Restitution, Start, State, StateOf, Stepper,
 };
 
 /// Open or in contact, blocked or conducting either way: 0.2 µF at 0.2 V under 2 MΩ, diodes of 0.05 V, a gap
 /// of 5 µm.
 fn six_regimes<S: Scalar>(short: f64, long: f64) -> Stepper<S, Bridged<S>, 4, 1> {
     let mut parameters = baseline(storage(0.2e-6, 0.2, resistor(2e6), 0.05));
-    parameters.stop.gap = S::from_f64(5e-6);
+    parameters.choices.stop.gap = S::from_f64(5e-6);
     Stepper::new(parameters.build().expect("valid"), S::from_f64(short), S::from_f64(long))
 }
 
@@ -75,7 +75,7 @@ fn single_precision_follows_double_precision() {
 /// How far a storage rises from 1 V in half a second, the stop at mid-span; the ledger has to close.
 fn charged<S: Scalar>(farads: f64) -> f64 {
     let mut parameters = baseline(storage::<S>(farads, 1.0, AnyDraw::None, 0.3));
-    parameters.stop.position = S::from_f64(0.025);
+    parameters.choices.stop.position = S::from_f64(0.025);
     let scene = parameters.build::<4, 1>().expect("valid");
     let stepper = Stepper::with_all_powers(scene, S::from_f64(1e-6), S::from_f64(2e-5));
     let excitation = shaking(220.0);
@@ -124,7 +124,10 @@ fn the_ledger_of_harvester_and_store_closes() {
             if let AnyStorage::Capacitor(storage) = &mut bridge.storage {
                 storage.leakage_ohms = 5e6;
             }
-            let scene = Parameters { coupling, contact, ..baseline(bridge) }.build::<4, 1>().expect("valid");
+            let mut parameters = baseline(bridge);
+            parameters.choices.coupling = coupling;
+            parameters.choices.stop.contact = contact;
+            let scene = parameters.build::<4, 1>().expect("valid");
             let stepper = Stepper::with_all_powers(scene, 1e-6, long);
             let excitation = shaking(220.0);
             let mut state = scene.start(&Start::default(), &excitation).expect("valid");
@@ -188,12 +191,12 @@ fn behind_a_bus_out_of_reach_the_terminals_are_open_to_the_bit() {
     fn run<L: Circuit<f32>>(load: L) -> ([[f32; 2]; 4], [[f32; 2]; 1], f32, f32, u32) {
         let stepper = Stepper::new(baseline(load).build::<4, 1>().expect("valid"), 1e-6, 2e-5);
         let excitation = shaking(220.0);
-        let mut state: StateOf<f32, With<L>, 4, 1> =
+        let mut state: StateOf<f32, AnyChoices<f32, L>, 4, 1> =
             stepper.scene().start(&Start::default(), &excitation).expect("valid");
         let steps = stepper.advance(&mut state, &excitation, seconds(0.05), u32::MAX, &mut ()).expect("runs");
         (state.beam, state.rod, state.gap(), stepper.scene().voltage(&state), steps.work.steps)
     }
-    assert_eq!(run(bus), run(OpenCircuit));
+    assert_eq!(run(bus), run(Resistive(OpenCircuit)));
 }
 
 #[test]
@@ -267,7 +270,7 @@ fn a_draw_is_connected_and_disconnected_at_its_thresholds() {
     let amperes = 4e-5;
     let draw = AnyDraw::Current(CurrentDraw { amperes, lockout });
     let mut parameters = baseline(storage(1e-6, 1.0, draw, 0.05));
-    parameters.stop.position = 0.025;
+    parameters.choices.stop.position = 0.025;
     let scene = parameters.build::<4, 1>().expect("valid");
     let stepper = Stepper::new(scene, 1e-6, 2e-5);
     let excitation = shaking(220.0);
@@ -289,8 +292,10 @@ fn a_draw_is_connected_and_disconnected_at_its_thresholds() {
 fn charges(stop: Option<[f64; 2]>, published: &[(f64, f64)], relative: f64) {
     let mut parameters = baseline(storage(4.7e-6, 0.0, AnyDraw::None, 0.3));
     match stop {
-        None => parameters.contact = AnyContact::NoStop,
-        Some([gap, position]) => (parameters.stop.gap, parameters.stop.position) = (gap, position),
+        None => parameters.choices.stop.contact = AnyContact::NoStop,
+        Some([gap, position]) => {
+            (parameters.choices.stop.gap, parameters.choices.stop.position) = (gap, position)
+        }
     }
     let stepper = Stepper::new(parameters.build::<10, 3>().expect("valid"), 1e-6, 1e-6);
     let excitation = shaking(220.0);

@@ -362,7 +362,7 @@ fn every_interval_is_integrated_or_unknown() {
 #[test]
 fn a_step_that_cannot_be_taken_is_an_error_once() {
     let mut parameters = sliding_parameters::<f64>();
-    parameters.friction =
+    parameters.choices.friction =
         PatchFriction { static_active: 0.0, static_inert: 0.0, kinetic_active: 0.0, kinetic_inert: 0.0 };
     let scene = parameters.build().expect("in bounds");
     let harvester = hybrid(scene, TrBdf2, Adaptive::new(1e-2));
@@ -450,14 +450,14 @@ fn step_figures<A: Scene<f64, 3, 1> + Copy>(name: &str, scene: A, samples: &[f64
 fn the_figure_for_the_step_is_of_the_size_of_the_actual_error() {
     for (ohms, load) in [(1e8, "100 MΩ"), (1e6, "1 MΩ")] {
         let mut parameters = contact_parameters::<f64>();
-        parameters.load.ohms = ohms;
+        parameters.choices.load.ohms = ohms;
         let samples = sine_samples(1.962, 20.0, 400.0, 2000);
         let scene = parameters.build().expect("in bounds");
         let ratios = step_figures(&format!("contact-separation, {load}"), scene, &samples);
         assert!(ratios.iter().all(|ratio| (1.0..25.0).contains(ratio)), "{ratios:?}");
 
         let mut parameters = sliding_parameters::<f64>();
-        parameters.load.ohms = ohms;
+        parameters.choices.load.ohms = ohms;
         let samples = sine_samples(0.36 * 9.81, 18.373, 400.0, 2000);
         let scene = parameters.build().expect("in bounds");
         let ratios = step_figures(&format!("sliding, {load}"), scene, &samples);
@@ -484,7 +484,7 @@ fn the_figure_for_rounding_covers_single_precision_in_regular_motion() {
         for ohms in [1e8, 1e6] {
             let (single, double) = both_precisions(0.36 * 9.81, 18.373, 400.0, 1200);
             let (mut of_single, mut of_double) = (sliding_parameters::<f32>(), sliding_parameters::<f64>());
-            (of_single.load.ohms, of_double.load.ohms) = (ohms as f32, ohms);
+            (of_single.choices.load.ohms, of_double.choices.load.ohms) = (ohms as f32, ohms);
             let scene = of_double.build().expect("in bounds");
             let [exact, ..] = measured(scene, FixedStep::of_seconds(step), &double);
             let scene = of_single.build().expect("in bounds");
@@ -493,7 +493,7 @@ fn the_figure_for_rounding_covers_single_precision_in_regular_motion() {
 
             let (single, double) = both_precisions(1.962, 20.0, 400.0, 1200);
             let (mut of_single, mut of_double) = (contact_parameters::<f32>(), contact_parameters::<f64>());
-            (of_single.load.ohms, of_double.load.ohms) = (ohms as f32, ohms);
+            (of_single.choices.load.ohms, of_double.choices.load.ohms) = (ohms as f32, ohms);
             let scene = of_double.build().expect("in bounds");
             let [exact, ..] = measured(scene, FixedStep::of_seconds(step), &double);
             let scene = of_single.build().expect("in bounds");

@@ -5,11 +5,9 @@ use model_core::clock::Instant;
 use model_core::excitation::Sine;
 use model_core::hybrid::{Driver, Ended};
 use model_core::integrate::{Adaptive, TrBdf2};
-use model_core::part::load::AnyLoad;
+use model_core::part::load::Resistor;
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
-use model_core::scene::sliding::{
-    AnyForceLaw, AnyLateralForce, AnyParts, AnyStickCharge, Parameters, PatchFriction, Start,
-};
+use model_core::scene::sliding::{Choices, Parameters, PatchFriction, Start, TransferredCharge};
 
 /// Attempted steps of a slider with 1 Ω, 20 µC/m² and little friction, shaken at `hertz` for `seconds`.
 fn attempts<S: Scalar>(acceleration: f64, hertz: f64, seconds: f64) -> u32
@@ -17,7 +15,13 @@ where
     Polynomial: Mathematics<S>,
 {
     let number = S::from_f64;
-    let parameters = Parameters::<S, AnyParts> {
+    let friction = PatchFriction {
+        static_active: number(0.06),
+        static_inert: number(0.06),
+        kinetic_active: number(0.05),
+        kinetic_inert: number(0.04),
+    };
+    let parameters = Parameters {
         beam_length: number(0.1),
         beam_width: number(0.02),
         beam_thickness: number(5e-4),
@@ -26,19 +30,10 @@ where
         damping_ratio: number(0.0035),
         slider_mass: number(8e-3),
         patch_radius: number(0.01),
-        friction: PatchFriction {
-            static_active: number(0.06),
-            static_inert: number(0.06),
-            kinetic_active: number(0.05),
-            kinetic_inert: number(0.04),
-        },
         dielectric_thickness: number(5e-5),
         relative_permittivity: number(2.0),
         charge_density: number(20e-6),
-        load: AnyLoad { ohms: S::ONE },
-        force_law: AnyForceLaw::TransferredCharge,
-        sticking: AnyStickCharge::Frozen,
-        lateral_force: AnyLateralForce::None,
+        choices: Choices::new(Resistor { ohms: S::ONE }, friction).force_law(TransferredCharge),
     };
     let scene = parameters.build().expect("in bounds");
     let sine = Sine::<S>::new(number(acceleration), number(hertz), S::ZERO).expect("valid");

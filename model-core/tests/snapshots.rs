@@ -4,7 +4,8 @@ mod common;
 
 use common::Random;
 use common::harvesters::{
-    ContactParts, bump, bump_parameters, contact, contact_parameters, sine_samples, slide, sliding_parameters,
+    ContactChoices, bump, bump_parameters, contact, contact_parameters, sine_samples, slide,
+    sliding_parameters,
 };
 use model_core::energy::estimator::{Sample, SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
@@ -95,7 +96,7 @@ fn resume_contact_separation<S: Scalar>() {
     let mut parameters = contact_parameters::<S>();
     // Heavily charged and not rebounding: the mass sticks now and then.
     parameters.charge_density = S::from_f64(120e-6);
-    parameters.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: S::ZERO });
+    parameters.choices.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: S::ZERO });
     let harvester = hybrid(parameters.build().expect("in bounds"), Adaptive::new(S::from_f64(1e-3)));
     let samples = rough(&sine_samples::<S>(30.0, 15.0, 400.0, 1600), 1);
     let states = resume_from_images(harvester, settings(400.0), &samples);
@@ -200,7 +201,7 @@ fn an_image_of_other_parameters_is_foreign() {
     let harvester = hybrid(contact::<f32>(), Adaptive::new(1e-2));
     let (_, bytes) = saved(harvester, settings(400.0));
     assert_eq!(takes(harvester, settings(400.0), &bytes), Ok(()));
-    let changes: [Change<contact_separation::Parameters<f32, ContactParts<f32>>>; 13] = [
+    let changes: [Change<contact_separation::Parameters<f32, ContactChoices<f32>>>; 13] = [
         |p| p.mass *= 1.000_001,
         |p| p.stiffness = 80.001,
         |p| p.damping_ratio = 0.006,
@@ -209,11 +210,11 @@ fn an_image_of_other_parameters_is_foreign() {
         |p| p.dielectric_thickness = 5.1e-5,
         |p| p.relative_permittivity = 2.1,
         |p| p.charge_density = 51e-6,
-        |p| p.parasitic.farads = 2e-12,
-        |p| p.load.ohms = 0.0,
-        |p| p.force_law = contact_separation::AnyForceLaw::GapField,
-        |p| p.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: 0.8 }),
-        |p| p.sticking = contact_separation::AnyStickCharge::Relaxing,
+        |p| p.choices.parasitic.farads = 2e-12,
+        |p| p.choices.load.ohms = 0.0,
+        |p| p.choices.force_law = contact_separation::AnyForceLaw::GapField,
+        |p| p.choices.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: 0.8 }),
+        |p| p.choices.sticking = contact_separation::StickCharge::Relaxing,
     ];
     for (index, change) in changes.into_iter().enumerate() {
         let mut parameters = contact_parameters::<f32>();
@@ -224,7 +225,7 @@ fn an_image_of_other_parameters_is_foreign() {
 
     let harvester = hybrid(slide::<f64>(), Adaptive::new(1e-2));
     let (_, bytes) = saved(harvester, settings(400.0));
-    let changes: [Change<sliding::Parameters<f64, sliding::AnyParts>>; 15] = [
+    let changes: [Change<sliding::Parameters<f64, sliding::AnyChoices<f64>>>; 15] = [
         |p| p.beam_length = 0.101,
         |p| p.beam_width = 0.021,
         |p| p.beam_thickness = 5.01e-4,
@@ -234,12 +235,12 @@ fn an_image_of_other_parameters_is_foreign() {
         |p| p.dielectric_thickness = 5.1e-5,
         |p| p.relative_permittivity = 2.1,
         |p| p.charge_density = 81e-6,
-        |p| p.load.ohms = f64::INFINITY,
-        |p| p.friction.static_inert = 0.26,
-        |p| p.friction.kinetic_active = 0.31,
-        |p| p.force_law = sliding::AnyForceLaw::GapField,
-        |p| p.sticking = sliding::AnyStickCharge::Relaxing,
-        |p| p.lateral_force = sliding::AnyLateralForce::Field,
+        |p| p.choices.load.ohms = f64::INFINITY,
+        |p| p.choices.friction.static_inert = 0.26,
+        |p| p.choices.friction.kinetic_active = 0.31,
+        |p| p.choices.force_law = sliding::AnyForceLaw::GapField,
+        |p| p.choices.sticking = sliding::StickCharge::Relaxing,
+        |p| p.choices.lateral_force = sliding::AnyLateralForce::Field,
     ];
     for (index, change) in changes.into_iter().enumerate() {
         let mut parameters = sliding_parameters::<f64>();
@@ -250,16 +251,16 @@ fn an_image_of_other_parameters_is_foreign() {
 
     let stepper = bump::<f32, 4, 1>(AnyContact::ResidualFlexibility);
     let (_, bytes) = saved(stepper, settings(400.0));
-    let changes: [Change<bump_stop::Parameters<f32, bump_stop::AnyParts>>; 9] = [
+    let changes: [Change<bump_stop::Parameters<f32, bump_stop::AnyChoices<f32>>>; 9] = [
         |p| p.beam_length = 0.0501,
         |p| p.piezo_d31 = -191e-12,
         |p| p.piezo_permittivity = 16e-9,
         |p| p.damping_ratio = 0.011,
-        |p| p.stop.gap = 11e-6,
-        |p| p.stop.contact_compliance = 1e-9,
-        |p| p.load.ohms = 2e6,
-        |p| p.coupling = AnyCoupling::OneWay,
-        |p| p.contact = AnyContact::DisplacementConstraint,
+        |p| p.choices.stop.gap = 11e-6,
+        |p| p.choices.stop.contact_compliance = 1e-9,
+        |p| p.choices.load.0.ohms = 2e6,
+        |p| p.choices.coupling = AnyCoupling::OneWay,
+        |p| p.choices.stop.contact = AnyContact::DisplacementConstraint,
     ];
     for (index, change) in changes.into_iter().enumerate() {
         let mut parameters = bump_parameters::<f32>();

@@ -12,7 +12,7 @@ use host_bench::embedded::{bump_stop_parameters, contact_separation_parameters, 
 use host_bench::scene_file::{self, Model, Scene};
 use model_core::integrate::{Adaptive, AnyStepControl, FixedStep, RungeKutta4, TrBdf2};
 use model_core::scalar::Polynomial;
-use model_core::scene::bump_stop::AnyParts;
+use model_core::scene::bump_stop::AnyChoices;
 
 fn states(workload: &mut dyn Workload) -> Vec<Vec<u32>> {
     let mut states = Vec::new();
@@ -72,9 +72,10 @@ fn bump_stop_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
     let scene = shipped("bump-stop.toml");
     let Model::BumpStop(model) = &scene.model else { panic!("a bump-stop scene") };
     let mut parameters = bump_stop_parameters::<f32>(model, scene.load);
+    parameters.choices.modes = None;
     let mut any = |plan, gap| {
-        parameters.stop.gap = gap;
-        states(&mut ModalRun::<AnyParts, BEAM_MODES, ROD_MODES>::new(plan, parameters).expect("valid"))
+        parameters.choices.stop.gap = gap;
+        states(&mut ModalRun::<AnyChoices<f32>, BEAM_MODES, ROD_MODES>::new(plan, parameters).expect("valid"))
     };
 
     let firmware = states(&mut bench().expect("valid"));

@@ -11,38 +11,12 @@ use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepContro
 use model_core::part::load::{OpenCircuit, Resistor, ShortCircuit};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::sliding::{
-    AnyParts, FieldLateralForce, Friction, Frictionless, FrozenCharge, GapField, LateralForce, Mode,
-    NeverSticks, NoLateralForce, Parameters, Parts, PatchFriction, RelaxingCharge, Start, Sticking,
-    TransferredCharge,
+    AnyChoices, Choices, FieldLateralForce, Frictionless, Mode, NeverSticks, Parameters, Parts, Start,
+    StickCharge as Charge, TransferredCharge,
 };
 
-/// Parts by name.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Chosen<L, F, R, K, T>(L, F, R, K, T);
-
-impl<S: Scalar, L, F, R, K, T> Parts<S> for Chosen<L, F, R, K, T>
-where
-    L: model_core::scene::sliding::ForceLaw<S>,
-    F: Friction<S>,
-    R: model_core::part::load::Load<S>,
-    K: Sticking,
-    T: LateralForce,
-{
-    type ForceLaw = L;
-    type Load = R;
-    type Friction = F;
-    type Sticking = K;
-    type LateralForce = T;
-}
-
 /// The parameters with other parts.
-fn with<S: Scalar, L, F, R, K, T>(
-    any: &Parameters<S, AnyParts>,
-    Chosen(force_law, friction, load, sticking, lateral_force): Chosen<L, F, R, K, T>,
-) -> Parameters<S, Chosen<L, F, R, K, T>>
-where
-    Chosen<L, F, R, K, T>: Parts<S, ForceLaw = L, Friction = F, Load = R, Sticking = K, LateralForce = T>,
-{
+fn with<S: Scalar, C>(any: &Parameters<S, AnyChoices<S>>, choices: C) -> Parameters<S, C> {
     Parameters {
         beam_length: any.beam_length,
         beam_width: any.beam_width,
@@ -52,14 +26,10 @@ where
         damping_ratio: any.damping_ratio,
         slider_mass: any.slider_mass,
         patch_radius: any.patch_radius,
-        friction,
         dielectric_thickness: any.dielectric_thickness,
         relative_permittivity: any.relative_permittivity,
         charge_density: any.charge_density,
-        load,
-        force_law,
-        sticking,
-        lateral_force,
+        choices,
     }
 }
 
@@ -107,19 +77,18 @@ where
 }
 
 /// The run-time form of the shipped scene.
-fn any<S: Scalar>(ohms: f64, change: impl FnOnce(&mut SlidingParameters)) -> Parameters<S, AnyParts> {
+fn any<S: Scalar>(ohms: f64, change: impl FnOnce(&mut SlidingParameters)) -> Parameters<S, AnyChoices<S>> {
     let scene = sliding(|_, model| change(&mut model.parameters));
     let host_bench::scene_file::Model::Sliding(model) = &scene.model else { panic!("a sliding scene") };
     sliding_parameters(model, Load::Resistor { resistance_ohm: ohms })
 }
 
 /// Both forms under each method; the parts are those of the run-time form.
-fn same<S: Scalar, L, F, R, K, T>(any: &Parameters<S, AnyParts>, parts: Chosen<L, F, R, K, T>, case: Case)
+fn same<S: Scalar, C: Parts<S>>(any: &Parameters<S, AnyChoices<S>>, choices: C, case: Case)
 where
     Polynomial: Mathematics<S>,
-    Chosen<L, F, R, K, T>: Parts<S, ForceLaw = L, Friction = F, Load = R, Sticking = K, LateralForce = T>,
 {
-    let chosen = with(any, parts);
+    let chosen = with(any, choices);
     let adaptive = Adaptive::new(S::from_f64(1e-4));
     let fixed = FixedStep::of_seconds(S::from_f64(2e-4));
     let (states_of_any, stuck) = states(any, TrBdf2, adaptive, case);
@@ -135,24 +104,27 @@ where
     Polynomial: Mathematics<S>,
 {
     let paper = any::<S>(1e8, |_| ());
-    let friction = paper.friction;
+    let friction = paper.choices.friction;
     let resistor = Resistor { ohms: S::from_f64(1e8) };
     for case in [STICKING, SWINGING] {
-        same(&paper, Chosen(TransferredCharge, friction, resistor, FrozenCharge, NoLateralForce), case);
+        same(&paper, Choices::new(resistor, friction).force_law(TransferredCharge), case);
         let field = any::<S>(1e8, |parameters| {
             parameters.force_law = ForceLaw::GapField;
             parameters.stick_charge = StickCharge::Relaxing;
             parameters.lateral_force = true;
             parameters.charge_density_c_per_m2 = 10e-6;
         });
-        same(&field, Chosen(GapField, friction, resistor, RelaxingCharge, FieldLateralForce), case);
+        let choices = Choices::new(resistor, friction).sticking(Charge::Relaxing);
+        same(&field, choices.lateral_force(FieldLateralForce), case);
         let shorted = any::<S>(0.0, |_| ());
-        same(&shorted, Chosen(TransferredCharge, friction, ShortCircuit, FrozenCharge, NoLateralForce), case);
+        same(&shorted, Choices::new(ShortCircuit, friction).force_law(TransferredCharge), case);
         let open = any::<S>(f64::INFINITY, |parameters| parameters.lateral_force = true);
-        same(&open, Chosen(TransferredCharge, friction, OpenCircuit, FrozenCharge, FieldLateralForce), case);
+        let choices = Choices::new(OpenCircuit, friction).force_law(TransferredCharge);
+        same(&open, choices.lateral_force(FieldLateralForce), case);
     }
     // Where it never comes to rest, the code for it is not missed.
-    same(&paper, Chosen(TransferredCharge, friction, resistor, NeverSticks, NoLateralForce), SWINGING);
+    let choices = Choices::new(resistor, friction).force_law(TransferredCharge);
+    same(&paper, choices.sticking(NeverSticks), SWINGING);
 }
 
 #[test]
@@ -165,10 +137,11 @@ fn parts_chosen_at_run_time_give_the_bits_of_those_chosen_at_compile_time() {
 #[test]
 fn no_friction_is_the_same_as_friction_of_nothing() {
     let none = any::<f64>(1e8, |parameters| cross_crate_tests::rub(parameters, 0.0));
-    let nothing = PatchFriction { ..none.friction };
     let resistor = Resistor { ohms: 1e8 };
-    let free = with(&none, Chosen(TransferredCharge, Frictionless, resistor, NeverSticks, NoLateralForce));
-    let rubbed = with(&none, Chosen(TransferredCharge, nothing, resistor, FrozenCharge, NoLateralForce));
+    let choices = Choices::new(resistor, Frictionless).force_law(TransferredCharge);
+    let free = with(&none, choices.sticking(NeverSticks));
+    let choices = Choices::new(resistor, none.choices.friction).force_law(TransferredCharge);
+    let rubbed = with(&none, choices);
     let fixed = FixedStep::of_seconds(1e-4);
     let case = Case { velocity: 0.3, acceleration: 1.0, frequency: 15.0 };
     let (free, rubbed) =

@@ -4,11 +4,8 @@ use model_core::integrate::{Adaptive, TrBdf2};
 use model_core::part::draw::NoDraw;
 use model_core::part::load::OpenCircuit;
 use model_core::part::monomorph::Layer;
-use model_core::part::parasitic::ParasiticCapacitance;
-use model_core::part::restitution::VelocityDependentRestitution;
 use model_core::part::storage::Capacitor;
-use model_core::scene::bump_stop::{self, BumpStop, NoStop, OneWay, Stop};
-use model_core::scene::contact_separation::{self, FrozenCharge, TransferredCharge};
+use model_core::scene::bump_stop::{self, BumpStop, Choices, NoStop, OneWay, Resistive};
 use model_core::scene::rectified::{FullBridge, Rectified};
 use model_core::scene::{Harvester, Simulation};
 
@@ -20,18 +17,6 @@ use crate::workload::contact_separation::scenes::TOLERANCE;
 /// Forward voltage in volts of each of the bridge's diodes.
 const DIODE_DROP: f32 = 0.3;
 
-/// Parts of the contact-separation harvester with its terminals open: the bridge is what is at them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Bridged;
-
-impl contact_separation::Parts<f32> for Bridged {
-    type ForceLaw = TransferredCharge;
-    type Load = OpenCircuit;
-    type Parasitic = ParasiticCapacitance<f32>;
-    type Restitution = VelocityDependentRestitution<f32>;
-    type Sticking = FrozenCharge;
-}
-
 /// The contact-separation harvester behind a full bridge that charges the node's storage, stepped with error
 /// control. The node's budget says what the storage's voltage is: here it neither leaks nor is drawn from.
 ///
@@ -39,7 +24,9 @@ impl contact_separation::Parts<f32> for Bridged {
 /// If its parameters are refused.
 pub fn following() -> Result<impl Harvester<f32>, NodeError> {
     let refused = |_| NodeError::Parameters;
-    let parameters = parts::with_load::<Bridged>(OpenCircuit, PARASITIC, LAW_OF_SPEED, FrozenCharge);
+    // The bridge is what is at the terminals.
+    let choices = parts::without_parasitic(OpenCircuit, LAW_OF_SPEED).parasitic(PARASITIC);
+    let parameters = parts::parameters(choices);
     let storage = Capacitor {
         farads: STORAGE.capacitance,
         leakage_ohms: f32::INFINITY,
@@ -52,16 +39,8 @@ pub fn following() -> Result<impl Harvester<f32>, NodeError> {
     Ok(Simulation::new(scene, TrBdf2, Adaptive::new(TOLERANCE)))
 }
 
-/// Parts of a piezoelectric cantilever with nothing to hit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct FreeBeam;
-
-impl bump_stop::Parts<f32> for FreeBeam {
-    // What the closed form is about stands behind a bridge.
-    type Load = OpenCircuit;
-    type Coupling = OneWay;
-    type Contact = NoStop;
-}
+/// Parts of a piezoelectric cantilever with nothing to hit. What the closed form is about stands behind a bridge.
+type FreeBeam = Choices<Resistive<OpenCircuit>, NoStop, OneWay>;
 
 /// A piezoelectric cantilever behind a full bridge, by its closed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +61,7 @@ impl Beam {
 /// # Errors
 /// If its parameters are refused.
 pub fn listening() -> Result<Beam, NodeError> {
-    let parameters = bump_stop::Parameters::<f32, FreeBeam> {
+    let parameters = bump_stop::Parameters {
         beam_length: 0.165,
         beam_width: 0.01,
         substrate: Layer { thickness: 5e-4, young_modulus: 200e9, density: 7850.0 },
@@ -90,18 +69,7 @@ pub fn listening() -> Result<Beam, NodeError> {
         piezo_d31: -190e-12,
         piezo_permittivity: 15.93e-9,
         damping_ratio: 0.01,
-        stop: Stop {
-            length: 1.0,
-            section: 1.0,
-            young_modulus: 1e9,
-            density: 1e3,
-            position: 0.165,
-            gap: 0.0,
-            contact_compliance: 0.0,
-        },
-        load: OpenCircuit,
-        coupling: OneWay,
-        contact: NoStop,
+        choices: Choices::new(OpenCircuit).coupling(OneWay),
     };
     let beam = core::hint::black_box(parameters).build().map_err(|_| NodeError::Parameters)?;
     Ok(Beam(beam))

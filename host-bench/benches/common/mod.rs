@@ -3,7 +3,6 @@
 // Each bench uses a part of this.
 #![allow(dead_code)]
 
-use std::marker::PhantomData;
 use std::path::Path;
 
 use host_bench::embedded::contact_separation_parameters;
@@ -18,25 +17,17 @@ use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{AnyRestitution, VelocityDependentRestitution};
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::contact_separation::{
-    AnyParts, ContactSeparation, FrozenCharge, Mode, Parameters, Parts, STATES, Start, TransferredCharge,
+    AnyChoices, Choices, ContactSeparation, Mode, Parameters, Parts, STATES, Start, TransferredCharge,
 };
 
 /// A state that carries the delivered energy only, as firmware does.
 pub(crate) type State<S> = HybridState<S, Mode, STATES, 1>;
 
 /// The parts of the shipped scene, chosen at compile time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ShippedParts<M>(PhantomData<M>);
+pub(crate) type Shipped<S, M> =
+    Choices<Resistor<S>, VelocityDependentRestitution<S, M>, TransferredCharge, ParasiticCapacitance<S>>;
 
-impl<S: Scalar, M: Mathematics<S>> Parts<S> for ShippedParts<M> {
-    type ForceLaw = TransferredCharge;
-    type Load = Resistor<S>;
-    type Parasitic = ParasiticCapacitance<S>;
-    type Restitution = VelocityDependentRestitution<S, M>;
-    type Sticking = FrozenCharge;
-}
-
-fn parameters<S: Scalar, M: Mathematics<S>>(resistance_ohm: f64) -> Parameters<S, AnyParts<M>> {
+fn parameters<S: Scalar, M: Mathematics<S>>(resistance_ohm: f64) -> Parameters<S, AnyChoices<S, M>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/contact-separation.toml");
     let load = Override::new("load.resistance_ohm", &resistance_ohm.to_string());
     let scene = scene_file::read(&file, &[load]).expect("the shipped scene is valid");
@@ -45,19 +36,21 @@ fn parameters<S: Scalar, M: Mathematics<S>>(resistance_ohm: f64) -> Parameters<S
 }
 
 /// The shipped scene, every choice at run time.
-pub(crate) fn any<S: Scalar, M: Mathematics<S>>(resistance_ohm: f64) -> ContactSeparation<S, AnyParts<M>> {
+pub(crate) fn any<S: Scalar, M: Mathematics<S>>(
+    resistance_ohm: f64,
+) -> ContactSeparation<S, AnyChoices<S, M>> {
     parameters(resistance_ohm).build().expect("the shipped scene is valid")
 }
 
 /// The same with the choices made at compile time.
 pub(crate) fn shipped<S: Scalar, M: Mathematics<S>>(
     resistance_ohm: f64,
-) -> ContactSeparation<S, ShippedParts<M>> {
+) -> ContactSeparation<S, Shipped<S, M>> {
     let any = parameters::<S, M>(resistance_ohm);
-    let AnyRestitution::VelocityDependent(restitution) = any.restitution else {
+    let AnyRestitution::VelocityDependent(restitution) = any.choices.restitution else {
         panic!("the shipped scene's restitution depends on the speed");
     };
-    let parameters: Parameters<S, ShippedParts<M>> = Parameters {
+    let parameters: Parameters<S, Shipped<S, M>> = Parameters {
         mass: any.mass,
         stiffness: any.stiffness,
         damping_ratio: any.damping_ratio,
@@ -66,11 +59,9 @@ pub(crate) fn shipped<S: Scalar, M: Mathematics<S>>(
         dielectric_thickness: any.dielectric_thickness,
         relative_permittivity: any.relative_permittivity,
         charge_density: any.charge_density,
-        parasitic: any.parasitic,
-        load: Resistor { ohms: any.load.ohms },
-        force_law: TransferredCharge,
-        restitution,
-        sticking: FrozenCharge,
+        choices: Choices::new(Resistor { ohms: any.choices.load.ohms }, restitution)
+            .force_law(TransferredCharge)
+            .parasitic(any.choices.parasitic),
     };
     parameters.build().expect("the shipped scene is valid")
 }

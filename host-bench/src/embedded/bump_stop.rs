@@ -10,8 +10,8 @@ use model_core::part::monomorph::Layer;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester as _;
 use model_core::scene::bump_stop::{
-    AnyBridgedParts, AnyContact, AnyCoupling, AnyParts, BumpStop as Harvester, Parameters, Parts,
-    Restitution, Start, StateOf, Stepper, Stop,
+    AnyChoices, AnyContact, AnyCoupling, BumpStop as Harvester, Choices, Circuit, Parameters, Parts,
+    Resistive, Restitution, Start, StateOf, Stepper, Stop,
 };
 
 pub use self::shapes::{DeflectedShape, deflected_shapes};
@@ -31,27 +31,18 @@ const DEFAULT_LONG_STEP_S: f64 = 2e-5;
 /// Columns of a recording behind a bridge.
 const STORAGE_COLUMNS: [&str; 8] = with_store(BUMP_STOP_COLUMNS);
 
-/// Parts chosen at run time, the load aside.
-pub(super) trait HostedParts<S: Scalar>:
-    Parts<S, Coupling = AnyCoupling, Contact = AnyContact<S>>
-{
-}
-
-impl<S: Scalar> HostedParts<S> for AnyParts {}
-impl<S: Scalar> HostedParts<S> for AnyBridgedParts {}
-
 /// The core's parameters of a scene whose load is a resistor; a bridge is taken as it is while it blocks.
 #[must_use]
-pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyParts> {
+pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyChoices<S>> {
     parameters_with(model, resistance(load))
 }
 
-fn resistance<S: Scalar>(load: Load) -> AnyLoad<S> {
-    AnyLoad { ohms: S::from_f64(load.resistance_ohm()) }
+fn resistance<S: Scalar>(load: Load) -> Resistive<AnyLoad<S>> {
+    Resistive(AnyLoad { ohms: S::from_f64(load.resistance_ohm()) })
 }
 
 /// The core's parameters of a scene with a load of the core.
-fn parameters_with<S: Scalar, P: HostedParts<S>>(model: &BumpStop, load: P::Load) -> Parameters<S, P> {
+fn parameters_with<S: Scalar, L>(model: &BumpStop, load: L) -> Parameters<S, AnyChoices<S, L>> {
     let from = &model.parameters;
     let number = S::from_f64;
     let absent = Stop {
@@ -62,6 +53,7 @@ fn parameters_with<S: Scalar, P: HostedParts<S>>(model: &BumpStop, load: P::Load
         position: number(from.beam_length_m),
         gap: S::ZERO,
         contact_compliance: S::ZERO,
+        contact: AnyContact::NoStop,
     };
     let stop = model.stop.as_ref().map_or(absent, |stop| Stop {
         length: number(stop.length_m),
@@ -71,13 +63,13 @@ fn parameters_with<S: Scalar, P: HostedParts<S>>(model: &BumpStop, load: P::Load
         position: number(stop.position_m),
         gap: number(stop.gap_m),
         contact_compliance: number(stop.contact_compliance_m_per_n),
-    });
-    let contact = model.stop.as_ref().map_or(AnyContact::NoStop, |stop| match stop.contact {
-        Contact::ResidualFlexibility => AnyContact::ResidualFlexibility,
-        Contact::DisplacementConstraint => AnyContact::DisplacementConstraint,
-        Contact::Restitution => {
-            AnyContact::Restitution(Restitution { coefficient: number(stop.restitution.unwrap_or(1.0)) })
-        }
+        contact: match stop.contact {
+            Contact::ResidualFlexibility => AnyContact::ResidualFlexibility,
+            Contact::DisplacementConstraint => AnyContact::DisplacementConstraint,
+            Contact::Restitution => {
+                AnyContact::Restitution(Restitution { coefficient: number(stop.restitution.unwrap_or(1.0)) })
+            }
+        },
     });
     Parameters {
         beam_length: number(from.beam_length_m),
@@ -95,13 +87,15 @@ fn parameters_with<S: Scalar, P: HostedParts<S>>(model: &BumpStop, load: P::Load
         piezo_d31: number(from.piezo_d31_m_per_v),
         piezo_permittivity: number(from.piezo_permittivity_f_per_m),
         damping_ratio: number(from.damping_ratio),
-        stop,
-        load,
-        coupling: match from.coupling {
-            Coupling::TwoWay => AnyCoupling::TwoWay,
-            Coupling::OneWay => AnyCoupling::OneWay,
+        choices: Choices {
+            load,
+            stop,
+            coupling: match from.coupling {
+                Coupling::TwoWay => AnyCoupling::TwoWay,
+                Coupling::OneWay => AnyCoupling::OneWay,
+            },
+            modes: Some([from.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)]),
         },
-        contact,
     }
 }
 
@@ -111,20 +105,20 @@ fn parameters_with<S: Scalar, P: HostedParts<S>>(model: &BumpStop, load: P::Load
 /// leaves every bit as it is, so a few capacities serve all scenes.
 pub(super) fn run<S: Scalar>(setting: Setting<'_, S>, model: &BumpStop) -> Result<Outcome, Failure> {
     match bridge(setting.scene.load) {
-        Some(bridge) => with_load::<S, AnyBridgedParts>(setting, model, bridge),
-        None => with_load::<S, AnyParts>(setting, model, resistance(setting.scene.load)),
+        Some(bridge) => with_load(setting, model, bridge),
+        None => with_load(setting, model, resistance(setting.scene.load)),
     }
 }
 
-fn with_load<S: Scalar, P: HostedParts<S>>(
+fn with_load<S: Scalar, L: Circuit<S>>(
     setting: Setting<'_, S>,
     model: &BumpStop,
-    load: P::Load,
+    load: L,
 ) -> Result<Outcome, Failure> {
     match (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)) {
-        (..=4, ..=2) => run_with::<S, P, 4, 2>(setting, model, load),
-        (..=10, ..=10) => run_with::<S, P, 10, 10>(setting, model, load),
-        _ => run_with::<S, P, 20, 20>(setting, model, load),
+        (..=4, ..=2) => run_with::<S, L, 4, 2>(setting, model, load),
+        (..=10, ..=10) => run_with::<S, L, 10, 10>(setting, model, load),
+        _ => run_with::<S, L, 20, 20>(setting, model, load),
     }
 }
 
@@ -156,16 +150,13 @@ struct Prepared<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
     steps: [S; 2],
 }
 
-fn prepared<S: Scalar, P: HostedParts<S>, const B: usize, const R: usize>(
+fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     (scene, model, options): (&Scene, &BumpStop, &Options),
-    load: P::Load,
-) -> Result<Prepared<S, P, B, R>, Failure> {
+    load: L,
+) -> Result<Prepared<S, AnyChoices<S, L>, B, R>, Failure> {
     let steps = steps(options)?.map(S::from_f64);
-    let (beam_modes, rod_modes) =
-        (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
-    let harvester = parameters_with::<S, P>(model, load)
-        .build_first::<B, R>(beam_modes, rod_modes)
-        .map_err(|error| refuse_parameter(scene, &error))?;
+    let harvester =
+        parameters_with(model, load).build::<B, R>().map_err(|error| refuse_parameter(scene, &error))?;
     let initial = &model.initial;
     let mut start = Start { voltage: S::from_f64(initial.voltage_v), ..Start::default() };
     let put = |coordinates: &mut [[S; 2]], displacements: &[f64], velocities: &[f64]| {
@@ -180,14 +171,14 @@ fn prepared<S: Scalar, P: HostedParts<S>, const B: usize, const R: usize>(
     Ok(Prepared { scene: harvester, start, steps })
 }
 
-fn run_with<S: Scalar, P: HostedParts<S>, const B: usize, const R: usize>(
+fn run_with<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     setting: Setting<'_, S>,
     model: &BumpStop,
-    load: P::Load,
+    load: L,
 ) -> Result<Outcome, Failure> {
     let options = setting.options;
     let Prepared { scene, start, steps: [short, long] } =
-        prepared::<S, P, B, R>((setting.scene, model, options), load)?;
+        prepared::<S, L, B, R>((setting.scene, model, options), load)?;
     if options.bare {
         to_end(setting, model, &Stepper::new(scene, short, long), &start)
     } else {

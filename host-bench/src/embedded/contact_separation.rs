@@ -11,7 +11,7 @@ use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution, VelocityDependentRestitution};
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::contact_separation::{
-    AnyForceLaw, AnyParts, AnyStickCharge, ContactSeparation as Harvester, Parameters, STATES, Start,
+    self, AnyChoices, AnyForceLaw, Choices, ContactSeparation as Harvester, Parameters, STATES, Start,
 };
 
 use super::bridge::bridge;
@@ -27,10 +27,9 @@ use crate::scene_file::{ContactSeparation, ForceLaw, Load, Restitution, Scene, S
 pub fn parameters<S: Scalar, M: Mathematics<S>>(
     model: &ContactSeparation,
     load: Load,
-) -> Parameters<S, AnyParts<M>> {
+) -> Parameters<S, AnyChoices<S, M>> {
     let from = &model.parameters;
     let number = S::from_f64;
-    let resistance_ohm = load.resistance_ohm();
     Parameters {
         mass: number(from.mass_kg),
         stiffness: number(from.stiffness_n_per_m),
@@ -40,23 +39,25 @@ pub fn parameters<S: Scalar, M: Mathematics<S>>(
         dielectric_thickness: number(from.dielectric_thickness_m),
         relative_permittivity: number(from.relative_permittivity),
         charge_density: number(from.charge_density_c_per_m2),
-        parasitic: ParasiticCapacitance { farads: number(from.parasitic_capacitance_f) },
-        load: AnyLoad { ohms: number(resistance_ohm) },
-        force_law: force_law(from.force_law),
-        restitution: match from.restitution {
-            Restitution::Constant { coefficient } => {
-                AnyRestitution::Constant(ConstantRestitution { coefficient: number(coefficient) })
-            }
-            Restitution::VelocityDependent { at_rest, at_speed, reference_speed_m_per_s } => {
-                AnyRestitution::VelocityDependent(VelocityDependentRestitution {
-                    at_rest: number(at_rest),
-                    at_speed: number(at_speed),
-                    reference_speed: number(reference_speed_m_per_s),
-                    mathematics: PhantomData,
-                })
-            }
+        choices: Choices {
+            load: AnyLoad { ohms: number(load.resistance_ohm()) },
+            restitution: match from.restitution {
+                Restitution::Constant { coefficient } => {
+                    AnyRestitution::Constant(ConstantRestitution { coefficient: number(coefficient) })
+                }
+                Restitution::VelocityDependent { at_rest, at_speed, reference_speed_m_per_s } => {
+                    AnyRestitution::VelocityDependent(VelocityDependentRestitution {
+                        at_rest: number(at_rest),
+                        at_speed: number(at_speed),
+                        reference_speed: number(reference_speed_m_per_s),
+                        mathematics: PhantomData,
+                    })
+                }
+            },
+            force_law: force_law(from.force_law),
+            parasitic: ParasiticCapacitance { farads: number(from.parasitic_capacitance_f) },
+            sticking: sticking(from.stick_charge),
         },
-        sticking: sticking(from.stick_charge),
     }
 }
 
@@ -69,10 +70,10 @@ pub(super) fn force_law(law: ForceLaw) -> AnyForceLaw {
 }
 
 /// The core's name of what a charge does in stick.
-pub(super) fn sticking(charge: StickCharge) -> AnyStickCharge {
+pub(super) fn sticking(charge: StickCharge) -> contact_separation::StickCharge {
     match charge {
-        StickCharge::Frozen => AnyStickCharge::Frozen,
-        StickCharge::Relaxing => AnyStickCharge::Relaxing,
+        StickCharge::Frozen => contact_separation::StickCharge::Frozen,
+        StickCharge::Relaxing => contact_separation::StickCharge::Relaxing,
     }
 }
 
@@ -80,7 +81,7 @@ pub(super) fn sticking(charge: StickCharge) -> AnyStickCharge {
 pub(super) fn core<S: Scalar, M: Mathematics<S>>(
     scene: &Scene,
     model: &ContactSeparation,
-) -> Result<Harvester<S, AnyParts<M>>, Failure> {
+) -> Result<Harvester<S, AnyChoices<S, M>>, Failure> {
     parameters::<S, M>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))
 }
 
@@ -89,7 +90,7 @@ pub(super) fn prepared<S: Scalar, M: Mathematics<S>, R>(
     setting: Setting<'_, S>,
     model: &ContactSeparation,
     with: impl FnOnce(
-        &Prepared<'_, S, Harvester<S, AnyParts<M>>, ContactSeparationReport<'_>>,
+        &Prepared<'_, S, Harvester<S, AnyChoices<S, M>>, ContactSeparationReport<'_>>,
         &Start<S>,
     ) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
@@ -139,7 +140,7 @@ fn explicit_step(model: &ContactSeparation, load: Load) -> f64 {
 /// Gap, velocity and charge as large as they are in a motion that uses the whole gap.
 pub(super) fn typical<S: Scalar, M: Mathematics<S>>(
     model: &ContactSeparation,
-    core: &Harvester<S, AnyParts<M>>,
+    core: &Harvester<S, AnyChoices<S, M>>,
 ) -> [f64; STATES] {
     let from = &model.parameters;
     let tribo_charge = from.charge_density_c_per_m2 * from.electrode_area_m2;

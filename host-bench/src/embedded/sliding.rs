@@ -6,7 +6,7 @@ use model_core::part::VACUUM_PERMITTIVITY;
 use model_core::part::load::AnyLoad;
 use model_core::scalar::Scalar;
 use model_core::scene::sliding::{
-    AnyLateralForce, AnyParts, Parameters, PatchFriction, STATES, Sliding as Harvester, Start,
+    AnyChoices, AnyLateralForce, Choices, Parameters, PatchFriction, STATES, Sliding as Harvester, Start,
 };
 
 use super::bridge::bridge;
@@ -20,10 +20,9 @@ use crate::scene_file::{Load, Scene, Sliding};
 
 /// The core's parameters of a scene.
 #[must_use]
-pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyParts> {
+pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyChoices<S>> {
     let from = &model.parameters;
     let number = S::from_f64;
-    let resistance_ohm = load.resistance_ohm();
     Parameters {
         beam_length: number(from.beam_length_m),
         beam_width: number(from.beam_width_m),
@@ -33,24 +32,29 @@ pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyPa
         damping_ratio: number(from.damping_ratio),
         slider_mass: number(from.slider_mass_kg),
         patch_radius: number(from.patch_radius_m),
-        friction: PatchFriction {
-            static_active: number(from.static_friction_active),
-            static_inert: number(from.static_friction_inert),
-            kinetic_active: number(from.kinetic_friction_active),
-            kinetic_inert: number(from.kinetic_friction_inert),
-        },
         dielectric_thickness: number(from.dielectric_thickness_m),
         relative_permittivity: number(from.relative_permittivity),
         charge_density: number(from.charge_density_c_per_m2),
-        load: AnyLoad { ohms: number(resistance_ohm) },
-        force_law: force_law(from.force_law),
-        sticking: sticking(from.stick_charge),
-        lateral_force: if from.lateral_force { AnyLateralForce::Field } else { AnyLateralForce::None },
+        choices: Choices {
+            load: AnyLoad { ohms: number(load.resistance_ohm()) },
+            friction: PatchFriction {
+                static_active: number(from.static_friction_active),
+                static_inert: number(from.static_friction_inert),
+                kinetic_active: number(from.kinetic_friction_active),
+                kinetic_inert: number(from.kinetic_friction_inert),
+            },
+            force_law: force_law(from.force_law),
+            sticking: sticking(from.stick_charge),
+            lateral_force: if from.lateral_force { AnyLateralForce::Field } else { AnyLateralForce::None },
+        },
     }
 }
 
 /// The core's harvester of a scene.
-pub(super) fn core<S: Scalar>(scene: &Scene, model: &Sliding) -> Result<Harvester<S, AnyParts>, Failure> {
+pub(super) fn core<S: Scalar>(
+    scene: &Scene,
+    model: &Sliding,
+) -> Result<Harvester<S, AnyChoices<S>>, Failure> {
     parameters::<S>(model, scene.load).build().map_err(|error| refuse_parameter(scene, &error))
 }
 
@@ -59,7 +63,7 @@ pub(super) fn prepared<S: Scalar, R>(
     setting: Setting<'_, S>,
     model: &Sliding,
     with: impl FnOnce(
-        &Prepared<'_, S, Harvester<S, AnyParts>, SlidingReport<'_>>,
+        &Prepared<'_, S, Harvester<S, AnyChoices<S>>, SlidingReport<'_>>,
         &Start<S>,
     ) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
@@ -93,7 +97,7 @@ pub(super) fn start<S: Scalar>(model: &Sliding) -> Start<S> {
 
 /// A step at which the explicit method is stable and accurate: an 800th of the natural period, and
 /// 2 over the circuit's rate, 1/(R C), at a fiftieth of the overlap.
-fn explicit_step<S: Scalar>(harvester: &Harvester<S, AnyParts>, model: &Sliding, load: Load) -> f64 {
+fn explicit_step<S: Scalar>(harvester: &Harvester<S, AnyChoices<S>>, model: &Sliding, load: Load) -> f64 {
     let from = &model.parameters;
     let resistance_ohm = load.resistance_ohm();
     let period = std::f64::consts::TAU / harvester.angular_frequency().to_f64();
@@ -105,7 +109,7 @@ fn explicit_step<S: Scalar>(harvester: &Harvester<S, AnyParts>, model: &Sliding,
 }
 
 /// Displacement, velocity and charge as large as they are in a motion over half the patch.
-pub(super) fn typical<S: Scalar>(model: &Sliding, core: &Harvester<S, AnyParts>) -> [f64; STATES] {
+pub(super) fn typical<S: Scalar>(model: &Sliding, core: &Harvester<S, AnyChoices<S>>) -> [f64; STATES] {
     let from = &model.parameters;
     let tribo_charge =
         from.charge_density_c_per_m2 * std::f64::consts::PI * from.patch_radius_m * from.patch_radius_m;

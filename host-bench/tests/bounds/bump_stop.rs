@@ -56,7 +56,7 @@ fn parameters_have_the_bounds_of_the_core() {
         for (value, inside) in around(bounds) {
             let mut changed = bump_stop_of(&base);
             *field(&mut changed) = value;
-            let core = bump_stop_parameters::<f64>(&changed, base.load).build_first::<10, 10>(10, 10);
+            let core = bump_stop_parameters::<f64>(&changed, base.load).build::<10, 10>();
             let file = read(key, value);
             assert!(inside || core.is_err(), "{key} = {value:e} passes the core");
             assert!(inside || file.is_err(), "{key} = {value:e} passes the file");
@@ -78,7 +78,7 @@ fn loads_have_the_bounds_of_the_core() {
     let limits = [(0.0, true), (f64::INFINITY, true), (f64::NAN, false), (-1.0, false)];
     for (value, inside) in around([1e-9, 1e30]).into_iter().chain(limits) {
         let load = Load::Resistor { resistance_ohm: value };
-        let core = bump_stop_parameters::<f64>(&bump_stop_of(&base), load).build_first::<10, 10>(10, 10);
+        let core = bump_stop_parameters::<f64>(&bump_stop_of(&base), load).build::<10, 10>();
         let file = read("load.resistance_ohm", value);
         assert_eq!((core.is_ok(), file.is_ok()), (inside, inside), "{value:e}: {:?}", file.err());
     }

@@ -6,23 +6,13 @@
 //! use model_core::integrate::{Adaptive, TrBdf2};
 //! use model_core::scene::Simulation;
 //! # use model_core::part::load::Resistor;
-//! # use model_core::part::parasitic::ParasiticCapacitance;
 //! # use model_core::part::restitution::ConstantRestitution;
-//! # use model_core::scene::contact_separation::{FrozenCharge, Parameters, Parts, TransferredCharge};
-//! # #[derive(Debug, Clone, Copy, PartialEq)]
-//! # struct MyHarvester;
-//! # impl Parts<f32> for MyHarvester {
-//! #     type ForceLaw = TransferredCharge;
-//! #     type Load = Resistor<f32>;
-//! #     type Parasitic = ParasiticCapacitance<f32>;
-//! #     type Restitution = ConstantRestitution<f32>;
-//! #     type Sticking = FrozenCharge;
-//! # }
+//! # use model_core::scene::contact_separation::{Choices, Parameters};
 //! # fn fifo(n: u32) -> i16 { (3277.0 * (core::f64::consts::TAU * f64::from(n) / 20.0).sin()) as i16 }
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let parameters = Parameters::<f32, MyHarvester> {
-//! #     mass: 5e-3,
+//! # let parameters = Parameters {
+//! #     mass: 5e-3_f32,
 //! #     stiffness: 80.0,
 //! #     damping_ratio: 0.005,
 //! #     initial_gap: 3e-3,
@@ -30,11 +20,7 @@
 //! #     dielectric_thickness: 5e-5,
 //! #     relative_permittivity: 2.0,
 //! #     charge_density: 50e-6,
-//! #     parasitic: ParasiticCapacitance { farads: 1e-12 },
-//! #     load: Resistor { ohms: 1e8 },
-//! #     force_law: TransferredCharge,
-//! #     restitution: ConstantRestitution { coefficient: 0.75 },
-//! #     sticking: FrozenCharge,
+//! #     choices: Choices::new(Resistor { ohms: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
 //! # };
 //! let harvester = Simulation::new(parameters.build()?, TrBdf2, Adaptive::new(5e-2));
 //! let settings = Settings {

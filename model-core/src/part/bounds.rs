@@ -29,7 +29,11 @@ pub struct ParameterError<S> {
 impl<S: Scalar> fmt::Display for ParameterError<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { field, value, bounds: Bounds { lowest, highest } } = self;
-        write!(f, "{field} = {value:?} must be from {lowest:?} to {highest:?}")
+        if lowest == highest {
+            write!(f, "{field} = {value:?} must be {lowest:?}")
+        } else {
+            write!(f, "{field} = {value:?} must be from {lowest:?} to {highest:?}")
+        }
     }
 }
 

@@ -38,6 +38,10 @@ impl<S: Scalar> Lockout<S> {
 }
 
 /// A draw on a storage.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no draw on a storage",
+    note = "a draw is `NoDraw`, a `ResistiveDraw`, a `CurrentDraw`, a `PowerDraw` or an `AnyDraw`"
+)]
 pub trait Draw<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether it is ever there at all.
     const POSSIBLE: bool;

@@ -10,6 +10,10 @@ use crate::scalar::{Scalar, arcsine, turns_of_radians};
 /// The slider rests with the share `active` of its face on one patch and with the rest on the
 /// other; each patch has its own coefficients, and the friction coefficient of the pair is their
 /// mean weighed by the shares (equations (5) and (11) of Fu, Ouyang and Davis 2020).
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no law of friction",
+    note = "a law of friction is a `PatchFriction` or `Frictionless`"
+)]
 pub trait Friction<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether there is friction at all; if not, the code for reversals and sticking is not there.
     const PRESENT: bool;

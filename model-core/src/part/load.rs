@@ -1,5 +1,6 @@
 //! The electrical load at the harvester's terminals.
 
+use super::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 use crate::snapshot::Fingerprint;
 
@@ -15,6 +16,14 @@ pub enum Resistance<S> {
 }
 
 impl<S: Scalar> Resistance<S> {
+    /// Refuses a finite resistance outside 10⁻⁹ to 10³⁰ Ω.
+    pub(crate) fn check(&self) -> Result<(), ParameterError<S>> {
+        match self {
+            Self::Finite(ohms) => Bounds::new(1e-9, 1e30).check("resistance", *ohms),
+            Self::Short | Self::Open => Ok(()),
+        }
+    }
+
     /// Takes the resistance into a fingerprint.
     pub(crate) fn identify(&self, fingerprint: &mut Fingerprint) {
         match self {
@@ -25,7 +34,14 @@ impl<S: Scalar> Resistance<S> {
     }
 }
 
-/// A load.
+/// A load resistance at the terminals.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no load of this scene",
+    label = "no load resistance",
+    note = "a load is a `Resistor`, `OpenCircuit`, `ShortCircuit` or `AnyLoad`",
+    note = "a triboelectric harvester goes behind a bridge with `OpenCircuit` as its load: `scene::rectified::Rectified::new(harvester, bridge)`",
+    note = "a bump-stop harvester goes behind a bridge with `Choices::behind(bridge)`"
+)]
 pub trait Load<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
     /// Its resistance.
     fn resistance(&self) -> Resistance<S>;
@@ -46,7 +62,7 @@ impl<S: Scalar> Load<S> for Resistor<S> {
     }
 }
 
-/// ElectricalPort joined: 0 Ω.
+/// Terminals joined: 0 Ω.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShortCircuit;
@@ -58,7 +74,7 @@ impl<S: Scalar> Load<S> for ShortCircuit {
     }
 }
 
-/// ElectricalPort open: no current.
+/// Terminals open: no current.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OpenCircuit;

@@ -3,7 +3,11 @@
 use crate::scalar::Scalar;
 
 /// Whether there is a parasitic capacitance, and how large.
-pub trait Parasitic<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no parasitic capacitance",
+    note = "write `.parasitic(ParasiticCapacitance {{ .. }})`, or leave `.parasitic(..)` out"
+)]
+pub(crate) trait Parasitic<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
     /// Whether the equations contain the term at all.
     const PRESENT: bool;
 

@@ -6,6 +6,10 @@ use crate::part::bounds::Bounds;
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 
 /// A law of restitution: the speed after an impact over the speed before it.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no law of restitution",
+    note = "a law of restitution is a `ConstantRestitution`, a `VelocityDependentRestitution` or an `AnyRestitution`"
+)]
 pub trait Restitution<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
     /// The coefficient at an impact speed in m/s, at or above zero.
     fn coefficient(&self, speed: S) -> S;

@@ -1,49 +1,44 @@
-//! What becomes of the charge while the moving part is held: on the dielectric, or by friction.
+//! Whether the moving part can stick, on the dielectric or by friction, and what its charge does then.
 
 use core::fmt::Debug;
 
-/// Whether the moving part can be held, and what its charge does meanwhile.
-pub trait Sticking: Copy + Debug + PartialEq {
-    /// Whether the moving part can be held at all; if not, the code for it is not there.
+/// Whether the moving part can stick, and what its charge does then.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not say whether the moving part sticks",
+    note = "write `.sticking(StickCharge::Frozen)`, `.sticking(StickCharge::Relaxing)` or `.sticking(NeverSticks)`"
+)]
+pub(crate) trait Sticking: Copy + Debug + PartialEq {
+    /// Whether the moving part can stick at all. If not, the code for stick is not compiled.
     const POSSIBLE: bool;
 
-    /// Whether the charge keeps flowing while the moving part is held.
+    /// Whether the charge keeps flowing in stick.
     fn relaxes(&self) -> bool;
 }
 
-/// While the moving part is held, charge transfer ceases (the paper's statement): the load is open
-/// and delivers nothing.
+/// What the charge does in stick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct FrozenCharge;
+pub enum StickCharge {
+    /// The charge transfer ceases, as the paper states: the load is open and receives nothing.
+    #[default]
+    Frozen,
+    /// The charge relaxes through the load, as it physically must.
+    Relaxing,
+}
 
-impl Sticking for FrozenCharge {
+impl Sticking for StickCharge {
     const POSSIBLE: bool = true;
 
     #[inline]
     fn relaxes(&self) -> bool {
-        false
+        *self == Self::Relaxing
     }
 }
 
-/// While the moving part is held, the charge relaxes through the load, as it physically must.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RelaxingCharge;
-
-impl Sticking for RelaxingCharge {
-    const POSSIBLE: bool = true;
-
-    #[inline]
-    fn relaxes(&self) -> bool {
-        true
-    }
-}
-
-/// The moving part is never held: a mass always rebounds, a slider always slides on. For scenes
-/// that are known not to stick.
+/// The moving part never sticks: a mass always rebounds, a slider always slides on. For scenes that are
+/// known not to stick.
 ///
-/// If it comes to rest all the same, the driver reports an event storm.
+/// If the moving part comes to rest all the same, the driver reports an event storm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NeverSticks;
@@ -54,24 +49,5 @@ impl Sticking for NeverSticks {
     #[inline]
     fn relaxes(&self) -> bool {
         false
-    }
-}
-
-/// What the charge does while the moving part is held, chosen at run time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum AnyStickCharge {
-    /// As [`FrozenCharge`].
-    Frozen,
-    /// As [`RelaxingCharge`].
-    Relaxing,
-}
-
-impl Sticking for AnyStickCharge {
-    const POSSIBLE: bool = true;
-
-    #[inline]
-    fn relaxes(&self) -> bool {
-        *self == Self::Relaxing
     }
 }

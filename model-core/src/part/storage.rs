@@ -13,6 +13,12 @@ use super::draw::{AnyDraw, Draw, HIGHEST_VOLTAGE, Lockout};
 use crate::scalar::Scalar;
 
 /// What is behind a rectifier.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no storage element",
+    label = "cannot be charged",
+    note = "a bridge charges a `Capacitor`, a `DcBus` or an `AnyStorage`",
+    note = "a resistor across the storage is a draw: `Capacitor {{ draw: ResistiveDraw {{ .. }}, .. }}`"
+)]
 pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether its voltage changes.
     const CHARGES: bool;

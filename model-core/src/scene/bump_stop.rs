@@ -29,6 +29,7 @@
 //!
 //! The mode counts are type parameters, `B` of the beam and `R` of the rod.
 
+mod choices;
 mod circuit;
 mod closed_form;
 mod contact_law;
@@ -40,18 +41,17 @@ mod rectified;
 mod state;
 mod step_set;
 mod stepper;
+mod stop;
 mod trial;
 
-pub use circuit::{Circuit, Memory, StepCurrent};
-pub use contact_law::{
-    AnyContact, ContactKind, ContactLaw, DisplacementConstraint, NoStop, ResidualFlexibility, Restitution,
-};
-pub use parameters::{
-    AnyBridgedParts, AnyCoupling, AnyParts, Coupling, OneWay, Parameters, Parts, Stop, TwoWay,
-};
+pub use choices::{AnyChoices, AnyCoupling, Choices, OneWay, Parts, TwoWay};
+pub use circuit::{Circuit, Resistive};
+pub use contact_law::{AnyContact, DisplacementConstraint, NoStop, ResidualFlexibility, Restitution};
+pub use parameters::Parameters;
 pub use state::{Start, State, StateOf};
 pub use step_set::{StepSet, StepSetOf};
 pub use stepper::{LEAST_BUDGET, Stepper};
+pub use stop::Stop;
 
 use crate::scalar::Scalar;
 

@@ -28,6 +28,7 @@
 //! reproduces its findings and is not passive, the second is the energy-consistent electrostatics.
 
 mod automaton;
+mod choices;
 mod closed_form;
 mod electrical_port;
 mod flow;
@@ -38,13 +39,15 @@ mod start;
 
 pub use crate::scene::coupled::ModeFactor;
 pub use automaton::Mode;
+pub use choices::{AnyChoices, Choices, Parts};
 pub use flow::{Circuit, Flow};
-pub use force_law::ForceLaw;
-pub use parameters::{AnyParts, Parameters, Parts};
+pub use parameters::Parameters;
 pub use start::Start;
 
 pub use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
-pub use crate::part::stick_charge::{AnyStickCharge, FrozenCharge, NeverSticks, RelaxingCharge, Sticking};
+pub use crate::part::stick_charge::{NeverSticks, StickCharge};
+
+pub(crate) use crate::part::stick_charge::Sticking;
 
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;

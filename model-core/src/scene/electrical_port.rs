@@ -33,6 +33,11 @@ pub struct PortVoltage<S> {
 ///
 /// Implemented by [`crate::scene::contact_separation::ContactSeparation`] and
 /// [`crate::scene::sliding::Sliding`]; some of it can only be written inside this crate.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` cannot be put behind a bridge by `Rectified`",
+    note = "a triboelectric harvester can, once built with `OpenCircuit` as its load",
+    note = "a bump-stop harvester takes its bridge as a part: `bump_stop::Choices::behind(bridge)`"
+)]
 pub trait ElectricalPort<S: Scalar>: Scene<S, 3, 0> + Copy + Debug + PartialEq {
     /// The harvester's own load.
     fn resistance(&self) -> Resistance<S>;

@@ -59,26 +59,15 @@
 //! use model_core::integrate::{Adaptive, TrBdf2};
 //! use model_core::part::draw::{Lockout, PowerDraw};
 //! use model_core::part::load::OpenCircuit;
-//! use model_core::part::parasitic::ParasiticCapacitance;
 //! use model_core::part::rectifier::FullBridge;
 //! use model_core::part::restitution::ConstantRestitution;
 //! use model_core::part::storage::Capacitor;
-//! use model_core::scene::contact_separation::{FrozenCharge, Parameters, Parts, Start, TransferredCharge};
+//! use model_core::scene::contact_separation::{Choices, Parameters, Start};
 //! use model_core::scene::rectified::Rectified;
 //! use model_core::scene::{Harvester, Simulation};
 //!
-//! #[derive(Debug, Clone, Copy, PartialEq)]
-//! struct MyHarvester;
-//! impl Parts<f32> for MyHarvester {
-//!     type ForceLaw = TransferredCharge;
-//!     type Load = OpenCircuit; // the bridge is what is at the terminals
-//!     type Parasitic = ParasiticCapacitance<f32>;
-//!     type Restitution = ConstantRestitution<f32>;
-//!     type Sticking = FrozenCharge;
-//! }
-//!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let harvester = Parameters::<f32, MyHarvester> {
+//! let harvester = Parameters {
 //!     mass: 5e-3,
 //!     stiffness: 80.0,
 //!     damping_ratio: 0.005,
@@ -87,11 +76,8 @@
 //!     dielectric_thickness: 5e-5,
 //!     relative_permittivity: 2.0,
 //!     charge_density: 50e-6,
-//!     parasitic: ParasiticCapacitance { farads: 1e-12 },
-//!     load: OpenCircuit,
-//!     force_law: TransferredCharge,
-//!     restitution: ConstantRestitution { coefficient: 0.75 },
-//!     sticking: FrozenCharge,
+//!     // The bridge is what is at the terminals.
+//!     choices: Choices::new(OpenCircuit, ConstantRestitution { coefficient: 0.75 }),
 //! }
 //! .build()?;
 //! // A 1 µF storage behind diodes of 0.3 V, whose node draws 2 µW from 4.5 V on and down to 3 V.

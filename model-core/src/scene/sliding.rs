@@ -37,6 +37,7 @@
 //! [`TransferredCharge`] per modal mass is `q²/s1` with `s1 = S1/S`.
 
 mod automaton;
+mod choices;
 mod closed_form;
 mod electrical_port;
 mod flow;
@@ -47,15 +48,19 @@ mod parameters;
 mod start;
 
 pub use automaton::Mode;
+pub use choices::{AnyChoices, Choices, Parts};
 pub use flow::Flow;
-pub use force_law::{ForceLaw, Surface};
-pub use lateral_force::{AnyLateralForce, FieldLateralForce, LateralForce, NoLateralForce};
-pub use parameters::{AnyParts, Parameters, Parts};
+pub use force_law::Surface;
+pub(crate) use lateral_force::LateralForce;
+pub use lateral_force::{AnyLateralForce, FieldLateralForce, NoLateralForce};
+pub use parameters::Parameters;
 pub use start::Start;
 
 pub use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
 pub use crate::part::friction::{Friction, Frictionless, PatchFriction};
-pub use crate::part::stick_charge::{AnyStickCharge, FrozenCharge, NeverSticks, RelaxingCharge, Sticking};
+pub use crate::part::stick_charge::{NeverSticks, StickCharge};
+
+pub(crate) use crate::part::stick_charge::Sticking;
 
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;

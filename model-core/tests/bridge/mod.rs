@@ -15,7 +15,6 @@ use model_core::part::force_law::AnyForceLaw;
 use model_core::part::load::AnyLoad;
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
-use model_core::part::stick_charge::AnyStickCharge;
 use model_core::part::storage::{Capacitor, StorageElement};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::rectified::{ElectricalPort, FullBridge, Mode, Rectified, STATES};
@@ -26,8 +25,8 @@ pub(crate) const WHOLE: usize = PowerIndex::ContactForce as usize + 1;
 pub(crate) const GRAVITY: f64 = 9.81;
 pub(crate) const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
 
-pub(crate) type Contact<S> = contact::ContactSeparation<S, contact::AnyParts>;
-pub(crate) type Slider<S> = sliding::Sliding<S, sliding::AnyParts>;
+pub(crate) type Contact<S> = contact::ContactSeparation<S, contact::AnyChoices<S>>;
+pub(crate) type Slider<S> = sliding::Sliding<S, sliding::AnyChoices<S>>;
 
 /// The mass over a dielectric of Table 2.
 pub(crate) fn pad<S: Scalar>(ohms: f64, force_law: AnyForceLaw) -> Contact<S>
@@ -44,11 +43,13 @@ where
         dielectric_thickness: number(5e-5),
         relative_permittivity: number(2.0),
         charge_density: number(50e-6),
-        parasitic: ParasiticCapacitance { farads: number(1e-12) },
-        load: AnyLoad { ohms: number(ohms) },
-        force_law,
-        restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: number(0.7) }),
-        sticking: AnyStickCharge::Frozen,
+        choices: contact::Choices {
+            load: AnyLoad { ohms: number(ohms) },
+            restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: number(0.7) }),
+            force_law,
+            parasitic: ParasiticCapacitance { farads: number(1e-12) },
+            sticking: contact::StickCharge::Frozen,
+        },
     }
     .build()
     .expect("in bounds")
@@ -56,13 +57,10 @@ where
 
 /// The slider of Table 1, with the field's lateral force so that the ledger closes as a whole.
 pub(crate) fn slider<S: Scalar>(ohms: f64) -> Slider<S> {
-    sliding::Parameters {
-        load: AnyLoad { ohms: S::from_f64(ohms) },
-        lateral_force: sliding::AnyLateralForce::Field,
-        ..harvesters::sliding_parameters()
-    }
-    .build()
-    .expect("in bounds")
+    let mut parameters = harvesters::sliding_parameters();
+    parameters.choices.load.ohms = S::from_f64(ohms);
+    parameters.choices.lateral_force = sliding::AnyLateralForce::Field;
+    parameters.build().expect("in bounds")
 }
 
 pub(crate) fn storage<S: Scalar>(farads: f64, volts: f64) -> Capacitor<S, AnyDraw<S>> {

@@ -13,30 +13,15 @@ use model_core::part::rectifier::FullBridge;
 use model_core::part::storage::{AnyStorage, Capacitor, DcBus, StorageElement};
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
-use model_core::scene::bump_stop::{AnyContact, AnyCoupling, Parameters, Parts, StateOf, Stepper};
-
-/// Everything at run time but the load.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct With<L>(core::marker::PhantomData<L>);
-
-impl<S: Scalar, L: model_core::scene::bump_stop::Circuit<S>> Parts<S> for With<L> {
-    type Load = L;
-    type Coupling = AnyCoupling;
-    type Contact = AnyContact<S>;
-}
+use model_core::scene::bump_stop::{AnyChoices, Parts, StateOf, Stepper};
 
 /// A bridge chosen at run time.
 pub(crate) type AnyBridge<S> = FullBridge<S, AnyStorage<S>>;
 /// A harvester behind one.
-pub(crate) type Bridged<S> = With<AnyBridge<S>>;
+pub(crate) type Bridged<S> = AnyChoices<S, AnyBridge<S>>;
 
 /// The baseline, into any load.
-pub(crate) fn baseline<S: Scalar, L>(load: L) -> Parameters<S, With<L>>
-where
-    L: model_core::scene::bump_stop::Circuit<S>,
-{
-    harvesters::bump_parameters_into(load)
-}
+pub(crate) use harvesters::bump_parameters_into as baseline;
 
 /// A storage without leakage: farads, volts at the start, what is drawn, volts of each diode.
 pub(crate) fn storage<S: Scalar>(farads: f64, volts: f64, draw: AnyDraw<S>, drop: f64) -> AnyBridge<S> {
@@ -76,8 +61,8 @@ pub(crate) fn close(what: &str, value: f64, expected: f64, relative: f64) {
 
 /// Advances to a time in s.
 pub(crate) fn advance<S, R, E, const B: usize, const Q: usize, const ALL: usize>(
-    stepper: &Stepper<S, With<FullBridge<S, R>>, B, Q, ALL>,
-    state: &mut StateOf<S, With<FullBridge<S, R>>, B, Q>,
+    stepper: &Stepper<S, AnyChoices<S, FullBridge<S, R>>, B, Q, ALL>,
+    state: &mut StateOf<S, AnyChoices<S, FullBridge<S, R>>, B, Q>,
     excitation: &E,
     to: f64,
 ) where

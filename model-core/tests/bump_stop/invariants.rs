@@ -6,8 +6,8 @@ use model_core::observer::{AcceptedStep, Observer, PowerIndex};
 use model_core::part::load::Resistor;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{
-    AnyContact, AnyCoupling, AnyParts, NoStop, OneWay, Parameters, Parts, ResidualFlexibility, Restitution,
-    Start, Stepper, TwoWay,
+    AnyChoices, AnyContact, AnyCoupling, Choices, NoStop, OneWay, Parameters, ResidualFlexibility, Resistive,
+    Restitution, Start, Stepper, Stop,
 };
 
 use super::setup::{Touches, baseline, seconds, shaking};
@@ -16,8 +16,8 @@ use super::setup::{Touches, baseline, seconds, shaking};
 fn energy_is_conserved_by_every_step_without_damping_and_load() {
     let mut parameters = baseline::<f64>();
     parameters.damping_ratio = 0.0;
-    parameters.load.ohms = f64::INFINITY;
-    parameters.stop.gap = 0.0;
+    parameters.choices.load.0.ohms = f64::INFINITY;
+    parameters.choices.stop.gap = 0.0;
     let scene = parameters.build::<6, 2>().expect("valid");
     for step in [1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
         let stepper = Stepper::with_all_powers(scene, step, step);
@@ -48,7 +48,9 @@ fn with_damping_load_and_shaking_the_ledger_closes() {
         (1e-6, AnyContact::Restitution(Restitution { coefficient: 0.5 })),
     ] {
         for coupling in [AnyCoupling::TwoWay, AnyCoupling::OneWay] {
-            let parameters = Parameters { contact, coupling, ..baseline::<f64>() };
+            let mut parameters = baseline::<f64>();
+            parameters.choices.stop.contact = contact;
+            parameters.choices.coupling = coupling;
             let scene = parameters.build::<6, 2>().expect("valid");
             let stepper = Stepper::with_all_powers(scene, step, step.max(2e-5));
             let excitation = shaking();
@@ -92,15 +94,12 @@ fn a_long_step_is_only_taken_where_no_contact_can_be() {
 
 #[test]
 fn bits_do_not_depend_on_capacity_budget_or_run_time_choice() {
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    struct Fixed;
-    impl Parts<f32> for Fixed {
-        type Load = Resistor<f32>;
-        type Coupling = TwoWay;
-        type Contact = ResidualFlexibility;
-    }
-    let any = baseline::<f32>();
-    let fixed = Parameters::<f32, Fixed> {
+    let mut any = baseline::<f32>();
+    let Stop { length, section, young_modulus, density, position, gap, contact_compliance, .. } =
+        any.choices.stop;
+    let contact = ResidualFlexibility;
+    let stop = Stop { length, section, young_modulus, density, position, gap, contact_compliance, contact };
+    let fixed = Parameters {
         beam_length: any.beam_length,
         beam_width: any.beam_width,
         substrate: any.substrate,
@@ -108,14 +107,12 @@ fn bits_do_not_depend_on_capacity_budget_or_run_time_choice() {
         piezo_d31: any.piezo_d31,
         piezo_permittivity: any.piezo_permittivity,
         damping_ratio: any.damping_ratio,
-        stop: any.stop,
-        load: Resistor { ohms: 1e6 },
-        coupling: TwoWay,
-        contact: ResidualFlexibility,
+        choices: Choices::new(Resistor { ohms: 1e6 }).stop(stop),
     };
     let excitation = shaking::<f32>();
     let exact = Stepper::new(fixed.build::<4, 1>().expect("valid"), 2e-6, 5e-5);
-    let roomy = Stepper::new(any.build_first::<10, 10>(4, 1).expect("valid"), 2e-6, 5e-5);
+    any.choices = any.choices.first_modes(4, 1);
+    let roomy = Stepper::new(any.build::<10, 10>().expect("valid"), 2e-6, 5e-5);
     let mut one = exact.scene().start(&Start::default(), &excitation).expect("valid");
     let mut other = roomy.scene().start(&Start::default(), &excitation).expect("valid");
     exact.advance(&mut one, &excitation, seconds(0.03), u32::MAX, &mut ()).expect("runs");
@@ -130,14 +127,8 @@ fn bits_do_not_depend_on_capacity_budget_or_run_time_choice() {
 
 #[test]
 fn without_a_stop_nothing_of_it_is_there() {
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    struct Free;
-    impl Parts<f64> for Free {
-        type Load = Resistor<f64>;
-        type Coupling = OneWay;
-        type Contact = NoStop;
-    }
-    let with = size_of::<Stepper<f64, AnyParts, 4, 10>>();
+    type Free = Choices<Resistive<Resistor<f64>>, NoStop, OneWay>;
+    let with = size_of::<Stepper<f64, AnyChoices<f64>, 4, 10>>();
     assert!(size_of::<Stepper<f64, Free, 4, 0>>() < with / 2);
     assert!(size_of::<model_core::scene::bump_stop::State<f64, 4, 0>>() <= 4 * 16 + 64);
 }
@@ -146,8 +137,8 @@ fn without_a_stop_nothing_of_it_is_there() {
 fn impacts_and_closed_contacts_make_no_energy() {
     let mut parameters = baseline::<f64>();
     parameters.damping_ratio = 0.0;
-    parameters.load.ohms = f64::INFINITY;
-    parameters.stop.gap = 0.0;
+    parameters.choices.load.0.ohms = f64::INFINITY;
+    parameters.choices.stop.gap = 0.0;
     struct Highest(f64);
     impl Observer<f64> for Highest {
         fn step(&mut self, step: &AcceptedStep<'_, f64>) {
@@ -156,9 +147,9 @@ fn impacts_and_closed_contacts_make_no_energy() {
     }
     for coefficient in [0.0, 0.5, 1.0] {
         for (step, short_rod) in [(1e-6, false), (1e-5, false), (1e-6, true)] {
-            parameters.contact = AnyContact::Restitution(Restitution { coefficient });
+            parameters.choices.stop.contact = AnyContact::Restitution(Restitution { coefficient });
             // A short thin rod: its modes turn many times in a step.
-            (parameters.stop.length, parameters.stop.section) =
+            (parameters.choices.stop.length, parameters.choices.stop.section) =
                 if short_rod { (2e-3, 1e-6) } else { (0.02, 4e-6) };
             let scene = parameters.build::<10, 10>().expect("valid");
             let stepper = Stepper::new(scene, step, step);
@@ -176,7 +167,7 @@ fn impacts_and_closed_contacts_make_no_energy() {
 #[test]
 fn a_constrained_contact_is_counted_once() {
     let mut parameters = baseline::<f64>();
-    parameters.contact = AnyContact::DisplacementConstraint;
+    parameters.choices.stop.contact = AnyContact::DisplacementConstraint;
     let scene = parameters.build::<6, 2>().expect("valid");
     let stepper = Stepper::new(scene, 1e-6, 1e-6);
     let excitation = shaking();
@@ -200,7 +191,7 @@ fn a_constrained_contact_is_counted_once() {
 #[test]
 fn a_run_with_impacts_resumes_with_the_same_bits() {
     let mut parameters = baseline::<f32>();
-    parameters.contact = AnyContact::Restitution(Restitution { coefficient: 0.3 });
+    parameters.choices.stop.contact = AnyContact::Restitution(Restitution { coefficient: 0.3 });
     let scene = parameters.build::<6, 1>().expect("valid");
     let stepper = Stepper::new(scene, 1e-6, 2e-5);
     let excitation = shaking::<f32>();
@@ -216,7 +207,7 @@ fn a_run_with_impacts_resumes_with_the_same_bits() {
 
 #[test]
 fn parameters_out_of_bounds_and_starts_in_penetration_are_named() {
-    let refused = |change: fn(&mut Parameters<f64, AnyParts>)| {
+    let refused = |change: fn(&mut Parameters<f64, AnyChoices<f64>>)| {
         let mut changed = baseline();
         change(&mut changed);
         changed.build::<2, 1>().err().map(|error| error.field)
@@ -225,11 +216,20 @@ fn parameters_out_of_bounds_and_starts_in_penetration_are_named() {
     assert_eq!(refused(|p| p.beam_length = 0.0), Some("beam_length"));
     assert_eq!(refused(|p| p.substrate.density = f64::NAN), Some("substrate_density"));
     assert_eq!(refused(|p| p.damping_ratio = 1.0), Some("damping_ratio"));
-    assert_eq!(refused(|p| p.stop.position = 0.06), Some("stop.position"));
-    assert_eq!(refused(|p| p.stop.gap = -1e-9), Some("stop.gap"));
-    assert_eq!(refused(|p| p.load.ohms = -1.0), Some("resistance"));
-    let elastic = |p: &mut Parameters<f64, AnyParts>| {
-        p.contact = AnyContact::Restitution(Restitution { coefficient: 1.1 });
+    assert_eq!(refused(|p| p.choices.stop.position = 0.06), Some("stop.position"));
+    assert_eq!(refused(|p| p.choices.stop.gap = -1e-9), Some("stop.gap"));
+    assert_eq!(refused(|p| p.choices.load.0.ohms = -1.0), Some("resistance"));
+    let modes = |beam, rod| {
+        let parameters = baseline::<f64>();
+        let choices = parameters.choices.first_modes(beam, rod);
+        Parameters { choices, ..parameters }.build::<2, 1>().err().map(|error| error.field)
+    };
+    assert_eq!([modes(1, 0), modes(2, 1)], [None; 2]);
+    assert_eq!([modes(0, 1), modes(3, 1)], [Some("beam_modes"); 2]);
+    assert_eq!(modes(2, 2), Some("rod_modes"));
+    assert_eq!(baseline::<f64>().build::<0, 0>().err().map(|error| error.field), Some("beam_modes"));
+    let elastic = |p: &mut Parameters<f64, AnyChoices<f64>>| {
+        p.choices.stop.contact = AnyContact::Restitution(Restitution { coefficient: 1.1 });
     };
     assert_eq!(refused(elastic), Some("restitution"));
     let scene = baseline::<f64>().build::<2, 1>().expect("valid");

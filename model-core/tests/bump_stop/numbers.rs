@@ -5,16 +5,33 @@
 
 use model_core::excitation::Silence;
 use model_core::observer::{AcceptedStep, Observer, PowerIndex};
-use model_core::part::load::AnyLoad;
 use model_core::scene::Harvester;
-use model_core::scene::bump_stop::{AnyContact, AnyCoupling, AnyParts, BumpStop, Parameters, Start, Stepper};
+use model_core::scene::bump_stop::{
+    AnyChoices, AnyContact, AnyCoupling, BumpStop, Parameters, Start, Stepper,
+};
 
 use super::setup::{Touches, baseline, close, measured, seconds, shaking};
+
+/// The first modes of the beam and of the rod.
+fn first_modes<const B: usize, const R: usize>(
+    parameters: Parameters<f64, AnyChoices<f64>>,
+    beam: usize,
+    rod: usize,
+) -> BumpStop<f64, AnyChoices<f64>, B, R> {
+    let choices = parameters.choices.first_modes(beam, rod);
+    Parameters { choices, ..parameters }.build().expect("valid")
+}
+
+fn without_stop() -> Parameters<f64, AnyChoices<f64>> {
+    let mut parameters = baseline();
+    parameters.choices.stop.contact = AnyContact::NoStop;
+    parameters
+}
 
 #[test]
 fn contact_stiffness_is_that_of_the_modes_left_out() {
     // N/m at the tip, by numbers of beam and rod modes; and at mid-span: sums over modes in the other programs.
-    let tip = |b, r| baseline::<f64>().build_first::<10, 10>(b, r).expect("valid").contact_stiffness();
+    let tip = |b, r| first_modes::<10, 10>(baseline(), b, r).contact_stiffness();
     for (beam, rod, stiffness) in [
         (3, 0, 1.348e6),
         (4, 0, 2.774e6),
@@ -28,7 +45,7 @@ fn contact_stiffness_is_that_of_the_modes_left_out() {
         close(tip(beam, rod), stiffness, 4e-4);
     }
     let mut middle = baseline::<f64>();
-    middle.stop.position = 0.025;
+    middle.choices.stop.position = 0.025;
     close(middle.build::<10, 10>().expect("valid").contact_stiffness(), 1.8210e8, 1e-3);
     let single = baseline::<f32>().build::<10, 10>().expect("valid");
     close(single.contact_stiffness().into(), tip(10, 10), 2e-5);
@@ -40,7 +57,8 @@ fn without_a_stop_the_steady_state_is_the_frequency_response() {
     for (coupling, volts, metres) in
         [(AnyCoupling::TwoWay, 5.298_981, 66.9337e-6), (AnyCoupling::OneWay, 7.029_422, 86.8043e-6)]
     {
-        let parameters = Parameters { contact: AnyContact::NoStop, coupling, ..baseline::<f64>() };
+        let mut parameters = without_stop();
+        parameters.choices.coupling = coupling;
         let stepper = Stepper::with_all_powers(parameters.build::<10, 0>().expect("valid"), 5e-6, 5e-6);
         let meter = measured(&stepper, &shaking(), 2.0, 2.5);
         close(meter.rms_voltage(), volts / 2f64.sqrt(), 2e-5);
@@ -50,8 +68,8 @@ fn without_a_stop_the_steady_state_is_the_frequency_response() {
     }
     // A small and a large resistance, six modes.
     for (ohms, volts) in [(1e3, 0.154_761_8), (45.41e3, 4.188_495)] {
-        let parameters =
-            Parameters { contact: AnyContact::NoStop, load: AnyLoad { ohms }, ..baseline::<f64>() };
+        let mut parameters = without_stop();
+        parameters.choices.load.0.ohms = ohms;
         let stepper = Stepper::with_all_powers(parameters.build::<6, 0>().expect("valid"), 5e-6, 5e-6);
         close(measured(&stepper, &shaking(), 2.0, 2.5).voltage().magnitude(), volts, 3e-5);
     }
@@ -94,7 +112,8 @@ fn the_golden_trajectory_is_met_and_approached_in_second_order() {
 
 #[test]
 fn one_way_coupling_has_its_own_contacts() {
-    let parameters = Parameters { coupling: AnyCoupling::OneWay, ..baseline::<f64>() };
+    let mut parameters = baseline::<f64>();
+    parameters.choices.coupling = AnyCoupling::OneWay;
     let scene = parameters.build::<6, 2>().expect("valid");
     let stepper = Stepper::with_all_powers(scene, 1e-7, 1e-7);
     let excitation = shaking();
@@ -112,7 +131,7 @@ fn one_way_coupling_has_its_own_contacts() {
 fn mean_deflections_are_those_of_the_mean_force() {
     // <y(X_c)> = −<F> Σ φ²/ω² over some hundred cycles.
     let mut parameters = baseline::<f64>();
-    parameters.stop.gap = 0.0;
+    parameters.choices.stop.gap = 0.0;
     let scene = parameters.build::<4, 1>().expect("valid");
     let stepper = Stepper::with_all_powers(scene, 2e-6, 2e-5);
     let excitation = shaking();
@@ -139,7 +158,7 @@ fn statistics_are_those_of_the_event_driven_reference() {
     // one at the tip that depends on the modes with ten and ten.
     let check = |position: f64, gap: f64, volts: f64, newtons: f64, ten: bool| {
         let mut parameters = baseline::<f64>();
-        (parameters.stop.position, parameters.stop.gap) = (position, gap);
+        (parameters.choices.stop.position, parameters.choices.stop.gap) = (position, gap);
         let [voltage, force] = if ten {
             let stepper = Stepper::with_all_powers(parameters.build::<10, 10>().expect("valid"), 1e-6, 2e-5);
             let meter = measured(&stepper, &shaking(), 0.5, 1.0);
@@ -164,8 +183,8 @@ fn single_precision_has_the_statistics_of_double() {
     // precision differ by as much; with six it is not.
     for (position, gap) in [(0.05, 0.0), (0.05, 10e-6), (0.025, 10e-6)] {
         let (mut double, mut single) = (baseline::<f64>(), baseline::<f32>());
-        (double.stop.position, double.stop.gap) = (position, gap);
-        (single.stop.position, single.stop.gap) = (position as f32, gap as f32);
+        (double.choices.stop.position, double.choices.stop.gap) = (position, gap);
+        (single.choices.stop.position, single.choices.stop.gap) = (position as f32, gap as f32);
         let double = Stepper::with_all_powers(double.build::<6, 1>().expect("valid"), 2e-6, 5e-5);
         let single = Stepper::with_all_powers(single.build::<6, 1>().expect("valid"), 2e-6, 5e-5);
         let (fine, coarse) =
@@ -189,13 +208,12 @@ fn single_precision_has_the_statistics_of_double() {
 fn the_impulse_of_the_first_impact_is_that_of_the_continuum() {
     // F(t) = Z v e^τ erfc √τ, τ = (a Z)² t, until the wave comes back through the rod: 6.631e-6 N·s in
     // 7.8 µs at 0.05 m/s. The modes that are kept come within some per cent of it.
-    let impulse = |scene: BumpStop<f64, AnyParts, 20, 20>| {
+    let impulse = |scene: BumpStop<f64, AnyChoices<f64>, 20, 20>| {
         let stepper = Stepper::with_all_powers(scene, 1e-8, 1e-8);
         let mut start = Start::<f64, 20, 20>::default();
         // The beam moves as a whole: ṙ = γ v, and γ = ∫ m' φ is what the base couples by.
-        let coupled = Parameters { contact: AnyContact::NoStop, ..baseline::<f64>() };
         let beam = model_core::part::beam::Cantilever {
-            length: coupled.beam_length,
+            length: baseline::<f64>().beam_length,
             bending_stiffness: 0.089_738_408_5,
             mass_per_length: 0.078_25,
             tip_mass: 0.0,
@@ -209,8 +227,8 @@ fn the_impulse_of_the_first_impact_is_that_of_the_continuum() {
         touches.impulse
     };
     let mut parameters = baseline::<f64>();
-    parameters.stop.gap = 0.0;
-    let of = |beam, rod| impulse(parameters.build_first::<20, 20>(beam, rod).expect("valid"));
+    parameters.choices.stop.gap = 0.0;
+    let of = |beam, rod| impulse(first_modes(parameters, beam, rod));
     println!("{:e} {:e} {:e}", of(6, 2), of(10, 10), of(20, 20));
     close(of(10, 10), 6.631e-6, 0.06);
     close(of(20, 20), 6.631e-6, 0.03);

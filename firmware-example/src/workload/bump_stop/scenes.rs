@@ -3,11 +3,11 @@
 //! Four modes of the beam and one of the rod: the smallest numbers whose voltage is right to a few per cent.
 
 use model_core::part::load::OpenCircuit;
-use model_core::scene::bump_stop::{NoStop, OneWay, Parameters, Parts, ResidualFlexibility, TwoWay};
+use model_core::scene::bump_stop::{Choices, OneWay};
 
 use super::building::Building;
 use super::modal_run::{ModalRun, Plan};
-use super::parts::{self, GAP, LOAD, Open, WithoutBack, WithoutStop};
+use super::parts::{self, GAP, LOAD};
 use crate::workload::Workload;
 
 /// Modes of the beam.
@@ -41,30 +41,26 @@ pub fn bench() -> Option<impl Workload> {
 /// The default scene without the stop, and without the rod.
 #[must_use]
 pub fn without_stop() -> Option<impl Workload> {
-    let parameters: Parameters<f32, WithoutStop> = parts::parameters(LOAD, TwoWay, NoStop, GAP);
-    ModalRun::<_, BEAM_MODES, 0>::new(IMPACTING, parameters)
+    ModalRun::<_, BEAM_MODES, 0>::new(IMPACTING, parts::parameters(Choices::new(LOAD)))
 }
 
 /// The default scene without the voltage acting back on the beam.
 #[must_use]
 pub fn one_way() -> Option<impl Workload> {
-    run::<WithoutBack>(parts::parameters(LOAD, OneWay, ResidualFlexibility, GAP))
+    let choices = Choices::new(LOAD).stop(parts::stop(GAP)).coupling(OneWay);
+    Run::new(IMPACTING, parts::parameters(choices))
 }
 
 /// The default scene with the load open.
 #[must_use]
 pub fn open() -> Option<impl Workload> {
-    run::<Open>(parts::parameters(OpenCircuit, TwoWay, ResidualFlexibility, GAP))
+    Run::new(IMPACTING, parts::parameters(Choices::new(OpenCircuit).stop(parts::stop(GAP))))
 }
 
 /// The default scene with the short step only.
 #[must_use]
 pub fn single_rate() -> Option<impl Workload> {
     Run::new(Plan { long: SHORT, ..IMPACTING }, parts::whole(GAP))
-}
-
-fn run<P: Parts<f32>>(parameters: Parameters<f32, P>) -> Option<Run<P>> {
-    Run::new(IMPACTING, parameters)
 }
 
 /// Gives `work` what the bench leaves out, to compare its bits: the rod touching the beam at rest, and the

@@ -1,84 +1,35 @@
-//! What the contact-separation scene is made of, whole and with one part left out.
+//! What the contact-separation scene is made of.
 
 use core::marker::PhantomData;
 
 use model_core::part::load::Resistor;
-use model_core::part::parasitic::{NoParasitic, ParasiticCapacitance};
+use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{ConstantRestitution, VelocityDependentRestitution};
-use model_core::scene::contact_separation::{
-    FrozenCharge, NeverSticks, Parameters, Parts, TransferredCharge,
-};
+use model_core::scene::contact_separation::{Choices, Parameters, TransferredCharge};
 
-type LawOfSpeed = VelocityDependentRestitution<f32>;
-type Constant = ConstantRestitution<f32>;
-type Capacitance = ParasiticCapacitance<f32>;
-
-/// Names a list of parts: all of them but three are the same everywhere.
-macro_rules! parts {
-    ($($(#[$text:meta])* $name:ident: $parasitic:ty, $restitution:ty, $sticking:ty;)*) => {$(
-        $(#[$text])*
-        #[derive(Debug, Clone, Copy, PartialEq)]
-        pub struct $name;
-
-        impl Parts<f32> for $name {
-            type ForceLaw = TransferredCharge;
-            type Load = Resistor<f32>;
-            type Parasitic = $parasitic;
-            type Restitution = $restitution;
-            type Sticking = $sticking;
-        }
-    )*};
-}
-
-parts! {
-    /// Everything that the default scene has, and nothing else.
-    Whole: Capacitance, LawOfSpeed, FrozenCharge;
-    /// Without a parasitic capacitance.
-    WithoutParasitic: NoParasitic, LawOfSpeed, FrozenCharge;
-    /// Without sticking.
-    WithoutSticking: Capacitance, LawOfSpeed, NeverSticks;
-    /// With one coefficient of restitution for all speeds.
-    WithoutLawOfSpeed: Capacitance, Constant, FrozenCharge;
-    /// Without all of these.
-    Bare: NoParasitic, Constant, NeverSticks;
-}
-
-/// The parasitic capacitance of the default scene.
-pub const PARASITIC: Capacitance = ParasiticCapacitance { farads: 1e-12 };
+/// The load of the default scene.
+pub const LOAD: Resistor<f32> = Resistor { ohms: 1e8 };
+/// Its parasitic capacitance.
+pub const PARASITIC: ParasiticCapacitance<f32> = ParasiticCapacitance { farads: 1e-12 };
 /// Its law of restitution.
-pub const LAW_OF_SPEED: LawOfSpeed = VelocityDependentRestitution {
+pub const LAW_OF_SPEED: VelocityDependentRestitution<f32> = VelocityDependentRestitution {
     at_rest: 0.8,
     at_speed: 0.5,
     reference_speed: 0.3,
     mathematics: PhantomData,
 };
 /// What stands in for it: its value at the usual impact speed of 0.15 m/s.
-pub const CONSTANT: Constant = ConstantRestitution { coefficient: 0.68 };
+pub const CONSTANT: ConstantRestitution<f32> = ConstantRestitution { coefficient: 0.68 };
 
-/// Table 2 of the paper with σ = 50 µC/m² and R = 100 MΩ.
+/// The parts of the default scene without its parasitic capacitance, with any load and any restitution.
 #[must_use]
-pub fn parameters<P>(
-    parasitic: P::Parasitic,
-    restitution: P::Restitution,
-    sticking: P::Sticking,
-) -> Parameters<f32, P>
-where
-    P: Parts<f32, ForceLaw = TransferredCharge, Load = Resistor<f32>>,
-{
-    with_load(Resistor { ohms: 1e8 }, parasitic, restitution, sticking)
+pub fn without_parasitic<L, R>(load: L, restitution: R) -> Choices<L, R, TransferredCharge> {
+    Choices::new(load, restitution).force_law(TransferredCharge)
 }
 
-/// The same with any load.
+/// Table 2 of the paper with σ = 50 µC/m².
 #[must_use]
-pub fn with_load<P>(
-    load: P::Load,
-    parasitic: P::Parasitic,
-    restitution: P::Restitution,
-    sticking: P::Sticking,
-) -> Parameters<f32, P>
-where
-    P: Parts<f32, ForceLaw = TransferredCharge>,
-{
+pub fn parameters<C>(choices: C) -> Parameters<f32, C> {
     Parameters {
         mass: 5e-3,
         stiffness: 80.0,
@@ -88,16 +39,16 @@ where
         dielectric_thickness: 5e-5,
         relative_permittivity: 2.0,
         charge_density: 50e-6,
-        parasitic,
-        load,
-        force_law: TransferredCharge,
-        restitution,
-        sticking,
+        choices,
     }
 }
+
+/// What the default scene is made of.
+pub type Whole =
+    Choices<Resistor<f32>, VelocityDependentRestitution<f32>, TransferredCharge, ParasiticCapacitance<f32>>;
 
 /// The default scene.
 #[must_use]
 pub fn whole() -> Parameters<f32, Whole> {
-    parameters(PARASITIC, LAW_OF_SPEED, FrozenCharge)
+    parameters(without_parasitic(LOAD, LAW_OF_SPEED).parasitic(PARASITIC))
 }

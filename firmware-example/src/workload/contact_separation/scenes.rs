@@ -1,12 +1,9 @@
 //! The workloads of each binary. The host calls these very functions.
 
 use model_core::integrate::{Adaptive, FixedStep, RungeKutta4, TrBdf2};
-use model_core::part::parasitic::NoParasitic;
-use model_core::scene::contact_separation::{FrozenCharge, NeverSticks};
+use model_core::scene::contact_separation::NeverSticks;
 
-use super::parts::{
-    self, Bare, CONSTANT, LAW_OF_SPEED, PARASITIC, WithoutLawOfSpeed, WithoutParasitic, WithoutSticking,
-};
+use super::parts::{self, CONSTANT, LAW_OF_SPEED, LOAD, PARASITIC};
 use crate::workload::Workload;
 use crate::workload::hybrid_run::{HybridRun, Plan};
 
@@ -38,21 +35,22 @@ pub fn bench() -> Option<impl Workload> {
 /// The default scene without its parasitic capacitance.
 #[must_use]
 pub fn without_parasitic() -> Option<impl Workload> {
-    let parameters = parts::parameters::<WithoutParasitic>(NoParasitic, LAW_OF_SPEED, FrozenCharge);
+    let parameters = parts::parameters(parts::without_parasitic(LOAD, LAW_OF_SPEED));
     HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
 }
 
 /// The default scene without sticking.
 #[must_use]
 pub fn without_sticking() -> Option<impl Workload> {
-    let parameters = parts::parameters::<WithoutSticking>(PARASITIC, LAW_OF_SPEED, NeverSticks);
+    let choices = parts::without_parasitic(LOAD, LAW_OF_SPEED).parasitic(PARASITIC).sticking(NeverSticks);
+    let parameters = parts::parameters(choices);
     HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
 }
 
 /// The default scene with one coefficient of restitution for all speeds.
 #[must_use]
 pub fn without_law_of_speed() -> Option<impl Workload> {
-    let parameters = parts::parameters::<WithoutLawOfSpeed>(PARASITIC, CONSTANT, FrozenCharge);
+    let parameters = parts::parameters(parts::without_parasitic(LOAD, CONSTANT).parasitic(PARASITIC));
     HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
 }
 
@@ -66,7 +64,7 @@ pub fn without_error_control() -> Option<impl Workload> {
 /// The default scene without all of these.
 #[must_use]
 pub fn without_any() -> Option<impl Workload> {
-    let parameters = parts::parameters::<Bare>(NoParasitic, CONSTANT, NeverSticks);
+    let parameters = parts::parameters(parts::without_parasitic(LOAD, CONSTANT).sticking(NeverSticks));
     HybridRun::new(IMPACTING, parameters, TrBdf2, FixedStep::of_seconds(FIXED_STEP))
 }
 

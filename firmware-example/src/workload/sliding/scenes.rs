@@ -5,12 +5,10 @@
 
 use model_core::integrate::{Adaptive, FixedStep, RungeKutta4, TrBdf2};
 use model_core::part::load::{OpenCircuit, ShortCircuit};
-use model_core::scene::sliding::{
-    Frictionless, FrozenCharge, GapField, NeverSticks, Parameters, Parts, TransferredCharge,
-};
+use model_core::scene::sliding::{Choices, Frictionless, NeverSticks, Parameters, Parts};
 
 use super::building::Building;
-use super::parts::{self, FRICTION, LOAD, OfTheField, Open, Shorted, WithoutFriction, WithoutSticking};
+use super::parts::{self, FRICTION, LOAD, choices};
 use crate::workload::Workload;
 use crate::workload::hybrid_run::{HybridRun, Plan};
 
@@ -52,34 +50,31 @@ pub fn bench() -> Option<impl Workload> {
 /// The default scene without friction, shaken by [`GENTLE`].
 #[must_use]
 pub fn without_friction() -> Option<impl Workload> {
-    let parameters =
-        parts::parameters::<WithoutFriction>(TransferredCharge, LOAD, Frictionless, FrozenCharge);
-    explicit_of(GENTLE, parameters)
+    explicit_of(GENTLE, parts::parameters(choices(LOAD, Frictionless)))
 }
 
 /// The default scene without sticking, from the start of [`MOVING`].
 #[must_use]
 pub fn without_sticking() -> Option<impl Workload> {
-    let parameters = parts::parameters::<WithoutSticking>(TransferredCharge, LOAD, FRICTION, NeverSticks);
-    explicit_of(MOVING, parameters)
+    explicit_of(MOVING, parts::parameters(choices(LOAD, FRICTION).sticking(NeverSticks)))
 }
 
 /// The default scene with the load open.
 #[must_use]
 pub fn open() -> Option<impl Workload> {
-    explicit::<Open>(parts::parameters(TransferredCharge, OpenCircuit, FRICTION, FrozenCharge))
+    explicit(parts::parameters(choices(OpenCircuit, FRICTION)))
 }
 
 /// The default scene with the load shorted.
 #[must_use]
 pub fn shorted() -> Option<impl Workload> {
-    explicit::<Shorted>(parts::parameters(TransferredCharge, ShortCircuit, FRICTION, FrozenCharge))
+    explicit(parts::parameters(choices(ShortCircuit, FRICTION)))
 }
 
 /// The default scene with the force of the field, shaken by [`STRONG`].
 #[must_use]
 pub fn gap_field() -> Option<impl Workload> {
-    explicit_of(STRONG, parts::parameters::<OfTheField>(GapField, LOAD, FRICTION, FrozenCharge))
+    explicit_of(STRONG, parts::parameters(Choices::new(LOAD, FRICTION)))
 }
 
 /// The default scene by TR-BDF2 with a fixed step.

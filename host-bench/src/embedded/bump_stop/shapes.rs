@@ -6,11 +6,9 @@ use model_core::part::beam::{BeamMode, Cantilever};
 use model_core::part::monomorph::Monomorph;
 use model_core::scalar::Polynomial;
 use model_core::scene::Harvester;
-use model_core::scene::bump_stop::{AnyBridgedParts, AnyParts, Stepper};
+use model_core::scene::bump_stop::{AnyChoices, Circuit, Stepper};
 
-use super::{
-    BumpStopReport, HostedParts, Prepared, Report, bridge, parameters, prepared, refuse_start, resistance,
-};
+use super::{BumpStopReport, Prepared, Report, bridge, parameters, prepared, refuse_start, resistance};
 use crate::embedded::excitation::with_setting;
 use crate::method::{Failure, Options};
 use crate::scene_file::{BumpStop, Model, Scene};
@@ -60,8 +58,8 @@ pub fn deflected_shapes(
         (1..).take(model.parameters.beam_modes).map(|number| beam.mode(number)).collect();
     let mut shapes = Shapes { modes, length: core.beam_length, stations, instants, found: Vec::new() };
     match bridge(scene.load) {
-        Some(bridge) => shapes.take::<AnyBridgedParts>((scene, model, options), bridge)?,
-        None => shapes.take::<AnyParts>((scene, model, options), resistance(scene.load))?,
+        Some(bridge) => shapes.take((scene, model, options), bridge)?,
+        None => shapes.take((scene, model, options), resistance(scene.load))?,
     }
     Ok(shapes.found)
 }
@@ -77,14 +75,10 @@ struct Shapes<'a> {
 
 impl Shapes<'_> {
     /// Runs the scene until all are taken.
-    fn take<P: HostedParts<f64>>(
-        &mut self,
-        what: (&Scene, &BumpStop, &Options),
-        load: P::Load,
-    ) -> Result<(), Failure> {
+    fn take<L: Circuit<f64>>(&mut self, what: (&Scene, &BumpStop, &Options), load: L) -> Result<(), Failure> {
         let (scene, instants) = (what.0, self.instants);
         let Prepared { scene: harvester, start, steps: [short, long] } =
-            prepared::<f64, P, 20, 20>(what, load)?;
+            prepared::<f64, L, 20, 20>(what, load)?;
         let stepper = Stepper::new(harvester, short, long);
         let report = BumpStopReport(what.1);
         with_setting::<f64, Polynomial, _>(scene, what.2, |setting| {
@@ -98,8 +92,10 @@ impl Shapes<'_> {
             // To the end of the last step that is wanted, and no step is cut short for it.
             while state.clock < end && self.found.len() < instants.len() {
                 stepper.advance(&mut state, &excitation, end, 1 << 12, self).map_err(|error| {
-                    let described =
-                        Report::<f64, Stepper<f64, P, 20, 20>>::describe(&report, &stepper.outputs(&state));
+                    let described = Report::<f64, Stepper<f64, AnyChoices<f64, L>, 20, 20>>::describe(
+                        &report,
+                        &stepper.outputs(&state),
+                    );
                     Failure::Step(format!("{error}: {described}"))
                 })?;
             }

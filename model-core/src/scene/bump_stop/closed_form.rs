@@ -11,8 +11,8 @@
 //! The same sums with `φ_i(X_c)` in place of `θ_i`, less those of the rod, make the gap coordinate, whose
 //! amplitude must stay below the gap `Δ`.
 
+use super::choices::Coupling;
 use super::contact_law::{ContactKind, ContactLaw};
-use super::parameters::Coupling;
 use super::{BumpStop, Parts};
 use crate::part::load::{Load, Resistance};
 use crate::scalar::{Complex, Scalar};

@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 
 /// What a contact law comes to in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ContactKind<S> {
+pub(crate) enum ContactKind<S> {
     /// No stop.
     None,
     /// A massless spring between the modes: the discrete gradient of its potential.
@@ -22,7 +22,11 @@ pub enum ContactKind<S> {
 }
 
 /// A law of contact.
-pub trait ContactLaw<S: Scalar>: Copy + Debug + PartialEq {
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no law of contact",
+    note = "a law of contact is `ResidualFlexibility`, a `Restitution`, `DisplacementConstraint` or an `AnyContact`"
+)]
+pub(crate) trait ContactLaw<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether there is a stop at all; if not, the code for it is not there.
     const POSSIBLE: bool;
 

@@ -10,9 +10,8 @@
 //!     = −∫ a (Σ γ ṙ + Σ g q̇) dt − ∫ 2ζ (Σ ω ṙ² + Σ Ω q̇²) dt − χ ∫ v²/R dt − losses in contact
 //! ```
 
-use super::circuit::Circuit;
+use super::choices::Coupling;
 use super::contact_law::{ContactKind, ContactLaw};
-use super::parameters::Coupling;
 use super::state::StateOf;
 use super::trial::TrialOf;
 use super::{BumpStop, Parts, State};
@@ -145,7 +144,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     ) -> [S; ALL_POWERS] {
         let Works { base, damping } = self.works(gramians, start, trial, step);
         let field = trial.mean_voltage * (trial.end.strain_charge - start.strain_charge);
-        let account = P::Load::account(&trial.account);
+        let account = &trial.account;
         let mut energies = [S::ZERO; ALL_POWERS];
         energies[PowerIndex::Load as usize] = trial.delivered;
         energies[PowerIndex::VoltageSquared as usize] = trial.mean_square_voltage * step;

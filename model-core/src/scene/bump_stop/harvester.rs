@@ -112,7 +112,7 @@ where
     }
 
     fn closed_form(&self, amplitude: S, frequency: S) -> Option<ClosedForm<S>> {
-        let resistance = self.scene.load.resistance()?;
+        let resistance = self.scene.load.load_resistance()?;
         Some(self.scene.closed_form_into(resistance, amplitude, frequency))
     }
 

@@ -1,8 +1,8 @@
 //! What a node that follows an accelerometer needs beside the steps: a fingerprint and the state as bytes.
 
+use super::choices::Coupling;
 use super::circuit::Circuit;
 use super::contact_law::{ContactKind, ContactLaw};
-use super::parameters::Coupling;
 use super::{BumpStop, Parts, State};
 use crate::scalar::Scalar;
 use crate::snapshot::{Fingerprint, Snapshot, snapshot_fields};

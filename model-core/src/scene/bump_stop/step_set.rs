@@ -1,7 +1,7 @@
 //! The coefficients of one length of step.
 
+use super::choices::Coupling;
 use super::circuit::Circuit;
-use super::parameters::Coupling;
 use super::{BumpStop, Parts};
 use crate::clock::seconds_of_ticks;
 use crate::integrate::modal::ModalStep;

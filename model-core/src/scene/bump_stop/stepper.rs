@@ -1,9 +1,9 @@
 //! Advancing: short steps near contact, long ones where none can be, and impacts where they are located.
 
+use super::choices::Coupling;
 use super::circuit::Circuit;
 use super::contact_law::{ContactKind, ContactLaw};
 use super::energies::GramianSet;
-use super::parameters::Coupling;
 use super::state::StateOf;
 use super::step_set::StepSetOf;
 use super::trial::TrialOf;

@@ -5,17 +5,18 @@
 //! with the tangent at the charge that was found, up to [`MOST_REDONE`] times, until the charge stays where it
 //! is. Modes do not enter these repetitions, only what they add up to.
 
-use super::circuit::{Circuit, Memory, StepCurrent};
+use super::choices::Coupling;
+use super::circuit::{Circuit, StepCurrent};
 use super::contact_law::{ContactKind, ContactLaw};
-use super::parameters::Coupling;
 use super::state::StateOf;
 use super::step_set::StepSetOf;
 use super::{BumpStop, Parts, State};
 use crate::integrate::discrete_gradient::{ContactStep, contact_step};
+use crate::part::storage_step::StorageAccount;
 use crate::scalar::{Scalar, add_increment};
 
 /// The end of a step and what happened in it.
-pub(super) struct Trial<S, const B: usize, const R: usize, C: Memory> {
+pub(super) struct Trial<S, const B: usize, const R: usize, C> {
     pub(super) end: State<S, B, R, C>,
     /// Rate of the gap coordinate at the end of a step without contact force.
     pub(super) gap_rate: S,
@@ -26,7 +27,7 @@ pub(super) struct Trial<S, const B: usize, const R: usize, C: Memory> {
     pub(super) mean_square_voltage: S,
     /// Energy delivered to the load in J; behind a bridge, into the storage.
     pub(super) delivered: S,
-    pub(super) account: C::Account,
+    pub(super) account: StorageAccount<S>,
 }
 
 /// The trial of a harvester made of the parts `P`.
@@ -96,7 +97,13 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             }
         }
         // The circuit and the contact.
-        let mut account = self.begin(set, &mut end);
+        let mut account = StorageAccount::default();
+        if P::Load::SWITCHES {
+            let voltage = self.voltage(&end);
+            let moved = self.load.begin(&set.circuit, voltage, &mut end.circuit, &mut account);
+            (end.moved_charge, end.charge_remainder) =
+                add_increment(end.moved_charge, end.charge_remainder, moved);
+        }
         let start_voltage = self.voltage(&end);
         let solution = self.solution(set, start, &end.circuit, start_voltage, unloaded);
         let Solution { strain, rate, mean_voltage, contact } = solution;
@@ -145,22 +152,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             delivered: P::Load::delivered(&set.circuit, mean_square_voltage, &account),
             account,
         }
-    }
-
-    /// What the circuit does before the current flows.
-    #[inline(always)]
-    fn begin(
-        &self,
-        set: &StepSetOf<S, P, B, R>,
-        end: &mut StateOf<S, P, B, R>,
-    ) -> <<P::Load as Circuit<S>>::State as Memory>::Account {
-        let voltage = self.voltage(end);
-        let (moved, account) = self.load.begin(&set.circuit, voltage, &mut end.circuit);
-        if P::Load::SWITCHES {
-            (end.moved_charge, end.charge_remainder) =
-                add_increment(end.moved_charge, end.charge_remainder, moved);
-        }
-        account
     }
 
     /// Solves the scalar equation of a step that starts at a voltage.

@@ -241,9 +241,11 @@ mod tests {
     use crate::part::load::AnyLoad;
     use crate::part::parasitic::ParasiticCapacitance;
     use crate::part::restitution::{AnyRestitution, ConstantRestitution};
-    use crate::scene::contact_separation::{AnyForceLaw, AnyParts, AnyStickCharge, Parameters, Start};
+    use crate::scene::contact_separation::{
+        AnyChoices, AnyForceLaw, Choices, Parameters, Start, StickCharge,
+    };
 
-    fn parameters(charge_density: f64) -> Parameters<f64, AnyParts> {
+    fn parameters(charge_density: f64) -> Parameters<f64, AnyChoices<f64>> {
         Parameters {
             mass: 5e-3,
             stiffness: 80.0,
@@ -253,11 +255,13 @@ mod tests {
             dielectric_thickness: 5e-5,
             relative_permittivity: 2.0,
             charge_density,
-            parasitic: ParasiticCapacitance { farads: 1e-12 },
-            load: AnyLoad { ohms: 1e8 },
-            force_law: AnyForceLaw::GapField,
-            restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: 0.5 }),
-            sticking: AnyStickCharge::Frozen,
+            choices: Choices {
+                load: AnyLoad { ohms: 1e8 },
+                restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: 0.5 }),
+                force_law: AnyForceLaw::GapField,
+                parasitic: ParasiticCapacitance { farads: 1e-12 },
+                sticking: StickCharge::Frozen,
+            },
         }
     }
 
@@ -290,7 +294,7 @@ mod tests {
 
     #[test]
     fn parameters_out_of_bounds_are_named() {
-        let refused = |change: fn(&mut Parameters<f64, AnyParts>)| {
+        let refused = |change: fn(&mut Parameters<f64, AnyChoices<f64>>)| {
             let mut changed = parameters(50e-6);
             change(&mut changed);
             changed.build().err().map(|error| error.field)
@@ -303,14 +307,14 @@ mod tests {
         assert_eq!(refused(|p| p.dielectric_thickness = 1.0), Some("dielectric_thickness"));
         assert_eq!(refused(|p| p.relative_permittivity = 0.5), Some("relative_permittivity"));
         assert_eq!(refused(|p| p.charge_density = -5e-5), Some("charge_density"));
-        assert_eq!(refused(|p| p.parasitic.farads = -1e-12), Some("parasitic_capacitance"));
-        assert_eq!(refused(|p| p.load.ohms = -1.0), Some("resistance"));
-        let elastic = |p: &mut Parameters<f64, AnyParts>| {
-            p.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: 1.1 });
+        assert_eq!(refused(|p| p.choices.parasitic.farads = -1e-12), Some("parasitic_capacitance"));
+        assert_eq!(refused(|p| p.choices.load.ohms = -1.0), Some("resistance"));
+        let elastic = |p: &mut Parameters<f64, AnyChoices<f64>>| {
+            p.choices.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: 1.1 });
         };
         assert_eq!(refused(elastic), Some("restitution.coefficient"));
-        let slow = |p: &mut Parameters<f64, AnyParts>| (p.mass, p.stiffness) = (1e3, 1e-9);
+        let slow = |p: &mut Parameters<f64, AnyChoices<f64>>| (p.mass, p.stiffness) = (1e3, 1e-9);
         assert_eq!(refused(slow), Some("natural frequency sqrt(stiffness / mass) / (2 pi)"));
-        assert_eq!(refused(|p| p.load.ohms = f64::INFINITY), None);
+        assert_eq!(refused(|p| p.choices.load.ohms = f64::INFINITY), None);
     }
 }

@@ -9,7 +9,11 @@ use crate::scalar::Scalar;
 /// An electrostatic force law: attraction per mass, and its derivatives.
 ///
 /// Charges are in units of `√(2 ε0 S m)`, so a charge squared is a force per mass in m/s².
-pub trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no electrostatic force law of this scene",
+    note = "a force law is `GapField`, `TransferredCharge` or an `AnyForceLaw`"
+)]
+pub(crate) trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
     /// Attraction per mass in m/s².
     fn attraction(&self, circuit: &Circuit<S>, tribo_charge: S) -> S;
 

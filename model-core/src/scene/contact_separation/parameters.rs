@@ -1,51 +1,16 @@
-//! Parameters, what can be left out of them, and the coefficients made of them.
+//! Parameters, and the coefficients made of them.
 
-use core::fmt::Debug;
-use core::marker::PhantomData;
-
-use super::ContactSeparation;
-use super::force_law::ForceLaw;
+use super::{Choices, ContactSeparation, Parts};
 use crate::part::VACUUM_PERMITTIVITY;
 use crate::part::bounds::{Bounds, ParameterError};
-use crate::part::force_law::AnyForceLaw;
-use crate::part::load::{AnyLoad, Load, Resistance};
-use crate::part::parasitic::{Parasitic, ParasiticCapacitance};
-use crate::part::restitution::{AnyRestitution, Restitution};
-use crate::part::stick_charge::{AnyStickCharge, Sticking};
-use crate::scalar::{Mathematics, Polynomial, Scalar};
-
-/// The parts a contact-separation harvester is made of: one type for each choice.
-///
-/// Firmware names the types it needs and pays for nothing else; [`AnyParts`] leaves every choice
-/// to run time.
-pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
-    /// The electrostatic force law.
-    type ForceLaw: ForceLaw<S>;
-    /// The load.
-    type Load: Load<S>;
-    /// The parasitic capacitance.
-    type Parasitic: Parasitic<S>;
-    /// The coefficient of restitution.
-    type Restitution: Restitution<S>;
-    /// What happens on the dielectric.
-    type Sticking: Sticking;
-}
-
-/// Every choice at run time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct AnyParts<M = Polynomial>(PhantomData<M>);
-
-impl<S: Scalar, M: Mathematics<S>> Parts<S> for AnyParts<M> {
-    type ForceLaw = AnyForceLaw;
-    type Load = AnyLoad<S>;
-    type Parasitic = ParasiticCapacitance<S>;
-    type Restitution = AnyRestitution<S, M>;
-    type Sticking = AnyStickCharge;
-}
+use crate::part::load::{Load, Resistance};
+use crate::part::parasitic::Parasitic;
+use crate::part::restitution::Restitution;
+use crate::scalar::Scalar;
 
 /// Parameters of a contact-separation harvester, in SI units. Table 2 of the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameters<S: Scalar, P: Parts<S>> {
+pub struct Parameters<S, C> {
     /// Moving mass `m` in kg, 10⁻¹² to 10³.
     pub mass: S,
     /// Stiffness `k` in N/m, 10⁻⁹ to 10⁹; `√(k/m)/2π` must come out between 10⁻³ and 10⁴ Hz.
@@ -63,27 +28,23 @@ pub struct Parameters<S: Scalar, P: Parts<S>> {
     /// Magnitude of the tribo-charge surface density `σ` in C/m², 0 to 10⁻². Its sign would only
     /// turn the signs of charge and voltage.
     pub charge_density: S,
-    /// Parasitic capacitance `C_p` in parallel with the load, 0 to 10⁻³ F.
-    pub parasitic: P::Parasitic,
-    /// Load; a finite resistance must be from 10⁻⁹ to 10³⁰ Ω.
-    pub load: P::Load,
-    /// Electrostatic force law.
-    pub force_law: P::ForceLaw,
-    /// Coefficient of restitution.
-    pub restitution: P::Restitution,
-    /// What the charge does while the mass is held.
-    pub sticking: P::Sticking,
+    /// The parts: [`Choices`].
+    pub choices: C,
 }
 
-impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
+impl<S: Scalar, C> Parameters<S, C> {
     /// Checks the parameters and makes the coefficients of them.
     ///
     /// No step of this cancels, so the coefficients are right to a few roundings in `f32` too.
     ///
     /// # Errors
     /// The first field that is out of its bounds, with its value.
-    pub fn build(&self) -> Result<ContactSeparation<S, P>, ParameterError<S>> {
+    pub fn build(&self) -> Result<ContactSeparation<S, C>, ParameterError<S>>
+    where
+        C: Parts<S>,
+    {
         self.check()?;
+        let Choices { load, restitution, force_law, parasitic, sticking } = self.choices.choices();
         let two = S::from_f64(2.0);
         let stiffness_per_mass = self.stiffness / self.mass;
         let angular_frequency = stiffness_per_mass.sqrt();
@@ -93,7 +54,7 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         let charge_unit = (two * permittivity_area * self.mass).sqrt();
         let tribo_charge = self.charge_density * self.electrode_area / charge_unit;
         let dielectric = self.dielectric_thickness / self.relative_permittivity;
-        let circuit_rate = match self.load.resistance() {
+        let circuit_rate = match load.resistance() {
             Resistance::Finite(ohms) => S::ONE / ohms / permittivity_area,
             Resistance::Short | Resistance::Open => S::ZERO,
         };
@@ -102,7 +63,7 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         // R (σS)² ω0 d0 / d_e.
         let square = tribo_charge * tribo_charge * self.mass;
         let dielectric_energy = square * dielectric;
-        let pulse_energy = match self.load.resistance() {
+        let pulse_energy = match load.resistance() {
             Resistance::Finite(_) => {
                 two * square * angular_frequency * self.initial_gap / (circuit_rate * dielectric)
             }
@@ -121,15 +82,15 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
             permittivity_area,
             tribo_charge,
             per_tribo_charge: S::ONE / tribo_charge.max(S::from_f64(1e-12)),
-            parasitic: self.parasitic.farads() / permittivity_area,
+            parasitic: parasitic.farads() / permittivity_area,
             circuit_rate,
             field: charge_unit / permittivity_area,
             stick_speed: S::from_f64(1e-4) * angular_frequency * self.initial_gap,
             energy_floor: (S::from_f64(1e-4) * dielectric_energy.min(pulse_energy)).max(S::TINY),
-            load: self.load,
-            force_law: self.force_law,
-            restitution: self.restitution,
-            sticking: self.sticking,
+            load,
+            force_law,
+            restitution,
+            sticking,
         };
         // The bounds above leave combinations that no single precision can hold.
         for (field, value) in [
@@ -142,7 +103,11 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         Ok(scene)
     }
 
-    fn check(&self) -> Result<(), ParameterError<S>> {
+    fn check(&self) -> Result<(), ParameterError<S>>
+    where
+        C: Parts<S>,
+    {
+        let Choices { load, restitution, parasitic, .. } = self.choices.choices();
         Bounds::new(1e-12, 1e3).check("mass", self.mass)?;
         Bounds::new(1e-9, 1e9).check("stiffness", self.stiffness)?;
         Bounds::new(0.0, 10.0).check("damping_ratio", self.damping_ratio)?;
@@ -151,11 +116,9 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         Bounds::new(1e-9, 0.1).check("dielectric_thickness", self.dielectric_thickness)?;
         Bounds::new(1.0, 1e5).check("relative_permittivity", self.relative_permittivity)?;
         Bounds::new(0.0, 1e-2).check("charge_density", self.charge_density)?;
-        Bounds::new(0.0, 1e-3).check("parasitic_capacitance", self.parasitic.farads())?;
-        if let Resistance::Finite(ohms) = self.load.resistance() {
-            Bounds::new(1e-9, 1e30).check("resistance", ohms)?;
-        }
-        self.restitution
+        Bounds::new(0.0, 1e-3).check("parasitic_capacitance", parasitic.farads())?;
+        load.resistance().check()?;
+        restitution
             .parameters()
             .into_iter()
             .flatten()

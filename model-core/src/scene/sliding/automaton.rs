@@ -314,10 +314,10 @@ mod tests {
     use crate::integrate::{Adaptive, TrBdf2};
     use crate::part::load::AnyLoad;
     use crate::scene::sliding::{
-        AnyForceLaw, AnyLateralForce, AnyParts, AnyStickCharge, Parameters, PatchFriction, Start,
+        AnyChoices, AnyForceLaw, AnyLateralForce, Choices, Parameters, PatchFriction, Start, StickCharge,
     };
 
-    fn parameters() -> Parameters<f64, AnyParts> {
+    fn parameters() -> Parameters<f64, AnyChoices<f64>> {
         Parameters {
             beam_length: 0.1,
             beam_width: 0.02,
@@ -327,19 +327,21 @@ mod tests {
             damping_ratio: 0.0035,
             slider_mass: 8e-3,
             patch_radius: 0.01,
-            friction: PatchFriction {
-                static_active: 0.35,
-                static_inert: 0.25,
-                kinetic_active: 0.30,
-                kinetic_inert: 0.20,
-            },
             dielectric_thickness: 5e-5,
             relative_permittivity: 2.0,
             charge_density: 80e-6,
-            load: AnyLoad { ohms: 1e8 },
-            force_law: AnyForceLaw::TransferredCharge,
-            sticking: AnyStickCharge::Frozen,
-            lateral_force: AnyLateralForce::Field,
+            choices: Choices {
+                load: AnyLoad { ohms: 1e8 },
+                friction: PatchFriction {
+                    static_active: 0.35,
+                    static_inert: 0.25,
+                    kinetic_active: 0.30,
+                    kinetic_inert: 0.20,
+                },
+                force_law: AnyForceLaw::TransferredCharge,
+                sticking: StickCharge::Frozen,
+                lateral_force: AnyLateralForce::Field,
+            },
         }
     }
 
@@ -401,7 +403,7 @@ mod tests {
 
     #[test]
     fn parameters_out_of_bounds_and_starts_apart_are_named() {
-        let refused = |change: fn(&mut Parameters<f64, AnyParts>)| {
+        let refused = |change: fn(&mut Parameters<f64, AnyChoices<f64>>)| {
             let mut changed = parameters();
             change(&mut changed);
             changed.build().err().map(|error| error.field)
@@ -409,10 +411,11 @@ mod tests {
         assert_eq!(refused(|_| ()), None);
         assert_eq!(refused(|p| p.beam_length = f64::NAN), Some("beam_length"));
         assert_eq!(refused(|p| p.slider_mass = 0.0), Some("slider_mass"));
-        assert_eq!(refused(|p| p.friction.kinetic_inert = 0.3), Some("kinetic_friction_inert"));
+        assert_eq!(refused(|p| p.choices.friction.kinetic_inert = 0.3), Some("kinetic_friction_inert"));
         assert_eq!(refused(|p| p.charge_density = -1e-6), Some("charge_density"));
-        assert_eq!(refused(|p| p.load.ohms = -1.0), Some("resistance"));
-        let stiff = |p: &mut Parameters<f64, AnyParts>| (p.beam_length, p.beam_thickness) = (1e-3, 1e-2);
+        assert_eq!(refused(|p| p.choices.load.ohms = -1.0), Some("resistance"));
+        let stiff =
+            |p: &mut Parameters<f64, AnyChoices<f64>>| (p.beam_length, p.beam_thickness) = (1e-3, 1e-2);
         assert_eq!(refused(stiff), Some("natural frequency of the beam with the slider"));
         let scene = parameters().build().expect("in bounds");
         let sine = Sine::<f64>::new(1.0, 6.0, 0.0).expect("valid");

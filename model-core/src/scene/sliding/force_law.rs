@@ -18,7 +18,11 @@ pub struct Surface<S> {
 /// A law for the attraction between slider and active patch.
 ///
 /// Each is `F_e / M = e² / s1` with a charge `e` that is linear in the transferred one.
-pub trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no electrostatic force law of this scene",
+    note = "a force law is `GapField`, `TransferredCharge` or an `AnyForceLaw`"
+)]
+pub(crate) trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
     /// `e` in charge units, and its derivative by the transferred charge.
     fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2];
 }

@@ -7,7 +7,11 @@ use core::fmt::Debug;
 ///
 /// The paper leaves it out, as some 10⁻⁴ of the elastic force. Then what the load receives is taken
 /// from nowhere; with it the energy ledger closes as a whole.
-pub trait LateralForce: Copy + Debug + PartialEq {
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not say whether the field pulls along the plane",
+    note = "a lateral force is `NoLateralForce`, `FieldLateralForce` or an `AnyLateralForce`"
+)]
+pub(crate) trait LateralForce: Copy + Debug + PartialEq {
     /// Whether it acts.
     fn acts(&self) -> bool;
 }

@@ -1,50 +1,16 @@
-//! Parameters, what can be left out of them, and the coefficients made of them.
+//! Parameters, and the coefficients made of them.
 
-use core::fmt::Debug;
-
-use super::force_law::{ForceLaw, Surface};
-use super::lateral_force::{AnyLateralForce, LateralForce};
-use super::{Friction, PatchFriction, Sliding};
+use super::force_law::Surface;
+use super::{Choices, Friction, Parts, Sliding};
 use crate::part::beam::Cantilever;
 use crate::part::bounds::{Bounds, ParameterError};
-use crate::part::force_law::AnyForceLaw;
-use crate::part::load::{AnyLoad, Load, Resistance};
-use crate::part::stick_charge::{AnyStickCharge, Sticking};
+use crate::part::load::{Load, Resistance};
 use crate::part::{GRAVITY, VACUUM_PERMITTIVITY};
 use crate::scalar::Scalar;
 
-/// The parts a sliding harvester is made of: one type for each choice.
-///
-/// Firmware names the types it needs and pays for nothing else; [`AnyParts`] leaves every choice
-/// to run time.
-pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
-    /// The electrostatic force law.
-    type ForceLaw: ForceLaw<S>;
-    /// The load.
-    type Load: Load<S>;
-    /// The friction.
-    type Friction: Friction<S>;
-    /// What happens where the slider comes to rest.
-    type Sticking: Sticking;
-    /// Whether the field pulls along the plane.
-    type LateralForce: LateralForce;
-}
-
-/// Every choice at run time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct AnyParts;
-
-impl<S: Scalar> Parts<S> for AnyParts {
-    type ForceLaw = AnyForceLaw;
-    type Load = AnyLoad<S>;
-    type Friction = PatchFriction<S>;
-    type Sticking = AnyStickCharge;
-    type LateralForce = AnyLateralForce;
-}
-
 /// Parameters of a sliding harvester, in SI units. Table 1 of the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameters<S: Scalar, P: Parts<S>> {
+pub struct Parameters<S, C> {
     /// Length `L` of the beam in m, 10⁻⁴ to 10.
     pub beam_length: S,
     /// Width `b` of the beam in m, 10⁻⁵ to 10.
@@ -62,8 +28,6 @@ pub struct Parameters<S: Scalar, P: Parts<S>> {
     pub slider_mass: S,
     /// Radius `r` of the slider and the active patch in m, 10⁻⁶ to 1.
     pub patch_radius: S,
-    /// Friction between slider and patches.
-    pub friction: P::Friction,
     /// Thickness `d` of the dielectric in m, 10⁻⁹ to 0.1.
     pub dielectric_thickness: S,
     /// Relative permittivity `ε_r` of the dielectric, 1 to 10⁵.
@@ -71,25 +35,23 @@ pub struct Parameters<S: Scalar, P: Parts<S>> {
     /// Magnitude of the tribo-charge surface density `σ` in C/m², 0 to 10⁻². Its sign would only
     /// turn the signs of charge and voltage.
     pub charge_density: S,
-    /// Load; a finite resistance must be from 10⁻⁹ to 10³⁰ Ω.
-    pub load: P::Load,
-    /// Electrostatic force law.
-    pub force_law: P::ForceLaw,
-    /// What the charge does while the slider is held.
-    pub sticking: P::Sticking,
-    /// Whether the field pulls the slider along the plane.
-    pub lateral_force: P::LateralForce,
+    /// The parts: [`Choices`].
+    pub choices: C,
 }
 
-impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
+impl<S: Scalar, C> Parameters<S, C> {
     /// Checks the parameters and makes the coefficients of them.
     ///
     /// No step of this cancels, so the coefficients are right to some roundings in `f32` too.
     ///
     /// # Errors
     /// The first field that is out of its bounds, with its value.
-    pub fn build(&self) -> Result<Sliding<S, P>, ParameterError<S>> {
+    pub fn build(&self) -> Result<Sliding<S, C>, ParameterError<S>>
+    where
+        C: Parts<S>,
+    {
         self.check()?;
+        let Choices { load, friction, force_law, sticking, lateral_force } = self.choices.choices();
         let two = S::from_f64(2.0);
         let section = self.beam_width * self.beam_thickness;
         let square = self.beam_thickness * self.beam_thickness;
@@ -110,7 +72,7 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         let charge_unit = (two * permittivity_area * modal_mass).sqrt();
         let tribo_charge = self.charge_density * area / charge_unit;
         let elastance = self.dielectric_thickness / permittivity_area;
-        let circuit_rate = match self.load.resistance() {
+        let circuit_rate = match load.resistance() {
             Resistance::Finite(ohms) => elastance / ohms,
             Resistance::Short | Resistance::Open => S::ZERO,
         };
@@ -119,7 +81,7 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         // or what its motion dissipates in a small resistance, 2 ω τ of that. Slow motion of a
         // hundredth of the diameter moves a ten-thousandth of the energy.
         let patch_energy = modal_mass * self.dielectric_thickness * tribo_charge * tribo_charge;
-        let share = match self.load.resistance() {
+        let share = match load.resistance() {
             Resistance::Finite(_) => (two * angular_frequency / circuit_rate).min(S::ONE),
             Resistance::Short | Resistance::Open => S::ONE,
         };
@@ -143,11 +105,11 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
             // pull has grown: for much less than a hundredth of a radian.
             velocity_margin: S::from_f64(0.01 * GRAVITY) * S::EPSILON / angular_frequency,
             energy_floor: (S::from_f64(1e-8) * share * patch_energy).max(S::TINY),
-            load: self.load,
-            force_law: self.force_law,
-            friction: self.friction,
-            sticking: self.sticking,
-            lateral_force: self.lateral_force,
+            load,
+            force_law,
+            friction,
+            sticking,
+            lateral_force,
         };
         // The bounds above leave combinations that no single precision can hold.
         Bounds::new(0.0, 1e34)
@@ -157,7 +119,11 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         Ok(scene)
     }
 
-    fn check(&self) -> Result<(), ParameterError<S>> {
+    fn check(&self) -> Result<(), ParameterError<S>>
+    where
+        C: Parts<S>,
+    {
+        let choices = self.choices.choices();
         Bounds::new(1e-4, 10.0).check("beam_length", self.beam_length)?;
         Bounds::new(1e-5, 10.0).check("beam_width", self.beam_width)?;
         Bounds::new(1e-7, 1.0).check("beam_thickness", self.beam_thickness)?;
@@ -166,13 +132,10 @@ impl<S: Scalar, P: Parts<S>> Parameters<S, P> {
         Bounds::new(0.0, 10.0).check("damping_ratio", self.damping_ratio)?;
         Bounds::new(1e-12, 1e3).check("slider_mass", self.slider_mass)?;
         Bounds::new(1e-6, 1.0).check("patch_radius", self.patch_radius)?;
-        self.friction.check()?;
+        choices.friction.check()?;
         Bounds::new(1e-9, 0.1).check("dielectric_thickness", self.dielectric_thickness)?;
         Bounds::new(1.0, 1e5).check("relative_permittivity", self.relative_permittivity)?;
         Bounds::new(0.0, 1e-2).check("charge_density", self.charge_density)?;
-        match self.load.resistance() {
-            Resistance::Finite(ohms) => Bounds::new(1e-9, 1e30).check("resistance", ohms),
-            Resistance::Short | Resistance::Open => Ok(()),
-        }
+        choices.load.resistance().check()
     }
 }

@@ -3,11 +3,11 @@
 use super::*;
 use crate::part::load::AnyLoad;
 use crate::part::monomorph::Layer;
-use crate::scene::bump_stop::{AnyContact, AnyCoupling, AnyParts, Parameters, Stop};
+use crate::scene::bump_stop::{AnyChoices, AnyContact, AnyCoupling, Choices, Parameters, Stop};
 
 /// The baseline: 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A against an aluminium rod of 20 × 2 × 2 mm,
 /// 10 µm from its tip.
-fn baseline<S: Scalar>(coupling: AnyCoupling, ohms: f64) -> Parameters<S, AnyParts> {
+fn baseline<S: Scalar>(coupling: AnyCoupling, ohms: f64) -> Parameters<S, AnyChoices<S>> {
     let number = S::from_f64;
     Parameters {
         beam_length: number(0.05),
@@ -17,7 +17,7 @@ fn baseline<S: Scalar>(coupling: AnyCoupling, ohms: f64) -> Parameters<S, AnyPar
         piezo_d31: number(-190e-12),
         piezo_permittivity: number(15.93e-9),
         damping_ratio: number(0.01),
-        stop: Stop {
+        choices: Choices::new(AnyLoad { ohms: number(ohms) }).coupling(coupling).stop(Stop {
             length: number(0.02),
             section: number(4e-6),
             young_modulus: number(70e9),
@@ -25,14 +25,12 @@ fn baseline<S: Scalar>(coupling: AnyCoupling, ohms: f64) -> Parameters<S, AnyPar
             position: number(0.05),
             gap: number(10e-6),
             contact_compliance: S::ZERO,
-        },
-        load: AnyLoad { ohms: number(ohms) },
-        coupling,
-        contact: AnyContact::NoStop,
+            contact: AnyContact::NoStop,
+        }),
     }
 }
 
-fn free<const B: usize>(coupling: AnyCoupling, ohms: f64) -> BumpStop<f64, AnyParts, B, 0> {
+fn free<const B: usize>(coupling: AnyCoupling, ohms: f64) -> BumpStop<f64, AnyChoices<f64>, B, 0> {
     baseline(coupling, ohms).build().expect("valid")
 }
 
@@ -120,7 +118,8 @@ fn the_ends_of_the_load_are_limits() {
 
 #[test]
 fn what_reaches_the_stop_is_flagged() {
-    let parameters = Parameters { contact: AnyContact::ResidualFlexibility, ..baseline::<f64>(TWO_WAY, 1e6) };
+    let mut parameters = baseline::<f64>(TWO_WAY, 1e6);
+    parameters.choices.stop.contact = AnyContact::ResidualFlexibility;
     let scene = parameters.build::<10, 10>().expect("valid");
     let found = scene.closed_form(20.0, 220.0);
     let Validity::NeedsTrajectory { reason: Reason::ReachesStop, margin } = found.validity else {
@@ -133,7 +132,7 @@ fn what_reaches_the_stop_is_flagged() {
     assert!(!scene.closed_form(1.001 * limit, 220.0).validity.holds());
     // With the beam in contact at rest nothing is clear but silence.
     let mut touching = parameters;
-    touching.stop.gap = 0.0;
+    touching.choices.stop.gap = 0.0;
     let touching = touching.build::<4, 1>().expect("valid");
     assert!(touching.closed_form(0.0, 220.0).validity.holds());
     assert!(!touching.closed_form(1e-9, 220.0).validity.holds());

@@ -5,13 +5,12 @@ use crate::part::force_law::AnyForceLaw;
 use crate::part::load::AnyLoad;
 use crate::part::parasitic::ParasiticCapacitance;
 use crate::part::restitution::{AnyRestitution, ConstantRestitution};
-use crate::part::stick_charge::AnyStickCharge;
-use crate::scene::contact_separation::{AnyParts, Parameters};
+use crate::scene::contact_separation::{AnyChoices, Choices, Parameters, StickCharge};
 
 const GRAVITY: f64 = 9.81;
 
 /// Table 2 of the paper, with a charge density in µC/m² and a resistance in Ω.
-fn scene<S: Scalar>(density: f64, ohms: f64) -> ContactSeparation<S, AnyParts<S::Build>> {
+fn scene<S: Scalar>(density: f64, ohms: f64) -> ContactSeparation<S, AnyChoices<S, S::Build>> {
     scene_with(density, ohms, AnyForceLaw::TransferredCharge)
 }
 
@@ -19,7 +18,7 @@ fn scene_with<S: Scalar>(
     density: f64,
     ohms: f64,
     force_law: AnyForceLaw,
-) -> ContactSeparation<S, AnyParts<S::Build>> {
+) -> ContactSeparation<S, AnyChoices<S, S::Build>> {
     Parameters {
         mass: S::from_f64(5e-3),
         stiffness: S::from_f64(80.0),
@@ -29,11 +28,13 @@ fn scene_with<S: Scalar>(
         dielectric_thickness: S::from_f64(5e-5),
         relative_permittivity: S::from_f64(2.0),
         charge_density: S::from_f64(1e-6 * density),
-        parasitic: ParasiticCapacitance { farads: S::from_f64(1e-12) },
-        load: AnyLoad { ohms: S::from_f64(ohms) },
-        force_law,
-        restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: S::from_f64(0.7) }),
-        sticking: AnyStickCharge::Frozen,
+        choices: Choices {
+            load: AnyLoad { ohms: S::from_f64(ohms) },
+            restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: S::from_f64(0.7) }),
+            force_law,
+            parasitic: ParasiticCapacitance { farads: S::from_f64(1e-12) },
+            sticking: StickCharge::Frozen,
+        },
     }
     .build()
     .expect("valid")
@@ -85,7 +86,7 @@ fn without_charge_the_motion_is_that_of_the_linear_oscillator() {
 /// The mean power along `g(θ)` by integrating the circuit's equation in the form of the paper,
 /// `Q' = V/R`, over many periods with small implicit steps.
 fn integrated(
-    scene: &ContactSeparation<f64, AnyParts<crate::scalar::Polynomial>>,
+    scene: &ContactSeparation<f64, AnyChoices<f64>>,
     gap: impl Fn(f64) -> f64,
     omega: f64,
     ohms: f64,

@@ -2,15 +2,16 @@
 
 use super::*;
 use crate::part::load::AnyLoad;
-use crate::part::stick_charge::AnyStickCharge;
-use crate::scene::sliding::{AnyForceLaw, AnyLateralForce, AnyParts, Parameters, PatchFriction};
+use crate::scene::sliding::{
+    AnyChoices, AnyForceLaw, AnyLateralForce, Choices, Parameters, PatchFriction, StickCharge,
+};
 
 const GRAVITY: f64 = 9.81;
 /// Of Table 1: static on the active and the inert patch, kinetic on both.
 const PUBLISHED: [f64; 4] = [0.35, 0.25, 0.3, 0.2];
 
 /// Table 1 of the paper, with a charge density in µC/m² and a resistance in Ω.
-fn scene<S: Scalar>(density: f64, ohms: f64) -> Sliding<S, AnyParts> {
+fn scene<S: Scalar>(density: f64, ohms: f64) -> Sliding<S, AnyChoices<S>> {
     parameters(density, ohms, PUBLISHED, 0.0035).build().expect("valid")
 }
 
@@ -19,7 +20,7 @@ fn parameters<S: Scalar>(
     ohms: f64,
     friction: [f64; 4],
     damping_ratio: f64,
-) -> Parameters<S, AnyParts> {
+) -> Parameters<S, AnyChoices<S>> {
     let number = S::from_f64;
     let [static_active, static_inert, kinetic_active, kinetic_inert] = friction.map(number);
     Parameters {
@@ -31,14 +32,16 @@ fn parameters<S: Scalar>(
         damping_ratio: number(damping_ratio),
         slider_mass: number(8e-3),
         patch_radius: number(0.01),
-        friction: PatchFriction { static_active, static_inert, kinetic_active, kinetic_inert },
         dielectric_thickness: number(5e-5),
         relative_permittivity: number(2.0),
         charge_density: number(1e-6 * density),
-        load: AnyLoad { ohms: number(ohms) },
-        force_law: AnyForceLaw::TransferredCharge,
-        sticking: AnyStickCharge::Frozen,
-        lateral_force: AnyLateralForce::None,
+        choices: Choices {
+            load: AnyLoad { ohms: number(ohms) },
+            friction: PatchFriction { static_active, static_inert, kinetic_active, kinetic_inert },
+            force_law: AnyForceLaw::TransferredCharge,
+            sticking: StickCharge::Frozen,
+            lateral_force: AnyLateralForce::None,
+        },
     }
 }
 

@@ -1,0 +1,162 @@
+//! The parts that a bump-stop harvester is made of.
+
+use core::fmt::Debug;
+
+use super::circuit::{Circuit, Resistive};
+use super::contact_law::{AnyContact, ContactLaw, NoStop};
+use super::stop::{Stop, StopChoice};
+use crate::part::load::AnyLoad;
+use crate::part::rectifier::FullBridge;
+use crate::scalar::Scalar;
+
+/// Whether the voltage acts back on the beam.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not say whether the voltage acts back on the beam",
+    note = "a coupling is `TwoWay`, `OneWay` or `AnyCoupling`"
+)]
+pub(crate) trait Coupling: Copy + Debug + PartialEq {
+    /// Whether the voltage acts back.
+    fn is_two_way(&self) -> bool;
+}
+
+/// The voltage acts back on the beam: what is harvested is taken from the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TwoWay;
+
+impl Coupling for TwoWay {
+    #[inline(always)]
+    fn is_two_way(&self) -> bool {
+        true
+    }
+}
+
+/// The voltage does not act back on the beam: the paper's model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct OneWay;
+
+impl Coupling for OneWay {
+    #[inline(always)]
+    fn is_two_way(&self) -> bool {
+        false
+    }
+}
+
+/// A coupling chosen at run time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AnyCoupling {
+    /// As [`TwoWay`].
+    TwoWay,
+    /// As [`OneWay`].
+    OneWay,
+}
+
+impl Coupling for AnyCoupling {
+    #[inline(always)]
+    fn is_two_way(&self) -> bool {
+        *self == Self::TwoWay
+    }
+}
+
+/// The parts of a bump-stop harvester, each by its type: what is not named is not compiled.
+///
+/// ```
+/// use model_core::part::load::Resistor;
+/// use model_core::scene::bump_stop::{Choices, ResidualFlexibility, Stop};
+///
+/// let free_beam = Choices::new(Resistor { ohms: 1e6_f32 });
+/// let with_a_stop = free_beam.stop(Stop {
+///     length: 20e-3,
+///     section: 4e-6,
+///     young_modulus: 70e9,
+///     density: 2700.0,
+///     position: 50e-3,
+///     gap: 10e-6,
+///     contact_compliance: 0.0,
+///     contact: ResidualFlexibility,
+/// });
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Choices<L, T = NoStop, K = TwoWay> {
+    /// What is at the terminals: a [`Resistive`] load, or a [`FullBridge`] and what it charges.
+    pub load: L,
+    /// The stop.
+    pub stop: T,
+    /// Whether the voltage acts back on the beam.
+    pub coupling: K,
+    /// How many modes of the beam and of the rod are taken, of those that the harvester's type has room for.
+    pub modes: Option<[usize; 2]>,
+}
+
+/// Every choice at run time but that between a load and a bridge.
+pub type AnyChoices<S, L = Resistive<AnyLoad<S>>> = Choices<L, Stop<S, AnyContact<S>>, AnyCoupling>;
+
+impl<L> Choices<Resistive<L>> {
+    /// A load resistance; no stop, a voltage that acts back on the beam, and all modes of the harvester's type.
+    #[must_use]
+    pub const fn new(load: L) -> Self {
+        Self { load: Resistive(load), stop: NoStop, coupling: TwoWay, modes: None }
+    }
+}
+
+impl<S, R> Choices<FullBridge<S, R>> {
+    /// A full bridge and what it charges; no stop, a voltage that acts back on the beam, and all modes of the
+    /// harvester's type.
+    #[must_use]
+    pub const fn behind(bridge: FullBridge<S, R>) -> Self {
+        Self { load: bridge, stop: NoStop, coupling: TwoWay, modes: None }
+    }
+}
+
+impl<L, T, K> Choices<L, T, K> {
+    /// With a stop.
+    #[must_use]
+    pub fn stop<Other>(self, stop: Other) -> Choices<L, Other, K> {
+        let Self { load, coupling, modes, .. } = self;
+        Choices { load, stop, coupling, modes }
+    }
+
+    /// With another coupling.
+    #[must_use]
+    pub fn coupling<Other>(self, coupling: Other) -> Choices<L, T, Other> {
+        let Self { load, stop, modes, .. } = self;
+        Choices { load, stop, coupling, modes }
+    }
+
+    /// With the first `beam` modes of the beam and the first `rod` modes of the rod only: for a host that learns
+    /// their numbers at run time. The bits are those of a harvester whose type has room for just these.
+    #[must_use]
+    pub fn first_modes(self, beam: usize, rod: usize) -> Self {
+        Self { modes: Some([beam, rod]), ..self }
+    }
+}
+
+/// The types of [`Choices`] as one.
+pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
+    /// What is at the terminals.
+    type Load: Circuit<S>;
+    /// The stop.
+    type Stop: StopChoice<S, Contact = Self::Contact>;
+    /// How beam and rod touch, if they can.
+    type Contact: ContactLaw<S>;
+    /// Whether the voltage acts back.
+    type Coupling: Coupling;
+
+    /// The choices themselves.
+    fn choices(&self) -> Choices<Self::Load, Self::Stop, Self::Coupling>;
+}
+
+impl<S: Scalar, L: Circuit<S>, T: StopChoice<S>, K: Coupling> Parts<S> for Choices<L, T, K> {
+    type Load = L;
+    type Stop = T;
+    type Contact = T::Contact;
+    type Coupling = K;
+
+    #[inline]
+    fn choices(&self) -> Self {
+        *self
+    }
+}

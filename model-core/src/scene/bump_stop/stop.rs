@@ -1,0 +1,97 @@
+//! The stop, or none.
+
+use core::fmt::Debug;
+
+use super::contact_law::{ContactLaw, NoStop, ResidualFlexibility};
+use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::rod::Rod;
+use crate::scalar::Scalar;
+
+/// A stop or none.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no stop",
+    note = "write `.stop(Stop {{ .., contact: ResidualFlexibility }})`, or leave `.stop(..)` out"
+)]
+pub trait StopChoice<S: Scalar>: Copy + Debug + PartialEq {
+    /// How beam and rod touch.
+    type Contact: ContactLaw<S>;
+
+    /// How beam and rod touch.
+    fn contact(&self) -> Self::Contact;
+
+    /// The stop.
+    fn stop(&self) -> Option<Stop<S, Self::Contact>>;
+}
+
+impl<S: Scalar> StopChoice<S> for NoStop {
+    type Contact = Self;
+
+    #[inline(always)]
+    fn contact(&self) -> Self {
+        *self
+    }
+
+    #[inline(always)]
+    fn stop(&self) -> Option<Stop<S, Self>> {
+        None
+    }
+}
+
+/// A rod that stands on the base, its free face beside the beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Stop<S, C = ResidualFlexibility> {
+    /// Length of the rod in m, 10⁻⁴ to 10.
+    pub length: S,
+    /// Cross section of the rod in m², 10⁻¹² to 1.
+    pub section: S,
+    /// Young's modulus of the rod in Pa, 10⁵ to 10¹⁵.
+    pub young_modulus: S,
+    /// Density of the rod in kg/m³, 1 to 10⁵.
+    pub density: S,
+    /// Place `X_c` of the contact in m from the clamp, above 0 and at most the length of the beam.
+    pub position: S,
+    /// Distance `Δ` of beam and rod at rest in m, 0 to 1.
+    pub gap: S,
+    /// Compliance of the contact itself in m/N, 0 to 1, in series with that of the modes left out.
+    pub contact_compliance: S,
+    /// How beam and rod touch.
+    pub contact: C,
+}
+
+impl<S: Scalar, C: ContactLaw<S>> StopChoice<S> for Stop<S, C> {
+    type Contact = C;
+
+    #[inline(always)]
+    fn contact(&self) -> C {
+        self.contact
+    }
+
+    #[inline(always)]
+    fn stop(&self) -> Option<Self> {
+        Some(*self)
+    }
+}
+
+impl<S: Scalar, C: ContactLaw<S>> Stop<S, C> {
+    /// The rod along its axis.
+    pub(super) fn rod(&self) -> Rod<S> {
+        Rod {
+            length: self.length,
+            axial_stiffness: self.young_modulus * self.section,
+            mass_per_length: self.density * self.section,
+        }
+    }
+
+    /// Refuses what is out of bounds, beside a beam of a length in m.
+    pub(super) fn check(&self, beam_length: S) -> Result<(), ParameterError<S>> {
+        Bounds::new(1e-4, 10.0).check("stop.length", self.length)?;
+        Bounds::new(1e-12, 1.0).check("stop.section", self.section)?;
+        Bounds::new(1e5, 1e15).check("stop.young_modulus", self.young_modulus)?;
+        Bounds::new(1.0, 1e5).check("stop.density", self.density)?;
+        Bounds { lowest: S::from_f64(1e-4), highest: beam_length }.check("stop.position", self.position)?;
+        Bounds::new(0.0, 1.0).check("stop.gap", self.gap)?;
+        Bounds::new(0.0, 1.0).check("stop.contact_compliance", self.contact_compliance)?;
+        self.contact.check()
+    }
+}
