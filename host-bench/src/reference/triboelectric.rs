@@ -10,10 +10,10 @@ mod storage_in_stick;
 
 use std::time::Instant;
 
-pub(crate) use self::bridge::Port;
+pub(crate) use self::bridge::ElectricalPort;
 use self::flow::{Event, Flow, Reason};
 pub(crate) use self::harvester::{
-    Circuit, Counts, Dense, Guards, Harvester, Jump, LoadCircuit, Sample, Scales, VACUUM_PERMITTIVITY,
+    CircuitKind, Counts, Dense, Guards, Harvester, Jump, LoadCircuit, Sample, Scales, VACUUM_PERMITTIVITY,
 };
 use self::meter::Meter;
 pub(crate) use self::motion::{Branch, Mode, Motion};
@@ -121,7 +121,7 @@ impl<H: Harvester> March<'_, H> {
         }
         self.mode = jump.mode;
         let shared = match jump.mode {
-            Mode::Flow => self.harvester.settle_bridge(&mut self.motion),
+            Mode::Flow => self.harvester.find_bridge_regime(&mut self.motion),
             Mode::Stick => {
                 self.meter.stick();
                 self.harvester.enter_stick(&mut self.motion)
@@ -145,7 +145,7 @@ impl<H: Harvester> March<'_, H> {
         if release.is_some() {
             self.mode = Mode::Flow;
             self.harvester.release(&mut self.motion, base.at(elapsed));
-            self.meter.ledger.add(&self.harvester.settle_bridge(&mut self.motion));
+            self.meter.ledger.add(&self.harvester.find_bridge_regime(&mut self.motion));
         } else if let Some((_, switch)) = switch {
             self.meter.ledger.add(&self.harvester.switch(switch, Mode::Stick, &mut self.motion));
         }

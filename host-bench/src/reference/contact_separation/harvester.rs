@@ -4,7 +4,7 @@ use super::guards::{Impact, ImpactSearch};
 use super::physics::Physics;
 use crate::outcome::{CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Particular, with_store};
 use crate::reference::triboelectric::{
-    Circuit, Counts, Harvester, Jump, LoadCircuit, Mode, Motion, Port, Scales,
+    CircuitKind, Counts, ElectricalPort, Harvester, Jump, LoadCircuit, Mode, Motion, Scales,
 };
 use crate::scene_file::ForceLaw;
 
@@ -57,15 +57,15 @@ impl Harvester for Physics {
         let Motion { position: gap, velocity, voltage, .. } = *motion;
         let spacing = gap + self.dielectric;
         match self.load.kind {
-            Circuit::Dynamic => {
+            CircuitKind::Dynamic => {
                 (self.top_charge(gap, voltage) * velocity - spacing * voltage * self.load.conductance)
                     / self.total_capacitance_length(gap)
             }
-            Circuit::QuasiStatic => {
+            CircuitKind::QuasiStatic => {
                 self.load.resistance * self.tribo_charge * self.dielectric / (spacing * spacing)
                     * (self.acceleration(motion, base) - 2.0 * velocity * velocity / spacing)
             }
-            Circuit::Open => {
+            CircuitKind::Open => {
                 self.electrostatic_voltage_along(motion, &Motion { position: velocity, ..*motion })
             }
         }
@@ -105,12 +105,12 @@ impl Harvester for Physics {
 
     fn voltage(&self, motion: &Motion) -> f64 {
         match self.load.kind {
-            Circuit::QuasiStatic => {
+            CircuitKind::QuasiStatic => {
                 let spacing = motion.position + self.dielectric;
                 self.load.resistance * self.tribo_charge * self.dielectric * motion.velocity
                     / (spacing * spacing)
             }
-            Circuit::Dynamic | Circuit::Open => self.electrostatic_voltage(motion),
+            CircuitKind::Dynamic | CircuitKind::Open => self.electrostatic_voltage(motion),
         }
     }
 
@@ -119,9 +119,9 @@ impl Harvester for Physics {
     }
 
     /// `C = c / (g + d_e) + C_p` and `j = (σS − q) v / (g + d_e)`.
-    fn port(&self, motion: &Motion) -> Port {
+    fn port(&self, motion: &Motion) -> ElectricalPort {
         let spacing = motion.position + self.dielectric;
-        Port {
+        ElectricalPort {
             voltage: motion.voltage,
             driven: self.top_charge(motion.position, motion.voltage) * motion.velocity / spacing,
             capacitance: self.total_capacitance_length(motion.position) / spacing,

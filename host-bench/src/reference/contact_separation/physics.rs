@@ -18,7 +18,7 @@
 //! terminals the harvester is a capacitance `C = c / (g + d_e) + C_p` and a current
 //! `j = (σS − q) v / (g + d_e)`.
 
-use crate::reference::triboelectric::{Circuit, Harvester, LoadCircuit, Motion, VACUUM_PERMITTIVITY};
+use crate::reference::triboelectric::{CircuitKind, Harvester, LoadCircuit, Motion, VACUUM_PERMITTIVITY};
 use crate::scene_file::{ContactSeparationParameters, ContactSeparationStart, ForceLaw, Load, Restitution};
 
 /// Constants of the equations.
@@ -88,7 +88,7 @@ impl Physics {
             physics.top_charge(gap, voltage) + physics.parasitic * voltage,
             physics.charge_at_voltage(gap, voltage) - physics.parasitic * voltage,
         ];
-        let voltage = if physics.load.kind == Circuit::Dynamic { voltage } else { 0.0 };
+        let voltage = if physics.load.kind == CircuitKind::Dynamic { voltage } else { 0.0 };
         let bridge = physics.load.bridge();
         let mut motion = Motion { position: gap, voltage, bridge, ..Motion::default() };
         let scale = physics.voltage_scale(&motion);
@@ -96,7 +96,7 @@ impl Physics {
             storage.scale = scale;
         }
         motion.velocity = start.velocity_m_per_s.unwrap_or(0.0);
-        physics.settle_bridge(&mut motion);
+        physics.find_bridge_regime(&mut motion);
         (physics, motion)
     }
 
@@ -126,9 +126,9 @@ impl Physics {
     /// The voltage in V that sets the charges: the load voltage, except where that is lost in rounding.
     pub(super) fn electrostatic_voltage(&self, motion: &Motion) -> f64 {
         match self.load.kind {
-            Circuit::Dynamic => motion.voltage,
-            Circuit::QuasiStatic => 0.0,
-            Circuit::Open => {
+            CircuitKind::Dynamic => motion.voltage,
+            CircuitKind::QuasiStatic => 0.0,
+            CircuitKind::Open => {
                 let [top_charge, total_charge] = self.open_charges;
                 (top_charge * motion.position - total_charge * self.dielectric)
                     / self.total_capacitance_length(motion.position)
@@ -139,9 +139,9 @@ impl Physics {
     /// Derivative of [`Self::electrostatic_voltage`] in the direction of `change`.
     pub(super) fn electrostatic_voltage_along(&self, motion: &Motion, change: &Motion) -> f64 {
         match self.load.kind {
-            Circuit::Dynamic => change.voltage,
-            Circuit::QuasiStatic => 0.0,
-            Circuit::Open => {
+            CircuitKind::Dynamic => change.voltage,
+            CircuitKind::QuasiStatic => 0.0,
+            CircuitKind::Open => {
                 let [top_charge, _] = self.open_charges;
                 (top_charge - self.electrostatic_voltage(motion) * self.parasitic)
                     / self.total_capacitance_length(motion.position)

@@ -7,7 +7,7 @@ use super::physics::Physics;
 use crate::outcome::{Particular, SLIDING_COLUMNS, SlidingOutcome, with_store};
 use crate::reference::ledger::{Integrals, integral};
 use crate::reference::triboelectric::{
-    Circuit, Counts, Harvester, Jump, LoadCircuit, Mode, Motion, Port, Scales,
+    CircuitKind, Counts, ElectricalPort, Harvester, Jump, LoadCircuit, Mode, Motion, Scales,
 };
 use crate::scene_file::ForceLaw;
 
@@ -58,13 +58,13 @@ impl Harvester for Physics {
     fn voltage_rate(&self, motion: &Motion, base: f64) -> f64 {
         let (overlap, velocity) = (self.overlap(motion), motion.velocity);
         match self.load.kind {
-            Circuit::QuasiStatic => {
+            CircuitKind::QuasiStatic => {
                 let acceleration = self.acceleration(motion, base);
                 -self.load.resistance
                     * self.tribo_charge
                     * (overlap.curvature * velocity * velocity + overlap.slope * acceleration)
             }
-            Circuit::Dynamic | Circuit::Open => {
+            CircuitKind::Dynamic | CircuitKind::Open => {
                 let voltage = self.electrostatic_voltage(motion, &overlap);
                 let current = voltage * self.load.conductance;
                 (-overlap.slope * velocity * self.total_charge(voltage) - current)
@@ -130,9 +130,9 @@ impl Harvester for Physics {
     }
 
     /// `C = c s1` and `j = −(ds1/dx) v (σS + c V)`.
-    fn port(&self, motion: &Motion) -> Port {
+    fn port(&self, motion: &Motion) -> ElectricalPort {
         let overlap = self.overlap(motion);
-        Port {
+        ElectricalPort {
             voltage: motion.voltage,
             driven: -overlap.slope * motion.velocity * self.total_charge(motion.voltage),
             capacitance: self.capacitance * overlap.active,

@@ -22,7 +22,9 @@
 //! gap between the surfaces is infinitely thin: its energy vanishes, its pressure does not.
 
 use super::overlap::Overlap;
-use crate::reference::triboelectric::{Branch, Circuit, Harvester, LoadCircuit, Motion, VACUUM_PERMITTIVITY};
+use crate::reference::triboelectric::{
+    Branch, CircuitKind, Harvester, LoadCircuit, Motion, VACUUM_PERMITTIVITY,
+};
 use crate::scene_file::modes::Cantilever;
 use crate::scene_file::{ForceLaw, GRAVITY, Load, SlidingParameters, SlidingStart};
 
@@ -100,14 +102,14 @@ impl Physics {
         let overlap = physics.overlap(&motion);
         let relaxed = physics.tribo_charge * overlap.inert;
         physics.open_charge = start.charge_c.unwrap_or(relaxed);
-        if physics.load.kind == Circuit::Dynamic {
+        if physics.load.kind == CircuitKind::Dynamic {
             motion.voltage = (relaxed - physics.open_charge) / (physics.capacitance * overlap.active);
         }
         let scale = physics.voltage_scale(&motion);
         if let Some(storage) = &mut physics.load.storage {
             storage.scale = scale;
         }
-        physics.settle_bridge(&mut motion);
+        physics.find_bridge_regime(&mut motion);
         (physics, motion)
     }
 
@@ -118,9 +120,9 @@ impl Physics {
     /// The voltage in V that sets the charge: the load voltage, except where that is lost in rounding.
     pub(super) fn electrostatic_voltage(&self, motion: &Motion, overlap: &Overlap) -> f64 {
         match self.load.kind {
-            Circuit::Dynamic => motion.voltage,
-            Circuit::QuasiStatic => 0.0,
-            Circuit::Open => {
+            CircuitKind::Dynamic => motion.voltage,
+            CircuitKind::QuasiStatic => 0.0,
+            CircuitKind::Open => {
                 (self.tribo_charge * overlap.inert - self.open_charge) / (self.capacitance * overlap.active)
             }
         }
@@ -129,9 +131,9 @@ impl Physics {
     /// Derivative of [`Self::electrostatic_voltage`] in the direction of `change`.
     fn electrostatic_voltage_along(&self, motion: &Motion, overlap: &Overlap, change: &Motion) -> f64 {
         match self.load.kind {
-            Circuit::Dynamic => change.voltage,
-            Circuit::QuasiStatic => 0.0,
-            Circuit::Open => {
+            CircuitKind::Dynamic => change.voltage,
+            CircuitKind::QuasiStatic => 0.0,
+            CircuitKind::Open => {
                 let total = self.total_charge(self.electrostatic_voltage(motion, overlap));
                 -(overlap.slope * change.position) * total / (self.capacitance * overlap.active)
             }
@@ -141,16 +143,16 @@ impl Physics {
     /// Load voltage in V.
     pub(super) fn voltage_at(&self, motion: &Motion, overlap: &Overlap) -> f64 {
         match self.load.kind {
-            Circuit::QuasiStatic => {
+            CircuitKind::QuasiStatic => {
                 -self.load.resistance * self.tribo_charge * overlap.slope * motion.velocity
             }
-            Circuit::Dynamic | Circuit::Open => self.electrostatic_voltage(motion, overlap),
+            CircuitKind::Dynamic | CircuitKind::Open => self.electrostatic_voltage(motion, overlap),
         }
     }
 
     /// Transferred charge `q` in C.
     pub(super) fn charge_at(&self, motion: &Motion, overlap: &Overlap) -> f64 {
-        if self.load.kind == Circuit::Open {
+        if self.load.kind == CircuitKind::Open {
             return self.open_charge;
         }
         let voltage = self.electrostatic_voltage(motion, overlap);
@@ -188,7 +190,7 @@ impl Physics {
             ForceLaw::TransferredCharge => {
                 let charge = self.charge_at(motion, overlap);
                 let charge_change = match self.load.kind {
-                    Circuit::Open => 0.0,
+                    CircuitKind::Open => 0.0,
                     _ => -total * covered - charged,
                 };
                 let area = self.permittivity_area * self.relative_permittivity * overlap.active;
@@ -233,7 +235,7 @@ impl Physics {
         let slope_change = overlap.curvature * change.position;
         let voltage = self.voltage_at(motion, overlap);
         let voltage_change = match self.load.kind {
-            Circuit::QuasiStatic => {
+            CircuitKind::QuasiStatic => {
                 -self.load.resistance
                     * self.tribo_charge
                     * (slope_change * motion.velocity + overlap.slope * change.velocity)

@@ -35,7 +35,7 @@ pub(crate) struct Bridge {
 
 /// A harvester at its terminals.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Port {
+pub(crate) struct ElectricalPort {
     /// Voltage in V.
     pub(crate) voltage: f64,
     /// Current in A that the motion drives into a short circuit.
@@ -108,7 +108,7 @@ impl Storage {
     }
 
     /// Current in A out of the harvester, of the sign of its voltage.
-    pub(crate) fn current(&self, port: &Port, bridge: &Bridge) -> f64 {
+    pub(crate) fn current(&self, port: &ElectricalPort, bridge: &Bridge) -> f64 {
         if bridge.sign == 0.0 {
             return 0.0;
         }
@@ -118,7 +118,12 @@ impl Storage {
     }
 
     /// Derivative of [`Self::current`] for changes of `j`, `C` and the gain.
-    fn current_along(&self, port: &Port, bridge: &Bridge, [driven, capacitance, gain]: [f64; 3]) -> f64 {
+    fn current_along(
+        &self,
+        port: &ElectricalPort,
+        bridge: &Bridge,
+        [driven, capacitance, gain]: [f64; 3],
+    ) -> f64 {
         if bridge.sign == 0.0 {
             return 0.0;
         }
@@ -130,20 +135,20 @@ impl Storage {
     }
 
     /// Rate of the gain in V/s.
-    pub(crate) fn gain_rate(&self, port: &Port, bridge: &Bridge) -> f64 {
+    pub(crate) fn gain_rate(&self, port: &ElectricalPort, bridge: &Bridge) -> f64 {
         let [out, _] = self.outflow(bridge);
         self.elastance() * (bridge.sign * self.current(port, bridge) - out)
     }
 
     /// Derivative of [`Self::gain_rate`] for changes of `j`, `C` and the gain.
-    pub(crate) fn gain_rate_along(&self, port: &Port, bridge: &Bridge, changes: [f64; 3]) -> f64 {
+    pub(crate) fn gain_rate_along(&self, port: &ElectricalPort, bridge: &Bridge, changes: [f64; 3]) -> f64 {
         let [_, slope] = self.outflow(bridge);
         let current = self.current_along(port, bridge, changes);
         self.elastance() * (bridge.sign * current - slope * changes[2])
     }
 
     /// Powers in W: into the storage, into the diodes, leaked, drawn.
-    pub(crate) fn powers(&self, port: &Port, bridge: &Bridge) -> [f64; 4] {
+    pub(crate) fn powers(&self, port: &ElectricalPort, bridge: &Bridge) -> [f64; 4] {
         let voltage = self.voltage(bridge);
         let current = bridge.sign * self.current(port, bridge);
         let [drawn, _] = self.drawn(voltage, bridge.connected);
@@ -176,7 +181,7 @@ impl Storage {
     }
 
     /// A quantity that rises through zero at the switch.
-    fn guard(&self, switch: Switch, port: &Port, bridge: &Bridge) -> f64 {
+    fn guard(&self, switch: Switch, port: &ElectricalPort, bridge: &Bridge) -> f64 {
         match switch {
             Switch::Conducts { sign } => sign * port.voltage - self.threshold(bridge),
             Switch::Blocks => -bridge.sign * self.current(port, bridge),
@@ -189,24 +194,34 @@ impl Storage {
 
     /// Changes the regime. Gives the terminal voltage in V after the switch, and the energies of a charge that
     /// is shared at once.
-    pub(crate) fn switch(&self, switch: Switch, port: Port, bridge: &mut Bridge) -> (f64, Integrals) {
+    pub(crate) fn switch(
+        &self,
+        switch: Switch,
+        port: ElectricalPort,
+        bridge: &mut Bridge,
+    ) -> (f64, Integrals) {
         match switch {
-            Switch::Conducts { .. } => self.settle(port, bridge, 0.0),
+            Switch::Conducts { .. } => self.find_regime(port, bridge, 0.0),
             Switch::Blocks => {
                 let sign = std::mem::take(&mut bridge.sign);
                 let voltage = sign * self.threshold(bridge);
-                self.settle(Port { voltage, ..port }, bridge, sign)
+                self.find_regime(ElectricalPort { voltage, ..port }, bridge, sign)
             }
             Switch::Draw { connected } => {
                 bridge.connected = connected;
-                self.settle(port, bridge, 0.0)
+                self.find_regime(port, bridge, 0.0)
             }
         }
     }
 
     /// Finds the regime after a jump of the motion or of the circuit: no current flows back through the bridge,
     /// and a bridge at its threshold conducts, except in the sense `ended`. Gives what [`Self::switch`] does.
-    pub(crate) fn settle(&self, mut port: Port, bridge: &mut Bridge, mut ended: f64) -> (f64, Integrals) {
+    pub(crate) fn find_regime(
+        &self,
+        mut port: ElectricalPort,
+        bridge: &mut Bridge,
+        mut ended: f64,
+    ) -> (f64, Integrals) {
         let mut shared = Integrals::default();
         if bridge.sign != 0.0 && bridge.sign * self.current(&port, bridge) <= 0.0 {
             ended = std::mem::take(&mut bridge.sign);
@@ -265,7 +280,7 @@ impl<'a> SwitchSearch<'a> {
         from: f64,
         to: f64,
         turns: &[f64],
-        at: &dyn Fn(f64) -> Result<(Port, Bridge), DiffsolError>,
+        at: &dyn Fn(f64) -> Result<(ElectricalPort, Bridge), DiffsolError>,
     ) -> Result<Option<(f64, Switch)>, DiffsolError> {
         let mut instants = vec![from, from + 0.5 * (to - from), to];
         instants.extend(turns.iter().copied().filter(|turn| *turn > from && *turn < to));
@@ -294,7 +309,7 @@ impl<'a> SwitchSearch<'a> {
         switch: Switch,
         from: f64,
         to: f64,
-        at: &dyn Fn(f64) -> Result<(Port, Bridge), DiffsolError>,
+        at: &dyn Fn(f64) -> Result<(ElectricalPort, Bridge), DiffsolError>,
     ) -> Result<Option<f64>, DiffsolError> {
         let latch = match switch {
             Switch::Conducts { sign } => Some(usize::from(sign < 0.0)),

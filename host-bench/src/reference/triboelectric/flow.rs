@@ -51,6 +51,9 @@ pub(crate) enum Event<E> {
     Switch(Switch),
 }
 
+/// The integrals over a flow and the event that ended it, if the time was not up.
+pub(crate) type FlowEnd<H> = (Integrals, Option<Event<SceneEvent<H>>>);
+
 /// The reason of a failure.
 #[derive(Debug)]
 pub(crate) struct Reason(pub(crate) String);
@@ -83,7 +86,7 @@ impl<H: Harvester> Flow<'_, H> {
         effort: &mut Effort,
         last: &mut Sample,
         watch: &mut dyn FnMut(&Step<'_>) -> Result<(), DiffsolError>,
-    ) -> Result<(Integrals, Option<Event<SceneEvent<H>>>), Reason> {
+    ) -> Result<FlowEnd<H>, Reason> {
         let problem = self.problem()?;
         let mut solver = problem.bdf::<NalgebraLU<f64>>()?;
         // The first step after an impact on a tiny load is tiny.

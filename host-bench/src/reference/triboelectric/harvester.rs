@@ -2,7 +2,7 @@
 
 use diffsol::error::DiffsolError;
 
-use super::bridge::{Bridge, Port, Switch};
+use super::bridge::{Bridge, ElectricalPort, Switch};
 use super::motion::{Mode, Motion};
 use crate::outcome::Particular;
 use crate::reference::ledger::{Integrals, integral};
@@ -18,7 +18,7 @@ const FASTEST_RATE: f64 = 1e5;
 
 /// How the voltage follows the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Circuit {
+pub(crate) enum CircuitKind {
     /// The voltage is a state; behind a bridge also while the terminals are open.
     Dynamic,
     /// The circuit is so fast that `V = R dq/dt` with the charge of the short circuit, to 1e-11.
@@ -30,7 +30,7 @@ pub(crate) enum Circuit {
 /// The circuit at the terminals, and what the charge does in stick.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LoadCircuit {
-    pub(crate) kind: Circuit,
+    pub(crate) kind: CircuitKind,
     /// Resistance in Ω; infinite with a bridge.
     pub(crate) resistance: f64,
     /// `1 / R` in S; 0 for an open circuit. Not used where `R` is 0.
@@ -45,13 +45,13 @@ impl LoadCircuit {
     pub(crate) fn new(load: Load, stick_charge: StickCharge, capacitance: f64) -> Self {
         let (resistance, storage) = (load.resistance_ohm(), Storage::of(load));
         let kind = if storage.is_some() {
-            Circuit::Dynamic
+            CircuitKind::Dynamic
         } else if resistance.is_infinite() {
-            Circuit::Open
+            CircuitKind::Open
         } else if resistance * capacitance * FASTEST_RATE < 1e-11 {
-            Circuit::QuasiStatic
+            CircuitKind::QuasiStatic
         } else {
-            Circuit::Dynamic
+            CircuitKind::Dynamic
         };
         Self { kind, resistance, conductance: 1.0 / resistance, storage, stick_charge }
     }
@@ -203,7 +203,7 @@ pub(crate) trait Harvester: Sized {
     fn charge(&self, motion: &Motion) -> f64;
 
     /// The harvester at its terminals.
-    fn port(&self, motion: &Motion) -> Port;
+    fn port(&self, motion: &Motion) -> ElectricalPort;
 
     /// Derivative of the driven current in A and of the capacitance in F in the direction of `change`.
     fn port_along(&self, motion: &Motion, change: &Motion) -> [f64; 2];
@@ -246,7 +246,7 @@ pub(crate) trait Harvester: Sized {
 
     /// Rates of the states.
     fn rates(&self, motion: &Motion, base: f64) -> [f64; Motion::STATES] {
-        let is_state = self.load().kind == Circuit::Dynamic;
+        let is_state = self.load().kind == CircuitKind::Dynamic;
         let voltage = if is_state { self.voltage_slope(motion, base) } else { 0.0 };
         [motion.velocity, self.acceleration(motion, base), voltage, self.gain_rate(motion)]
     }
@@ -261,9 +261,9 @@ pub(crate) trait Harvester: Sized {
         });
         let sign = motion.bridge.sign;
         let voltage = match kind {
-            Circuit::Dynamic if sign != 0.0 => sign * gain,
-            Circuit::Dynamic => self.voltage_rate_along(motion, change),
-            Circuit::QuasiStatic | Circuit::Open => 0.0,
+            CircuitKind::Dynamic if sign != 0.0 => sign * gain,
+            CircuitKind::Dynamic => self.voltage_rate_along(motion, change),
+            CircuitKind::QuasiStatic | CircuitKind::Open => 0.0,
         };
         [change.velocity, self.acceleration_along(motion, change), voltage, gain]
     }
@@ -279,25 +279,25 @@ pub(crate) trait Harvester: Sized {
     }
 
     /// Lets the bridge find its regime after a jump; gives the energies of a charge that is shared at once.
-    fn settle_bridge(&self, motion: &mut Motion) -> Integrals {
+    fn find_bridge_regime(&self, motion: &mut Motion) -> Integrals {
         let Some(storage) = &self.load().storage else { return Integrals::default() };
-        let (voltage, shared) = storage.settle(self.port(motion), &mut motion.bridge, 0.0);
+        let (voltage, shared) = storage.find_regime(self.port(motion), &mut motion.bridge, 0.0);
         motion.voltage = voltage;
         shared
     }
 
-    /// Enters stick: a frozen charge opens the terminals. Gives what [`Self::settle_bridge`] does.
+    /// Enters stick: a frozen charge opens the terminals. Gives what [`Self::find_bridge_regime`] does.
     fn enter_stick(&self, motion: &mut Motion) -> Integrals {
         match self.load().stick_charge {
             StickCharge::Frozen => {
                 motion.bridge.sign = 0.0;
                 Integrals::default()
             }
-            StickCharge::Relaxing => self.settle_bridge(motion),
+            StickCharge::Relaxing => self.find_bridge_regime(motion),
         }
     }
 
-    /// Switches the bridge or the draw; gives what [`Self::settle_bridge`] does.
+    /// Switches the bridge or the draw; gives what [`Self::find_bridge_regime`] does.
     fn switch(&self, switch: Switch, mode: Mode, motion: &mut Motion) -> Integrals {
         let Some(storage) = &self.load().storage else { return Integrals::default() };
         if let (Mode::Stick, StickCharge::Frozen, Switch::Draw { connected }) =

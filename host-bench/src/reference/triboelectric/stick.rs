@@ -7,7 +7,7 @@
 use std::convert::Infallible;
 
 use super::bridge::Switch;
-use super::harvester::{Circuit, Harvester};
+use super::harvester::{CircuitKind, Harvester};
 use super::motion::Motion;
 use super::storage_in_stick::StorageInStick;
 use crate::base_motion::LocalBase;
@@ -50,7 +50,7 @@ impl<H: Harvester> Stick<'_, H> {
         let load = self.harvester.load();
         let relaxes = load.stick_charge == StickCharge::Relaxing
             && load.storage.is_none()
-            && load.kind == Circuit::Dynamic;
+            && load.kind == CircuitKind::Dynamic;
         relaxes.then(|| self.harvester.time_constant(&self.start))
     }
 

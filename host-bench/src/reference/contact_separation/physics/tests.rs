@@ -74,10 +74,10 @@ fn an_open_circuit_holds_its_total_charge() {
 fn a_tiny_resistance_continues_the_dynamic_circuit() {
     let motion = Motion { position: 0.4e-3, velocity: 0.05, ..Motion::default() };
     let (fast, _) = physics(ForceLaw::TransferredCharge, 1e-10, None);
-    assert_eq!(fast.load.kind, Circuit::QuasiStatic);
+    assert_eq!(fast.load.kind, CircuitKind::QuasiStatic);
     // The dynamic circuit's voltage at rest, V' = 0, with a resistance just large enough.
     let (slow, _) = physics(ForceLaw::TransferredCharge, 1e-3, None);
-    assert_eq!(slow.load.kind, Circuit::Dynamic);
+    assert_eq!(slow.load.kind, CircuitKind::Dynamic);
     let quasi = fast.voltage(&motion) * 1e7;
     let rest = slow.rates(&Motion { voltage: quasi, ..motion }, 0.0)[2];
     let driven = slow.rates(&motion, 0.0)[2];

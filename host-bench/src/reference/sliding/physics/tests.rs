@@ -119,10 +119,10 @@ fn a_tiny_resistance_continues_the_dynamic_circuit() {
     let branch = Branch { direction: 1.0, side: 1.0 };
     let motion = Motion { position: 4e-3, velocity: 0.5, branch, ..Motion::default() };
     let (fast, _) = physics(ForceLaw::TransferredCharge, 1e-7, None);
-    assert_eq!(fast.load.kind, Circuit::QuasiStatic);
+    assert_eq!(fast.load.kind, CircuitKind::QuasiStatic);
     // The dynamic circuit's voltage at rest, V' = 0, with a resistance just large enough.
     let (slow, _) = physics(ForceLaw::TransferredCharge, 1.0, None);
-    assert_eq!(slow.load.kind, Circuit::Dynamic);
+    assert_eq!(slow.load.kind, CircuitKind::Dynamic);
     let quasi = fast.voltage(&motion) * 1e7;
     let rest = slow.rates(&Motion { voltage: quasi, ..motion }, 0.0)[2];
     let driven = slow.rates(&motion, 0.0)[2];

@@ -37,14 +37,14 @@ fn port_and_storage_move_together_while_the_bridge_conducts() {
         for sign in [1.0, -1.0] {
             let storage = storage(draw);
             let bridge = Bridge { gain: 0.1, sign, connected: true };
-            let port = Port { voltage: sign * 3.6, driven: sign * 4e-9, capacitance: 0.5e-9 };
+            let port = ElectricalPort { voltage: sign * 3.6, driven: sign * 4e-9, capacitance: 0.5e-9 };
             let current = storage.current(&port, &bridge);
             let harvester = (port.driven - current) / port.capacitance;
             assert!((sign * harvester / storage.gain_rate(&port, &bridge) - 1.0).abs() < 1e-12);
             for changes in [[1e-13, 0.0, 0.0], [0.0, 1e-14, 0.0], [0.0, 0.0, 1e-5]] {
                 let moved = |way: f64| {
                     let [driven, capacitance, gain] = changes.map(|change| way * change);
-                    let port = Port {
+                    let port = ElectricalPort {
                         driven: port.driven + driven,
                         capacitance: port.capacitance + capacitance,
                         ..port
@@ -64,17 +64,17 @@ fn port_and_storage_move_together_while_the_bridge_conducts() {
 #[test]
 fn a_charge_above_the_threshold_is_shared() {
     let storage = storage(Draw::None);
-    let port = Port { voltage: -6.0, driven: -1e-9, capacitance: 0.5e-9 };
+    let port = ElectricalPort { voltage: -6.0, driven: -1e-9, capacitance: 0.5e-9 };
     let mut bridge = storage.start();
-    let (voltage, shared) = storage.settle(port, &mut bridge, 0.0);
+    let (voltage, shared) = storage.find_regime(port, &mut bridge, 0.0);
     assert!((bridge.gain - 0.5).abs() < 1e-14 && (voltage + 4.0).abs() < 1e-14, "{bridge:?} {voltage}");
     assert_eq!(bridge.sign, -1.0);
     let given = 0.5 * port.capacitance * (36.0 - voltage * voltage);
     assert!((shared[integral::INTO_LOAD] + shared[integral::DIODES] - given).abs() < 1e-12 * given);
     assert!((shared[integral::INTO_LOAD] - storage.gained(&bridge)).abs() < 1e-12 * given);
     // No current flows back.
-    let back = Port { driven: 1.0, voltage, ..port };
-    let (after, _) = storage.settle(back, &mut bridge, 0.0);
+    let back = ElectricalPort { driven: 1.0, voltage, ..port };
+    let (after, _) = storage.find_regime(back, &mut bridge, 0.0);
     assert_eq!((bridge.sign, after), (0.0, voltage));
 }
 
