@@ -1,10 +1,9 @@
-//! Simulated time as an integer, and frequencies that lose no phase.
+//! Simulated time as an integer, and the phase of a frequency at a time.
 //!
-//! Time is a count of ticks of 2⁻⁴⁰ s (0.91 ps) in 64 bits: half a year before it wraps, and the
-//! rounding of an event to a tick is lost in the rounding of any step above a few microseconds in
-//! `f32`. A frequency is a fixed-point number of turns per tick with 96 fractional bits, so the
-//! phase at a tick is one multiplication, exact modulo a turn: 24 hours at 10 kHz end within
-//! 10⁻⁹ of a turn of the truth, in either precision.
+//! Time is a count of ticks of 2⁻⁴⁰ s (0.91 ps) in 64 bits, which wraps after half a year. Rounding an event to
+//! a tick is less than the rounding, in `f32`, of any step above a few microseconds. A frequency is a
+//! fixed-point number of turns per tick with 96 fractional bits. The phase at a tick is one multiplication
+//! modulo a turn: after 24 hours at 10 kHz it is off by less than 10⁻⁹ of a turn in either precision.
 
 use crate::scalar::Scalar;
 use crate::snapshot::snapshot_fields;
@@ -33,7 +32,7 @@ impl Instant {
         self.0
     }
 
-    /// The instant `seconds` whole seconds after the start; seconds beyond 2²⁴ wrap.
+    /// The instant `seconds` whole seconds after the start; 2²⁴ s and more wrap.
     #[must_use]
     pub const fn from_whole_seconds(seconds: u32) -> Self {
         Self((seconds as u64) << TICKS_PER_SECOND_LOG2)
@@ -58,14 +57,14 @@ impl Instant {
         Self(self.0.wrapping_add(ticks as u64))
     }
 
-    /// Ticks from here until `later`, at most `limit`; 0 if `later` has passed.
+    /// Ticks from this instant until `later`, at most `limit`; 0 if `later` has passed.
     #[must_use]
     #[inline]
     pub fn ticks_until(self, later: Self, limit: u32) -> u32 {
         u32::try_from(later.0.saturating_sub(self.0)).unwrap_or(u32::MAX).min(limit)
     }
 
-    /// Seconds since the start, rounded. For reports: a step never uses absolute time.
+    /// Seconds since the start, rounded: for reports, since a step uses no absolute time.
     #[must_use]
     pub fn seconds<S: Scalar>(self) -> S {
         let (whole, fraction) =
@@ -90,7 +89,7 @@ fn scale_to_integer(mantissa: u64, exponent: i32) -> Option<u128> {
     }
 }
 
-/// Seconds in `ticks` ticks.
+/// The length of `ticks` ticks in seconds.
 #[must_use]
 #[inline]
 pub fn seconds_of_ticks<S: Scalar>(ticks: u32) -> S {
@@ -100,40 +99,39 @@ pub fn seconds_of_ticks<S: Scalar>(ticks: u32) -> S {
 /// The number of ticks nearest to `seconds`, between 1 and the largest step of 2³² − 1 ticks.
 #[must_use]
 pub fn ticks_of_seconds<S: Scalar>(seconds: S) -> u32 {
-    // Two exact scalings by a power of two; the conversion saturates.
+    // The scaling is exact, and the conversion saturates.
     (seconds * S::power_of_two(TICKS_PER_SECOND_LOG2) + S::from_f64(0.5)).to_u32().max(1)
 }
 
-/// The longest step, in seconds: 2³² − 1 ticks, 3.9 ms.
+/// The longest step in seconds: 2³² − 1 ticks, 3.9 ms.
 pub const LONGEST_STEP_S: f64 = 4_294_967_295.0 / 1_099_511_627_776.0;
 
-/// Cycles completed since the start: whole ones and the fraction of the present one.
+/// Cycles since the start of simulated time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Cycles {
+pub(crate) struct Cycles {
     /// Completed cycles.
-    pub whole: u64,
+    pub(crate) whole: u64,
     /// Fraction of the present cycle, in units of 2⁻⁶⁴.
-    pub fraction: u64,
+    pub(crate) fraction: u64,
 }
 
-/// A frequency as cycles per tick, in units of 2⁻⁹⁶ cycle.
+/// A frequency in units of 2⁻⁹⁶ cycles per tick, which are 2⁻⁵⁶ Hz.
 ///
-/// One unit is 2⁻⁵⁶ Hz. A frequency given as `f32` or `f64` between 2⁻⁴ Hz and 1 MHz is held
-/// exactly or to that unit.
+/// An `f32` or `f64` from 2⁻⁴ Hz to 1 MHz is held to that unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Frequency {
+pub(crate) struct Frequency {
     upper: u64,
     lower: u32,
 }
 
 impl Frequency {
-    /// The highest frequency accepted, in hertz.
-    pub const HIGHEST_HZ: f64 = 1e6;
+    /// The highest frequency that is accepted, in Hz.
+    pub(crate) const HIGHEST_HZ: f64 = 1e6;
 
-    /// From hertz; `None` if negative, not finite, or above [`Frequency::HIGHEST_HZ`].
+    /// A frequency given in Hz; `None` if negative, not finite, or above [`Frequency::HIGHEST_HZ`].
     #[must_use]
-    pub fn from_hertz<S: Scalar>(hertz: S) -> Option<Self> {
+    pub(crate) fn from_hertz<S: Scalar>(hertz: S) -> Option<Self> {
         let parts = hertz.decompose()?;
         if parts.negative || hertz > S::from_f64(Self::HIGHEST_HZ) {
             return None;
@@ -142,12 +140,10 @@ impl Frequency {
         Some(Self { upper: (units >> 32) as u64, lower: units as u32 })
     }
 
-    /// Fraction of a cycle at `at`, in units of 2⁻⁶⁴; whole cycles are dropped.
-    ///
-    /// Three 32-bit and two long multiplications: cheap where 64-bit arithmetic is not.
+    /// Fraction of the present cycle at `at`, in units of 2⁻⁶⁴.
     #[must_use]
     #[inline]
-    pub fn phase(self, at: Instant) -> u64 {
+    pub(crate) fn phase(self, at: Instant) -> u64 {
         let ticks = at.0;
         let lower = u64::from(self.lower);
         self.upper
@@ -156,10 +152,10 @@ impl Frequency {
             .wrapping_add((lower * (ticks & 0xffff_ffff)) >> 32)
     }
 
-    /// Ticks in a cycle, rounded down; `None` where they do not fit in 64 bits.
+    /// Ticks in a cycle, rounded down; `None` where the number does not fit in 64 bits.
     pub(crate) fn whole_ticks_per_cycle(self) -> Option<u64> {
         let units = (u128::from(self.upper) << 32) | u128::from(self.lower);
-        // Long division of 2⁹⁶, bit by bit: a library's 128-bit division would be linked for this alone.
+        // Long division of 2⁹⁶ bit by bit: nothing else in a firmware would link a 128-bit division.
         let (mut quotient, mut remainder) = (0_u128, 0_u128);
         for bit in (0..=96).rev() {
             remainder = (remainder << 1) | u128::from(bit == 96_u32);
@@ -172,9 +168,9 @@ impl Frequency {
         u64::try_from(quotient).ok()
     }
 
-    /// Cycles completed at `at`, whole ones included.
+    /// Cycles from the start of simulated time to `at`.
     #[must_use]
-    pub fn cycles(self, at: Instant) -> Cycles {
+    pub(crate) fn cycles(self, at: Instant) -> Cycles {
         let upper = u128::from(self.upper) * u128::from(at.0);
         let total = upper + ((u128::from(self.lower) * u128::from(at.0)) >> 32);
         Cycles { whole: (total >> 64) as u64, fraction: total as u64 }
@@ -184,6 +180,7 @@ impl Frequency {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scalar::Sealed;
 
     const DAY: u64 = 86_400 << TICKS_PER_SECOND_LOG2;
 

@@ -1,10 +1,9 @@
-//! What was harvested, whether it adds up, and what a node can do with it.
+//! Harvested energy: meters, the estimator of a node, the energy ledger, and the energy budget of a node.
 
 mod account;
 mod action;
 mod budget;
 mod correction;
-mod cut_normal;
 pub mod estimator;
 mod event_log;
 mod forecast;
@@ -13,6 +12,7 @@ mod ledger;
 mod meter;
 mod queries;
 mod storage;
+mod truncated_normal;
 
 pub use account::Account;
 pub use action::Action;
@@ -20,7 +20,7 @@ pub use budget::{Budget, BudgetParameters, BudgetState};
 pub use correction::{Correction, CorrectionParameters, CorrectionState, Reading};
 pub use estimator::{Estimate, Estimator, Uncertainty};
 pub use event_log::{EventLog, LoggedEvent};
-pub use income::{DAY_SECONDS, Income, IncomeParameters, IncomeState};
+pub use income::{IncomeParameters, IncomeState};
 pub use ledger::{Ledger, Residual};
 pub use meter::{Integrals, Peak, PowerMeter, RunMeter};
 pub use storage::{Relaxation, Storage, StorageParameters, StorageStep};

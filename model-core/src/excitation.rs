@@ -1,8 +1,7 @@
-//! What shakes the base: its acceleration as a function of the integer clock.
+//! Base acceleration `a(t)` in m/s² as a function of the integer clock, and the strongest sine in its samples.
 //!
-//! An excitation is a pure value: asked for an instant it answers, and keeps nothing. The sign
-//! convention of every scene is that of the papers: `a` is the acceleration of the base in the
-//! positive direction of the relative coordinate, so the mass feels `−m a`.
+//! An excitation is a pure function of time without state of its own. In every scene `a` is the acceleration of
+//! the base in the positive direction of the relative coordinate, so the force on the mass is `−m a`.
 
 mod any;
 mod sample_grid;
@@ -21,7 +20,7 @@ pub use sampled::{AfterLastSample, Sampled};
 pub use silence::Silence;
 pub use sine::Sine;
 pub use stream::{Stream, StreamError};
-pub use tone_meter::{Line, ToneMeter, ToneMeterState};
+pub use tone_meter::{SpectralPeak, ToneMeter, ToneMeterState};
 pub use tones::Tones;
 
 /// Base acceleration over time.
@@ -31,26 +30,28 @@ pub trait Excitation<S: Scalar> {
 
     /// Time derivative of the base acceleration in m/s³ just after `at`.
     ///
-    /// Asked for only where an event depends on the acceleration itself: a mass held on its stop,
-    /// a slider held by friction.
+    /// Called only where an event depends on the acceleration: for a mass that sticks to its stop, and for a
+    /// slider that sticks by friction.
     fn jerk(&self, at: Instant) -> S;
 
-    /// The longest step, in ticks, in which the acceleration is resolved: an eighth of the period of the
-    /// fastest sine. A mass that is held does not show its step control what shakes it.
-    #[inline(always)]
+    /// The longest step, in ticks, that resolves the acceleration: an eighth of the period of the fastest sine.
+    ///
+    /// The error estimate of a mass that sticks does not depend on the acceleration and cannot limit the step.
+    #[inline]
     fn resolved_ticks(&self) -> u32 {
         u32::MAX
     }
 
-    /// Angular frequency in rad/s of the fastest sine; 0 where there is none.
-    #[inline(always)]
+    /// Angular frequency of the fastest sine in rad/s; 0 without a sine.
+    #[inline]
     fn angular_frequency(&self) -> S {
         S::ZERO
     }
 
-    /// Ticks until the acceleration next has a kink, at least 1: no step crosses one
-    /// by more than a millionth of the interval between two.
-    #[inline(always)]
+    /// Ticks until the next kink of the acceleration, at least 1.
+    ///
+    /// No step crosses a kink by more than a millionth of the interval between two kinks.
+    #[inline]
     fn smooth_ticks(&self, _at: Instant) -> u32 {
         u32::MAX
     }
@@ -84,15 +85,14 @@ impl<S: Scalar, E: Excitation<S> + ?Sized> Excitation<S> for &E {
     }
 }
 
-/// Why an excitation was refused.
+/// Why the parameters of an excitation were refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ExcitationError {
     /// The amplitude is not finite.
     Amplitude,
-    /// The frequency is negative, not finite, or above [`crate::clock::Frequency::HIGHEST_HZ`];
-    /// for a sampled trace: not above zero.
+    /// The frequency is negative, not finite, or above 1 MHz; for a sampled trace also where it is zero.
     Frequency,
     /// The phase is not finite.
     Phase,

@@ -13,7 +13,7 @@ use core::fmt::Debug;
 
 use crate::clock::Instant;
 use crate::excitation::Excitation;
-use crate::integrate::cubic::Cubic;
+use crate::integrate::Cubic;
 use crate::integrate::step_control::{ControlMemory, ErrorScale};
 use crate::integrate::{Point, StepControl, System};
 use crate::observer::Outputs;

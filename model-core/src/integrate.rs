@@ -8,29 +8,30 @@
 //! The length of a step is a whole number of clock ticks of 2⁻⁴⁰ s. A method asks for the input `u` at a
 //! number of ticks into the step. Absolute time, events and physics are unknown to this module.
 
-pub mod cubic;
-pub mod discrete_gradient;
+pub(crate) mod cubic;
+pub(crate) mod discrete_gradient;
 mod linear;
-pub mod modal;
+pub(crate) mod modal;
 mod runge_kutta;
-pub mod step_control;
+pub(crate) mod step_control;
 mod tr_bdf2;
 
 use crate::scalar::Scalar;
 use crate::snapshot::snapshot_fields;
 
+pub use cubic::Cubic;
 pub use linear::DenseFactor;
 pub use runge_kutta::RungeKutta4;
-pub use step_control::{Adaptive, AnyStepControl, FixedStep, StepControl};
+pub use step_control::{Adaptive, AnyStepControl, ErrorScale, FixedStep, StepControl};
 pub use tr_bdf2::TrBdf2;
 
-/// A system `y' = f(y, u)` of `N` states with one input `u`, and `P` powers to integrate along
-/// with it.
+/// A system `y' = f(y, u)` of `N` states `y` with one input `u`, and `P` powers that are integrated along with
+/// the states.
 ///
-/// By convention `powers[0]` is the power delivered to the load: its error estimate steers the
-/// step beside that of the states.
+/// `powers[0]` is the power delivered to the load; its error estimate limits the step beside that of the state.
+/// With [`DenseFactor`] a system states its Jacobian and needs no elimination by hand.
 pub trait System<S: Scalar, const N: usize, const P: usize> {
-    /// `I − w J` in a form that [`System::solve`] can use.
+    /// The factored iteration matrix `I − weight · ∂f/∂y`; [`DenseFactor`] suits any system.
     type Factor;
 
     /// `f(y, u)`.
@@ -42,11 +43,11 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// Solves `(I − weight · ∂f/∂y) x = right`.
     fn solve(&self, factor: &Self::Factor, right: [S; N]) -> [S; N];
 
-    /// One Newton iteration on an implicit stage `z = weight · f(base + z, u)`: improves
-    /// `increment`, the `z` so far, and gives the correction made to it.
+    /// One Newton iteration on the implicit stage `z = weight · f(base + z, u)`: improves `increment`, the
+    /// present `z`, and returns the correction.
     ///
-    /// A system of which some equations can be solved outright given the others overrides this and
-    /// [`System::condense`], and iterates on the others only.
+    /// A system with equations that have a closed form given the others overrides this and
+    /// [`System::condense`], and iterates on the other equations only.
     #[inline(always)]
     fn iterate(
         &self,
@@ -63,65 +64,61 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         correction
     }
 
-    /// Puts those entries of `increment` in order that have a closed form given the others.
+    /// Overwrites the entries of `increment` that have a closed form given the others.
     ///
-    /// Called once after the last iteration. Where such an equation is stiff this is not a matter of
-    /// speed: its rate is the small difference of large terms, and must be consistent with the
-    /// other entries to rounding.
+    /// Called once after the last iteration. The rate of a stiff equation is a small difference of large terms.
+    /// Its entry must agree with the other entries to rounding.
     #[inline(always)]
     fn condense(&self, _base: &[S; N], _increment: &mut [S; N], _weight: S) {}
 
-    /// The powers in watts (or whatever is to be integrated) at a state and its derivative.
+    /// The powers in watts at a state and its derivative.
     ///
-    /// The derivative is the method's own stage derivative: where the current of a stiff circuit
-    /// would be a small difference of large voltages, it is the accurate source.
+    /// The derivative is that of the method's stage. In a stiff circuit it is more accurate than a current
+    /// computed from the state, which would be a small difference of large voltages.
     fn powers(&self, state: &[S; N], derivative: &[S; N], input: S) -> [S; P];
 
-    /// Puts those entries of `energies`, the integrals of the powers over a step from `start` to `end`, in order that
-    /// the two states tell better than the stage weights.
+    /// Overwrites energies in joules that are known exactly from the states at the start and the end of a step.
     ///
-    /// Where a power is that of a current which is algebraic, the charge that has passed is a difference of two
-    /// states, and exact however few the steps.
+    /// For example, the charge that has passed may be a difference of two states.
     #[inline(always)]
-    fn settle(&self, _start: &[S; N], _end: &[S; N], _energies: &mut [S; P]) {}
+    fn correct_energies(&self, _start: &[S; N], _end: &[S; N], _energies: &mut [S; P]) {}
 
-    /// Error that rounding the state makes in the integral of `powers[0]` over a step of
-    /// length `step` that ends here; 0 if it is nothing to speak of.
+    /// Error in joules of the integral of `powers[0]` over a step of `step` seconds to `state` that the
+    /// rounding of the state causes; 0 where it is negligible.
     ///
-    /// Where a power is taken from the rate of a state that a stiff equation holds to the others, the rate
-    /// is a difference of roundings over the step.
+    /// Where a stiff equation determines a state, the rate of that state is a difference of roundings divided
+    /// by the step.
     #[inline(always)]
     fn rounding_energy(&self, _state: &[S; N], _derivative: &[S; N], _step: S) -> S {
         S::ZERO
     }
 
-    /// The size of a small change of the state, relative to what the state is measured by.
+    /// The size of a small change of the state, relative to the scale of the state.
     fn error_norm(&self, state: &[S; N], change: &[S; N]) -> S;
 }
 
-/// A state with what the next step needs of the one before.
+/// A state, its derivative and its powers: the end of one step and the start of the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Point<S, const N: usize, const P: usize> {
     /// The state.
     pub state: [S; N],
-    /// What rounding took from the state: the true state is `state + remainder`.
+    /// What rounding took from the state: `state + remainder` is more exact.
     pub remainder: [S; N],
-    /// The derivative of the state, as the method's last stage has it.
+    /// The derivative of the state at the last stage of the method.
     pub derivative: [S; N],
-    /// The powers at this point.
+    /// The powers in watts.
     pub powers: [S; P],
 }
 
 impl<S: Scalar, const N: usize, const P: usize> Point<S, N, P> {
-    /// The point of `system` at a given state.
+    /// The point of `system` at `state`.
     pub fn at<Y: System<S, N, P>>(system: &Y, state: [S; N], input: S) -> Self {
         Self::with_derivative(system, state, system.flow(&state, input), input)
     }
 
-    /// The point of `system` at a given state with a derivative that is known better than the
-    /// flow can tell it.
-    pub fn with_derivative<Y: System<S, N, P>>(
+    /// The point of `system` at `state`, with a derivative that is more accurate than the flow at `state`.
+    pub(crate) fn with_derivative<Y: System<S, N, P>>(
         system: &Y,
         state: [S; N],
         derivative: [S; N],
@@ -135,40 +132,39 @@ snapshot_fields!(impl [S: Scalar, const N: usize, const P: usize] Point<S, N, P>
     state, remainder, derivative, powers,
 });
 
-/// What a method found at the end of a step.
+/// The result of an attempted step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial<S, const N: usize, const P: usize> {
     /// The end of the step.
     pub end: Point<S, N, P>,
-    /// The integral of each power over the step.
+    /// The integral of each power over the step, in joules.
     pub energies: [S; P],
-    /// Estimated local error of the state, as [`System::error_norm`] measures it; 0 if the method has
-    /// no estimate.
+    /// Estimated local error of the state in the norm [`System::error_norm`]; 0 without an estimate.
     pub error: S,
-    /// Estimated local error of `energies[0]`, with its sign: what is to be added to come to the embedded
-    /// formula's value; 0 if there is no estimate.
+    /// Estimated local error of `energies[0]` in joules: the embedded formula's value less `energies[0]`; 0
+    /// without an estimate.
     pub energy_error: S,
-    /// Newton iterations spent.
+    /// Number of Newton iterations.
     pub iterations: u32,
 }
 
-/// A step whose implicit equations were not solved, or whose result is not finite.
+/// Newton's iteration did not converge, or the result is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NotConverged;
 
 /// A one-step method.
 pub trait Method<S: Scalar> {
-    /// Whether [`Trial::error`] and [`Trial::energy_error`] are estimates, and not zero for want of one.
+    /// Whether the method estimates [`Trial::error`] and [`Trial::energy_error`].
     const ESTIMATES_ERROR: bool;
 
     /// Takes one step of `ticks` clock ticks from `start`.
     ///
-    /// `input` gives the input at a number of ticks into the step; `accuracy` is the size, as
-    /// [`System::error_norm`] measures it, down to which implicit equations are to be solved.
+    /// `input` returns the input at a number of ticks into the step. Implicit equations are solved to
+    /// `accuracy` in the norm [`System::error_norm`].
     ///
     /// # Errors
-    /// [`NotConverged`]; the caller is to try a shorter step.
+    /// [`NotConverged`]; a shorter step may succeed.
     fn attempt<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
         system: &Y,

@@ -1,9 +1,9 @@
-//! The number: `f32` or `f64`, and the elementary functions behind it.
+//! The floating-point number of all models, `f32` or `f64`, and its elementary functions.
 //!
-//! Every model and method in this crate is generic over [`Scalar`], so the bits that run on a
-//! microcontroller are the bits that the host tests. Nothing here calls the platform's math
-//! library: addition, multiplication, division and conversion are IEEE 754 operations, and the
-//! elementary functions are one of the [`Mathematics`] backends, which are plain Rust.
+//! Every model and method in this crate is generic over [`Scalar`]. Addition, multiplication, division and
+//! conversion are IEEE 754 operations. The elementary functions are those of a [`Mathematics`] backend in plain
+//! Rust. Nothing calls the platform's math library. So the same input gives the same bits on every core and on
+//! the host.
 
 mod compensated;
 mod complex;
@@ -23,31 +23,28 @@ use crate::snapshot::Snapshot;
 pub use self::libm::Libm;
 #[cfg(feature = "micromath")]
 pub use self::micromath::Micromath;
-pub use compensated::CompensatedSum;
-pub(crate) use compensated::add_increment;
+pub(crate) use compensated::{CompensatedSum, add_increment};
 pub(crate) use complex::Complex;
 pub use polynomial::Polynomial;
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
-}
-
-/// A number written `mantissa · 2^exponent`, so that integers can be made from it exactly.
+/// A finite number as `±mantissa · 2^exponent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Decomposed {
+pub(crate) struct Decomposed {
     /// Magnitude of the significand, at most 53 bits.
-    pub mantissa: u64,
+    pub(crate) mantissa: u64,
     /// Power of two that scales `mantissa`.
-    pub exponent: i32,
+    pub(crate) exponent: i32,
     /// Whether the number is below zero.
-    pub negative: bool,
+    pub(crate) negative: bool,
 }
 
-/// The floating-point number that states, parameters and coefficients are made of.
-///
-/// Implemented for `f32` and `f64` only.
+/// What only this crate calls of a [`Scalar`].
+pub(crate) trait Sealed {
+    /// Mantissa and exponent of a finite number; `None` otherwise.
+    fn decompose(self) -> Option<Decomposed>;
+}
+
+/// The floating-point number of states, parameters and coefficients: `f32` or `f64`.
 pub trait Scalar:
     Copy
     + Debug
@@ -64,10 +61,10 @@ pub trait Scalar:
     + SubAssign
     + MulAssign
     + Snapshot
-    + sealed::Sealed
+    + Sealed
     + 'static
 {
-    /// The elementary functions of which coefficients are built, whatever backend a step uses.
+    /// The elementary functions that coefficients are built with, whatever backend a step uses.
     type Build: Mathematics<Self>;
 
     /// 0.
@@ -81,49 +78,46 @@ pub trait Scalar:
     /// Positive infinity.
     const INFINITY: Self;
 
-    /// A literal in the source, rounded once to this precision.
+    /// `value` rounded to nearest.
     ///
-    /// For constants only: the conversion is folded at compile time, so that an `f32` firmware
-    /// links no double-precision arithmetic.
+    /// For literals in the source: the compiler folds their conversion, and an `f32` firmware links no
+    /// double-precision arithmetic.
     fn from_f64(value: f64) -> Self;
 
-    /// `value`, rounded to nearest.
+    /// `value` rounded to nearest.
     fn from_u32(value: u32) -> Self;
 
-    /// `value`, rounded to nearest.
+    /// `value` rounded to nearest.
     fn from_i32(value: i32) -> Self;
 
-    /// `value / 2^63`: a 64-bit signed fraction of one, rounded to the precision of this type.
+    /// `value / 2^63` rounded to the precision of this type.
     fn from_fraction(value: i64) -> Self;
 
-    /// The integer part, saturating at both ends; not-a-number gives 0.
+    /// The integer part, saturating at both ends; 0 for not-a-number.
     fn to_u32(self) -> u32;
 
-    /// This number in single precision, for quantities that steer and do not enter a result.
+    /// This number rounded to single precision: for step control, whose quantities enter no result.
     fn to_f32(self) -> f32;
 
-    /// This number in double precision, exactly: for reports on a host.
+    /// This number in double precision, exactly.
     fn to_f64(self) -> f64;
 
-    /// The single-precision number `value`, exactly.
+    /// `value`, exactly.
     fn from_f32(value: f32) -> Self;
 
     /// Magnitude.
     fn abs(self) -> Self;
 
-    /// Neither infinite nor not-a-number.
+    /// Whether the number is neither infinite nor not-a-number.
     fn is_finite(self) -> bool;
 
-    /// Mantissa and exponent of a finite number; `None` otherwise.
-    fn decompose(self) -> Option<Decomposed>;
-
-    /// `2^power`, for powers whose result is a normal number; others are clamped to the nearest.
+    /// `2^power`; the nearest normal power of two where that is not a normal number.
     fn power_of_two(power: i32) -> Self;
 
-    /// Square root to within one unit in the last place; 0 for arguments at or below 0.
+    /// Square root to within one unit in the last place; 0 for negative numbers and not-a-number.
     ///
-    /// Newton's iteration from an estimate made of the bits. For building coefficients: a step
-    /// calls it nowhere.
+    /// Newton's iteration, four divisions in `f32` and five in `f64`, from an estimate made of the bits. Within
+    /// a step only event location, the opening and closing of a contact, and the overlap of two discs call it.
     fn sqrt(self) -> Self;
 
     /// The larger of two numbers; `other` if this one is not a number.
@@ -143,37 +137,37 @@ pub trait Scalar:
 
 /// Elementary functions, chosen at compile time by a type parameter.
 ///
-/// A step of an integrator calls at most [`Mathematics::sine_of_turns`] (for the excitation) and
-/// an impact [`Mathematics::exponential`]; square roots and the like belong to the build of the
-/// coefficients and are [`Scalar`]'s own, the same for every backend.
+/// A step calls [`Mathematics::sine_of_turns`] for a sinusoidal excitation, and an impact calls
+/// [`Mathematics::exponential`] for some laws of restitution. The square root is [`Scalar::sqrt`] for every
+/// backend.
 pub trait Mathematics<S: Scalar>: Copy + Debug + PartialEq + 'static {
-    /// The backend's name, as a command line or a report writes it.
+    /// Name of the backend on a command line and in reports.
     const NAME: &'static str;
 
-    /// `sin(2π · phase / 2^64)`: the sine of a phase given in turns, wrapping.
+    /// `sin(2π · phase / 2^64)`: the sine of a phase in units of 2⁻⁶⁴ turns.
     fn sine_of_turns(phase: u64) -> S;
 
-    /// `e^x`. Arguments too small to represent the result give 0.
+    /// `e^x`; 0 where the result is too small to represent.
     fn exponential(x: S) -> S;
 
-    /// `cos(2π · phase / 2^64)`: the sine a quarter of a turn further on.
+    /// `cos(2π · phase / 2^64)`.
     #[inline]
     fn cosine_of_turns(phase: u64) -> S {
         Self::sine_of_turns(phase.wrapping_add(1 << 62))
     }
 }
 
-/// A polynomial by Horner's rule, coefficients from the constant one up.
+/// `Σ coefficients[k] x^k` by Horner's rule.
 #[inline]
 pub(crate) fn horner<S: Scalar, const N: usize>(coefficients: &[S; N], x: S) -> S {
     coefficients.iter().rev().fold(S::ZERO, |sum, &coefficient| sum * x + coefficient)
 }
 
-/// An angle as a fraction of a turn in units of 2⁻⁶⁴; `None` unless finite and below 2²⁰ turns.
+/// An angle in radians as a fraction of a turn in units of 2⁻⁶⁴; `None` unless finite and below 2²⁰ turns.
 pub(crate) fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
     let turns = radians * S::from_f64(core::f64::consts::FRAC_1_PI * 0.5);
     let magnitude = turns.abs();
-    // Written so that not-a-number is refused too.
+    // Not `>=`, so that not-a-number is refused too.
     if !(magnitude < S::from_f64(1_048_576.0)) {
         return None;
     }
@@ -186,11 +180,11 @@ pub(crate) fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
     Some(if turns < S::ZERO { units.wrapping_neg() } else { units })
 }
 
-/// Terms of the arcsine's series: 4⁻ⁿ falls below a rounding of `f64`.
+/// Terms of the series of the arcsine; their factor 4⁻ⁿ falls below a rounding of `f64`.
 const ARCSINE_TERMS: u32 = 28;
 
-/// `arcsin x` in radians for −1 ≤ x ≤ 1, by its series up to 1/2 and by that of the half angle beyond; a
-/// few roundings.
+/// `arcsin x` in radians for −1 ≤ x ≤ 1, to a few roundings: by its series up to |x| = 1/2, and beyond by
+/// `π/2 − 2 arcsin √((1 − x)/2)`.
 pub(crate) fn arcsine<S: Scalar>(x: S) -> S {
     let half = S::from_f64(0.5);
     let magnitude = x.abs();

@@ -1,19 +1,20 @@
-//! States as bytes: for a power-down, from which a run resumes with the same bits.
+//! States as bytes, from which a run resumes with the same bits after a power-down.
 //!
-//! A snapshot is of fixed size for each type of state, little endian, floats by their bits:
+//! A snapshot has a fixed size for each type of state. Integers are little endian, floats are written by their
+//! bits:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! | --- | --- |
 //! | 4 | `VEHI` |
 //! | 2 | version of this layout, 1 |
-//! | 2 | length of the payload |
-//! | 4 | fingerprint of the model whose state it is ([`Fingerprint`]) |
-//! | … | the state, entry by entry ([`Snapshot`]) |
-//! | 4 | CRC-32 of all before it |
+//! | 2 | length of the state in bytes |
+//! | 4 | fingerprint of the model that the state belongs to ([`Fingerprint`]) |
+//! | … | the state, field by field ([`Snapshot`]) |
+//! | 4 | CRC-32 of all bytes before it |
 //!
-//! [`restore`] refuses whatever is not the very snapshot that [`save`] wrote for the same model: every single
-//! flipped bit and every burst of up to 32 is found by the checksum, another scene, other parameters, another
-//! precision or other mode counts by the fingerprint and the length.
+//! [`restore`] refuses bytes that [`save`] did not write for the same model. The checksum finds every flipped
+//! bit and every burst of up to 32 flipped bits. The fingerprint and the length tell another scene, other
+//! parameters, another precision and other mode counts.
 //!
 //! ```
 //! use model_core::snapshot::{self, Snapshot, SnapshotError};
@@ -38,10 +39,11 @@ use checksum::Checksum;
 pub use checksum::Fingerprint;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"VEHI");
-/// Version of the layout of the frame and of every state in it.
+/// Version of the layout of the snapshot and of every state in it.
 const VERSION: u16 = 1;
-/// Bytes before the payload, and after it.
+/// Bytes before the state.
 const HEAD: usize = 12;
+/// Bytes after the state.
 const TAIL: usize = 4;
 
 /// Why a snapshot was not written or not accepted.
@@ -51,30 +53,30 @@ const TAIL: usize = 4;
 pub enum SnapshotError {
     /// There is not enough room for the snapshot.
     NoRoom {
-        /// Bytes that it takes.
+        /// Size of the snapshot in bytes.
         needed: usize,
-        /// Bytes that there are.
+        /// Room in bytes.
         given: usize,
     },
     /// The bytes end before the snapshot does.
     TooShort {
-        /// Bytes that it takes.
+        /// Size of the snapshot in bytes.
         needed: usize,
-        /// Bytes that there are.
+        /// Number of bytes that were given.
         given: usize,
     },
-    /// The bytes do not begin as a snapshot does: erased flash, or something else.
+    /// The bytes do not begin with `VEHI`: erased flash, for example.
     NotASnapshot,
     /// A snapshot in another layout.
     ForeignVersion {
-        /// Its version.
+        /// Version of that layout.
         version: u16,
     },
     /// The checksum does not match.
     Corrupt,
-    /// A sound snapshot of the state of another model: another scene, other parameters, another precision.
+    /// A sound snapshot for another model: another scene, other parameters, another precision.
     ForeignModel,
-    /// A sound snapshot whose payload is no state: a mode that does not exist, a number that is not finite.
+    /// A sound snapshot whose bytes are no state: a mode that does not exist, a number that is not finite.
     NoState,
 }
 
@@ -100,7 +102,7 @@ impl core::error::Error for SnapshotError {}
 
 /// A plain value that can be written as a fixed number of bytes and read back with the same bits.
 pub trait Snapshot: Sized {
-    /// Number of bytes.
+    /// Size in bytes.
     const BYTES: usize;
 
     /// Appends the value.
@@ -109,7 +111,7 @@ pub trait Snapshot: Sized {
     /// Takes the value from the front.
     ///
     /// # Errors
-    /// [`SnapshotError::NoState`] where the bytes are no such value or are used up.
+    /// [`SnapshotError::NoState`] where the bytes are no such value or too few.
     fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError>;
 }
 
@@ -174,14 +176,14 @@ macro_rules! snapshot_variants {
 }
 pub(crate) use snapshot_variants;
 
-/// Where a snapshot is written to.
+/// The bytes that a snapshot is written to.
 #[derive(Debug)]
 pub struct Writer<'a> {
     left: &'a mut [u8],
 }
 
 impl Writer<'_> {
-    /// Appends `bytes`; those for which there is no room are lost, which [`save`] has ruled out.
+    /// Appends `bytes`. Bytes without room are dropped; [`save`] has checked that there is room.
     pub(crate) fn bytes<const N: usize>(&mut self, bytes: [u8; N]) {
         let left = core::mem::take(&mut self.left);
         if let Some((front, rest)) = left.split_first_chunk_mut::<N>() {
@@ -191,7 +193,7 @@ impl Writer<'_> {
     }
 }
 
-/// What a snapshot is read from.
+/// The bytes that a snapshot is read from.
 #[derive(Debug)]
 pub struct Reader<'a> {
     left: &'a [u8],
@@ -206,20 +208,20 @@ impl Reader<'_> {
     }
 }
 
-/// Bytes that the snapshot of a state takes.
+/// Size of the snapshot of a state in bytes.
 #[must_use]
 pub const fn size_of<T: Snapshot>() -> usize {
     HEAD + T::BYTES + TAIL
 }
 
-/// Writes the snapshot of `state`, the state of a model with this fingerprint, to the front of `bytes`; gives
-/// its size.
+/// Writes the snapshot of `state`, which belongs to the model with this fingerprint, to the front of `bytes`.
+/// Returns the size of the snapshot in bytes.
 ///
 /// # Errors
-/// [`SnapshotError::NoRoom`] with both sizes; `bytes` is then as before.
+/// [`SnapshotError::NoRoom`]; `bytes` is then unchanged.
 pub fn save<T: Snapshot>(state: &T, fingerprint: u32, bytes: &mut [u8]) -> Result<usize, SnapshotError> {
     let (needed, given) = (size_of::<T>(), bytes.len());
-    // A payload whose length the head cannot tell has no room in a snapshot of any size.
+    // The length must fit in the two bytes of the head.
     let length = u16::try_from(T::BYTES).ok();
     let (Some(length), Some(snapshot)) = (length, bytes.get_mut(..needed)) else {
         return Err(SnapshotError::NoRoom { needed, given });
@@ -236,10 +238,10 @@ pub fn save<T: Snapshot>(state: &T, fingerprint: u32, bytes: &mut [u8]) -> Resul
     Ok(needed)
 }
 
-/// Reads the state from a snapshot at the front of `bytes`; what follows the snapshot is not looked at.
+/// Reads the state from the snapshot at the front of `bytes`. Bytes after the snapshot are ignored.
 ///
 /// # Errors
-/// Every [`SnapshotError`] but [`SnapshotError::NoRoom`].
+/// Any [`SnapshotError`] except [`SnapshotError::NoRoom`].
 pub fn restore<T: Snapshot>(fingerprint: u32, bytes: &[u8]) -> Result<T, SnapshotError> {
     let given = bytes.len();
     let too_short = |needed| SnapshotError::TooShort { needed, given };

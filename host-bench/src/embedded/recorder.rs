@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use model_core::clock::Instant;
-use model_core::integrate::cubic::Cubic;
+use model_core::integrate::Cubic;
 use model_core::observer::{AcceptedStep, Motion, Observer};
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;

@@ -1,6 +1,6 @@
 //! A run of a triboelectric scene, bare or behind a bridge: the method is chosen at run time.
 
-use model_core::integrate::cubic::Cubic;
+use model_core::integrate::Cubic;
 use model_core::integrate::{AnyStepControl, Method as Integrator, RungeKutta4, TrBdf2};
 use model_core::observer::{ALL_POWERS, AcceptedStep, Motion, Outputs};
 use model_core::part::rectifier::FullBridge;

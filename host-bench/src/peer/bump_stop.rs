@@ -189,7 +189,7 @@ impl March<'_> {
             let system = self.system;
             let dense = |of: &dyn Fn(&State) -> [f64; 2]| {
                 let ([from, leaves], [to, arrives]) = (of(before), of(&self.state));
-                model_core::integrate::cubic::Cubic::new(from, leaves, to, arrives, step).value(place)
+                model_core::integrate::Cubic::new(from, leaves, to, arrives, step).value(place)
             };
             let of_stop = |value: f64| if self.has_stop { value } else { f64::NAN };
             let forces = [before, &self.state].map(|state| system.force(system.penetration(state)));

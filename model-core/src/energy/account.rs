@@ -1,12 +1,12 @@
-//! Where a storage's energy came from and where it went.
+//! The account of the energies that a storage took and gave, in joules.
 
 use super::storage::StorageStep;
 use crate::scalar::{CompensatedSum, Scalar};
 
-/// Where energy came from and went since the start, in joules at the storage.
+/// The energies since the start in joules at the storage.
 ///
-/// `income − shunted − leaked − (drawn − unserved) + corrected` is the stored energy: the account is opened
-/// on an empty storage, and what a first measurement finds in it is a correction.
+/// The stored energy is `income − shunted − leaked − (drawn − unserved) + corrected`. The account begins with
+/// an empty storage, and the energy found by the first measurement counts as a correction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Account<S> {
@@ -30,50 +30,51 @@ impl<S: Scalar> Account<S> {
         refused: 0,
     };
 
-    /// Harvested, through the charging efficiency.
+    /// Harvested energy times the charging efficiency, in joules.
     #[must_use]
     pub fn income(&self) -> S {
         self.income.value()
     }
 
-    /// Asked for by the load, through the discharging efficiency.
+    /// Energy requested by the load over the discharging efficiency, in joules.
     #[must_use]
     pub fn drawn(&self) -> S {
         self.drawn.value()
     }
 
-    /// Leaked.
+    /// Leaked energy in joules.
     #[must_use]
     pub fn leaked(&self) -> S {
         self.leaked.value()
     }
 
-    /// Income for which the storage had no room.
+    /// Income in joules for which the storage had no room.
     #[must_use]
     pub fn shunted(&self) -> S {
         self.shunted.value()
     }
 
-    /// Of what the load asked for, the part that the storage could not give above its lock-out. On a node that
-    /// did spend it, a sign that the storage was thought lower than it was.
+    /// Requested energy in joules that the storage could not give above its lock-out. If the node spent that
+    /// energy nevertheless, the storage held more than the budget knew.
     #[must_use]
     pub fn unserved(&self) -> S {
         self.unserved.value()
     }
 
-    /// Put right by measurements, the first one included: positive where the storage held more than thought.
+    /// Sum of the corrections by measurements in joules, positive where the storage held more than the budget
+    /// knew.
     #[must_use]
     pub fn corrected(&self) -> S {
         self.corrected.value()
     }
 
-    /// Number of energies that were negative or not finite, and were not counted.
+    /// Number of values that were refused because they were negative or not finite.
     #[must_use]
     pub fn refused(&self) -> u32 {
         self.refused
     }
 
-    /// What the storage holds by this account.
+    /// Stored energy in joules by this account.
     #[must_use]
     pub fn balance(&self) -> S {
         let mut sum = self.corrected;
@@ -83,7 +84,7 @@ impl<S: Scalar> Account<S> {
         sum.value()
     }
 
-    /// `value` if it can be an amount of energy.
+    /// `value` if it is finite and not negative; otherwise counts a refusal.
     pub(super) fn admit(&mut self, value: S) -> Option<S> {
         if value >= S::ZERO && value < S::INFINITY {
             return Some(value);
@@ -92,12 +93,12 @@ impl<S: Scalar> Account<S> {
         None
     }
 
-    /// Counts a value that is not taken.
+    /// Counts a refused value.
     pub(super) fn refuse(&mut self) {
         self.refused = self.refused.saturating_add(1);
     }
 
-    /// Enters what a step of the storage did.
+    /// Enters the energies of a step of the storage.
     pub(super) fn enter(&mut self, income: S, drawn: S, step: &StorageStep<S>) {
         self.income.add(income);
         self.drawn.add(drawn);
@@ -106,6 +107,7 @@ impl<S: Scalar> Account<S> {
         self.unserved.add(step.unserved);
     }
 
+    /// Enters a correction in joules.
     pub(super) fn correct(&mut self, change: S) {
         self.corrected.add(change);
     }

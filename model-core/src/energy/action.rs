@@ -1,9 +1,9 @@
-//! What a node can do, and the most that it takes.
+//! An action of a node with upper bounds of its energy and duration.
 
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 
-/// Something that a node can do, on top of its standing load.
+/// An action of a node on top of its standing load, such as a measurement or a transmission.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Action<S> {
@@ -13,29 +13,30 @@ pub struct Action<S> {
 }
 
 impl<S: Scalar> Action<S> {
-    /// An action that takes at most `energy` joules at the load and at most `duration` seconds.
+    /// An action that takes at most `energy` joules at the load and at most `duration` seconds. `name` is for
+    /// logs.
     ///
     /// # Errors
-    /// `energy` or `duration` negative, infinite or not a number.
+    /// An `energy` or a `duration` that is not from 0 to 10⁹.
     pub fn new(name: &'static str, energy: S, duration: S) -> Result<Self, ParameterError<S>> {
         Bounds::new(0.0, 1e9).check("energy", energy)?;
         Bounds::new(0.0, 1e9).check("duration", duration)?;
         Ok(Self { name, energy, duration })
     }
 
-    /// Its name, for a log.
+    /// The name.
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Upper bound of what it takes at the load, in joules.
+    /// Upper bound of the energy at the load in joules.
     #[must_use]
     pub fn energy(&self) -> S {
         self.energy
     }
 
-    /// Upper bound of how long it takes, in seconds.
+    /// Upper bound of the duration in seconds.
     #[must_use]
     pub fn duration(&self) -> S {
         self.duration

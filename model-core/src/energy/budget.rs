@@ -1,59 +1,14 @@
-//! A node's energy budget: what is in the storage, what came, what went, and what may be done now.
+//! A node's energy budget: the stored energy, its uncertainty, and whether an action can be afforded.
 //!
-//! The state of charge is two numbers. The stored energy is what it would be had everything come and gone
-//! evenly over each interval. Its uncertainty bounds how much lower the truth can be: given what came in and
-//! what was spent, the storage is lowest if all income came first, to leak or to find the storage full, and all
-//! was spent at the end; both ends are followed, and the rounding of the arithmetic is added. The caller
-//! raises it by what is not known of income and expenditure; a measured voltage replaces both numbers.
+//! The state of charge is two numbers. The stored energy assumes that income and expenditure are spread
+//! evenly over each interval. The uncertainty bounds how much less the storage may hold. In the worst case
+//! all income of an interval comes first, to leak or to find the storage full, and all energy is spent at the
+//! end. The uncertainty covers this case and the rounding of the arithmetic. The caller raises it by the
+//! uncertainty of income and expenditure. A measured voltage replaces both numbers.
 //!
-//! In `f32`, and with an update a minute or a second, a simulated day ends within 3·10⁻⁷ of the capacity of
-//! where `f64` ends, and the account of where the energy went adds up to what is stored within 10⁻⁶ of what came in.
-//!
-//! ```
-//! use model_core::energy::{Action, BudgetParameters, IncomeParameters, StorageParameters};
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let budget = BudgetParameters::<f32> {
-//!     storage: StorageParameters {
-//!         capacitance: 470e-6,
-//!         leakage_resistance: 20e6,
-//!         charging_efficiency: 0.8,
-//!         discharging_efficiency: 0.9,
-//!         highest_voltage: 4.5,
-//!         lock_out_voltage: 1.8,
-//!         turn_on_voltage: 2.4,
-//!     },
-//!     income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
-//!     standing_power: 1.5e-6, // asleep, watts
-//! }
-//! .build::<48>()?;
-//! let measure = Action::new("measure", 40e-6, 0.02)?; // at most 40 µJ in 20 ms
-//! let transmit = Action::new("transmit", 600e-6, 0.15)?;
-//!
-//! // At power-up, 06:00: the storage as the ADC reads it, good to 2 mV.
-//! let mut now = 6 * 3600;
-//! let mut state = budget.start(now);
-//! budget.correct_by_voltage(&mut state, 2.5, 2e-3);
-//! let (mut measured, mut transmitted) = (0, 0);
-//! for _minute in 0..120 {
-//!     if budget.can_run_now(&state, &measure, now) {
-//!         measured += 1;
-//!         budget.spend(&mut state, measure.energy());
-//!     }
-//!     if budget.can_run_now(&state, &transmit, now + 1) {
-//!         transmitted += 1;
-//!         budget.spend(&mut state, transmit.energy());
-//!     }
-//!     now += 60; // asleep for the rest of the minute
-//!     let harvested = 30e-6 * 60.0; // joules: what the estimator says of it
-//!     budget.update(&mut state, 60, harvested, 0.0);
-//! }
-//! assert!(measured > 100 && transmitted > 50);
-//! let period = budget.sustainable_period(&state, &transmit).ok_or("never")?;
-//! assert!((25..40).contains(&period)); // seconds
-//! # Ok(())
-//! # }
-//! ```
+//! In `f32`, with an update every minute or every second, a simulated day ends within 3·10⁻⁷ of the capacity
+//! of the result in `f64`, and the account of the energies agrees with the stored energy to 10⁻⁶ of the
+//! income.
 
 use super::account::Account;
 use super::action::Action;
@@ -62,20 +17,70 @@ use super::storage::{Storage, StorageParameters};
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::{Scalar, add_increment};
 
-/// What a budget is made of.
+/// Parameters of a [`Budget`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BudgetParameters<S> {
     /// The storage.
     pub storage: StorageParameters<S>,
-    /// How income is remembered.
+    /// The memory of the income.
     pub income: IncomeParameters<S>,
-    /// Power in watts that the load draws whatever it does, converters' quiescent currents included; an
-    /// upper bound, as an action's energy is.
+    /// Upper bound of the power in watts that the load draws without any action, with the quiescent currents of
+    /// converters; 0 to 10⁶.
     pub standing_power: S,
 }
 
-/// A budget whose parameters have been checked, with the day in `SLOTS` slots.
+/// The energy budget of a node, with the day divided into `SLOTS` slots.
+///
+/// The stored energy in [`BudgetState`] assumes that income and expenditure are spread evenly over each
+/// interval. [`BudgetState::uncertainty`] bounds how much less the storage may hold; a measured voltage
+/// replaces both.
+///
+/// ```
+/// use model_core::energy::{Action, BudgetParameters, IncomeParameters, StorageParameters};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let budget = BudgetParameters::<f32> {
+///     storage: StorageParameters {
+///         capacitance: 470e-6,
+///         leakage_resistance: 20e6,
+///         charging_efficiency: 0.8,
+///         discharging_efficiency: 0.9,
+///         highest_voltage: 4.5,
+///         lock_out_voltage: 1.8,
+///         turn_on_voltage: 2.4,
+///     },
+///     income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
+///     standing_power: 1.5e-6, // asleep, watts
+/// }
+/// .build::<48>()?;
+/// let measure = Action::new("measure", 40e-6, 0.02)?; // at most 40 µJ in 20 ms
+/// let transmit = Action::new("transmit", 600e-6, 0.15)?;
+///
+/// // At power-up, 06:00: the storage as the ADC reads it, good to 2 mV.
+/// let mut now = 6 * 3600;
+/// let mut state = budget.start(now);
+/// budget.correct_by_voltage(&mut state, 2.5, 2e-3);
+/// let (mut measured, mut transmitted) = (0, 0);
+/// for _minute in 0..120 {
+///     if budget.can_run_now(&state, &measure, now) {
+///         measured += 1;
+///         budget.spend(&mut state, measure.energy());
+///     }
+///     if budget.can_run_now(&state, &transmit, now + 1) {
+///         transmitted += 1;
+///         budget.spend(&mut state, transmit.energy());
+///     }
+///     now += 60; // asleep for the rest of the minute
+///     let harvested = 30e-6 * 60.0; // joules: what the estimator says of it
+///     budget.update(&mut state, 60, harvested, 0.0);
+/// }
+/// assert!(measured > 100 && transmitted > 50);
+/// let period = budget.sustainable_period(&state, &transmit).ok_or("never")?;
+/// assert!((25..40).contains(&period)); // seconds
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Budget<S, const SLOTS: usize> {
@@ -84,16 +89,18 @@ pub struct Budget<S, const SLOTS: usize> {
     pub(super) standing_power: S,
 }
 
-/// What a budget knows at one time.
+/// The state of a [`Budget`] at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BudgetState<S, const SLOTS: usize> {
     pub(super) income: IncomeState<S, SLOTS>,
+    /// Stored energy in joules.
     energy: S,
     /// What rounding took from `energy`.
     energy_low: S,
+    /// Bound in joules of how much less than `energy` is stored.
     uncertainty: S,
-    /// Spent since the last update, at the storage.
+    /// Energy spent since the last update, in joules at the storage.
     pending: S,
     account: Account<S>,
 }
@@ -105,32 +112,32 @@ impl<S: Scalar, const SLOTS: usize> BudgetState<S, SLOTS> {
         self.energy
     }
 
-    /// By how many joules the stored energy may be lower than that.
+    /// Bound in joules of how much less than [`BudgetState::energy`] is stored.
     #[must_use]
     pub fn uncertainty(&self) -> S {
         self.uncertainty
     }
 
-    /// Stored energy that is certain, in joules: at the last update, less what was spent since.
+    /// Certain stored energy in joules: at the last update, less the energy spent since.
     #[must_use]
     pub fn certain_energy(&self) -> S {
         (self.energy - self.uncertainty) - self.pending
     }
 
-    /// What is remembered of the income, and the time.
+    /// The memory of the income, with the time.
     #[must_use]
     pub fn income(&self) -> &IncomeState<S, SLOTS> {
         &self.income
     }
 
-    /// Where energy came from and went.
+    /// The account of the energies since the start.
     #[must_use]
     pub fn account(&self) -> &Account<S> {
         &self.account
     }
 
-    /// The stored energy may be lower by another `energy` joules: for an income that is only estimated, its
-    /// error over the interval. What is negative or not finite makes all of it uncertain.
+    /// Raises the uncertainty by `energy` joules: for an estimated income, by its error over the interval. A
+    /// negative `energy` or one that is not finite makes all of the stored energy uncertain.
     pub fn raise_uncertainty(&mut self, energy: S) {
         self.uncertainty = match self.account.admit(energy) {
             Some(energy) => (self.uncertainty + energy).min(self.energy),
@@ -161,8 +168,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         &self.storage
     }
 
-    /// The state at a time in whole seconds since a midnight, with an empty storage: until a first correction
-    /// nothing can be afforded.
+    /// The state at a time in whole seconds since a midnight, with an empty storage. Nothing can be afforded
+    /// before the first correction.
     #[must_use]
     pub fn start(&self, second: u32) -> BudgetState<S, SLOTS> {
         BudgetState {
@@ -175,12 +182,14 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         }
     }
 
-    /// Time moves on by `interval` seconds, in which `harvested` joules came from the harvester and `spent`
-    /// joules went into actions, on top of what [`Budget::spend`] was told of. The standing load is
-    /// added here: whoever calls is switched on, and for a time in which it was not there is [`Budget::gap`].
+    /// Advances the time by `interval` seconds with the standing load, `harvested` joules from the harvester,
+    /// and `spent` joules of actions in addition to those given to [`Budget::spend`]. For an interval in
+    /// which the node was off, call [`Budget::gap`].
     ///
-    /// An energy that is negative or not finite is refused and counted: an income as none at all and unknown
-    /// to the memory, an expenditure as one that may have emptied the storage. At most two exponentials.
+    /// An energy that is negative or not finite is refused and counted. A refused income counts as none, and
+    /// the memory takes it as unknown. A refused expenditure may have emptied the storage.
+    ///
+    /// Cost: at most two exponentials.
     pub fn update(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, harvested: S, spent: S) {
         self.spend(state, spent);
         let harvested = state.account.admit(harvested);
@@ -193,8 +202,9 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         self.move_store(state, interval, income, standing);
     }
 
-    /// Actions have just taken `spent` joules: to be booked by the next update, and no longer there to be spent
-    /// again. No exponential.
+    /// Books `spent` joules of an action at once, before the next update.
+    ///
+    /// Cost: no exponential.
     pub fn spend(&self, state: &mut BudgetState<S, SLOTS>, spent: S) {
         match state.account.admit(spent) {
             Some(spent) => state.pending += self.storage.drawn(spent),
@@ -202,19 +212,19 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         }
     }
 
-    /// Time moves on by `interval` seconds of which nothing is known, the node having been off: the storage
-    /// leaks, no income is counted, and the slots of the day in between stay as they are.
+    /// Advances the time by `interval` seconds in which the node was off: the storage leaks, no income is
+    /// counted, and the slots of the day in the interval keep their means.
     pub fn gap(&self, state: &mut BudgetState<S, SLOTS>, interval: u32) {
         self.income.gap(&mut state.income, interval);
         self.move_store(state, interval, S::ZERO, S::ZERO);
     }
 
-    /// The storage holds `energy` joules, and may hold `uncertainty` joules less: by a measurement.
-    /// An energy that is negative or not a number is refused.
+    /// Sets the stored energy to a measured `energy` in joules that may be `uncertainty` joules too high. An
+    /// energy that is negative or not finite is refused and counted.
     pub fn correct(&self, state: &mut BudgetState<S, SLOTS>, energy: S, uncertainty: S) {
         let Some(energy) = state.account.admit(energy) else { return };
         let energy = energy.min(self.storage.capacity());
-        // What was spent since the last update is in the measurement.
+        // The measurement includes the energy spent since the last update.
         self.move_store(state, 0, S::ZERO, S::ZERO);
         state.account.correct(energy - state.energy);
         state.account.correct(-state.energy_low);
@@ -223,12 +233,12 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         state.raise_uncertainty(uncertainty);
     }
 
-    /// The storage is at `voltage` volts to within `error` volts: a reading whose error is bounded, by the
-    /// quantisation of the converter and its noise. See the estimator of gain and storage for readings that are
-    /// weighed against a model.
+    /// Sets the stored energy by a measured voltage in volts with an error of at most `error` volts, by
+    /// quantisation and noise. [`Correction`](super::Correction) weighs such readings against the income of a
+    /// model.
     ///
-    /// A voltage or an error that is negative or not finite is refused and counted, and so is a voltage that even
-    /// less its error is above the highest of the storage: that converter is not connected to it.
+    /// A voltage or an error that is negative or not finite is refused and counted. So is a voltage that,
+    /// less its error, exceeds the highest voltage of the storage.
     pub fn correct_by_voltage(&self, state: &mut BudgetState<S, SLOTS>, voltage: S, error: S) {
         let readings = (state.account.admit(voltage), state.account.admit(error));
         let (Some(voltage), Some(error)) = readings else { return };
@@ -241,25 +251,27 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         self.correct(state, energy, (energy - self.storage.energy(lowest)).max(S::ZERO));
     }
 
-    /// Whether an action can be afforded at a second of the clock, whatever income does: whether what is
-    /// certain of the storage, after all that the action and the standing load may take of it and all that may
-    /// leak from the last update to the action's end, with no income, is still at or above the lock-out. Actions
-    /// that overlap are to be asked for as one: of one that is spent already its energy counts, not its time.
+    /// Whether the storage is certain to stay at or above the lock-out through an action that begins at the
+    /// second `now`, without any income.
     ///
-    /// `now` is the present second of the clock, a second that has begun counting as over. No prediction enters.
-    /// At most one exponential.
+    /// The certain energy is reduced by the action, and by the standing load and the leakage from the last
+    /// update to the end of the action. Pass overlapping actions combined: the duration of a booked action is
+    /// not counted. A second of the clock that has begun counts as over.
+    ///
+    /// Cost: at most one exponential.
     #[must_use]
     pub fn can_afford(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>, now: u32) -> bool {
         let seconds = S::from_u32(state.income.seconds_until(now)) + action.duration();
         let used = action.energy() + self.standing_power * seconds;
-        // Leakage is largest if all is taken at the end.
+        // Leakage is largest if all energy is drawn at the end.
         let kept = (state.energy - state.uncertainty) * self.storage.relaxation(seconds).kept;
         let left = kept - state.pending - self.storage.drawn(used);
         let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
         left >= self.storage.lock_out() + rounding
     }
 
-    /// The storage over an interval, with what is pending; `income` and `standing` in joules at the storage.
+    /// Advances the storage by an interval in seconds, with the pending energy; `income` and `standing` are
+    /// in joules at the storage.
     fn move_store(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, income: S, standing: S) {
         let storage = &self.storage;
         let relaxation = storage.relaxation(S::from_u32(interval));
@@ -269,9 +281,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let step = storage.step(state.energy, &relaxation, income, wanted);
         state.account.enter(income, wanted, &step);
 
-        // The lower end: all income first, what has no room lost, leakage, all
-        // expenditure last. Resumable by its distance from the stored energy, term by term, so that nothing
-        // cancels.
+        // The lower bound of the energy: all income first, the part without room lost, then leakage, then all
+        // expenditure. Its distance from the stored energy is computed term by term, so that nothing cancels.
         let mut distance = state.uncertainty * relaxation.kept
             + income * relaxation.lost_by_early_income()
             + wanted * relaxation.lost_of_income()
@@ -285,7 +296,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
             (state.energy, state.energy_low) = add_increment(state.energy, state.energy_low, step.change);
         }
         distance += S::from_f64(4.0) * S::EPSILON * rounded;
-        // The load is cut at the lock-out, from where the storage leaks till the end at worst.
+        // The load is cut at the lock-out. At worst the storage then leaks until the end of the interval.
         let floor = storage.lock_out().min(least + income) * relaxation.kept;
         let above_floor = state.energy - floor + S::from_f64(4.0) * S::EPSILON * storage.capacity();
         state.uncertainty = distance.min(above_floor).max(S::ZERO).min(state.energy);
@@ -307,7 +318,7 @@ mod tests {
         parameters.build().expect("within bounds")
     }
 
-    /// Ten times what comes in a day, or a fiftieth of it.
+    /// A capacity of ten times the income of a day, and of a fiftieth of it.
     fn storages<S: Scalar>() -> [StorageParameters<S>; 2] {
         let large = StorageParameters {
             capacitance: S::from_f64(1.0),
@@ -381,7 +392,7 @@ mod tests {
             for (energy, expected) in [(just + 1e-9, true), (just - 1e-9, false)] {
                 budget.correct(&mut state, energy, 0.0);
                 assert_eq!(budget.can_afford(&state, &action, now), expected);
-                // What is uncertain is not there, nor what has been spent.
+                // Uncertain energy and spent energy do not count.
                 budget.correct(&mut state, energy + 1e-5, 1e-5);
                 assert_eq!(budget.can_afford(&state, &action, now), expected);
                 budget.correct(&mut state, energy, 0.0);

@@ -1,38 +1,41 @@
-//! The coming day as a budget expects it: the stretches of constant predicted income from now on, and
-//! the storage's path through them.
+//! The forecast of the coming day: stretches of constant expected income, and the stored energy along them.
 //!
-//! Between the ends of a stretch the stored energy is monotone, so whoever looks at the ends sees its
-//! extremes. The path rises with the energy at its start and falls as the load grows, which is what makes
-//! bisection sound. The load-independent exponentials are taken once: slots have two lengths at most.
+//! The stored energy is monotone within a stretch, so its extremes lie at the ends of stretches. It rises
+//! with the energy at the start of the day and falls with the load, so bisection finds the largest load. The
+//! exponentials do not depend on the load, and slots have at most two lengths, so they are computed once.
 
 use super::income::{DAY_SECONDS, IncomeState, end_of, shortest_slot, start_of};
 use super::storage::{Relaxation, Storage};
 use crate::scalar::Scalar;
 
-/// Halvings of an interval: what is left is below a rounding of `f32` of its first length.
+/// Number of bisections: the interval that is left is below a rounding of its first length in `f32`.
 const HALVINGS: u32 = 24;
 
 /// A stretch of constant predicted income.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stretch<S> {
-    /// Its length in seconds.
+    /// Length in seconds.
     pub(super) seconds: u32,
-    /// Predicted power in watts at the harvester's terminals.
+    /// Expected power in watts at the harvester's terminals.
     pub(super) harvested: S,
-    /// How the storage relaxes over the whole of it.
+    /// Relaxation of the storage over the stretch.
     pub(super) relaxation: Relaxation<S>,
 }
 
-/// The coming day. Four exponentials to make, and none in a pass over it, which is `SLOTS + 1` stretches.
+/// The coming day in `SLOTS + 1` stretches.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Forecast<'a, S, const SLOTS: usize> {
     storage: &'a Storage<S>,
     income: &'a IncomeState<S, SLOTS>,
+    /// The present slot.
     slot: usize,
-    /// The rest of the present slot, and the part of it that has passed, which ends the coming day.
+    /// The rest of the present slot in seconds.
     first: (u32, Relaxation<S>),
+    /// The part of the present slot in seconds that has passed; it ends the coming day.
     last: (u32, Relaxation<S>),
+    /// Relaxation over the shortest slot.
     short: Relaxation<S>,
+    /// Relaxation over a slot that is one second longer.
     long: Relaxation<S>,
 }
 
@@ -67,12 +70,12 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         Stretch { seconds, harvested: self.income.expected_power(slot), relaxation }
     }
 
-    /// The stretches in order of time; together a day.
-    pub(super) fn stretches(&self) -> impl DoubleEndedIterator<Item = Stretch<S>> {
+    /// The stretches of the day in the order of time.
+    fn stretches(&self) -> impl DoubleEndedIterator<Item = Stretch<S>> {
         (0..=SLOTS).map(|index| self.stretch(index))
     }
 
-    /// Mean of the predicted power over the day, in watts at the harvester's terminals.
+    /// Mean of the expected power over the day in watts at the harvester's terminals.
     pub(super) fn mean_power(&self) -> S {
         let energy = self
             .stretches()
@@ -80,15 +83,15 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         energy / S::from_u32(DAY_SECONDS)
     }
 
-    /// What comes in less what is drawn over a stretch, at the storage, for a load in watts.
+    /// Income less drawn energy over a stretch in joules at the storage, for a load in watts.
     fn net(&self, stretch: &Stretch<S>, load: S) -> S {
         let seconds = S::from_u32(stretch.seconds);
         self.storage.stored(stretch.harvested * seconds) - self.storage.drawn(load * seconds)
     }
 
-    /// Energy at the end of the day under a load in watts, starting with `energy`; `None` if the storage
-    /// falls below `floor` on the way.
-    pub(super) fn survive(&self, energy: S, load: S, floor: S) -> Option<S> {
+    /// Energy in joules at the end of the day under a load in watts, from `energy` at the start; `None` if
+    /// the storage falls below `floor`.
+    fn survive(&self, energy: S, load: S, floor: S) -> Option<S> {
         let mut now = energy;
         let mut lowest = energy;
         for stretch in self.stretches() {
@@ -100,9 +103,9 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         (lowest >= floor).then_some(now)
     }
 
-    /// The least energy from which a load in watts can be borne for a day without falling below `floor`;
-    /// `None` if a full storage is not enough. Backwards through the day.
-    pub(super) fn needed(&self, load: S, floor: S) -> Option<S> {
+    /// The least energy in joules at the start of the day with which the storage does not fall below `floor`
+    /// under a load in watts; `None` if a full storage is not enough. Computed backwards through the day.
+    fn needed(&self, load: S, floor: S) -> Option<S> {
         let mut needed = floor;
         for stretch in self.stretches().rev() {
             if needed > self.storage.capacity() {
@@ -115,11 +118,11 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         (needed <= self.storage.capacity()).then_some(needed)
     }
 
-    /// Whether a load in watts can be borne for ever, were every day as the coming one.
+    /// Whether the storage can serve a load in watts for ever if every day is like the coming one.
     ///
-    /// It can if from some energy that is there the day is survived and ends no lower than it began: then
-    /// all days after do. What a day adds to the storage does not grow with the energy at its start, so if
-    /// any start will do, the least that survives will.
+    /// It can if some energy up to the present one is enough for the day, and the day ends with no less: then
+    /// all later days do. The gain of a day does not grow with the energy at its start, so the least
+    /// sufficient energy decides.
     pub(super) fn sustain(&self, energy: S, load: S, floor: S) -> bool {
         let rounding = S::from_f64(8.0) * S::EPSILON * self.storage.capacity();
         self.needed(load, floor).is_some_and(|needed| {
@@ -128,8 +131,8 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         })
     }
 
-    /// What of a load in watts is left unserved over the day, in joules at the storage, the load being cut
-    /// at the lock-out.
+    /// Unserved energy of a load in watts over the day, in joules at the storage. The load is cut at the
+    /// lock-out.
     pub(super) fn shortfall(&self, energy: S, load: S) -> S {
         let (mut now, mut sum) = (energy, S::ZERO);
         for stretch in self.stretches() {
@@ -144,8 +147,8 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
     }
 }
 
-/// The largest number from 0 to `highest`, to within a part of 2⁻²⁴ of that and from below, of those that
-/// are allowed, where whatever is below an allowed number is allowed; `None` if 0 is not.
+/// The largest allowed number from 0 to `highest` by bisection, from below and to within 2⁻²⁴ of `highest`;
+/// `None` if 0 is not allowed. All numbers below an allowed number must be allowed.
 pub(super) fn largest<S: Scalar>(highest: S, allowed: impl Fn(S) -> bool) -> Option<S> {
     if !allowed(S::ZERO) {
         return None;

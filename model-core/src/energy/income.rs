@@ -1,54 +1,58 @@
-//! What the harvester has brought, and what it is expected to bring.
+//! The harvested power as a mean over the recent past and as a mean for each slot of the day.
 //!
-//! Two memories of the same income. The exponentially weighted mean forgets with a time constant and asks
-//! nothing of the environment. The mean by slot of the day expects of a part of the day what the same part
-//! brought on the days before, newer days weighing more: `x̄ ← (1 − a) x̄ + a x` for each slot once a day,
+//! The exponentially weighted mean forgets with a time constant. The mean of a slot takes in the same slot of
+//! each day with a weight `a`,
+//!
+//! ```text
+//! x̄ ← (1 − a) x̄ + a x,
+//! ```
+//!
 //! after Kansal, Hsu, Zahedi and Srivastava, *Power management in energy harvesting sensor networks*, ACM
-//! Transactions on Embedded Computing Systems 6(4), 2007, who find `a = 1/2` with 48 slots good for sunlight.
+//! Transactions on Embedded Computing Systems 6(4), 2007, who recommend `a = 1/2` with 48 slots for sunlight.
 //!
-//! Time is a count of whole seconds and no clock drifts against another. A slot whose greater part was not
-//! observed is left as it is, and one that never was is predicted by the exponentially weighted mean.
+//! Time is a count of whole seconds. A slot of which less than half was observed keeps its mean. The expected
+//! power of a slot that was never observed is the exponentially weighted mean.
 
 use super::storage::Relaxation;
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::{CompensatedSum, Scalar, add_increment};
 
 /// Seconds in a day.
-pub const DAY_SECONDS: u32 = 86_400;
+pub(crate) const DAY_SECONDS: u32 = 86_400;
 
-/// How income is remembered.
+/// Parameters of the memory of the income.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct IncomeParameters<S> {
-    /// Time constant of the exponentially weighted mean, in seconds.
+    /// Time constant of the exponentially weighted mean in seconds, 1 to 10⁹.
     pub time_constant: S,
-    /// Weight of the newest day in the mean of a slot, above 0 and at most 1.
+    /// Weight of the newest day in the mean of a slot, 10⁻³ to 1.
     pub day_weight: S,
 }
 
-/// Remembers income, with the day divided into `SLOTS` parts, 1 to 1440, equal to the second.
+/// The memory of the income with the day divided into `SLOTS` slots, 1 to 1440, equal to the second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Income<S, const SLOTS: usize> {
+pub(crate) struct Income<S, const SLOTS: usize> {
     per_time_constant: S,
     day_weight: S,
 }
 
-/// What is remembered of the income. Energies in joules and powers in watts at the harvester's terminals.
+/// The state of the memory of the income. Energies and powers are at the harvester's terminals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct IncomeState<S, const SLOTS: usize> {
     /// Whole seconds since a midnight.
     second: u32,
-    /// Exponentially weighted mean and what rounding took from it.
+    /// Exponentially weighted mean in watts, and what rounding took from it.
     mean: [S; 2],
-    /// Weight of all that the mean has seen, 0 before any, towards 1; and what rounding took from it.
+    /// Sum of the weights in the mean, from 0 towards 1, and what rounding took from it.
     weight: [S; 2],
-    /// Mean power of each slot; −1, which no income is, where none has been learnt.
+    /// Mean power of each slot in watts; −1 for a slot without an observation.
     slots: [S; SLOTS],
-    /// Energy in the observed part of the present slot.
+    /// Energy in joules in the observed part of the present slot.
     energy: CompensatedSum<S>,
-    /// Length of that part in seconds.
+    /// Length of the observed part of the present slot in seconds.
     observed: u32,
 }
 
@@ -57,7 +61,7 @@ impl<S: Scalar> IncomeParameters<S> {
     ///
     /// # Errors
     /// The first field that is out of its bounds.
-    pub fn build<const SLOTS: usize>(self) -> Result<Income<S, SLOTS>, ParameterError<S>> {
+    pub(crate) fn build<const SLOTS: usize>(self) -> Result<Income<S, SLOTS>, ParameterError<S>> {
         Bounds::new(1.0, 1e9).check("time_constant", self.time_constant)?;
         Bounds::new(1e-3, 1.0).check("day_weight", self.day_weight)?;
         Ok(Income { per_time_constant: S::ONE / self.time_constant, day_weight: self.day_weight })
@@ -65,9 +69,9 @@ impl<S: Scalar> IncomeParameters<S> {
 }
 
 impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
-    /// Nothing is known; `second` is the present time in whole seconds since a midnight.
+    /// The state before any income at a time in whole seconds since a midnight.
     #[must_use]
-    pub fn at(second: u32) -> Self {
+    pub(crate) fn at(second: u32) -> Self {
         const { assert!(SLOTS >= 1 && SLOTS <= 1440, "from 1 to 1440 slots") };
         Self {
             second,
@@ -85,21 +89,21 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
         self.second
     }
 
-    /// Seconds from the present time to a later one; 0 if it has passed, by up to half of the clock's range.
+    /// Seconds from the present time to a later one; 0 for a time up to 68 years in the past.
     #[must_use]
-    pub fn seconds_until(&self, second: u32) -> u32 {
+    pub(crate) fn seconds_until(&self, second: u32) -> u32 {
         let ahead = second.wrapping_sub(self.second);
         if ahead > u32::MAX / 2 { 0 } else { ahead }
     }
 
-    /// Exponentially weighted mean of the income in watts; 0 before any.
+    /// Exponentially weighted mean of the harvested power in watts; 0 before any income.
     #[must_use]
     pub fn mean_power(&self) -> S {
         self.mean[0]
     }
 
-    /// Mean power in watts that is expected in a slot: what was learnt, or else the exponentially weighted
-    /// mean.
+    /// Expected mean power of a slot in watts: the mean of that slot, or the exponentially weighted mean for
+    /// a slot without an observation.
     #[must_use]
     pub fn expected_power(&self, slot: usize) -> S {
         match self.slots.get(slot) {
@@ -108,7 +112,7 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
         }
     }
 
-    /// Number of slots of which something has been learnt.
+    /// Number of slots with an observation.
     #[must_use]
     pub fn slots_learnt(&self) -> usize {
         self.slots.iter().filter(|&&learnt| learnt >= S::ZERO).count()
@@ -122,11 +126,10 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
 }
 
 impl<S: Scalar, const SLOTS: usize> Income<S, SLOTS> {
-    /// Time moves on by `interval` seconds, in which `energy` joules came in evenly.
+    /// Advances the time by `interval` seconds in which `energy` joules came in evenly.
     ///
-    /// At most two slots are touched: an interval longer than the shortest slot says nothing about slots,
-    /// and only the exponentially weighted mean learns from it. One of 0 s changes nothing.
-    pub fn update(&self, state: &mut IncomeState<S, SLOTS>, interval: u32, energy: S) {
+    /// An interval longer than the shortest slot changes the exponentially weighted mean only.
+    pub(crate) fn update(&self, state: &mut IncomeState<S, SLOTS>, interval: u32, energy: S) {
         if interval == 0 {
             return;
         }
@@ -150,8 +153,8 @@ impl<S: Scalar, const SLOTS: usize> Income<S, SLOTS> {
         state.second = state.second.wrapping_add(interval);
     }
 
-    /// Time moves on by `interval` seconds of which nothing is known: slots in it stay as they are.
-    pub fn gap(&self, state: &mut IncomeState<S, SLOTS>, interval: u32) {
+    /// Advances the time by `interval` seconds with unknown income. The slots in the interval keep their means.
+    pub(crate) fn gap(&self, state: &mut IncomeState<S, SLOTS>, interval: u32) {
         let slot = state.slot();
         let before_end = end_of::<SLOTS>(slot) - state.second % DAY_SECONDS;
         if interval >= before_end {
@@ -162,12 +165,12 @@ impl<S: Scalar, const SLOTS: usize> Income<S, SLOTS> {
 
     fn remember(&self, state: &mut IncomeState<S, SLOTS>, seconds: S, power: S) {
         let new = Relaxation::of_ratio(seconds * self.per_time_constant).lost();
-        // The weights of all that was seen add up to `weight`: their mean is not drawn to a start at zero.
+        // Divided by the sum of the weights, so that the mean is not biased towards zero at the start.
         state.weight = moved(state.weight, (S::ONE - state.weight[0]) * new);
         state.mean = moved(state.mean, (power - state.mean[0]) * (new / state.weight[0]));
     }
 
-    /// The present slot is over: it is learnt from if at least half of it was observed.
+    /// Ends the present slot and updates its mean if at least half of the slot was observed.
     fn close(&self, state: &mut IncomeState<S, SLOTS>, slot: usize) {
         let length = end_of::<SLOTS>(slot) - start_of::<SLOTS>(slot);
         if 2 * state.observed >= length
@@ -187,29 +190,29 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
     }
 }
 
-/// A number and its remainder after a small increment.
+/// A number and what rounding took from it, after a small increment.
 fn moved<S: Scalar>([high, low]: [S; 2], increment: S) -> [S; 2] {
     let (high, low) = add_increment(high, low, increment);
     [high, low]
 }
 
-/// `SLOTS` as the integer that seconds are.
+/// `SLOTS` as `u32`.
 const fn count<const SLOTS: usize>() -> u32 {
     const { SLOTS as u32 }
 }
 
-/// The slot that a second of the day falls into.
+/// The slot of a second of the day.
 pub(super) fn slot_at<const SLOTS: usize>(second_of_day: u32) -> usize {
     (second_of_day * count::<SLOTS>() / DAY_SECONDS) as usize
 }
 
-/// First second of the day in a slot.
+/// The first second of a slot.
 pub(super) fn start_of<const SLOTS: usize>(slot: usize) -> u32 {
     let slots = count::<SLOTS>();
     (slot as u32 * DAY_SECONDS + (slots - 1)).checked_div(slots).unwrap_or(0)
 }
 
-/// First second after a slot.
+/// The first second after a slot.
 pub(super) fn end_of<const SLOTS: usize>(slot: usize) -> u32 {
     start_of::<SLOTS>(slot + 1)
 }

@@ -5,7 +5,7 @@
 //! of simulated time drifts in `f32` by one rounding.
 
 use crate::clock::Instant;
-use crate::integrate::cubic::Cubic;
+use crate::integrate::Cubic;
 use crate::observer::{ALL_POWERS, AcceptedStep, Event, Motion, Observer, Outputs, PowerIndex};
 use crate::scalar::{CompensatedSum, Scalar};
 use crate::snapshot::snapshot_fields;

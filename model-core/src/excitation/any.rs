@@ -1,10 +1,10 @@
-//! An excitation chosen at run time, for a host that must serve any scene file.
+//! An excitation chosen at run time, for hosts that read scene files.
 
 use super::{Excitation, Sampled, Silence, Sine, Tones};
 use crate::clock::Instant;
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 
-/// Any of the excitations of this module, with room for `TONES` sines in a sum.
+/// An excitation chosen at run time, with at most `TONES` sines in a sum.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AnyExcitation<'a, S, const TONES: usize, M = Polynomial> {
     /// A base at rest.

@@ -1,20 +1,20 @@
-//! Samples at a fixed rate: which of them stand on either side of an instant.
+//! Samples at a fixed rate: the index of the sample before an instant, and the place between two samples.
 
 use super::ExcitationError;
 use crate::clock::{Cycles, Frequency, Instant};
 use crate::scalar::Scalar;
 
-/// A fixed rate of samples, the first of which is taken at time zero.
+/// A fixed sampling rate; the first sample is at time zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SampleGrid<S> {
     rate: Frequency,
     pub(super) samples_per_second: S,
-    /// Ticks from one sample to the next, as the rate in this precision has it.
+    /// Ticks from one sample to the next, rounded in the precision of the rate.
     ticks_per_sample: u64,
 }
 
 impl<S: Scalar> SampleGrid<S> {
-    /// `rate` in samples per second.
+    /// A grid of `rate` samples per second.
     pub(super) fn new(rate: S) -> Result<Self, ExcitationError> {
         let fixed = Frequency::from_hertz(rate).ok_or(ExcitationError::Frequency)?;
         if !(rate > S::ZERO) {
@@ -24,34 +24,33 @@ impl<S: Scalar> SampleGrid<S> {
         Ok(Self { rate: fixed, samples_per_second: rate, ticks_per_sample: interval.ticks() })
     }
 
-    /// The number of whole samples before `at`, and how far it lies from that one to the next, 0 to 1.
+    /// The index of the last sample at or before `at`, and the part of the interval since, 0 to 1.
     #[inline]
     pub(super) fn place(&self, at: Instant) -> (u64, S) {
         let Cycles { whole, fraction } = self.rate.cycles(at);
-        // from_fraction counts in 2^63.
+        // `from_fraction` divides by 2⁶³.
         (whole, S::from_fraction((fraction >> 1).cast_signed()))
     }
 
-    /// The number of whole samples before `at`.
+    /// The index of the last sample at or before `at`.
     #[inline]
     pub(super) fn sample_before(&self, at: Instant) -> u64 {
         self.rate.cycles(at).whole
     }
 
-    /// Ticks to the next sample, or a few millionths of the interval beyond it.
+    /// Ticks from `at` to the next sample, or to a few millionths of the interval beyond it.
     pub(super) fn ticks_to_next(&self, at: Instant) -> u32 {
-        // In integers: in `f32` the rest would vanish within a rounding of the sample, and the last
-        // ticks be taken one by one.
+        // In integers: in `f32` the rest rounds to zero close to the sample, and steps of one tick follow.
         // At a sample the rest is the whole interval, 2³².
         let rest = (1 << 32) - (self.rate.phase(at) >> 32);
         rest.checked_mul(self.ticks_per_sample).map_or(u32::MAX, |product| {
             let ticks = product >> 32;
-            // A little beyond the sample, so that a rounding cannot leave a sliver.
+            // Beyond the sample, so that rounding leaves no sliver of the interval.
             u32::try_from(ticks + (ticks >> 22) + 1).unwrap_or(u32::MAX)
         })
     }
 
-    /// Ticks from one sample to the next, rounded down; `None` where they do not fit in 64 bits.
+    /// Ticks from one sample to the next, rounded down; `None` where the number does not fit in 64 bits.
     pub(super) fn whole_ticks_per_sample(&self) -> Option<u64> {
         self.rate.whole_ticks_per_cycle()
     }

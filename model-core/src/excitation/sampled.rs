@@ -1,24 +1,24 @@
-//! A recorded acceleration: samples at a fixed rate, joined by straight lines.
+//! A recorded acceleration: samples at a fixed rate, linearly interpolated.
 
 use super::sample_grid::SampleGrid;
 use super::{Excitation, ExcitationError};
 use crate::clock::Instant;
 use crate::scalar::Scalar;
 
-/// What follows the last sample.
+/// The acceleration after the last sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AfterLastSample {
-    /// The base comes to rest: zero acceleration from the last sample on.
+    /// Zero from the last sample on.
     Silence,
-    /// The trace starts again one sample interval after its last sample.
+    /// The trace again, from one sample interval after its last sample.
     Repeat,
 }
 
 /// Acceleration samples at a fixed rate, linearly interpolated; the first sample is at time zero.
 ///
-/// A step of an integrator ends at the next sample (or a few millionths of the interval beyond it),
-/// because the slope jumps there.
+/// The slope jumps at a sample. So a step ends at the next sample, or a few millionths of the interval beyond
+/// it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampled<'a, S> {
     samples: &'a [S],
@@ -27,10 +27,10 @@ pub struct Sampled<'a, S> {
 }
 
 impl<'a, S: Scalar> Sampled<'a, S> {
-    /// `samples` in m/s², `rate` in samples per second.
+    /// A trace of `samples` in m/s² at `rate` samples per second.
     ///
     /// # Errors
-    /// Fewer than two samples, a sample that is not finite, or a rate that is zero or out of range.
+    /// Fewer than two samples, a sample that is not finite, or a rate that is not above 0 and at most 10⁶.
     pub fn new(samples: &'a [S], rate: S, after: AfterLastSample) -> Result<Self, ExcitationError> {
         if samples.len() < 2 {
             return Err(ExcitationError::TooFewSamples);
@@ -41,12 +41,12 @@ impl<'a, S: Scalar> Sampled<'a, S> {
         Ok(Self { samples, grid: SampleGrid::new(rate)?, after })
     }
 
-    /// The samples on either side of `at`, and how far it lies between them.
+    /// The samples on either side of `at`, and the place of `at` between them, 0 to 1.
     fn bracket(&self, at: Instant) -> (S, S, S) {
         let (whole, theta) = self.grid.place(at);
         let count = self.samples.len() as u64;
         let first = match self.after {
-            // There are at least two samples; the plain remainder would link a panic all the same.
+            // There are at least two samples, but `%` would link the panic of a division by zero.
             AfterLastSample::Repeat => whole.checked_rem(count).unwrap_or(0),
             AfterLastSample::Silence => whole.min(count),
         } as usize;

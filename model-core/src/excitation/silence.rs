@@ -1,4 +1,4 @@
-//! No excitation: free decay, static equilibrium, leakage.
+//! Zero base acceleration, for free decay, static equilibrium and leakage.
 
 use super::Excitation;
 use crate::clock::Instant;

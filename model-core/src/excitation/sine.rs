@@ -1,4 +1,4 @@
-//! A sine of fixed amplitude, frequency and start phase.
+//! A sine of fixed amplitude, frequency and phase, `a(t) = A sin(2π f t + φ)`.
 
 use core::marker::PhantomData;
 
@@ -8,26 +8,27 @@ use crate::scalar::{Mathematics, Polynomial, Scalar, turns_of_radians};
 
 /// `a(t) = A sin(2π f t + φ)`.
 ///
-/// The phase is an integer number of 2⁻⁶⁴ turns computed from the clock, so it neither drifts nor
-/// needs range reduction. `M` evaluates the sine.
+/// The phase is an integer number of 2⁻⁶⁴ turns, computed from the clock. So it does not drift and needs no
+/// range reduction. `M` evaluates the sine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sine<S, M = Polynomial> {
     amplitude: S,
-    /// `2π f`, in rad/s.
+    /// `2π f` in rad/s.
     angular_frequency: S,
     frequency: Frequency,
     /// Ticks in an eighth of a period.
     resolved: u32,
+    /// `φ` in units of 2⁻⁶⁴ turns.
     start: u64,
     mathematics: PhantomData<M>,
 }
 
 impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
-    /// `amplitude` in m/s², `frequency` in Hz, `phase` at time zero in radians.
+    /// A sine of `amplitude` in m/s², `frequency` in Hz, and `phase` at time zero in radians.
     ///
     /// # Errors
-    /// [`ExcitationError`] names the argument that is out of range.
+    /// An argument that is not finite, a negative frequency or one above 1 MHz, a phase of 2²⁰ turns or more.
     pub fn new(amplitude: S, frequency: S, phase: S) -> Result<Self, ExcitationError> {
         if !amplitude.is_finite() {
             return Err(ExcitationError::Amplitude);
@@ -47,13 +48,13 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
 
     /// Frequency in Hz.
     #[must_use]
-    pub fn hertz(&self) -> S {
+    pub fn frequency(&self) -> S {
         self.angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI)
     }
 
     /// Phase at `at` in units of 2⁻⁶⁴ turns.
     #[inline]
-    pub fn phase(&self, at: Instant) -> u64 {
+    pub(crate) fn phase(&self, at: Instant) -> u64 {
         self.frequency.phase(at).wrapping_add(self.start)
     }
 }

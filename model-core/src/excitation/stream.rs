@@ -1,4 +1,4 @@
-//! An acceleration whose samples arrive one after the other.
+//! An acceleration whose samples arrive one by one, linearly interpolated.
 
 use super::sample_grid::SampleGrid;
 use super::{Excitation, ExcitationError};
@@ -6,14 +6,14 @@ use crate::clock::Instant;
 use crate::scalar::Scalar;
 use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
-/// Leaps of a [`Stream::restart`]: after the first, over up to 2³² intervals of at least 2²⁰ ticks, at most
-/// 2¹² are left, after the second one.
+/// Leaps of a [`Stream::restart`]. Up to 2³² intervals of at least 2²⁰ ticks are missing at first, at most 2¹²
+/// after the first leap, and one after the second.
 const LEAPS: u32 = 3;
 
-/// Samples at a fixed rate, joined by straight lines, of which the last three are kept.
+/// The last three of the samples that arrive at a fixed rate, linearly interpolated.
 ///
-/// What [`super::Sampled`] is for a whole trace in memory: on the same samples at the same rate it gives the
-/// same bits. The first sample is at time zero.
+/// The first sample is at time zero. The acceleration has the same bits as that of a
+/// [`Sampled`](super::Sampled) of the same samples and rate.
 ///
 /// ```
 /// use model_core::clock::Instant;
@@ -30,9 +30,9 @@ const LEAPS: u32 = 3;
 ///
 /// # How far it is known
 ///
-/// A run is advanced to [`Stream::known_until`], the first tick at or after the last sample but one. That
-/// tick lies up to one tick beyond its sample, where the line to the last sample has already begun: hence the
-/// third sample, and a delay of one. A step that ends there needs no short one after it.
+/// A run can be advanced to [`Stream::known_until`], the first tick at or after the last sample but one. That
+/// tick lies up to one tick beyond its sample, on the line to the last sample. So the stream lags one sample
+/// behind, and it keeps three samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stream<S> {
     grid: SampleGrid<S>,
@@ -42,6 +42,7 @@ pub struct Stream<S> {
     newest: u64,
     /// The last three samples in m/s², the newest last. Before the third they repeat the first.
     samples: [S; 3],
+    /// The first tick at or after the last sample but one.
     known_until: Instant,
 }
 
@@ -50,8 +51,7 @@ pub struct Stream<S> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum StreamError {
-    /// The rate is not above zero, not finite, or above [`crate::clock::Frequency::HIGHEST_HZ`]; or below
-    /// a sample in half a year.
+    /// The rate is not above zero, not finite, above 1 MHz, or below one sample in half a year.
     Rate,
     /// The sample is not finite.
     Sample,
@@ -69,7 +69,7 @@ impl core::fmt::Display for StreamError {
 impl core::error::Error for StreamError {}
 
 impl<S: Scalar> Stream<S> {
-    /// A stream of `rate` samples per second with its first sample, in m/s².
+    /// A stream of `rate` samples per second with its first sample in m/s².
     ///
     /// # Errors
     /// A rate that is out of range, or a sample that is not finite.
@@ -82,7 +82,7 @@ impl<S: Scalar> Stream<S> {
         Ok(Self { grid, interval, newest: 0, samples: [first; 3], known_until: Instant::START })
     }
 
-    /// Takes in the next sample, in m/s².
+    /// Takes the next sample in m/s².
     ///
     /// # Errors
     /// A sample that is not finite; the stream is then as before.
@@ -95,21 +95,20 @@ impl<S: Scalar> Stream<S> {
         Ok(())
     }
 
-    /// The same with a sample that is known to be finite.
+    /// Takes the next sample, which must be finite.
     #[inline]
     pub(crate) fn take(&mut self, sample: S) {
         let [_, middle, last] = self.samples;
         self.samples = [middle, last, sample];
         self.newest = self.newest.wrapping_add(1);
         let last_but_one = self.newest.saturating_sub(1);
-        // Not so for the first sample, and the first after a restart.
+        // False for the first sample, and for the first one after a restart.
         if self.grid.sample_before(self.known_until) < last_but_one {
             self.known_until = self.tick_of_next(self.known_until, last_but_one);
         }
     }
 
-    /// Begins anew: `sample` is the one `missed` samples after the newest, and nothing is known of those
-    /// between.
+    /// Begins again with `sample` in m/s² after a gap of `missed` samples.
     ///
     /// [`Stream::known_until`] is then the time of this sample.
     ///
@@ -123,65 +122,58 @@ impl<S: Scalar> Stream<S> {
         Ok(())
     }
 
-    /// The same with a sample that is known to be finite.
+    /// [`Stream::restart`] with a sample that must be finite.
     pub(crate) fn restart_with(&mut self, missed: u32, sample: S) {
         let index = self.newest.wrapping_add(u64::from(missed)).wrapping_add(1);
         self.known_until = self.first_tick_beyond(self.known_until, index);
         (self.newest, self.samples) = (index, [sample; 3]);
     }
 
-    /// Begins at time zero with `sample`, which is known to be finite.
+    /// Begins at time zero with `sample`, which must be finite.
     pub(crate) fn begin_with(&mut self, sample: S) {
         (self.newest, self.samples, self.known_until) = (0, [sample; 3], Instant::START);
     }
 
-    /// The instant up to which a run can be advanced: that of the last sample but one, rounded up to a tick.
+    /// The instant to which a run can be advanced: that of the last sample but one, rounded up to a tick.
     #[must_use]
     pub fn known_until(&self) -> Instant {
         self.known_until
     }
 
-    /// Index of the newest sample, from 0.
+    /// The newest sample in m/s².
     #[must_use]
-    pub fn newest(&self) -> u64 {
-        self.newest
-    }
-
-    /// The newest sample, in m/s².
-    #[must_use]
-    pub fn newest_sample(&self) -> S {
+    pub(crate) fn newest_sample(&self) -> S {
         let [_, _, last] = self.samples;
         last
     }
 
     /// Samples per second.
     #[must_use]
-    pub fn rate(&self) -> S {
+    pub(crate) fn rate(&self) -> S {
         self.grid.samples_per_second
     }
 
     /// Ticks from one sample to the next, rounded down.
     #[must_use]
-    pub fn ticks_per_sample(&self) -> u64 {
+    pub(crate) fn ticks_per_sample(&self) -> u64 {
         self.interval
     }
 
-    /// The first tick at or after sample `index`, where `before` is that of the sample before it.
+    /// The first tick at or after sample `index`, given the first tick at or after the sample before it.
     #[inline]
     fn tick_of_next(&self, before: Instant, index: u64) -> Instant {
-        // `before` is less than a tick late, and the interval less than a tick short: the sum is the tick
+        // `before` is less than a tick late, and the interval is less than a tick short. So the sum is the tick
         // before the sample or the one after it.
         let near = Instant::from_ticks(before.ticks().wrapping_add(self.interval));
         if self.grid.sample_before(near) >= index { near } else { near.after(1) }
     }
 
-    /// The first tick at or after sample `index`, where `before` lies before that sample by any number of
-    /// intervals.
+    /// The first tick at or after sample `index`, given an instant any number of intervals before that sample.
     #[cold]
     fn first_tick_beyond(&self, before: Instant, index: u64) -> Instant {
         let mut before = before.ticks();
         for _ in 0..LEAPS {
-            // Whole intervals short of the last one; each is less than a tick short itself.
+            // All missing intervals but the last one; each is counted less than a tick too short.
             let missing = index.saturating_sub(self.grid.sample_before(Instant::from_ticks(before)));
             before = before.wrapping_add(missing.saturating_sub(1).wrapping_mul(self.interval));
         }
@@ -197,12 +189,12 @@ impl<S: Scalar> Stream<S> {
         Instant::from_ticks(beyond)
     }
 
-    /// The samples on either side of `at`, and how far it lies between them.
+    /// The samples on either side of `at`, and the place of `at` between them, 0 to 1.
     #[inline]
     fn bracket(&self, at: Instant) -> (S, S, S) {
         let (whole, theta) = self.grid.place(at);
         let [first, middle, last] = self.samples;
-        // Outside of what is known the nearest sample holds.
+        // Outside the three samples the nearest one holds.
         match self.newest.wrapping_sub(whole).cast_signed() {
             ..=0 => (last, last, theta),
             1 => (middle, last, theta),
@@ -323,7 +315,7 @@ mod tests {
                     jumped.push(sample).expect("finite");
                     walked.push(sample).expect("finite");
                     assert_eq!(jumped.known_until(), walked.known_until());
-                    assert_eq!(jumped.newest(), walked.newest());
+                    assert_eq!(jumped.newest, walked.newest);
                 }
                 assert_eq!(jumped, walked);
             }

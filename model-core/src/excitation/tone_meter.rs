@@ -1,36 +1,40 @@
-//! Amplitude and frequency of the strongest line in an accelerometer's samples.
+//! Amplitude and frequency of the strongest sine in an accelerometer's samples, at two multiplications a
+//! sample: the input of a closed-form estimate of the harvested power.
 //!
-//! What a closed-form estimate of the harvested power asks for, at a cost that a core without floating
-//! point can bear: two multiplications a sample. A first frequency comes from the upward zero crossings in a
-//! window of samples, interpolated, with a hysteresis that noise does not cross. Goertzel's recursion
-//! (G. Goertzel, Amer. Math. Monthly 65, 1958) at that frequency gives the line's amplitude and its phase in
-//! the middle of the window, and what the phase of two windows in a row is ahead of the frequency corrects the frequency:
-//! other lines shift zero crossings by per cents, but hardly a phase. The offset, gravity above all, is
-//! the mean of the window before.
+//! The samples are taken in windows. A first frequency follows from the interpolated upward zero crossings of a
+//! window, with a hysteresis against noise. The recursion of Goertzel,
+//!
+//! ```text
+//! s_n = x_n + 2 cos(ω) s_{n−1} − s_{n−2},
+//! ```
+//!
+//! at that frequency gives the amplitude of the sine and its phase in the middle of the window (G. Goertzel,
+//! Amer. Math. Monthly 65, 1958). The difference of the phases of two successive windows corrects the
+//! frequency. Other sines shift zero crossings by per cents, but the phase much less. The mean of one window,
+//! gravity above all, is subtracted from the samples of the next.
 
 use super::ExcitationError;
 use crate::clock::{Frequency, Instant};
 use crate::scalar::{Mathematics, Scalar, arcsine};
 
-/// Part of the present RMS acceleration by which a sample must be below zero before the next upward
-/// crossing counts.
+/// A sample must be below zero by this part of the RMS acceleration before the next upward crossing counts.
 const HYSTERESIS: f64 = 0.5;
 /// Most samples in a window.
 const MOST_SAMPLES: u32 = 1 << 12;
 
-/// The strongest line of one window.
+/// The strongest sine of one window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Line<S> {
+pub struct SpectralPeak<S> {
     /// Amplitude in m/s².
     pub amplitude: S,
     /// Frequency in Hz.
     pub frequency: S,
-    /// Part of the signal's mean square, 0 to 1, that the line has: near 1 where one sine is all there is.
+    /// The share of the sine in the mean square of the signal, 0 to 1; near 1 for a pure sine.
     pub purity: S,
 }
 
-/// The rate and the length of the windows.
+/// Finds the strongest sine of each window of samples, at a fixed rate and window length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToneMeter<S> {
     samples_per_second: S,
@@ -38,42 +42,48 @@ pub struct ToneMeter<S> {
     window: u32,
 }
 
-/// What changes from sample to sample.
+/// The state of a [`ToneMeter`] between two samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToneMeterState<S> {
-    /// Samples of this window so far.
+    /// Number of samples of this window so far.
     count: u32,
-    /// Mean of the window before.
+    /// Mean of the previous window, in m/s².
     offset: S,
-    /// Sums over this window: of the samples less the offset, and of their squares.
+    /// Sum over this window of the samples less the offset.
     sum: S,
+    /// Sum over this window of the squares of the samples less the offset.
     squares: S,
-    /// What is below zero by more than this is armed for a crossing.
+    /// A sample below minus this arms the next upward crossing, in m/s².
     hysteresis: S,
+    /// Whether the next upward crossing counts.
     armed: bool,
+    /// The last sample less the offset.
     last: S,
-    /// Place of the first and of the last upward crossing in samples, and how many there were.
+    /// Place of the first upward crossing, in samples from the start of the window.
     first_crossing: S,
+    /// Place of the last upward crossing.
     last_crossing: S,
+    /// Number of upward crossings.
     crossings: u32,
-    /// Frequency of the recursion in Hz; 0 as long as none is known.
+    /// Frequency of the recursion in Hz; 0 while none is known.
     frequency: S,
-    /// Cosine and sine of its phase per sample.
+    /// Cosine and sine of the phase of that frequency per sample.
     per_sample: [S; 2],
-    /// The two sums of the recursion.
+    /// `s_n` and `s_{n−1}` of the recursion.
     sums: [S; 2],
-    /// The line in the middle of the window before, as a complex number; 0 if there was none.
+    /// Complex amplitude in the middle of the previous window, times half its length; 0 if there was none.
     before: [S; 2],
-    /// Whether a window came before, which knew the offset.
+    /// Whether `offset` is the mean of a whole window.
     offset_known: bool,
 }
 
 impl<S: Scalar> ToneMeter<S> {
-    /// For `rate` samples a second, 1 to 10⁵, in windows of `window` samples, 16 to 4096: a line is
-    /// resolved where a window holds two of its periods and a period three samples.
+    /// A meter for `rate` samples per second, 1 to 10⁵, in windows of `window` samples, 16 to 4096.
+    ///
+    /// A sine is found where a window holds two periods of it and a period holds three samples.
     ///
     /// # Errors
-    /// A rate or a window out of its bounds.
+    /// A rate or a window outside its bounds.
     pub fn new(rate: S, window: u32) -> Result<Self, ExcitationError> {
         let in_bounds = rate >= S::ONE && rate <= S::from_f64(1e5);
         if !in_bounds {
@@ -107,10 +117,14 @@ impl<S: Scalar> ToneMeter<S> {
         }
     }
 
-    /// Takes in a sample in m/s²; the last one of a window gives the line, if there is one, from the third
-    /// window on. A sample that is not finite is taken as the one before.
+    /// Takes a sample in m/s². The last sample of a window returns the strongest sine, if there is one, from
+    /// the third window on. A sample that is not finite counts as the sample before it.
     #[inline]
-    pub fn push<M: Mathematics<S>>(&self, state: &mut ToneMeterState<S>, sample: S) -> Option<Line<S>> {
+    pub fn push<M: Mathematics<S>>(
+        &self,
+        state: &mut ToneMeterState<S>,
+        sample: S,
+    ) -> Option<SpectralPeak<S>> {
         let value = if sample.is_finite() { sample - state.offset } else { state.last };
         state.sum += value;
         state.squares += value * value;
@@ -120,7 +134,7 @@ impl<S: Scalar> ToneMeter<S> {
         if value < -state.hysteresis {
             state.armed = true;
         } else if state.armed && value >= S::ZERO {
-            // The straight line from the last sample to this one; the last may be above zero too.
+            // Linear interpolation; the last sample may be above zero too.
             let back = if state.last < S::ZERO { value / (value - state.last) } else { S::ZERO };
             let place = S::from_u32(state.count) - back;
             if state.crossings == 0 {
@@ -135,14 +149,14 @@ impl<S: Scalar> ToneMeter<S> {
         if state.count < self.window { None } else { self.close::<M>(state) }
     }
 
-    /// The end of a window: its line, and what the next one starts with.
+    /// Ends a window: returns its strongest sine, and prepares the state of the next window.
     #[cold]
     #[inline(never)]
-    fn close<M: Mathematics<S>>(&self, state: &mut ToneMeterState<S>) -> Option<Line<S>> {
+    fn close<M: Mathematics<S>>(&self, state: &mut ToneMeterState<S>) -> Option<SpectralPeak<S>> {
         let mean = state.sum * self.per_window;
         let variance = (state.squares * self.per_window - mean * mean).max(S::ZERO);
-        // y = s − e^(−jω) s' = Σ x e^(jω(N−1−n)); turned back by half a window it has the phase of the line in
-        // the middle, whether or not ω is quite the line's, and of a sine of amplitude A the magnitude A N/2.
+        // y = s_{N−1} − e^(−jω) s_{N−2} = Σ x_n e^(jω(N−1−n)). Turned back by half a window, y has the phase
+        // of the sine in the middle of the window even where ω is slightly off, and the magnitude A N/2.
         let [last, previous] = state.sums;
         let [cosine, sine] = state.per_sample;
         let raw = [last - cosine * previous, sine * previous];
@@ -150,7 +164,7 @@ impl<S: Scalar> ToneMeter<S> {
         let middle = turned_back(raw, half_window);
         let square = middle[0] * middle[0] + middle[1] * middle[1];
         let amplitude = S::from_f64(2.0) * square.sqrt() * self.per_window;
-        let line = (state.frequency > S::ZERO && variance > S::ZERO).then(|| Line {
+        let peak = (state.frequency > S::ZERO && variance > S::ZERO).then(|| SpectralPeak {
             amplitude,
             frequency: state.frequency,
             purity: (S::from_f64(0.5) * amplitude * amplitude / variance).min(S::ONE),
@@ -159,18 +173,19 @@ impl<S: Scalar> ToneMeter<S> {
         *state = ToneMeterState {
             offset: state.offset + mean,
             hysteresis: S::from_f64(HYSTERESIS) * variance.sqrt(),
-            // The last sample as the next window sees it.
+            // The last sample less the offset of the next window.
             last: state.last - mean,
             frequency,
             per_sample: self.phase_after::<M>(frequency, 1),
-            before: if line.is_some() { middle } else { [S::ZERO; 2] },
+            before: if peak.is_some() { middle } else { [S::ZERO; 2] },
             offset_known: true,
             ..self.start()
         };
-        line
+        peak
     }
 
-    /// The frequency for the next window, from the line in the middle of this one and the square of its magnitude.
+    /// The frequency in Hz for the next window, from the complex amplitude in the middle of this one and the
+    /// square of its magnitude.
     fn next_frequency<M: Mathematics<S>>(&self, state: &ToneMeterState<S>, middle: [S; 2], square: S) -> S {
         if !state.offset_known {
             return S::ZERO;
@@ -180,7 +195,7 @@ impl<S: Scalar> ToneMeter<S> {
             return S::ZERO;
         }
         let crossing = S::from_u32(state.crossings - 1) / between * self.samples_per_second;
-        // How far the line has turned since the window before, less what its frequency makes of that.
+        // The turn of the phase since the previous window, less the turn that the frequency predicts.
         let predicted = turned_back(middle, self.phase_after::<M>(state.frequency, self.window));
         let [ahead, across] = turned_back(predicted, state.before);
         let [real, imaginary] = state.before;
@@ -188,13 +203,13 @@ impl<S: Scalar> ToneMeter<S> {
         let turns_per_window = S::from_f64(0.5 * core::f64::consts::FRAC_1_PI) * arcsine(across / magnitudes);
         let windows_per_second = self.samples_per_second * self.per_window;
         let corrected = state.frequency + turns_per_window * windows_per_second;
-        // Behind by more than a quarter of a turn, or another line altogether: begin anew.
+        // Behind by more than a quarter of a turn, the zero crossings are more reliable.
         let off = (corrected - crossing).abs();
         let locked = ahead > S::ZERO && off < windows_per_second;
         if locked && corrected > S::ZERO { corrected } else { crossing }
     }
 
-    /// Cosine and sine of the phase of `frequency` after `samples` samples.
+    /// Cosine and sine of the phase of `frequency`, in Hz, after `samples` samples.
     fn phase_after<M: Mathematics<S>>(&self, frequency: S, samples: u32) -> [S; 2] {
         let phase = Frequency::from_hertz(frequency)
             .zip(Instant::from_seconds(S::from_u32(samples) / self.samples_per_second))
@@ -203,7 +218,7 @@ impl<S: Scalar> ToneMeter<S> {
     }
 }
 
-/// `a` times the conjugate of `b`.
+/// The product of one complex number with the conjugate of another.
 fn turned_back<S: Scalar>([a, b]: [S; 2], [c, d]: [S; 2]) -> [S; 2] {
     [a * c + b * d, b * c - a * d]
 }
@@ -213,7 +228,7 @@ mod tests {
     use super::*;
     use crate::scalar::Polynomial;
 
-    fn lines(rate: f64, window: u32, signal: impl Fn(f64) -> f64) -> Vec<Line<f32>> {
+    fn peaks(rate: f64, window: u32, signal: impl Fn(f64) -> f64) -> Vec<SpectralPeak<f32>> {
         let meter = ToneMeter::<f32>::new(rate as f32, window).expect("in bounds");
         let mut state = meter.start();
         let count = 8 * window;
@@ -225,17 +240,17 @@ mod tests {
     #[test]
     fn a_sine_on_gravity_is_found_to_its_leakage() {
         for (frequency, amplitude) in [(5.3, 0.4), (20.0, 1.962), (37.77, 12.0), (120.9, 0.05)] {
-            let found = lines(400.0, 400, |t| 9.81 + amplitude * (TAU * frequency * t + 0.3).sin());
+            let found = peaks(400.0, 400, |t| 9.81 + amplitude * (TAU * frequency * t + 0.3).sin());
             assert_eq!(found.len(), 6);
-            for line in &found {
-                // The other sideband leaks at most 1/(2π f T) into the line.
+            for peak in &found {
+                // The other sideband leaks at most 1/(2π f T) into the peak.
                 let leak = 1.0 / (std::f64::consts::TAU * frequency);
                 let close = |a: f32, b: f64, part: f64| ((f64::from(a) / b) - 1.0).abs() < part;
-                assert!(close(line.amplitude, amplitude, 1.2 * leak + 2e-3), "{frequency} {line:?}");
-                assert!(close(line.frequency, frequency, 3e-3), "{frequency} {line:?}");
-                assert!(line.purity > 0.9, "{frequency} {line:?}");
+                assert!(close(peak.amplitude, amplitude, 1.2 * leak + 2e-3), "{frequency} {peak:?}");
+                assert!(close(peak.frequency, frequency, 3e-3), "{frequency} {peak:?}");
+                assert!(peak.purity > 0.9, "{frequency} {peak:?}");
             }
-            let last = found.last().map_or(f32::NAN, |line| line.frequency);
+            let last = found.last().map_or(f32::NAN, |peak| peak.frequency);
             let leak = 1.0 / (TAU * frequency);
             assert!((f64::from(last) / frequency - 1.0).abs() < 0.03 * leak + 5e-5, "{frequency} {last}");
         }
@@ -244,25 +259,25 @@ mod tests {
     const TAU: f64 = std::f64::consts::TAU;
 
     #[test]
-    fn the_strongest_of_two_lines_is_found_and_is_not_taken_as_pure() {
-        let found = lines(400.0, 400, |t| 2.0 * (TAU * 20.05 * t).sin() + 1.0 * (TAU * 61.3 * t + 1.0).sin());
-        // The first frequency is that of the crossings, which the other line shifts; two windows later it
+    fn the_strongest_of_two_sines_is_found_and_is_not_taken_as_pure() {
+        let found = peaks(400.0, 400, |t| 2.0 * (TAU * 20.05 * t).sin() + 1.0 * (TAU * 61.3 * t + 1.0).sin());
+        // The first frequency is that of the crossings, which the other sine shifts; two windows later it
         // is that of the phase.
         assert!((found[0].frequency - 20.05).abs() < 0.2, "{found:?}");
-        for line in &found[2..] {
-            assert!((line.frequency - 20.05).abs() < 0.01, "{line:?}");
-            assert!((line.amplitude / 2.0 - 1.0).abs() < 0.02, "{line:?}");
+        for peak in &found[2..] {
+            assert!((peak.frequency - 20.05).abs() < 0.01, "{peak:?}");
+            assert!((peak.amplitude / 2.0 - 1.0).abs() < 0.02, "{peak:?}");
             // 2²/(2² + 1²).
-            assert!((line.purity - 0.8).abs() < 0.05, "{line:?}");
+            assert!((peak.purity - 0.8).abs() < 0.05, "{peak:?}");
         }
     }
 
     #[test]
-    fn silence_has_no_line_and_a_gap_does_no_harm() {
-        assert!(lines(400.0, 400, |_| 9.81).is_empty());
+    fn silence_has_no_peak_and_a_gap_does_no_harm() {
+        assert!(peaks(400.0, 400, |_| 9.81).is_empty());
         let found =
-            lines(400.0, 400, |t| if (t * 400.0) as u32 == 1000 { f64::NAN } else { (TAU * 20.0 * t).sin() });
-        assert!(found.iter().all(|line| (line.amplitude - 1.0).abs() < 0.03), "{found:?}");
+            peaks(400.0, 400, |t| if (t * 400.0) as u32 == 1000 { f64::NAN } else { (TAU * 20.0 * t).sin() });
+        assert!(found.iter().all(|peak| (peak.amplitude - 1.0).abs() < 0.03), "{found:?}");
     }
 
     #[test]

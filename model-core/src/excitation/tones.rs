@@ -1,27 +1,27 @@
-//! A sum of sines of any frequencies.
+//! A sum of sines, `a(t) = Σ A_k sin(2π f_k t + φ_k)`.
 
 use super::{Excitation, Sine};
 use crate::clock::Instant;
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 use heapless::Vec;
 
-/// A sum of at most `CAPACITY` sines; none of them is silence.
+/// A sum of at most `CAPACITY` sines; zero without any.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tones<S, const CAPACITY: usize, M = Polynomial> {
     tones: Vec<Sine<S, M>, CAPACITY>,
 }
 
 impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Tones<S, CAPACITY, M> {
-    /// A sum of no sines yet.
+    /// A sum without sines.
     #[must_use]
     pub const fn new() -> Self {
         Self { tones: Vec::new() }
     }
 
-    /// Adds a tone.
+    /// Adds a sine.
     ///
     /// # Errors
-    /// Gives the tone back if all `CAPACITY` places are taken.
+    /// The sine itself if there are `CAPACITY` sines already.
     pub fn push(&mut self, tone: Sine<S, M>) -> Result<(), Sine<S, M>> {
         self.tones.push(tone)
     }

@@ -1,8 +1,8 @@
-//! The dense output: a cubic through the values and slopes at both ends of a step.
+//! The dense output of a step: the cubic Hermite interpolant of the values and slopes at both ends.
 //!
-//! A one-step method that ends on its last stage has both slopes for nothing, the interpolant of
-//! neighbouring steps joins with a continuous first derivative, and its extrema, on which hidden
-//! crossings, grazes and peaks depend, are roots of a quadratic.
+//! A method whose last stage is its result knows both slopes. The interpolants of successive steps join with
+//! a continuous first derivative. The extrema, which decide hidden crossings, grazes and peaks, are the roots
+//! of a quadratic.
 
 use crate::scalar::Scalar;
 
@@ -15,24 +15,25 @@ pub struct Cubic<S> {
     end_slope: S,
 }
 
-/// Iterations of a bracketed root search; bisection alone resolves 2⁻⁴⁰.
+/// Most iterations of the bracketed root search; bisection alone resolves 2⁻⁴⁰.
 const ROOT_ITERATIONS: usize = 40;
 
 impl<S: Scalar> Cubic<S> {
-    /// From values and time derivatives at both ends of a step of length `step`.
+    /// The cubic of the values and the time derivatives at both ends of a step of `step` seconds.
     #[must_use]
     #[inline(always)]
     pub fn new(start: S, start_rate: S, end: S, end_rate: S, step: S) -> Self {
         Self { start, start_slope: start_rate * step, end, end_slope: end_rate * step }
     }
 
-    /// A parabola from its values at both ends and its mean over the step.
+    /// The parabola of the values at both ends of a step and the mean over the step.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn with_mean(start: S, end: S, mean: S) -> Self {
-        let interpolation_bound = S::from_f64(3.0) * (start + end) - S::from_f64(6.0) * mean;
+        // The second derivative: 6 (start + end) − 12 mean.
+        let half_curvature = S::from_f64(3.0) * (start + end) - S::from_f64(6.0) * mean;
         let rise = end - start;
-        Self { start, start_slope: rise - interpolation_bound, end, end_slope: rise + interpolation_bound }
+        Self { start, start_slope: rise - half_curvature, end, end_slope: rise + half_curvature }
     }
 
     /// The value at `theta`.
@@ -44,27 +45,27 @@ impl<S: Scalar> Cubic<S> {
 
     /// The slope with respect to θ at `theta`.
     #[must_use]
-    pub fn slope(&self, theta: S) -> S {
+    fn slope(&self, theta: S) -> S {
         let [linear, quadratic, cubic] = self.powers();
         linear + theta * (S::from_f64(2.0) * quadratic + theta * S::from_f64(3.0) * cubic)
     }
 
     /// Coefficients of θ, θ² and θ³.
-    #[inline(always)]
+    #[inline]
     fn powers(&self) -> [S; 3] {
         let rise = self.end - self.start;
         let cubic = self.start_slope + self.end_slope - S::from_f64(2.0) * rise;
         [self.start_slope, rise - self.start_slope - cubic, cubic]
     }
 
-    /// The inner Bernstein coefficients: the cubic lies in the hull of these and its end values.
-    #[inline(always)]
+    /// The inner Bernstein coefficients: the cubic lies in the convex hull of these and the values at the ends.
+    #[inline]
     fn inner_hull(&self) -> [S; 2] {
         let third = S::from_f64(1.0 / 3.0);
         [self.start + third * self.start_slope, self.end - third * self.end_slope]
     }
 
-    /// The interior extrema in order of θ.
+    /// The extrema inside the step, in the order of θ.
     fn extrema(&self) -> [Option<S>; 2] {
         let [linear, quadratic, cubic] = self.powers();
         // 3 c θ² + 2 b θ + a = 0, solved without cancellation.
@@ -82,7 +83,7 @@ impl<S: Scalar> Cubic<S> {
         }
     }
 
-    /// The largest value on the step, turning points inside included.
+    /// The largest value on the step.
     #[must_use]
     pub fn largest(&self) -> S {
         let ends = self.start.max(self.end);
@@ -93,7 +94,7 @@ impl<S: Scalar> Cubic<S> {
         self.extrema().into_iter().flatten().fold(ends, |largest, theta| largest.max(self.value(theta)))
     }
 
-    /// The smallest value on the step, turning points inside included.
+    /// The smallest value on the step.
     #[must_use]
     pub fn smallest(&self) -> S {
         -self.negated().largest()
@@ -108,14 +109,14 @@ impl<S: Scalar> Cubic<S> {
         }
     }
 
-    /// The first θ at which the cubic falls to zero, if it starts above zero (or at zero and
-    /// rising): a crossing at the end, one hidden before a return, or a graze.
+    /// The first θ at which the cubic falls to zero: a crossing, a crossing before a return, or a graze. 0
+    /// for a cubic that starts below zero, or at zero without rising.
     ///
-    /// `None` is the common case and costs four multiplications: a cubic whose Bernstein
-    /// coefficients are all positive has no zero.
+    /// `None`, the common case, costs four multiplications: a cubic with positive Bernstein coefficients has no
+    /// zero.
     #[must_use]
     #[inline(always)]
-    pub fn first_fall(&self) -> Option<S> {
+    pub(crate) fn first_fall(&self) -> Option<S> {
         let [one, two] = self.inner_hull();
         if self.start >= S::ZERO && one > S::ZERO && two > S::ZERO && self.end > S::ZERO {
             None
@@ -127,7 +128,7 @@ impl<S: Scalar> Cubic<S> {
     #[cold]
     fn search_fall(&self) -> Option<S> {
         let mut left = S::ZERO;
-        // A start at zero counts as above it only if the cubic then rises.
+        // A start at zero counts as positive only if the cubic rises there.
         if self.start < S::ZERO || self.start == S::ZERO && !(self.start_slope > S::ZERO) {
             return Some(S::ZERO);
         }
@@ -145,7 +146,7 @@ impl<S: Scalar> Cubic<S> {
     /// The zero between `above`, where the cubic is positive, and `below`, where it is not.
     fn root_between(&self, mut above: S, mut below: S) -> S {
         let half = S::from_f64(0.5);
-        // A start at zero would otherwise be found again: leave it behind.
+        // A start at zero is a root too: keep away from it.
         let mut theta =
             if above == S::ZERO && self.start == S::ZERO { half * below } else { half * (above + below) };
         for _ in 0..ROOT_ITERATIONS {

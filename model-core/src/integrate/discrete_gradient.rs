@@ -1,36 +1,35 @@
-//! The contact force of one step as a discrete gradient: passive at any step.
+//! The contact force of one step as a discrete gradient of the contact's potential.
 //!
-//! A unilateral spring of stiffness `k` on the gap coordinate `g`, open below zero, has the potential
-//! `V(g) = k g₊²/2`. Over a step that moves `g` to `g⁺ = g* − H F` under a constant force `F`, the force
+//! A unilateral spring of stiffness `k` has the potential `V(g) = k g²/2` for a gap coordinate `g > 0`, and 0
+//! for an open gap, `g ≤ 0`. A constant force `F` over a step moves `g` to `g⁺ = g* − H F`. The force
 //!
 //! ```text
 //! F = [V(g⁺) − V(g)] / (g⁺ − g)
 //! ```
 //!
-//! does exactly the work `−[V(g⁺) − V(g)]`. Where the rest of the system is propagated exactly for a
-//! constant force, the energy of the whole is then conserved by the step, whatever its length. `V` is
-//! piecewise quadratic, so the implicit equation has a closed form: no event is searched, nothing is
-//! iterated. (Gonzalez 1996 and McLachlan et al. 1999 for discrete gradients; the closed form is our own.)
+//! does the work `−[V(g⁺) − V(g)]` exactly. If the rest of the system is propagated exactly for a constant
+//! force, the step conserves the energy of the whole at any length. `V` is piecewise quadratic, so the
+//! implicit equation has a closed form without event location or iteration. Discrete gradients are due to
+//! Gonzalez (1996) and McLachlan, Quispel and Robidoux (1999); the closed form is derived here.
 
 use crate::scalar::Scalar;
 
-/// What a step of contact comes to.
+/// The contact force and the gap of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ContactStep<S> {
-    /// Constant force over the step in N, compressive, never below zero.
-    pub force: S,
-    /// Gap coordinate at its end in m; above zero in contact.
-    pub gap: S,
+pub(crate) struct ContactStep<S> {
+    /// Constant force over the step in N, compressive, at or above zero.
+    pub(crate) force: S,
+    /// Gap coordinate at the end of the step in m, above zero in contact.
+    pub(crate) gap: S,
 }
 
-/// The step from the gap coordinate `gap`, which without a force would come to `predicted`.
+/// The step from the gap coordinate `gap` in m, which would end at `predicted` in m without a force.
 ///
-/// `flexibility` is `H` in m/N, how far a unit force of the whole step moves the gap, above zero; `stiffness`
-/// is `k` in N/m.
+/// `flexibility` is `H > 0` in m/N, and `stiffness` is `k` in N/m.
 #[must_use]
 #[inline(always)]
-pub fn contact_step<S: Scalar>(gap: S, predicted: S, flexibility: S, stiffness: S) -> ContactStep<S> {
+pub(crate) fn contact_step<S: Scalar>(gap: S, predicted: S, flexibility: S, stiffness: S) -> ContactStep<S> {
     if gap <= S::ZERO {
         if predicted <= S::ZERO {
             return ContactStep { force: S::ZERO, gap: predicted };
@@ -54,10 +53,10 @@ fn touch_down<S: Scalar>(gap: S, predicted: S, flexibility: S, stiffness: S) -> 
     let sum = predicted + gap;
     let product = -gap * predicted;
     let root = (sum * sum + four * leading * product).sqrt();
-    // Of the two forms of the root the one that adds.
+    // The form of the root without cancellation.
     let reached =
         if sum >= S::ZERO { half * (sum + root) / leading } else { (product + product) / (root - sum) };
-    // V(u)/(u − g), which does not cancel as (g* − u)/H does; nothing over nothing is no force.
+    // V(u)/(u − g), because (g* − u)/H cancels. Without motion there is no force.
     let apart = reached - gap;
     let force = if apart > S::ZERO { half * stiffness * reached * (reached / apart) } else { S::ZERO };
     ContactStep { force, gap: reached }

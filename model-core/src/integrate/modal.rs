@@ -1,49 +1,53 @@
-//! The exact step of a damped mode: Duhamel's integral as a recurrence.
+//! The exact step of a damped mode under a force that is linear over the step: Duhamel's integral as a
+//! recurrence.
 //!
-//! For `q̈ + 2 ζ ω q̇ + ω² q = p(t)` with `p` constant or linear over a step `h`, the state at the end
-//! is linear in the state and in `p` at the start, with coefficients that depend on `ω`, `ζ` and
-//! `h` only. A mode that is left alone is propagated exactly however long the step, so the fastest
-//! mode puts no limit on it.
+//! ```text
+//! q̈ + 2 ζ ω q̇ + ω² q = p(t),   p(t) = p0 + (p1 − p0) t/h
+//! ```
+//!
+//! The state at the end of a step of length `h` is linear in the state at the start and in `p0` and `p1`, with
+//! coefficients that depend on `ω`, `ζ` and `h` only. The step is exact at any length, so the fastest mode does
+//! not limit it.
 
 use crate::scalar::{Mathematics, Scalar, turns_of_radians};
 
-/// The coefficients of one mode and one length of step:
+/// The coefficients of the step of one mode for one step length:
 ///
 /// ```text
 /// q⁺ = q + (a11 − 1) q + a12 q̇ + (s − ρ/h) p0 + (ρ/h) p1
 /// q̇⁺ = q̇ − ω² a12 q + (a22 − 1) q̇ + (a12 − s/h) p0 + (s/h) p1
 /// ```
 ///
-/// Increments rather than new values, so that in `f32` a short step keeps what it adds.
+/// The coefficients give increments of the state, which a short step in `f32` does not round away.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ModalStep<S> {
+pub(crate) struct ModalStep<S> {
     /// `a11 − 1`.
-    pub displacement_by_displacement: S,
-    /// `a12`, in s: also the velocity that a unit force of the whole step leaves.
-    pub displacement_by_velocity: S,
-    /// `a21 = −ω² a12`, in 1/s.
-    pub velocity_by_displacement: S,
+    pub(crate) displacement_by_displacement: S,
+    /// `a12` in s: also the velocity at the end due to a unit force over the step.
+    pub(crate) displacement_by_velocity: S,
+    /// `a21 = −ω² a12` in 1/s.
+    pub(crate) velocity_by_displacement: S,
     /// `a22 − 1`.
-    pub velocity_by_velocity: S,
-    /// `s = (1 − a11)/ω²`, in s²: the displacement that a unit force of the whole step leaves.
-    pub response: S,
-    /// `ρ/h`, with `ρ` the integral of `s` over the step: the part of it due to the force at the end.
-    pub response_to_end: S,
-    /// `s/h`, the same of the velocity.
-    pub velocity_to_end: S,
+    pub(crate) velocity_by_velocity: S,
+    /// `s = (1 − a11)/ω²` in s²: the displacement at the end due to a unit force over the step.
+    pub(crate) response: S,
+    /// `ρ/h` in s², with `ρ` the integral of `s` over the step: the part of `s` that `p1` causes.
+    pub(crate) response_to_end: S,
+    /// `s/h` in s: the part of `a12` that `p1` causes.
+    pub(crate) velocity_to_end: S,
 }
 
-/// Below this angle per step the closed forms cancel, and the series are summed.
+/// Angle `ω h` in radians below which the closed forms cancel and the series are summed.
 const SERIES_ANGLE: f64 = 0.5;
-/// Terms of the series: the last is below 2⁻⁵³ of the first.
+/// Number of terms of the series; the last is below 2⁻⁵³ of the first.
 const SERIES_TERMS: u32 = 18;
 
 impl<S: Scalar> ModalStep<S> {
-    /// For a mode of angular frequency `ω` in rad/s above 0 and damping ratio `0 ≤ ζ < 1`, and a step of
-    /// `h` seconds above 0.
+    /// The coefficients for an angular frequency `ω > 0` in rad/s, a damping ratio `0 ≤ ζ < 1` and a step `h
+    /// > 0` in seconds.
     #[must_use]
-    pub fn new(angular_frequency: S, damping_ratio: S, step: S) -> Self {
+    pub(crate) fn new(angular_frequency: S, damping_ratio: S, step: S) -> Self {
         let square = angular_frequency * angular_frequency;
         let twice_damping = S::from_f64(2.0) * damping_ratio * angular_frequency;
         let (response, response_to_end, by_velocity) = if angular_frequency * step < S::from_f64(SERIES_ANGLE)
@@ -76,14 +80,14 @@ fn series<S: Scalar>(square: S, twice_damping: S, step: S) -> (S, S, S) {
         response += term;
         to_end += term / S::from_u32(n + 1);
         by_velocity += count * term;
-        // The term before is of order n − 1: d_{n+1} hⁿ⁺¹/(n+1)! from those of n and n − 1.
+        // d_{n+1} hⁿ⁺¹/(n+1)! from the terms of order n and n − 1.
         let next = S::from_u32(n + 1);
         (before, term) = (term, -(damping * term + stiffness * before / count) / next);
     }
     (response, to_end, by_velocity / step)
 }
 
-/// The same in closed form.
+/// `s`, `ρ/h` and `a12` in closed form.
 fn closed<S: Scalar>(angular_frequency: S, damping_ratio: S, step: S) -> (S, S, S) {
     let damped = angular_frequency * ((S::ONE - damping_ratio) * (S::ONE + damping_ratio)).sqrt();
     let phase = turns_of_radians(damped * step).unwrap_or(0);

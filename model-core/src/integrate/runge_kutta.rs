@@ -1,13 +1,13 @@
-//! The classical explicit method, for contrast with the implicit one.
+//! The classical explicit Runge–Kutta method of fourth order (Kutta 1901).
 
 use super::{Method, NotConverged, Point, System, Trial, add_scaled};
 use crate::clock::seconds_of_ticks;
 use crate::scalar::{Scalar, add_increment};
 
-/// The classical fourth-order Runge–Kutta method (Kutta 1901), without error estimate.
+/// The classical explicit Runge–Kutta method of fourth order, without an error estimate.
 ///
-/// Stable only while the step is below 2.78 over the largest rate of the system: with a small
-/// load resistance that is nanoseconds.
+/// Stable only for steps below 2.78 over the largest rate of the system, which are nanoseconds for a small load
+/// resistance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RungeKutta4;
@@ -50,7 +50,7 @@ impl<S: Scalar> Method<S> for RungeKutta4 {
         end.powers = system.powers(&end.state, &end.derivative, end_input);
         let mut energies =
             core::array::from_fn(|i| sixth * (start.powers[i] + two * (p2[i] + p3[i]) + p4[i]));
-        system.settle(&start.state, &end.state, &mut energies);
+        system.correct_energies(&start.state, &end.state, &mut energies);
 
         let finite =
             end.state.iter().chain(&end.derivative).chain(&energies).all(|value: &S| value.is_finite());

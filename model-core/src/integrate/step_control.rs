@@ -1,30 +1,39 @@
-//! Choosing the step: fixed, or by a proportional–integral controller on the local error.
+//! The length of the steps: fixed, or by a proportional–integral controller on the local error.
+//!
+//! After a step of length `h_n` whose local error is `r_n` times the allowed one, the controller proposes
+//!
+//! ```text
+//! h_{n+1} = 0.97 h_n r_n^(−0.35) r_{n−1}^(0.2)
+//! ```
+//!
+//! (K. Gustafsson, ACM Trans. Math. Softw. 17, 1991). An attempt with `r > 1` is rejected and repeated with
+//! `0.9 h r^(−1/2)`.
 
 use crate::clock::{seconds_of_ticks, ticks_of_seconds};
 use crate::scalar::Scalar;
 use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
-/// What a controller remembers from step to step.
+/// The state of a step control between two steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ControlMemory<S> {
+pub(crate) struct ControlMemory<S> {
     /// Length of the next step in ticks.
-    pub ticks: u32,
-    /// Binary logarithm of the last accepted error over the allowed one, in units of 2⁻²³.
+    pub(crate) ticks: u32,
+    /// Binary logarithm of the last accepted error over the allowed one, in units of 2⁻²³, at most 0.
     previous: i32,
-    /// Attempts rejected since the last step that was kept: the next step must not grow.
+    /// Number of attempts rejected since the last accepted step.
     rejections: u8,
     /// Error over the allowed one of the last rejected attempt.
     rejected_ratio: f32,
-    /// Length in ticks of the first of these attempts.
+    /// Length in ticks of the first attempt rejected since the last accepted step.
     rejected_ticks: u32,
-    /// Energy delivered per radian, averaged over the last few periods: what the energy error is
-    /// relative to.
+    /// Energy delivered per radian in joules, averaged over the last few periods: the scale of the energy
+    /// error.
     recent_energy: S,
 }
 
 impl<S: Scalar> ControlMemory<S> {
-    /// The memory before a first step of `ticks`.
+    /// The state before a first step of `ticks`.
     const fn starting_with(ticks: u32) -> Self {
         Self {
             ticks,
@@ -36,11 +45,22 @@ impl<S: Scalar> ControlMemory<S> {
         }
     }
 
-    /// Takes back the proposal made after a step that was cut short from outside (an end of the
-    /// run, a kink of the excitation): its small error says little about a whole step.
-    #[inline(always)]
+    /// Restores the proposal that stood before a step shortened by the end of the run or a kink of the
+    /// excitation. The small error of such a step says little about a whole step.
+    #[inline]
     pub(crate) fn keep_proposal(&mut self, before: &Self) {
         (self.ticks, self.previous, self.rejections) = (before.ticks, before.previous, before.rejections);
+    }
+
+    /// Records an attempt of `ticks` with an error of `ratio` times the allowed one; the next has `next` ticks.
+    #[inline]
+    fn reject(&mut self, ticks: u32, ratio: f32, next: u32) {
+        if self.rejections == 0 {
+            self.rejected_ticks = ticks;
+        }
+        self.ticks = next;
+        self.rejections = self.rejections.saturating_add(1);
+        self.rejected_ratio = ratio;
     }
 }
 
@@ -51,7 +71,7 @@ impl<S: Scalar> Snapshot for ControlMemory<S> {
         self.ticks.write(out);
         self.previous.write(out);
         self.rejections.write(out);
-        // Infinite after an attempt that did not converge.
+        // By its bits: the ratio is infinite after an attempt that did not converge.
         self.rejected_ratio.to_bits().write(out);
         self.rejected_ticks.write(out);
         self.recent_energy.write(out);
@@ -73,57 +93,57 @@ impl<S: Scalar> Snapshot for ControlMemory<S> {
     }
 }
 
-/// The error of a step and what it is to be measured against.
+/// The errors of an attempted step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StepErrors<S> {
+pub(crate) struct StepErrors<S> {
     /// Length of the step in ticks.
-    pub ticks: u32,
+    pub(crate) ticks: u32,
     /// Estimated relative local error of the state.
-    pub state: S,
-    /// Estimated local error of the delivered energy, in joules.
-    pub energy: S,
-    /// Energy delivered in the step, in joules.
-    pub delivered: S,
+    pub(crate) state: S,
+    /// Estimated local error of the delivered energy in joules.
+    pub(crate) energy: S,
+    /// Energy delivered in the step in joules.
+    pub(crate) delivered: S,
 }
 
-/// The scales by which a system's errors are measured.
+/// The scales of a system's errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorScale<S> {
-    /// Angular frequency of the slow motion, in rad/s: its reciprocal is the unit of time.
+    /// Angular frequency of the slow motion in rad/s.
     pub angular_frequency: S,
-    /// Energy in joules below which the delivered energy of a radian is not resolved.
+    /// Delivered energy per radian in joules below which no relative error is resolved.
     pub energy_floor: S,
 }
 
 impl<S: Scalar> ErrorScale<S> {
-    /// The same where the system is shaken at an angular frequency in rad/s: where that is faster than it
-    /// moves by itself, the unit of time is the radian of the excitation.
+    /// The scales with the larger of the system's angular frequency and that of the excitation in rad/s.
     pub(crate) fn of_the_faster(self, excitation: S) -> Self {
         Self { angular_frequency: self.angular_frequency.max(excitation), ..self }
     }
 }
 
-/// Whether a step is to be kept.
+/// The judgement of an attempted step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// Keep it; the memory holds the length of the next.
+pub(crate) enum Verdict {
+    /// The step is kept; [`ControlMemory::ticks`] is the length of the next step.
     Accept,
-    /// Take it again with the length in the memory.
+    /// The step is repeated with [`ControlMemory::ticks`].
     Reject,
 }
 
-/// A rule for the length of steps.
+/// A rule for the length of steps: [`FixedStep`], [`Adaptive`], or one of them as [`AnyStepControl`].
 pub trait StepControl<S: Scalar> {
-    /// The memory before the first step.
+    /// The state before the first step.
     fn start(&self, scale: &ErrorScale<S>) -> ControlMemory<S>;
 
-    /// How accurately the implicit equations of a step of `ticks` are to be solved, as
-    /// [`crate::integrate::System::error_norm`] measures it: well below the step's own error.
+    /// The accuracy to which the implicit equations of a step of `ticks` are solved, in the norm
+    /// [`System::error_norm`](super::System::error_norm): well below the error of the step.
     fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S;
 
-    /// Judges a finished attempt and proposes the next length. `rounding` tells how much of the error of
-    /// the delivered energy may be the state's rounding ([`crate::integrate::System::rounding_energy`]); it
-    /// is asked only where the attempt would be rejected.
+    /// Judges an attempted step and proposes the length of the next one.
+    ///
+    /// `rounding` returns [`System::rounding_energy`](super::System::rounding_energy) in joules. It is called
+    /// only where the attempt would be rejected.
     fn judge(
         &self,
         memory: &mut ControlMemory<S>,
@@ -132,15 +152,10 @@ pub trait StepControl<S: Scalar> {
         rounding: impl FnOnce() -> S,
     ) -> Verdict;
 
-    /// Shortens the step after an attempt that did not converge.
+    /// Shortens the step to a quarter after an attempt that did not converge.
     #[inline]
     fn shorten(&self, memory: &mut ControlMemory<S>, ticks: u32) {
-        if memory.rejections == 0 {
-            memory.rejected_ticks = ticks;
-        }
-        memory.ticks = ticks / 4;
-        memory.rejections = memory.rejections.saturating_add(1);
-        memory.rejected_ratio = f32::INFINITY;
+        memory.reject(ticks, f32::INFINITY, ticks / 4);
     }
 }
 
@@ -166,7 +181,7 @@ impl<S: Scalar> StepControl<S> for FixedStep {
 
     #[inline(always)]
     fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S {
-        // The local error is about 0.04 (ω h)³; the sum over all steps must stay of second order.
+        // The local error is about 0.04 (ω h)³. The sum of the errors over all steps must stay of second order.
         let radians = seconds_of_ticks::<S>(ticks) * scale.angular_frequency;
         (S::from_f64(1e-4) * radians * radians * radians).max(S::EPSILON * S::from_f64(NEWTON_ROUNDINGS))
     }
@@ -184,56 +199,66 @@ impl<S: Scalar> StepControl<S> for FixedStep {
     }
 }
 
-/// Steps as long as the tolerance allows.
+/// Steps as long as a tolerance allows.
 ///
-/// The allowed local error of the delivered energy is the tolerance *per radian of the slow motion*
-/// (error per unit step), so that the global error is proportional to the tolerance whatever the
-/// step; the energy's spikes at contact are far shorter than the motion. A lightly damped motion
-/// remembers the errors of its state, so the state is allowed a twentieth of that. To both come a
-/// few roundings per step, below which an estimate means nothing.
+/// The allowed relative error of the delivered energy is the tolerance times the radians `ω h` of the step:
+/// an error per unit step, so that the global error is proportional to the tolerance. The allowed error of
+/// the state is a twentieth of that, because a lightly damped motion keeps the errors of its state for many
+/// radians. A few roundings per step are added to both, below which an estimate means nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Adaptive<S> {
+    /// Relative error per radian.
     tolerance: S,
 }
 
-/// Steps are at most this part of a radian of the slow motion: a sixteenth of a period.
+/// Longest step in radians of the slow motion: a sixteenth of a period.
 const LONGEST_RADIANS: f64 = 0.4;
-/// The first step, in radians: short enough to be accepted, and found anew within a few steps.
+/// First step in radians: short enough to be accepted.
 const FIRST_RADIANS: f64 = 1.0 / 128.0;
-/// Roundings of the state's scale that a step may make beside its tolerance.
+/// Roundings of the state that a step is allowed beside its tolerance.
 const ROUNDINGS: f64 = 4.0;
-/// The same for the energy of a radian: where the circuit is stiff, a rounding of the charge is a
-/// larger part of a step's current.
+/// Roundings of the energy of a radian that a step is allowed beside its tolerance. In a stiff circuit a
+/// rounding of the charge is a larger part of the current of a step.
 const ENERGY_ROUNDINGS: f64 = 32.0;
-/// Radians for which a lightly damped motion is taken to remember an error made in its state:
-/// errors of the state add up over these, errors of the delivered energy do not add to the motion.
+/// Radians over which the errors of the state of a lightly damped motion are taken to add up.
 pub(crate) const REMEMBERED_RADIANS: f64 = 20.0;
-/// Roundings of the state's scale below which Newton's corrections are noise.
+/// Roundings of the state below which Newton's corrections are noise.
 const NEWTON_ROUNDINGS: f64 = 16.0;
-/// Part of the tolerance that may remain of the implicit equations.
+/// Part of the tolerance to which implicit equations are solved.
 const NEWTON_PART: f64 = 1.0 / REMEMBERED_RADIANS;
 /// Radians over which the delivered energy is averaged: two and a half periods.
 const MEMORY_RADIANS: f64 = 16.0;
-/// The shortest step, in ticks, that is taken for the sake of the tolerance: 4 ns.
+/// Shortest step in ticks that the tolerance can demand: 4 ns.
 const SHORTEST_CONTROLLED_TICKS: u32 = 4096;
-/// Relative error of a step that may be waived where shorter steps do not lessen it.
+/// Relative error of a step that is accepted where shorter steps do not lessen it.
 const WAIVED: f64 = 1e-3;
-/// Rejections of one step after which it is asked whether they help.
+/// Number of rejections of one step after which a step with an undiminished error is accepted.
 const FUTILE_REJECTIONS: u8 = 3;
-/// Exponents of the present and the previous error, in units of 2⁻⁸: 0.35 and 0.2. The error over the
-/// allowed one is of second order in the step, hence halves of 0.7 and 0.4 (Gustafsson 1991).
+/// Exponents of the present and the previous error, in units of 2⁻⁸: 0.35 and 0.2, half of Gustafsson's 0.7
+/// and 0.4, because the error over the allowed one is of second order in the step.
 const PRESENT_EXPONENT: i32 = 90;
 const PREVIOUS_EXPONENT: i32 = 51;
-/// log₂ of 0.97, in units of 2⁻²³: the controller settles at 0.8 of the allowed error.
+/// log₂ of the safety factor 0.97, in units of 2⁻²³: the controller settles at 0.8 of the allowed error.
 const SAFETY: i32 = -368_600;
-/// log₂ of 0.9, in units of 2⁻²³: the safety factor after a rejection.
+/// log₂ of the safety factor after a rejection, 0.9, in units of 2⁻²³.
 const SAFETY_AFTER_REJECTION: i32 = -1_275_068;
-/// log₂ of the largest and the smallest change of the step from one to the next: 4 and 1/5.
+/// log₂ of the largest ratio of two successive steps, 4, in units of 2⁻²³.
 const LARGEST_CHANGE: i32 = 2 << 23;
+/// log₂ of the smallest ratio of two successive steps, 1/5, in units of 2⁻²³.
 const SMALLEST_CHANGE: i32 = -19_477_731;
-/// log₂ of the smallest error ratio remembered, 1/16, in units of 2⁻²³.
+/// log₂ of the smallest previous error ratio that the controller uses, 1/16, in units of 2⁻²³.
 const LEAST_REMEMBERED: i32 = -(4 << 23);
+
+/// The errors of a step relative to what is allowed.
+struct RelativeErrors<S> {
+    /// The larger of the errors of state and energy over the allowed ones.
+    ratio: f32,
+    /// The larger of the relative errors of state and energy.
+    largest: S,
+    /// [`ControlMemory::recent_energy`] after the step.
+    recent_energy: S,
+}
 
 impl<S: Scalar> Adaptive<S> {
     /// With a relative tolerance per radian, kept between a rounding and 0.1.
@@ -241,16 +266,64 @@ impl<S: Scalar> Adaptive<S> {
     pub fn new(tolerance: S) -> Self {
         Self { tolerance: tolerance.max(S::EPSILON).min(S::from_f64(0.1)) }
     }
+
+    #[inline(always)]
+    fn relative(
+        &self,
+        recent_energy: S,
+        errors: &StepErrors<S>,
+        scale: &ErrorScale<S>,
+        rounding: impl FnOnce() -> S,
+    ) -> RelativeErrors<S> {
+        let radians = seconds_of_ticks::<S>(errors.ticks) * scale.angular_frequency;
+        let target = self.tolerance * radians;
+        // A vibro-impact harvester delivers one spike a period, so the mean spans several periods.
+        let part = S::from_f64(1.0 / MEMORY_RADIANS);
+        let recent = recent_energy + part * (errors.delivered.abs() - radians * recent_energy);
+        // At the start of a run the mean is still zero: use the power of this step.
+        let delivered = errors.delivered.abs() / radians;
+        let per_radian = recent.max(delivered).max(scale.energy_floor);
+        let energy_error = errors.energy / per_radian;
+        let state_error = errors.state * S::from_f64(REMEMBERED_RADIANS);
+        let state = state_error / (target + S::EPSILON * S::from_f64(ROUNDINGS * REMEMBERED_RADIANS));
+        let allowed = target + S::EPSILON * S::from_f64(ENERGY_ROUNDINGS);
+        let mut ratio = state.max(energy_error / allowed).to_f32();
+        if !(ratio <= 1.0) {
+            // A shorter step does not lessen the energy error that the rounding of the state causes.
+            let rounding = rounding();
+            // Where the system returns the constant 0, this branch is not compiled.
+            if rounding > S::ZERO {
+                let left = state.max((errors.energy - rounding) / per_radian / allowed).to_f32();
+                ratio = if left <= 1.0 { left } else { ratio };
+            }
+        }
+        RelativeErrors { ratio, largest: errors.state.max(energy_error), recent_energy: recent }
+    }
+
+    /// Whether a step with too large an error is accepted because a shorter step has no smaller error.
+    ///
+    /// The derivative at the start of the step then comes from a longer step, or the step leaves a boundary
+    /// layer. Such a step is accepted if its relative error, not per radian, is small. A step of a few
+    /// nanoseconds is always accepted: with such steps an L-stable method passes the boundary layer of a
+    /// faster circuit.
+    #[inline(always)]
+    fn is_inherited(&self, memory: &ControlMemory<S>, ticks: u32, relative: &RelativeErrors<S>) -> bool {
+        let ratio = relative.ratio;
+        let small = relative.largest <= self.tolerance.max(S::from_f64(WAIVED));
+        let futile = memory.rejections >= FUTILE_REJECTIONS && ratio > 0.5 * memory.rejected_ratio;
+        let shortest = ticks <= SHORTEST_CONTROLLED_TICKS && ratio < f32::INFINITY;
+        ratio > 1.0 && (small && futile || shortest)
+    }
 }
 
-/// Piecewise-linear binary logarithm in units of 2⁻²³: the bits of a float, taken as an integer.
-/// Off by at most 0.09, which moves the step by a few per cent and is the same on every machine.
+/// Piecewise-linear binary logarithm in units of 2⁻²³: the bits of a float as an integer. Off by at most
+/// 0.09, a few per cent of the step.
 #[inline(always)]
 fn log2(ratio: f32) -> i32 {
     ratio.to_bits().cast_signed().wrapping_sub(0x3f80_0000)
 }
 
-/// `ticks · 2^change`, with `change` in units of 2⁻²³ and the inverse of [`log2`].
+/// `ticks · 2^change` by the inverse of [`log2`], with `change` in units of 2⁻²³.
 #[inline(always)]
 fn scaled(ticks: u32, change: i32) -> u32 {
     let factor = f32::from_bits(change.wrapping_add(0x3f80_0000).cast_unsigned());
@@ -276,66 +349,35 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         scale: &ErrorScale<S>,
         rounding: impl FnOnce() -> S,
     ) -> Verdict {
-        let radians = seconds_of_ticks::<S>(errors.ticks) * scale.angular_frequency;
-        let target = self.tolerance * radians;
-        // A forgetting mean, over some periods, of the energy per radian: the power of a
-        // vibro-impact harvester is a spike a period and must not be forgotten from one to the next.
-        let part = S::from_f64(1.0 / MEMORY_RADIANS);
-        let recent = memory.recent_energy + part * (errors.delivered.abs() - radians * memory.recent_energy);
-        // In the beginning there is no sum yet: then the energy of a radian at the present power.
-        let delivered = errors.delivered.abs() / radians;
-        let per_radian = recent.max(delivered).max(scale.energy_floor);
-        let energy_error = errors.energy / per_radian;
-        let state_error = errors.state * S::from_f64(REMEMBERED_RADIANS);
-        let state = state_error / (target + S::EPSILON * S::from_f64(ROUNDINGS * REMEMBERED_RADIANS));
-        let allowed = target + S::EPSILON * S::from_f64(ENERGY_ROUNDINGS);
-        let mut ratio = state.max(energy_error / allowed).to_f32();
-        if !(ratio <= 1.0) {
-            // What rounding the state makes of the energy, no shorter step can lessen: it divides the same
-            // rounding by less time. A scene that has none of it compiles nothing of this.
-            let rounding = rounding();
-            if rounding > S::ZERO {
-                let left = state.max((errors.energy - rounding) / per_radian / allowed).to_f32();
-                ratio = if left <= 1.0 { left } else { ratio };
-            }
-        }
+        let relative = self.relative(memory.recent_energy, errors, scale, rounding);
+        let ratio = relative.ratio;
         let present = log2(Scalar::max(ratio, 1e-8));
-        // An error that a shorter step does not lessen was not made by this step: the derivative at
-        // its start is inherited from a longer one, or a boundary layer is being left behind. Such a
-        // step is kept if the error by itself, not per radian, is small; and so is a step of nanoseconds,
-        // with which an L-stable method passes the layer of a circuit that is faster still.
-        let bearable = errors.state.max(energy_error) <= self.tolerance.max(S::from_f64(WAIVED));
-        let futile = memory.rejections >= FUTILE_REJECTIONS && ratio > 0.5 * memory.rejected_ratio;
-        let shortest = errors.ticks <= SHORTEST_CONTROLLED_TICKS && ratio < f32::INFINITY;
-        let inherited = ratio > 1.0 && (bearable && futile || shortest);
-        // Written so that not-a-number is rejected too.
+        let inherited = self.is_inherited(memory, errors.ticks, &relative);
+        // Not `ratio > 1.0`, so that not-a-number is rejected too.
         if !(ratio <= 1.0) && !inherited {
-            // The error is of third order in the step, of second against the allowed one.
+            // Half the logarithm: the error over the allowed one is of second order in the step.
             let change = SAFETY_AFTER_REJECTION - present / 2;
-            memory.ticks = scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, LARGEST_CHANGE));
-            if memory.rejections == 0 {
-                memory.rejected_ticks = errors.ticks;
-            }
-            memory.rejections = memory.rejections.saturating_add(1);
-            memory.rejected_ratio = ratio;
+            let next = scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, LARGEST_CHANGE));
+            memory.reject(errors.ticks, ratio, next);
             return Verdict::Reject;
         }
-        // 32 bits hold this: a logarithm is at most 2⁷ in units of 2⁻²³.
-        let change = SAFETY + (memory.previous >> 8) * PREVIOUS_EXPONENT - (present >> 8) * PRESENT_EXPONENT;
-        // No growth after a rejection.
-        let largest = if memory.rejections > 0 { 0 } else { LARGEST_CHANGE };
-        let longest = ticks_of_seconds(S::from_f64(LONGEST_RADIANS) / scale.angular_frequency);
-        memory.ticks = if inherited {
-            // The short step has washed the inherited error out; it says nothing about the next. Where
-            // none was rejected before it, as after an event, the next is somewhat longer.
+        let next = if inherited {
+            // An inherited error says nothing about the next step: return to the length first rejected.
+            // Without a rejection, as after an event, take a somewhat longer step.
             let rejected = if memory.rejections > 0 { memory.rejected_ticks } else { 0 };
-            rejected.max(errors.ticks.saturating_mul(4)).min(longest)
+            rejected.max(errors.ticks.saturating_mul(4))
         } else {
-            scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, largest)).min(longest)
+            // No overflow: a logarithm is at most 2⁷ in units of 2⁻²³.
+            let change =
+                SAFETY + (memory.previous >> 8) * PREVIOUS_EXPONENT - (present >> 8) * PRESENT_EXPONENT;
+            // No growth after a rejection.
+            let largest = if memory.rejections > 0 { 0 } else { LARGEST_CHANGE };
+            scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, largest))
         };
-        // One step without error must not make the next look like a sudden rise.
+        memory.ticks = next.min(ticks_of_seconds(S::from_f64(LONGEST_RADIANS) / scale.angular_frequency));
+        // Bounded below, so that a step without error does not make the next error look like a sudden rise.
         memory.previous = present.clamp(LEAST_REMEMBERED, 0);
-        memory.recent_energy = recent;
+        memory.recent_energy = relative.recent_energy;
         memory.rejections = 0;
         Verdict::Accept
     }

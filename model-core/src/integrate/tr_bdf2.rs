@@ -1,4 +1,5 @@
-//! TR-BDF2: a trapezoidal stage and a backward-differentiation stage with one iteration matrix.
+//! TR-BDF2: a trapezoidal stage and a backward-differentiation stage with one iteration matrix (Bank and others
+//! 1985).
 
 use super::{Method, NotConverged, Point, System, Trial};
 use crate::clock::seconds_of_ticks;
@@ -8,13 +9,12 @@ use crate::scalar::{Scalar, add_increment};
 const D: f64 = 0.292_893_218_813_452_475_6;
 /// Weight of the two earlier stage derivatives in the last stage, `w = √2/4`, over `d`.
 const W_OVER_D: f64 = 1.207_106_781_186_547_524_4;
-/// `1/γ`, `γ = 2 − √2`: where a line through the first two stage derivatives is taken at the end.
+/// `1/γ`, `γ = 2 − √2`: extrapolates the first two stage derivatives linearly to the end of the step.
 const ONE_OVER_GAMMA: f64 = 1.707_106_781_186_547_524_4;
-/// `γ` in units of 2⁻³²: the intermediate stage stands at a whole number of ticks.
+/// `γ` in units of 2⁻³², so that the intermediate stage lies at a whole number of ticks.
 const GAMMA_Q32: u64 = 2_515_933_592;
-/// `2 C (1/γ, −1/(γ(1−γ)), 1/(1−γ)) / d` with `C = (−3γ² + 4γ − 2) / (12 (2 − γ))`: the estimate
-/// of the local error, which is the difference to the embedded third-order weights
-/// `((1 − w)/3, (1 + 3w)/3, d/3)`.
+/// `2 C (1/γ, −1/(γ(1−γ)), 1/(1−γ)) / d` with `C = (−3γ² + 4γ − 2) / (12 (2 − γ))`: the weights of the local
+/// error, the difference to the embedded third-order formula with the weights `((1 − w)/3, (1 + 3w)/3, d/3)`.
 const ERROR_OVER_D: [f64; 3] = [-0.471_404_520_791_031_682_9, 1.138_071_187_457_698_349_6, -2.0 / 3.0];
 
 /// The method of Bank, Coughran, Fichtner, Grosse, Rose and Smith (IEEE Trans. CAD 4, 1985) as
@@ -30,24 +30,25 @@ const ERROR_OVER_D: [f64; 3] = [-0.471_404_520_791_031_682_9, 1.138_071_187_457_
 ///     | w   w   d
 /// ```
 ///
-/// Second order, L-stable, stiffly accurate: the last stage is the result, so its derivative is
-/// the first stage of the next step and is not computed again. Both stages share the iteration
-/// matrix `I − d h J`, taken once at the predicted intermediate stage.
+/// Second order, L-stable and stiffly accurate: the last stage is the result, and its derivative is the first
+/// stage of the next step. Both stages share the iteration matrix `I − d h J`, factored once at the predicted
+/// intermediate stage.
 ///
-/// The unknown of each stage is `z = d h k`, not the state: where the circuit is stiff, `z / (d h)`
-/// is the accurate current, and in `f32` a state's rounding never enters a difference.
-/// The estimate of the local error is filtered once through the iteration matrix, as Hosea and
-/// Shampine propose, so that stiff components do not throttle the step.
+/// The unknown of each stage is `z = d h k` and not the state. In a stiff circuit `z / (d h)` is then the
+/// accurate current, and in `f32` the rounding of a state enters no difference. The estimate of the local
+/// error is multiplied by the inverse of the iteration matrix, as Hosea and Shampine propose, so that stiff
+/// components do not limit the step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TrBdf2;
 
-/// Iterations per stage before the step is given up.
+/// Most Newton iterations per stage.
 const MOST_ITERATIONS: u32 = 10;
 
-/// How strongly the convergence rate of the first Newton correction is assumed to grow with the
-/// correction's size: Newton converges quadratically, and this is the constant in front. Measured on
-/// the contact-separation scene: at 10 to 100 the results agree to four digits, the iterations do not.
+/// Assumed constant `c` of quadratic convergence: a first correction of size `δ` leaves an error of `c δ²`.
+///
+/// With 10 to 100 the results of the contact-separation scene agree to four digits; 10 takes the fewest
+/// iterations.
 const ASSUMED_CURVATURE: f64 = 10.0;
 
 /// One implicit stage, `z = weight · f(base + z, input)`.
@@ -60,8 +61,8 @@ struct Stage<'a, S, Y, F, const N: usize> {
 }
 
 impl<S: Scalar, Y, F, const N: usize> Stage<'_, S, Y, F, N> {
-    /// Solves the stage from the guess `z` until a correction, measured at `scale`, is of the size of
-    /// `accuracy`; gives the number of iterations too.
+    /// Solves the stage from the guess `z` to `accuracy`, with the error norm at the state `scale`. Returns
+    /// `z` and the number of iterations.
     #[inline(always)]
     fn solve<const P: usize>(
         &self,
@@ -82,7 +83,7 @@ impl<S: Scalar, Y, F, const N: usize> Stage<'_, S, Y, F, N> {
                 system.condense(base, &mut z, *weight);
                 return Ok((z, iteration));
             }
-            // Written so that not-a-number ends here too.
+            // Not `>=`, so that not-a-number ends the iteration too.
             if iteration > 1 && !(rate < S::from_f64(2.0)) || !size.is_finite() {
                 return Err(NotConverged);
             }
@@ -142,7 +143,7 @@ impl<S: Scalar> Method<S> for TrBdf2 {
         let mut energies = core::array::from_fn(|i| {
             weight * (S::from_f64(W_OVER_D) * (start.powers[i] + middle_powers[i]) + end.powers[i])
         });
-        system.settle(&start.state, &end.state, &mut energies);
+        system.correct_energies(&start.state, &end.state, &mut energies);
 
         let [e_start, e_middle, e_end] = ERROR_OVER_D.map(S::from_f64);
         let raw = core::array::from_fn(|i| e_start * z_start[i] + e_middle * z_middle[i] + e_end * z_end[i]);

@@ -1,27 +1,27 @@
-//! Sums that keep the part a plain addition would round away.
+//! Sums that keep the part that a plain addition rounds away (Kahan 1965, with the comparison of Neumaier
+//! 1974).
 
 use super::Scalar;
 use crate::snapshot::snapshot_fields;
 
-/// A running sum with a correction term: the error stays at one rounding of the result however
-/// many terms are added, so that a day of small energies adds up in `f32`.
+/// A running sum whose error stays at one rounding of the result however many terms are added.
 ///
-/// Kahan's summation, right also where a term is larger than the sum so far; the correction is
-/// folded into the next term, so that it never grows beyond a rounding of the sum.
+/// The sum is right also where a term is larger than the sum so far. Each addition takes in the correction of
+/// the one before, so the correction never grows beyond a rounding of the sum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct CompensatedSum<S> {
+pub(crate) struct CompensatedSum<S> {
     sum: S,
     correction: S,
 }
 
 impl<S: Scalar> CompensatedSum<S> {
-    /// A sum of nothing.
-    pub const ZERO: Self = Self { sum: S::ZERO, correction: S::ZERO };
+    /// The empty sum.
+    pub(crate) const ZERO: Self = Self { sum: S::ZERO, correction: S::ZERO };
 
     /// Adds `term`.
     #[inline]
-    pub fn add(&mut self, term: S) {
+    pub(crate) fn add(&mut self, term: S) {
         let moved = term + self.correction;
         let total = self.sum + moved;
         self.correction = if self.sum.abs() >= moved.abs() {
@@ -35,7 +35,7 @@ impl<S: Scalar> CompensatedSum<S> {
     /// The sum, rounded once.
     #[must_use]
     #[inline]
-    pub fn value(&self) -> S {
+    pub(crate) fn value(&self) -> S {
         self.sum + self.correction
     }
 }
@@ -50,9 +50,8 @@ snapshot_fields!(impl [S: Scalar] CompensatedSum<S> { sum, correction });
 
 /// `high + low + increment` as a new pair whose `low` is what rounding took from `high`.
 ///
-/// For a state that moves by small increments. Three additions: the branch of
-/// [`CompensatedSum::add`] is not needed while an increment is smaller than the state, and where
-/// it is not the loss is that of a plain addition.
+/// For a state that moves by small increments. Without the branch of [`CompensatedSum::add`], an increment
+/// larger than the state loses what a plain addition loses.
 #[inline]
 pub(crate) fn add_increment<S: Scalar>(high: S, low: S, increment: S) -> (S, S) {
     let moved = increment + low;

@@ -1,10 +1,10 @@
-//! Complex numbers, for amplitudes with a phase.
+//! Complex numbers `re + j im`, for the amplitudes of the closed forms.
 
 use core::ops::{Add, Mul, Neg, Sub};
 
 use super::Scalar;
 
-/// `re + j im`. Of a quantity `Im(z e^{jωt})` under one sine, `z` is the amplitude with its phase.
+/// `re + j im`. A quantity `Im(z e^{jωt})` has the amplitude `|z|` and the phase `arg z`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Complex<S> {
     pub(crate) re: S,
@@ -36,7 +36,7 @@ impl<S: Scalar> Complex<S> {
         self.square().sqrt()
     }
 
-    /// `1/z`, of a number whose square is neither too large nor too small.
+    /// `1/z`; `|z|²` must neither overflow nor underflow.
     pub(crate) fn inverse(self) -> Self {
         let per_square = S::ONE / self.square();
         Self { re: self.re * per_square, im: -self.im * per_square }

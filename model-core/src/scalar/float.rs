@@ -1,6 +1,6 @@
 //! [`Scalar`] for `f32` and `f64`.
 
-use super::{Decomposed, Polynomial, Scalar};
+use super::{Decomposed, Polynomial, Scalar, Sealed};
 
 impl Scalar for f32 {
     type Build = Polynomial;
@@ -29,7 +29,7 @@ impl Scalar for f32 {
 
     #[inline]
     fn from_fraction(value: i64) -> Self {
-        // The top word holds more bits than the mantissa: no 64-bit conversion on a 32-bit core.
+        // The upper word holds more bits than the mantissa, and a 32-bit core converts it in one instruction.
         (value >> 32) as i32 as f32 * (1.0 / 2_147_483_648.0)
     }
 
@@ -63,6 +63,26 @@ impl Scalar for f32 {
         f32::is_finite(self)
     }
 
+    #[inline]
+    fn power_of_two(power: i32) -> Self {
+        f32::from_bits((power.clamp(-126, 127) + 127).cast_unsigned() << 23)
+    }
+
+    fn sqrt(self) -> Self {
+        // Not `<=`, so that not-a-number gives 0 too.
+        if !(self > 0.0 && f32::is_finite(self)) {
+            return if self > 0.0 { self } else { 0.0 };
+        }
+        // Halving the biased exponent gives a first estimate within 6 %.
+        let mut root = f32::from_bits((self.to_bits() >> 1) + 0x1fbb_67ae);
+        for _ in 0..4 {
+            root = 0.5 * (root + self / root);
+        }
+        root
+    }
+}
+
+impl Sealed for f32 {
     fn decompose(self) -> Option<Decomposed> {
         if !f32::is_finite(self) {
             return None;
@@ -72,24 +92,6 @@ impl Scalar for f32 {
         let (mantissa, exponent) =
             if biased == 0 { (fraction, -149) } else { (fraction | 0x0080_0000, biased.cast_signed() - 150) };
         Some(Decomposed { mantissa: u64::from(mantissa), exponent, negative: self < 0.0 })
-    }
-
-    #[inline]
-    fn power_of_two(power: i32) -> Self {
-        f32::from_bits((power.clamp(-126, 127) + 127).cast_unsigned() << 23)
-    }
-
-    fn sqrt(self) -> Self {
-        // Written so that not-a-number takes this way too.
-        if !(self > 0.0 && f32::is_finite(self)) {
-            return if self > 0.0 { self } else { 0.0 };
-        }
-        // Halving the biased exponent is a first guess within 6 %.
-        let mut root = f32::from_bits((self.to_bits() >> 1) + 0x1fbb_67ae);
-        for _ in 0..4 {
-            root = 0.5 * (root + self / root);
-        }
-        root
     }
 }
 
@@ -153,21 +155,6 @@ impl Scalar for f64 {
         f64::is_finite(self)
     }
 
-    fn decompose(self) -> Option<Decomposed> {
-        if !f64::is_finite(self) {
-            return None;
-        }
-        let bits = self.to_bits();
-        let (biased, fraction) = ((bits >> 52) & 0x7ff, bits & 0x000f_ffff_ffff_ffff);
-        let (mantissa, exponent) = if biased == 0 {
-            (fraction, -1074)
-        } else {
-            // Eleven bits: the cast loses nothing.
-            (fraction | 0x0010_0000_0000_0000, (biased as u32).cast_signed() - 1075)
-        };
-        Some(Decomposed { mantissa, exponent, negative: self < 0.0 })
-    }
-
     #[inline]
     fn power_of_two(power: i32) -> Self {
         f64::from_bits(u64::from((power.clamp(-1022, 1023) + 1023).cast_unsigned()) << 52)
@@ -182,6 +169,23 @@ impl Scalar for f64 {
             root = 0.5 * (root + self / root);
         }
         root
+    }
+}
+
+impl Sealed for f64 {
+    fn decompose(self) -> Option<Decomposed> {
+        if !f64::is_finite(self) {
+            return None;
+        }
+        let bits = self.to_bits();
+        let (biased, fraction) = ((bits >> 52) & 0x7ff, bits & 0x000f_ffff_ffff_ffff);
+        let (mantissa, exponent) = if biased == 0 {
+            (fraction, -1074)
+        } else {
+            // Eleven bits: the cast loses nothing.
+            (fraction | 0x0010_0000_0000_0000, (biased as u32).cast_signed() - 1075)
+        };
+        Some(Decomposed { mantissa, exponent, negative: self < 0.0 })
     }
 }
 

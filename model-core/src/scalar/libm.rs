@@ -1,7 +1,7 @@
-//! The backend of the crate `libm`: within one unit in the last place, in software.
+//! Sine and exponential by the crate `libm`, within one unit in the last place, in software.
 //!
-//! Its single-precision sine works in double inside, which costs a Cortex-M4F some 1300
-//! instructions and 9 kB of flash; the default backend does the excitation in a few tens.
+//! The single-precision sine of `libm` computes in double precision. It costs a Cortex-M4F about 1300
+//! instructions and 9 kB of flash; the default backend takes a few tens of instructions.
 
 use super::{Mathematics, Scalar};
 

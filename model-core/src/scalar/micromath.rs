@@ -1,13 +1,13 @@
-//! The backend of the crate `micromath`: small, single precision, coarse.
+//! Sine and exponential by the crate `micromath`: small, coarse, single precision only.
 
 use super::{Mathematics, Scalar};
 use micromath::F32Ext;
 
 /// Elementary functions of the crate `micromath`: sine within 2e-3 absolute, exponential within
-/// 3e-3 relative. Single precision only.
+/// 3e-3 relative.
 ///
-/// The coarse functions reach the excitation's amplitude and the coefficient of restitution and
-/// nothing else; its 5 % square root is not used anywhere.
+/// These errors reach the excitation and the coefficient of restitution. The crate's square root, off by up to
+/// 5 %, is not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Micromath;
@@ -20,7 +20,7 @@ impl Mathematics<f32> for Micromath {
     }
 
     fn exponential(x: f32) -> f32 {
-        // Below this the crate's exponent arithmetic runs out of range.
+        // Below −80 the exponent arithmetic of `micromath` overflows.
         if x < -80.0 { 0.0 } else { F32Ext::exp(x) }
     }
 }

@@ -1,11 +1,11 @@
-//! The default backend: short polynomials, the same bits on every machine.
+//! Sine and exponential by range reduction in integers and minimax polynomials: the default backend.
 //!
-//! Minimax polynomials by Remez exchange (error in the comments), evaluated by Horner's rule.
-//! On a Cortex-M4F they cost a few tens of instructions where an exact library takes a thousand.
+//! The polynomials are fitted by Remez exchange and evaluated by Horner's rule. A function costs a Cortex-M4F a
+//! few tens of instructions.
 
 use super::{Mathematics, Scalar, horner};
 
-/// Elementary functions by range reduction in integers and a polynomial.
+/// Elementary functions by short polynomials, with the same bits on every machine.
 ///
 /// Sine within 1.8e-7 (`f32`) and 3e-16 (`f64`) absolute; exponential within 2e-7 and 4e-16
 /// relative.
@@ -52,23 +52,22 @@ const EXPONENTIAL_F64: [f64; 13] = [
     2.092_848_395_652_304_162_4e-9,
 ];
 
-/// Folds a phase in turns into [−1/4, 1/4] turn with the same sine; returned in units of half a
-/// turn per 2^63, so that the conversion to a float is exact to its last bit.
+/// The phase in [−1/4, 1/4] turn with the same sine as `phase`, in units of 2⁻⁶⁴ turns.
 #[inline]
 fn fold_quarter_wave(phase: u64) -> i64 {
     let signed = phase.cast_signed();
-    // Above a quarter of a turn, sin(½ turn − x) = sin x; the subtraction wraps as phases do.
+    // Above a quarter of a turn sin(½ turn − x) = sin x. The subtraction wraps as phases do.
     if (phase.wrapping_add(1 << 62)) >> 63 == 0 { signed } else { i64::MIN.wrapping_sub(signed) }
 }
 
 #[inline]
 fn sine_of_turns<S: Scalar, const N: usize>(phase: u64, coefficients: &[S; N]) -> S {
-    // from_fraction counts in 2^63 = half a turn.
+    // `from_fraction` divides by 2⁶³, which is half a turn.
     let turns = S::from_fraction(fold_quarter_wave(phase)) * S::from_f64(0.5);
     turns * horner(coefficients, turns * turns)
 }
 
-/// `e^x = 2^n e^r` with |r| ≤ ln 2 / 2; `ln 2` is taken off in two parts so that r is exact.
+/// `e^x = 2^n e^r` with |r| ≤ ln 2 / 2. `n ln 2` is subtracted in two parts, so that `r` keeps its digits.
 #[inline]
 fn exponential<S: Scalar, const N: usize>(
     x: S,
@@ -89,7 +88,7 @@ fn exponential<S: Scalar, const N: usize>(
     let n = if scaled < S::ZERO { -magnitude } else { magnitude };
     let count = S::from_i32(n);
     let r = (x - count * S::from_f64(ln_2[0])) - count * S::from_f64(ln_2[1]);
-    // Split the power so that neither factor leaves the normal range.
+    // Two factors, neither of which leaves the normal range.
     let lower = n / 2;
     horner(coefficients, r) * S::power_of_two(lower) * S::power_of_two(n - lower)
 }

@@ -4,7 +4,7 @@ use super::{ClosedForm, Harvester, ParameterError, Scene};
 use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::{Advance, Driver, HybridState, LEAST_BUDGET, StepError};
-use crate::integrate::step_control::ErrorScale;
+use crate::integrate::ErrorScale;
 use crate::integrate::{Method, StepControl};
 use crate::observer::{ALL_POWERS, Observer, Outputs};
 use crate::scalar::Scalar;

@@ -1,16 +1,16 @@
-//! The cyclic redundancy check of snapshots, and fingerprints made of it.
+//! The CRC-32 of snapshots, and fingerprints of models by the same checksum.
 
 use super::{Snapshot, Writer};
 
-/// CRC-32 with the polynomial of IEEE 802.3, reflected, started and ended with all bits set.
+/// CRC-32 with the polynomial of IEEE 802.3, reflected, with all bits set at the start and inverted at the end.
 ///
-/// By half bytes: a table of 64 bytes, two look-ups for each byte.
+/// A table of 64 bytes, and two look-ups per byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Checksum(u32);
 
 const POLYNOMIAL: u32 = 0xedb8_8320;
 
-/// What four bits that are shifted out do to the remainder.
+/// The change of the remainder for each value of four bits that are shifted out.
 const TABLE: [u32; 16] = {
     let mut table = [0; 16];
     let mut index = 0;
@@ -50,24 +50,24 @@ impl Checksum {
 
 /// A 32-bit number that tells models apart: a checksum over the bits of all their coefficients.
 ///
-/// Two models of one layout that differ in one single-precision coefficient always differ in it; any other
-/// two are alike by chance once in 2³² pairs.
+/// Two models that differ in one single-precision coefficient only always have different fingerprints. Two
+/// other models have the same fingerprint by chance once in 2³² pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fingerprint(Checksum);
 
 impl Fingerprint {
-    /// Of nothing yet.
+    /// The fingerprint of nothing.
     #[must_use]
     pub const fn new() -> Self {
         Self(Checksum::START)
     }
 
-    /// Takes in a name, a type's or a version's.
+    /// Includes a name: of a type or of a version.
     pub fn name(&mut self, name: &str) {
         self.0.include(name.as_bytes());
     }
 
-    /// Takes in the bytes of numbers of at most 64 bits, and with their count also their precision.
+    /// Includes the bytes of numbers of at most 64 bits each.
     pub fn numbers<T: Snapshot>(&mut self, numbers: &[T]) {
         const { assert!(T::BYTES <= 8, "numbers of at most 64 bits") };
         for number in numbers {
@@ -77,12 +77,12 @@ impl Fingerprint {
         }
     }
 
-    /// Takes in a count or a choice.
+    /// Includes a count or a choice.
     pub fn count(&mut self, count: u32) {
         self.0.include(&count.to_le_bytes());
     }
 
-    /// The fingerprint.
+    /// The number.
     #[must_use]
     pub fn value(self) -> u32 {
         self.0.value()
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn is_the_published_check_value() {
-        // The check value of CRC-32/ISO-HDLC in Williams's catalogue: that of the nine digits.
+        // The check value of CRC-32/ISO-HDLC in the catalogue of Williams.
         assert_eq!(Checksum::of(b"123456789"), 0xcbf4_3926);
         assert_eq!(Checksum::of(b""), 0);
     }

@@ -10,7 +10,7 @@ use core::fmt::Debug;
 use model_core::clock::Instant;
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, Ended, Guard, HybridState, InputAt, Jump, StepError, Work};
-use model_core::integrate::step_control::ErrorScale;
+use model_core::integrate::ErrorScale;
 use model_core::integrate::{DenseFactor, Method, Point, StepControl, System};
 use model_core::observer::{AcceptedStep, Event, Observer, Outputs, PowerIndex};
 use model_core::scalar::Scalar;

@@ -1,6 +1,6 @@
 //! What a run is measured by: the same numbers as the core's.
 
-use model_core::integrate::cubic::Cubic;
+use model_core::integrate::Cubic;
 
 use super::system::{State, System};
 use crate::outcome::BumpStopOutcome;

@@ -5,7 +5,7 @@ use super::force_law::ForceLaw;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};
-use crate::integrate::step_control::ErrorScale;
+use crate::integrate::ErrorScale;
 use crate::integrate::{Point, System};
 use crate::observer::{Motion, Outputs, StoredEnergy};
 use crate::part::load::{Load, Resistance};

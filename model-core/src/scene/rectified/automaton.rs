@@ -5,7 +5,7 @@ use super::flow::Flow;
 use super::{BridgeRegime, CHARGE, ElectricalPort, POSITION, Rectified, STATES, STORAGE, VELOCITY};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};
-use crate::integrate::step_control::ErrorScale;
+use crate::integrate::ErrorScale;
 use crate::integrate::{Point, System};
 use crate::observer::{ALL_POWERS, Outputs, PowerIndex, StorageOutput, first_powers};
 use crate::part::storage::StorageElement;

@@ -140,7 +140,7 @@ where
     /// The charge that passes in a step is what the ends have let pass, and the storage's voltage is linear in it but
     /// for what leaks and is drawn: then the storage's ledger closes to rounding whatever the step.
     #[inline]
-    fn settle(&self, start: &[S; STATES], end: &[S; STATES], energies: &mut [S; POWERS]) {
+    fn correct_energies(&self, start: &[S; STATES], end: &[S; STATES], energies: &mut [S; POWERS]) {
         if self.mode.regime == BridgeRegime::Blocked {
             return;
         }

@@ -4,7 +4,7 @@ use super::flow::Flow;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
 use crate::excitation::{Excitation, Sine};
 use crate::hybrid::{Automaton, Guard, HybridState, InputAt, Jump};
-use crate::integrate::step_control::ErrorScale;
+use crate::integrate::ErrorScale;
 use crate::integrate::{Point, System};
 use crate::observer::{Motion, Outputs, StoredEnergy};
 use crate::part::friction::turns_until_release;
@@ -108,13 +108,13 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
         let [[constant, _], [hold, _]] = self.balance(&state.point.state, S::ZERO);
         let (amplitude, phase) = (self.base_coupling * sine.amplitude(), sine.phase(state.clock));
-        if !(sine.hertz() > S::ZERO) {
+        if !(sine.frequency() > S::ZERO) {
             return None;
         }
         // A negative amplitude is half a turn.
         let phase = if amplitude < S::ZERO { phase.wrapping_add(1 << 63) } else { phase };
         let turns = turns_until_release(constant, amplitude.abs(), hold, phase)?;
-        Some(turns / sine.hertz())
+        Some(turns / sine.frequency())
     }
 
     /// What friction can hold beyond what it must, towards either side, and its rate.

@@ -1,17 +1,16 @@
-//! The moments of a normal number of which an interval is known.
+//! Mean and variance of the truncated normal distribution.
 
 use crate::scalar::{Mathematics, Scalar};
 
-/// Panels of Simpson's rule.
+/// Number of panels of Simpson's rule.
 const PANELS: u32 = 12;
 
-/// Mean and variance of a standard normal number that is known to lie from `low` to `high`.
+/// Mean and variance of the standard normal distribution truncated to `low` to `high`.
 ///
-/// Simpson's rule on the density relative to its largest value there, which neither underflows nor cancels
-/// however far out: mean within 10⁻³, variance within
-/// 5·10⁻³ of itself.
+/// Simpson's rule on the density relative to its largest value in the interval, which neither underflows nor
+/// cancels in the tails. The mean is within 10⁻³, the variance within 5·10⁻³ of itself.
 pub(super) fn moments_within<S: Scalar>(low: S, high: S) -> (S, S) {
-    // The point of largest density, and the distance outwards in which it falls by e^(−12.5).
+    // The point of largest density, and the distance over which the density falls by e^(−12.5).
     let peak = S::ZERO.max(low).min(high);
     let square = S::from_f64(25.0);
     let reach = square / ((peak * peak + square).sqrt() + peak.abs());
@@ -21,7 +20,7 @@ pub(super) fn moments_within<S: Scalar>(low: S, high: S) -> (S, S) {
     let (mut mass, mut first, mut second) = (S::ZERO, S::ZERO, S::ZERO);
     for k in 0..=2 * PANELS {
         let weight = if k == 0 || k == 2 * PANELS { 1 } else { 2 + 2 * (k & 1) };
-        // From the peak, so that a narrow cell far out keeps its digits.
+        // Relative to the peak, so that a narrow interval in the tail keeps its digits.
         let distance = (start - peak) + step * S::from_u32(k);
         let density = S::Build::exponential(-distance * (peak + half * distance));
         let part = density * S::from_u32(weight);
@@ -38,7 +37,7 @@ pub(super) fn moments_within<S: Scalar>(low: S, high: S) -> (S, S) {
 mod tests {
     use super::*;
 
-    /// By the midpoint rule with a million steps, over what of the interval is within 40 of 0.
+    /// By the midpoint rule with a million steps, over the part of the interval within 40 of 0.
     fn exact(low: f64, high: f64) -> (f64, f64) {
         let (low, high) = (low.max(-40.0), high.min(40.0));
         let step = (high - low) / 1e6;
@@ -53,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    pub(super) fn moments_within_a_cell_are_those_of_the_cut_normal() {
+    fn moments_are_those_of_the_truncated_normal_distribution() {
         for (low, high) in [
             (-0.01, 0.02),
             (-1.0, 1.0),
