@@ -1,50 +1,48 @@
-//! A day of a sensor node: what it harvests, what is in its store, and what it decides to do.
+//! A day of a sensor node: what it harvests, what is stored, and which actions it runs.
 //!
-//! Two sides that share no code. The *node* knows what its energy budget on the embedded core tells it, in the
-//! precision of the firmware. The *world* is the harvester, whose power comes from the embedded core (see
-//! [`income`]), and a store in double precision (see `store`). The node learns of the world what its estimator
-//! would tell it: the energy harvested since the last update; and the voltage of the store when it is switched on.
+//! The *controller* knows what its energy budget on the embedded core tells it, in the precision of the firmware. The
+//! *plant* is the harvester, whose power comes from the embedded core ([`income`]), and a storage in double precision.
+//! Controller and plant share no code. The controller learns from the plant what an estimator and a voltage
+//! measurement would tell: the energy harvested since the last update, and the voltage when the node is switched on.
 //!
-//! Where the store is behind a bridge and every step is taken, harvester, bridge and store are one trajectory of the
-//! core, in the precision of the firmware: see `world`.
+//! If the storage is behind a bridge and every step is taken, harvester, bridge and storage are one trajectory of the
+//! core, in the precision of the firmware.
 
-pub mod income;
-mod node;
-pub mod outcome;
-pub mod picture;
-mod store;
-mod world;
+mod controller;
+pub(crate) mod income;
+pub(crate) mod outcome;
+pub(crate) mod picture;
+mod plant;
 
 use model_core::scalar::Scalar;
 
+use self::controller::Controller;
 use self::income::Income;
-use self::node::Controller;
 use self::outcome::{ActionOutcome, NodeDay, Sample};
-use self::store::Store;
-use self::world::{LoopedStore, Plant};
+use self::plant::{ChargedStorage, LoopedStorage, Plant, StorageAccount, energy_at};
 use crate::embedded::with_store_in_loop;
 use crate::method::{Failure, Options, Precision};
 use crate::scene_file::{HOURS, Load, Node, Scene};
 
 /// Seconds in a day.
-pub(crate) const DAY_S: u32 = 86_400;
+const DAY_S: u32 = 86_400;
 
 /// How the last day is simulated.
 #[derive(Debug, Clone, Copy)]
-pub struct InLoop<'a> {
-    /// The scene, its load a rectified store.
-    pub scene: &'a Scene,
+pub(crate) struct InLoop<'a> {
+    /// The scene, its load a rectified storage.
+    pub(crate) scene: &'a Scene,
     /// How it is run.
-    pub options: &'a Options,
+    pub(crate) options: &'a Options,
 }
 
-/// Simulates the node for some days after one another, each with the same income, and tells of the last. The days
-/// before it teach the slots of the day. With a scene `in_loop`, its harvester and the store are one trajectory on
-/// the last day, and `income` is that of the days before.
+/// Simulates the node for some days with the same income each, and gives the last. The days before it train the
+/// income forecast. With a scene `in_loop`, its harvester and the storage are one trajectory on the last day, and
+/// `income` holds for the days before.
 ///
 /// # Errors
 /// [`Failure::Input`] if the core refuses the node, and as a run of the scene.
-pub fn simulate(
+pub(crate) fn simulate(
     node: &Node,
     income: &Income,
     learning_days: u32,
@@ -74,81 +72,114 @@ struct Days<'a> {
 impl Days<'_> {
     fn last<S: Scalar, const SLOTS: usize>(&self) -> Result<NodeDay, Failure> {
         let Self { node, income, learning_days, in_loop } = *self;
-        let mut store = Store::new(&node.storage, node.standing_power_w, income);
-        let mut controller = Controller::<S, SLOTS>::new(node, store.voltage())?;
+        let mut plant = ChargedStorage::new(&node.storage, node.standing_power_w, income);
+        let mut controller = Controller::<S, SLOTS>::new(node, plant.voltage())?;
         for _ in 0..learning_days {
-            day(node, &mut store, &mut controller)?;
+            day(node, &mut plant, &mut controller)?;
         }
-        let Some(InLoop { scene, options }) = in_loop else { return day(node, &mut store, &mut controller) };
-        let Load::RectifiedStore(load) = scene.load else { return day(node, &mut store, &mut controller) };
+        let Some(InLoop { scene, options }) = in_loop else { return day(node, &mut plant, &mut controller) };
+        let Load::RectifiedStore(load) = scene.load else { return day(node, &mut plant, &mut controller) };
         let (storage, drop) = (&node.storage, load.diode_drop_v);
-        let midnight = (store.voltage(), store.is_supplied());
+        let midnight = (plant.voltage(), plant.is_supplied());
         with_store_in_loop(scene, drop, storage, midnight, &node.hours, options, |looped| {
-            day(node, &mut LoopedStore::new(looped, storage, node.standing_power_w), &mut controller)
+            let mut plant = LoopedStorage::new(looped, storage, node.standing_power_w);
+            day(node, &mut plant, &mut controller)
         })
     }
 }
 
+/// Simulates one day.
 fn day<S: Scalar, const SLOTS: usize>(
     node: &Node,
-    world: &mut dyn Plant,
+    plant: &mut dyn Plant,
     controller: &mut Controller<'_, S, SLOTS>,
 ) -> Result<NodeDay, Failure> {
-    world.begin_account();
-    let start_j = world.energy();
+    *plant.account() = StorageAccount::default();
     let predicted = controller.rates();
-    let mut runs_by_hour = vec![[0; HOURS]; node.actions.len()];
-    let mut samples = vec![Sample { second: 0, stored_j: start_j, income_w: 0.0 }];
-    let mut budget_error_j: f64 = 0.0;
-    let mut lowest_j = start_j;
+    let mut record = Record::new(node, plant.energy());
     for second in (0..DAY_S).step_by(node.update_s as usize) {
-        if world.is_supplied() {
-            controller.wake(world.voltage());
+        if plant.is_supplied() {
+            controller.wake(plant.voltage());
             if second % node.decision_s == 0 {
                 for action in controller.decide() {
-                    runs_by_hour[action][(second / 3600) as usize] += 1;
-                    world.spend(node.actions[action].energy_j);
+                    record.runs_by_hour[action][(second / 3600) as usize] += 1;
+                    plant.spend(node.actions[action].energy_j);
                 }
             }
         }
-        lowest_j = lowest_j.min(world.energy());
-        let harvested_j = world.advance(second, node.update_s)?;
-        lowest_j = lowest_j.min(world.energy());
-        controller.update(node.update_s, harvested_j, world.was_supplied());
-        if world.was_supplied() {
-            budget_error_j = budget_error_j.max((controller.stored_j() - world.energy()).abs());
+        record.lowest_j = record.lowest_j.min(plant.energy());
+        let harvested_j = plant.advance(second, node.update_s)?;
+        controller.update(node.update_s, harvested_j, plant.was_supplied());
+        record.update(second + node.update_s, plant.energy(), harvested_j);
+        if plant.was_supplied() {
+            let error = (controller.stored_j() - plant.energy()).abs();
+            record.budget_error_j = record.budget_error_j.max(error);
         }
-        samples.push(Sample {
-            second: second + node.update_s,
-            stored_j: world.energy(),
-            income_w: harvested_j / f64::from(node.update_s),
-        });
     }
-    let actions = node.actions.iter().zip(predicted).zip(runs_by_hour).map(|((action, rate), by_hour)| {
-        let runs: u32 = by_hour.iter().sum();
-        ActionOutcome {
-            name: action.name.clone(),
-            runs,
-            wished: f64::from(DAY_S) / action.every_s,
-            predicted: rate * f64::from(DAY_S),
-            spent_j: f64::from(runs) * action.energy_j,
-            by_hour,
+    Ok(record.day(&predicted, *plant.account(), controller.ledger_residual()))
+}
+
+/// What is recorded of a day.
+struct Record<'a> {
+    node: &'a Node,
+    /// Least stored energy in J.
+    lowest_j: f64,
+    /// Largest error in J of the controller's estimate of the stored energy.
+    budget_error_j: f64,
+    /// Runs of each action in each hour.
+    runs_by_hour: Vec<[u32; HOURS]>,
+    samples: Vec<Sample>,
+}
+
+impl<'a> Record<'a> {
+    fn new(node: &'a Node, start_j: f64) -> Self {
+        Self {
+            node,
+            lowest_j: start_j,
+            budget_error_j: 0.0,
+            runs_by_hour: vec![[0; HOURS]; node.actions.len()],
+            samples: vec![Sample { second: 0, stored_j: start_j, income_w: 0.0 }],
         }
-    });
-    let voltage_at = |energy: f64| (2.0 * energy / node.storage.capacitance_f).sqrt();
-    let energy_at = |voltage: f64| 0.5 * node.storage.capacitance_f * voltage * voltage;
-    let capacity_j = energy_at(node.storage.highest_v);
-    Ok(NodeDay {
-        account: *world.account(),
-        actions: actions.collect(),
-        start_j,
-        end_j: world.energy(),
-        lowest_j,
-        capacity_j,
-        turn_off_j: energy_at(node.storage.turn_off_v),
-        lowest_v: voltage_at(lowest_j),
-        budget_error: budget_error_j / capacity_j,
-        budget_ledger: controller.ledger_residual(),
-        samples,
-    })
+    }
+
+    /// Takes in the end of an update interval.
+    fn update(&mut self, second: u32, stored_j: f64, harvested_j: f64) {
+        self.lowest_j = self.lowest_j.min(stored_j);
+        let income_w = harvested_j / f64::from(self.node.update_s);
+        self.samples.push(Sample { second, stored_j, income_w });
+    }
+
+    /// The day, with the rate of each action in 1/s that was predicted, the account of the storage, and the residual of
+    /// the budget.
+    fn day(self, predicted: &[f64], account: StorageAccount, budget_ledger: Option<f64>) -> NodeDay {
+        let storage = &self.node.storage;
+        let actions = self.node.actions.iter().zip(predicted).zip(self.runs_by_hour);
+        let actions = actions.map(|((action, rate), by_hour)| {
+            let runs: u32 = by_hour.iter().sum();
+            ActionOutcome {
+                name: action.name.clone(),
+                runs,
+                wished: f64::from(DAY_S) / action.every_s,
+                predicted: rate * f64::from(DAY_S),
+                spent_j: f64::from(runs) * action.energy_j,
+                by_hour,
+            }
+        });
+        let capacity_j = energy_at(storage, storage.highest_v);
+        let [start_j, end_j] =
+            [self.samples.first(), self.samples.last()].map(|sample| sample.map_or(0.0, |end| end.stored_j));
+        NodeDay {
+            account,
+            actions: actions.collect(),
+            start_j,
+            end_j,
+            lowest_j: self.lowest_j,
+            capacity_j,
+            turn_off_j: energy_at(storage, storage.turn_off_v),
+            lowest_v: (2.0 * self.lowest_j / storage.capacitance_f).sqrt(),
+            budget_error: self.budget_error_j / capacity_j,
+            budget_ledger,
+            samples: self.samples,
+        }
+    }
 }

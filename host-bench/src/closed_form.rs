@@ -1,4 +1,4 @@
-//! The closed forms of the core on the host: what they say of a scene, and how far they are from it.
+//! Mean power, RMS voltage and amplitude of a scene by the core's closed forms, and the error of the closed forms.
 
 pub mod map;
 
@@ -12,7 +12,7 @@ use crate::embedded::{bump_stop_parameters, contact_separation_parameters, slidi
 use crate::method::{Failure, Precision};
 use crate::scene_file::{BumpStop, Draw, Excitation, Load, Model, RectifiedStore, Scene};
 
-/// What the closed form of a scene says.
+/// The closed form of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// Mean power in the load in W.
@@ -23,7 +23,7 @@ pub struct Estimate {
     pub amplitude_m: f64,
     /// Why a trajectory is needed; `None` where the closed form holds.
     pub reason: Option<&'static str>,
-    /// The requirement that is nearest to being missed, or missed by most, as a part of its limit.
+    /// The requirement with the least margin, as a part of its limit; above 1 the requirement is not met.
     pub margin: f64,
 }
 
@@ -67,13 +67,12 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
     }
     let (amplitude, hertz) = (S::from_f64(tone.amplitude_m_per_s2), S::from_f64(tone.frequency_hz));
     if !matches!(scene.model, Model::BumpStop(_)) && !matches!(scene.load, Load::Resistor { .. }) {
-        return Err(Failure::Input(format!(
-            "{}: load.kind: must be \"resistor\" for a closed form of this scene",
-            scene.file.display()
-        )));
+        return Err(Failure::of_file(
+            scene,
+            "load.kind: must be \"resistor\" for a closed form of this scene",
+        ));
     }
-    let refused =
-        |error: ParameterError<S>| Failure::Input(format!("{}: parameters.{error}", scene.file.display()));
+    let refused = |error: ParameterError<S>| Failure::of_file(scene, format!("parameters.{error}"));
     let found = match &scene.model {
         Model::ContactSeparation(model) => contact_separation_parameters::<S, S::Build>(model, scene.load)
             .build()
@@ -83,25 +82,25 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
             sliding_parameters::<S>(model, scene.load).build().map_err(refused)?.closed_form(amplitude, hertz)
         }
         Model::BumpStop(model) => {
-            let terminals = Terminals::of(scene)?;
-            of_bump_stop(scene, model, terminals, amplitude, hertz).map_err(refused)?
+            let load = BeamLoad::of(scene)?;
+            of_bump_stop(scene, model, load, amplitude, hertz).map_err(refused)?
         }
     };
     Ok(Estimate::new(&found))
 }
 
-/// What is at the terminals of a beam, as its closed forms have it.
+/// The load of a beam, as its closed forms take it.
 #[derive(Debug, Clone, Copy)]
-enum Terminals {
+enum BeamLoad {
     /// The load of the scene itself.
     Resistor,
-    /// A bus of so many volts behind diodes of so many.
+    /// A bus behind a bridge: voltage of the bus and drop of a diode in V.
     Bus(f64, f64),
-    /// A store behind diodes of so many volts, with so many ohms across it.
-    Store(f64, f64),
+    /// A storage behind a bridge: drop of a diode in V and resistance across the storage in Ω.
+    Storage(f64, f64),
 }
 
-impl Terminals {
+impl BeamLoad {
     fn of(scene: &Scene) -> Result<Self, Failure> {
         match scene.load {
             Load::Resistor { .. } => Ok(Self::Resistor),
@@ -111,15 +110,15 @@ impl Terminals {
                 leakage_ohm,
                 draw: Draw::Resistor { resistance_ohm, lockout: None },
                 ..
-            }) => Ok(Self::Store(diode_drop_v, 1.0 / (1.0 / resistance_ohm + 1.0 / leakage_ohm))),
-            Load::RectifiedStore(_) => Err(Failure::Input(format!(
-                "{}: load.draw: must be a resistor that is always connected for a closed form",
-                scene.file.display()
-            ))),
+            }) => Ok(Self::Storage(diode_drop_v, 1.0 / (1.0 / resistance_ohm + 1.0 / leakage_ohm))),
+            Load::RectifiedStore(_) => Err(Failure::of_file(
+                scene,
+                "load.draw: must be a resistor that is always connected for a closed form",
+            )),
         }
     }
 
-    fn ask<S: Scalar, const B: usize, const R: usize>(
+    fn closed_form<S: Scalar, const B: usize, const R: usize>(
         self,
         beam: &Beam<S, AnyChoices<S>, B, R>,
         amplitude: S,
@@ -131,35 +130,32 @@ impl Terminals {
             Self::Bus(volts, drop) => {
                 beam.closed_form_into_bus(amplitude, hertz, number(volts), number(drop))
             }
-            Self::Store(drop, ohms) => {
+            Self::Storage(drop, ohms) => {
                 beam.closed_form_into_store(amplitude, hertz, number(ohms), number(drop))
             }
         }
     }
 }
 
-/// With the capacities that a run has.
+/// The closed form of a beam, with the mode capacities of a run.
 fn of_bump_stop<S: Scalar>(
     scene: &Scene,
     model: &BumpStop,
-    terminals: Terminals,
+    load: BeamLoad,
     amplitude: S,
     hertz: S,
 ) -> Result<ClosedForm<S>, ParameterError<S>> {
     let parameters = bump_stop_parameters::<S>(model, scene.load);
     let (beam, rod) = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
     Ok(match (beam, rod) {
-        (..=4, ..=2) => terminals.ask(&parameters.build::<4, 2>()?, amplitude, hertz),
-        (..=10, ..=10) => terminals.ask(&parameters.build::<10, 10>()?, amplitude, hertz),
-        _ => terminals.ask(&parameters.build::<20, 20>()?, amplitude, hertz),
+        (..=4, ..=2) => load.closed_form(&parameters.build::<4, 2>()?, amplitude, hertz),
+        (..=10, ..=10) => load.closed_form(&parameters.build::<10, 10>()?, amplitude, hertz),
+        _ => load.closed_form(&parameters.build::<20, 20>()?, amplitude, hertz),
     })
 }
 
 fn no_sine(scene: &Scene) -> Failure {
-    Failure::Input(format!(
-        "{}: excitation.kind: must be \"sine\" with a frequency_hz above 0 for a closed form",
-        scene.file.display()
-    ))
+    Failure::of_file(scene, "excitation.kind: must be \"sine\" with a frequency_hz above 0 for a closed form")
 }
 
 impl Estimate {

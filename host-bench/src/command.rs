@@ -21,7 +21,7 @@ use crate::method::{Failure, Math, Method, Options, Precision};
 use crate::outcome::Format;
 use crate::scene_file::Override;
 
-/// What `run` and `sweep` have in common.
+/// Arguments that `run`, `sweep` and `resonance` have in common.
 #[derive(Debug, Clone, clap::Args)]
 pub struct SceneArguments {
     /// Scene file
@@ -64,10 +64,7 @@ impl SceneArguments {
             step_s: self.step,
             long_step_s: self.long_step,
             tolerance: self.tolerance,
-            trace_every_s: None,
-            bare: false,
-            steady_state: false,
-            most_attempts: None,
+            ..Options::default()
         }
     }
 }
@@ -77,24 +74,23 @@ impl SceneArguments {
 pub fn report(failure: &Failure) -> ExitCode {
     let line: String =
         failure.to_string().chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
-    // With no standard error left there is nobody to tell.
-    let _ = writeln!(std::io::stderr(), "error: {line}");
+    tell(&format!("error: {line}"));
     ExitCode::from(match failure {
         Failure::Input(_) => 2,
         Failure::Step(_) | Failure::StepLimitExceeded(_) => 3,
     })
 }
 
-/// Prints a warning as one line on standard error.
-pub(crate) fn warn(text: &str) {
-    // With no standard error left there is nobody to tell.
-    let _ = writeln!(std::io::stderr(), "warning: {text}");
+/// Prints a line on standard error.
+fn tell(line: &str) {
+    // Without a standard error there is nobody to tell.
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Prints the result on standard output.
 ///
 /// # Errors
-/// If it cannot be written; a reader that has gone away is none.
+/// If it cannot be written. A reader that closed its end is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut output = std::io::stdout().lock();
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
@@ -115,23 +111,31 @@ pub(crate) fn progress(count: usize) -> ProgressBar {
     }
 }
 
-/// Tells one more case of a long command on the bar; where standard error is no terminal and the bar is not
-/// seen, each tenth of them as a line.
+/// Counts one more case of a long command on the bar. Where standard error is no terminal and the bar is hidden, prints a
+/// line for each tenth of the cases.
 pub(crate) fn one_more(bar: &ProgressBar) {
     bar.inc(1);
     let (done, all) = (bar.position(), bar.length().unwrap_or(0));
-    // Counted by the tenths that this one completes.
+    // Whether this case completes a tenth.
     if bar.is_hidden() && done * 10 / all.max(1) > done.saturating_sub(1) * 10 / all.max(1) {
-        // With no standard error left there is nobody to tell.
-        let _ = writeln!(std::io::stderr(), "{done}/{all}  {:.0} s elapsed", bar.elapsed().as_secs_f64());
+        tell(&format!("{done}/{all}  {:.0} s elapsed", bar.elapsed().as_secs_f64()));
     }
 }
 
-/// Where reports go.
+/// The folder of reports, in that of the caller.
 pub(crate) fn report_folder() -> PathBuf {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    // A binary that was moved away from its sources reports where it stands.
-    workspace.canonicalize().unwrap_or_default().join("target/report")
+    PathBuf::from("report")
+}
+
+/// A value as JSON over several lines, line break included.
+///
+/// # Errors
+/// [`Failure::Input`] if it has no form in JSON.
+pub(crate) fn json_text(value: &impl serde::Serialize) -> Result<String, Failure> {
+    match serde_json::to_string_pretty(value) {
+        Ok(text) => Ok(text + "\n"),
+        Err(error) => Err(Failure::Input(format!("--format json: {error}"))),
+    }
 }
 
 /// Makes a folder and those above it, where they do not exist.
@@ -143,7 +147,7 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
         .map_err(|error| Failure::Input(format!("{}: cannot be made: {error}", folder.display())))
 }
 
-/// Refuses a file that could not be written, before the work is done.
+/// Refuses a file that could not be written, before the runs are made.
 ///
 /// # Errors
 /// [`Failure::Input`] with option and path.
@@ -166,7 +170,7 @@ fn folder_of(file: &Path) -> &Path {
     }
 }
 
-/// Writes a file whole or not at all: beside its place first, then into it.
+/// Writes a file whole or not at all: to a temporary file beside it, which is then renamed.
 ///
 /// # Errors
 /// [`Failure::Input`] with the path and the reason.
@@ -175,7 +179,7 @@ pub(crate) fn write_whole(file: &Path, text: &str) -> Result<(), Failure> {
     name.push(format!(".{}.part", std::process::id()));
     let part = folder_of(file).join(name);
     std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, file)).map_err(|error| {
-        // What is left of it, if anything.
+        // Removes the temporary file, if it was made.
         let _ = std::fs::remove_file(&part);
         Failure::Input(format!("{}: cannot be written: {error}", file.display()))
     })

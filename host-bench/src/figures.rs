@@ -1,16 +1,14 @@
 //! The figures of the two papers, rebuilt on the embedded core: one chapter for each harvester.
 
 pub mod bump_stop;
-pub mod contact_separation;
+mod contact_separation;
 mod page;
-pub mod sliding;
-
-use std::path::Path;
+mod sliding;
 
 pub use self::page::page;
 
 use crate::method::Failure;
-use crate::scene_file::{self, Scene};
+use crate::scene_file::{self, Excitation, Scene, Tone};
 
 /// A harvester whose figures are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -39,11 +37,11 @@ pub struct Figure {
     pub label: &'static str,
     /// What it is.
     pub title: &'static str,
-    /// What it shows, and for which values.
+    /// What it shows, and the values it holds for.
     pub caption: String,
     /// Its pictures.
     pub panels: Vec<Panel>,
-    /// What can be read off it: a heading and rows of numbers; empty if there is nothing.
+    /// A heading and rows of numbers; empty for a figure without a table.
     pub table: Vec<Vec<String>>,
     /// Its numbers.
     pub csv: String,
@@ -62,7 +60,7 @@ impl Figure {
 pub struct Chapter {
     /// Its heading.
     pub title: &'static str,
-    /// What holds for all of its figures, in HTML paragraphs.
+    /// Text on all of its figures, in HTML paragraphs.
     pub introduction: String,
     /// The figures.
     pub figures: Vec<Figure>,
@@ -107,8 +105,17 @@ impl Subject {
 
 /// A shipped scene by the name of its file.
 fn shipped(name: &str) -> Result<Scene, Failure> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
-    Ok(scene_file::read(&file, &[])?)
+    Ok(scene_file::read(&scene_file::shipped(name), &[])?)
+}
+
+/// The sine of a scene's base acceleration.
+fn sine(scene: &Scene) -> Result<&Tone, Failure> {
+    match &scene.excitation {
+        Excitation::Sine(tone) => Ok(tone),
+        Excitation::Sines(_) | Excitation::File(_) | Excitation::Silence => {
+            Err(Failure::of_file(scene, "excitation.kind must be \"sine\""))
+        }
+    }
 }
 
 /// Headings before rows.

@@ -1,7 +1,7 @@
 //! The host side of `model-core`: scene files, the independent reference, and the command line.
 
 mod base_motion;
-pub mod budget;
+mod budget;
 pub mod closed_form;
 pub mod command;
 pub mod embedded;
@@ -11,11 +11,12 @@ pub mod on_target;
 pub mod outcome;
 mod peer;
 pub mod reference;
-pub mod report;
+mod report;
 mod root;
+pub mod run;
 pub mod scene_file;
-pub mod stability;
+mod stability;
 pub mod steady_state;
 #[cfg(test)]
 mod test_support;
-pub mod work_precision;
+mod work_precision;

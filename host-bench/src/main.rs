@@ -14,7 +14,7 @@ use host_bench::method::Failure;
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
-    /// Without one: error against run time in short, and a report in target/report
+    /// Without one: error against run time in short, and a report in report/
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -66,16 +66,16 @@ fn main() -> ExitCode {
     }
 }
 
-/// Help as clap prints it; an error as one line, like all others.
+/// Prints help as clap does, and an error as one line.
 fn usage(error: &clap::Error) -> ExitCode {
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        // With no standard output left there is nobody to tell.
+        // Without a standard output there is nobody to tell.
         let _ = error.print();
         return ExitCode::SUCCESS;
     }
     let text = error.to_string();
-    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-    let told: Vec<&str> =
-        lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")).collect();
-    report(&Failure::Input(told.join(" ").trim_start_matches("error: ").to_owned()))
+    let text_lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let lines: Vec<&str> =
+        text_lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")).collect();
+    report(&Failure::Input(lines.join(" ").trim_start_matches("error: ").to_owned()))
 }

@@ -1,11 +1,9 @@
-//! How a scene is run: the one place where a method is chosen.
+//! What can be asked of a run: method, precision, elementary functions, step; and why a run has no outcome.
+
+use std::fmt::Display;
 
 use serde::Serialize;
 
-use crate::embedded;
-use crate::outcome::Outcome;
-use crate::peer;
-use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{Load, Model, Scene, SceneError};
 
 /// Integration method.
@@ -37,19 +35,30 @@ pub enum Precision {
     F64,
 }
 
+impl Precision {
+    /// Its name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+}
+
 /// Elementary functions of the embedded core.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Math {
-    /// Polynomials of our own.
+    /// The polynomials of the core.
     Polynomial,
-    /// The crate `libm`: right to an ulp.
+    /// The crate `libm`: accurate to an ulp.
     Libm,
     /// The crate `micromath`: small and coarse, single precision only.
     Micromath,
 }
 
-/// How to run a scene. What is `None` is left to the method.
+/// How to run a scene. The method chooses what is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
     /// Integration method.
@@ -64,14 +73,14 @@ pub struct Options {
     pub long_step_s: Option<f64>,
     /// Relative tolerance of an adaptive step.
     pub tolerance: Option<f64>,
-    /// Distance in s of the rows of [`Outcome::trace`].
+    /// Distance in s of the rows of the recorded motion.
     pub trace_every_s: Option<f64>,
-    /// Whether a bump-stop run on the core keeps no energy ledger and looks at the measuring window only:
-    /// for its run time, as firmware would have it.
+    /// Whether a bump-stop run on the core keeps no energy ledger and meters the measuring window only, as firmware
+    /// would: for measuring its run time.
     pub bare: bool,
-    /// Whether the periodic steady state is sought by shooting, in place of the run.
+    /// Whether shooting for the periodic steady state replaces the run.
     pub steady_state: bool,
-    /// Attempted steps after which a run on the core's hybrid driver is given up, [`Failure::StepLimitExceeded`].
+    /// Number of attempted steps after which the core's hybrid driver stops with [`Failure::StepLimitExceeded`].
     pub most_attempts: Option<u64>,
 }
 
@@ -81,11 +90,11 @@ pub enum Failure {
     /// The input is bad: exit code 2.
     #[error("{0}")]
     Input(String),
-    /// The scene could not be stepped to its end: exit code 3. The error, the simulated time and the
+    /// The scene could not be stepped to its end: exit code 3. The text has the error, the simulated time and the
     /// state.
     #[error("{0}")]
     Step(String),
-    /// The run was given up because it took more steps than it was allowed: exit code 3.
+    /// The run was stopped because it took more steps than it was allowed: exit code 3.
     #[error("{0}")]
     StepLimitExceeded(String),
 }
@@ -96,52 +105,60 @@ impl From<SceneError> for Failure {
     }
 }
 
+impl Failure {
+    /// Bad input that a scene file is to blame for.
+    pub(crate) fn of_file(scene: &Scene, reason: impl Display) -> Self {
+        Self::Input(format!("{}: {reason}", scene.file.display()))
+    }
+}
+
 impl Options {
     /// Checks what can be checked without a scene.
     ///
     /// # Errors
     /// [`Failure::Input`] that names the option, its value and its bound.
     pub fn check(&self) -> Result<(), Failure> {
-        let within = |name: &str, value: Option<f64>, [lowest, highest]: [f64; 2]| match value {
-            Some(value) if !(lowest..=highest).contains(&value) => Err(Failure::Input(format!(
-                "{name} {value}: must be a number from {lowest:e} to {highest:e}"
-            ))),
-            _ => Ok(()),
-        };
         within("--step", self.step_s, [1e-9, 1.0])?;
         within("--long-step", self.long_step_s, [1e-9, 1.0])?;
         within("--tolerance", self.tolerance, [1e-13, 0.1])?;
         within("--trace-every", self.trace_every_s, [1e-9, 1e7])?;
-        let refuse = |text: &str| Err(Failure::Input(text.to_owned()));
-        if self.math == Some(Math::Micromath) && self.precision == Some(Precision::F64) {
-            return refuse("--math micromath: must be with --precision f32, it has no double precision");
+        let refusal = match (self.math, self.precision) {
+            (Some(Math::Micromath), Some(Precision::F64)) => {
+                Some("--math micromath: must be with --precision f32, it has no double precision")
+            }
+            _ if self.method == Method::Reference => self.refused_by_reference(),
+            _ => None,
+        };
+        let refusal = refusal.or_else(|| self.refused_by_steady_state().filter(|_| self.steady_state));
+        refusal.map_or(Ok(()), |text| Err(Failure::Input(text.to_owned())))
+    }
+
+    /// The first option that the reference does not take.
+    fn refused_by_reference(&self) -> Option<&'static str> {
+        if self.precision == Some(Precision::F32) {
+            Some("--precision f32: the reference must be in f64")
+        } else if self.math.is_some() {
+            Some("--math: must not be given for the reference, which uses that of the host")
+        } else if self.step_s.is_some() {
+            Some("--step: must not be given for the reference, which adapts its step")
+        } else {
+            None
         }
+    }
+
+    /// The first option that does not go with shooting for a steady state.
+    fn refused_by_steady_state(&self) -> Option<&'static str> {
         if self.method == Method::Reference {
-            if self.precision == Some(Precision::F32) {
-                return refuse("--precision f32: the reference must be in f64");
-            }
-            if self.math.is_some() {
-                return refuse("--math: must not be given for the reference, which uses that of the host");
-            }
-            if self.step_s.is_some() {
-                return refuse("--step: must not be given for the reference, which adapts its step");
-            }
+            Some("--method reference: must be of the core for a steady state, such as tr-bdf2")
+        } else if self.precision == Some(Precision::F32) {
+            Some("--precision f32: a steady state must be in f64")
+        } else if self.math == Some(Math::Micromath) {
+            Some("--math micromath: a steady state must be in f64, which it does not have")
+        } else if self.trace_every_s.is_some() {
+            Some("--trace-every: must not be given for a steady state")
+        } else {
+            None
         }
-        if self.steady_state {
-            if self.method == Method::Reference {
-                return refuse("--method reference: must be of the core for a steady state, such as tr-bdf2");
-            }
-            if self.precision == Some(Precision::F32) {
-                return refuse("--precision f32: a steady state must be in f64");
-            }
-            if self.math == Some(Math::Micromath) {
-                return refuse("--math micromath: a steady state must be in f64, which it does not have");
-            }
-            if self.trace_every_s.is_some() {
-                return refuse("--trace-every: must not be given for a steady state");
-            }
-        }
-        Ok(())
     }
 
     /// Checks what depends on the kind of the scene.
@@ -149,66 +166,30 @@ impl Options {
     /// # Errors
     /// [`Failure::Input`] that names the file, the key and what it must be.
     pub fn check_scene(&self, scene: &Scene) -> Result<(), Failure> {
+        let refuse = |reason: &str| Err(Failure::of_file(scene, reason));
         if self.steady_state && scene.excitation.single_frequency().is_none() {
-            return Err(Failure::Input(format!(
-                "{}: excitation.kind: must be \"sine\" with a frequency_hz above 0 for a periodic steady state",
-                scene.file.display()
-            )));
+            return refuse(
+                "excitation.kind: must be \"sine\" with a frequency_hz above 0 for a periodic steady state",
+            );
         }
-        // What a search by shooting returns to itself does not hold a store that fills.
         let bridge = !matches!(scene.load, Load::Resistor { .. });
+        // The storage behind a bridge fills: its voltage is not periodic.
         if bridge && self.steady_state {
-            return Err(Failure::Input(format!(
-                "{}: load.kind: must be \"resistor\" for a periodic steady state",
-                scene.file.display()
-            )));
+            return refuse("load.kind: must be \"resistor\" for a periodic steady state");
         }
         let by_peer = matches!(self.method, Method::TrBdf2 | Method::Rk4 | Method::Newmark);
         if bridge && by_peer && matches!(scene.model, Model::BumpStop(_)) {
-            return Err(Failure::Input(format!(
-                "{}: load.kind: must be \"resistor\" for this scene by this method",
-                scene.file.display()
-            )));
+            return refuse("load.kind: must be \"resistor\" for this scene by this method");
         }
         Ok(())
     }
 }
 
-/// Runs a scene.
-///
-/// # Errors
-/// [`Failure::Input`] if the options do not fit together or to the scene, [`Failure::Step`] if the
-/// integration cannot go on.
-pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
-    options.check()?;
-    options.check_scene(scene)?;
-    if let Some(every) = options.trace_every_s {
-        const ROWS: f64 = 2e7;
-        if scene.run.duration_s / every > ROWS {
-            let least = scene.run.duration_s / ROWS;
-            return Err(Failure::Input(format!(
-                "--trace-every {every}: must be at least {least:e} for at most {ROWS:e} rows"
-            )));
+fn within(name: &str, value: Option<f64>, [lowest, highest]: [f64; 2]) -> Result<(), Failure> {
+    match value {
+        Some(value) if !(lowest..=highest).contains(&value) => {
+            Err(Failure::Input(format!("{name} {value}: must be a number from {lowest:e} to {highest:e}")))
         }
-    }
-    match options.method {
-        Method::Reference => {
-            if let Some(refusal) = reference::refusal(scene) {
-                return Err(Failure::Input(refusal));
-            }
-            let default = ReferenceOptions::default();
-            let tolerance = options.tolerance.unwrap_or(default.tolerance);
-            let options =
-                ReferenceOptions { tolerance, record_every: options.trace_every_s, most_steps: None };
-            reference::run(scene, &options).map_err(|failure| Failure::Step(failure.to_string()))
-        }
-        _ if options.steady_state => embedded::steady_state(scene, options),
-        method => match &scene.model {
-            // The core has no such method for this scene.
-            Model::BumpStop(model) if !matches!(method, Method::Auto | Method::DiscreteGradient) => {
-                peer::bump_stop(scene, model, options)
-            }
-            _ => embedded::run(scene, options),
-        },
+        _ => Ok(()),
     }
 }

@@ -1,4 +1,4 @@
-//! What a run found: the same numbers for every method, as the JSON object that `run` prints.
+//! The numbers of a run: the same for every method, as the JSON object that `run` prints.
 
 mod bump_stop;
 mod format;
@@ -6,12 +6,13 @@ mod format;
 use serde::Serialize;
 
 pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome};
-pub use self::format::{Format, cell, number, text};
+pub use self::format::Format;
+pub(crate) use self::format::{cell, csv_line, number, small, text};
 
 /// The result of one run.
 ///
-/// Numbers that do not exist (a power of nothing measured, a ratio to zero) are `None`, `null` in
-/// JSON; so is everything that is not finite.
+/// Numbers that do not exist (a mean over an empty window, a ratio to zero) are `None`, and `null` in JSON. In JSON a
+/// number that is not finite is `null` too.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
     /// Name of the scene.
@@ -26,8 +27,8 @@ pub struct Outcome {
     pub duration_s: f64,
     /// Start of the measuring window in s.
     pub settle_s: f64,
-    /// Mean power delivered to the load over the window in W: `V²/R`, or what enters the store or bus behind
-    /// a bridge.
+    /// Mean power delivered to the load over the window in W: `V²/R`, or the power into the storage or bus behind a
+    /// bridge.
     #[serde(serialize_with = "finite")]
     pub mean_power_w: Option<f64>,
     /// Root mean square of the terminal voltage over the window in V.
@@ -42,8 +43,8 @@ pub struct Outcome {
     /// Energy delivered to the load in the window in J.
     #[serde(serialize_with = "finite")]
     pub delivered_energy_j: Option<f64>,
-    /// What is left over in the energy ledger of the whole run, over the larger of `∫ |base power| dt`
-    /// and the peak stored energy.
+    /// Residual of the energy ledger of the whole run, over the larger of `∫ |base power| dt` and the peak stored
+    /// energy.
     #[serde(serialize_with = "finite")]
     pub energy_residual: Option<f64>,
     /// Accepted steps, whole run.
@@ -54,15 +55,15 @@ pub struct Outcome {
     pub newton_iterations: u64,
     /// Events, whole run.
     pub events: u64,
-    /// Time the run took in s.
+    /// Run time on the host in s.
     pub wall_s: f64,
-    /// What the store behind a bridge holds at the end of the run.
+    /// The storage behind a bridge at the end of the run.
     #[serde(flatten)]
     pub store: Option<StoreOutcome>,
-    /// What only this kind of scene has.
+    /// The numbers of this kind of scene only.
     #[serde(flatten)]
     pub particular: Particular,
-    /// How the steady state was found, if it was sought by shooting.
+    /// The result of shooting for the steady state, if it was asked for.
     #[serde(flatten)]
     pub steady_state: Option<SteadyState>,
     /// The motion over time, if it was asked for; not part of the JSON object.
@@ -74,59 +75,58 @@ impl Outcome {
     /// The numbers of a contact-separation scene, if it is one.
     #[must_use]
     pub fn contact_separation(&self) -> Option<&ContactSeparationOutcome> {
-        match &self.particular {
-            Particular::ContactSeparation(found) => Some(found),
-            Particular::Sliding(_) | Particular::BumpStop(_) => None,
-        }
+        if let Particular::ContactSeparation(found) = &self.particular { Some(found) } else { None }
     }
 
     /// The numbers of a sliding scene, if it is one.
     #[must_use]
     pub fn sliding(&self) -> Option<&SlidingOutcome> {
-        match &self.particular {
-            Particular::Sliding(found) => Some(found),
-            Particular::ContactSeparation(_) | Particular::BumpStop(_) => None,
-        }
+        if let Particular::Sliding(found) = &self.particular { Some(found) } else { None }
     }
 
-    /// Whether the numbers are those of a stable orbit, found by shooting.
+    /// The numbers of a bump-stop scene, if it is one.
+    #[must_use]
+    pub fn bump_stop(&self) -> Option<&BumpStopOutcome> {
+        if let Particular::BumpStop(found) = &self.particular { Some(found) } else { None }
+    }
+
+    /// Whether the numbers are those of a stable orbit that shooting found.
     #[must_use]
     pub fn is_of_an_orbit(&self) -> bool {
         self.steady_state.as_ref().is_some_and(|found| found.steady_state == STABLE)
     }
 }
 
-/// The verdict with which the numbers are those of an orbit.
+/// The verdict of shooting with which the numbers are those of an orbit.
 pub const STABLE: &str = "stable-period-1";
 
-/// What a search for the periodic steady state adds.
+/// The result of shooting for the periodic steady state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SteadyState {
-    /// `stable-period-1`: the numbers are those of one period of a stable orbit, from `settle_s` to
-    /// `duration_s`. Otherwise they are those of the run as the scene has it, because there is an
-    /// `unstable-period-1` orbit only, or a `stable-period-1-not-reached` from the scene's start, or
-    /// `none`.
+    /// `stable-period-1`: the numbers are those of one period of a stable orbit, from `settle_s` to `duration_s`.
+    /// Otherwise they are those of the scene's own run, because shooting found an `unstable-period-1` orbit only, or a
+    /// stable orbit that the scene's start does not lead to (`stable-period-1-not-reached`), or `none`.
     pub steady_state: &'static str,
     /// Magnitude of the orbit's largest Floquet multiplier; `None` without an orbit.
     #[serde(serialize_with = "finite")]
     pub largest_multiplier: Option<f64>,
-    /// Simulated periods, whole search, the run included where there was one.
+    /// Simulated periods of the whole search, and of the run if there was one.
     pub simulated_periods: f64,
 }
 
-/// What a store behind a bridge adds, at the end of the run.
+/// The storage behind a bridge at the end of the run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StoreOutcome {
-    /// Voltage of the store, or of the bus, in V.
+    /// Voltage of the storage or bus in V.
     #[serde(serialize_with = "finite")]
     pub store_voltage_v: Option<f64>,
-    /// Energy in the store in J; `None` for a bus, which has no end.
+    /// Energy in the storage in J; `None` for a bus.
     #[serde(serialize_with = "finite")]
     pub stored_energy_j: Option<f64>,
     /// Energy lost in the diodes over the whole run in J.
     #[serde(serialize_with = "finite")]
     pub diode_loss_j: Option<f64>,
-    /// Energy that leaked from the store over the whole run in J.
+    /// Energy that leaked from the storage over the whole run in J.
     #[serde(serialize_with = "finite")]
     pub leaked_energy_j: Option<f64>,
     /// Energy that the node drew over the whole run in J.
@@ -146,7 +146,7 @@ pub enum Particular {
     BumpStop(BumpStopOutcome),
 }
 
-/// What a contact-separation run adds.
+/// The numbers of a contact-separation run only.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ContactSeparationOutcome {
     /// Largest gap in the window in m.
@@ -155,7 +155,7 @@ pub struct ContactSeparationOutcome {
     /// Smallest gap in the window in m.
     #[serde(serialize_with = "finite")]
     pub min_gap_m: Option<f64>,
-    /// Impacts in the window, one that ends in sticking included.
+    /// Impacts in the window, those that end in sticking included.
     pub impacts: u64,
     /// Impacts over periods in the window; `None` unless the base moves in one sine.
     #[serde(serialize_with = "finite")]
@@ -163,11 +163,10 @@ pub struct ContactSeparationOutcome {
     /// Largest impact speed in the window in m/s; `None` without impacts.
     #[serde(serialize_with = "finite")]
     pub max_impact_speed_m_per_s: Option<f64>,
-    /// Time of the first impact of the run in s; `None` without impacts, and for an orbit that was found
-    /// by shooting, which has no beginning.
+    /// Time of the first impact of the run in s; `None` without impacts, and for an orbit, which has no start.
     #[serde(serialize_with = "finite")]
     pub first_impact_s: Option<f64>,
-    /// Part of the window during which the mass is held.
+    /// Part of the window during which the mass sticks.
     #[serde(serialize_with = "finite")]
     pub stuck_fraction: Option<f64>,
 }
@@ -176,7 +175,7 @@ pub struct ContactSeparationOutcome {
 pub const CONTACT_SEPARATION_COLUMNS: [&str; 7] =
     ["time_s", "gap_m", "velocity_m_per_s", "charge_c", "voltage_v", "base_acceleration_m_per_s2", "stuck"];
 
-/// What a sliding run adds.
+/// The numbers of a sliding run only.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlidingOutcome {
     /// Natural frequency in Hz of the undamped beam with its slider, free of friction.
@@ -208,14 +207,14 @@ pub const SLIDING_COLUMNS: [&str; 7] = [
     "stuck",
 ];
 
-/// Columns of a recording behind a bridge: those without one, and the voltage of the store or bus.
+/// Columns of a recording behind a bridge: the columns without a bridge, and the voltage of the storage or bus.
 #[must_use]
 pub const fn with_store(columns: [&'static str; 7]) -> [&'static str; 8] {
     let [one, two, three, four, five, six, seven] = columns;
     [one, two, three, four, five, six, seven, "store_voltage_v"]
 }
 
-/// Sampled motion: columns by name, one row for each instant.
+/// The recorded motion: columns by name, one row for each instant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// Name of each column, unit included.
@@ -224,7 +223,7 @@ pub struct Recording {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// Writes `null` for what does not exist or is not finite.
+/// Writes `null` for a number that does not exist or is not finite.
 fn finite<S: serde::Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
     value.filter(|value| value.is_finite()).serialize(serializer)
 }

@@ -1,5 +1,4 @@
-//! Textbook methods on the host, in double precision and with fixed steps: what the core's method for a
-//! scene is measured against.
+//! Textbook methods on the host, in double precision and with fixed steps, for comparison with the core's methods.
 
 mod bump_stop;
 

@@ -1,6 +1,5 @@
-//! The report: one HTML page with its pictures in it.
+//! The report on error against run time: one HTML page with its pictures in it.
 
-mod bump_stop;
 mod chart;
 pub(crate) mod html;
 pub(crate) mod plot;
@@ -9,14 +8,13 @@ pub(crate) mod svg;
 use std::fmt::Write;
 
 use self::html::{document, escaped};
-use crate::work_precision::bump_stop::BumpStopComparison;
-use crate::work_precision::{Comparison, TARGET_ERROR, table};
+use crate::method::Method;
+use crate::scene_file::Model;
+use crate::work_precision::Comparison;
+use crate::work_precision::table::resistance;
 
 /// The page.
-///
-/// # Errors
-/// If a picture cannot be drawn.
-pub fn page(comparisons: &[Comparison], bump_stop: &[BumpStopComparison]) -> Result<String, String> {
+pub(crate) fn page(comparisons: &[Comparison]) -> Result<String, String> {
     let mut body = String::new();
     body.push_str("<h1>Vibration energy harvesters: error against run time</h1>\n");
     body.push_str(
@@ -26,82 +24,81 @@ pub fn page(comparisons: &[Comparison], bump_stop: &[BumpStopComparison]) -> Res
          friction turns round at every reversal and the overlap has a corner in the middle.</p>\n",
     );
     for comparison in comparisons {
-        let resistance = table::resistance(comparison.resistance_ohm);
-        let _ = writeln!(body, "<h2>{}, load: {resistance}</h2>", escaped(&comparison.file));
-        let _ = writeln!(body, "<p>{}</p>", escaped(&summary(comparison)));
-        body.push_str(&chart::draw(comparison)?);
-        body.push('\n');
+        let quantity = match comparison.scene.model {
+            Model::ContactSeparation(_) | Model::Sliding(_) => {
+                let load = resistance(comparison.scene.load.resistance_ohm());
+                let _ = writeln!(body, "<h2>{}, load: {load}</h2>", escaped(&comparison.file()));
+                let _ = writeln!(body, "<p>{}</p>", escaped(&summary(comparison)));
+                body.push_str(&chart::draw(comparison)?);
+                body.push('\n');
+                "mean power"
+            }
+            Model::BumpStop(_) => {
+                body.push_str("<h2>Bump-stop harvester</h2>\n");
+                let _ = writeln!(
+                    body,
+                    "<p>A piezoelectric cantilever that hits a rod, by the core's method (exact modal steps, the \
+                     contact a discrete gradient) beside general methods on the host. {}</p>",
+                    escaped(&comparison.title())
+                );
+                "RMS voltage"
+            }
+        };
         body.push_str(&html_table(comparison));
-        for note in comparison.notes() {
+        let grey = format!("Grey: {quantity} not within {:.0e} of the reference.", comparison.target_error());
+        for note in std::iter::once(grey).chain(comparison.notes()) {
             let _ = writeln!(body, "<p class=\"note\">{}</p>", escaped(&note));
         }
     }
-    bump_stop.iter().for_each(|comparison| body.push_str(&bump_stop::section(comparison)));
     Ok(document("Error against run time", &body))
 }
 
 /// What the picture shows, in the numbers of this run.
 fn summary(comparison: &Comparison) -> String {
     let fastest = |embedded: bool, explicit: bool| {
-        comparison
-            .rows
-            .iter()
-            .filter_map(|row| {
-                let found = row.found?;
-                let own = row.variant.math.is_some();
-                let rk4 = row.variant.method == crate::method::Method::Rk4;
-                (own == embedded && rk4 == explicit && found.errors.mean_power_error? <= TARGET_ERROR).then(
-                    || {
-                        (
-                            found.ns_per_s,
-                            found.errors.mean_power_error,
-                            row.cells()[..table::WORDS].join(", "),
-                        )
-                    },
-                )
-            })
-            .min_by(|one, two| one.0.total_cmp(&two.0))
-    };
-    let told = |row: Option<(f64, Option<f64>, String)>| match row {
-        Some((ns, error, name)) => {
-            format!("{:.0} µs at an error of {:.1e} ({name})", ns / 1e3, error.unwrap_or(f64::NAN))
+        let found = comparison.fastest(|variant| {
+            (variant.method != Method::Reference) == embedded && (variant.method == Method::Rk4) == explicit
+        });
+        match found {
+            Some((row, found)) => format!(
+                "{:.0} µs at an error of {:.1e} ({})",
+                found.ns_per_s / 1e3,
+                comparison.error(row).unwrap_or(f64::NAN),
+                comparison.cells(row)[..comparison.kind.words].join(", ")
+            ),
+            None => "no row reaches it".to_owned(),
         }
-        None => "no row reaches it".to_owned(),
     };
-    let unstable = comparison.rows.iter().any(|row| {
-        let error = row.found.and_then(|found| found.errors.mean_power_error);
-        row.failure.is_some() || error.is_some_and(|error| error > 1.0)
-    });
+    let unstable = comparison
+        .rows
+        .iter()
+        .any(|row| row.failure.is_some() || comparison.error(row).is_some_and(|error| error > 1.0));
     format!(
-        "The fastest rows with an error of mean power of at most {TARGET_ERROR:.0e}, in host time per simulated \
+        "The fastest rows with an error of mean power of at most {:.0e}, in host time per simulated \
          second. TR-BDF2: {}. Explicit RK4: {}. The integrator of the reference at a loose tolerance: {}.{}",
-        told(fastest(true, false)),
-        told(fastest(true, true)),
-        told(fastest(false, false)),
+        comparison.target_error(),
+        fastest(true, false),
+        fastest(true, true),
+        fastest(false, false),
         if unstable { " Explicit steps too long to be stable are in the table and not drawn." } else { "" },
     )
 }
 
 fn html_table(comparison: &Comparison) -> String {
-    let class = |index: usize| if index < table::WORDS { "" } else { " class=\"number\"" };
+    let class = |index: usize| if index < comparison.kind.words { "" } else { " class=\"number\"" };
     let mut text = String::from("<div class=\"wide\"><table>\n<thead><tr>");
-    for (index, heading) in table::HEADINGS.iter().enumerate() {
+    for (index, heading) in comparison.kind.headings().iter().enumerate() {
         let _ = write!(text, "<th{}>{}</th>", class(index), escaped(heading));
     }
     text.push_str("</tr></thead>\n<tbody>\n");
     for row in &comparison.rows {
-        let reached = row.found.and_then(|found| found.errors.mean_power_error);
-        let beyond = !reached.is_some_and(|error| error <= TARGET_ERROR) && row.variant.math.is_some();
+        let beyond = !comparison.reaches_target(row) && row.variant.method != Method::Reference;
         text.push_str(if beyond { "<tr class=\"beyond\">" } else { "<tr>" });
-        for (index, cell) in row.cells().iter().enumerate() {
+        for (index, cell) in comparison.cells(row).iter().enumerate() {
             let _ = write!(text, "<td{}>{}</td>", class(index), escaped(cell));
         }
         text.push_str("</tr>\n");
     }
     text.push_str("</tbody>\n</table></div>\n");
-    let _ = writeln!(
-        text,
-        "<p class=\"note\">Grey: mean power not within {TARGET_ERROR:.0e} of the reference.</p>"
-    );
     text
 }

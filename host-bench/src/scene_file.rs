@@ -19,7 +19,7 @@ mod section;
 mod sliding;
 mod trace;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use self::document::Document;
 pub use self::document::{Override, SceneError};
@@ -53,6 +53,11 @@ pub fn read_with_node(file: &Path, overrides: &[Override]) -> Result<(Scene, Nod
     let (scene, node) = read_all(file, overrides)?;
     let absent = || SceneError::of_absent(file, "node", "is missing; must be a table");
     node.map(|node| (scene, node)).ok_or_else(absent)
+}
+
+/// A scene file that is shipped with this crate, by its name without ending.
+pub(crate) fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml")
 }
 
 fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>), SceneError> {

@@ -1,171 +1,261 @@
-//! Error against run time: every method, step or tolerance, precision and math backend on one scene,
-//! against the independent reference.
+//! Error against run time: every method, step or tolerance, precision and math backend on one scene, against the
+//! independent reference.
+//!
+//! A kind of scene supplies the rows to run, the errors that count and the columns of its table ([`Kind`]); running,
+//! timing and printing are the same for all.
 
-pub mod bump_stop;
-mod plan;
-pub mod table;
+mod bump_stop;
+pub(crate) mod table;
+pub(crate) mod triboelectric;
+mod variant;
 
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+use serde_json::Value;
 
-use crate::method::{Failure, Math, Method, Options, Precision, run_scene};
+use self::table::Column;
+pub(crate) use self::variant::{Control, Extent, Variant};
+use crate::method::{Failure, Math, Method, Options, Precision};
 use crate::outcome::Outcome;
-use crate::scene_file::Scene;
+use crate::run::{run_scene, try_run_scene};
+use crate::scene_file::{Model, Scene};
 
-pub use self::plan::{Control, Extent, Variant, variants};
-
-/// The error in mean power that a row must reach to be compared by its run time.
-pub const TARGET_ERROR: f64 = 1e-3;
-
-/// Relative difference of an error below which two rows are the same.
+/// Relative difference of two errors below which they count as equal.
 const SAME: f64 = 0.1;
 
-/// Relative errors against the reference; `None` where the reference has no such number or it is 0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Errors {
-    /// Of the mean power.
-    pub mean_power_error: Option<f64>,
-    /// Of the root mean square of the voltage.
-    pub rms_voltage_error: Option<f64>,
-    /// Of the time of the first impact.
-    pub first_impact_error: Option<f64>,
-    /// Of the amplitude of a slider.
-    pub amplitude_error: Option<f64>,
+/// What a kind of scene supplies to its table.
+pub(crate) struct Kind {
+    /// The rows to run.
+    variants: fn(&Scene, &Extent) -> Vec<Variant>,
+    /// The errors of an outcome against the reference.
+    errors: fn(&Outcome, &Outcome) -> Errors,
+    /// Name and bound of the error that a row must reach to be compared by its run time.
+    target: (&'static str, f64),
+    timing: Timing,
+    /// Whether the reference has a row of its own.
+    lists_reference: bool,
+    /// The columns, in their order.
+    columns: &'static [Column],
+    /// Columns at the left that hold words.
+    pub(crate) words: usize,
+    /// What is above the table.
+    title: fn(&Comparison) -> String,
+    /// What is below the table.
+    notes: fn(&Comparison) -> Vec<String>,
+    /// Which row it is, for the note on its failure.
+    label: fn(&Variant) -> String,
+    /// Names and values that stand before the rows in JSON.
+    summary: fn(&Comparison) -> Vec<(&'static str, Value)>,
 }
 
+/// How the run time of a row is measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Timing {
+    /// The median of all runs.
+    Median,
+    /// The shortest of runs without energy ledger, after one with it. Those runs are short, and the load of the
+    /// machine shows in their median.
+    ShortestBare,
+}
+
+/// The kind of a scene.
+fn kind(scene: &Scene) -> &'static Kind {
+    match scene.model {
+        Model::ContactSeparation(_) | Model::Sliding(_) => &triboelectric::KIND,
+        Model::BumpStop(_) => &bump_stop::KIND,
+    }
+}
+
+/// Relative errors against the reference by name; `None` where the reference has no such number or the number is 0.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Errors(Vec<(&'static str, Option<f64>)>);
+
 impl Errors {
-    fn of(outcome: &Outcome, reference: &Outcome) -> Self {
-        let relative = |ours: Option<f64>, theirs: Option<f64>| match (ours, theirs) {
-            (Some(ours), Some(theirs)) if theirs != 0.0 => Some(((ours - theirs) / theirs).abs()),
-            _ => None,
-        };
-        Self {
-            mean_power_error: relative(outcome.mean_power_w, reference.mean_power_w),
-            rms_voltage_error: relative(outcome.rms_voltage_v, reference.rms_voltage_v),
-            first_impact_error: relative(first_impact(outcome), first_impact(reference)),
-            amplitude_error: relative(amplitude(outcome), amplitude(reference)),
-        }
+    /// The error of this name.
+    fn get(&self, name: &str) -> Option<f64> {
+        self.0.iter().find(|(other, _)| *other == name).and_then(|(_, error)| *error)
     }
 
     fn same(&self, other: &Self) -> bool {
-        let pairs = [
-            (self.mean_power_error, other.mean_power_error),
-            (self.rms_voltage_error, other.rms_voltage_error),
-            (self.first_impact_error, other.first_impact_error),
-            (self.amplitude_error, other.amplitude_error),
-        ];
-        pairs.iter().all(|pair| match pair {
-            (Some(one), Some(two)) => (one - two).abs() <= SAME * one.max(*two),
-            (one, two) => one.is_none() && two.is_none(),
+        self.0.iter().zip(&other.0).all(|((_, one), (_, other))| match (one, other) {
+            (Some(one), Some(other)) => (one - other).abs() <= SAME * one.max(*other),
+            (one, other) => one.is_none() && other.is_none(),
         })
     }
 }
 
-fn first_impact(outcome: &Outcome) -> Option<f64> {
-    outcome.contact_separation()?.first_impact_s
+impl Serialize for Errors {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().copied())
+    }
 }
 
-fn amplitude(outcome: &Outcome) -> Option<f64> {
-    outcome.sliding()?.amplitude_m
+/// `|ours − theirs| / |theirs|`.
+fn relative(ours: Option<f64>, theirs: Option<f64>) -> Option<f64> {
+    match (ours, theirs) {
+        (Some(ours), Some(theirs)) if theirs != 0.0 => Some(((ours - theirs) / theirs).abs()),
+        _ => None,
+    }
 }
 
 /// What a row found.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Found {
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Found {
     /// Errors against the reference.
     #[serde(flatten)]
-    pub errors: Errors,
+    pub(crate) errors: Errors,
+    /// Contacts in the measuring window of a bump-stop scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contacts: Option<u64>,
     /// Steps, kept and rejected, per simulated second.
-    pub steps_per_s: f64,
-    /// Host time in ns per simulated second: the median of the runs.
-    pub ns_per_s: f64,
-    /// Host time over that of the fastest row of the scene within [`TARGET_ERROR`]; `None` if there
-    /// is no such row.
-    pub time_ratio: Option<f64>,
+    steps_per_s: f64,
+    /// Host time in ns per simulated second.
+    pub(crate) ns_per_s: f64,
+    /// Host time over that of the fastest row that reaches the target; `None` if there is no such row.
+    time_ratio: Option<f64>,
     /// Residual of the energy ledger, as in [`Outcome::energy_residual`].
-    pub energy_residual: Option<f64>,
+    energy_residual: Option<f64>,
     /// Number of runs that were timed.
-    pub runs: usize,
+    runs: usize,
 }
 
 /// One row of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// What was run.
     #[serde(flatten)]
-    pub variant: Variant,
+    pub(crate) variant: Variant,
     /// What it found; `None` if it failed.
     #[serde(flatten)]
-    pub found: Option<Found>,
+    pub(crate) found: Option<Found>,
     /// Why it failed.
-    pub failure: Option<String>,
+    pub(crate) failure: Option<String>,
+}
+
+impl Row {
+    /// The error of this name; `None` too if the row failed.
+    fn error(&self, name: &str) -> Option<f64> {
+        self.found.as_ref()?.errors.get(name)
+    }
 }
 
 /// Rows left out because their errors are those of the polynomial row.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Omitted {
+struct Omitted {
     /// Precision of the rows.
-    pub precision: Precision,
+    precision: Precision,
     /// The backend.
-    pub math: Math,
+    math: Math,
     /// Number of rows left out.
-    pub rows: usize,
+    rows: usize,
     /// Number of rows tried.
-    pub of: usize,
+    of: usize,
     /// Median of their run times over those of the polynomial rows.
-    pub time_ratio: f64,
+    time_ratio: f64,
 }
 
 /// The table of one scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
-    /// The scene file.
-    pub file: String,
-    /// Load resistance in Ω.
-    pub resistance_ohm: f64,
-    /// Simulated time in s.
-    pub duration_s: f64,
-    /// Mean power in W by the reference.
-    pub mean_power_w: Option<f64>,
-    /// RMS voltage in V by the reference.
-    pub rms_voltage_v: Option<f64>,
-    /// First impact in s by the reference.
-    pub first_impact_s: Option<f64>,
-    /// Amplitude of a slider in m by the reference; `None` for another scene.
-    pub amplitude_m: Option<f64>,
-    /// The rows.
-    pub rows: Vec<Row>,
-    /// What was left out.
-    pub omitted: Vec<Omitted>,
+pub(crate) struct Comparison {
+    pub(crate) kind: &'static Kind,
+    pub(crate) scene: Scene,
+    /// The outcome of the reference.
+    reference: Outcome,
+    pub(crate) rows: Vec<Row>,
+    omitted: Vec<Omitted>,
 }
 
-/// A variant with the times of its runs.
+impl Serialize for Comparison {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for (name, value) in (self.kind.summary)(self) {
+            map.serialize_entry(name, &value)?;
+        }
+        map.serialize_entry("rows", &self.rows)?;
+        map.serialize_entry("omitted", &self.omitted)?;
+        map.end()
+    }
+}
+
+impl Comparison {
+    /// Name of the scene file.
+    pub(crate) fn file(&self) -> String {
+        self.scene.file.display().to_string()
+    }
+
+    /// Largest error with which a row reaches the target.
+    pub(crate) fn target_error(&self) -> f64 {
+        self.kind.target.1
+    }
+
+    /// The error of a row by which rows are compared.
+    pub(crate) fn error(&self, row: &Row) -> Option<f64> {
+        row.error(self.kind.target.0)
+    }
+
+    /// Whether a row is accurate enough to be compared by its run time.
+    pub(crate) fn reaches_target(&self, row: &Row) -> bool {
+        self.error(row).is_some_and(|error| error <= self.target_error())
+    }
+
+    /// The fastest row that reaches the target, of those of some variants.
+    pub(crate) fn fastest(&self, of: impl Fn(&Variant) -> bool) -> Option<(&Row, &Found)> {
+        let rows = self.rows.iter().filter(|row| of(&row.variant) && self.reaches_target(row));
+        let found = rows.filter_map(|row| Some((row, row.found.as_ref()?)));
+        found.min_by(|(_, one), (_, other)| one.ns_per_s.total_cmp(&other.ns_per_s))
+    }
+}
+
+/// A variant with the times of its runs in s.
 struct Timed {
     variant: Variant,
     outcome: Result<Outcome, String>,
     times: Vec<f64>,
+    timing: Timing,
 }
 
 impl Timed {
-    fn wants_more(&self, extent: &Extent) -> bool {
-        self.outcome.is_ok()
-            && self.times.len() < extent.runs
-            && self.times.iter().sum::<f64>() < extent.seconds_per_row
-    }
-
-    fn run(scene: &Scene, variant: Variant) -> Result<Self, Failure> {
-        let (outcome, times) = match run_scene(scene, &variant.options()) {
-            Ok(outcome) => {
-                let time = outcome.wall_s;
-                (Ok(outcome), vec![time])
-            }
-            Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => (Err(error), Vec::new()),
-            Err(error @ Failure::Input(_)) => return Err(error),
+    /// Runs a variant for its errors.
+    fn run(scene: &Scene, variant: Variant, timing: Timing) -> Result<Self, Failure> {
+        let outcome = try_run_scene(scene, &variant.options())?;
+        let times = match (&outcome, timing) {
+            (Ok(outcome), Timing::Median) => vec![outcome.wall_s],
+            _ => Vec::new(),
         };
-        Ok(Self { variant, outcome, times })
+        Ok(Self { variant, outcome, times, timing })
     }
 
-    fn median(&self) -> f64 {
-        median(self.times.clone())
+    fn wants_more(&self, extent: &Extent) -> bool {
+        let enough = !self.times.is_empty() && self.times.iter().sum::<f64>() >= extent.seconds_per_row;
+        self.outcome.is_ok() && self.times.len() < extent.runs && !enough
+    }
+
+    /// Runs the variant once more, for its run time.
+    fn repeat(&mut self, scene: &Scene) -> Result<(), Failure> {
+        let bare = self.timing == Timing::ShortestBare;
+        self.times.push(run_scene(scene, &Options { bare, ..self.variant.options() })?.wall_s);
+        Ok(())
+    }
+
+    /// The run time in s.
+    fn seconds(&self) -> f64 {
+        match self.timing {
+            Timing::Median => median(self.times.clone()),
+            Timing::ShortestBare => self.times.iter().copied().fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    fn row(self, scene: &Scene, reference: &Outcome) -> Row {
+        let duration = scene.run.duration_s;
+        let found = self.outcome.as_ref().ok().map(|outcome| Found {
+            errors: (kind(scene).errors)(outcome, reference),
+            contacts: outcome.bump_stop().map(|found| found.contacts),
+            steps_per_s: (outcome.steps + outcome.rejected_steps) as f64 / duration,
+            ns_per_s: 1e9 * self.seconds() / duration,
+            time_ratio: None,
+            energy_residual: outcome.energy_residual,
+            runs: self.times.len(),
+        });
+        Row { variant: self.variant, found, failure: self.outcome.err() }
     }
 }
 
@@ -177,93 +267,61 @@ fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
-/// Number of steps of the progress that [`compare`] reports.
-#[must_use]
-pub fn length(scene: &Scene, extent: &Extent) -> usize {
-    1 + variants(scene, extent).len() * extent.runs
+/// Number of times that [`compare`] calls `done`.
+pub(crate) fn length(scene: &Scene, extent: &Extent) -> usize {
+    1 + (kind(scene).variants)(scene, extent).len() * (1 + extent.runs)
 }
 
-/// Runs all variants on a scene, on the calling thread, one after another; `advance` is told how many
-/// steps of [`length`] are done.
+/// Runs all variants on a scene, on the calling thread, one after another; calls `done` after each run.
 ///
-/// Repeats go round all variants rather than one after the other, so that a machine that is busy for
-/// a while slows all rows alike.
+/// A round of repeats goes through all variants, so that a machine that is busy for a while slows all rows alike.
 ///
 /// # Errors
-/// [`Failure::Input`] if the scene is refused, [`Failure::Step`] if the reference fails. A variant
-/// that fails is a row that says so.
-pub fn compare(scene: &Scene, extent: &Extent, mut advance: impl FnMut(u64)) -> Result<Comparison, Failure> {
+/// [`Failure::Input`] if the scene is refused, [`Failure::Step`] if the reference fails. A variant that fails is a
+/// row that says so.
+pub(crate) fn compare(scene: &Scene, extent: &Extent, done: impl Fn()) -> Result<Comparison, Failure> {
+    let kind = kind(scene);
     let reference = run_scene(scene, &Options { method: Method::Reference, ..Options::default() })?;
-    advance(1);
+    done();
     let mut all = Vec::new();
-    for variant in variants(scene, extent) {
-        all.push(Timed::run(scene, variant)?);
-        advance(1);
+    for variant in (kind.variants)(scene, extent) {
+        all.push(Timed::run(scene, variant, kind.timing)?);
+        done();
     }
-    for _ in 1..extent.runs {
+    for _ in 0..extent.runs {
         for timed in &mut all {
             if timed.wants_more(extent) {
-                timed.times.push(run_scene(scene, &timed.variant.options())?.wall_s);
+                timed.repeat(scene)?;
             }
-            advance(1);
+            done();
         }
     }
-    let reference_row = Timed {
-        variant: Variant::reference(),
-        times: vec![reference.wall_s],
-        outcome: Ok(reference.clone()),
-    };
-    all.push(reference_row);
-    Ok(tabulate(scene, &reference, &all))
-}
-
-fn tabulate(scene: &Scene, reference: &Outcome, all: &[Timed]) -> Comparison {
-    let duration = scene.run.duration_s;
-    let mut rows: Vec<Row> = all
-        .iter()
-        .map(|timed| Row {
-            variant: timed.variant,
-            found: timed.outcome.as_ref().ok().map(|outcome| Found {
-                errors: Errors::of(outcome, reference),
-                steps_per_s: (outcome.steps + outcome.rejected_steps) as f64 / duration,
-                ns_per_s: 1e9 * timed.median() / duration,
-                time_ratio: None,
-                energy_residual: outcome.energy_residual,
-                runs: timed.times.len(),
-            }),
-            failure: timed.outcome.as_ref().err().cloned(),
-        })
-        .collect();
-    // The reference's own row has no error to show.
-    if let Some(Found { errors, .. }) = rows.last_mut().and_then(|row| row.found.as_mut()) {
-        *errors = Errors {
-            mean_power_error: None,
-            rms_voltage_error: None,
-            first_impact_error: None,
-            amplitude_error: None,
-        };
+    let mut rows: Vec<Row> = all.into_iter().map(|timed| timed.row(scene, &reference)).collect();
+    if kind.lists_reference {
+        rows.push(reference_row(scene, &reference));
     }
     let omitted = omit(&mut rows);
-    let reached = |found: &Found| found.errors.mean_power_error.is_some_and(|error| error <= TARGET_ERROR);
-    let fastest = rows
-        .iter()
-        .filter_map(|row| row.found.filter(reached).map(|found| found.ns_per_s))
-        .fold(f64::INFINITY, f64::min);
-    for found in rows.iter_mut().filter_map(|row| row.found.as_mut()) {
-        found.time_ratio = fastest.is_finite().then(|| found.ns_per_s / fastest);
+    let mut comparison = Comparison { kind, scene: scene.clone(), reference, rows, omitted };
+    let fastest = comparison.fastest(|_| true).map(|(_, found)| found.ns_per_s);
+    for found in comparison.rows.iter_mut().filter_map(|row| row.found.as_mut()) {
+        found.time_ratio = fastest.map(|fastest| found.ns_per_s / fastest);
     }
-    let resistance_ohm = scene.load.resistance_ohm();
-    Comparison {
-        file: scene.file.display().to_string(),
-        resistance_ohm,
-        duration_s: duration,
-        mean_power_w: reference.mean_power_w,
-        rms_voltage_v: reference.rms_voltage_v,
-        first_impact_s: first_impact(reference),
-        amplitude_m: amplitude(reference),
-        rows,
-        omitted,
+    Ok(comparison)
+}
+
+/// The row of the reference itself, which has no errors.
+fn reference_row(scene: &Scene, reference: &Outcome) -> Row {
+    let timed = Timed {
+        variant: Variant::reference(Control::Default),
+        outcome: Ok(reference.clone()),
+        times: vec![reference.wall_s],
+        timing: Timing::Median,
+    };
+    let mut row = timed.row(scene, reference);
+    if let Some(found) = &mut row.found {
+        found.errors.0.iter_mut().for_each(|(_, error)| *error = None);
     }
+    row
 }
 
 /// Takes out the rows whose errors are those of the same row with the polynomial backend.

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use host_bench::method::{Method, Options, Precision, run_scene};
+use host_bench::method::{Method, Options, Precision};
 use host_bench::outcome::{ContactSeparationOutcome, Outcome, SlidingOutcome};
+use host_bench::run::run_scene;
 use host_bench::scene_file::{
     self, ContactSeparation, Excitation, Load, Model, RunSpan, Scene, Sliding, SlidingParameters, Tone,
 };

@@ -6,8 +6,9 @@
 use std::path::Path;
 
 use cross_crate_tests::{assert_close, value};
-use host_bench::method::{Method, Options, run_scene};
+use host_bench::method::{Method, Options};
 use host_bench::outcome::{BumpStopOutcome, Outcome, Particular};
+use host_bench::run::run_scene;
 use host_bench::scene_file::{self, Model, Override, Scene};
 
 /// The shipped scene with these keys changed.

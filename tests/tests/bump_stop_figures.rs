@@ -5,7 +5,8 @@ use std::path::Path;
 use cross_crate_tests::{assert_close, fixed};
 use host_bench::embedded::deflected_shapes;
 use host_bench::figures::bump_stop::{CONTACT_FORCE, Motion, TIP};
-use host_bench::method::{Options, run_scene};
+use host_bench::method::Options;
+use host_bench::run::run_scene;
 use host_bench::scene_file::{self, RunSpan, Scene};
 
 fn shipped(name: &str, duration_s: f64) -> Scene {

@@ -6,8 +6,9 @@
 use std::path::Path;
 
 use cross_crate_tests::{assert_close, value};
-use host_bench::method::{Failure, Method, Options, Precision, run_scene};
+use host_bench::method::{Failure, Method, Options, Precision};
 use host_bench::outcome::{Outcome, StoreOutcome};
+use host_bench::run::run_scene;
 use host_bench::scene_file::{self, Override, Scene};
 
 /// The shipped scene with a load and with these keys changed.

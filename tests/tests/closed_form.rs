@@ -8,8 +8,9 @@ use cross_crate_tests::{
     sliding, value,
 };
 use host_bench::closed_form::estimate;
-use host_bench::method::{Options, Precision, run_scene};
+use host_bench::method::{Options, Precision};
 use host_bench::outcome::{Outcome, Particular};
+use host_bench::run::run_scene;
 use host_bench::scene_file::{self, Model, Scene};
 
 fn run(scene: &Scene, options: &Options) -> Outcome {

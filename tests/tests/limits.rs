@@ -4,7 +4,8 @@ use cross_crate_tests::{
     adaptive, assert_close, contact_separation, fixed, on_all_cores, periods, reference, resistor, run, sine,
     single, value,
 };
-use host_bench::method::{Options, run_scene};
+use host_bench::method::Options;
+use host_bench::run::run_scene;
 use host_bench::scene_file::{Excitation, ForceLaw, Restitution, RunSpan, Scene};
 
 const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;

@@ -6,7 +6,8 @@ use cross_crate_tests::{
     GRAVITY, adaptive, assert_close, fixed, on_all_cores, periods, reference, resistor, rub, sine, single,
     slide, sliding, value,
 };
-use host_bench::method::{Failure, Options, run_scene};
+use host_bench::method::{Failure, Options};
+use host_bench::run::run_scene;
 use host_bench::scene_file::{Excitation, ForceLaw, RunSpan, Scene, Sliding, StickCharge};
 
 const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;

@@ -13,8 +13,9 @@ use std::path::Path;
 
 use cross_crate_tests::{adaptive, on_all_cores, periods, resistor, sine, value};
 use host_bench::embedded::resonance_peak;
-use host_bench::method::{Method, Options, run_scene};
+use host_bench::method::{Method, Options};
 use host_bench::outcome::Particular;
+use host_bench::run::run_scene;
 use host_bench::scene_file::{self, Model, RunSpan, Scene, SlidingStart};
 
 /// Charge density in C/m², resistance in Ω, shift of the peak from the natural frequency in Hz, peak

@@ -7,8 +7,9 @@ use cross_crate_tests::{
     adaptive, assert_close, contact_separation, on_all_cores, periods, reference, resistor, run, sine, value,
 };
 use host_bench::embedded::resonance_peak;
-use host_bench::method::{Failure, Options, Precision, run_scene};
+use host_bench::method::{Failure, Options, Precision};
 use host_bench::outcome::SteadyState;
+use host_bench::run::run_scene;
 use host_bench::scene_file::{Excitation, Restitution, Scene};
 
 fn scene(density: f64, resistance: f64, gravities: f64, frequency: f64) -> Scene {

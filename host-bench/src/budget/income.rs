@@ -1,24 +1,25 @@
-//! What the harvester delivers over the day: the one place that knows how it was simulated.
+//! The power that the harvester delivers over the day.
 //!
-//! *By level*: the scene is run once for each amplitude that occurs in the day, over its own measuring window, and
-//! its mean power taken for all of each hour. A bridge is run against a bus at several voltages of the store, which
-//! changes little in a period of the motion, and the power interpolated between. Starts and stops of the motion
-//! are left out. *Exact*: every step of the day.
+//! *By level*: the scene is run once for each amplitude of the day, over its own measuring window, and its mean power
+//! holds for each hour of that amplitude. A bridge is run into a bus at several voltages, because the voltage of the
+//! storage changes little in a period of the motion, and the power is interpolated between them. The transients from
+//! hour to hour are left out. *Exact*: every step of the day.
 
 use crate::embedded::{WholeDay, whole_day};
-use crate::method::{Failure, Options, Precision, run_scene};
+use crate::method::{Failure, Options, Precision};
+use crate::run::run_scene;
 use crate::scene_file::{Excitation, Load, Model, Node, Scene, Trace};
 
-/// Tolerance of the step control of a triboelectric scene, that of firmware.
-pub const NODE_TOLERANCE: f64 = 0.05;
-/// Voltages of the store at which a bridge is run, from 0 to the highest.
+/// Relative tolerance of the step control of a triboelectric scene, as in firmware.
+const NODE_TOLERANCE: f64 = 0.05;
+/// Number of voltages of the storage at which a bridge is run, from 0 to the highest.
 const VOLTAGES: u32 = 9;
 
 /// Power over the day.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Income {
-    /// For each hour the power in W at voltages of the store in V, rising; one that does not depend on it stands
-    /// alone.
+pub(crate) enum Income {
+    /// For each hour pairs of a voltage of the storage in V, rising, and the power in W there. A power that does not
+    /// depend on the voltage is the only pair.
     ByLevel(Vec<Vec<(f64, f64)>>),
     /// Mean power in W in equal intervals of so many seconds.
     Exact {
@@ -30,12 +31,11 @@ pub enum Income {
 }
 
 impl Income {
-    /// Power in W at a second of the day and a voltage of the store in V.
-    #[must_use]
-    pub fn power_w(&self, second: u32, store_v: f64) -> f64 {
+    /// Power in W at a second of the day and a voltage of the storage in V.
+    pub(crate) fn power_w(&self, second: u32, storage_v: f64) -> f64 {
         match self {
             Self::ByLevel(hours) => {
-                hours.get((second / 3600) as usize).map_or(0.0, |curve| at_voltage(curve, store_v))
+                hours.get((second / 3600) as usize).map_or(0.0, |curve| at_voltage(curve, storage_v))
             }
             Self::Exact { interval_s, powers_w } => {
                 powers_w.get((second / interval_s) as usize).copied().unwrap_or(0.0)
@@ -50,7 +50,7 @@ impl Income {
     }
 }
 
-/// The power at a voltage, by straight lines between those known.
+/// The power at a voltage, linear between the known voltages.
 fn at_voltage(curve: &[(f64, f64)], voltage: f64) -> f64 {
     let above = curve.partition_point(|(known, _)| *known <= voltage);
     match (above.checked_sub(1).map(|below| curve[below]), curve.get(above)) {
@@ -60,11 +60,10 @@ fn at_voltage(curve: &[(f64, f64)], voltage: f64) -> f64 {
     }
 }
 
-/// Options of a run for the income: those of firmware where none are given.
-#[must_use]
-pub fn options(scene: &Scene, precision: Precision, tolerance: Option<f64>) -> Options {
+/// Options of a run for the income; the tolerance of firmware where none is given.
+pub(crate) fn options(scene: &Scene, precision: Precision, tolerance: Option<f64>) -> Options {
     let tolerance = match scene.model {
-        // Its step is not chosen by a tolerance.
+        // The step of a bump-stop scene does not follow from a tolerance.
         Model::BumpStop(_) => tolerance,
         Model::ContactSeparation(_) | Model::Sliding(_) => tolerance.or(Some(NODE_TOLERANCE)),
     };
@@ -75,7 +74,7 @@ pub fn options(scene: &Scene, precision: Precision, tolerance: Option<f64>) -> O
 ///
 /// # Errors
 /// As a run of the scene.
-pub fn by_level(scene: &Scene, node: &Node, options: &Options) -> Result<Income, Failure> {
+pub(crate) fn by_level(scene: &Scene, node: &Node, options: &Options) -> Result<Income, Failure> {
     let mut known: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for factor in node.hours {
         if known.iter().all(|(other, _)| *other != factor) {
@@ -86,10 +85,10 @@ pub fn by_level(scene: &Scene, node: &Node, options: &Options) -> Result<Income,
     Ok(Income::ByLevel(node.hours.into_iter().filter_map(of).collect()))
 }
 
-/// The power at one amplitude over the voltage of the store.
+/// The power at one amplitude over the voltage of the storage.
 fn curve(scene: &Scene, node: &Node, factor: f64, options: &Options) -> Result<Vec<(f64, f64)>, Failure> {
     if factor == 0.0 {
-        // At rest nothing comes; a short run would still show how the start of the scene fades.
+        // A harvester at rest has no power; a short run would still have the transient of its start.
         return Ok(vec![(0.0, 0.0)]);
     }
     let excitation = scaled(&scene.excitation, factor);
@@ -100,10 +99,10 @@ fn curve(scene: &Scene, node: &Node, factor: f64, options: &Options) -> Result<V
             .filter(|power| power.is_finite())
             .ok_or_else(|| Failure::Step("the harvester has no finite mean power".to_owned()))
     };
-    let Load::RectifiedStore(store) = scene.load else { return Ok(vec![(0.0, power(scene.load)?)]) };
+    let Load::RectifiedStore(storage) = scene.load else { return Ok(vec![(0.0, power(scene.load)?)]) };
     let points = (0..VOLTAGES).map(|step| {
         let voltage_v = node.storage.highest_v * f64::from(step) / f64::from(VOLTAGES - 1);
-        Ok((voltage_v, power(Load::DcBus { voltage_v, diode_drop_v: store.diode_drop_v })?))
+        Ok((voltage_v, power(Load::DcBus { voltage_v, diode_drop_v: storage.diode_drop_v })?))
     });
     points.collect()
 }
@@ -126,36 +125,35 @@ fn scaled(excitation: &Excitation, factor: f64) -> Excitation {
 ///
 /// # Errors
 /// [`Failure::Input`] if the scene cannot be run for a day, and as a run.
-pub fn exact(scene: &Scene, node: &Node, options: &Options) -> Result<(Income, WholeDay), Failure> {
+pub(crate) fn exact(scene: &Scene, node: &Node, options: &Options) -> Result<(Income, WholeDay), Failure> {
     check_trace(scene)?;
     let day = whole_day(scene, &node.hours, node.update_s, options)?;
     let powers_w = day.energies_j.iter().map(|energy| energy / f64::from(node.update_s)).collect();
     Ok((Income::Exact { interval_s: node.update_s, powers_w }, day))
 }
 
-/// A trace that ends does not last a day.
+/// Refuses a trace that ends before the day does.
 fn check_trace(scene: &Scene) -> Result<(), Failure> {
     match &scene.excitation {
-        Excitation::File(trace) if !trace.repeat => Err(Failure::Input(format!(
-            "{}: excitation.repeat: must be true with --exact",
-            scene.file.display()
-        ))),
+        Excitation::File(trace) if !trace.repeat => {
+            Err(Failure::of_file(scene, "excitation.repeat: must be true with --exact"))
+        }
         _ => Ok(()),
     }
 }
 
-/// Whether the harvester and the store of a node can be one trajectory: the bridge charges the store itself.
+/// Whether the harvester and the storage of a node can be one trajectory: the bridge must charge the storage itself.
 ///
 /// # Errors
 /// [`Failure::Input`] if a converter stands between them, or the excitation ends.
-pub fn check_looped(scene: &Scene, node: &Node) -> Result<(), Failure> {
+pub(crate) fn check_looped(scene: &Scene, node: &Node) -> Result<(), Failure> {
     check_trace(scene)?;
     let efficiency = node.storage.charging_efficiency;
     if efficiency < 1.0 {
-        return Err(Failure::Input(format!(
-            "{}: node.storage.charging_efficiency: {efficiency} must be 1 with --exact behind a bridge",
-            scene.file.display()
-        )));
+        return Err(Failure::of_file(
+            scene,
+            format!("node.storage.charging_efficiency: {efficiency} must be 1 with --exact behind a bridge"),
+        ));
     }
     Ok(())
 }

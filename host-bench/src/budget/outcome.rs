@@ -1,91 +1,90 @@
-//! What a simulated day was like, as numbers.
+//! The numbers of a simulated day.
 
 use serde_json::{Map, Value, json};
 
-use super::store::StoreAccount;
+use super::plant::StorageAccount;
 use crate::outcome::{Format, text};
 use crate::scene_file::HOURS;
 
 /// The day of a node.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NodeDay {
+pub(crate) struct NodeDay {
     /// Where energy came from and went.
-    pub account: StoreAccount,
+    pub(super) account: StorageAccount,
     /// The actions, in the order of the scene file.
-    pub actions: Vec<ActionOutcome>,
+    pub(super) actions: Vec<ActionOutcome>,
     /// Stored energy in J at the start.
-    pub start_j: f64,
+    pub(super) start_j: f64,
     /// At the end.
-    pub end_j: f64,
-    /// The least in between.
-    pub lowest_j: f64,
+    pub(super) end_j: f64,
+    /// The least during the day.
+    pub(super) lowest_j: f64,
     /// At the highest voltage.
-    pub capacity_j: f64,
+    pub(super) capacity_j: f64,
     /// At the voltage at which the node is switched off.
-    pub turn_off_j: f64,
-    /// Lowest voltage of the store in V.
-    pub lowest_v: f64,
-    /// Largest difference between what the node believed to be in its store and what was, over the capacity.
-    pub budget_error: f64,
-    /// What is left over in the account of the node's budget since the start, over all income; `None` without any.
-    pub budget_ledger: Option<f64>,
-    /// The store and the income over the day, at the updates.
-    pub samples: Vec<Sample>,
+    pub(super) turn_off_j: f64,
+    /// Lowest voltage of the storage in V.
+    pub(super) lowest_v: f64,
+    /// Largest difference between the stored energy and the node's estimate of it, over the capacity.
+    pub(super) budget_error: f64,
+    /// Residual of the account of the node's budget since the start, over all income; `None` without income.
+    pub(super) budget_ledger: Option<f64>,
+    /// Stored energy and income over the day, at the updates.
+    pub(super) samples: Vec<Sample>,
 }
 
 /// An action over the day.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ActionOutcome {
+pub(crate) struct ActionOutcome {
     /// Its name.
-    pub name: String,
+    pub(super) name: String,
     /// How often it was run.
-    pub runs: u32,
-    /// How often it was wished for.
-    pub wished: f64,
+    pub(super) runs: u32,
+    /// How often it was to be run.
+    pub(super) wished: f64,
     /// How often, by the budget at the start of the day, it could be run every day.
-    pub predicted: f64,
-    /// What it took at the node, in J.
-    pub spent_j: f64,
+    pub(super) predicted: f64,
+    /// Energy that it took at the node in J.
+    pub(super) spent_j: f64,
     /// How often it was run in each hour.
-    pub by_hour: [u32; HOURS],
+    pub(super) by_hour: [u32; HOURS],
 }
 
 /// The end of an update interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
+pub(crate) struct Sample {
     /// Second of the day.
-    pub second: u32,
+    pub(super) second: u32,
     /// Stored energy in J.
-    pub stored_j: f64,
+    pub(super) stored_j: f64,
     /// Mean power delivered by the harvester over the interval, in W.
-    pub income_w: f64,
+    pub(super) income_w: f64,
 }
 
-/// How the income was found, beside the day itself.
+/// How the income was computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Source {
+pub(crate) struct Source {
     /// Name of the scene.
-    pub scene: &'static str,
+    pub(crate) scene: &'static str,
     /// Precision of harvester and budget.
-    pub precision: &'static str,
+    pub(crate) precision: &'static str,
     /// `by-level` or `exact`.
-    pub income: &'static str,
+    pub(crate) income: &'static str,
     /// Days before this one.
-    pub learning_days: u32,
-    /// Steps of the harvester and the residual of its ledger, where every step of the day was taken.
-    pub whole_day: Option<(u64, Option<f64>)>,
+    pub(crate) learning_days: u32,
+    /// Steps of the harvester and residual of its energy ledger, if every step of the day was taken.
+    pub(crate) whole_day: Option<(u64, Option<f64>)>,
 }
 
 impl NodeDay {
-    /// What is left over in the account of the store, over the larger of its income and its capacity.
-    #[must_use]
-    pub fn store_residual(&self) -> f64 {
-        let StoreAccount { income, shunted, leaked, actions, standing, .. } = self.account;
+    /// Residual of the account of the storage, over the larger of its income and its capacity.
+    pub(crate) fn storage_residual(&self) -> f64 {
+        let StorageAccount { income, shunted, leaked, actions, standing, .. } = self.account;
         let left = self.end_j - self.start_j - (income - shunted - leaked - actions - standing);
         left.abs() / income.max(self.capacity_j)
     }
 
-    /// Names and values but for the actions.
+    /// Names and values, without the actions.
     fn fields(&self, source: &Source) -> Vec<(String, Value)> {
         let account = &self.account;
         let mut fields: Vec<(&str, Value)> = vec![
@@ -100,7 +99,7 @@ impl NodeDay {
             ("leaked_j", account.leaked.into()),
             ("actions_j", account.actions.into()),
             ("standing_j", account.standing.into()),
-            ("store_residual", self.store_residual().into()),
+            ("store_residual", self.storage_residual().into()),
             ("start_charge", (self.start_j / self.capacity_j).into()),
             ("end_charge", (self.end_j / self.capacity_j).into()),
             ("lowest_charge", (self.lowest_j / self.capacity_j).into()),
@@ -122,9 +121,8 @@ impl NodeDay {
     }
 
     /// The whole text, line break at its end included. In JSON the actions are a list of objects; in the other
-    /// formats their names stand before those of their values.
-    #[must_use]
-    pub fn text(&self, source: &Source, format: Format) -> String {
+    /// formats the name of an action is a prefix of the names of its values.
+    pub(crate) fn text(&self, source: &Source, format: Format) -> String {
         let mut fields = self.fields(source);
         let of_action = |action: &ActionOutcome| {
             [

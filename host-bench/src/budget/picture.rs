@@ -13,20 +13,19 @@ use crate::scene_file::HOURS;
 
 /// Width and height of the picture.
 const SIZE: (u32, u32) = (980, 960);
-/// Colours of the actions, in their order and then again from the first.
+/// Colours of the actions; more actions take them again from the first.
 const COLOURS: [RGBColor; 4] = [GREEN, VERMILION, ORANGE, BLACK];
 
 /// The picture as SVG text.
 ///
 /// # Errors
 /// What the drawing library says.
-pub fn svg(day: &NodeDay) -> Result<String, String> {
+pub(crate) fn svg(day: &NodeDay) -> Result<String, String> {
     draw(SIZE, &[stored(day), income(day), actions(day)])
 }
 
 /// A page with the picture and the numbers.
-#[must_use]
-pub fn page(day: &NodeDay, source: &Source, svg: &str) -> String {
+pub(crate) fn page(day: &NodeDay, source: &Source, svg: &str) -> String {
     let mut body = format!("<h1>A day of a node: {}</h1>\n<figure>{svg}</figure>\n", escaped(source.scene));
     let _ = writeln!(body, "<pre>{}</pre>", escaped(&day.text(source, Format::Table)));
     document("A day of a node", &body)
@@ -54,7 +53,7 @@ fn stored(day: &NodeDay) -> Plot {
     let level = |energy: f64| vec![(0.0, 1e3 * energy), (HOURS as f64, 1e3 * energy)];
     let points = day.samples.iter().map(|sample| (hour(sample), 1e3 * sample.stored_j)).collect();
     Plot {
-        title: "Store".to_owned(),
+        title: "Storage".to_owned(),
         across: across("hour of the day"),
         up: up("stored energy [mJ]", std::iter::once(1e3 * day.capacity_j)),
         curves: vec![
@@ -66,7 +65,7 @@ fn stored(day: &NodeDay) -> Plot {
 }
 
 fn income(day: &NodeDay) -> Plot {
-    // The power of an interval stands at its end, and is that from the end before on.
+    // The power of an interval stands at its end and holds from the end of the interval before.
     let intervals = day.samples.windows(2).flat_map(|pair| match pair {
         [before, after] => vec![(hour(before), 1e6 * after.income_w), (hour(after), 1e6 * after.income_w)],
         _ => Vec::new(),

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use super::{Estimate, estimate};
-use crate::method::{Failure, Method, Options, Precision, run_scene};
+use crate::method::{Failure, Method, Options, Precision};
+use crate::run::try_run_scene;
 use crate::scene_file::{Excitation, Load, Model, RunSpan, Scene, Tone};
 
 /// An error of the mean power beyond which a claim to hold is wrong.
@@ -50,7 +51,7 @@ pub fn relative(found: f64, expected: f64) -> f64 {
     if found == expected { 0.0 } else { (found / expected - 1.0).abs() }
 }
 
-/// What a point of the map is measured with.
+/// How the map is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Means {
     /// Precision of the closed form; the trajectory is in double precision.
@@ -59,10 +60,10 @@ pub struct Means {
     pub references: usize,
 }
 
-/// The map over some places; `done` is called after each.
+/// The map over some places; calls `done` after each.
 ///
-/// The trajectory is that of the core: the periodic steady state to which the motion from the scene's start
-/// goes, by shooting, or the scene's own run in whole periods, where that has none and of a bump-stop scene.
+/// The trajectory is that of the core: the periodic steady state that the motion from the scene's start reaches, by
+/// shooting. Without a steady state, and for a bump-stop scene, it is the scene's own run in whole periods.
 ///
 /// # Errors
 /// Bad input at any place.
@@ -83,12 +84,12 @@ pub fn map(
             Ok(Point { place, estimate, trajectory, reference: None })
         })
         .collect::<Result<Vec<Point>, Failure>>()?;
-    let held: Vec<usize> = (0..points.len())
+    let holding: Vec<usize> = (0..points.len())
         .filter(|&index| points[index].estimate.holds() && points[index].estimate.mean_power_w > 0.0)
         .collect();
-    let count = means.references.min(held.len());
-    // Evenly among those, both ends left out.
-    let chosen: Vec<usize> = (0..count).map(|k| held[(2 * k + 1) * held.len() / (2 * count)]).collect();
+    let count = means.references.min(holding.len());
+    // Evenly among these points, without both ends.
+    let chosen: Vec<usize> = (0..count).map(|k| holding[(2 * k + 1) * holding.len() / (2 * count)]).collect();
     let found = chosen.par_iter().map(|&index| {
         power(&at(scene, points[index].place), &Options { method: Method::Reference, ..Options::default() })
     });
@@ -116,14 +117,11 @@ fn at(scene: &Scene, place: Place) -> Scene {
 
 /// Mean power of a run, or why it could not be run to its end.
 fn power(scene: &Scene, options: &Options) -> Result<Result<f64, String>, Failure> {
-    match run_scene(scene, options) {
-        Ok(outcome) => Ok(outcome.mean_power_w.ok_or_else(|| "no mean power".to_owned())),
-        Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => Ok(Err(error)),
-        Err(error @ Failure::Input(_)) => Err(error),
-    }
+    let outcome = try_run_scene(scene, options)?;
+    Ok(outcome.and_then(|outcome| outcome.mean_power_w.ok_or_else(|| "no mean power".to_owned())))
 }
 
-/// A map in short.
+/// Counts and largest errors of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
     /// Points.
@@ -152,8 +150,8 @@ impl Summary {
     pub fn of(points: &[Point]) -> Self {
         let nothing =
             |point: &&Point| point.estimate.mean_power_w == 0.0 && point.trajectory.as_ref() == Ok(&0.0);
-        let held = || points.iter().filter(|point| point.estimate.holds());
-        let mut errors: Vec<f64> = held().filter(|point| !nothing(point)).map(Point::error).collect();
+        let holding = || points.iter().filter(|point| point.estimate.holds());
+        let mut errors: Vec<f64> = holding().filter(|point| !nothing(point)).map(Point::error).collect();
         errors.sort_by(f64::total_cmp);
         let mut needing = BTreeMap::new();
         for reason in points.iter().filter_map(|point| point.estimate.reason) {
@@ -166,8 +164,8 @@ impl Summary {
         });
         Self {
             points: points.len(),
-            holding: held().count(),
-            without_power: held().filter(nothing).count(),
+            holding: holding().count(),
+            without_power: holding().filter(nothing).count(),
             largest_error: errors.last().copied(),
             median_error: errors.get(errors.len() / 2).copied(),
             wrongly_holding: errors.iter().filter(|error| !(**error <= WRONG)).count(),

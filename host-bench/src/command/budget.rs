@@ -1,4 +1,4 @@
-//! `host-bench budget`: a day of a sensor node.
+//! `budget`: a day of a sensor node.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use crate::method::{Failure, Precision};
 use crate::outcome::Format;
 use crate::scene_file::{self, Load, Override};
 
-/// Most days before the one that is told of.
+/// Most days before the day that is shown.
 const MOST_LEARNING_DAYS: u32 = 366;
 
 /// Arguments of `budget`.
@@ -33,7 +33,7 @@ pub struct BudgetArguments {
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-    /// Write the picture to this file, and no page [default: target/report/budget.svg and budget.html]
+    /// Write the picture to this file, and no page [default: report/budget.svg and budget.html]
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
     /// Another value for a key of the scene, such as node.update_s=30; may be repeated
@@ -73,10 +73,7 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     let day = simulate(&node, &income, learning_days, arguments.precision, in_loop)?;
     let source = Source {
         scene: scene.name(),
-        precision: match arguments.precision {
-            Precision::F32 => "f32",
-            Precision::F64 => "f64",
-        },
+        precision: arguments.precision.name(),
         income: if arguments.exact { "exact" } else { "by-level" },
         learning_days,
         whole_day,

@@ -1,4 +1,4 @@
-//! `host-bench closed-form`: mean power without a trajectory, and the map of its error.
+//! `closed-form`: mean power without a trajectory, and the map of its error.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use super::{make_folder, print, progress, write_whole};
 use crate::closed_form::map::{Means, Place, Point, Summary, map};
 use crate::closed_form::{Estimate, estimate};
 use crate::method::{Failure, Precision};
-use crate::outcome::{Format, cell, text};
+use crate::outcome::{Format, cell, csv_line, text};
 use crate::scene_file::{self, Excitation, Load, Override, Scene};
 
 /// Most points of a map.
@@ -98,20 +98,13 @@ pub fn run(arguments: &ClosedFormArguments) -> Result<(), Failure> {
 /// Resistance, amplitude and frequency, the last running fastest.
 fn axes(arguments: &ClosedFormArguments, scene: &Scene) -> Result<[Axis; 3], Failure> {
     let (Excitation::Sine(tone), Load::Resistor { resistance_ohm }) = (&scene.excitation, scene.load) else {
-        return Err(Failure::Input(format!(
-            "{}: must have a sine and a resistor for a map",
-            scene.file.display()
-        )));
+        return Err(Failure::of_file(scene, "must have a sine and a resistor for a map"));
     };
     let around =
         |given: &Option<Axis>, option: &str, key, middle: f64, [low, high]: [f64; 2], count: &str| {
             let default = || {
-                let refused = |reason| {
-                    Failure::Input(format!(
-                        "{}: {key} = {middle}: {reason}; give {option}",
-                        scene.file.display()
-                    ))
-                };
+                let refused =
+                    |reason| Failure::of_file(scene, format!("{key} = {middle}: {reason}; give {option}"));
                 axis(key)(&format!("{}:{}:{count}", low * middle, high * middle)).map_err(refused)
             };
             given.clone().map_or_else(default, Ok)
@@ -179,15 +172,9 @@ fn fields(point: &Point) -> Vec<(String, Value)> {
 
 fn csv(points: &[Point]) -> String {
     let rows: Vec<Vec<(String, Value)>> = points.iter().map(fields).collect();
-    let heading = rows.first().map(|row| row.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
-    let mut text = heading.unwrap_or_default().join(",") + "\n";
-    for row in &rows {
-        // A failure is told in words, with commas.
-        let cells: Vec<String> = row.iter().map(|(_, value)| cell(value).replace([',', '\n'], ";")).collect();
-        text.push_str(&cells.join(","));
-        text.push('\n');
-    }
-    text
+    let heading = rows.first().into_iter().flatten().map(|(name, _)| name.clone());
+    let lines = rows.iter().map(|row| csv_line(row.iter().map(|(_, value)| cell(value))));
+    csv_line(heading) + &lines.collect::<String>()
 }
 
 fn json(points: &[Point]) -> String {
@@ -201,7 +188,7 @@ fn json(points: &[Point]) -> String {
 
 /// The summary, and the points at which the reference was run.
 fn report(points: &[Point]) -> String {
-    let mut told = text(Summary::of(points).fields(), Format::Table);
+    let mut report = text(Summary::of(points).fields(), Format::Table);
     for point in points {
         let Some(reference) = &point.reference else { continue };
         let Place { resistance_ohm, amplitude_m_per_s2, frequency_hz } = point.place;
@@ -209,7 +196,7 @@ fn report(points: &[Point]) -> String {
             Ok(power) => format!("{power:.5e} W"),
             Err(error) => error.clone(),
         };
-        told += &format!(
+        report += &format!(
             "at {resistance_ohm:.4e} ohm, {amplitude_m_per_s2:.4} m/s2, {frequency_hz:.4} Hz: closed form {:.5e} W, \
              trajectory {}, reference {}\n",
             point.estimate.mean_power_w,
@@ -217,7 +204,7 @@ fn report(points: &[Point]) -> String {
             power(reference),
         );
     }
-    told
+    report
 }
 
 /// A picture for each resistance: the power of ten of the error where the closed form is claimed to hold.

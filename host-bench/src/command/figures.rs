@@ -1,11 +1,10 @@
 //! `figures`: the papers' figures, rebuilt.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use comfy_table::{Table, presets};
 
-use super::{make_folder, print, progress, report_folder, write_whole};
+use super::{make_folder, print, progress, report_folder, tell, write_whole};
 use crate::figures::{self, Chapter, Figure, Subject};
 use crate::method::Failure;
 
@@ -16,7 +15,7 @@ pub struct FiguresArguments {
     #[arg(long, value_enum, value_name = "HARVESTER")]
     only: Vec<Subject>,
     /// Folder in which each harvester gets one for its pictures, their numbers and the page [default:
-    /// target/report/figures]
+    /// report/figures]
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -30,7 +29,7 @@ pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
     let root = arguments.output.clone().unwrap_or_else(|| report_folder().join("figures"));
     let wanted = |subject: &Subject| arguments.only.is_empty() || arguments.only.contains(subject);
     let subjects: Vec<Subject> = Subject::ALL.into_iter().filter(wanted).collect();
-    // Before the work, so that a bad path is told at once.
+    // Made before the runs, so that a bad path is refused at once.
     for subject in &subjects {
         make_folder(&root.join(subject.name()))?;
     }
@@ -48,14 +47,7 @@ pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
         write_whole(&page, &figures::page(&chapter))?;
         let labels: Vec<&str> = chapter.figures.iter().map(|figure| figure.label).collect();
         bar.suspend(|| {
-            // With no standard error left there is nobody to tell.
-            let _ = writeln!(
-                std::io::stderr(),
-                "figures: {}: {}: {}",
-                subject.name(),
-                labels.join(", "),
-                page.display()
-            );
+            tell(&format!("figures: {}: {}: {}", subject.name(), labels.join(", "), page.display()));
             print(&tables(&chapter))
         })?;
     }

@@ -1,4 +1,4 @@
-//! `host-bench resonance`: where the steady state of a scene responds most.
+//! `resonance`: the frequencies at which the steady state of a scene has its largest amplitude and voltage.
 
 use serde_json::Value;
 

@@ -1,12 +1,13 @@
-//! `host-bench run`: one scene.
+//! `run`: one scene.
 
 use std::path::PathBuf;
 
-use super::{SceneArguments, print, warn, writable, write_whole};
-use crate::method::{Failure, run_scene};
+use super::{SceneArguments, print, tell, writable, write_whole};
+use crate::method::{Failure, Options};
+use crate::run::run_scene;
 use crate::scene_file;
 
-/// Residual of the energy ledger above which a run is not to be trusted.
+/// Relative residual of the energy ledger above which a run is not to be trusted.
 const UNBALANCED: f64 = 1e-2;
 
 /// Arguments of `run`.
@@ -31,7 +32,7 @@ pub struct RunArguments {
 /// # Errors
 /// Bad input or a step error.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let options = crate::method::Options {
+    let options = Options {
         trace_every_s: arguments.trace_every,
         steady_state: arguments.steady_state,
         ..arguments.scene.options()
@@ -46,8 +47,8 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         write_whole(file, &recording.csv())?;
     }
     if let Some(residual) = outcome.energy_residual.filter(|residual| !(residual.abs() <= UNBALANCED)) {
-        warn(&format!(
-            "energy_residual = {residual:.1e} is more than {UNBALANCED}: the step or the tolerance was \
+        tell(&format!(
+            "warning: energy_residual = {residual:.1e} is more than {UNBALANCED}: the step or the tolerance was \
              probably too coarse, or the method unstable; these numbers are not to be trusted"
         ));
     }

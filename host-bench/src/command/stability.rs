@@ -1,13 +1,15 @@
 //! `stability`: the stiff and extreme table.
 
-use rayon::prelude::*;
+use std::path::PathBuf;
 
-use super::{one_more, print, progress, work_precision};
+use super::{json_text, one_more, print, progress, tell, writable, write_whole};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::scene_file;
-use crate::stability::bump_stop::{self, BumpStopFinding};
-use crate::stability::{Class, Finding, Grid, Kind, Setting, examine, table};
+use crate::stability::bump_stop::BumpStop;
+use crate::stability::known::Known;
+use crate::stability::triboelectric::{ContactSeparationSetting, SlidingSetting};
+use crate::stability::{Grid, Report, Run, Subject, examine};
 
 /// Arguments of `stability`.
 #[derive(Debug, Clone, clap::Args)]
@@ -21,106 +23,113 @@ pub struct StabilityArguments {
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// List of known failing cases: exactly these must fail
+    #[arg(long, value_name = "FILE.csv")]
+    known: Option<PathBuf>,
+    /// Write the list of failing cases to this file
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "known")]
+    write_known: Option<PathBuf>,
 }
+
+/// Of which scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Kind {
+    /// Contact-separation.
+    ContactSeparation,
+    /// Sliding.
+    Sliding,
+    /// Bump-stop.
+    BumpStop,
+}
+
+/// The names of all scenes.
+const SCENES: [&str; 3] = [ContactSeparationSetting::SCENE, SlidingSetting::SCENE, BumpStop::SCENE];
 
 /// Runs all cases, on all cores, and prints what became of them.
 ///
 /// # Errors
-/// If a shipped scene cannot be read, or if a case is off without an explanation.
+/// If a shipped scene cannot be read, or if a case fails; with a list of known failing cases, if others fail than are
+/// listed.
 pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
+    let known = arguments.known.as_ref().map(|file| Known::read(file, &SCENES)).transpose()?;
+    if let Some(file) = &arguments.write_known {
+        writable("--write-known", file)?;
+    }
     let kinds = arguments
         .scene
         .map_or(vec![Kind::ContactSeparation, Kind::Sliding, Kind::BumpStop], |kind| vec![kind]);
-    let has_stop = kinds.contains(&Kind::BumpStop);
-    let mut settings: Vec<(usize, Setting)> = Vec::new();
-    let mut bases = Vec::new();
-    for (index, kind) in kinds.into_iter().enumerate() {
-        let name = match kind {
-            Kind::ContactSeparation => "contact-separation.toml",
-            Kind::Sliding => "sliding.toml",
-            Kind::BumpStop => "bump-stop.toml",
-        };
-        bases.push(scene_file::read(&work_precision::shipped_file(name), &[])?);
-        settings.extend(arguments.grid.settings(kind).into_iter().map(|setting| (index, setting)));
-    }
-    let bar = progress(settings.len());
-    let findings: Vec<Finding> = settings
-        .into_par_iter()
-        .flat_map_iter(|(index, setting)| {
-            let findings = examine(&bases[index], setting, setting.is_for_reference());
-            one_more(&bar);
-            findings
-        })
-        .collect();
-    bar.finish_and_clear();
-    let with_stop = if has_stop { with_stop(arguments.grid)? } else { Vec::new() };
+    let reports: Vec<Report> =
+        kinds.into_iter().map(|kind| kind.report(arguments.grid)).collect::<Result<_, _>>()?;
     print(&match arguments.format {
-        Format::Table => {
-            let (sliding, contact): (Vec<Finding>, Vec<Finding>) =
-                findings.iter().cloned().partition(|finding| matches!(finding.setting, Setting::Sliding(_)));
-            let named = [("Contact-separation", contact), ("Sliding", sliding)];
-            let there = named.iter().filter(|(_, findings)| !findings.is_empty());
-            let mut text: String =
-                there.map(|(name, findings)| format!("{name}\n\n{}\n", table::text(findings))).collect();
-            if has_stop {
-                text.push_str(&format!("Bump-stop\n\n{}", bump_stop::table::text(&with_stop)));
-            }
-            text
-        }
-        Format::Csv => {
-            // The kinds have columns of their own.
-            let triboelectric = if findings.is_empty() { String::new() } else { table::csv(&findings) };
-            let gap = if has_stop && !findings.is_empty() { "\n" } else { "" };
-            let with_stop = if has_stop { bump_stop::table::csv(&with_stop) } else { String::new() };
-            triboelectric + gap + &with_stop
-        }
-        Format::Json => match json(&findings, &with_stop) {
-            Ok(text) => text + "\n",
-            Err(error) => return Err(Failure::Input(format!("--format json: {error}"))),
-        },
+        Format::Table => reports.iter().map(|report| report.text.as_str()).collect::<Vec<_>>().join("\n"),
+        Format::Csv => csv(&reports),
+        Format::Json => json_text(&reports.iter().flat_map(|report| &report.json).collect::<Vec<_>>())?,
     })?;
-    let off = with_stop.iter().filter(|finding| finding.verdict.is_failure());
-    if let Some(first) = off.clone().next() {
-        return Err(Failure::Step(format!(
-            "{} of {} bump-stop runs are off without an explanation, the first with --step {:e} {}",
-            off.count(),
-            with_stop.len(),
-            first.step_s,
-            first.setting.overrides(),
-        )));
+    let runs: Vec<Run> = reports.into_iter().flat_map(|report| report.runs).collect();
+    match (&arguments.write_known, known) {
+        (Some(file), _) => write_whole(file, &Known::of(&runs).text()),
+        (None, Some(known)) => agree(&known, &runs),
+        (None, None) => none_fails(&runs),
     }
-    let silent: Vec<&Finding> = findings.iter().filter(|finding| finding.class == Class::Silent).collect();
-    match silent.first() {
+}
+
+impl Kind {
+    fn report(self, grid: Grid) -> Result<Report, Failure> {
+        match self {
+            Self::ContactSeparation => report::<ContactSeparationSetting>(grid),
+            Self::Sliding => report::<SlidingSetting>(grid),
+            Self::BumpStop => report::<BumpStop>(grid),
+        }
+    }
+}
+
+/// Runs the cases of a scene, with a progress bar.
+fn report<K: Subject>(grid: Grid) -> Result<Report, Failure> {
+    let base = scene_file::read(&scene_file::shipped(K::SCENE), &[])?;
+    let bar = progress(K::settings(grid).len());
+    let report = examine::<K>(&base, grid, || one_more(&bar));
+    bar.finish_and_clear();
+    report
+}
+
+/// The rows of all scenes, with a heading where the columns change.
+fn csv(reports: &[Report]) -> String {
+    let mut text = String::new();
+    let mut last = "";
+    for report in reports {
+        if report.csv_heading != last {
+            text.push_str(if text.is_empty() { "" } else { "\n" });
+            text.push_str(&report.csv_heading);
+            last = &report.csv_heading;
+        }
+        text.push_str(&report.csv_rows);
+    }
+    text
+}
+
+/// Refuses runs that differ from the list of known failing cases.
+fn agree(known: &Known, runs: &[Run]) -> Result<(), Failure> {
+    let differences = known.differences(runs);
+    for difference in &differences {
+        tell(difference);
+    }
+    match differences.len() {
+        0 => Ok(()),
+        count => Err(Failure::Step(format!("{count} cases are not as the list of known failing cases says"))),
+    }
+}
+
+/// Refuses a failing run.
+fn none_fails(runs: &[Run]) -> Result<(), Failure> {
+    let failing: Vec<&Run> = runs.iter().filter(|run| run.is_failure).collect();
+    match failing.first() {
         None => Ok(()),
         Some(first) => Err(Failure::Step(format!(
-            "{} of {} cases are off without an explanation, the first with {}",
-            silent.len(),
-            findings.len(),
-            first.setting.overrides(),
+            "{} of {} runs are off without an explanation, the first of {} with {}",
+            failing.len(),
+            runs.len(),
+            first.scene,
+            first.options,
         ))),
     }
-}
-
-/// The findings of all kinds, in one list.
-fn json(findings: &[Finding], with_stop: &[BumpStopFinding]) -> serde_json::Result<String> {
-    let findings = findings.iter().map(serde_json::to_value);
-    let all = findings.chain(with_stop.iter().map(serde_json::to_value));
-    serde_json::to_string_pretty(&all.collect::<serde_json::Result<Vec<_>>>()?)
-}
-
-/// Runs all bump-stop cases.
-fn with_stop(grid: Grid) -> Result<Vec<BumpStopFinding>, Failure> {
-    let base = scene_file::read(&work_precision::shipped_file("bump-stop.toml"), &[])?;
-    let settings = bump_stop::settings();
-    let bar = progress(settings.len());
-    let findings = settings
-        .into_par_iter()
-        .flat_map_iter(|setting| {
-            let findings = bump_stop::examine(&base, setting, bump_stop::steps(grid));
-            one_more(&bar);
-            findings
-        })
-        .collect();
-    bar.finish_and_clear();
-    Ok(findings)
 }

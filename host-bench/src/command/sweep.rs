@@ -1,11 +1,10 @@
-//! `host-bench sweep`: a scene over a grid of values, on all cores.
+//! `sweep`: a scene over a grid of values, on all cores.
 
 mod axis;
 pub(super) mod picture;
 mod shooting;
 
-use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use comfy_table::{Table, presets};
 use rayon::prelude::*;
@@ -13,10 +12,11 @@ use serde_json::{Map, Value};
 
 pub use self::axis::Axis;
 use self::picture::Quantity;
-use self::shooting::{Compared, compared};
-use super::{SceneArguments, print, progress, write_whole};
-use crate::method::{Failure, Options, run_scene};
-use crate::outcome::{Format, Outcome, cell, number};
+use self::shooting::{Compared, Costs, compared};
+use super::{SceneArguments, make_folder, print, progress, tell, write_whole};
+use crate::method::{Failure, Options};
+use crate::outcome::{Format, Outcome, cell, csv_line, number};
+use crate::run::try_run_scene;
 use crate::scene_file::{self, Override, Scene, SceneError};
 
 /// Most points of a grid.
@@ -42,18 +42,18 @@ pub struct SweepArguments {
     compare: bool,
 }
 
-/// One point of the grid and what came of it.
+/// One point of the grid and its outcome.
 struct Point {
     values: Vec<f64>,
     found: Result<Outcome, String>,
-    /// What the steady state took against the run, where it was sought.
+    /// The cost of the steady state against that of the run, if a steady state was sought.
     compared: Option<Compared>,
 }
 
 /// Runs the grid, writes the files and prints the points.
 ///
-/// Bad input at any point refuses the whole sweep before it begins. A point that fails on its way is
-/// a row with its error; the rest is written and printed all the same.
+/// Bad input at any point refuses the whole sweep before it begins. A point that fails on its way is a row with its
+/// error; the other points are written and printed all the same.
 ///
 /// # Errors
 /// Bad input, or a step error at one of the points.
@@ -61,19 +61,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let options = Options { steady_state: arguments.steady_state, ..arguments.scene.options() };
     options.check()?;
     let axes = &arguments.axes;
-    let count = axes.iter().try_fold(1usize, |count, axis| count.checked_mul(axis.count()));
-    let count = count
-        .filter(|count| *count <= MOST)
-        .ok_or_else(|| Failure::Input(format!("--over: the grid must have at most {MOST} points")))?;
-    if let Some((index, axis)) =
-        axes.iter().enumerate().find(|(index, axis)| axes[..*index].iter().any(|other| other.key == axis.key))
-    {
-        return Err(Failure::Input(format!(
-            "--over {}: must be given once, is given again as number {}",
-            axis.key,
-            index + 1
-        )));
-    }
+    let count = check_axes(axes)?;
     if let Some(folder) = &arguments.output
         && folder.exists()
         && !folder.is_dir()
@@ -84,52 +72,80 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         .into_par_iter()
         .try_for_each(|index| options.check_scene(&scene(arguments, &values(axes, index))?))?;
     let bar = progress(count);
-    let points = (0..count).into_par_iter().map(|index| {
-        let values = values(axes, index);
-        let scene = scene(arguments, &values)?;
-        let found = match run_scene(&scene, &options) {
-            Ok(outcome) => Ok(outcome),
-            Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => Err(error),
-            Err(error @ Failure::Input(_)) => return Err(error),
-        };
-        let compared = match &found {
-            Ok(outcome) => compared(&scene, outcome, arguments)?,
-            Err(_) => None,
-        };
-        bar.inc(1);
-        Ok(Point { values, found, compared })
-    });
-    let points: Result<Vec<Point>, Failure> = points.collect();
+    let points: Result<Vec<Point>, Failure> = (0..count)
+        .into_par_iter()
+        .map(|index| {
+            let point = Point::of(arguments, &options, values(axes, index));
+            bar.inc(1);
+            point
+        })
+        .collect();
     bar.finish_and_clear();
     let points = points?;
-    if let Some(costs) = shooting::Costs::of(points.iter().filter_map(|point| point.compared.as_ref())) {
-        // With no standard error left there is nobody to tell.
-        let _ = writeln!(std::io::stderr(), "{costs}");
+    if let Some(costs) = Costs::of(points.iter().filter_map(|point| point.compared.as_ref())) {
+        tell(&costs.to_string());
     }
     if let Some(folder) = &arguments.output {
-        let title = format!("{}, {:?}", arguments.scene.scene.display(), options.method);
-        let picture = picture::draw(&title, axes, &quantities(&points)).map_err(Failure::Input)?;
-        std::fs::create_dir_all(folder).map_err(|error| {
-            Failure::Input(format!("--output {}: cannot be made: {error}", folder.display()))
-        })?;
-        write_whole(&folder.join("sweep.csv"), &csv(axes, &points))?;
-        if let Some(picture) = picture {
-            write_whole(&folder.join("sweep.svg"), &picture)?;
-        }
+        write(arguments, folder, &points)?;
     }
     print(&match arguments.scene.format {
         Format::Table => table(axes, &points),
         Format::Json => json(axes, &points),
         Format::Csv => csv(axes, &points),
     })?;
-    let failed = points.iter().filter(|point| point.found.is_err()).count();
-    match points.iter().find_map(|point| point.found.as_ref().err().map(|error| (point, error))) {
-        None => Ok(()),
-        Some((point, error)) => Err(Failure::Step(format!(
-            "{failed} of {count} points failed, the first at {}: {error}",
-            named(axes, point).map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", "),
+    none_failed(axes, &points)
+}
+
+/// The number of points; each key must be given once.
+fn check_axes(axes: &[Axis]) -> Result<usize, Failure> {
+    let count = axes.iter().try_fold(1usize, |count, axis| count.checked_mul(axis.count()));
+    let count = count
+        .filter(|count| *count <= MOST)
+        .ok_or_else(|| Failure::Input(format!("--over: the grid must have at most {MOST} points")))?;
+    let is_again = |index: usize, axis: &Axis| axes[..index].iter().any(|other| other.key == axis.key);
+    match axes.iter().enumerate().find(|(index, axis)| is_again(*index, axis)) {
+        None => Ok(count),
+        Some((index, axis)) => Err(Failure::Input(format!(
+            "--over {}: must be given once, is given again as number {}",
+            axis.key,
+            index + 1
         ))),
     }
+}
+
+impl Point {
+    /// Runs the point at these values of the axes.
+    fn of(arguments: &SweepArguments, options: &Options, values: Vec<f64>) -> Result<Self, Failure> {
+        let scene = scene(arguments, &values)?;
+        let found = try_run_scene(&scene, options)?;
+        let compared = match &found {
+            Ok(outcome) => compared(&scene, outcome, arguments)?,
+            Err(_) => None,
+        };
+        Ok(Self { values, found, compared })
+    }
+}
+
+/// Writes the table, and the picture if there is one.
+fn write(arguments: &SweepArguments, folder: &Path, points: &[Point]) -> Result<(), Failure> {
+    let axes = &arguments.axes;
+    let title = format!("{}, {:?}", arguments.scene.scene.display(), arguments.scene.method);
+    let picture = picture::draw(&title, axes, &quantities(points)).map_err(Failure::Input)?;
+    make_folder(folder)?;
+    write_whole(&folder.join("sweep.csv"), &csv(axes, points))?;
+    picture.map_or(Ok(()), |picture| write_whole(&folder.join("sweep.svg"), &picture))
+}
+
+/// Refuses points that failed.
+fn none_failed(axes: &[Axis], points: &[Point]) -> Result<(), Failure> {
+    let mut failed = points.iter().filter_map(|point| Some((point, point.found.as_ref().err()?)));
+    let Some((point, error)) = failed.next() else { return Ok(()) };
+    Err(Failure::Step(format!(
+        "{} of {} points failed, the first at {}: {error}",
+        1 + failed.count(),
+        points.len(),
+        named(axes, point).map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", "),
+    )))
 }
 
 /// The values of the point with the given index; the last axis runs fastest.
@@ -168,22 +184,13 @@ fn fields(points: &[Point]) -> Vec<String> {
 fn csv(axes: &[Axis], points: &[Point]) -> String {
     let fields = fields(points);
     let keys = axes.iter().map(|axis| axis.key.clone());
-    let heading: Vec<String> = keys.chain(fields.iter().cloned()).chain(["error".to_owned()]).collect();
-    let mut text = heading.join(",") + "\n";
+    let mut text = csv_line(keys.chain(fields.iter().cloned()).chain(["error".to_owned()]));
     for point in points {
-        let mut cells: Vec<String> = point.values.iter().map(|value| number(*value)).collect();
-        match &point.found {
-            Ok(outcome) => {
-                cells.extend(outcome.fields().iter().map(|(_, value)| cell(value)));
-                cells.push(String::new());
-            }
-            Err(error) => {
-                cells.extend(fields.iter().map(|_| String::new()));
-                cells.push(format!("\"{}\"", error.replace('"', "'")));
-            }
-        }
-        text.push_str(&cells.join(","));
-        text.push('\n');
+        let (found, error) = match &point.found {
+            Ok(outcome) => (outcome.fields().iter().map(|(_, value)| cell(value)).collect(), String::new()),
+            Err(error) => (vec![String::new(); fields.len()], error.clone()),
+        };
+        text += &csv_line(point.values.iter().copied().map(number).chain(found).chain([error]));
     }
     text
 }

@@ -11,9 +11,9 @@ pub use self::motion::{CONTACT_FORCE, Motion, ROD, STOP_POINT, TIP, VOLTAGE};
 
 use rayon::prelude::*;
 
-use super::{Chapter, Figure, Panel, shipped};
+use super::{Chapter, Figure, Panel, shipped, sine};
 use crate::method::Failure;
-use crate::scene_file::{Excitation, Scene};
+use crate::scene_file::Scene;
 
 /// The shipped scenes of the figures: the stop at the tip, at mid-span, and none.
 const SCENES: [&str; 3] = ["bump-stop-tip", "bump-stop-mid-span", "bump-stop-none"];
@@ -73,11 +73,9 @@ const INTRODUCTION: &str = "<p>After Mak, McWilliam, Popov and Fox, <i>Vibro-Imp
     back on the beam, and the contact is closed by the static compliance of the modes left out.</p>\n\
     <p>Run in double precision on the embedded core, the code of the firmware.</p>\n";
 
-/// What every caption says of the runs.
+/// The base acceleration of the runs, for every caption.
 fn note(scene: &Scene) -> Result<String, Failure> {
-    let Excitation::Sine(tone) = &scene.excitation else {
-        return Err(Failure::Input(format!("{}: excitation.kind must be \"sine\"", scene.file.display())));
-    };
+    let tone = sine(scene)?;
     Ok(format!(
         "Base acceleration {} m/s² at {} Hz, both chosen, as are beam and rod.",
         tone.amplitude_m_per_s2, tone.frequency_hz

@@ -6,48 +6,45 @@ mod history;
 mod motion;
 mod response;
 
-pub use self::bifurcation::diagram;
-pub use self::history::FREQUENCIES;
-pub use self::motion::{Case, Grid, Motion, Response, WINDOW};
-pub use self::response::{CHARGE_DENSITIES, RESISTANCES, Sweep, pairs, sweeps};
+use self::bifurcation::diagram;
+use self::history::FREQUENCIES;
+use self::motion::Grid;
+use self::response::{pairs, sweeps};
 
-use super::{Chapter, Figure, Panel};
+use super::{Chapter, Figure, Panel, sine};
 use crate::method::Failure;
-use crate::scene_file::{Excitation, GRAVITY, Scene};
+use crate::scene_file::{GRAVITY, Scene};
 
-/// Relative tolerance of the frequency responses: against 1e-7 the largest gap of a periodic motion
-/// moves by less than 1e-4, far less than the width of a curve, and a run takes 40 ms.
-pub const RESPONSE_TOLERANCE: f64 = 1e-3;
+/// Relative tolerance of the frequency responses. From here to 1e-7 the largest gap of a periodic motion changes by less
+/// than a part in 1e4, far less than the width of a curve. A run takes 40 ms.
+pub(crate) const RESPONSE_TOLERANCE: f64 = 1e-3;
 
-/// Relative tolerance where single motions are shown. Between the two frequencies at the onset of
-/// impacts the gap that is missed is 70 µm: at 1e-3 of it 9 µm are left, at 1e-4 64 µm.
-pub const MOTION_TOLERANCE: f64 = 1e-4;
+/// Relative tolerance of single motions. At the lower of the two frequencies at the onset of impacts the mass passes the
+/// dielectric at a distance of 70 µm: the computed distance is 9 µm at a tolerance of 1e-3, and 64 µm at 1e-4.
+pub(crate) const MOTION_TOLERANCE: f64 = 1e-4;
 
-/// Periods before those that are measured, as in the paper's kind of response: far from the
-/// onset of impacts 5 µm of the start are left.
-pub const SETTLE: u32 = 200;
-/// The same for figure 10, where the start must not be seen: just below the onset of impacts it fades
-/// over hundreds of periods, while the softening spring lets it come and go.
-pub const DIAGRAM_SETTLE: u32 = 800;
+/// Periods before those that are measured, as in the paper's kind of response. Far from the onset of impacts 5 µm of the
+/// initial transient are left.
+pub(crate) const SETTLE: u32 = 200;
+/// Periods before those that are measured in figure 10, which must not show the initial transient. Just below the onset
+/// of impacts the transient decays over hundreds of periods, with a beat of the softening spring.
+pub(crate) const DIAGRAM_SETTLE: u32 = 800;
 
 /// Frequencies of figures 8 and 11.
 const RESPONSES: Grid = Grid { from: 1800, to: 2200, step: 2 };
 /// Frequencies of figure 10.
 const DIAGRAM: Grid = Grid { from: 1850, to: 2050, step: 1 };
 /// Charge density in µC/m² and load in MΩ of figures 9 and 10.
-pub const STRONG: [f64; 2] = [50.0, 100.0];
+pub(crate) const STRONG: [f64; 2] = [50.0, 100.0];
 
 /// Number of runs that [`build`] makes.
 #[must_use]
-pub fn runs() -> usize {
+pub(crate) fn runs() -> usize {
     pairs().len() * RESPONSES.frequencies().count() + DIAGRAM.frequencies().count() + FREQUENCIES.len()
 }
 
 /// Makes the figures on all cores; `done` is called after each run.
-///
-/// # Errors
-/// If a run fails or a picture cannot be drawn.
-pub fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
+pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
     let start = start(base)?;
     let sweeps = sweeps(base, &pairs(), RESPONSES, RESPONSE_TOLERANCE, done)?;
     let nine = history::nine(base, STRONG, MOTION_TOLERANCE, &start, done)?;
@@ -80,11 +77,9 @@ fn introduction() -> String {
     )
 }
 
-/// What every caption says of the runs.
+/// Base acceleration and start of the runs, for every caption.
 fn start(base: &Scene) -> Result<String, Failure> {
-    let Excitation::Sine(tone) = &base.excitation else {
-        return Err(Failure::Input(format!("{}: excitation.kind must be \"sine\"", base.file.display())));
-    };
+    let tone = sine(base)?;
     let model = base.contact_separation()?;
     Ok(format!(
         "Base acceleration {} g. Every run starts anew, at rest at the initial gap of {} mm, without voltage; the \

@@ -7,40 +7,34 @@ mod resistance;
 mod resonance;
 mod response;
 
-pub use self::resonance::{Case, Peak};
+pub(crate) use self::resonance::{Case, Peak};
 
 use rayon::prelude::*;
 
-use super::{Chapter, Figure, Panel};
+use super::{Chapter, Figure, Panel, sine};
 use crate::method::Failure;
-use crate::scene_file::{Excitation, GRAVITY, Scene};
+use crate::scene_file::{GRAVITY, Scene};
 
-/// Relative tolerance of the steps. Against 1e-7 a resonance moves by less than 1e-5 Hz, and its amplitude by
-/// less than 1e-5 of itself.
-pub const TOLERANCE: f64 = 1e-5;
+/// Relative tolerance of the steps. From here to 1e-7 the frequency of a resonance changes by less than 1e-5 Hz, and its
+/// amplitude by less than a part in 1e5.
+pub(crate) const TOLERANCE: f64 = 1e-5;
 
 /// The small and the large charge density in µC/m².
 const DENSITIES: [f64; 2] = [20.0, 120.0];
 
 /// Number of resonances that [`build`] follows.
 #[must_use]
-pub fn runs() -> usize {
+pub(crate) fn runs() -> usize {
     response::cases().len() + resistance::cases().len()
 }
 
 /// Makes the figures on all cores; `done` is called after each resonance.
-///
-/// # Errors
-/// If a resonance cannot be followed or a picture cannot be drawn.
-pub fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
-    let Excitation::Sine(tone) = &base.excitation else {
-        return Err(Failure::Input(format!("{}: excitation.kind must be \"sine\"", base.file.display())));
-    };
+pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
     let natural = Case::natural_frequency_hz(base)?;
     let note = format!(
         "Base acceleration {} g; natural frequency without friction {natural:.4} Hz. Charge densities, \
          resistances and acceleration are chosen.",
-        tone.amplitude_m_per_s2 / GRAVITY
+        sine(base)?.amplitude_m_per_s2 / GRAVITY
     );
     let curves: Result<Vec<response::Response>, Failure> = response::cases()
         .par_iter()
@@ -91,7 +85,7 @@ fn introduction() -> String {
     )
 }
 
-/// A resistance as it is written.
+/// A resistance in Ω as text.
 fn ohms(resistance: f64) -> String {
     let (scale, unit) = match resistance {
         ..1e3 => (1.0, "Ω"),

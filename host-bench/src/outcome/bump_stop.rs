@@ -1,12 +1,12 @@
-//! What a bump-stop run adds to an outcome.
+//! The numbers of a bump-stop run only.
 
 use serde::Serialize;
 
 use super::finite;
 
-/// What a bump-stop run adds.
+/// The numbers of a bump-stop run only.
 ///
-/// Without a stop there are no contacts, and what would be about the stop is `None`.
+/// Without a stop there are no contacts, and the numbers of the stop are `None`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BumpStopOutcome {
     /// Natural frequencies in Hz of the modes kept, short-circuit and undamped: those of the beam,
@@ -15,10 +15,10 @@ pub struct BumpStopOutcome {
     /// Largest magnitude in the window of the displacement of the beam's tip relative to the base, in m.
     #[serde(serialize_with = "finite")]
     pub peak_tip_displacement_m: Option<f64>,
-    /// The same of the point of the beam that meets the stop; `None` without a stop.
+    /// Largest magnitude in the window of the displacement in m of the beam at the stop; `None` without a stop.
     #[serde(serialize_with = "finite")]
     pub peak_stop_point_displacement_m: Option<f64>,
-    /// Contacts that begin in the window: intervals with a force, and impacts.
+    /// Contacts that begin in the window: intervals with a force, and rigid impacts.
     pub contacts: u64,
     /// Contacts over periods in the window; `None` unless the base moves in one sine.
     #[serde(serialize_with = "finite")]
@@ -29,7 +29,7 @@ pub struct BumpStopOutcome {
     /// Time of the first contact of the run in s; `None` without contacts.
     #[serde(serialize_with = "finite")]
     pub first_contact_s: Option<f64>,
-    /// Largest contact force in the window in N, impacts aside, which have none; `None` without a stop.
+    /// Largest contact force in the window in N, without rigid impacts, which have none; `None` without a stop.
     #[serde(serialize_with = "finite")]
     pub peak_force_n: Option<f64>,
     /// Mean contact force over the window in N, the momentum of impacts included; `None` without a
@@ -42,7 +42,7 @@ pub struct BumpStopOutcome {
     pub end_state: Vec<f64>,
 }
 
-/// Columns of a recording of a bump-stop run. Without a stop, the two about it are not-a-number.
+/// Columns of a recording of a bump-stop run. Without a stop the two columns of the stop are not-a-number.
 pub const BUMP_STOP_COLUMNS: [&str; 7] = [
     "time_s",
     "tip_displacement_m",

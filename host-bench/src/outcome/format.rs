@@ -22,12 +22,12 @@ impl Outcome {
     pub fn fields(&self) -> Vec<(String, Value)> {
         match serde_json::to_value(self) {
             Ok(Value::Object(fields)) => fields.into_iter().collect(),
-            // An outcome is a plain struct: it always becomes an object.
+            // An outcome is a struct, which is always an object.
             _ => Vec::new(),
         }
     }
 
-    /// The whole text, line break at its end included.
+    /// The outcome as text, line break at its end included.
     #[must_use]
     pub fn text(&self, format: Format) -> String {
         text(self.fields(), format)
@@ -35,17 +35,15 @@ impl Outcome {
 }
 
 /// Names and values as text, line break at its end included.
-#[must_use]
-pub fn text(fields: Vec<(String, Value)>, format: Format) -> String {
+pub(crate) fn text(fields: Vec<(String, Value)>, format: Format) -> String {
     match format {
         Format::Json => {
             let object: serde_json::Map<_, _> = fields.into_iter().collect();
             format!("{:#}\n", Value::Object(object))
         }
         Format::Csv => {
-            let names: Vec<&str> = fields.iter().map(|(name, _)| name.as_str()).collect();
-            let values: Vec<String> = fields.iter().map(|(_, value)| cell(value)).collect();
-            format!("{}\n{}\n", names.join(","), values.join(","))
+            let (names, values): (Vec<String>, Vec<Value>) = fields.into_iter().unzip();
+            csv_line(names) + &csv_line(values.iter().map(cell))
         }
         Format::Table => {
             let width = fields.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
@@ -59,29 +57,35 @@ impl Recording {
     /// The rows as CSV, heading first.
     #[must_use]
     pub fn csv(&self) -> String {
-        let mut text = self.columns.join(",") + "\n";
-        for row in &self.rows {
-            let cells: Vec<String> = row.iter().map(|value| number(*value)).collect();
-            text.push_str(&cells.join(","));
-            text.push('\n');
-        }
-        text
+        let heading = csv_line(self.columns.iter().map(|&name| name.to_owned()));
+        heading + &self.rows.iter().map(|row| csv_line(row.iter().copied().map(number))).collect::<String>()
     }
 }
 
-/// A number that reads back to the same bits; nothing if it is not finite.
-#[must_use]
-pub fn number(value: f64) -> String {
+/// A number that reads back to the same bits; empty if it is not finite.
+pub(crate) fn number(value: f64) -> String {
     serde_json::Number::from_f64(value).map_or_else(String::new, |number| number.to_string())
 }
 
-/// A value as a cell of a CSV file; `null` is an empty one.
-#[must_use]
-pub fn cell(value: &Value) -> String {
+/// A number in two digits, a dash for none.
+pub(crate) fn small(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1e}"))
+}
+
+/// A line of CSV, line break included. A cell with a comma, a quotation mark or a line break is quoted.
+pub(crate) fn csv_line(cells: impl IntoIterator<Item = String>) -> String {
+    let quoted = |cell: String| {
+        if cell.contains([',', '"', '\n']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell }
+    };
+    cells.into_iter().map(quoted).collect::<Vec<_>>().join(",") + "\n"
+}
+
+/// A value as a cell of a CSV file, an empty one for `null`.
+pub(crate) fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),
-        // A list (natural frequencies) stays in one cell.
+        // A list, such as the natural frequencies, is one cell.
         Value::Array(items) => items.iter().map(cell).collect::<Vec<_>>().join(" "),
         other => other.to_string(),
     }

@@ -1,8 +1,9 @@
 //! The bump-stop harvester by general methods: TR-BDF2, the classical Runge-Kutta method and Newmark's.
 //!
-//! They integrate the modal equations with the contact as the spring that the modes left out make of it,
-//! `F = k max(0, g)`, and step over the instants of contact. Each is written for this system: in order of
-//! the number of modes, an implicit stage in closed form. So their run times are those of the methods.
+//! They integrate the modal equations with the contact as a spring, `F = k max(0, g)`, whose compliance is that of the
+//! modes left out. Steps do not end at the instants of contact. Each method is written for this system: the cost of a
+//! step is proportional to the number of modes, and an implicit stage is solved in closed form. So the run times are those
+//! of the methods.
 
 mod meter;
 mod method;
@@ -12,16 +13,16 @@ use std::time::Instant;
 
 use self::meter::Meter;
 use self::method::{Implicit, RungeKutta4, Stepper};
-use self::system::{Shaking, State, System};
-use crate::method::{Failure, Method, Options};
+use self::system::{BaseAcceleration, State, System};
+use crate::method::{Failure, Method, Options, Precision};
 use crate::outcome::{BUMP_STOP_COLUMNS, Outcome, Particular, Recording};
 use crate::scene_file::{BumpStop, Contact, Scene};
 
-/// Step of the implicit methods in s where none is given: that of the core's method near contact.
+/// Step of the implicit methods in s where none is given: as the core's method near contact.
 const DEFAULT_STEP_S: f64 = 1e-6;
 
-/// Step of the explicit method over the inverse of the highest angular frequency where none is given; it
-/// is stable up to 2.78.
+/// Step of the explicit method times the highest angular frequency where no step is given; the method is stable up to
+/// 2.78.
 const DEFAULT_RADIANS: f64 = 2.0;
 
 /// Runs the scene from its start to its end.
@@ -32,38 +33,17 @@ const DEFAULT_RADIANS: f64 = 2.0;
 pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<Outcome, Failure> {
     check(scene, model, options)?;
     let system = System::new(model, scene.load);
-    let default = match options.method {
-        Method::Rk4 => DEFAULT_RADIANS / system.highest_angular_frequency(),
-        _ => DEFAULT_STEP_S,
-    };
     let mut march = March {
-        shaking: Shaking::new(&scene.excitation),
+        base: BaseAcceleration::new(&scene.excitation),
         state: system.start(&model.initial),
         system: &system,
         recorder: options.trace_every_s.map(|every| Recorder { every, rows: Vec::new() }),
         has_stop: model.stop.is_some(),
         steps: 0,
     };
-    let [settled, end] = [scene.run.settle_s, scene.run.duration_s];
-    let step = options.step_s.unwrap_or(default);
     let began = Instant::now();
     let mut meter = Meter::new(&system, &march.state);
-    for (from, to, measured) in [(0.0, settled, false), (settled, end, true)] {
-        if to <= from {
-            continue;
-        }
-        meter.measure(measured);
-        // Equal steps that end where the stretch ends; one that divides it stays as it is.
-        let count = ((to - from) / step * (1.0 - 4.0 * f64::EPSILON)).ceil().max(1.0);
-        let span = Span { from, step: (to - from) / count, count: count as u64 };
-        match options.method {
-            Method::Rk4 => march.through(&span, &mut RungeKutta4::new(&system), &mut meter)?,
-            Method::TrBdf2 => {
-                march.through(&span, &mut Implicit::tr_bdf2(&system, span.step), &mut meter)?;
-            }
-            _ => march.through(&span, &mut Implicit::newmark(&system, span.step), &mut meter)?,
-        }
-    }
+    march.run(scene, options, &mut meter)?;
     let wall_s = began.elapsed().as_secs_f64();
     let totals = meter.close(scene, march.has_stop, &march.state);
     Ok(Outcome {
@@ -76,14 +56,14 @@ pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<
         .to_owned(),
         precision: "f64",
         math: "std",
-        duration_s: end,
-        settle_s: settled,
+        duration_s: scene.run.duration_s,
+        settle_s: scene.run.settle_s,
         mean_power_w: Some(totals.delivered_energy / scene.run.window_s()),
         rms_voltage_v: Some(totals.rms_voltage),
         peak_voltage_v: Some(totals.peak_voltage),
         mean_voltage_v: Some(totals.mean_voltage),
         delivered_energy_j: Some(totals.delivered_energy),
-        // No ledger is kept: the methods have no work of their own to book.
+        // These methods keep no energy ledger.
         energy_residual: None,
         steps: march.steps,
         rejected_steps: 0,
@@ -97,10 +77,10 @@ pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<
     })
 }
 
-/// Refuses what these methods do not have.
+/// Refuses options and contact laws that these methods do not have.
 fn check(scene: &Scene, model: &BumpStop, options: &Options) -> Result<(), Failure> {
     let refuse = |text: &str| Err(Failure::Input(text.to_owned()));
-    if options.precision == Some(crate::method::Precision::F32) {
+    if options.precision == Some(Precision::F32) {
         return refuse("--precision f32: must be f64 with this method, which is the host's for this scene");
     }
     if options.math.is_some() {
@@ -115,11 +95,9 @@ fn check(scene: &Scene, model: &BumpStop, options: &Options) -> Result<(), Failu
         return refuse("--long-step: must be with --method discrete-gradient");
     }
     if model.stop.is_some_and(|stop| stop.contact != Contact::ResidualFlexibility) {
-        return Err(Failure::Input(format!(
-            "{}: stop.contact: must be \"residual-flexibility\" with this method, which has no impacts and no \
-             constraints",
-            scene.file.display()
-        )));
+        let text = "stop.contact: must be \"residual-flexibility\" with this method, which has no impacts and no \
+                    constraints";
+        return Err(Failure::of_file(scene, text));
     }
     Ok(())
 }
@@ -131,16 +109,24 @@ struct Span {
     count: u64,
 }
 
+impl Span {
+    /// Equal steps of at most `step` that end at `to`; a step that divides the stretch is kept.
+    fn new(from: f64, to: f64, step: f64) -> Self {
+        let count = ((to - from) / step * (1.0 - 4.0 * f64::EPSILON)).ceil().max(1.0);
+        Self { from, step: (to - from) / count, count: count as u64 }
+    }
+}
+
 /// Rows at equal distances in time.
 struct Recorder {
     every: f64,
     rows: Vec<Vec<f64>>,
 }
 
-/// Where the run is.
+/// The state of a run.
 struct March<'a> {
     system: &'a System,
-    shaking: Shaking<'a>,
+    base: BaseAcceleration<'a>,
     state: State,
     recorder: Option<Recorder>,
     has_stop: bool,
@@ -148,6 +134,29 @@ struct March<'a> {
 }
 
 impl March<'_> {
+    /// Takes all steps, those before the measuring window first.
+    fn run(&mut self, scene: &Scene, options: &Options, meter: &mut Meter<'_>) -> Result<(), Failure> {
+        let system = self.system;
+        let step = options.step_s.unwrap_or_else(|| match options.method {
+            Method::Rk4 => DEFAULT_RADIANS / system.highest_angular_frequency(),
+            _ => DEFAULT_STEP_S,
+        });
+        let [settled, end] = [scene.run.settle_s, scene.run.duration_s];
+        for (from, to, measured) in [(0.0, settled, false), (settled, end, true)] {
+            if to <= from {
+                continue;
+            }
+            meter.measure(measured);
+            let span = Span::new(from, to, step);
+            match options.method {
+                Method::Rk4 => self.through(&span, &mut RungeKutta4::new(system), meter)?,
+                Method::TrBdf2 => self.through(&span, &mut Implicit::tr_bdf2(system, span.step), meter)?,
+                _ => self.through(&span, &mut Implicit::newmark(system, span.step), meter)?,
+            }
+        }
+        Ok(())
+    }
+
     fn through(
         &mut self,
         span: &Span,
@@ -158,7 +167,7 @@ impl March<'_> {
         for index in 0..span.count {
             let time = span.from + index as f64 * span.step;
             before.copy_from(&self.state);
-            stepper.step(&mut self.state, &mut self.shaking, time, span.step);
+            stepper.step(&mut self.state, &mut self.base, time, span.step);
             self.steps += 1;
             if !self.state.is_finite() {
                 let [tip, _] = self.system.tip(&before);
@@ -176,12 +185,12 @@ impl March<'_> {
         Ok(())
     }
 
-    /// Writes the rows that are due within a step, by the cubic through both ends.
+    /// Records the rows that are due within a step, by the cubic through both ends.
     fn record(&mut self, before: &State, time: f64, step: f64) {
         let Some(recorder) = &mut self.recorder else { return };
         loop {
             let due = recorder.rows.len() as f64 * recorder.every;
-            // A row due at the end of the run may be computed as just after it.
+            // Rounding may put a row that is due at the end of the run just after it.
             if due > (time + step) * (1.0 + 4.0 * f64::EPSILON) {
                 return;
             }
@@ -200,7 +209,7 @@ impl March<'_> {
                 of_stop(dense(&|state| system.rod_face(state))),
                 dense(&|state| [state.voltage, system.voltage_rate(state)]),
                 of_stop(forces[0] + (forces[1] - forces[0]) * place),
-                self.shaking.at(due),
+                self.base.at(due),
             ]);
         }
     }

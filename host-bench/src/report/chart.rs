@@ -4,7 +4,9 @@ use plotters::prelude::*;
 
 use super::svg::{self, Area, Drawn, FONT, power_of_ten, svg};
 use crate::method::{Math, Precision};
-use crate::work_precision::{Comparison, Row, table};
+use crate::work_precision::table::resistance;
+use crate::work_precision::triboelectric::method_name;
+use crate::work_precision::{Comparison, Variant};
 
 /// Width and height of the picture.
 const SIZE: (u32, u32) = (980, 520);
@@ -21,9 +23,6 @@ struct Series {
 }
 
 /// The picture as SVG text.
-///
-/// # Errors
-/// What the drawing library says.
 pub(super) fn draw(comparison: &Comparison) -> Result<String, String> {
     let series = series(comparison);
     svg(SIZE, |area| {
@@ -33,23 +32,23 @@ pub(super) fn draw(comparison: &Comparison) -> Result<String, String> {
     })
 }
 
-/// The curves: one for each method and precision. Rows of other math backends than the polynomials,
-/// and those that are all wrong, are in the table.
+/// The curves: one for each method and precision. Rows with other elementary functions than the polynomials, and rows with
+/// an error above 1, are in the table only.
 fn series(comparison: &Comparison) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     for row in &comparison.rows {
         let Some(found) = &row.found else { continue };
-        let Some(error) = found.errors.mean_power_error else { continue };
+        let Some(error) = comparison.error(row) else { continue };
         if error > 1.0 || row.variant.math.is_some_and(|math| math != Math::Polynomial) {
             continue;
         }
-        let name = name(row);
+        let name = name(&row.variant);
         let point = (found.ns_per_s / 1e3, error.max(1e-16));
         match series.iter_mut().find(|series| series.name == name) {
             Some(series) => series.points.push(point),
             None => series.push(Series {
                 name,
-                colour: colour(row.variant.method_name()),
+                colour: colour(method_name(&row.variant)),
                 dashed: row.variant.precision == Precision::F32,
                 points: vec![point],
             }),
@@ -61,12 +60,8 @@ fn series(comparison: &Comparison) -> Vec<Series> {
     series
 }
 
-fn name(row: &Row) -> String {
-    let cells = row.cells();
-    match &cells[..] {
-        [method, precision, ..] => format!("{method}, {precision}"),
-        _ => String::new(),
-    }
+fn name(variant: &Variant) -> String {
+    format!("{}, {}", method_name(variant), variant.precision.name())
 }
 
 fn colour(method: &str) -> RGBColor {
@@ -86,7 +81,7 @@ fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
         return (0.97e-1, 1.03);
     }
     let (low, high) = (low.log10().floor(), high.log10().ceil());
-    // A little more, so that the decades at both ends get their ticks.
+    // A little wider than the decades, so that both ends have ticks.
     (0.97 * 10f64.powf(low), 1.03 * 10f64.powf(if high > low { high } else { low + 1.0 }))
 }
 
@@ -94,7 +89,7 @@ fn curves(area: &Area<'_>, series: &[Series], comparison: &Comparison) -> Drawn 
     let all = || series.iter().flat_map(|series| series.points.iter().copied());
     let (left, right) = decades(all().map(|point| point.0));
     let (low, high) = decades(all().map(|point| point.1));
-    let title = format!("{}, R = {}", comparison.file, table::resistance(comparison.resistance_ohm));
+    let title = format!("{}, R = {}", comparison.file(), resistance(comparison.scene.load.resistance_ohm()));
     let mut chart = ChartBuilder::on(area)
         .caption(title, (FONT, 18))
         .margin(12)

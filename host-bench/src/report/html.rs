@@ -1,4 +1,4 @@
-//! The frame of a page, with its style in it: a page is one file.
+//! The frame of an HTML page with its style in it: a page is one file.
 
 const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color:#1b1f24;background:#fff;max-width:72rem;\
 margin:2rem auto;padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.2rem;margin-top:2.5rem}\
@@ -10,7 +10,7 @@ td{border-bottom:1px solid #d0d7de;padding:.2rem .7rem;white-space:nowrap}\
 td.number,th.number{text-align:right}tr.beyond td{color:#6e7781}\
 p.note{font-size:.85rem;color:#57606a;margin:.3rem 0}";
 
-/// A whole page; the title is plain text, the body is HTML.
+/// An HTML page; the title is plain text, the body is HTML.
 pub(crate) fn document(title: &str, body: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -20,7 +20,7 @@ pub(crate) fn document(title: &str, body: &str) -> String {
     )
 }
 
-/// Plain text within HTML.
+/// Plain text as HTML.
 pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -1,7 +1,7 @@
 //! Curves and dots over linear or logarithmic axes, one plot above another.
 //!
-//! The drawing library does the axes, on whole pixels. Curves and dots are paths of our own: finer
-//! than a pixel, and ten thousand dots in one short element.
+//! The drawing library draws the axes, on whole pixels. Curves and dots are SVG paths written here: they are finer than a
+//! pixel, and ten thousand dots are one short element.
 
 use std::fmt::Write;
 
@@ -9,14 +9,14 @@ use plotters::prelude::*;
 
 use super::svg::{Area, Drawn, FONT, GRID, power_of_ten, svg, tick};
 
-/// An axis: what it shows, from where to where.
+/// An axis: its title and its span.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Axis {
-    /// What it shows, with its unit.
+    /// The quantity with its unit.
     pub(crate) title: &'static str,
-    /// Where it begins and ends.
+    /// Its first and its last value.
     pub(crate) span: [f64; 2],
-    /// About how many numbers stand at it; at a logarithmic one, the powers of ten among them.
+    /// Approximate number of labels; a logarithmic axis labels the powers of ten.
     pub(crate) ticks: usize,
     logarithmic: bool,
 }
@@ -30,18 +30,18 @@ impl Axis {
     /// Equal distances for equal ratios, and a number at each power of ten.
     pub(crate) fn logarithmic(title: &'static str, span: [f64; 2]) -> Self {
         let decades = (span[1] / span[0]).log10().abs().ceil();
-        // A few more than the powers, so that no power is passed over.
+        // More than the powers of ten, so that none is left out.
         Self { title, span, ticks: decades as usize + 2, logarithmic: true }
     }
 
-    /// Where a value stands, on a linear scale.
+    /// The place of a value on a linear scale.
     fn place(&self, value: f64) -> f64 {
         if self.logarithmic { value.log10() } else { value }
     }
 
     /// The number at a place.
     fn label(&self, place: f64) -> String {
-        // A sum of steps that should be 0 is it but for its rounding.
+        // A sum of steps that should be 0 may differ by rounding.
         let place = if place.abs() < 1e-9 * (self.span[1] - self.span[0]).abs() { 0.0 } else { place };
         match (self.logarithmic, (place - place.round()).abs() < 1e-9) {
             (false, _) => tick(place),
@@ -62,10 +62,10 @@ pub(crate) enum Mark {
     Dots(f64),
 }
 
-/// Points, drawn alike.
+/// Points with a colour and a mark.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Curve {
-    /// Name in the legend; without one it is not there.
+    /// Name in the legend; empty for a curve that the legend does not have.
     pub(crate) name: String,
     pub(crate) colour: RGBColor,
     pub(crate) mark: Mark,
@@ -93,9 +93,6 @@ const TITLE: (&str, u32) = (FONT, 20);
 const TEXT: (&str, u32) = (FONT, 18);
 
 /// The plots, one above the other and equally high, as SVG text.
-///
-/// # Errors
-/// What the drawing library says.
 pub(crate) fn draw(size: (u32, u32), plots: &[Plot]) -> Result<String, String> {
     let mut paths = String::new();
     let frame = svg(size, |area| {
@@ -109,7 +106,7 @@ pub(crate) fn draw(size: (u32, u32), plots: &[Plot]) -> Result<String, String> {
     Ok(format!("{frame}{paths}{end}"))
 }
 
-/// Draws all but the curves, whose paths are put behind `paths`.
+/// Draws the axes, and appends the paths of the curves to `paths`.
 fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
     let mut area = area.titled(&plot.title, TITLE)?;
     if plot.curves.iter().any(|curve| !curve.name.is_empty()) {
@@ -140,11 +137,11 @@ fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
         .x_label_formatter(&|x| plot.across.label(*x))
         .y_label_formatter(&|y| plot.up.label(*y))
         .draw()?;
-    // The library's last pixel is within the axis.
+    // The last pixel of the library's range is part of the axis.
     let (columns, rows) = chart.plotting_area().get_pixel_range();
     let (width, height) = (columns.end - columns.start - 1, rows.end - rows.start - 1);
-    // What lies outside of the axes is cut off by an inner picture: it needs no name, and names would
-    // clash where one page holds several pictures.
+    // An inner SVG element clips the curves at the axes. A clip path would need a name, and names clash where one page
+    // holds several pictures.
     let _ = writeln!(
         paths,
         "<svg x=\"{}\" y=\"{}\" width=\"{width}\" height=\"{height}\">",
@@ -180,7 +177,7 @@ fn legend(area: &Area<'_>, curves: &[Curve], paths: &mut String) -> Drawn {
     Ok(())
 }
 
-/// Leaves out the points within a level stretch to the right.
+/// Removes the inner points of level stretches that go to the right.
 fn level(points: &mut Vec<[i64; 2]>) {
     let mut kept: Vec<[i64; 2]> = Vec::with_capacity(points.len());
     for &point in points.iter() {

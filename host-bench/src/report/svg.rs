@@ -1,4 +1,4 @@
-//! What all pictures share: the SVG text around a drawing, fonts, colours and ticks.
+//! The SVG text around a drawing, and the fonts, colours and ticks of all pictures.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -6,13 +6,13 @@ use plotters::prelude::*;
 /// The drawing library's area.
 pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// What drawing gives.
+/// The result of drawing.
 pub(crate) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
 
-/// Whatever the viewer has.
+/// The default font of the viewer.
 pub(crate) const FONT: &str = "sans-serif";
 
-/// Okabe and Ito's colours, which the colour-blind tell apart too.
+/// Colours of Okabe and Ito, distinct for the colour-blind too.
 pub(crate) const BLACK: RGBColor = RGBColor(0, 0, 0);
 pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
 pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
@@ -23,9 +23,6 @@ pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
 pub(crate) const GRID: RGBColor = RGBColor(224, 228, 232);
 
 /// The drawing on a white ground, as SVG text.
-///
-/// # Errors
-/// What the drawing library says.
 pub(crate) fn svg(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, String> {
     let mut text = String::new();
     {
@@ -36,7 +33,7 @@ pub(crate) fn svg(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Re
     Ok(text)
 }
 
-/// A number with three digits, as short as that can be written.
+/// A number with three digits, without trailing zeros.
 pub(crate) fn tick(value: f64) -> String {
     let plain = value == 0.0 || (1e-2..1e4).contains(&value.abs());
     let text = if plain { format!("{value:.3}") } else { format!("{value:.2e}") };
@@ -48,7 +45,7 @@ pub(crate) fn tick(value: f64) -> String {
     }
 }
 
-/// The range of the values, widened where it has no width.
+/// The range of the values, with a margin.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
@@ -56,7 +53,7 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (low - margin, high + margin)
 }
 
-/// `10` to the nearest whole exponent.
+/// Ten to the nearest whole exponent, as text.
 pub(crate) fn power_of_ten(exponent: f64) -> String {
     let digits = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
     let text: String = format!("{:.0}", exponent.round() + 0.0)

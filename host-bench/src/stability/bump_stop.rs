@@ -1,59 +1,84 @@
-//! Whether the core gives a right answer, or says that it does not, over the range of bump-stop scenes:
-//! mode counts, gaps, loads, stiffness of the rod, damping, contact laws, steps and precisions.
+//! The bump-stop scenes: mode counts, gaps, loads, stiffness of the rod, damping, contact laws, steps and precisions.
 //!
-//! From the shipped scene with a few modes, one quantity at a time is taken through its range, under each
-//! contact law, at all steps and in both precisions. Each run must give finite numbers or a named error,
-//! push and never pull, and close its energy ledger. Its RMS voltage is compared with the reference where
-//! the step resolves a contact and the motion is not sensitive.
+//! From the shipped scene with a few modes, one quantity at a time is taken through its range, under each contact law, at
+//! all steps and in both precisions. Each run must give finite numbers or a named error, must have no negative contact
+//! force, and must close its energy ledger. Its RMS voltage is compared with the reference where the step resolves a
+//! contact and the motion is not sensitive.
 
 mod grid;
-pub mod table;
+mod table;
 
 use serde::Serialize;
 
-use crate::method::{Failure, Method, Options, Precision, run_scene};
-use crate::outcome::{Outcome, Particular};
+pub(crate) use self::grid::Setting;
+use self::grid::{law_name, settings, steps};
+use super::{Finding, Grid, Subject, difference, ohms};
+use crate::method::{Failure, Method, Options, Precision};
+use crate::outcome::{Outcome, Particular, number};
+use crate::run::run_scene;
 use crate::scene_file::{Contact, Model, Scene};
 
-pub use self::grid::{Setting, settings, steps};
-
 /// Relative difference in RMS voltage up to which a run agrees with the reference.
-pub const AGREEMENT: f64 = 0.05;
-/// Longest step in s that resolves a contact: they last from a few microseconds on.
-pub const RESOLVING_STEP: f64 = 1e-6;
-/// Residual of the energy ledger up to which it closes, in double and in single precision.
-pub const LEDGER: [f64; 2] = [1e-9, 1e-3];
-/// Relative shifts of the gap that tell a sensitive motion: far above what a resolving step makes of the
-/// time of a contact.
+const AGREEMENT: f64 = 0.05;
+/// Longest step in s that resolves a contact: contacts last from a few microseconds on.
+const RESOLVING_STEP: f64 = 1e-6;
+/// Residual of the energy ledger up to which the ledger closes, in double and in single precision.
+const LEDGER: [f64; 2] = [1e-9, 1e-3];
+/// Relative shifts of the gap that show a sensitive motion: far above the error of a contact's time at a resolving step.
 const SHIFTS: [f64; 2] = [-1e-3, 1e-3];
-/// Change of the RMS voltage under such a shift from which on the motion counts as sensitive.
+/// Relative change of the RMS voltage under such a shift above which the motion counts as sensitive.
 const SENSITIVE: f64 = 0.01;
-/// Rows of the recording in which forces are looked at.
+/// Rows of the recording in which the contact force is checked.
 const ROWS: f64 = 1000.0;
+/// Column of the contact force in a recording.
+const FORCE: usize = 5;
+
+/// The bump-stop scene.
+pub(crate) struct BumpStop;
+
+impl Subject for BumpStop {
+    type Setting = Setting;
+    type Finding = BumpStopFinding;
+
+    const HEADING: &'static str = "Bump-stop";
+    const SCENE: &'static str = "bump-stop";
+
+    fn settings(_grid: Grid) -> Vec<Setting> {
+        settings()
+    }
+
+    fn examine(base: &Scene, setting: Setting, grid: Grid) -> Vec<BumpStopFinding> {
+        examine(base, setting, steps(grid))
+    }
+
+    fn text(findings: &[BumpStopFinding]) -> String {
+        table::text(findings)
+    }
+}
 
 /// What became of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub(crate) enum Verdict {
     /// Within [`AGREEMENT`] of the reference.
     Agrees,
-    /// The step does not resolve the contacts: finite, pushing, and the ledger closes.
+    /// The step does not resolve the contacts: finite, no negative contact force, and the ledger closes.
     Unresolved,
-    /// The same, and there is no reference for a contact that is a constraint in each step.
+    /// As [`Verdict::Unresolved`], and there is no reference for a contact that is a constraint in each step.
     NoReference,
-    /// The same, and the reference itself changes when the gap is shifted by a thousandth.
+    /// As [`Verdict::Unresolved`], and the reference itself changes when the gap is shifted by a thousandth.
     Sensitive,
     /// Refused, or a named error.
     Error,
-    /// Finite and off the reference, and none of the above.
+    /// Finite and far from the reference, and none of the above.
     Off,
-    /// Not finite, a pulling force, or a ledger that does not close.
+    /// Not finite, a negative contact force, or a ledger that does not close.
     Broken,
 }
 
 impl Verdict {
     /// All verdicts, in the order of the tables.
-    pub const ALL: [Self; 7] = [
+    const ALL: [Self; 7] = [
         Self::Agrees,
         Self::Unresolved,
         Self::NoReference,
@@ -64,8 +89,7 @@ impl Verdict {
     ];
 
     /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Agrees => "agrees",
             Self::Unresolved => "unresolved step",
@@ -78,32 +102,67 @@ impl Verdict {
     }
 
     /// Whether nothing explains it.
-    #[must_use]
-    pub fn is_failure(self) -> bool {
+    fn is_failure(self) -> bool {
         matches!(self, Self::Off | Self::Broken)
     }
 }
 
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BumpStopFinding {
+pub(crate) struct BumpStopFinding {
     /// The case.
     #[serde(flatten)]
-    pub setting: Setting,
+    setting: Setting,
     /// Step in s.
-    pub step_s: f64,
+    step_s: f64,
     /// Precision.
-    pub precision: Precision,
+    precision: Precision,
     /// What became of it.
-    pub verdict: Verdict,
+    verdict: Verdict,
     /// Why.
-    pub reason: String,
+    reason: String,
     /// Relative difference of the RMS voltage to the reference.
-    pub voltage_difference: Option<f64>,
+    voltage_difference: Option<f64>,
     /// Residual of the energy ledger.
-    pub energy_residual: Option<f64>,
+    energy_residual: Option<f64>,
     /// Contacts of the run.
-    pub contacts: Option<u64>,
+    contacts: Option<u64>,
+}
+
+impl Finding for BumpStopFinding {
+    fn case(&self) -> Vec<(&'static str, String)> {
+        let setting = &self.setting;
+        vec![
+            ("contact", law_name(setting.contact).to_owned()),
+            ("beam_modes", setting.beam_modes.to_string()),
+            ("rod_modes", setting.rod_modes.to_string()),
+            ("gap_m", number(setting.gap_m)),
+            ("resistance_ohm", ohms(setting.resistance_ohm)),
+            ("rod_young_modulus_pa", number(setting.rod_young_modulus_pa)),
+            ("damping_ratio", number(setting.damping_ratio)),
+            ("precision", self.precision.name().to_owned()),
+            ("step_s", number(self.step_s)),
+        ]
+    }
+
+    fn verdict(&self) -> Vec<(&'static str, String)> {
+        let optional = |value: Option<f64>| value.map_or_else(String::new, number);
+        vec![
+            ("verdict", self.verdict.name().to_owned()),
+            ("voltage_difference", optional(self.voltage_difference)),
+            ("energy_residual", optional(self.energy_residual)),
+            ("contacts", self.contacts.map_or_else(String::new, |contacts| contacts.to_string())),
+            ("reason", self.reason.clone()),
+        ]
+    }
+
+    fn is_failure(&self) -> bool {
+        self.verdict.is_failure()
+    }
+
+    fn options(&self) -> String {
+        format!("--precision {} --step {:e} {}", self.precision.name(), self.step_s, self.setting.overrides())
+    }
 }
 
 /// What the reference says of a case.
@@ -114,7 +173,7 @@ struct Reference {
 }
 
 impl Reference {
-    /// `None` where it has nothing to say or cannot run.
+    /// `None` for a contact law that the reference does not have, or if the reference cannot run.
     fn of(scene: &Scene) -> Option<Self> {
         let ask = |scene: &Scene| {
             let options = Options { method: Method::Reference, ..Options::default() };
@@ -135,14 +194,8 @@ impl Reference {
     }
 }
 
-fn difference(one: f64, other: f64) -> f64 {
-    let larger = one.abs().max(other.abs());
-    if larger <= 1e-30 { 0.0 } else { (one - other).abs() / larger }
-}
-
 /// Runs one case at all steps in both precisions.
-#[must_use]
-pub fn examine(base: &Scene, setting: Setting, steps: &[f64]) -> Vec<BumpStopFinding> {
+fn examine(base: &Scene, setting: Setting, steps: &[f64]) -> Vec<BumpStopFinding> {
     let scene = setting.scene(base);
     let reference = Reference::of(&scene);
     let mut findings = Vec::new();
@@ -198,15 +251,15 @@ fn judge(outcome: &Outcome, finding: &BumpStopFinding, reference: Option<Referen
     if let Some(reason) = broken(outcome, finding) {
         return (Verdict::Broken, reason.to_owned());
     }
-    let told = |verdict| (verdict, String::new());
+    let plain = |verdict| (verdict, String::new());
     if finding.step_s > RESOLVING_STEP {
-        return told(Verdict::Unresolved);
+        return plain(Verdict::Unresolved);
     }
     match (reference, finding.voltage_difference) {
-        (Some(_), Some(difference)) if difference <= AGREEMENT => told(Verdict::Agrees),
-        (Some(exact), Some(_)) if exact.is_sensitive => told(Verdict::Sensitive),
+        (Some(_), Some(difference)) if difference <= AGREEMENT => plain(Verdict::Agrees),
+        (Some(exact), Some(_)) if exact.is_sensitive => plain(Verdict::Sensitive),
         (Some(_), _) => (Verdict::Off, "the RMS voltage is not that of the reference".to_owned()),
-        (None, _) => told(Verdict::NoReference),
+        (None, _) => plain(Verdict::NoReference),
     }
 }
 
@@ -242,9 +295,6 @@ fn broken(outcome: &Outcome, finding: &BumpStopFinding) -> Option<&'static str> 
     let closes = outcome.energy_residual.is_none_or(|residual| residual <= allowed);
     (conserves && !closes).then_some("the energy ledger does not close")
 }
-
-/// Column of the contact force in a recording.
-const FORCE: usize = 5;
 
 #[cfg(test)]
 mod tests;

@@ -2,17 +2,18 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Size of the finite differences, relative to the scale of each entry. Measured on an impacting motion,
-/// the noise that the rounding of events and the choice of steps leave in the map is 1e-11 of the scale
-/// at tolerances from 1e-3 down, and its curvature is of the order of 10: the entries of the Jacobian
-/// are good to some 1e-4. Below 1 Ω, where a change of the gap alone starts a transient much faster than
-/// any step, the noise is 1e-7 to 1e-6: a smaller difference would be lost in it.
+/// Size of the finite differences, relative to the scale of each entry.
+///
+/// Measured on an impacting motion at tolerances of 1e-3 and below, the map has a noise of 1e-11 of the scale, from the
+/// rounding of events and the choice of steps, and a curvature of the order of 10. So the entries of the Jacobian are
+/// accurate to about 1e-4. Below 1 Ω the noise is 1e-7 to 1e-6, because a change of the gap alone starts a transient much
+/// faster than any step. A smaller difference would be lost in that noise.
 const DIFFERENCE: f64 = 1e-5;
-/// Iterations after which a start is given up.
+/// Iterations after which the search from a start ends.
 const MOST_ITERATIONS: usize = 10;
 /// Smallest part of a step that is tried.
 const SMALLEST_PART: f64 = 1.0 / 8.0;
-/// A step that leaves more than this part of the residual is a sign that the Jacobian has changed.
+/// Part of the residual; a step that leaves more of it shows that the Jacobian has changed.
 const POOR: f64 = 0.2;
 
 /// A map linearised at a point, in units of the scale of each entry.
@@ -20,7 +21,7 @@ const POOR: f64 = 0.2;
 pub(super) struct Linearisation {
     /// Derivative of entry `i` of the image by entry `j` of the point.
     jacobian: DMatrix<f64>,
-    /// The entries that the map changes: one that it hands on to the last bit is no unknown.
+    /// The entries that the map changes. An entry that keeps all bits is no unknown.
     unknowns: Vec<usize>,
 }
 
@@ -36,7 +37,7 @@ impl Linearisation {
         values
     }
 
-    /// The image of a small change.
+    /// The change of the image that a small change of the point makes.
     pub(super) fn image<const N: usize>(&self, change: &[f64; N]) -> [f64; N] {
         let image = &self.jacobian * DVector::from_column_slice(change);
         std::array::from_fn(|index| image[index])
@@ -58,7 +59,7 @@ impl Linearisation {
         step.iter().all(|value| value.is_finite()).then_some(step)
     }
 
-    /// Broyden's update: the least change with which `step` has the image that was seen.
+    /// Broyden's update: the least change of the Jacobian with which `step` has the observed image.
     fn update(&mut self, step: &DVector<f64>, change: &DVector<f64>) {
         let square = step.norm_squared();
         if square > 0.0 {
@@ -87,7 +88,7 @@ pub(super) struct Map<'a, const N: usize> {
 impl<const N: usize> Map<'_, N> {
     /// The fixed point that the iteration finds from `start`; `None` if it finds none.
     ///
-    /// `known` is the map linearised nearby, if that is known.
+    /// `known` is a linearisation of the map nearby, if there is one.
     pub(super) fn fixed_point(
         &mut self,
         start: [f64; N],
@@ -127,8 +128,8 @@ impl<const N: usize> Map<'_, N> {
         None
     }
 
-    /// The farthest point along `step` at which the residual is less, with its image. Within the
-    /// accuracy asked for, the residual may be noise, and the whole step is taken.
+    /// The farthest point along `step` at which the residual is less, with its image. A step below the accuracy is taken
+    /// whole, because the residual may be noise.
     fn descend(
         &mut self,
         point: &[f64; N],
@@ -155,7 +156,7 @@ impl<const N: usize> Map<'_, N> {
         for column in 0..N {
             let mut beside = *point;
             beside[column] += DIFFERENCE * self.scale[column];
-            // What was added once it is rounded.
+            // The difference after rounding.
             let difference = (beside[column] - point[column]) / self.scale[column];
             let beside_image = (self.apply)(&beside)?;
             jacobian.set_column(column, &(self.scaled(&beside_image, image) / difference));

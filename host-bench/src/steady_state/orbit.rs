@@ -1,4 +1,4 @@
-//! Motions that repeat themselves in every period: found after a transient, or from one nearby.
+//! Motions of one period of the excitation: found after a transient, or from an orbit at a frequency close by.
 
 use std::fmt::Debug;
 
@@ -16,38 +16,37 @@ use super::period_map::{ForcedSystem, Spent, Watch};
 const ACCURACY: f64 = 1e-7;
 /// Distance, in the same units, at which the transient has arrived at an orbit.
 const ARRIVED: f64 = 1e-3;
-/// Periods for which the transient is watched: on a motion of two or three periods beside the orbit it
-/// is back where it was, or has come no nearer.
+/// Periods for which the transient is watched. On a motion of two or three periods beside the orbit it returns to where it
+/// was, or comes no nearer to the orbit.
 const WATCHED: u32 = 3;
-/// Part of its distance by which the transient may then stand elsewhere than the orbit's multipliers
-/// foretell.
-const ASTRAY: f64 = 0.2;
+/// Largest difference of the transient from the prediction by the orbit's multipliers, as a part of its first distance.
+const MISPREDICTED: f64 = 0.2;
 
 /// How an orbit is sought.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Search<const N: usize> {
-    /// Typical size of each state, in its own unit: a thousandth of it is a small motion.
+    /// Typical size of each state, in its own unit. A thousandth of it counts as a small motion.
     pub typical: [f64; N],
     /// Periods of transient before the first attempt, and from one attempt to the next.
     pub patience: u32,
-    /// Attempts after which the search is given up.
+    /// Attempts after which the search ends.
     pub attempts: u32,
 }
 
 impl<const N: usize> Search<N> {
     /// The search by default.
     ///
-    /// Twenty periods are enough for a lightly damped start to have overshot: measured on 568 points of
-    /// the contact-separation scene, 10 periods miss the impacts that are to come at 7 points, most at the
-    /// upper edge of the band, 20 at none. With five attempts four points are left at which a run of 300
-    /// periods is on another motion than the orbit that was named.
+    /// Within twenty periods the amplitude of a lightly damped start has overshot. Measured on 568 points of the
+    /// contact-separation scene, after 10 periods the impacts of the later motion are missed at 7 points, most at the upper
+    /// edge of the band, and after 20 periods at none. With five attempts, at four points a run of 300 periods ends on
+    /// another motion than the orbit that was found.
     #[must_use]
     pub const fn new(typical: [f64; N]) -> Self {
         Self { typical, patience: 20, attempts: 5 }
     }
 }
 
-/// A motion that repeats itself in every period.
+/// A motion of one period of the excitation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orbit<Mode, const N: usize, const P: usize> {
     /// Its state at some instant of the first period, away from events.
@@ -75,12 +74,12 @@ impl<Mode, const N: usize, const P: usize> Orbit<Mode, N, P> {
     }
 }
 
-/// What was found.
+/// The result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict<Mode, const N: usize, const P: usize> {
-    /// A stable orbit, to which the transient goes.
+    /// A stable orbit that the transient approaches.
     StablePeriodOne(Orbit<Mode, N, P>),
-    /// A stable orbit, but the transient goes elsewhere.
+    /// A stable orbit that the transient does not approach.
     NotReached(Orbit<Mode, N, P>),
     /// An unstable orbit.
     UnstablePeriodOne(Orbit<Mode, N, P>),
@@ -112,7 +111,7 @@ impl<Mode, const N: usize, const P: usize> Verdict<Mode, N, P> {
     }
 }
 
-/// What a resonance curve shows of an orbit.
+/// The values of a resonance curve at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
     /// Half the distance between the extremes of the harvester's coordinate, in m.
@@ -167,7 +166,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
         Ok(verdict)
     }
 
-    /// The orbit that `other`, which belongs to another frequency close by, becomes at this one.
+    /// The orbit at this frequency that continues `other`, an orbit at a frequency close by.
     pub fn continued<Mode, const N: usize, const P: usize>(
         &self,
         other: &Orbit<Mode, N, P>,
@@ -184,8 +183,8 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
         self.orbit(&pattern, other.phase, other.scale, Some(other.linearisation.clone()), spent)
     }
 
-    /// The response of the stable orbit that `known` becomes at this frequency, or else of the steady state
-    /// of the motion from `start`; its orbit is the known one from then on.
+    /// The response of the stable orbit that continues `known` at this frequency, or else of the steady state of the
+    /// motion from `start`. The orbit of the response replaces `known`.
     ///
     /// # Errors
     /// If the transient meets a step that cannot be taken.
@@ -213,7 +212,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
         Ok(known.as_ref().and_then(|orbit| self.response(orbit, spent)))
     }
 
-    /// What the meters show of one period of an orbit; `None` if a step cannot be taken.
+    /// The response of one period of an orbit by the meters; `None` if a step cannot be taken.
     pub fn response<Mode, const N: usize, const P: usize>(
         &self,
         orbit: &Orbit<Mode, N, P>,
@@ -261,7 +260,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
         })
     }
 
-    /// Whether the motion at `state` goes to the orbit as its multipliers foretell.
+    /// Whether the motion from `state` approaches the orbit as its linearisation predicts.
     fn goes_to<Mode, const N: usize, const P: usize>(
         &self,
         orbit: &Orbit<Mode, N, P>,
@@ -279,18 +278,18 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
         };
         let size = |vector: &[f64; N]| vector.iter().fold(0.0_f64, |size, entry| size.max(entry.abs()));
         let mut vector = state.point.state;
-        let mut foretold = from_orbit(&vector);
-        let distance = size(&foretold);
+        let mut predicted = from_orbit(&vector);
+        let distance = size(&predicted);
         if distance < ARRIVED {
             return true;
         }
         for _ in 0..WATCHED {
             let Some(next) = self.period(state, &vector, &mut (), spent) else { return false };
             vector = next;
-            foretold = orbit.linearisation.image(&foretold);
+            predicted = orbit.linearisation.image(&predicted);
         }
         let found = from_orbit(&vector);
-        let astray: [f64; N] = std::array::from_fn(|index| found[index] - foretold[index]);
-        size(&astray) < ASTRAY * distance
+        let difference: [f64; N] = std::array::from_fn(|index| found[index] - predicted[index]);
+        size(&difference) < MISPREDICTED * distance
     }
 }

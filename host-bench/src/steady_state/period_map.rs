@@ -11,20 +11,20 @@ use model_core::observer::{AcceptedStep, Event, Observer};
 /// Attempts per call of the driver: the counts of a call fit in 32 bits.
 const BUDGET: u32 = 1 << 24;
 
-/// A harvester shaken by one sine.
+/// A harvester under one sine.
 #[derive(Debug)]
 pub struct ForcedSystem<'a, A, E, I> {
     /// The harvester.
     pub harvester: &'a A,
-    /// What shakes it: one sine.
+    /// The base acceleration: one sine.
     pub excitation: &'a E,
     /// Frequency of the sine in Hz.
     pub frequency_hz: f64,
-    /// How steps are taken.
+    /// The driver that takes the steps.
     pub driver: &'a Driver<I, AnyStepControl<f64>>,
 }
 
-// Not derived: what it refers to need not be `Copy`.
+// Not derived: the types behind the references need not be `Copy`.
 impl<A, E, I> Clone for ForcedSystem<'_, A, E, I> {
     fn clone(&self) -> Self {
         *self
@@ -58,7 +58,7 @@ impl Spent {
 }
 
 impl<A, E, I> ForcedSystem<'_, A, E, I> {
-    /// The instant `periods` periods after the start; the last there is if that is beyond.
+    /// The instant `periods` periods after the start, at most the last instant of the clock.
     pub(super) fn instant(&self, periods: f64) -> Instant {
         Instant::from_seconds(periods / self.frequency_hz).unwrap_or(Instant::from_ticks(u64::MAX))
     }
@@ -89,7 +89,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
         Ok(())
     }
 
-    /// `pattern` at another state vector: its clock, its mode and its memory are kept.
+    /// `pattern` at another state vector, with its clock, mode and memory.
     pub(super) fn at<Mode, const N: usize, const P: usize>(
         &self,
         pattern: &HybridState<f64, Mode, N, P>,
@@ -106,8 +106,8 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
         state
     }
 
-    /// The state vector one period after `vector`, which has the clock and the mode of `pattern`; `None`
-    /// if the mode is another then, or a step could not be taken.
+    /// The state vector one period after `vector`, which has the clock and the mode of `pattern`; `None` if the mode then
+    /// is another, or a step cannot be taken.
     pub(super) fn period<Mode, O, const N: usize, const P: usize>(
         &self,
         pattern: &HybridState<f64, Mode, N, P>,
@@ -129,7 +129,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     }
 }
 
-/// The smooth stretches of a motion, and how far each state went.
+/// The smooth stretches of a motion, and the extremes of each state.
 #[derive(Debug)]
 pub(super) struct Watch<const N: usize> {
     stretches: Vec<Stretch>,
@@ -155,7 +155,7 @@ impl<const N: usize> Watch<N> {
         }
     }
 
-    /// Half the distance that each state went, but no less than a thousandth of its typical size.
+    /// Half the range of each state, at least a thousandth of its typical size.
     pub(super) fn scale(&self, typical: &[f64; N]) -> [f64; N] {
         std::array::from_fn(|index| {
             let half = 0.5 * (self.highest[index] - self.lowest[index]);
@@ -163,8 +163,8 @@ impl<const N: usize> Watch<N> {
         })
     }
 
-    /// Ticks from the start of the watch to the middle of the longest smooth stretch, one without stick if there is
-    /// one; 0 where nothing ever happened.
+    /// Ticks from the start of the watch to the middle of the longest smooth stretch, without stick if there is such a
+    /// stretch; 0 for a motion without events.
     pub(super) fn calmest(&self) -> u64 {
         let [first, _, ..] = &self.stretches[..] else { return 0 };
         let longest = self.stretches.iter().max_by_key(|stretch| (!stretch.stick, stretch.to - stretch.from));

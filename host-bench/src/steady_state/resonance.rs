@@ -1,27 +1,27 @@
-//! The frequency at which a steady state responds most.
+//! The frequencies at which a steady state has its largest amplitude and its largest voltage.
 
 use serde::Serialize;
 
 use super::orbit::Response;
 
-/// Frequencies of the scan that comes first, by default.
+/// Frequencies of the first scan, by default.
 pub const DEFAULT_POINTS: usize = 41;
-/// Distance in Hz to which a peak is narrowed down.
+/// Width in Hz to which a peak is narrowed down.
 const WITHIN_HZ: f64 = 2e-5;
-/// Evaluations after which it is as good as it gets.
+/// Evaluations after which the search for a peak ends.
 const MOST_EVALUATIONS: usize = 60;
 
 /// A largest response.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Peak {
-    /// Where it is, in Hz.
+    /// Its frequency in Hz.
     pub frequency_hz: f64,
-    /// What it is, in the unit of the response.
+    /// Its value, in the unit of the response.
     pub value: f64,
-    /// Half the width in Hz of the interval that is known to hold it, if the response has one peak
-    /// between the points of the scan.
+    /// Half the width in Hz of the interval that contains it, if the response has one peak between the points of the
+    /// scan.
     pub within_hz: f64,
-    /// Whether it stands at an end of the range, so that more may lie beyond.
+    /// Whether it is at an end of the range, so that a larger response may lie beyond.
     pub at_edge: bool,
 }
 
@@ -37,13 +37,13 @@ pub struct Resonance {
     pub responses: Vec<(f64, Option<Response>)>,
 }
 
-/// Scans `points` frequencies from `from` to `to` in rising order, then narrows down both peaks.
+/// Scans `points` frequencies from `from` to `to` in Hz in rising order, then narrows down both peaks.
 ///
-/// `respond` gives the response at a frequency. It is asked along a path, so that it can follow an
-/// orbit. The result is `None` if there is no response at any frequency of the scan.
+/// `respond` gives the response at a frequency. Frequencies follow each other closely, so that `respond` can follow an
+/// orbit. The result is `None` if no frequency of the scan has a response.
 ///
 /// # Errors
-/// Whatever `respond` gives.
+/// Those of `respond`.
 pub fn resonance<F>(
     [from, to]: [f64; 2],
     points: usize,
@@ -134,7 +134,7 @@ fn narrowed<F>(
     Ok(Some(Peak { frequency_hz: first.0, value: first.1, within_hz, at_edge }))
 }
 
-/// Where the parabola through three points has its vertex, from the first; `None` if it has none.
+/// Distance from the first point to the vertex of the parabola through three points; `None` if there is no vertex.
 fn vertex(first: (f64, f64), second: (f64, f64), third: (f64, f64)) -> Option<f64> {
     let (left, right) = (second.0 - first.0, third.0 - first.0);
     let (fall_left, fall_right) = (second.1 - first.1, third.1 - first.1);

@@ -1,250 +1,217 @@
-//! Error against run time on a bump-stop scene: the core's method at one rate and at two, in both
+//! Rows, errors and columns of the bump-stop scenes: the core's method at one step length and at two, in both
 //! precisions, beside general methods on the host.
 
-pub mod table;
+use serde_json::{Value, json};
 
-use serde::Serialize;
-
-use super::Extent;
-use crate::method::{Failure, Method, Options, Precision, run_scene};
-use crate::outcome::{BumpStopOutcome, Outcome, Particular};
-use crate::scene_file::{BumpStop, Model, Scene};
-
-/// The error in RMS voltage that a row must reach to be compared by its run time.
-pub const TARGET_ERROR: f64 = 1e-2;
+use super::table::{Cell, Column, grouped, name, reason, shown};
+use super::variant::microseconds;
+use super::{Comparison, Control, Errors, Extent, Kind, Timing, Variant, relative};
+use crate::method::{Method, Precision};
+use crate::outcome::{BumpStopOutcome, Outcome};
+use crate::scene_file::{Model, Scene};
 
 /// Steps near contact in s that are tried.
 const STEPS: [f64; 9] = [2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2.5e-7, 1e-7, 5e-8];
 /// Those of the short table.
 const FEW_STEPS: [f64; 4] = [5e-6, 1e-6, 2.5e-7, 5e-8];
-/// Step in free flight of the rows with two rates, in s.
+/// Step in free flight of the rows with two step lengths, in s.
 const LONG_STEP: f64 = 2e-5;
-/// Fewest and most steps of a run: fewer would not resolve it, more take too long.
+/// Fewest and most steps of a run: fewer do not resolve the motion, more take too long.
 const STEP_COUNT: std::ops::RangeInclusive<f64> = 1e3..=3e6;
 
-/// One row to run.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Variant {
-    /// Method.
-    pub method: Method,
-    /// Precision.
-    pub precision: Precision,
-    /// Step in s; of two rates, that near contact.
-    pub step_s: f64,
-    /// Step in s in free flight, of two rates.
-    pub long_step_s: Option<f64>,
+const END: &str = "end_error";
+const FIRST_CONTACT: &str = "first_contact_error";
+const RMS_VOLTAGE: &str = "rms_voltage_error";
+const MEAN_FORCE: &str = "mean_force_error";
+
+pub(super) const KIND: Kind = Kind {
+    variants,
+    errors,
+    target: (RMS_VOLTAGE, 1e-2),
+    timing: Timing::ShortestBare,
+    lists_reference: false,
+    columns: &COLUMNS,
+    words: 2,
+    title,
+    notes: |table| vec![errors_note(table), fastest_note(table)],
+    label: |variant| format!("{}, {}", method_name(variant), variant.control),
+    summary,
+};
+
+const COLUMNS: [Column; 17] = [
+    Column::of("", "scene", |table, _| Cell::word(table.file())),
+    Column::of("", "beam_modes", |table, _| Cell::word(modes(&table.scene)[0])),
+    Column::of("", "rod_modes", |table, _| Cell::word(modes(&table.scene)[1])),
+    Column::of("method", "method", |_, row| {
+        Cell::Words(method_name(&row.variant).to_owned(), name(&row.variant.method))
+    }),
+    Column::of("precision", "precision", |_, row| Cell::word(name(&row.variant.precision))),
+    Column::of("step [us]", "step_s", |_, row| {
+        let [step_s, _] = steps_of(&row.variant);
+        Cell::Words(step_s.map(microseconds).unwrap_or_default().to_string(), Cell::Small(step_s).csv())
+    }),
+    Column::of("", "long_step_s", |_, row| Cell::Small(steps_of(&row.variant)[1])),
+    Column::error("error at the end", END),
+    Column::error("of first contact", FIRST_CONTACT),
+    Column::error("of RMS voltage", RMS_VOLTAGE),
+    Column::error("of mean force", MEAN_FORCE),
+    Column::found("contacts", "contacts", |found| Cell::word(found.contacts.unwrap_or(0))),
+    Column::STEPS,
+    Column::TIME,
+    Column::TIME_RATIO,
+    Column::ENERGY_RESIDUAL,
+    Column::of("", "failure", |_, row| Cell::word(row.failure.as_deref().map(reason).unwrap_or_default())),
+];
+
+/// Modes of the beam and of the rod.
+fn modes(scene: &Scene) -> [usize; 2] {
+    match &scene.model {
+        Model::BumpStop(model) => [model.parameters.beam_modes, model.stop.map_or(0, |stop| stop.rod_modes)],
+        Model::ContactSeparation(_) | Model::Sliding(_) => [0; 2],
+    }
 }
 
-impl Variant {
-    fn options(&self) -> Options {
-        Options {
-            method: self.method,
-            precision: Some(self.precision),
-            step_s: Some(self.step_s),
-            long_step_s: self.long_step_s,
-            ..Options::default()
+/// Place in m of the stop from the clamp, and gap in m; `None` without a stop.
+fn stop(scene: &Scene) -> Option<[f64; 2]> {
+    match &scene.model {
+        Model::BumpStop(model) => model.stop.map(|stop| [stop.position_m, stop.gap_m]),
+        Model::ContactSeparation(_) | Model::Sliding(_) => None,
+    }
+}
+
+/// Steps in s near contact and in free flight.
+fn steps_of(variant: &Variant) -> [Option<f64>; 2] {
+    match variant.control {
+        Control::Step { step_s, long_step_s } => [Some(step_s), long_step_s],
+        Control::PerPeriod { .. } | Control::Tolerance(_) | Control::Default => [None; 2],
+    }
+}
+
+fn method_name(variant: &Variant) -> &'static str {
+    match variant.method {
+        Method::DiscreteGradient if steps_of(variant)[1].is_some() => "discrete gradient, two rates",
+        Method::DiscreteGradient => "discrete gradient",
+        Method::TrBdf2 => "TR-BDF2 (std)",
+        Method::Newmark => "Newmark (std)",
+        Method::Rk4 => "explicit RK4 (std)",
+        Method::Auto | Method::Reference => "reference",
+    }
+}
+
+fn variants(scene: &Scene, extent: &Extent) -> Vec<Variant> {
+    let steps = if extent.whole { &STEPS[..] } else { &FEW_STEPS[..] };
+    let resolves = |step: &f64| STEP_COUNT.contains(&(scene.run.duration_s / step));
+    let steps: Vec<f64> = steps.iter().copied().filter(resolves).collect();
+    let variant = |method, precision, step_s, long_step_s| Variant {
+        method,
+        precision,
+        math: None,
+        control: Control::Step { step_s, long_step_s },
+    };
+    let mut variants = Vec::new();
+    for precision in [Precision::F64, Precision::F32] {
+        for long in [None, Some(LONG_STEP)] {
+            // Two equal steps are one, and in the table already.
+            let steps = steps.iter().filter(|step| long.is_none_or(|long| **step < long));
+            variants.extend(steps.map(|&step| variant(Method::DiscreteGradient, precision, step, long)));
         }
     }
-
-    fn is_of_core(&self) -> bool {
-        self.method == Method::DiscreteGradient
-    }
-}
-
-/// What a row found.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Found {
-    /// Error of the state at the end of the run in the energy norm, over the state's own norm.
-    pub end_error: f64,
-    /// Relative error of the time of the first contact; `None` if there is none.
-    pub first_contact_error: Option<f64>,
-    /// Relative error of the RMS voltage of the window.
-    pub rms_voltage_error: Option<f64>,
-    /// Relative error of the mean contact force of the window.
-    pub mean_force_error: Option<f64>,
-    /// Contacts in the window.
-    pub contacts: u64,
-    /// Steps, kept and rejected, per simulated second.
-    pub steps_per_s: f64,
-    /// Host time in ns per simulated second: the least of the runs, which are short, so that a busy machine
-    /// shows in a median.
-    pub ns_per_s: f64,
-    /// Host time over that of the fastest row within [`TARGET_ERROR`]; `None` if there is none.
-    pub time_ratio: Option<f64>,
-    /// Residual of the energy ledger; `None` where none is kept.
-    pub energy_residual: Option<f64>,
-}
-
-/// One row of the table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
-    /// What was run.
-    #[serde(flatten)]
-    pub variant: Variant,
-    /// What it found; `None` if it failed.
-    #[serde(flatten)]
-    pub found: Option<Found>,
-    /// Why it failed.
-    pub failure: Option<String>,
-}
-
-/// The table of one scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BumpStopComparison {
-    /// The scene file.
-    pub file: String,
-    /// Modes of the beam and of the rod.
-    pub modes: [usize; 2],
-    /// Place in m of the stop from the clamp and gap in m; `None` without a stop.
-    pub stop_m: Option<[f64; 2]>,
-    /// Simulated time in s.
-    pub duration_s: f64,
-    /// Start of the window in s.
-    pub settle_s: f64,
-    /// RMS voltage in V by the reference.
-    pub rms_voltage_v: Option<f64>,
-    /// Contacts in the window by the reference.
-    pub contacts: u64,
-    /// First contact in s by the reference.
-    pub first_contact_s: Option<f64>,
-    /// Host time in ns per simulated second of the reference, one run.
-    pub reference_ns_per_s: f64,
-    /// The rows.
-    pub rows: Vec<Row>,
-}
-
-/// The rows of a table for a scene of this length.
-#[must_use]
-pub fn variants(duration_s: f64, extent: &Extent) -> Vec<Variant> {
-    let steps = if extent.whole { &STEPS[..] } else { &FEW_STEPS[..] };
-    let steps: Vec<f64> =
-        steps.iter().copied().filter(|step| STEP_COUNT.contains(&(duration_s / step))).collect();
-    let mut variants = Vec::new();
-    for (precision, long_step_s) in [
-        (Precision::F64, None),
-        (Precision::F64, Some(LONG_STEP)),
-        (Precision::F32, None),
-        (Precision::F32, Some(LONG_STEP)),
-    ] {
-        let method = Method::DiscreteGradient;
-        // Two rates that are one are in the table already.
-        let steps = steps.iter().filter(|step| long_step_s.is_none_or(|long| **step < long));
-        variants.extend(steps.map(|&step_s| Variant { method, precision, step_s, long_step_s }));
-    }
     for method in [Method::TrBdf2, Method::Newmark, Method::Rk4] {
-        let (precision, long_step_s) = (Precision::F64, None);
-        variants.extend(steps.iter().map(|&step_s| Variant { method, precision, step_s, long_step_s }));
+        variants.extend(steps.iter().map(|&step| variant(method, Precision::F64, step, None)));
     }
     variants
 }
 
-/// Number of steps of the progress that [`compare`] reports.
-#[must_use]
-pub fn length(scene: &Scene, extent: &Extent) -> usize {
-    1 + variants(scene.run.duration_s, extent).len()
-}
-
-/// The numbers of a run that rows are compared by.
-struct Numbers {
-    outcome: Outcome,
-    particular: BumpStopOutcome,
-}
-
-impl Numbers {
-    fn of(scene: &Scene, options: Options) -> Result<Self, Failure> {
-        let outcome = run_scene(scene, &options)?;
-        let Particular::BumpStop(particular) = outcome.particular.clone() else {
-            return Err(Failure::Input(format!("{}: scene: must be \"bump-stop\"", scene.file.display())));
-        };
-        Ok(Self { outcome, particular })
-    }
-
-    fn found(&self, exact: &Self, ns_per_s: f64) -> Found {
-        let relative = |ours: Option<f64>, theirs: Option<f64>| match (ours, theirs) {
-            (Some(ours), Some(theirs)) if theirs != 0.0 => Some(((ours - theirs) / theirs).abs()),
-            _ => None,
-        };
-        let ends = self.particular.end_state.iter().zip(&exact.particular.end_state);
-        let error: f64 = ends.map(|(ours, theirs)| (ours - theirs).powi(2)).sum();
-        let whole: f64 = exact.particular.end_state.iter().map(|entry| entry * entry).sum();
-        let outcome = &self.outcome;
-        Found {
-            end_error: if whole > 0.0 { (error / whole).sqrt() } else { 0.0 },
-            first_contact_error: relative(self.particular.first_contact_s, exact.particular.first_contact_s),
-            rms_voltage_error: relative(outcome.rms_voltage_v, exact.outcome.rms_voltage_v),
-            mean_force_error: relative(self.particular.mean_force_n, exact.particular.mean_force_n),
-            contacts: self.particular.contacts,
-            steps_per_s: (outcome.steps + outcome.rejected_steps) as f64 / outcome.duration_s,
-            ns_per_s,
-            time_ratio: None,
-            energy_residual: outcome.energy_residual,
-        }
-    }
-}
-
-/// Runs all variants on a bump-stop scene, on the calling thread, one after another; `advance` is told how
-/// many steps of [`length`] are done.
-///
-/// # Errors
-/// [`Failure::Input`] if the scene is refused by the reference or by a method, [`Failure::Step`] if the
-/// reference fails. A variant that fails in a step is a row that says so.
-pub fn compare(
-    scene: &Scene,
-    extent: &Extent,
-    mut advance: impl FnMut(u64),
-) -> Result<BumpStopComparison, Failure> {
-    let Model::BumpStop(BumpStop { parameters, stop, .. }) = &scene.model else {
-        return Err(Failure::Input(format!("{}: scene: must be \"bump-stop\"", scene.file.display())));
+fn errors(outcome: &Outcome, reference: &Outcome) -> Errors {
+    let particular = |value: fn(&BumpStopOutcome) -> Option<f64>| {
+        relative(outcome.bump_stop().and_then(value), reference.bump_stop().and_then(value))
     };
-    let exact = Numbers::of(scene, Options { method: Method::Reference, ..Options::default() })?;
-    advance(1);
-    let mut rows = Vec::new();
-    for variant in variants(scene.run.duration_s, extent) {
-        rows.push(row(scene, variant, extent, &exact)?);
-        advance(1);
-    }
-    let reached = |found: &Found| {
-        found.rms_voltage_error.is_some_and(|error| error <= TARGET_ERROR).then_some(found.ns_per_s)
-    };
-    let fastest = rows.iter().filter_map(|row| reached(row.found.as_ref()?)).fold(f64::INFINITY, f64::min);
-    for found in rows.iter_mut().filter_map(|row| row.found.as_mut()) {
-        found.time_ratio = fastest.is_finite().then(|| found.ns_per_s / fastest);
-    }
-    Ok(BumpStopComparison {
-        file: scene.file.display().to_string(),
-        modes: [parameters.beam_modes, stop.map_or(0, |stop| stop.rod_modes)],
-        stop_m: stop.map(|stop| [stop.position_m, stop.gap_m]),
-        duration_s: scene.run.duration_s,
-        settle_s: scene.run.settle_s,
-        rms_voltage_v: exact.outcome.rms_voltage_v,
-        contacts: exact.particular.contacts,
-        first_contact_s: exact.particular.first_contact_s,
-        reference_ns_per_s: 1e9 * exact.outcome.wall_s / scene.run.duration_s,
-        rows,
-    })
+    Errors(vec![
+        (END, end_error(outcome, reference)),
+        (FIRST_CONTACT, particular(|found| found.first_contact_s)),
+        (RMS_VOLTAGE, relative(outcome.rms_voltage_v, reference.rms_voltage_v)),
+        (MEAN_FORCE, particular(|found| found.mean_force_n)),
+    ])
 }
 
-/// Runs a variant: once with its ledger, for its errors, and then bare, for its run time.
-fn row(scene: &Scene, variant: Variant, extent: &Extent, exact: &Numbers) -> Result<Row, Failure> {
-    let numbers = match Numbers::of(scene, variant.options()) {
-        Ok(numbers) => numbers,
-        Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => {
-            return Ok(Row { variant, found: None, failure: Some(error) });
+/// Error of the state at the end of the run in the energy norm, over the norm of the state itself.
+fn end_error(outcome: &Outcome, reference: &Outcome) -> Option<f64> {
+    let (found, exact) = (&outcome.bump_stop()?.end_state, &reference.bump_stop()?.end_state);
+    let error: f64 = found.iter().zip(exact).map(|(found, exact)| (found - exact).powi(2)).sum();
+    let whole: f64 = exact.iter().map(|entry| entry * entry).sum();
+    Some(if whole > 0.0 { (error / whole).sqrt() } else { 0.0 })
+}
+
+/// Run time of the reference in ns per simulated second, one run.
+fn reference_ns_per_s(table: &Comparison) -> f64 {
+    1e9 * table.reference.wall_s / table.scene.run.duration_s
+}
+
+fn title(table: &Comparison) -> String {
+    let [beam, rod] = modes(&table.scene);
+    let stop = stop(&table.scene).map_or_else(
+        || "no stop".to_owned(),
+        |[position, gap]| {
+            let micrometres = (gap * 1e9).round() / 1e3;
+            format!("stop at {} mm, gap {micrometres} um", (position * 1e6).round() / 1e3)
+        },
+    );
+    let found = table.reference.bump_stop();
+    format!(
+        "{}, ({beam}, {rod}) modes, {stop}, {} s simulated, measured from {} s; by the reference: RMS voltage \
+         {}, {} contacts, the first at {}, {} ns per simulated s",
+        table.file(),
+        table.scene.run.duration_s,
+        table.scene.run.settle_s,
+        shown(table.reference.rms_voltage_v, "V"),
+        found.map_or(0, |found| found.contacts),
+        shown(found.and_then(|found| found.first_contact_s), "s"),
+        grouped(reference_ns_per_s(table)),
+    )
+}
+
+fn errors_note(table: &Comparison) -> String {
+    format!(
+        "Errors are relative to the reference; at the end: of the state, in the energy norm. Run times are those \
+         of stepping and of the meters shown, without energy ledger. Two rates: {:.0} us in free flight. Time ratio \
+         is to the fastest row whose error of RMS voltage is at most {:.0e}. Where the motion is chaotic only \
+         statistics can agree.",
+        LONG_STEP * 1e6,
+        table.target_error()
+    )
+}
+
+/// The fastest row of each method that reaches the target.
+fn fastest_note(table: &Comparison) -> String {
+    let methods = [
+        ("the core", Method::DiscreteGradient),
+        ("TR-BDF2", Method::TrBdf2),
+        ("Newmark", Method::Newmark),
+        ("RK4", Method::Rk4),
+    ];
+    let parts = methods.map(|(name, method)| match table.fastest(|variant| variant.method == method) {
+        Some((row, found)) => {
+            let step_s = steps_of(&row.variant)[0].unwrap_or(f64::NAN);
+            format!("{name} {:.0} us (step {:.2} us)", found.ns_per_s / 1e3, step_s * 1e6)
         }
-        Err(error @ Failure::Input(_)) => return Err(error),
-    };
-    let bare = Options { bare: true, ..variant.options() };
-    let (mut shortest, mut spent) = (f64::INFINITY, 0.0);
-    for _ in 0..extent.runs {
-        let wall_s = run_scene(scene, &bare)?.wall_s;
-        shortest = shortest.min(wall_s);
-        spent += wall_s;
-        if spent >= extent.seconds_per_row {
-            break;
-        }
-    }
-    let found = numbers.found(exact, 1e9 * shortest / scene.run.duration_s);
-    Ok(Row { variant, found: Some(found), failure: None })
+        None => format!("{name} none"),
+    });
+    format!("Host time per simulated second of the fastest rows within that: {}.", parts.join(", "))
+}
+
+fn summary(table: &Comparison) -> Vec<(&'static str, Value)> {
+    let found = table.reference.bump_stop();
+    vec![
+        ("file", table.file().into()),
+        ("modes", json!(modes(&table.scene))),
+        ("stop_m", json!(stop(&table.scene))),
+        ("duration_s", table.scene.run.duration_s.into()),
+        ("settle_s", table.scene.run.settle_s.into()),
+        ("rms_voltage_v", table.reference.rms_voltage_v.into()),
+        ("contacts", found.map_or(0, |found| found.contacts).into()),
+        ("first_contact_s", found.and_then(|found| found.first_contact_s).into()),
+        ("reference_ns_per_s", reference_ns_per_s(table).into()),
+    ]
 }
 
 #[cfg(test)]

@@ -1,36 +1,103 @@
-//! A table of error against run time as text: the same cells for the terminal, CSV and HTML.
+//! A table of error against run time as text: the same columns for the terminal, CSV and HTML.
 
 use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
 
-use super::{Comparison, Omitted, Row, TARGET_ERROR};
-use crate::outcome::number;
+use super::{Comparison, Found, Kind, Omitted, Row};
+use crate::outcome::{csv_line, number, small};
 
-/// Headings of the table, units in them.
-pub const HEADINGS: [&str; 11] = [
-    "method",
-    "precision",
-    "math",
-    "step or tolerance",
-    "error of mean power",
-    "of RMS voltage",
-    "of first impact or amplitude",
-    "steps per simulated s",
-    "host ns per simulated s",
-    "time ratio",
-    "energy residual",
-];
+/// A column of a table.
+pub(crate) struct Column {
+    /// Its heading in the terminal and on a page, unit included; empty for a column of CSV only.
+    heading: &'static str,
+    /// Its name in CSV; empty for a column that CSV does not have.
+    key: &'static str,
+    value: Value,
+}
 
-/// Columns at the left that hold words.
-pub const WORDS: usize = 4;
+enum Value {
+    /// The error of this name.
+    Error(&'static str),
+    Of(fn(&Comparison, &Row) -> Cell),
+    /// Of a row that did not fail.
+    Found(fn(&Found) -> Cell),
+}
+
+impl Column {
+    pub(super) const STEPS: Self =
+        Self::found("steps per simulated s", "steps_per_s", |found| Cell::Large(found.steps_per_s));
+    pub(super) const TIME: Self =
+        Self::found("host ns per simulated s", "ns_per_s", |found| Cell::Large(found.ns_per_s));
+    pub(super) const TIME_RATIO: Self =
+        Self::found("time ratio", "time_ratio", |found| Cell::Ratio(found.time_ratio));
+    pub(super) const ENERGY_RESIDUAL: Self =
+        Self::found("energy residual", "energy_residual", |found| Cell::Small(found.energy_residual));
+
+    pub(super) const fn of(
+        heading: &'static str,
+        key: &'static str,
+        value: fn(&Comparison, &Row) -> Cell,
+    ) -> Self {
+        Self { heading, key, value: Value::Of(value) }
+    }
+
+    pub(super) const fn found(heading: &'static str, key: &'static str, value: fn(&Found) -> Cell) -> Self {
+        Self { heading, key, value: Value::Found(value) }
+    }
+
+    pub(super) const fn error(heading: &'static str, name: &'static str) -> Self {
+        Self { heading, key: name, value: Value::Error(name) }
+    }
+
+    fn cell(&self, comparison: &Comparison, row: &Row) -> Cell {
+        match self.value {
+            Value::Error(name) => Cell::Small(row.error(name)),
+            Value::Of(value) => value(comparison, row),
+            Value::Found(value) => row.found.as_ref().map_or(Cell::Small(None), value),
+        }
+    }
+}
+
+/// The value of a cell, which decides how it is printed.
+pub(crate) enum Cell {
+    /// In the terminal, and in CSV.
+    Words(String, String),
+    /// A small number, such as an error.
+    Small(Option<f64>),
+    /// A large number.
+    Large(f64),
+    /// A number of about one.
+    Ratio(Option<f64>),
+}
+
+impl Cell {
+    pub(super) fn word(word: impl ToString) -> Self {
+        Self::Words(word.to_string(), word.to_string())
+    }
+
+    /// As people read it.
+    fn shown(&self) -> String {
+        match self {
+            Self::Words(shown, _) => shown.clone(),
+            Self::Small(value) => small(*value),
+            Self::Large(value) => grouped(*value),
+            Self::Ratio(value) => ratio(*value),
+        }
+    }
+
+    /// As programs read it.
+    pub(super) fn csv(&self) -> String {
+        match self {
+            Self::Words(_, csv) => csv.clone(),
+            Self::Large(value) => number(*value),
+            Self::Small(value) | Self::Ratio(value) => value.map_or_else(String::new, number),
+        }
+    }
+}
 
 /// The name that the command line has for a value.
 pub(super) fn name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
-pub(super) fn small(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1e}"))
 }
 
 /// An integer in groups of three digits.
@@ -48,11 +115,16 @@ pub(super) fn grouped(value: f64) -> String {
 }
 
 /// Three significant digits below a hundred, none after the point above.
-pub(super) fn ratio(value: Option<f64>) -> String {
+fn ratio(value: Option<f64>) -> String {
     value.map_or_else(
         || "-".to_owned(),
         |value| if value < 100.0 { format!("{value:.2}") } else { format!("{value:.0}") },
     )
+}
+
+/// A number of the reference with its unit.
+pub(super) fn shown(value: Option<f64>, unit: &str) -> String {
+    value.map_or_else(|| "none".to_owned(), |value| format!("{value:.6e} {unit}"))
 }
 
 /// What went wrong, without the state in which it did.
@@ -60,160 +132,108 @@ pub(super) fn reason(failure: &str) -> String {
     failure.split(": ").next().unwrap_or(failure).to_owned()
 }
 
-impl Row {
-    /// The cells under [`HEADINGS`]. A row that failed has its reason where the errors are.
-    #[must_use]
-    pub fn cells(&self) -> Vec<String> {
-        let variant = &self.variant;
-        let mut cells = vec![
-            variant.method_name().to_owned(),
-            name(&variant.precision),
-            variant.math.as_ref().map_or_else(|| "std".to_owned(), name),
-            variant.control.to_string(),
-        ];
-        match &self.found {
-            Some(found) => cells.extend([
-                small(found.errors.mean_power_error),
-                small(found.errors.rms_voltage_error),
-                small(found.errors.first_impact_error.or(found.errors.amplitude_error)),
-                grouped(found.steps_per_s),
-                grouped(found.ns_per_s),
-                ratio(found.time_ratio),
-                small(found.energy_residual),
-            ]),
-            None => {
-                cells.push(format!("fails{}", if self.failure.is_some() { " (1)" } else { "" }));
-                cells.extend(std::iter::repeat_n("-".to_owned(), HEADINGS.len() - WORDS - 1));
-            }
-        }
-        cells
+impl Kind {
+    /// The headings of the table.
+    pub(crate) fn headings(&self) -> Vec<&'static str> {
+        self.columns.iter().map(|column| column.heading).filter(|heading| !heading.is_empty()).collect()
+    }
+
+    fn csv_heading(&self) -> String {
+        let keys = self.columns.iter().map(|column| column.key).filter(|key| !key.is_empty());
+        csv_line(keys.map(str::to_owned))
     }
 }
 
 impl Comparison {
-    /// What is above the table.
-    #[must_use]
-    pub fn title(&self) -> String {
-        let shown = |value: Option<f64>, unit: &str| {
-            value.map_or_else(|| "none".to_owned(), |value| format!("{value:.6e} {unit}"))
-        };
-        let motion = match self.amplitude_m {
-            Some(amplitude) => format!("amplitude {}", shown(Some(amplitude), "m")),
-            None => format!("first impact {}", shown(self.first_impact_s, "s")),
-        };
-        format!(
-            "{}, R = {}, {} s simulated; by the reference: mean power {}, RMS voltage {}, {motion}",
-            self.file,
-            resistance(self.resistance_ohm),
-            (self.duration_s * 1e3).round() / 1e3,
-            shown(self.mean_power_w, "W"),
-            shown(self.rms_voltage_v, "V"),
-        )
+    /// The cells of a row under [`Kind::headings`]. A row that failed says so in place of its first number.
+    pub(crate) fn cells(&self, row: &Row) -> Vec<String> {
+        let columns = self.kind.columns.iter().filter(|column| !column.heading.is_empty());
+        let cells: Vec<Cell> = columns.map(|column| column.cell(self, row)).collect();
+        let first = cells.iter().position(|cell| !matches!(cell, Cell::Words(..)));
+        let mut shown: Vec<String> = cells.iter().map(Cell::shown).collect();
+        if row.found.is_none()
+            && let Some(cell) = first.and_then(|first| shown.get_mut(first))
+        {
+            *cell = "fails (1)".to_owned();
+        }
+        shown
     }
 
-    /// What is to be said below the table, one line each.
-    #[must_use]
-    pub fn notes(&self) -> Vec<String> {
-        let mut notes = vec![format!(
-            "Errors are relative to the reference; time ratio is to the fastest row whose error of mean power \
-             is at most {TARGET_ERROR:.0e}. Times are medians of up to {} runs in one process on one thread.",
-            self.rows.iter().filter_map(|row| row.found.as_ref()).map(|found| found.runs).max().unwrap_or(0)
-        )];
+    /// What is above the table.
+    pub(crate) fn title(&self) -> String {
+        (self.kind.title)(self)
+    }
+
+    /// What is below the table, one line each.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let mut notes = (self.kind.notes)(self);
         notes.extend(self.omitted.iter().filter(|entry| entry.rows > 0).map(Omitted::note));
-        for row in &self.rows {
-            if let Some(failure) = &row.failure {
-                let Row { variant, .. } = row;
-                let control = variant.control;
-                notes.push(format!(
-                    "(1) {}, {}, {control}: {}.",
-                    variant.method_name(),
-                    name(&variant.precision),
-                    reason(failure)
-                ));
-            }
-        }
+        let failed = self.rows.iter().filter_map(|row| Some((row, row.failure.as_ref()?)));
+        notes.extend(
+            failed.map(|(row, failure)| {
+                format!("(1) {}: {}.", (self.kind.label)(&row.variant), reason(failure))
+            }),
+        );
         notes
     }
 
     /// Title, table and notes for a terminal.
-    #[must_use]
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let mut table = Table::new();
-        table.load_style(presets::ASCII_MARKDOWN).set_header(HEADINGS);
-        for row in &self.rows {
-            table.add_row(row.cells());
-        }
-        for column in table.column_iter_mut().skip(WORDS) {
+        table.load_style(presets::ASCII_MARKDOWN).set_header(self.kind.headings());
+        table.add_rows(self.rows.iter().map(|row| self.cells(row)));
+        for column in table.column_iter_mut().skip(self.kind.words) {
             column.set_cell_alignment(CellAlignment::Right);
         }
-        let mut text = format!("{}\n\n{}\n\n", self.title(), table.trim_fmt());
-        for note in self.notes() {
-            text.push_str(&note);
-            text.push('\n');
-        }
-        text
+        format!("{}\n\n{}\n\n{}\n", self.title(), table.trim_fmt(), self.notes().join("\n"))
     }
 
-    /// One line of CSV for each row, without heading.
-    #[must_use]
-    pub fn csv(&self) -> String {
-        let optional = |value: Option<f64>| value.map_or_else(String::new, number);
-        let mut text = String::new();
-        for row in &self.rows {
-            let mut cells = vec![format!("\"{}\"", self.file), number(self.resistance_ohm)];
-            cells.extend(row.cells().into_iter().take(WORDS));
-            match &row.found {
-                Some(found) => cells.extend([
-                    optional(found.errors.mean_power_error),
-                    optional(found.errors.rms_voltage_error),
-                    optional(found.errors.first_impact_error),
-                    optional(found.errors.amplitude_error),
-                    number(found.steps_per_s),
-                    number(found.ns_per_s),
-                    optional(found.time_ratio),
-                    optional(found.energy_residual),
-                    found.runs.to_string(),
-                    String::new(),
-                ]),
-                None => {
-                    cells.extend(std::iter::repeat_n(String::new(), 9));
-                    cells.push(format!("\"{}\"", row.failure.clone().unwrap_or_default().replace('"', "'")));
-                }
-            }
-            for cell in cells.iter_mut().filter(|cell| cell.contains(',') && !cell.starts_with('"')) {
-                *cell = format!("\"{cell}\"");
-            }
-            text.push_str(&cells.join(","));
-            text.push('\n');
-        }
-        text
+    /// One line of CSV for each row.
+    fn csv_rows(&self) -> String {
+        let columns = || self.kind.columns.iter().filter(|column| !column.key.is_empty());
+        let line = |row| csv_line(columns().map(|column| column.cell(self, row).csv()));
+        self.rows.iter().map(line).collect()
     }
 }
 
-/// Heading of [`Comparison::csv`].
-pub const CSV_HEADING: &str = "scene,resistance_ohm,method,precision,math,step_or_tolerance,\
-    mean_power_error,rms_voltage_error,first_impact_error,amplitude_error,steps_per_s,ns_per_s,time_ratio,\
-    energy_residual,runs,failure\n";
+/// All tables as text.
+pub(crate) fn text(comparisons: &[Comparison]) -> String {
+    comparisons.iter().map(Comparison::text).collect::<Vec<_>>().join("\n")
+}
 
-/// A resistance with its unit.
-#[must_use]
-pub fn resistance(ohms: f64) -> String {
+/// All tables as CSV, with a heading where the columns change.
+pub(crate) fn csv(comparisons: &[Comparison]) -> String {
+    let mut text = String::new();
+    let mut last = None;
+    for comparison in comparisons {
+        let heading = comparison.kind.csv_heading();
+        if last.as_ref() != Some(&heading) {
+            text.push_str(if text.is_empty() { "" } else { "\n" });
+            text.push_str(&heading);
+            last = Some(heading);
+        }
+        text.push_str(&comparison.csv_rows());
+    }
+    text
+}
+
+/// A resistance in Ω with its unit.
+pub(crate) fn resistance(value: f64) -> String {
     const PREFIXES: [(f64, &str); 7] =
         [(1e15, "P"), (1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m")];
-    if ohms.is_infinite() {
+    if value.is_infinite() {
         return "infinite".to_owned();
     }
-    match PREFIXES.iter().find(|(unit, _)| ohms >= 0.9999 * unit && ohms < 1e18) {
-        // Six digits, without those that are zero.
-        Some((unit, prefix)) => format!("{} {prefix}Ω", (ohms / unit * 1e6).round() / 1e6),
-        None => format!("{ohms:e} Ω"),
+    match PREFIXES.iter().find(|(unit, _)| value >= 0.9999 * unit && value < 1e18) {
+        // Six digits after the point, without trailing zeros.
+        Some((unit, prefix)) => format!("{} {prefix}Ω", (value / unit * 1e6).round() / 1e6),
+        None => format!("{value:e} Ω"),
     }
 }
 
 impl Omitted {
-    /// That these rows are left out, and why.
-    #[must_use]
-    pub fn note(&self) -> String {
+    /// Which rows are left out, and why.
+    fn note(&self) -> String {
         let (precision, math) = (name(&self.precision), name(&self.math));
         format!(
             "{precision} with {math}: {} of {} rows have the errors of the polynomial rows (to a tenth) and are \

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::triboelectric::{self, MEAN_POWER};
 use super::*;
 use crate::scene_file::{self, Override};
 
@@ -18,7 +19,7 @@ fn shipped(resistance_ohm: &str) -> Scene {
 #[test]
 fn the_error_falls_with_the_step_and_rows_that_do_not_differ_are_left_out() {
     let scene = shipped("1e8");
-    let comparison = compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, whole: false }, |_| ())
+    let comparison = compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, whole: false }, || ())
         .expect("the reference runs");
     let power_error = |steps: u32| {
         let row = comparison.rows.iter().find(|row| {
@@ -26,20 +27,20 @@ fn the_error_falls_with_the_step_and_rows_that_do_not_differ_are_left_out() {
                 && row.variant.precision == Precision::F64
                 && matches!(row.variant.control, Control::PerPeriod { steps: own, .. } if own == steps)
         });
-        row.and_then(|row| row.found?.errors.mean_power_error).expect("the row is there")
+        row.and_then(|row| row.error(MEAN_POWER)).expect("the row is there")
     };
     assert!(power_error(3200) < 0.2 * power_error(800), "{} {}", power_error(3200), power_error(800));
     assert!(power_error(3200) < 1e-3);
     let double = comparison.omitted.iter().find(|entry| entry.precision == Precision::F64);
     let double = double.expect("libm was tried in double precision");
     assert_eq!((double.rows, double.of), (10, 10));
-    assert!(comparison.rows.iter().any(|row| row.variant.method_name() == "reference"));
+    assert!(comparison.rows.iter().any(|row| triboelectric::method_name(&row.variant) == "reference"));
 }
 
 #[test]
 fn the_explicit_method_is_shown_where_it_fails_and_where_it_does_not() {
     let explicit = |resistance| {
-        variants(&shipped(resistance), &Extent::SHORT)
+        triboelectric::variants(&shipped(resistance), &Extent::SHORT)
             .into_iter()
             .filter(|variant| variant.method == Method::Rk4 && variant.precision == Precision::F64)
             .map(|variant| variant.control.to_string())
@@ -63,7 +64,7 @@ fn a_slider_is_compared_by_its_amplitude() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/sliding.toml");
     let overrides = [Override::new("run.duration_s", "0.6"), Override::new("run.settle_s", "0.3")];
     let scene = scene_file::read(&file, &overrides).expect("the shipped scene is valid");
-    let comparison = compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, whole: false }, |_| ())
+    let comparison = compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, whole: false }, || ())
         .expect("the reference runs");
     let error = |method: Method, steps: u32| {
         let row = comparison.rows.iter().find(|row| {
@@ -71,9 +72,9 @@ fn a_slider_is_compared_by_its_amplitude() {
                 && row.variant.precision == Precision::F64
                 && matches!(row.variant.control, Control::PerPeriod { steps: own, .. } if own == steps)
         });
-        row.and_then(|row| row.found?.errors.amplitude_error).expect("the row is there")
+        row.and_then(|row| row.error("amplitude_error")).expect("the row is there")
     };
     assert!(error(Method::TrBdf2, 3200) < 0.1 * error(Method::TrBdf2, 800));
     assert!(error(Method::Rk4, 400) < 0.01 * error(Method::TrBdf2, 800));
-    assert!(comparison.title().contains("amplitude ") && comparison.first_impact_s.is_none());
+    assert!(comparison.title().contains("amplitude ") && comparison.reference.contact_separation().is_none());
 }

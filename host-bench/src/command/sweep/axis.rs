@@ -24,7 +24,7 @@ impl Axis {
         self.count
     }
 
-    /// The value with the given index; the first and the last are exactly those given.
+    /// The value with the given index; the first and the last are exactly FROM and TO.
     #[must_use]
     pub fn value(&self, index: usize) -> f64 {
         if index == 0 {
@@ -35,7 +35,7 @@ impl Axis {
         }
         let part = index as f64 / (self.count - 1) as f64;
         if self.logarithmic {
-            // To base ten, so that decades come out as they are written.
+            // To base ten, so that decades are exact.
             10f64.powf(self.from.log10() + part * (self.to.log10() - self.from.log10()))
         } else {
             self.from + part * (self.to - self.from)

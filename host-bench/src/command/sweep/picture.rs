@@ -18,8 +18,7 @@ pub(in crate::command) struct Quantity {
     pub(in crate::command) values: Vec<Option<f64>>,
 }
 
-/// An SVG picture; `None` where there is nothing to draw: no axis to go along, more axes than a
-/// picture has, or no values.
+/// An SVG picture; `None` without values, without an axis of several values, or with more than two.
 pub(in crate::command) fn draw(
     title: &str,
     axes: &[Axis],
@@ -49,7 +48,7 @@ pub(in crate::command) fn draw(
     picture.map(Some)
 }
 
-/// Where a value stands on its axis: a logarithmic axis is drawn in decades.
+/// The place of a value on its axis, in decades on a logarithmic one.
 fn place(axis: &Axis, value: f64) -> f64 {
     if axis.logarithmic { value.log10() } else { value }
 }
@@ -145,7 +144,7 @@ fn map(area: &Area<'_>, across: &Axis, up: &Axis, quantity: &Quantity) -> Drawn 
     Ok(())
 }
 
-/// Dark blue to yellow over green: even in lightness, so that it reads in grey too.
+/// The colour of a value, from dark blue over green to yellow. Lightness rises evenly, so that the map reads in grey too.
 fn shade(value: f64, low: f64, high: f64) -> RGBColor {
     const STOPS: [[f64; 3]; 5] = [
         [68.0, 1.0, 84.0],

@@ -1,13 +1,14 @@
-//! What a sweep of steady states costs against the runs of the same scenes.
+//! The cost of a sweep of steady states against that of runs of the same scenes.
 
 use std::fmt;
 
 use super::SweepArguments;
-use crate::method::{Failure, Options, run_scene};
+use crate::method::{Failure, Options};
 use crate::outcome::Outcome;
+use crate::run::try_run_scene;
 use crate::scene_file::Scene;
 
-/// One point: the steady state, and the run as the scene has it.
+/// One point: the steady state, and the run of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Compared {
     /// Simulated periods of each.
@@ -29,12 +30,8 @@ pub(super) fn compared(
     };
     let seconds = if arguments.compare {
         let options = Options { steady_state: false, ..arguments.scene.options() };
-        match run_scene(scene, &options) {
-            Ok(run) => Some([outcome.wall_s, run.wall_s]),
-            // There is nothing to compare with.
-            Err(Failure::Step(_) | Failure::StepLimitExceeded(_)) => None,
-            Err(error @ Failure::Input(_)) => return Err(error),
-        }
+        // A run that fails leaves nothing to compare with.
+        try_run_scene(scene, &options)?.ok().map(|run| [outcome.wall_s, run.wall_s])
     } else {
         None
     };

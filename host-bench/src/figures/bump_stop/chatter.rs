@@ -15,9 +15,6 @@ const BESIDE_S: f64 = 3e-5;
 const LOWEST: f64 = -0.15;
 
 /// Figure 7.
-///
-/// # Errors
-/// If it cannot be drawn, or there is no contact.
 pub(super) fn seven(tip: &Motion, note: &str) -> Result<Figure, String> {
     let [first, last] = tip.longest_cluster().ok_or("no contact with the stop at the tip")?;
     let span = [first - BESIDE_S, last + BESIDE_S];

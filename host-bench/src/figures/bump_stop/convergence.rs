@@ -1,4 +1,4 @@
-//! Convergence in modes and in the step, which the paper asks for.
+//! Convergence in the number of modes and in the step.
 
 use std::fmt::Write;
 
@@ -6,18 +6,19 @@ use plotters::style::RGBColor;
 use rayon::prelude::*;
 
 use super::{Figure, Panel};
-use crate::method::{Failure, Options, run_scene};
-use crate::outcome::{Particular, number};
+use crate::method::{Failure, Options};
+use crate::outcome::number;
 use crate::report::plot::{self, Axis, Curve, Mark, Plot};
 use crate::report::svg::{BLACK, BLUE, ORANGE, VERMILION, range, tick};
+use crate::run::run_scene;
 use crate::scene_file::{BumpStopStart, Contact, Model, RunSpan, Scene};
 
-/// Modes of the beam and of the rod.
+/// Numbers of modes of the beam and of the rod.
 const BEAM: [usize; 9] = [1, 2, 3, 4, 6, 8, 10, 14, 20];
 const ROD: [usize; 3] = [0, 2, 10];
 const ROD_COLOURS: [RGBColor; 3] = [ORANGE, BLUE, BLACK];
 
-/// Steps near contact in s, with these modes. In free flight the step is 20 µs, or the same if that is longer.
+/// Steps near contact in s, with [`STEP_MODES`]. The step in free flight is 20 µs, or the step near contact if longer.
 const STEPS: [f64; 7] = [1e-7, 2e-7, 5e-7, 1e-6, 2e-6, 5e-6, 1e-5];
 const STEP_MODES: (usize, usize) = (10, 3);
 const LONG_STEP_S: f64 = 2e-5;
@@ -28,7 +29,7 @@ const LAWS: [(Contact, &str, RGBColor); 2] = [
 
 /// Runs of the convergence in modes: 88 periods measured after 88, at 1 µs.
 const MODES_RUN: RunSpan = RunSpan { duration_s: 0.8, settle_s: 0.4 };
-/// Those in step: 44 after 44.
+/// Runs of the convergence in step: 44 periods measured after 44.
 const STEP_RUN: RunSpan = RunSpan { duration_s: 0.4, settle_s: 0.2 };
 
 const SIZE: (u32, u32) = (560, 430);
@@ -38,7 +39,7 @@ pub(super) fn runs() -> usize {
     2 * BEAM.len() * ROD.len() + LAWS.len() * STEPS.len()
 }
 
-/// What a run found.
+/// The numbers of a run, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Found {
     rms_voltage: f64,
@@ -47,7 +48,7 @@ struct Found {
     contacts_per_period: f64,
 }
 
-/// The scene with so many modes, another contact and another span; by these options.
+/// Runs the scene with these numbers of modes, this contact and this span.
 fn found(
     base: &Scene,
     (beam, rod): (usize, usize),
@@ -56,7 +57,7 @@ fn found(
     options: &Options,
 ) -> Result<Found, Failure> {
     let Model::BumpStop(mut model) = base.model.clone() else {
-        return Err(Failure::Input(format!("{}: scene must be \"bump-stop\" here", base.file.display())));
+        return Err(Failure::of_file(base, "scene must be \"bump-stop\" here"));
     };
     model.parameters.beam_modes = beam;
     if let Some(stop) = &mut model.stop {
@@ -65,9 +66,7 @@ fn found(
     }
     model.initial = BumpStopStart::at_rest(beam, rod);
     let outcome = run_scene(&Scene { model: Model::BumpStop(model), run, ..base.clone() }, options)?;
-    let Particular::BumpStop(motion) = &outcome.particular else {
-        return Err(Failure::Input("another scene was run".to_owned()));
-    };
+    let motion = outcome.bump_stop().ok_or_else(|| Failure::Input("another scene was run".to_owned()))?;
     let value = |value: Option<f64>| value.unwrap_or(f64::NAN);
     Ok(Found {
         rms_voltage: value(outcome.rms_voltage_v),
@@ -77,7 +76,7 @@ fn found(
     })
 }
 
-/// Numbers of a run with so many modes; `place` is 0 for the tip and 1 for mid-span.
+/// Numbers of a run with `beam` and `rod` modes; `place` is 0 for the stop at the tip and 1 for mid-span.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ModesPoint {
     place: usize,
@@ -87,12 +86,9 @@ pub(super) struct ModesPoint {
 }
 
 /// All counts of modes, with the stop at the tip and at mid-span.
-///
-/// # Errors
-/// If one of them cannot be run.
 pub(super) fn in_modes(scenes: [&Scene; 2], done: &(dyn Fn() + Sync)) -> Result<Vec<ModesPoint>, Failure> {
     let mut cases = Vec::new();
-    // The longest first, so that both ends are reached at about the same time.
+    // The longest runs first, so that all cores end at about the same time.
     for beam in BEAM.into_iter().rev() {
         cases.extend(ROD.into_iter().rev().flat_map(|rod| [(0, beam, rod), (1, beam, rod)]));
     }
@@ -117,9 +113,6 @@ pub(super) struct StepPoint {
 }
 
 /// All steps under both laws, with the stop at the tip.
-///
-/// # Errors
-/// If one of them cannot be run.
 pub(super) fn in_step(scene: &Scene, done: &(dyn Fn() + Sync)) -> Result<Vec<StepPoint>, Failure> {
     let cases: Vec<(usize, f64)> =
         STEPS.into_iter().flat_map(|step_s| (0..LAWS.len()).map(move |law| (law, step_s))).collect();
@@ -145,9 +138,6 @@ fn dotted(name: String, colour: RGBColor, points: Vec<(f64, f64)>) -> [Curve; 2]
 }
 
 /// RMS voltage over the number of beam modes.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn modes_figure(points: &[ModesPoint], note: &str) -> Result<Figure, String> {
     let places = ["tip", "mid-span"];
     let panel = |(index, (letter, place)): (usize, (char, &str))| {
@@ -214,54 +204,7 @@ fn cells(found: &Found) -> String {
 }
 
 /// RMS voltage and peak force over the step.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn step_figure(points: &[StepPoint], note: &str) -> Result<Figure, String> {
-    let [shortest, longest] = [STEPS[0], STEPS[STEPS.len() - 1]];
-    let across = || Axis::logarithmic("step near contact [s]", [0.9 * shortest, 1.1 * longest]);
-    let curves = |value: fn(&Found) -> f64| -> Vec<Curve> {
-        let of = |index: usize| points.iter().filter(move |point| point.law == index);
-        let laws = LAWS.iter().enumerate();
-        laws.flat_map(|(index, (_, name, colour))| {
-            let points = of(index).map(|point| (point.step_s, value(&point.found))).collect();
-            dotted((*name).to_owned(), *colour, points)
-        })
-        .collect()
-    };
-    let voltages = curves(|found| found.rms_voltage);
-    let forces = curves(|found| found.peak_force);
-    let highest = |curves: &[Curve]| {
-        curves.iter().flat_map(|curve| &curve.points).map(|point| point.1).fold(0.0, f64::max)
-    };
-    let (low, high) = range(forces.iter().flat_map(|curve| &curve.points).map(|point| point.1.log10()));
-    let span = [10f64.powf(low.floor()), 10f64.powf(high.ceil())];
-    let plots = [
-        Plot {
-            title: "Convergence in step (a): RMS voltage".to_owned(),
-            across: across(),
-            up: Axis::linear("RMS voltage [V]", [0.0, 1.2 * highest(&voltages)], 8),
-            curves: voltages,
-        },
-        Plot {
-            title: "Convergence in step (b): peak force".to_owned(),
-            across: across(),
-            up: Axis::logarithmic("peak contact force [N]", span),
-            curves: forces,
-        },
-    ];
-    let panels: Result<Vec<Panel>, String> = ['a', 'b']
-        .into_iter()
-        .zip(plots)
-        .map(|(letter, plot)| {
-            Ok(Panel { name: format!("convergence-in-step-{letter}"), svg: plot::draw(SIZE, &[plot])? })
-        })
-        .collect();
-    let mut csv =
-        String::from("contact,step_s,rms_voltage_v,mean_force_n,peak_force_n,contacts_per_period\n");
-    for StepPoint { law, step_s, found } in points {
-        let _ = writeln!(csv, "{},{},{}", LAWS[*law].1, number(*step_s), cells(found));
-    }
     let row = |point: &StepPoint| {
         let found = &point.found;
         [
@@ -273,6 +216,19 @@ pub(super) fn step_figure(points: &[StepPoint], note: &str) -> Result<Figure, St
             format!("{:.1}", found.contacts_per_period),
         ]
     };
+    let headings = [
+        "contact",
+        "step [µs]",
+        "RMS voltage [V]",
+        "mean force [mN]",
+        "peak force [N]",
+        "contacts per period",
+    ];
+    let mut csv =
+        String::from("contact,step_s,rms_voltage_v,mean_force_n,peak_force_n,contacts_per_period\n");
+    for StepPoint { law, step_s, found } in points {
+        let _ = writeln!(csv, "{},{},{}", LAWS[*law].1, number(*step_s), cells(found));
+    }
     let (beam, rod) = STEP_MODES;
     Ok(Figure {
         label: "Convergence in step",
@@ -280,24 +236,49 @@ pub(super) fn step_figure(points: &[StepPoint], note: &str) -> Result<Figure, St
         caption: format!(
             "(a) RMS voltage and (b) peak contact force over {:.1} s after {:.1} s, over the step near contact, with {beam} \
              modes of the beam, {rod} of the rod and the stop at the tip, under the contact by residual flexibility and \
-             under the paper's constraint of displacements. Both give much the same voltage. The peak force of the \
-             constraint is made by the step: it grows as one over it, and so do the contacts in a period; that of the \
-             residual flexibility converges. {note}",
+             under the paper's constraint of displacements. Both contacts give much the same voltage. The peak force of the \
+             constraint is made by the step: it grows as one over the step, and so do the contacts in a period. The peak \
+             force of the residual flexibility converges. {note}",
             STEP_RUN.window_s(),
             STEP_RUN.settle_s
         ),
-        panels: panels?,
-        table: crate::figures::table(
-            [
-                "contact",
-                "step [µs]",
-                "RMS voltage [V]",
-                "mean force [mN]",
-                "peak force [N]",
-                "contacts per period",
-            ],
-            points.iter().map(row),
-        ),
+        panels: step_panels(points)?,
+        table: crate::figures::table(headings, points.iter().map(row)),
         csv,
     })
+}
+
+fn step_panels(points: &[StepPoint]) -> Result<Vec<Panel>, String> {
+    let across = Axis::logarithmic("step near contact [s]", [0.9 * STEPS[0], 1.1 * STEPS[STEPS.len() - 1]]);
+    let curves = |value: fn(&Found) -> f64| -> Vec<Curve> {
+        let of = |index: usize| points.iter().filter(move |point| point.law == index);
+        let laws = LAWS.iter().enumerate();
+        laws.flat_map(|(index, (_, name, colour))| {
+            let points = of(index).map(|point| (point.step_s, value(&point.found))).collect();
+            dotted((*name).to_owned(), *colour, points)
+        })
+        .collect()
+    };
+    let (voltages, forces) = (curves(|found| found.rms_voltage), curves(|found| found.peak_force));
+    let highest = voltages.iter().flat_map(|curve| &curve.points).map(|point| point.1).fold(0.0, f64::max);
+    let (low, high) = range(forces.iter().flat_map(|curve| &curve.points).map(|point| point.1.log10()));
+    let span = [10f64.powf(low.floor()), 10f64.powf(high.ceil())];
+    let plots = [
+        Plot {
+            title: "Convergence in step (a): RMS voltage".to_owned(),
+            across: across.clone(),
+            up: Axis::linear("RMS voltage [V]", [0.0, 1.2 * highest], 8),
+            curves: voltages,
+        },
+        Plot {
+            title: "Convergence in step (b): peak force".to_owned(),
+            across,
+            up: Axis::logarithmic("peak contact force [N]", span),
+            curves: forces,
+        },
+    ];
+    let panel = |(letter, plot)| {
+        Ok(Panel { name: format!("convergence-in-step-{letter}"), svg: plot::draw(SIZE, &[plot])? })
+    };
+    ['a', 'b'].into_iter().zip(plots).map(panel).collect()
 }

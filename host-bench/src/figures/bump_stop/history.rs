@@ -10,7 +10,8 @@ use crate::outcome::number;
 use crate::report::plot::{self, Axis, Curve, Mark, Plot};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, range};
 
-/// Rows from one point of a curve to the next: 5 µs are half a pixel. A force comes and goes within that.
+/// Rows from one point of a curve to the next: 5 µs are half a pixel. Curves of the force take every row, because a contact
+/// may be shorter.
 const THIN: usize = 5;
 const WIDE: (u32, u32) = (1130, 360);
 const THREE_HIGH: (u32, u32) = (1130, 900);
@@ -30,9 +31,6 @@ fn plot(title: &str, up: &'static str, curves: Vec<Curve>) -> Plot {
 }
 
 /// Figure 6.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn six(tip: &Motion, note: &str) -> Result<Figure, String> {
     let plots = [
         plot(
@@ -64,9 +62,6 @@ pub(super) fn six(tip: &Motion, note: &str) -> Result<Figure, String> {
 }
 
 /// Figure 8.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn eight([tip, none]: [&Motion; 2], note: &str) -> Result<Figure, String> {
     let curves = vec![
         curve("without impact", BLUE, none.over_periods(VOLTAGE, 1.0, THIN)),
@@ -87,9 +82,6 @@ pub(super) fn eight([tip, none]: [&Motion; 2], note: &str) -> Result<Figure, Str
 }
 
 /// Figure 9.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn nine([tip, mid, none]: [&Motion; 3], note: &str) -> Result<Figure, String> {
     let curves = vec![
         curve("no stop", BLUE, none.over_periods(VOLTAGE, 1.0, THIN)),

@@ -1,10 +1,10 @@
 //! The motion over the last periods of a run.
 
-use crate::method::{Failure, Options, run_scene};
+use crate::method::{Failure, Options};
+use crate::run::run_scene;
 use crate::scene_file::{RunSpan, Scene};
 
-/// Periods of the base before those that are shown. The start of the beam alone fades by a factor of e in 15
-/// periods.
+/// Periods of the base before those that are shown. The free motion of the beam decays by a factor of e in 15 periods.
 pub(super) const SETTLE: u32 = 100;
 /// Periods that are shown.
 pub(super) const SHOWN: u32 = 3;
@@ -24,7 +24,7 @@ pub const VOLTAGE: usize = 4;
 /// Contact force.
 pub const CONTACT_FORCE: usize = 5;
 
-/// Pause in s between contacts of one cluster and those of the next.
+/// Shortest pause in s between two clusters of contacts.
 const PAUSE_S: f64 = 2e-4;
 
 /// Samples over the periods that are shown.
@@ -36,16 +36,17 @@ pub struct Motion {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// How the motions are run.
+/// The options of the runs.
 pub(super) fn options() -> Options {
     Options { step_s: Some(STEP_S), ..Options::default() }
 }
 
 /// The scene over the periods before and those shown.
 pub(super) fn spanned(scene: &Scene) -> Result<(Scene, f64), Failure> {
-    let frequency = scene.excitation.single_frequency().ok_or_else(|| {
-        Failure::Input(format!("{}: excitation.kind must be \"sine\"", scene.file.display()))
-    })?;
+    let frequency = scene
+        .excitation
+        .single_frequency()
+        .ok_or_else(|| Failure::of_file(scene, "excitation.kind must be \"sine\""))?;
     let run = RunSpan {
         duration_s: f64::from(SETTLE + SHOWN) / frequency,
         settle_s: f64::from(SETTLE) / frequency,

@@ -29,14 +29,10 @@ pub(super) struct Cluster {
 }
 
 /// With the stop at the tip and at mid-span.
-///
-/// # Errors
-/// If one of them cannot be run or has no contact.
 pub(super) fn of(motions: [(&Scene, &Motion); 2], done: &(dyn Fn() + Sync)) -> Result<Vec<Cluster>, Failure> {
     let cluster = |&(scene, motion): &(&Scene, &Motion)| {
-        let [first, last] = motion
-            .longest_cluster()
-            .ok_or_else(|| Failure::Input(format!("{}: there must be a contact", scene.file.display())))?;
+        let [first, last] =
+            motion.longest_cluster().ok_or_else(|| Failure::of_file(scene, "there must be a contact"))?;
         let instants = PARTS.map(|part| first + part * (last - first));
         let (scene, _) = spanned(scene)?;
         let shapes = deflected_shapes(&scene, &options(), &instants, STATIONS);
@@ -47,9 +43,6 @@ pub(super) fn of(motions: [(&Scene, &Motion); 2], done: &(dyn Fn() + Sync)) -> R
 }
 
 /// Figure 10.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn ten(clusters: &[Cluster], note: &str) -> Result<Figure, String> {
     let drawn = |(letter, place): (char, &str), cluster: &Cluster| {
         let curves: Vec<Curve> = cluster

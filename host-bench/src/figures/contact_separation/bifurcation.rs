@@ -16,10 +16,7 @@ use crate::scene_file::Scene;
 const SIZE: (u32, u32) = (900, 520);
 
 /// The gap in m at the start of each period of the measuring window, for each frequency.
-///
-/// # Errors
-/// If one of them cannot be run.
-pub fn diagram(
+pub(crate) fn diagram(
     base: &Scene,
     [charge_density, resistance]: [f64; 2],
     grid: Grid,
@@ -37,9 +34,6 @@ pub fn diagram(
 }
 
 /// Figure 10 from the diagram.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn ten(
     diagram: &[(f64, Vec<f64>)],
     [charge_density, resistance]: [f64; 2],

@@ -14,7 +14,7 @@ use crate::report::svg::{BLUE, VERMILION};
 use crate::scene_file::Scene;
 
 /// Frequencies in Hz: two at the onset of impacts, two at the upper edge of the band.
-pub const FREQUENCIES: [f64; 4] = [18.83, 18.84, 20.15, 20.20];
+pub(crate) const FREQUENCIES: [f64; 4] = [18.83, 18.84, 20.15, 20.20];
 
 /// A panel: two frequencies with their colours, and the periods that are shown.
 struct Pair {
@@ -29,7 +29,7 @@ const PAIRS: [Pair; 2] = [
         letter: 'a',
         title: "Figure 9 (a), onset of impacts",
         strips: [(FREQUENCIES[0], BLUE), (FREQUENCIES[1], VERMILION)],
-        // At the onset the mass flies for some twenty periods between impacts.
+        // At the onset about twenty periods pass between impacts.
         periods: 60,
     },
     Pair {
@@ -47,9 +47,6 @@ const PER_PERIOD: u32 = 60;
 const SIZE: (u32, u32) = (1130, 520);
 
 /// Runs the four cases and draws them.
-///
-/// # Errors
-/// If one of them cannot be run, or not drawn.
 pub(super) fn nine(
     base: &Scene,
     [charge_density, resistance]: [f64; 2],

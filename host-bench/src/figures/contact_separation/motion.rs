@@ -1,15 +1,17 @@
 //! One run of a figure: the shipped scene at another charge density, load and frequency.
 
-use crate::method::{Failure, Options, Precision, run_scene};
+use crate::figures::sine;
+use crate::method::{Failure, Options, Precision};
 use crate::outcome::{ContactSeparationOutcome, Outcome};
-use crate::scene_file::{Excitation, Load, RunSpan, Scene};
+use crate::run::run_scene;
+use crate::scene_file::{Excitation, Load, RunSpan, Scene, Tone};
 
 /// Periods of the excitation that are measured.
-pub const WINDOW: u32 = 100;
+pub(crate) const WINDOW: u32 = 100;
 
-/// What is changed in the scene.
+/// The values that differ from the shipped scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Case {
+pub(crate) struct Case {
     /// Tribo-charge density in µC/m².
     pub charge_density: f64,
     /// Load resistance in MΩ.
@@ -29,22 +31,19 @@ fn found<'a>(base: &Scene, outcome: &'a Outcome) -> Result<&'a ContactSeparation
 impl Case {
     /// Periods of the excitation from the start to the end.
     #[must_use]
-    pub fn end(&self) -> u32 {
+    pub(crate) fn end(&self) -> u32 {
         self.settle + WINDOW
     }
 
-    /// The scene of this case. It starts as the scene file says, at rest at the initial gap.
+    /// The scene of this case, at rest at the initial gap as in the scene file.
     ///
     /// # Errors
-    /// If the scene is another one or not shaken by one sine.
+    /// If the scene is another one or its excitation is no sine.
     fn scene(&self, base: &Scene) -> Result<Scene, Failure> {
         let mut scene = base.clone();
         scene.contact_separation_mut()?.parameters.charge_density_c_per_m2 = self.charge_density * 1e-6;
         scene.load = Load::Resistor { resistance_ohm: self.resistance * 1e6 };
-        let Excitation::Sine(tone) = &mut scene.excitation else {
-            return Err(Failure::Input(format!("{}: excitation.kind must be \"sine\"", base.file.display())));
-        };
-        tone.frequency_hz = self.frequency;
+        scene.excitation = Excitation::Sine(Tone { frequency_hz: self.frequency, ..*sine(base)? });
         scene.run = RunSpan {
             duration_s: f64::from(self.end()) / self.frequency,
             settle_s: f64::from(self.settle) / self.frequency,
@@ -69,10 +68,7 @@ impl Case {
     }
 
     /// The run's numbers over the measuring window.
-    ///
-    /// # Errors
-    /// If the case cannot be run.
-    pub fn response(&self, base: &Scene, tolerance: f64) -> Result<Response, Failure> {
+    pub(crate) fn response(&self, base: &Scene, tolerance: f64) -> Result<Response, Failure> {
         let outcome = self.run(base, tolerance, None)?;
         let found = found(base, &outcome)?;
         Ok(Response {
@@ -87,10 +83,7 @@ impl Case {
     }
 
     /// The gap over time, `per_period` times a period, from period `from` on.
-    ///
-    /// # Errors
-    /// If the case cannot be run.
-    pub fn motion(
+    pub(crate) fn motion(
         &self,
         base: &Scene,
         tolerance: f64,
@@ -101,8 +94,7 @@ impl Case {
         let outcome = self.run(base, tolerance, Some(every))?;
         let found = found(base, &outcome)?;
         let rows = outcome.trace.as_ref().map(|trace| trace.rows.as_slice()).unwrap_or_default();
-        // A row stands at its number times the distance of the rows. That at the very end may be
-        // missing, by a rounding of its time.
+        // The time of a row is its number times the distance of the rows. Rounding of the time may drop the last row.
         let periods = (0..self.end() * per_period).map(|row| f64::from(row) / f64::from(per_period));
         let rows = periods.zip(rows).skip((from * per_period) as usize);
         Ok(Motion {
@@ -113,17 +105,14 @@ impl Case {
     }
 
     /// The gap in m at the start of each period of the measuring window.
-    ///
-    /// # Errors
-    /// If the case cannot be run.
-    pub fn stroboscopic(&self, base: &Scene, tolerance: f64) -> Result<Vec<f64>, Failure> {
+    pub(crate) fn stroboscopic(&self, base: &Scene, tolerance: f64) -> Result<Vec<f64>, Failure> {
         Ok(self.motion(base, tolerance, 1, self.settle)?.gaps.into_iter().map(|(_, gap)| gap).collect())
     }
 }
 
 /// The gap over time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub(crate) struct Motion {
     /// Frequency of the excitation in Hz.
     pub frequency: f64,
     /// Periods since the start, gap in m.
@@ -134,7 +123,7 @@ pub struct Motion {
 
 /// The numbers of a run, over its measuring window.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Response {
+pub(crate) struct Response {
     /// Frequency of the excitation in Hz.
     pub frequency: f64,
     /// Largest gap in m.
@@ -151,10 +140,9 @@ pub struct Response {
     pub mean_power_w: Option<f64>,
 }
 
-/// Frequencies at equal distances, in hundredths of a hertz so that each is the nearest number to
-/// what it is written as.
+/// Frequencies at equal distances, in hundredths of a hertz so that each is the number nearest to its decimal form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Grid {
+pub(crate) struct Grid {
     /// The first.
     pub from: u16,
     /// The last, if a whole number of steps leads there.
@@ -165,7 +153,7 @@ pub struct Grid {
 
 impl Grid {
     /// The frequencies in Hz.
-    pub fn frequencies(self) -> impl Iterator<Item = f64> {
+    pub(crate) fn frequencies(self) -> impl Iterator<Item = f64> {
         (self.from..=self.to)
             .step_by(usize::from(self.step.max(1)))
             .map(|hundredths| f64::from(hundredths) / 100.0)
@@ -173,7 +161,7 @@ impl Grid {
 
     /// First and last frequency in Hz.
     #[must_use]
-    pub fn span(self) -> [f64; 2] {
+    pub(crate) fn span(self) -> [f64; 2] {
         [self.from, self.to].map(|hundredths| f64::from(hundredths) / 100.0)
     }
 }

@@ -14,12 +14,12 @@ use crate::report::svg::{BLACK, BLUE, ORANGE, VERMILION};
 use crate::scene_file::Scene;
 
 /// Charge densities of figure 8 in µC/m².
-pub const CHARGE_DENSITIES: [f64; 4] = [5.0, 20.0, 35.0, 50.0];
+pub(crate) const CHARGE_DENSITIES: [f64; 4] = [5.0, 20.0, 35.0, 50.0];
 /// Load resistances of figure 11 in MΩ; figure 8 has the first and the last.
-pub const RESISTANCES: [f64; 3] = [1.0, 10.0, 100.0];
+pub(crate) const RESISTANCES: [f64; 3] = [1.0, 10.0, 100.0];
 
 const COLOURS: [RGBColor; 4] = [BLACK, BLUE, ORANGE, VERMILION];
-/// Where curves may lie on each other the first is the widest, so that all are seen.
+/// Marks for curves that may coincide: the first is the widest, so that all are visible.
 const NESTED: [(RGBColor, Mark); 3] =
     [(ORANGE, Mark::Line(5.0)), (BLUE, Mark::Line(2.4)), (BLACK, Mark::Dashes(1.3))];
 
@@ -28,7 +28,7 @@ const SIZE: (u32, u32) = (560, 430);
 
 /// The largest gap over frequency at one charge density and load.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sweep {
+pub(crate) struct Sweep {
     /// Tribo-charge density in µC/m².
     pub charge_density: f64,
     /// Load resistance in MΩ.
@@ -46,7 +46,7 @@ impl Sweep {
 
     /// First and last frequency in Hz at which the mass hits the dielectric.
     #[must_use]
-    pub fn band(&self) -> Option<[f64; 2]> {
+    pub(crate) fn band(&self) -> Option<[f64; 2]> {
         let mut hit = self.responses.iter().filter(|response| response.impacts > 0);
         let first = hit.next()?;
         Some([first.frequency, hit.next_back().unwrap_or(first).frequency])
@@ -55,7 +55,7 @@ impl Sweep {
 
 /// The charge densities and loads that both figures need.
 #[must_use]
-pub fn pairs() -> Vec<(f64, f64)> {
+pub(crate) fn pairs() -> Vec<(f64, f64)> {
     let all = RESISTANCES.into_iter().flat_map(|load| CHARGE_DENSITIES.map(|density| (density, load)));
     all.filter(|&(density, load)| in_eight(load) || in_eleven(density)).collect()
 }
@@ -69,10 +69,7 @@ fn in_eleven(charge_density: f64) -> bool {
 }
 
 /// Runs each pair at each frequency, on all cores.
-///
-/// # Errors
-/// If one of them cannot be run.
-pub fn sweeps(
+pub(crate) fn sweeps(
     base: &Scene,
     pairs: &[(f64, f64)],
     grid: Grid,
@@ -113,9 +110,6 @@ pub fn sweeps(
 }
 
 /// Figure 8 from the sweeps.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn eight(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure, String> {
     let wanted: Vec<&Sweep> = sweeps.iter().filter(|sweep| in_eight(sweep.resistance)).collect();
     let up = gap_axis(&wanted);
@@ -148,9 +142,6 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure,
 }
 
 /// Figure 11 from the sweeps.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure, String> {
     let [few, .., many] = CHARGE_DENSITIES;
     let wanted: Vec<&Sweep> = sweeps.iter().filter(|sweep| in_eleven(sweep.charge_density)).collect();
@@ -219,7 +210,7 @@ pub(super) fn frequency_axis(span: [f64; 2], ticks: usize) -> Axis {
     Axis::linear("excitation frequency [Hz]", span, ticks)
 }
 
-/// Half millimetres that hold all gaps, the same for the panels of a figure.
+/// An axis in whole half millimetres that contains all gaps, the same for all panels of a figure.
 fn gap_axis(sweeps: &[&Sweep]) -> Axis {
     let gaps = sweeps.iter().flat_map(|sweep| sweep.points()).map(|point| point.1);
     let (low, high) = gaps.fold((f64::INFINITY, 0.0_f64), |(low, high), gap| (low.min(gap), high.max(gap)));

@@ -1,5 +1,7 @@
 //! What is known of the figures, on coarse grids.
 
+use super::motion::{Case, WINDOW};
+use super::response::Sweep;
 use super::*;
 use crate::scene_file;
 

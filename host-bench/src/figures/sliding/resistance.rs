@@ -60,9 +60,6 @@ fn along(peaks: &[Peak], charge_density: f64) -> Vec<&Peak> {
 }
 
 /// Figure 6.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn six(peaks: &[Peak], natural: f64, note: &str) -> Result<Figure, String> {
     let shift = |peak: &Peak| 1e3 * (peak.frequency_hz - natural);
     let amplitude = |peak: &Peak| 1e3 * peak.amplitude_m;

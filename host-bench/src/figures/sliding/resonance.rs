@@ -7,23 +7,23 @@ use crate::steady_state::Resonance;
 
 use super::TOLERANCE;
 
-/// Frequencies in Hz between which all peaks lie, and how many are scanned: from 30 mHz below the lowest peak
-/// to 20 above the natural frequency of the shipped beam.
+/// Range of frequencies in Hz that contains all peaks, and number of frequencies of the scan. The range goes from 30 mHz
+/// below the lowest peak to 20 mHz above the natural frequency of the shipped beam.
 const AROUND_PEAKS: ([f64; 2], usize) = ([18.31, 18.40], 10);
 
-/// What is changed in the scene.
+/// The values that differ from the shipped scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Case {
+pub(crate) struct Case {
     /// Tribo-charge density in µC/m².
     pub charge_density: f64,
     /// Load resistance in Ω; 0 is a short circuit.
     pub resistance: f64,
 }
 
-/// Where the steady state responds most.
+/// The peak of the steady state over frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Peak {
-    /// Of what.
+pub(crate) struct Peak {
+    /// The case.
     pub case: Case,
     /// Frequency in Hz at which the amplitude is largest.
     pub frequency_hz: f64,
@@ -37,25 +37,25 @@ pub struct Peak {
 fn sliding(base: &Scene) -> Result<&Sliding, Failure> {
     match &base.model {
         Model::Sliding(model) => Ok(model),
-        Model::ContactSeparation(_) | Model::BumpStop(_) => Err(Failure::Input(format!(
-            "{}: scene = {:?}: must be \"sliding\" here",
-            base.file.display(),
-            base.name()
-        ))),
+        Model::ContactSeparation(_) | Model::BumpStop(_) => {
+            Err(Failure::of_file(base, format!("scene = {:?}: must be \"sliding\" here", base.name())))
+        }
     }
 }
 
 impl Case {
-    /// Of the beam with its slider, without friction, in Hz.
+    /// Natural frequency in Hz of the beam with its slider, without friction.
     pub(super) fn natural_frequency_hz(base: &Scene) -> Result<f64, Failure> {
         Ok(sliding(base)?.parameters.natural_frequency_hz())
     }
 
     /// The steady states over `points` frequencies between two in Hz, and the peaks.
-    ///
-    /// # Errors
-    /// If the scene is another one, a step cannot be taken, or there is no steady state.
-    pub fn resonance(&self, base: &Scene, range: [f64; 2], points: usize) -> Result<Resonance, Failure> {
+    pub(crate) fn resonance(
+        &self,
+        base: &Scene,
+        range: [f64; 2],
+        points: usize,
+    ) -> Result<Resonance, Failure> {
         let mut model = sliding(base)?.clone();
         model.parameters.charge_density_c_per_m2 = self.charge_density * 1e-6;
         let load = Load::Resistor { resistance_ohm: self.resistance };
@@ -72,14 +72,11 @@ impl Case {
         })
     }
 
-    /// Where the steady state responds most.
-    ///
-    /// # Errors
-    /// As [`Case::resonance`], and if a peak lies beyond the range that is searched.
-    pub fn peak(&self, base: &Scene) -> Result<Peak, Failure> {
+    /// The peak of the steady state over frequency.
+    pub(crate) fn peak(&self, base: &Scene) -> Result<Peak, Failure> {
         let (range, points) = AROUND_PEAKS;
         let found = self.resonance(base, range, points)?;
-        // Without a voltage there is no largest one, and where it is found does not matter.
+        // Without a voltage the place of the largest voltage has no meaning.
         let silent = found.rms_voltage.value == 0.0;
         if found.amplitude.at_edge || (found.rms_voltage.at_edge && !silent) {
             return Err(Failure::Step(format!(

@@ -21,11 +21,11 @@ pub(super) const RESISTANCES: [f64; 5] = [0.0, 1e7, 5e7, 1e8, 1e10];
 /// Their colours, and those of the charge densities of figure 3.
 pub(super) const COLOURS: [RGBColor; 5] = [BLACK, GREEN, BLUE, ORANGE, VERMILION];
 
-/// Frequencies in Hz, and how many: 5 mHz apart, where half the power is within 130 mHz.
+/// Range of frequencies in Hz, and their number: they are 5 mHz apart, and the width at half power is 130 mHz.
 const WIDE: ([f64; 2], usize) = ([18.0, 18.75], 151);
-/// Around the peaks of the small and the large charge density, in Hz.
+/// Ranges in Hz around the peaks of the small and the large charge density.
 const NEAR: [[f64; 2]; 2] = [[18.355, 18.385], [18.32, 18.40]];
-/// How many frequencies are between these.
+/// Number of frequencies in each of these ranges.
 const NEAR_POINTS: usize = 41;
 /// Size of a panel: two stand beside each other on the page.
 const SIZE: (u32, u32) = (560, 430);
@@ -38,7 +38,7 @@ pub(super) struct Response {
     points: Vec<[f64; 3]>,
 }
 
-/// What figures 3 to 5 need, each once.
+/// The cases of figures 3 to 5, each once.
 pub(super) fn cases() -> Vec<Case> {
     let mut cases: Vec<Case> =
         FIGURE_THREE.map(|charge_density| Case { charge_density, resistance: LOAD }).to_vec();
@@ -56,9 +56,6 @@ pub(super) fn cases() -> Vec<Case> {
 
 impl Response {
     /// Over the wide range, with more points around the peaks.
-    ///
-    /// # Errors
-    /// If the orbit cannot be followed.
     pub(super) fn of(base: &Scene, case: &Case) -> Result<Self, Failure> {
         let (wide, points) = WIDE;
         let mut found = case.resonance(base, wide, points)?.responses;
@@ -120,7 +117,7 @@ fn panel(
         .collect();
     let peaks = curves.iter().map(|curve| curve.points.iter().map(|point| point.1).fold(0.0, f64::max));
     let (low, high) = if local.is_some() { range(peaks) } else { (0.0, 1.04 * peaks.fold(0.0, f64::max)) };
-    // Below the lowest peak as far as it is from the highest.
+    // The local view begins below the lowest peak, by half the distance of the peaks.
     let low = if local.is_some() { low - 0.5 * (high - low) } else { low };
     let plot = Plot {
         title,
@@ -132,9 +129,6 @@ fn panel(
 }
 
 /// Figure 3.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn three(all: &[Response], note: &str) -> Result<Figure, String> {
     let wanted: Vec<(String, &Response)> = FIGURE_THREE
         .iter()
@@ -187,9 +181,6 @@ fn panels(number: u32, which: usize, wanted: &[(String, &Response)]) -> Result<V
 }
 
 /// Figure 4.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn four(all: &[Response], note: &str) -> Result<Figure, String> {
     let wanted = at_density(all, DENSITIES[0]);
     Ok(Figure {
@@ -208,9 +199,6 @@ pub(super) fn four(all: &[Response], note: &str) -> Result<Figure, String> {
 }
 
 /// Figure 5.
-///
-/// # Errors
-/// If it cannot be drawn.
 pub(super) fn five(all: &[Response], note: &str) -> Result<Figure, String> {
     let wanted = at_density(all, DENSITIES[1]);
     Ok(Figure {

@@ -1,4 +1,4 @@
-//! What a run is measured by: the same numbers as the core's.
+//! The meters of a run: the same numbers as those of the core.
 
 use model_core::integrate::Cubic;
 
@@ -6,7 +6,7 @@ use super::system::{State, System};
 use crate::outcome::BumpStopOutcome;
 use crate::scene_file::Scene;
 
-/// What the meters need to know of an instant.
+/// The quantities at an instant.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     /// Voltage, displacement of the tip and of the beam at the stop, with their rates.
@@ -103,14 +103,14 @@ impl<'a> Meter<'a> {
         let square = |[value, rate]: [f64; 2]| [value * value, 2.0 * value * rate];
         self.voltage += integral(from, to, step);
         self.voltage_squared += integral(square(from), square(to), step);
-        // The force has a corner where the contact opens: the trapezium.
+        // The trapezium: the force has a corner where the contact opens.
         self.impulse += 0.5 * step * (before.force + after.force);
         self.peak_force = self.peak_force.max(before.force).max(after.force);
         let ends_in_contact = u32::from(before.force > 0.0) + u32::from(after.force > 0.0);
         self.contact_time += 0.5 * step * f64::from(ends_in_contact);
     }
 
-    /// Closes the books.
+    /// The totals at the end of the run.
     pub(super) fn close(self, scene: &Scene, has_stop: bool, end: &State) -> Totals {
         let length = scene.run.window_s();
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * length);

@@ -1,11 +1,11 @@
 //! One step of each method.
 
-use super::system::{Shaking, State, System};
+use super::system::{BaseAcceleration, State, System};
 
 /// A method with a fixed step.
 pub(super) trait Stepper {
     /// Moves the state on by `step` seconds from `time`.
-    fn step(&mut self, state: &mut State, shaking: &mut Shaking<'_>, time: f64, step: f64);
+    fn step(&mut self, state: &mut State, base: &mut BaseAcceleration<'_>, time: f64, step: f64);
 }
 
 /// The classical explicit method of order 4.
@@ -42,9 +42,9 @@ fn add(to: &mut State, factor: f64, rate: &State) {
 }
 
 impl Stepper for RungeKutta4<'_> {
-    fn step(&mut self, state: &mut State, shaking: &mut Shaking<'_>, time: f64, step: f64) {
+    fn step(&mut self, state: &mut State, base: &mut BaseAcceleration<'_>, time: f64, step: f64) {
         let half = 0.5 * step;
-        let [first, middle, last] = [0.0, half, step].map(|later| shaking.at(time + later));
+        let [first, middle, last] = [0.0, half, step].map(|later| base.at(time + later));
         self.system.rate(state, first, &mut self.rate);
         self.sum.copy_from(state);
         for (acceleration, weight, reach) in
@@ -61,17 +61,17 @@ impl Stepper for RungeKutta4<'_> {
 
 /// Coefficients of an implicit stage `x = known + d f(t, x)`, which is solved in closed form.
 ///
-/// Each mode is a linear equation for itself but for force and voltage, so is the circuit; what is left is
-/// `g = g₀ − H F` with `F = k max(0, g)`, whose one solution is `F = k max(0, g₀) / (1 + k H)`.
+/// Each mode, and the circuit, is a linear equation coupled to the others by force and voltage only. Elimination leaves
+/// `g = g₀ − H F` with `F = k max(0, g)`, whose only solution is `F = k max(0, g₀) / (1 + k H)`.
 #[derive(Debug)]
 struct Stage {
     /// `d`: the method's coefficient times the step, in s.
     reach: f64,
     /// `1 / (1 + 2ζω d + ω² d²)` of each mode.
     shares: Vec<f64>,
-    /// One over the capacitance that the circuit's equation sees; 0 behind a short circuit.
+    /// One over the effective capacitance in 1/F of the circuit's equation; 0 behind a short circuit.
     elastance: f64,
-    /// `d² Σ θ l / (1 + 2ζω d + ω² d²)`: how much a voltage closes the gap.
+    /// `d² Σ θ l / (1 + 2ζω d + ω² d²)`: change of the gap in m for one volt.
     mixed: f64,
     /// `v = v₀ − v₁ F`: `v₁`.
     voltage_by_force: f64,
@@ -104,7 +104,7 @@ impl Stage {
         Self { reach, shares, elastance, mixed, voltage_by_force, stiffness }
     }
 
-    /// Turns `known` into the stage.
+    /// Solves for the stage: `state` is `known` on entry and the stage on return.
     fn solve(&self, system: &System, acceleration: f64, state: &mut State) {
         let reach = self.reach;
         let [mut current, mut levers] = [0.0; 2];
@@ -128,7 +128,7 @@ impl Stage {
     }
 }
 
-/// Where TR-BDF2 takes its first stage, `2 − √2`: both stages then have the same coefficient.
+/// Place of the first stage of TR-BDF2 within the step, `2 − √2`: both stages then have the same coefficient.
 const FIRST_STAGE: f64 = 2.0 - std::f64::consts::SQRT_2;
 
 /// Newmark's method of average acceleration (`β = ¼`, `γ = ½`, the circuit by the trapezoidal rule), and
@@ -159,15 +159,15 @@ impl<'a> Implicit<'a> {
 }
 
 impl Stepper for Implicit<'_> {
-    fn step(&mut self, state: &mut State, shaking: &mut Shaking<'_>, time: f64, step: f64) {
+    fn step(&mut self, state: &mut State, base: &mut BaseAcceleration<'_>, time: f64, step: f64) {
         self.start.copy_from(state);
-        self.system.rate(&self.start, shaking.at(time), &mut self.rate);
+        self.system.rate(&self.start, base.at(time), &mut self.rate);
         move_along(state, &self.start, self.stage.reach, &self.rate);
         if !self.is_tr_bdf2 {
-            self.stage.solve(self.system, shaking.at(time + step), state);
+            self.stage.solve(self.system, base.at(time + step), state);
             return;
         }
-        self.stage.solve(self.system, shaking.at(time + FIRST_STAGE * step), state);
+        self.stage.solve(self.system, base.at(time + FIRST_STAGE * step), state);
         // y = y₁ / (γ (2 − γ)) − y₀ (1 − γ)² / (γ (2 − γ)) + d f(y); the two weights differ by one.
         let older = (1.0 - FIRST_STAGE).powi(2) / (FIRST_STAGE * (2.0 - FIRST_STAGE));
         let extrapolated = |middle: f64, start: f64| middle + older * (middle - start);
@@ -175,6 +175,6 @@ impl Stepper for Implicit<'_> {
             *middle = [extrapolated(middle[0], start[0]), extrapolated(middle[1], start[1])];
         }
         state.voltage = extrapolated(state.voltage, self.start.voltage);
-        self.stage.solve(self.system, shaking.at(time + step), state);
+        self.stage.solve(self.system, base.at(time + step), state);
     }
 }

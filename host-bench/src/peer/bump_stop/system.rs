@@ -60,7 +60,7 @@ pub(super) struct System {
     /// `k` in N/m: one over the compliance of the modes left out and that of the contact.
     pub(super) stiffness: f64,
     pub(super) capacitance: f64,
-    /// `1/R`; behind a short circuit the voltage is held at zero instead.
+    /// `1/R`; 0 for a short circuit, whose voltage is 0.
     pub(super) conductance: f64,
     pub(super) is_short: bool,
     /// `χ`: 1 if the voltage acts back on the beam, else 0.
@@ -188,14 +188,14 @@ impl System {
 
 /// Base acceleration at any time, in order of time.
 #[derive(Debug)]
-pub(super) struct Shaking<'a> {
+pub(super) struct BaseAcceleration<'a> {
     base: Base<'a>,
     here: LocalBase,
     from: f64,
     to: f64,
 }
 
-impl<'a> Shaking<'a> {
+impl<'a> BaseAcceleration<'a> {
     /// Seconds after which the phase of the sines is set anew from the time, so that it does not drift.
     const STRETCH: f64 = 1.0;
 

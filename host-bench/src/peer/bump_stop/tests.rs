@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use crate::method::{Failure, Method, Options, run_scene};
+use crate::method::{Failure, Method, Options};
 use crate::outcome::{BumpStopOutcome, Outcome, Particular};
+use crate::run::run_scene;
 use crate::scene_file::{self, Override, Scene};
 
 fn shipped(overrides: &[(&str, &str)]) -> Scene {

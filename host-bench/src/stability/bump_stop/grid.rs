@@ -2,10 +2,10 @@
 
 use serde::{Serialize, Serializer};
 
-use super::super::Grid;
 use crate::scene_file::{BumpStopStart, Contact, Load, Model, RunSpan, Scene};
+use crate::stability::Grid;
 
-/// Simulated time in s: two periods, of which the beam is in contact from before the first's end.
+/// Simulated time in s: two periods. The first contact comes before the end of the first.
 const DURATION_S: f64 = 0.01;
 
 const BEAM_MODES: std::ops::RangeInclusive<usize> = 1..=10;
@@ -27,22 +27,22 @@ const RESTITUTION: f64 = 0.5;
 
 /// One case: what differs from the shipped scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Setting {
+pub(crate) struct Setting {
     /// Modes of the beam.
-    pub beam_modes: usize,
+    pub(super) beam_modes: usize,
     /// Modes of the rod.
-    pub rod_modes: usize,
+    pub(super) rod_modes: usize,
     /// Gap in m.
-    pub gap_m: f64,
+    pub(super) gap_m: f64,
     /// Load resistance in Ω.
-    pub resistance_ohm: f64,
+    pub(super) resistance_ohm: f64,
     /// Young's modulus of the rod in Pa.
-    pub rod_young_modulus_pa: f64,
+    pub(super) rod_young_modulus_pa: f64,
     /// Damping ratio.
-    pub damping_ratio: f64,
+    pub(super) damping_ratio: f64,
     /// Contact law.
     #[serde(serialize_with = "law")]
-    pub contact: Contact,
+    pub(super) contact: Contact,
 }
 
 fn law<S: Serializer>(contact: &Contact, serializer: S) -> Result<S::Ok, S::Error> {
@@ -50,7 +50,6 @@ fn law<S: Serializer>(contact: &Contact, serializer: S) -> Result<S::Ok, S::Erro
 }
 
 /// The name that a scene file has for a contact law.
-#[must_use]
 pub(super) fn law_name(contact: Contact) -> &'static str {
     match contact {
         Contact::ResidualFlexibility => "residual-flexibility",
@@ -65,8 +64,7 @@ pub(super) const LAWS: [Contact; 3] =
 
 impl Setting {
     /// Of the shipped scene, with a few modes.
-    #[must_use]
-    pub fn middle(contact: Contact) -> Self {
+    pub(super) fn middle(contact: Contact) -> Self {
         Self {
             beam_modes: 4,
             rod_modes: 1,
@@ -79,8 +77,7 @@ impl Setting {
     }
 
     /// The scene of this case: the bump-stop scene `base` with these parameters, from rest for 10 ms.
-    #[must_use]
-    pub fn scene(&self, base: &Scene) -> Scene {
+    pub(super) fn scene(&self, base: &Scene) -> Scene {
         let mut scene = base.clone();
         if let Model::BumpStop(model) = &mut scene.model {
             model.parameters.beam_modes = self.beam_modes;
@@ -100,8 +97,7 @@ impl Setting {
     }
 
     /// The options that make `run` run this case.
-    #[must_use]
-    pub fn overrides(&self) -> String {
+    pub(super) fn overrides(&self) -> String {
         let restitution = if self.contact == Contact::Restitution {
             format!(" --set stop.restitution={RESTITUTION}")
         } else {
@@ -123,8 +119,7 @@ impl Setting {
 }
 
 /// The cases: from the middle, one quantity at a time over its range.
-#[must_use]
-pub fn settings() -> Vec<Setting> {
+pub(super) fn settings() -> Vec<Setting> {
     let mut settings = Vec::new();
     for contact in LAWS {
         let middle = Setting::middle(contact);
@@ -139,7 +134,7 @@ pub fn settings() -> Vec<Setting> {
     }
     let mut kept: Vec<Setting> = Vec::new();
     for setting in settings {
-        // Each quantity's range passes through the middle.
+        // The range of each quantity contains the middle.
         if !kept.contains(&setting) {
             kept.push(setting);
         }
@@ -148,8 +143,7 @@ pub fn settings() -> Vec<Setting> {
 }
 
 /// The steps in s at which each case is run.
-#[must_use]
-pub fn steps(grid: Grid) -> &'static [f64] {
+pub(super) fn steps(grid: Grid) -> &'static [f64] {
     match grid {
         Grid::Whole => &STEPS,
         Grid::Coarse => &COARSE_STEPS,

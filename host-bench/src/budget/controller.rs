@@ -1,8 +1,8 @@
-//! What the node knows and decides, with nothing but the energy budget of the core.
+//! The controller of a node: which actions it runs, by the energy budget of the core alone.
 //!
-//! The actions stand in the order of their importance. Each is granted the rate that can go on for ever beside the
-//! standing load and what was granted before it, at most the rate that is wished for. Grants add up to credits; an
-//! action with a credit is run if the budget says that it can be run now.
+//! Actions are listed by importance. Each is granted the rate that is sustainable beside the standing load and the
+//! actions before it, at most its wished rate. Granted rates add up to credits. An action with a credit of one is run if
+//! the budget allows it now.
 
 use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, IncomeParameters, StorageParameters,
@@ -12,10 +12,10 @@ use model_core::scalar::Scalar;
 use crate::method::Failure;
 use crate::scene_file::Node;
 
-/// A credit that is short of one by no more than roundings is one.
+/// Shortfall of a credit that counts as rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// An action and what is due of it.
+/// An action and its credit.
 #[derive(Debug)]
 struct Due<S> {
     action: Action<S>,
@@ -24,7 +24,7 @@ struct Due<S> {
     credit: f64,
 }
 
-/// The node.
+/// The controller.
 #[derive(Debug)]
 pub(super) struct Controller<'a, S, const SLOTS: usize> {
     node: &'a Node,
@@ -32,12 +32,12 @@ pub(super) struct Controller<'a, S, const SLOTS: usize> {
     budget: Budget<S, SLOTS>,
     state: BudgetState<S, SLOTS>,
     due: Vec<Due<S>>,
-    /// Whether it was switched off since it last looked.
+    /// Whether the node was switched off since the last decision.
     was_off: bool,
 }
 
 impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
-    /// At a midnight, with the voltage of the store measured.
+    /// The controller at midnight, with the measured voltage of the storage in V.
     ///
     /// # Errors
     /// [`Failure::Input`] if the core refuses the node.
@@ -59,7 +59,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
                 time_constant: S::from_f64(node.time_constant_s),
                 day_weight: S::from_f64(node.day_weight),
             },
-            // The budget takes a load at the node: what the part takes at the store stands for so much there.
+            // The budget has its loads at the node: the storage's own power is converted to the node's side.
             standing_power: S::from_f64(
                 node.standing_power_w + from.own_power_w * from.discharging_efficiency,
             ),
@@ -83,7 +83,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
     pub(super) fn rates(&self) -> Vec<f64> {
         let mut parameters = self.parameters;
         let rates = self.due.iter().map(|due| {
-            // The bounds were kept without the actions; a standing power beyond its own is no rate at all.
+            // The actions may raise the standing power above its bound: then no rate is left.
             let rate = parameters
                 .build::<SLOTS>()
                 .map_or(S::ZERO, |budget| budget.sustainable_rate(&self.state, &due.action).min(due.wished));
@@ -93,21 +93,21 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
         rates.collect()
     }
 
-    /// The node is on: if it was off it measures the voltage of its store.
+    /// Measures the voltage of the storage in V, if the node was switched off before.
     pub(super) fn wake(&mut self, voltage: f64) {
         if std::mem::take(&mut self.was_off) {
             self.budget.correct_by_voltage(&mut self.state, S::from_f64(voltage), S::ZERO);
         }
     }
 
-    /// The actions that it runs now, by number, their energy spent.
+    /// The actions to run now, by number; their energy is booked as spent.
     pub(super) fn decide(&mut self) -> Vec<usize> {
         let rates = self.rates();
         let now = self.state.income().second();
         let mut run = Vec::new();
         for (index, (due, rate)) in self.due.iter_mut().zip(rates).enumerate() {
             let granted = rate * f64::from(self.node.decision_s);
-            // What could not be run is not saved up.
+            // Credit for actions that could not be run does not add up.
             due.credit = (due.credit + granted).min(1.0 + granted);
             while due.credit >= 1.0 - ROUNDING && self.budget.can_run_now(&self.state, &due.action, now) {
                 self.budget.spend(&mut self.state, due.action.energy());
@@ -118,7 +118,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
         run
     }
 
-    /// Time has gone by in which the harvester delivered some joules. A node that was off knows only how long.
+    /// Books an interval in which the harvester delivered `harvested_j` in J. A node that was off knows only its length.
     pub(super) fn update(&mut self, seconds: u32, harvested_j: f64, was_on: bool) {
         if was_on {
             self.budget.update(&mut self.state, seconds, S::from_f64(harvested_j), S::ZERO);
@@ -128,12 +128,12 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
         }
     }
 
-    /// What it believes to be in the store, in J.
+    /// Estimate of the stored energy in J.
     pub(super) fn stored_j(&self) -> f64 {
         self.state.energy().to_f64()
     }
 
-    /// What is left over in the account of its budget since the start, over all that came in.
+    /// Residual of the account of the budget since the start, over all income.
     pub(super) fn ledger_residual(&self) -> Option<f64> {
         let account = self.state.account();
         let income = account.income().to_f64();

@@ -2,8 +2,10 @@
 
 use serde::{Serialize, Serializer};
 
-use super::{law, law_name};
-use crate::scene_file::{Excitation, ForceLaw, Load, Model, RunSpan, Scene, StickCharge, Tone};
+use super::{Common, Setting, law, law_name};
+use crate::outcome::number;
+use crate::scene_file::{Excitation, ForceLaw, GRAVITY, Load, Model, RunSpan, Scene, StickCharge, Tone};
+use crate::stability::Grid;
 
 /// Load resistances in Ω, both limits among them.
 const RESISTANCES: [f64; 9] = [0.0, 1e-6, 1.0, 1e3, 1e6, 1e8, 1e10, 1e15, f64::INFINITY];
@@ -19,32 +21,30 @@ const DRIVES: [[f64; 2]; 7] =
     [[3.0, 6.0], [3.5, 18.373], [4.6, 18.373], [30.0, 10.0], [30.0, 0.01], [60.0, 1e3], [300.0, 1e4]];
 /// Seconds that a case runs at least, or two periods, and in periods at most.
 const SPAN_S: [f64; 2] = [0.3, 3.3];
-/// Standard gravity of the scene files in m/s².
-const GRAVITY: f64 = 9.81;
 
 /// One case: what differs from the shipped scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SlidingSetting {
+pub(crate) struct SlidingSetting {
     /// Load resistance in Ω.
-    #[serde(serialize_with = "ohms")]
-    pub resistance_ohm: f64,
+    #[serde(serialize_with = "resistance")]
+    pub(super) resistance_ohm: f64,
     /// Tribo-charge density in C/m².
-    pub charge_density_c_per_m2: f64,
+    pub(super) charge_density_c_per_m2: f64,
     /// Force law.
     #[serde(serialize_with = "law")]
-    pub force_law: ForceLaw,
+    pub(super) force_law: ForceLaw,
     /// Whether the charge relaxes in a stick.
-    pub relaxing: bool,
+    pub(super) relaxing: bool,
     /// Coefficient of kinetic friction on the active patch; the others are in the shipped scene's ratios.
-    pub friction: f64,
+    pub(super) friction: f64,
     /// Amplitude of the base's acceleration in m/s².
-    pub amplitude_m_per_s2: f64,
+    pub(super) amplitude_m_per_s2: f64,
     /// Its frequency in Hz.
-    pub frequency_hz: f64,
+    pub(super) frequency_hz: f64,
 }
 
-/// Infinity has no number in JSON.
-fn ohms<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+/// JSON has no number for infinity.
+fn resistance<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_str("inf") }
 }
 
@@ -63,9 +63,39 @@ impl SlidingSetting {
         let [inert, at_rest, at_rest_inert] = RATIOS.map(|ratio| ratio * self.friction);
         [self.friction, inert, at_rest, at_rest_inert]
     }
+}
 
-    /// The scene of this case: the sliding scene `base` with these parameters.
-    pub(super) fn scene(&self, base: &Scene) -> Scene {
+impl Setting for SlidingSetting {
+    const HEADING: &'static str = "Sliding";
+    const SCENE: &'static str = "sliding";
+
+    /// All, or of each list of numbers every other.
+    fn all(grid: Grid) -> Vec<Self> {
+        let stride = if grid == Grid::Whole { 1 } else { 2 };
+        let mut settings = Vec::new();
+        for resistance_ohm in RESISTANCES.into_iter().step_by(stride) {
+            for charge_density_c_per_m2 in DENSITIES.into_iter().skip(stride - 1).step_by(stride) {
+                for force_law in [ForceLaw::TransferredCharge, ForceLaw::GapField] {
+                    for relaxing in [false, true].into_iter().take(3 - stride) {
+                        for friction in FRICTIONS {
+                            settings.extend(DRIVES.map(|[amplitude_m_per_s2, frequency_hz]| Self {
+                                resistance_ohm,
+                                charge_density_c_per_m2,
+                                force_law,
+                                relaxing,
+                                friction,
+                                amplitude_m_per_s2,
+                                frequency_hz,
+                            }));
+                        }
+                    }
+                }
+            }
+        }
+        settings
+    }
+
+    fn scene(&self, base: &Scene) -> Scene {
         let mut scene = base.clone();
         if let Model::Sliding(model) = &mut scene.model {
             let parameters = &mut model.parameters;
@@ -90,28 +120,25 @@ impl SlidingSetting {
         scene
     }
 
-    /// Whether this is one of the cases that are shown to the reference as well: one charge density and
-    /// the shipped scene's friction.
-    pub(super) fn is_for_reference(&self) -> bool {
+    /// One charge density and the shipped scene's friction.
+    fn is_for_reference(&self) -> bool {
         let [_, _, density, _] = DENSITIES;
         let [_, _, friction, _] = FRICTIONS;
         self.charge_density_c_per_m2 == density && self.friction == friction
     }
 
-    /// The options that make `run` run this case.
-    pub(super) fn overrides(&self) -> String {
+    fn overrides(&self) -> String {
         let [active, inert, at_rest, at_rest_inert] = self.coefficients();
         let [end, settle] = self.periods();
-        let resistance =
-            if self.resistance_ohm.is_finite() { format!("{:e}", self.resistance_ohm) } else { "inf".into() };
         format!(
-            "--set load.resistance_ohm={resistance} --set parameters.charge_density_c_per_m2={:e} \
+            "--set load.resistance_ohm={:e} --set parameters.charge_density_c_per_m2={:e} \
              --set parameters.force_law={} --set parameters.stick_charge={} \
              --set parameters.kinetic_friction_active={active} --set parameters.kinetic_friction_inert={inert} \
              --set parameters.static_friction_active={at_rest} \
              --set parameters.static_friction_inert={at_rest_inert} --set excitation.amplitude_g={} \
              --set excitation.frequency_hz={} --set run.settle_periods={settle} \
              --set run.duration_periods={end}",
+            self.resistance_ohm,
             self.charge_density_c_per_m2,
             law_name(self.force_law),
             if self.relaxing { "relaxing" } else { "frozen" },
@@ -119,32 +146,31 @@ impl SlidingSetting {
             self.frequency_hz,
         )
     }
-}
 
-/// The cases: all, or of each list of numbers every other.
-pub(super) fn settings(whole: bool) -> Vec<SlidingSetting> {
-    let stride = if whole { 1 } else { 2 };
-    let mut settings = Vec::new();
-    for resistance_ohm in RESISTANCES.into_iter().step_by(stride) {
-        for charge_density_c_per_m2 in DENSITIES.into_iter().skip(stride - 1).step_by(stride) {
-            for force_law in [ForceLaw::TransferredCharge, ForceLaw::GapField] {
-                for relaxing in [false, true].into_iter().take(3 - stride) {
-                    for friction in FRICTIONS {
-                        for [amplitude_m_per_s2, frequency_hz] in DRIVES {
-                            settings.push(SlidingSetting {
-                                resistance_ohm,
-                                charge_density_c_per_m2,
-                                force_law,
-                                relaxing,
-                                friction,
-                                amplitude_m_per_s2,
-                                frequency_hz,
-                            });
-                        }
-                    }
-                }
-            }
-        }
+    fn common(&self) -> Common {
+        let Self { resistance_ohm, charge_density_c_per_m2, force_law, .. } = *self;
+        Common { resistance_ohm, charge_density_c_per_m2, force_law }
     }
-    settings
+
+    fn others(&self) -> String {
+        format!(
+            "mu = {}, {} m/s^2 at {} Hz, {}",
+            self.friction,
+            self.amplitude_m_per_s2,
+            self.frequency_hz,
+            if self.relaxing { "relaxing" } else { "frozen" }
+        )
+    }
+
+    fn other_cells(&self) -> [String; 6] {
+        let [parasitic_capacitance, restitution] = [String::new(), String::new()];
+        [
+            parasitic_capacitance,
+            restitution,
+            self.relaxing.to_string(),
+            number(self.friction),
+            number(self.amplitude_m_per_s2),
+            number(self.frequency_hz),
+        ]
+    }
 }

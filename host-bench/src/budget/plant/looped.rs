@@ -1,75 +1,45 @@
-//! The store of a node as it is, whatever it stands on.
+//! A storage that is simulated with its harvester and bridge, step by step, on the embedded core.
 
-use super::store::StoreAccount;
+use super::{Plant, StorageAccount, energy_at, standing_power};
 use crate::embedded::StoreInLoop;
 use crate::method::Failure;
 use crate::scene_file::Storage;
 
-/// What the node lives in.
-pub(super) trait Plant {
-    /// Voltage of the store in V.
-    fn voltage(&self) -> f64;
-
-    /// Energy in it in J.
-    fn energy(&self) -> f64;
-
-    /// Whether the node is switched on.
-    fn is_supplied(&self) -> bool;
-
-    /// Whether it was so all through the last interval.
-    fn was_supplied(&self) -> bool;
-
-    /// An action takes `joules` at the node.
-    fn spend(&mut self, joules: f64);
-
-    /// Some seconds go by from a second of the day on; gives what the harvester delivers in them, in J.
-    ///
-    /// # Errors
-    /// If the trajectory cannot go on.
-    fn advance(&mut self, from: u32, seconds: u32) -> Result<f64, Failure>;
-
-    /// Where energy came from and went since the account began.
-    fn account(&self) -> &StoreAccount;
-
-    /// The account starts anew.
-    fn begin_account(&mut self);
-}
-
-/// The store of a trajectory of the core.
+/// The storage of a trajectory of the core.
 ///
-/// What actions take is drawn as a constant power over the interval that follows them. The core's store has no
-/// highest voltage: what is above it at the end of an interval is drawn in the next as well, and counted as shunted.
-pub(super) struct LoopedStore<'a> {
+/// The energy of actions is drawn as a constant power over the interval that follows them. The core's storage has no
+/// highest voltage: energy above it at the end of an interval is drawn in the next interval, and counted as shunted.
+pub(in crate::budget) struct LoopedStorage<'a> {
     looped: &'a mut dyn StoreInLoop,
     storage: &'a Storage,
-    /// What the standing load takes from the store, in W.
+    /// Power of the standing load at the storage in W.
     standing_w: f64,
-    /// What actions take from the store in the next interval, in J.
+    /// Energy at the storage in J that is drawn for actions in the next interval.
     pending_j: f64,
     was_supplied: bool,
-    account: StoreAccount,
+    account: StorageAccount,
 }
 
-impl<'a> LoopedStore<'a> {
-    /// At midnight; `standing_power_w` is that of the node.
-    pub(super) fn new(looped: &'a mut dyn StoreInLoop, storage: &'a Storage, standing_power_w: f64) -> Self {
-        let standing_w = standing_power_w / storage.discharging_efficiency + storage.own_power_w;
-        let account = StoreAccount::default();
+impl<'a> LoopedStorage<'a> {
+    /// The storage at midnight; `standing_power_w` is the power at the node.
+    pub(in crate::budget) fn new(
+        looped: &'a mut dyn StoreInLoop,
+        storage: &'a Storage,
+        standing_power_w: f64,
+    ) -> Self {
+        let standing_w = standing_power(storage, standing_power_w);
+        let account = StorageAccount::default();
         Self { looped, storage, standing_w, pending_j: 0.0, was_supplied: false, account }
     }
-
-    fn energy_at(&self, voltage: f64) -> f64 {
-        0.5 * self.storage.capacitance_f * voltage * voltage
-    }
 }
 
-impl Plant for LoopedStore<'_> {
+impl Plant for LoopedStorage<'_> {
     fn voltage(&self) -> f64 {
         self.looped.voltage()
     }
 
     fn energy(&self) -> f64 {
-        self.energy_at(self.looped.voltage()) - self.pending_j
+        energy_at(self.storage, self.looped.voltage()) - self.pending_j
     }
 
     fn is_supplied(&self) -> bool {
@@ -80,19 +50,19 @@ impl Plant for LoopedStore<'_> {
         self.was_supplied
     }
 
-    fn spend(&mut self, joules: f64) {
-        self.pending_j += joules / self.storage.discharging_efficiency;
+    fn spend(&mut self, energy: f64) {
+        self.pending_j += energy / self.storage.discharging_efficiency;
     }
 
     fn advance(&mut self, from: u32, seconds: u32) -> Result<f64, Failure> {
         let began = self.looped.is_connected();
-        let excess = (self.energy() - self.energy_at(self.storage.highest_v)).max(0.0);
+        let excess = (self.energy() - energy_at(self.storage, self.storage.highest_v)).max(0.0);
         let length = f64::from(seconds);
         let standing = self.standing_w * length;
         let asked = std::mem::take(&mut self.pending_j) + excess + standing;
         let stretch = self.looped.advance(from + seconds, asked / length)?;
         self.was_supplied = began && self.looped.is_connected();
-        // A node that was switched off within the interval took the same part of each.
+        // A node that is switched off within the interval takes the same part of each.
         let part = if asked > 0.0 { stretch.drawn_j / asked } else { 0.0 };
         let account = &mut self.account;
         account.harvested += stretch.delivered_j;
@@ -108,12 +78,8 @@ impl Plant for LoopedStore<'_> {
         Ok(stretch.delivered_j)
     }
 
-    fn account(&self) -> &StoreAccount {
-        &self.account
-    }
-
-    fn begin_account(&mut self) {
-        self.account = StoreAccount::default();
+    fn account(&mut self) -> &mut StorageAccount {
+        &mut self.account
     }
 }
 
@@ -122,7 +88,7 @@ mod tests {
     use super::*;
     use crate::embedded::Stretch;
 
-    /// A store of 1 mF that takes 10 µW, loses nothing, and gives whatever is asked.
+    /// A storage of 1 mF that is charged by 10 µW, loses nothing, and supplies any power.
     struct Plain {
         second: u32,
         energy: f64,
@@ -165,23 +131,23 @@ mod tests {
             own_power_w: 1e-6,
         };
         let mut plain = Plain { second: 0, energy: 4.5e-3 };
-        let mut world = LoopedStore::new(&mut plain, &storage, 2e-6);
-        world.spend(0.1e-3);
-        assert!((world.energy() - 4.3e-3).abs() < 1e-15, "an action counts at once");
-        world.advance(0, 60).expect("nothing can fail");
+        let mut plant = LoopedStorage::new(&mut plain, &storage, 2e-6);
+        plant.spend(0.1e-3);
+        assert!((plant.energy() - 4.3e-3).abs() < 1e-15, "an action counts at once");
+        plant.advance(0, 60).expect("nothing can fail");
         // 600 µJ in, 200 µJ of the action and 60 s of 5 µW out.
-        assert!((world.energy() - 4.6e-3).abs() < 1e-12);
+        assert!((plant.energy() - 4.6e-3).abs() < 1e-12);
         for minute in 1..60 {
-            world.advance(60 * minute, 60).expect("nothing can fail");
+            plant.advance(60 * minute, 60).expect("nothing can fail");
         }
         // Full at 5.12 mJ: what comes in over an interval is above that at its end.
-        assert!((world.energy() - 5.12e-3 - 0.3e-3).abs() < 1e-12, "{}", world.energy());
-        let account = *world.account();
+        assert!((plant.energy() - 5.12e-3 - 0.3e-3).abs() < 1e-12, "{}", plant.energy());
+        let account = *plant.account();
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
         close(account.actions, 0.2e-3);
         close(account.standing, 18e-3);
         close(account.income, 36e-3);
-        close(account.shunted, 4.5e-3 + 36e-3 - 18e-3 - 0.2e-3 - world.energy());
+        close(account.shunted, 4.5e-3 + 36e-3 - 18e-3 - 0.2e-3 - plant.energy());
         assert_eq!((account.lockout_s, account.lockouts, account.steps), (0, 0, 60));
     }
 }

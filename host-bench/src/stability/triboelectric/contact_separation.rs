@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
-use super::{law, law_name};
+use super::{Common, Setting, law, law_name};
+use crate::outcome::number;
 use crate::scene_file::{ForceLaw, Load, Model, Restitution, RunSpan, Scene};
+use crate::stability::Grid;
 
 /// Periods of the excitation that a case runs.
 const PERIODS: f64 = 60.0;
@@ -21,25 +23,48 @@ const DECADES: std::ops::RangeInclusive<i32> = -3..=15;
 
 /// One case: what differs from the shipped scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ContactSeparationSetting {
+pub(crate) struct ContactSeparationSetting {
     /// Load resistance in Ω.
-    pub resistance_ohm: f64,
+    pub(super) resistance_ohm: f64,
     /// Tribo-charge density in C/m².
-    pub charge_density_c_per_m2: f64,
+    pub(super) charge_density_c_per_m2: f64,
     /// Force law.
     #[serde(serialize_with = "law")]
-    pub force_law: ForceLaw,
+    pub(super) force_law: ForceLaw,
     /// Parasitic capacitance in F.
-    pub parasitic_capacitance_f: f64,
+    pub(super) parasitic_capacitance_f: f64,
     /// Coefficient of restitution, the same at every speed.
-    pub restitution: f64,
+    pub(super) restitution: f64,
 }
 
-impl ContactSeparationSetting {
-    /// The scene of this case: the contact-separation scene `base` with these parameters, for 60 periods
-    /// of its sine of which the last 20 are measured.
-    #[must_use]
-    pub(super) fn scene(&self, base: &Scene) -> Scene {
+impl Setting for ContactSeparationSetting {
+    const HEADING: &'static str = "Contact-separation";
+    const SCENE: &'static str = "contact-separation";
+
+    /// Every decade of the resistance, or every third.
+    fn all(grid: Grid) -> Vec<Self> {
+        let stride = if grid == Grid::Whole { 1 } else { 3 };
+        let mut settings = Vec::new();
+        for decade in DECADES.step_by(stride) {
+            for charge_density_c_per_m2 in DENSITIES {
+                for force_law in [ForceLaw::TransferredCharge, ForceLaw::GapField] {
+                    for parasitic_capacitance_f in PARASITICS {
+                        settings.extend(RESTITUTIONS.map(|restitution| Self {
+                            resistance_ohm: 10f64.powi(decade),
+                            charge_density_c_per_m2,
+                            force_law,
+                            parasitic_capacitance_f,
+                            restitution,
+                        }));
+                    }
+                }
+            }
+        }
+        settings
+    }
+
+    /// The parameters of this case, for 60 periods of the sine, of which the last 20 are measured.
+    fn scene(&self, base: &Scene) -> Scene {
         let mut scene = base.clone();
         if let Model::ContactSeparation(model) = &mut scene.model {
             model.parameters.charge_density_c_per_m2 = self.charge_density_c_per_m2;
@@ -53,18 +78,14 @@ impl ContactSeparationSetting {
         scene
     }
 
-    /// Whether this is one of the cases that are shown to the reference as well: one capacitance and
-    /// one restitution of each charge density, resistance and law.
-    #[must_use]
-    pub(super) fn is_for_reference(&self) -> bool {
+    /// One capacitance and one restitution of each charge density, resistance and law.
+    fn is_for_reference(&self) -> bool {
         let [_, parasitic, _] = PARASITICS;
         let [_, restitution, ..] = RESTITUTIONS;
         self.parasitic_capacitance_f == parasitic && self.restitution == restitution
     }
 
-    /// The options that make `run` run this case.
-    #[must_use]
-    pub(super) fn overrides(&self) -> String {
+    fn overrides(&self) -> String {
         format!(
             "--set load.resistance_ohm={:e} --set parameters.charge_density_c_per_m2={:e} \
              --set parameters.force_law={} --set parameters.parasitic_capacitance_f={:e} \
@@ -77,27 +98,18 @@ impl ContactSeparationSetting {
             self.restitution,
         )
     }
-}
 
-/// The cases, at every so many decades of the resistance.
-pub(super) fn settings(stride: usize) -> Vec<ContactSeparationSetting> {
-    let mut settings = Vec::new();
-    for decade in DECADES.step_by(stride) {
-        for charge_density_c_per_m2 in DENSITIES {
-            for force_law in [ForceLaw::TransferredCharge, ForceLaw::GapField] {
-                for parasitic_capacitance_f in PARASITICS {
-                    for restitution in RESTITUTIONS {
-                        settings.push(ContactSeparationSetting {
-                            resistance_ohm: 10f64.powi(decade),
-                            charge_density_c_per_m2,
-                            force_law,
-                            parasitic_capacitance_f,
-                            restitution,
-                        });
-                    }
-                }
-            }
-        }
+    fn common(&self) -> Common {
+        let Self { resistance_ohm, charge_density_c_per_m2, force_law, .. } = *self;
+        Common { resistance_ohm, charge_density_c_per_m2, force_law }
     }
-    settings
+
+    fn others(&self) -> String {
+        format!("Cp = {:e} F, e = {}", self.parasitic_capacitance_f, self.restitution)
+    }
+
+    fn other_cells(&self) -> [String; 6] {
+        let none = String::new;
+        [number(self.parasitic_capacitance_f), number(self.restitution), none(), none(), none(), none()]
+    }
 }

@@ -1,0 +1,62 @@
+//! Runs a scene by the integrator that the options name: the embedded core, a peer on the host, or the reference.
+
+use crate::embedded;
+use crate::method::{Failure, Method, Options};
+use crate::outcome::Outcome;
+use crate::peer;
+use crate::reference::{self, ReferenceOptions};
+use crate::scene_file::{Model, Scene};
+
+/// Most rows of a recorded motion.
+const MOST_ROWS: f64 = 2e7;
+
+/// Runs a scene.
+///
+/// # Errors
+/// [`Failure::Input`] if the options do not fit together or to the scene, [`Failure::Step`] if the
+/// integration cannot go on.
+pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    options.check()?;
+    options.check_scene(scene)?;
+    if let Some(every) = options.trace_every_s
+        && scene.run.duration_s / every > MOST_ROWS
+    {
+        let least = scene.run.duration_s / MOST_ROWS;
+        return Err(Failure::Input(format!(
+            "--trace-every {every}: must be at least {least:e} for at most {MOST_ROWS:e} rows"
+        )));
+    }
+    match (options.method, &scene.model) {
+        (Method::Reference, _) => by_reference(scene, options),
+        _ if options.steady_state => embedded::steady_state(scene, options),
+        (Method::TrBdf2 | Method::Rk4 | Method::Newmark, Model::BumpStop(model)) => {
+            peer::bump_stop(scene, model, options)
+        }
+        _ => embedded::run(scene, options),
+    }
+}
+
+/// As [`run_scene`], with a run that stopped on its way as text.
+///
+/// # Errors
+/// [`Failure::Input`] only.
+pub(crate) fn try_run_scene(scene: &Scene, options: &Options) -> Result<Result<Outcome, String>, Failure> {
+    match run_scene(scene, options) {
+        Ok(outcome) => Ok(Ok(outcome)),
+        Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => Ok(Err(error)),
+        Err(error @ Failure::Input(_)) => Err(error),
+    }
+}
+
+fn by_reference(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    if let Some(refusal) = reference::refusal(scene) {
+        return Err(Failure::Input(refusal));
+    }
+    let default = ReferenceOptions::default();
+    let options = ReferenceOptions {
+        tolerance: options.tolerance.unwrap_or(default.tolerance),
+        record_every: options.trace_every_s,
+        ..default
+    };
+    reference::run(scene, &options).map_err(|failure| Failure::Step(failure.to_string()))
+}

@@ -1,0 +1,218 @@
+//! Rows, errors and columns of the triboelectric scenes.
+
+use std::f64::consts::{PI, TAU};
+
+use model_core::part::VACUUM_PERMITTIVITY;
+use serde_json::Value;
+
+use super::table::{Cell, Column, name, resistance, shown};
+use super::{Comparison, Control, Errors, Extent, Kind, Timing, Variant, relative};
+use crate::method::{Math, Method, Precision};
+use crate::outcome::Outcome;
+use crate::scene_file::{Model, Scene};
+
+/// Name of the error by which rows are compared.
+pub(crate) const MEAN_POWER: &str = "mean_power_error";
+const RMS_VOLTAGE: &str = "rms_voltage_error";
+const FIRST_IMPACT: &str = "first_impact_error";
+const AMPLITUDE: &str = "amplitude_error";
+
+pub(super) const KIND: Kind = Kind {
+    variants,
+    errors,
+    target: (MEAN_POWER, 1e-3),
+    timing: Timing::Median,
+    lists_reference: true,
+    columns: &COLUMNS,
+    words: 4,
+    title,
+    notes,
+    label: |variant| format!("{}, {}, {}", method_name(variant), name(&variant.precision), variant.control),
+    summary,
+};
+
+const COLUMNS: [Column; 17] = [
+    Column::of("", "scene", |table, _| Cell::word(table.file())),
+    Column::of("", "resistance_ohm", |table, _| Cell::Small(Some(table.scene.load.resistance_ohm()))),
+    Column::of("method", "method", |_, row| Cell::word(method_name(&row.variant))),
+    Column::of("precision", "precision", |_, row| Cell::word(name(&row.variant.precision))),
+    Column::of("math", "math", |_, row| {
+        Cell::word(row.variant.math.as_ref().map_or_else(|| "std".to_owned(), name))
+    }),
+    Column::of("step or tolerance", "step_or_tolerance", |_, row| Cell::word(row.variant.control)),
+    Column::error("error of mean power", MEAN_POWER),
+    Column::error("of RMS voltage", RMS_VOLTAGE),
+    Column::of("of first impact or amplitude", "", |_, row| {
+        Cell::Small(row.error(FIRST_IMPACT).or(row.error(AMPLITUDE)))
+    }),
+    Column::error("", FIRST_IMPACT),
+    Column::error("", AMPLITUDE),
+    Column::STEPS,
+    Column::TIME,
+    Column::TIME_RATIO,
+    Column::ENERGY_RESIDUAL,
+    Column::found("", "runs", |found| Cell::word(found.runs)),
+    Column::of("", "failure", |_, row| Cell::word(row.failure.as_deref().unwrap_or_default())),
+];
+
+fn first_impact(outcome: &Outcome) -> Option<f64> {
+    outcome.contact_separation()?.first_impact_s
+}
+
+fn amplitude(outcome: &Outcome) -> Option<f64> {
+    outcome.sliding()?.amplitude_m
+}
+
+fn errors(outcome: &Outcome, reference: &Outcome) -> Errors {
+    Errors(vec![
+        (MEAN_POWER, relative(outcome.mean_power_w, reference.mean_power_w)),
+        (RMS_VOLTAGE, relative(outcome.rms_voltage_v, reference.rms_voltage_v)),
+        (FIRST_IMPACT, relative(first_impact(outcome), first_impact(reference))),
+        (AMPLITUDE, relative(amplitude(outcome), amplitude(reference))),
+    ])
+}
+
+/// The name of the method: the name of the peer where the integrator of the reference runs at another tolerance.
+pub(crate) fn method_name(variant: &Variant) -> &'static str {
+    match (variant.method, variant.control) {
+        (Method::Auto | Method::TrBdf2, Control::PerPeriod { .. }) => "TR-BDF2, fixed step",
+        (Method::Auto | Method::TrBdf2, _) => "TR-BDF2, adaptive",
+        (Method::Rk4, _) => "explicit RK4, fixed step",
+        (Method::DiscreteGradient, _) => "discrete gradient",
+        (Method::Newmark, _) => "Newmark",
+        (Method::Reference, Control::Default) => "reference",
+        (Method::Reference, _) => "diffsol BDF (std)",
+    }
+}
+
+fn title(table: &Comparison) -> String {
+    let reference = &table.reference;
+    let motion = match amplitude(reference) {
+        Some(amplitude) => format!("amplitude {}", shown(Some(amplitude), "m")),
+        None => format!("first impact {}", shown(first_impact(reference), "s")),
+    };
+    format!(
+        "{}, R = {}, {} s simulated; by the reference: mean power {}, RMS voltage {}, {motion}",
+        table.file(),
+        resistance(table.scene.load.resistance_ohm()),
+        (table.scene.run.duration_s * 1e3).round() / 1e3,
+        shown(reference.mean_power_w, "W"),
+        shown(reference.rms_voltage_v, "V"),
+    )
+}
+
+fn notes(table: &Comparison) -> Vec<String> {
+    let runs = table.rows.iter().filter_map(|row| row.found.as_ref()).map(|found| found.runs);
+    vec![format!(
+        "Errors are relative to the reference; time ratio is to the fastest row whose error of mean power \
+         is at most {:.0e}. Times are medians of up to {} runs in one process on one thread.",
+        table.target_error(),
+        runs.max().unwrap_or(0)
+    )]
+}
+
+fn summary(table: &Comparison) -> Vec<(&'static str, Value)> {
+    let reference = &table.reference;
+    vec![
+        ("file", table.file().into()),
+        ("resistance_ohm", table.scene.load.resistance_ohm().into()),
+        ("duration_s", table.scene.run.duration_s.into()),
+        ("mean_power_w", reference.mean_power_w.into()),
+        ("rms_voltage_v", reference.rms_voltage_v.into()),
+        ("first_impact_s", first_impact(reference).into()),
+        ("amplitude_m", amplitude(reference).into()),
+    ]
+}
+
+/// Steps per period of the rows of the implicit method.
+const FIXED: [u32; 5] = [200, 400, 800, 1600, 3200];
+/// Tolerances of the adaptive rows.
+const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
+/// Tolerances of the peer.
+const PEER: [f64; 4] = [1e-3, 1e-5, 1e-7, 1e-9];
+/// Precisions and elementary functions of the core.
+const BACKENDS: [(Precision, Math); 5] = [
+    (Precision::F64, Math::Polynomial),
+    (Precision::F32, Math::Polynomial),
+    (Precision::F64, Math::Libm),
+    (Precision::F32, Math::Libm),
+    (Precision::F32, Math::Micromath),
+];
+
+pub(super) fn variants(scene: &Scene, extent: &Extent) -> Vec<Variant> {
+    let period_s = period(scene);
+    let explicit = explicit_steps(scene, period_s);
+    let mut variants = Vec::new();
+    for (precision, math) in BACKENDS {
+        let mut push = |method, control| {
+            variants.push(Variant { method, precision, math: Some(math), control });
+        };
+        for steps in FIXED {
+            push(Method::TrBdf2, Control::PerPeriod { steps, period_s });
+        }
+        for tolerance in TOLERANCES {
+            push(Method::TrBdf2, Control::Tolerance(tolerance));
+        }
+        if math == Math::Polynomial || extent.whole {
+            for &steps in &explicit {
+                push(Method::Rk4, Control::PerPeriod { steps, period_s });
+            }
+        }
+    }
+    let peers = if extent.whole { &PEER[..] } else { &PEER[..2] };
+    variants.extend(peers.iter().map(|&tolerance| Variant::reference(Control::Tolerance(tolerance))));
+    variants
+}
+
+/// The period of the excitation in s, or of the free motion where the excitation has none.
+fn period(scene: &Scene) -> f64 {
+    let natural = match &scene.model {
+        Model::ContactSeparation(model) => {
+            TAU * (model.parameters.mass_kg / model.parameters.stiffness_n_per_m).sqrt()
+        }
+        Model::Sliding(model) => model.parameters.natural_frequency_hz().recip(),
+        Model::BumpStop(_) => 1.0,
+    };
+    scene.excitation.single_frequency().map_or(natural, f64::recip)
+}
+
+/// Steps per period of the explicit method where stability does not limit them, or no step is short enough.
+const NOT_STIFF: [u32; 5] = [100, 200, 400, 800, 1600];
+/// Most steps per period for which the explicit method is tried.
+const MOST_EXPLICIT: f64 = 1e5;
+/// Where the stability of the explicit method ends on the negative real axis.
+const STABLE: f64 = 2.785;
+/// Part of the active patch that a wide motion of the slider still covers, 1.4 radii off its middle.
+const COVERED: f64 = 0.19;
+
+/// The least capacitance in F in the course of the motion; `None` for a bump-stop scene, which has other rows.
+fn least_capacitance(scene: &Scene) -> Option<f64> {
+    match &scene.model {
+        Model::ContactSeparation(model) => {
+            let from = &model.parameters;
+            // The gap of a motion that touches the dielectric.
+            let distance =
+                2.0 * from.initial_gap_m + from.dielectric_thickness_m / from.relative_permittivity;
+            Some(VACUUM_PERMITTIVITY * from.electrode_area_m2 / distance + from.parasitic_capacitance_f)
+        }
+        Model::Sliding(model) => {
+            let from = &model.parameters;
+            let area = PI * from.patch_radius_m * from.patch_radius_m;
+            let distance = from.dielectric_thickness_m / from.relative_permittivity;
+            Some(VACUUM_PERMITTIVITY * area * COVERED / distance)
+        }
+        Model::BumpStop(_) => None,
+    }
+}
+
+/// Steps per period of the explicit method: two of the implicit method, which show where the explicit one is unstable;
+/// and half, once and twice the number with which it is stable at the least capacitance.
+fn explicit_steps(scene: &Scene, period_s: f64) -> Vec<u32> {
+    let stable = least_capacitance(scene)
+        .map(|capacitance| period_s / (STABLE * scene.load.resistance_ohm() * capacitance))
+        .filter(|stable| (f64::from(FIXED[2])..MOST_EXPLICIT).contains(stable));
+    let Some(stable) = stable else { return NOT_STIFF.to_vec() };
+    let fine = (stable / 1000.0).ceil().max(1.0) * 1000.0;
+    let fine = if fine < MOST_EXPLICIT { fine as u32 } else { FIXED[4] };
+    vec![FIXED[2], FIXED[4], fine / 2, fine, fine * 2]
+}
