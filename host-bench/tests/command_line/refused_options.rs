@@ -8,6 +8,10 @@ fn of_the_command_line_itself() {
     refused(&["run"], &["SCENE.toml"]);
     refused(&["run", SHIPPED, "--frobnicate"], &["--frobnicate"]);
     refused(&["run", SHIPPED, "another.toml"], &["another.toml"]);
+    refused(
+        &["stability", "--known", "/nowhere/known.csv"],
+        &["--known /nowhere/known.csv", "cannot be read"],
+    );
 }
 
 #[test]
