@@ -6,9 +6,9 @@
 
 pub mod beam;
 pub mod bounds;
-pub mod bridge_step;
-pub mod circuit;
-pub mod disc_overlap;
+pub(crate) mod bridge_step;
+pub(crate) mod circuit;
+pub(crate) mod disc_overlap;
 pub mod draw;
 pub mod force_law;
 pub mod friction;

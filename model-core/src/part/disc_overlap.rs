@@ -12,12 +12,14 @@
 //! The area has a corner at `x = 0`. Each side by itself is analytic through it: `s2` is odd in `ξ`,
 //! so a step that ends a little on the other side sees no corner.
 
-use crate::scalar::{Scalar, arcsine, horner};
+#[cfg(test)]
+use crate::scalar::arcsine;
+use crate::scalar::{Scalar, horner};
 
 /// Shares of a disc's face on the active disc under it and beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct DiscOverlap<S> {
+pub(crate) struct DiscOverlap<S> {
     /// `s1 = S1/(π r²)`: on the active disc. 1 where the discs coincide, 0 where they part.
     pub active: S,
     /// `s2 = 1 − s1`: beside it.
@@ -86,7 +88,7 @@ impl<S: Scalar> DiscOverlap<S> {
     /// as small as it can be and still be divided by.
     #[must_use]
     #[inline]
-    pub fn at(xi: S) -> Self {
+    pub(crate) fn at(xi: S) -> Self {
         // Constant in each precision: the other branch is not compiled.
         if S::EPSILON > S::from_f64(1e-10) {
             Self::in_two_pieces(xi, JOINT_F32, &INNER_F32, &OUTER_F32)
@@ -115,7 +117,8 @@ impl<S: Scalar> DiscOverlap<S> {
     /// The exact form, to a few roundings of either share: for tests and for coefficients, some
     /// hundred operations. `xi` is clamped to 0 … 1.
     #[must_use]
-    pub fn exact(xi: S) -> Self {
+    #[cfg(test)]
+    pub(crate) fn exact(xi: S) -> Self {
         let xi = xi.max(S::ZERO).min(S::ONE);
         let half = S::from_f64(0.5);
         let two_over_pi = S::from_f64(core::f64::consts::FRAC_2_PI);
@@ -146,7 +149,7 @@ impl<S: Scalar> DiscOverlap<S> {
     /// `ds1/dξ = −(4/π) √(1 − ξ²)` on the side in question; 0 where the discs are apart.
     #[must_use]
     #[inline]
-    pub fn active_by_xi(xi: S) -> S {
+    pub(crate) fn active_by_xi(xi: S) -> S {
         S::from_f64(-2.0 * core::f64::consts::FRAC_2_PI) * ((S::ONE - xi) * (S::ONE + xi)).sqrt()
     }
 }
