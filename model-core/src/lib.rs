@@ -36,7 +36,7 @@
 //! }
 //! .build()?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
-//! let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(5e-2));
+//! let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(5e-2)?);
 //! let mut state = harvester.start(&Start::default(), &shaking)?;
 //! let mut meter = PowerMeter::new();
 //! harvester.advance(&mut state, &shaking, Instant::from_whole_seconds(2), 10_000, &mut meter)?;
@@ -66,6 +66,7 @@
 //! Parameters are refused by [`scene::ParameterError`] with field, value and bounds. A step that cannot
 //! be taken is a [`hybrid::StepError`], and the state is then the last good one. Nothing panics.
 
+pub mod bounds;
 pub mod clock;
 pub mod energy;
 pub mod excitation;

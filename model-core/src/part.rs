@@ -5,7 +5,7 @@
 //! time for a host that must serve any scene file. Both give the same bits.
 
 pub mod beam;
-pub mod bounds;
+pub use crate::bounds;
 pub(crate) mod bridge_step;
 pub(crate) mod circuit;
 pub(crate) mod disc_overlap;

@@ -165,14 +165,50 @@ fn impact_times_are_exact_until_the_ball_rests_before_zeno_time() {
     for stick_speed in [1e-2, 1e-6] {
         // To the tick in double precision.
         let late = 1.5 * TICK;
-        drop_to_rest::<f64>("TR-BDF2 fixed", TrBdf2, FixedStep::of_seconds(step), stick_speed, late);
-        drop_to_rest::<f64>("TR-BDF2 adaptive", TrBdf2, Adaptive::new(1e-4), stick_speed, late);
-        drop_to_rest::<f64>("RK4 fixed", RungeKutta4, FixedStep::of_seconds(step), stick_speed, late);
+        drop_to_rest::<f64>(
+            "TR-BDF2 fixed",
+            TrBdf2,
+            FixedStep::of_seconds(step).expect("in bounds"),
+            stick_speed,
+            late,
+        );
+        drop_to_rest::<f64>(
+            "TR-BDF2 adaptive",
+            TrBdf2,
+            Adaptive::new(1e-4).expect("in bounds"),
+            stick_speed,
+            late,
+        );
+        drop_to_rest::<f64>(
+            "RK4 fixed",
+            RungeKutta4,
+            FixedStep::of_seconds(step).expect("in bounds"),
+            stick_speed,
+            late,
+        );
         // To a few roundings of the step in single.
         let late = 16.0 * f64::from(f32::EPSILON) * step;
-        drop_to_rest::<f32>("TR-BDF2 fixed", TrBdf2, FixedStep::of_seconds(step), stick_speed, late);
-        drop_to_rest::<f32>("TR-BDF2 adaptive", TrBdf2, Adaptive::new(1e-4), stick_speed, late);
-        drop_to_rest::<f32>("RK4 fixed", RungeKutta4, FixedStep::of_seconds(step), stick_speed, late);
+        drop_to_rest::<f32>(
+            "TR-BDF2 fixed",
+            TrBdf2,
+            FixedStep::of_seconds(step).expect("in bounds"),
+            stick_speed,
+            late,
+        );
+        drop_to_rest::<f32>(
+            "TR-BDF2 adaptive",
+            TrBdf2,
+            Adaptive::new(1e-4).expect("in bounds"),
+            stick_speed,
+            late,
+        );
+        drop_to_rest::<f32>(
+            "RK4 fixed",
+            RungeKutta4,
+            FixedStep::of_seconds(step).expect("in bounds"),
+            stick_speed,
+            late,
+        );
     }
 }
 
@@ -209,8 +245,8 @@ fn storm<S: Scalar>(control: impl StepControl<S>, blur: f64) {
 
 #[test]
 fn without_a_rule_for_rest_the_accumulation_is_named() {
-    storm::<f64>(FixedStep::of_seconds(1e-3), 2e-9);
-    storm::<f64>(Adaptive::new(1e-5), 2e-9);
-    storm::<f32>(FixedStep::of_seconds(1e-3), 5e-6);
-    storm::<f32>(Adaptive::new(1e-5), 5e-6);
+    storm::<f64>(FixedStep::of_seconds(1e-3).expect("in bounds"), 2e-9);
+    storm::<f64>(Adaptive::new(1e-5).expect("in bounds"), 2e-9);
+    storm::<f32>(FixedStep::of_seconds(1e-3).expect("in bounds"), 5e-6);
+    storm::<f32>(Adaptive::new(1e-5).expect("in bounds"), 5e-6);
 }

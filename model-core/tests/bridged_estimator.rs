@@ -37,14 +37,14 @@ fn scene(bridge: FullBridge<f32, AnyStorage<f32>>) -> Bridged {
 }
 
 fn hybrid(bridge: FullBridge<f32, AnyStorage<f32>>) -> Hybrid {
-    Simulation::new(scene(bridge), TrBdf2, Adaptive::new(5e-2))
+    Simulation::new(scene(bridge), TrBdf2, Adaptive::new(5e-2).expect("in bounds"))
 }
 
 type Bridge = FullBridge<f32, AnyStorage<f32>>;
 
 fn modal(bridge: Bridge) -> Stepper<f32, AnyChoices<f32, Bridge>, 4, 1> {
     let parameters = bump_parameters_into(bridge);
-    Stepper::new(parameters.build().expect("in bounds"), 9e-6, 80e-6)
+    Stepper::new(parameters.build().expect("in bounds"), 9e-6, 80e-6).expect("in bounds")
 }
 
 fn estimator<H: Harvester<f32>>(harvester: H, rate: f32) -> Estimator<f32, H> {

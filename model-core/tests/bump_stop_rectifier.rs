@@ -46,7 +46,7 @@ fn one_mode<L: Circuit<f64>>(
 ) -> Stepper<f64, AnyChoices<f64, L>, 1, 0, 1> {
     parameters.choices.coupling = coupling;
     parameters.choices.stop.contact = AnyContact::NoStop;
-    Stepper::with_all_powers(parameters.build().expect("valid"), STEP, STEP)
+    Stepper::with_all_powers(parameters.build().expect("valid"), STEP, STEP).expect("in bounds")
 }
 
 /// Mean power over 22 periods of a motion that has settled for 1.5 s.

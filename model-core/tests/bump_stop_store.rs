@@ -24,6 +24,7 @@ fn six_regimes<S: Scalar>(short: f64, long: f64) -> Stepper<S, Bridged<S>, 4, 1>
     let mut parameters = baseline(storage(0.2e-6, 0.2, resistor(2e6), 0.05));
     parameters.choices.stop.gap = S::from_f64(5e-6);
     Stepper::new(parameters.build().expect("valid"), S::from_f64(short), S::from_f64(long))
+        .expect("in bounds")
 }
 
 /// Storage voltage and terminal voltage after 12 ms from rest, and the steps taken.
@@ -77,7 +78,7 @@ fn charged<S: Scalar>(farads: f64) -> f64 {
     let mut parameters = baseline(storage::<S>(farads, 1.0, AnyDraw::None, 0.3));
     parameters.choices.stop.position = S::from_f64(0.025);
     let scene = parameters.build::<4, 1>().expect("valid");
-    let stepper = Stepper::with_all_powers(scene, S::from_f64(1e-6), S::from_f64(2e-5));
+    let stepper = Stepper::with_all_powers(scene, S::from_f64(1e-6), S::from_f64(2e-5)).expect("in bounds");
     let excitation = shaking(220.0);
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     let mut ledger = Ledger::open(&stepper.outputs(&state));
@@ -128,7 +129,7 @@ fn the_ledger_of_harvester_and_store_closes() {
             parameters.choices.coupling = coupling;
             parameters.choices.stop.contact = contact;
             let scene = parameters.build::<4, 1>().expect("valid");
-            let stepper = Stepper::with_all_powers(scene, 1e-6, long);
+            let stepper = Stepper::with_all_powers(scene, 1e-6, long).expect("in bounds");
             let excitation = shaking(220.0);
             let mut state = scene.start(&Start::default(), &excitation).expect("valid");
             let mut ledger = Ledger::open(&stepper.outputs(&state));
@@ -162,7 +163,7 @@ fn no_step_of_any_length_makes_energy() {
             parameters.damping_ratio = 0.0;
             parameters.piezo_permittivity = permittivity;
             let scene = parameters.build::<6, 2>().expect("valid");
-            let stepper = Stepper::with_all_powers(scene, step, step);
+            let stepper = Stepper::with_all_powers(scene, step, step).expect("in bounds");
             let mut start = Start::default();
             start.beam[0] = [-30e-6 / 31.974_430_7, 0.0];
             let mut state = scene.start(&start, &Silence).expect("valid");
@@ -189,7 +190,8 @@ fn no_step_of_any_length_makes_energy() {
 fn behind_a_bus_out_of_reach_the_terminals_are_open_to_the_bit() {
     let bus = FullBridge { diode_drop: 0.3_f32, storage: DcBus { volts: 1e6 } };
     fn run<L: Circuit<f32>>(load: L) -> ([[f32; 2]; 4], [[f32; 2]; 1], f32, f32, u32) {
-        let stepper = Stepper::new(baseline(load).build::<4, 1>().expect("valid"), 1e-6, 2e-5);
+        let stepper =
+            Stepper::new(baseline(load).build::<4, 1>().expect("valid"), 1e-6, 2e-5).expect("in bounds");
         let excitation = shaking(220.0);
         let mut state: StateOf<f32, AnyChoices<f32, L>, 4, 1> =
             stepper.scene().start(&Start::default(), &excitation).expect("valid");
@@ -209,7 +211,8 @@ fn a_store_chosen_when_compiling_has_the_bits_of_one_chosen_when_running() {
     fn run<R: model_core::part::storage::StorageElement<f64>>(
         bridge: FullBridge<f64, R>,
     ) -> State<f64, 4, 1, StorageState<f64>> {
-        let stepper = Stepper::new(baseline(bridge).build::<4, 1>().expect("valid"), 1e-6, 2e-5);
+        let stepper =
+            Stepper::new(baseline(bridge).build::<4, 1>().expect("valid"), 1e-6, 2e-5).expect("in bounds");
         let excitation = shaking(220.0);
         let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
         advance(&stepper, &mut state, &excitation, 0.03);
@@ -272,7 +275,7 @@ fn a_draw_is_connected_and_disconnected_at_its_thresholds() {
     let mut parameters = baseline(storage(1e-6, 1.0, draw, 0.05));
     parameters.choices.stop.position = 0.025;
     let scene = parameters.build::<4, 1>().expect("valid");
-    let stepper = Stepper::new(scene, 1e-6, 2e-5);
+    let stepper = Stepper::new(scene, 1e-6, 2e-5).expect("in bounds");
     let excitation = shaking(220.0);
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     assert!(!state.circuit.connected);
@@ -297,7 +300,7 @@ fn charges(stop: Option<[f64; 2]>, published: &[(f64, f64)], relative: f64) {
             (parameters.choices.stop.gap, parameters.choices.stop.position) = (gap, position)
         }
     }
-    let stepper = Stepper::new(parameters.build::<10, 3>().expect("valid"), 1e-6, 1e-6);
+    let stepper = Stepper::new(parameters.build::<10, 3>().expect("valid"), 1e-6, 1e-6).expect("in bounds");
     let excitation = shaking(220.0);
     let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
     for &(at, volts) in published {

@@ -85,11 +85,11 @@ fn same_bits_of_the_hybrid_scenes<S: Scalar>() {
     for rate in [400.0, 333.3, 1600.0] {
         let count = (3.0 * rate) as u32;
         let samples = sine_samples::<S>(1.962, 20.0, rate, count);
-        let adaptive = Adaptive::new(S::from_f64(5e-2));
+        let adaptive = Adaptive::new(S::from_f64(5e-2)).expect("in bounds");
         same_bits_as_a_trace(contact::<S>(), TrBdf2, adaptive, rate, &samples);
         let samples = sine_samples::<S>(0.36 * 9.81, 18.373, rate, count);
         same_bits_as_a_trace(slide::<S>(), TrBdf2, adaptive, rate, &samples);
-        let fixed = FixedStep::of_seconds(S::from_f64(1e-3));
+        let fixed = FixedStep::of_seconds(S::from_f64(1e-3)).expect("in bounds");
         same_bits_as_a_trace(slide::<S>(), RungeKutta4, fixed, rate, &samples);
     }
 }
@@ -172,7 +172,7 @@ fn by_budgets<H: Harvester<f32>>(
 #[test]
 fn budgets_change_no_bit_and_are_kept() {
     let samples = sine_samples::<f32>(1.962, 20.0, 100.0, 300);
-    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(1e-3));
+    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(1e-3).expect("in bounds"));
     let mut whole = Estimator::new(harvester, settings(100.0)).expect("valid");
     follow(&mut whole, &samples);
     let (divided, resumed) = by_budgets(harvester, 100.0, &samples, 5);
@@ -192,7 +192,7 @@ fn budgets_change_no_bit_and_are_kept() {
 fn counts_are_the_accelerations_they_stand_for() {
     let scale = 9.81_f32 / 16_384.0;
     let counts: Vec<i16> = sine_samples::<f64>(3277.0, 20.0, 400.0, 800).iter().map(|&a| a as i16).collect();
-    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2));
+    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2).expect("in bounds"));
     let format = SampleFormat::counts(scale, 32_767);
     let mut raw = Estimator::new(harvester, Settings { format, ..settings(400.0) }).expect("valid");
     let mut si = Estimator::new(harvester, settings(400.0)).expect("valid");
@@ -208,7 +208,7 @@ fn counts_are_the_accelerations_they_stand_for() {
 fn a_short_gap_is_a_straight_line() {
     // A zigzag whose corners are eight samples apart, on binary fractions: what is lost lies on the line exactly.
     let zigzag = |n: u32| f64::from(4 - (n % 16).abs_diff(8) as i32) * 0.5;
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
     let mut whole = Estimator::new(harvester, settings(256.0)).expect("valid");
     let mut gappy = Estimator::new(harvester, settings(256.0)).expect("valid");
     let (mut lost, mut gaps) = (0, 0);
@@ -237,7 +237,7 @@ fn a_short_gap_is_a_straight_line() {
 #[test]
 fn a_long_gap_is_unknown_and_the_harvester_starts_anew() {
     let samples = sine_samples::<f64>(1.962, 20.0, 256.0, 1000);
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
     let settled = Settings { settling_seconds: 0.5, ..settings(256.0) };
     let mut estimator = Estimator::new(harvester, settled).expect("valid");
     let before = follow(&mut estimator, &samples[..500]);
@@ -268,7 +268,7 @@ fn a_long_gap_is_unknown_and_the_harvester_starts_anew() {
 
 #[test]
 fn saturated_samples_are_cut_off_counted_and_uncertain() {
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
     let limited = Settings { format: SampleFormat::accelerations(1.5), ..settings(256.0) };
     let mut estimator = Estimator::new(harvester, limited).expect("valid");
     let mut clipped = Estimator::new(harvester, settings(256.0)).expect("valid");
@@ -287,7 +287,7 @@ fn saturated_samples_are_cut_off_counted_and_uncertain() {
 #[test]
 fn sequence_numbers_find_what_was_lost() {
     let samples = sine_samples::<f32>(1.962, 20.0, 400.0, 900);
-    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2));
+    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2).expect("in bounds"));
     let mut numbered = Estimator::new(harvester, settings(400.0)).expect("valid");
     let mut told = Estimator::new(harvester, settings(400.0)).expect("valid");
     // Starts near the end of the numbers, so that they wrap.
@@ -321,7 +321,7 @@ fn sequence_numbers_find_what_was_lost() {
 
 #[test]
 fn every_interval_is_integrated_or_unknown() {
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(5e-2));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(5e-2).expect("in bounds"));
     let mut random = Random(11);
     for _ in 0..40 {
         let mut estimator = Estimator::new(harvester, settings(256.0)).expect("valid");
@@ -365,7 +365,7 @@ fn a_step_that_cannot_be_taken_is_an_error_once() {
     parameters.choices.friction =
         PatchFriction { static_active: 0.0, static_inert: 0.0, kinetic_active: 0.0, kinetic_inert: 0.0 };
     let scene = parameters.build().expect("in bounds");
-    let harvester = hybrid(scene, TrBdf2, Adaptive::new(1e-2));
+    let harvester = hybrid(scene, TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
     let mut estimator = Estimator::new(harvester, settings(256.0)).expect("valid");
     let samples = sine_samples::<f64>(0.5, 17.0, 256.0, 600);
     let before = follow(&mut estimator, &samples[..300]);
@@ -393,7 +393,7 @@ fn a_step_that_cannot_be_taken_is_an_error_once() {
 #[test]
 fn clearing_begins_a_new_account_and_leaves_the_motion() {
     let samples = sine_samples::<f64>(1.962, 20.0, 256.0, 1200);
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
     let mut estimator = Estimator::new(harvester, settings(256.0)).expect("valid");
     let mut whole = estimator;
     let first = follow(&mut estimator, &samples[..600]);
@@ -408,7 +408,7 @@ fn clearing_begins_a_new_account_and_leaves_the_motion() {
 
 #[test]
 fn settings_out_of_bounds_are_named() {
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
     let refused = |settings: Settings<f64>| match Estimator::new(harvester, settings) {
         Err(EstimatorError::Parameter(error)) => Some(error.field),
         _ => None,
@@ -435,10 +435,10 @@ fn measured<S: Scalar, A: Scene<S, 3, 1>, C: StepControl<S>>(
 
 /// The figure for the error by the step over the actual error, for each tolerance of a scene.
 fn step_figures<A: Scene<f64, 3, 1> + Copy>(name: &str, scene: A, samples: &[f64]) -> Vec<f64> {
-    let [exact, ..] = measured(scene, Adaptive::new(1e-6), samples);
+    let [exact, ..] = measured(scene, Adaptive::new(1e-6).expect("in bounds"), samples);
     let mut ratios = Vec::new();
     for tolerance in [1e-1, 5e-2, 1e-2, 1e-3, 1e-4] {
-        let [energy, step, _] = measured(scene, Adaptive::new(tolerance), samples);
+        let [energy, step, _] = measured(scene, Adaptive::new(tolerance).expect("in bounds"), samples);
         let (actual, figure) = ((energy / exact - 1.0).abs(), step / energy);
         println!("| {name} | {tolerance:.0e} | {actual:.1e} | {figure:.1e} | {:.1} |", figure / actual);
         ratios.push(figure / actual);
@@ -486,18 +486,20 @@ fn the_figure_for_rounding_covers_single_precision_in_regular_motion() {
             let (mut of_single, mut of_double) = (sliding_parameters::<f32>(), sliding_parameters::<f64>());
             (of_single.choices.load.ohms, of_double.choices.load.ohms) = (ohms as f32, ohms);
             let scene = of_double.build().expect("in bounds");
-            let [exact, ..] = measured(scene, FixedStep::of_seconds(step), &double);
+            let [exact, ..] = measured(scene, FixedStep::of_seconds(step).expect("in bounds"), &double);
             let scene = of_single.build().expect("in bounds");
-            let [energy, _, figure] = measured(scene, FixedStep::of_seconds(step), &single);
+            let [energy, _, figure] =
+                measured(scene, FixedStep::of_seconds(step).expect("in bounds"), &single);
             covers(exact, energy, figure);
 
             let (single, double) = both_precisions(1.962, 20.0, 400.0, 1200);
             let (mut of_single, mut of_double) = (contact_parameters::<f32>(), contact_parameters::<f64>());
             (of_single.choices.load.ohms, of_double.choices.load.ohms) = (ohms as f32, ohms);
             let scene = of_double.build().expect("in bounds");
-            let [exact, ..] = measured(scene, FixedStep::of_seconds(step), &double);
+            let [exact, ..] = measured(scene, FixedStep::of_seconds(step).expect("in bounds"), &double);
             let scene = of_single.build().expect("in bounds");
-            let [energy, _, figure] = measured(scene, FixedStep::of_seconds(step), &single);
+            let [energy, _, figure] =
+                measured(scene, FixedStep::of_seconds(step).expect("in bounds"), &single);
             covers(exact, energy, figure);
         }
     }

@@ -97,7 +97,8 @@ fn resume_contact_separation<S: Scalar>() {
     // Heavily charged and not rebounding: the mass sticks now and then.
     parameters.charge_density = S::from_f64(120e-6);
     parameters.choices.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: S::ZERO });
-    let harvester = hybrid(parameters.build().expect("in bounds"), Adaptive::new(S::from_f64(1e-3)));
+    let harvester =
+        hybrid(parameters.build().expect("in bounds"), Adaptive::new(S::from_f64(1e-3)).expect("in bounds"));
     let samples = rough(&sine_samples::<S>(30.0, 15.0, 400.0, 1600), 1);
     let states = resume_from_images(harvester, settings(400.0), &samples);
     let stuck = states.iter().filter(|state| state.mode == contact_separation::Mode::Stick).count();
@@ -105,7 +106,7 @@ fn resume_contact_separation<S: Scalar>() {
 }
 
 fn resume_sliding<S: Scalar>() {
-    let harvester = hybrid(slide::<S>(), Adaptive::new(S::from_f64(1e-3)));
+    let harvester = hybrid(slide::<S>(), Adaptive::new(S::from_f64(1e-3)).expect("in bounds"));
     let samples = rough(&sine_samples::<S>(3.0, 6.0, 400.0, 1600), 2);
     let states = resume_from_images(harvester, settings(400.0), &samples);
     let stuck = states.iter().filter(|state| state.mode == sliding::Mode::Stick).count();
@@ -177,8 +178,8 @@ where
 
 #[test]
 fn every_flipped_bit_and_every_cut_is_refused() {
-    every_flip_and_cut_is_refused::<f32, _>(hybrid(contact(), Adaptive::new(1e-2)));
-    every_flip_and_cut_is_refused::<f64, _>(hybrid(slide(), Adaptive::new(1e-2)));
+    every_flip_and_cut_is_refused::<f32, _>(hybrid(contact(), Adaptive::new(1e-2).expect("in bounds")));
+    every_flip_and_cut_is_refused::<f64, _>(hybrid(slide(), Adaptive::new(1e-2).expect("in bounds")));
     every_flip_and_cut_is_refused::<f32, _>(bump::<f32, 4, 1>(AnyContact::ResidualFlexibility));
 }
 
@@ -198,7 +199,7 @@ type Change<P> = fn(&mut P);
 
 #[test]
 fn an_image_of_other_parameters_is_foreign() {
-    let harvester = hybrid(contact::<f32>(), Adaptive::new(1e-2));
+    let harvester = hybrid(contact::<f32>(), Adaptive::new(1e-2).expect("in bounds"));
     let (_, bytes) = saved(harvester, settings(400.0));
     assert_eq!(takes(harvester, settings(400.0), &bytes), Ok(()));
     let changes: [Change<contact_separation::Parameters<f32, ContactChoices<f32>>>; 13] = [
@@ -219,11 +220,11 @@ fn an_image_of_other_parameters_is_foreign() {
     for (index, change) in changes.into_iter().enumerate() {
         let mut parameters = contact_parameters::<f32>();
         change(&mut parameters);
-        let other = hybrid(parameters.build().expect("in bounds"), Adaptive::new(1e-2));
+        let other = hybrid(parameters.build().expect("in bounds"), Adaptive::new(1e-2).expect("in bounds"));
         assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN, "change {index}");
     }
 
-    let harvester = hybrid(slide::<f64>(), Adaptive::new(1e-2));
+    let harvester = hybrid(slide::<f64>(), Adaptive::new(1e-2).expect("in bounds"));
     let (_, bytes) = saved(harvester, settings(400.0));
     let changes: [Change<sliding::Parameters<f64, sliding::AnyChoices<f64>>>; 15] = [
         |p| p.beam_length = 0.101,
@@ -245,7 +246,7 @@ fn an_image_of_other_parameters_is_foreign() {
     for (index, change) in changes.into_iter().enumerate() {
         let mut parameters = sliding_parameters::<f64>();
         change(&mut parameters);
-        let other = hybrid(parameters.build().expect("in bounds"), Adaptive::new(1e-2));
+        let other = hybrid(parameters.build().expect("in bounds"), Adaptive::new(1e-2).expect("in bounds"));
         assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN, "change {index}");
     }
 
@@ -265,21 +266,39 @@ fn an_image_of_other_parameters_is_foreign() {
     for (index, change) in changes.into_iter().enumerate() {
         let mut parameters = bump_parameters::<f32>();
         change(&mut parameters);
-        let other = Stepper::<_, _, 4, 1>::new(parameters.build().expect("in bounds"), 9e-6, 80e-6);
+        let other = Stepper::<_, _, 4, 1>::new(parameters.build().expect("in bounds"), 9e-6, 80e-6)
+            .expect("in bounds");
         assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN, "change {index}");
     }
 }
 
 #[test]
 fn an_image_of_another_scene_precision_method_or_rate_is_foreign() {
-    let harvester = hybrid(contact::<f32>(), Adaptive::new(1e-2));
+    let harvester = hybrid(contact::<f32>(), Adaptive::new(1e-2).expect("in bounds"));
     let (_, bytes) = saved(harvester, settings(400.0));
-    assert_eq!(takes(hybrid(slide::<f32>(), Adaptive::new(1e-2)), settings(400.0), &bytes), FOREIGN);
-    assert_eq!(takes(hybrid(contact::<f64>(), Adaptive::new(1e-2)), settings(400.0), &bytes), FOREIGN);
-    assert_eq!(takes(hybrid(contact::<f32>(), Adaptive::new(1.1e-2)), settings(400.0), &bytes), FOREIGN);
-    let (_, accurate) = saved(hybrid(contact::<f32>(), Adaptive::new(1e-5)), settings(400.0));
-    assert_eq!(takes(hybrid(contact::<f32>(), Adaptive::new(1.1e-5)), settings(400.0), &accurate), FOREIGN);
-    let fixed = FixedStep::of_seconds(1e-3_f32);
+    assert_eq!(
+        takes(hybrid(slide::<f32>(), Adaptive::new(1e-2).expect("in bounds")), settings(400.0), &bytes),
+        FOREIGN
+    );
+    assert_eq!(
+        takes(hybrid(contact::<f64>(), Adaptive::new(1e-2).expect("in bounds")), settings(400.0), &bytes),
+        FOREIGN
+    );
+    assert_eq!(
+        takes(hybrid(contact::<f32>(), Adaptive::new(1.1e-2).expect("in bounds")), settings(400.0), &bytes),
+        FOREIGN
+    );
+    let (_, accurate) =
+        saved(hybrid(contact::<f32>(), Adaptive::new(1e-5).expect("in bounds")), settings(400.0));
+    assert_eq!(
+        takes(
+            hybrid(contact::<f32>(), Adaptive::new(1.1e-5).expect("in bounds")),
+            settings(400.0),
+            &accurate
+        ),
+        FOREIGN
+    );
+    let fixed = FixedStep::of_seconds(1e-3_f32).expect("in bounds");
     assert_eq!(takes(hybrid(contact::<f32>(), fixed), settings(400.0), &bytes), FOREIGN);
     assert_eq!(takes(harvester, settings(401.0), &bytes), FOREIGN);
     assert_eq!(takes(harvester, Settings { longest_gap: 2, ..settings(400.0) }, &bytes), FOREIGN);
@@ -294,7 +313,10 @@ fn an_image_of_another_scene_precision_method_or_rate_is_foreign() {
     // The same number of modes in all, and so of bytes.
     let other = bump::<f32, 3, 2>(AnyContact::ResidualFlexibility);
     assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN);
-    assert_eq!(takes(Stepper::new(*stepper.scene(), 9e-6, 81e-6), settings(400.0), &bytes), FOREIGN);
+    assert_eq!(
+        takes(Stepper::new(*stepper.scene(), 9e-6, 81e-6).expect("in bounds"), settings(400.0), &bytes),
+        FOREIGN
+    );
 }
 
 /// One value into a snapshot and back.
@@ -309,7 +331,7 @@ fn round_trip<T: Snapshot + PartialEq + core::fmt::Debug>(value: &T) {
 fn states_meters_and_streams_have_images_of_their_own() {
     let sine = Sine::<f32>::new(1.962, 20.0, 0.0).expect("valid");
     let scene = contact::<f32>();
-    let driver = Driver::new(TrBdf2, Adaptive::new(1e-2));
+    let driver = Driver::new(TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
     let mut state = scene.start::<_, _, 1>(&Default::default(), &sine, &driver.control).expect("starts");
     let mut meter = PowerMeter::<f32>::new();
     let until = model_core::clock::Instant::from_whole_seconds(1);
@@ -354,7 +376,7 @@ impl common::Problem<f64, 4> for Four {
 #[test]
 fn a_state_of_any_size_has_an_image() {
     let machine = common::Machine(Four);
-    let control = Adaptive::new(1e-3);
+    let control = Adaptive::new(1e-3).expect("in bounds");
     let mut state: HybridState<f64, bool, 4, 1> =
         HybridState::start(&machine, true, [1.0, 0.0, 0.5, 0.0], &Silence, &control);
     let until = model_core::clock::Instant::from_whole_seconds(3);

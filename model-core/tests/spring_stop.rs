@@ -160,11 +160,16 @@ fn adaptive_steps_follow_a_contact_of_any_stiffness() {
         }
         for tolerance in [1e-3, 1e-4, 1e-5] {
             let name = format!("adaptive {tolerance:.0e}");
-            measure::<f64>(&name, stiffness, TrBdf2, Adaptive::new(tolerance))
+            measure::<f64>(&name, stiffness, TrBdf2, Adaptive::new(tolerance).expect("in bounds"))
                 .assert_below([2e-6, 1e-9, 1e-6, 4e-6, 1e-6, 1.2e-8]);
             // The few roundings that a step is allowed take over.
-            measure::<f32>(&name, stiffness, TrBdf2, Adaptive::new(f32::from_f64(tolerance)))
-                .assert_below([2e-6, 4e-8, 5e-5, 5e-6, 5e-5, 1e-6]);
+            measure::<f32>(
+                &name,
+                stiffness,
+                TrBdf2,
+                Adaptive::new(f32::from_f64(tolerance)).expect("in bounds"),
+            )
+            .assert_below([2e-6, 4e-8, 5e-5, 5e-6, 5e-5, 1e-6]);
         }
     }
 }
@@ -173,7 +178,7 @@ fn assert_orders<M: Method<f64> + Method<f32> + Copy>(name: &str, method: M, ord
     for (stiffness, _) in PRINTED {
         // 31 steps in a contact, and 63.
         let [coarse, fine] = [0.1, 0.05].map(|radians| {
-            let control = FixedStep::of_seconds(radians / stiffness.sqrt());
+            let control = FixedStep::of_seconds(radians / stiffness.sqrt()).expect("in bounds");
             let double = measure::<f64>(name, stiffness, method, control);
             let single = measure::<f32>(name, stiffness, method, control);
             // Rounding adds little to what the method does.

@@ -22,7 +22,11 @@ fn works(force_law: ForceLaw) -> [f64; 3] {
     let harvester =
         contact_separation_parameters::<f64, Polynomial>(model, scene.load).build().expect("in bounds");
     let shaking = Sine::<f64>::new(1.962, 20.0, 0.0).expect("in bounds");
-    let simulation = Simulation::with_all_powers(harvester, TrBdf2, FixedStep::of_seconds(0.05 / 3200.0));
+    let simulation = Simulation::with_all_powers(
+        harvester,
+        TrBdf2,
+        FixedStep::of_seconds(0.05 / 3200.0).expect("in bounds"),
+    );
     let mut state = simulation.start(&Start::default(), &shaking).expect("in bounds");
     let mut ledger = Ledger::open(&simulation.outputs(&state));
     let mut meter = RunMeter::new();

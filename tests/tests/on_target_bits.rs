@@ -33,7 +33,8 @@ fn parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
     let scene = shipped("contact-separation.toml");
     let model = scene.contact_separation().expect("a contact-separation scene");
     let parameters = contact_separation_parameters::<f32, Polynomial>(model, scene.load);
-    let control = AnyStepControl::Adaptive(Adaptive::new(contact_separation::scenes::TOLERANCE));
+    let control =
+        AnyStepControl::Adaptive(Adaptive::new(contact_separation::scenes::TOLERANCE).expect("in bounds"));
     let plan = contact_separation::scenes::IMPACTING;
     let mut any = HybridRun::new(plan, parameters, TrBdf2, control).expect("valid");
 
@@ -47,8 +48,8 @@ fn sliding_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
     let scene = shipped("sliding.toml");
     let Model::Sliding(model) = &scene.model else { panic!("a sliding scene") };
     let parameters = sliding_parameters::<f32>(model, scene.load);
-    let step = AnyStepControl::Fixed(FixedStep::of_seconds(sliding::scenes::STEP));
-    let adaptive = AnyStepControl::Adaptive(Adaptive::new(sliding::scenes::TOLERANCE));
+    let step = AnyStepControl::Fixed(FixedStep::of_seconds(sliding::scenes::STEP).expect("in bounds"));
+    let adaptive = AnyStepControl::Adaptive(Adaptive::new(sliding::scenes::TOLERANCE).expect("in bounds"));
     let (slide, stick_slip) = (sliding::scenes::SLIDING, sliding::scenes::STICK_SLIP);
     let any = [
         states(&mut HybridRun::new(slide, parameters, RungeKutta4, step).expect("valid")),

@@ -89,8 +89,8 @@ where
     Polynomial: Mathematics<S>,
 {
     let chosen = with(any, choices);
-    let adaptive = Adaptive::new(S::from_f64(1e-4));
-    let fixed = FixedStep::of_seconds(S::from_f64(2e-4));
+    let adaptive = Adaptive::new(S::from_f64(1e-4)).expect("in bounds");
+    let fixed = FixedStep::of_seconds(S::from_f64(2e-4)).expect("in bounds");
     let (states_of_any, stuck) = states(any, TrBdf2, adaptive, case);
     assert_eq!(stuck, case.velocity == 0.0, "what sticks and what does not");
     assert!(states_of_any.iter().any(|state| state[0].abs() > 1e-4));
@@ -142,7 +142,7 @@ fn no_friction_is_the_same_as_friction_of_nothing() {
     let free = with(&none, choices.sticking(NeverSticks));
     let choices = Choices::new(resistor, none.choices.friction).force_law(TransferredCharge);
     let rubbed = with(&none, choices);
-    let fixed = FixedStep::of_seconds(1e-4);
+    let fixed = FixedStep::of_seconds(1e-4).expect("in bounds");
     let case = Case { velocity: 0.3, acceleration: 1.0, frequency: 15.0 };
     let (free, rubbed) =
         (states(&free, RungeKutta4, fixed, case).0, states(&rubbed, RungeKutta4, fixed, case).0);

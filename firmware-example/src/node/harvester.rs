@@ -36,7 +36,8 @@ pub fn following() -> Result<impl Harvester<f32>, NodeError> {
     let bridge = FullBridge { diode_drop: DIODE_DROP, storage };
     let alone = core::hint::black_box(parameters).build().map_err(refused)?;
     let scene = Rectified::new(alone, core::hint::black_box(bridge)).map_err(refused)?;
-    Ok(Simulation::new(scene, TrBdf2, Adaptive::new(TOLERANCE)))
+    let tolerance = Adaptive::new(TOLERANCE).map_err(refused)?;
+    Ok(Simulation::new(scene, TrBdf2, tolerance))
 }
 
 /// Parts of a piezoelectric cantilever with nothing to hit. What the closed form is about stands behind a bridge.

@@ -201,16 +201,16 @@ const TONE: Played = Played { name: "strongest-line", periods: 20, ..CONTACT };
 pub fn with_all<R>(work: impl FnOnce(Option<&mut [&mut dyn Workload]>) -> R) -> R {
     let Some((contact, slide, bump)) = scenes() else { return work(None) };
     let meter = ToneMeter::new(black_box(TONE.rate()), TONE.period * TONE.periods).ok();
+    let steps = (
+        Adaptive::new(contact_scenes::TOLERANCE),
+        FixedStep::of_seconds(black_box(sliding_scenes::STEP)),
+        Stepper::new(bump, black_box(bump_stop_scenes::SHORT), black_box(bump_stop_scenes::LONG)),
+    );
+    let (Ok(tolerance), Ok(step), Ok(stepper)) = steps else { return work(None) };
     let estimators = (
-        Fed::new(CONTACT, Simulation::new(contact, TrBdf2, Adaptive::new(contact_scenes::TOLERANCE))),
-        Fed::new(
-            SLIDING,
-            Simulation::new(slide, RungeKutta4, FixedStep::of_seconds(black_box(sliding_scenes::STEP))),
-        ),
-        Fed::new(
-            BUMP_STOP,
-            Stepper::new(bump, black_box(bump_stop_scenes::SHORT), black_box(bump_stop_scenes::LONG)),
-        ),
+        Fed::new(CONTACT, Simulation::new(contact, TrBdf2, tolerance)),
+        Fed::new(SLIDING, Simulation::new(slide, RungeKutta4, step)),
+        Fed::new(BUMP_STOP, stepper),
     );
     let (Some(counts), Some(meter), (Some(mut a), Some(mut b), Some(mut c))) =
         (TONE.counts(), meter, estimators)

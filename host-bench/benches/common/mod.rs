@@ -80,7 +80,7 @@ pub(crate) struct Runner<S: Scalar, M, P: Parts<S>> {
 
 impl<S: Scalar, M: Mathematics<S>, P: Parts<S>> Runner<S, M, P> {
     pub(crate) fn new(scene: ContactSeparation<S, P>, tolerance: f64) -> Self {
-        let driver = Driver::new(TrBdf2, Adaptive::new(S::from_f64(tolerance)));
+        let driver = Driver::new(TrBdf2, Adaptive::new(S::from_f64(tolerance)).expect("in bounds"));
         Self { scene, excitation: excitation(), driver }
     }
 

@@ -2,6 +2,7 @@
 
 mod shapes;
 
+use model_core::bounds::ParameterError;
 use model_core::clock::{Instant, LONGEST_STEP_S};
 use model_core::energy::Residual;
 use model_core::observer::{AcceptedStep, Outputs, PowerIndex};
@@ -180,10 +181,16 @@ fn run_with<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     let Prepared { scene, start, steps: [short, long] } =
         prepared::<S, L, B, R>((setting.scene, model, options), load)?;
     if options.bare {
-        to_end(setting, model, &Stepper::new(scene, short, long), &start)
+        to_end(setting, model, &Stepper::new(scene, short, long).map_err(refuse_step)?, &start)
     } else {
-        to_end(setting, model, &Stepper::with_all_powers(scene, short, long), &start)
+        let stepper = Stepper::with_all_powers(scene, short, long).map_err(refuse_step)?;
+        to_end(setting, model, &stepper, &start)
     }
+}
+
+/// The refusal of a length of step by the core.
+fn refuse_step<S: Scalar>(error: ParameterError<S>) -> Failure {
+    Failure::Input(format!("--step, --long-step: {error}"))
 }
 
 fn to_end<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>(

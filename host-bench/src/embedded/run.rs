@@ -69,6 +69,13 @@ pub(super) fn ends_of(scene: &Scene, span: &RunSpan) -> Result<[Instant; 2], Fai
 /// The shortest step for which the explicit method is run without being told to.
 const SHORTEST_EXPLICIT_STEP_S: f64 = 1e-7;
 
+/// Steps of one length in s, for the option `name`.
+fn fixed<S: Scalar>(name: &str, seconds: f64) -> Result<AnyStepControl<S>, Failure> {
+    FixedStep::of_seconds(S::from_f64(seconds))
+        .map(AnyStepControl::Fixed)
+        .map_err(|error| Failure::Input(format!("{name}: {error}")))
+}
+
 /// The rule for the length of steps that the options ask for; `explicit` is the step at which an
 /// explicit method is stable and accurate, in s.
 pub(super) fn step_control<S: Scalar>(
@@ -91,7 +98,7 @@ pub(super) fn step_control<S: Scalar>(
         (Some(step), _, _) if step > LONGEST_STEP_S => {
             refuse(format!("--step {step}: must be at most {LONGEST_STEP_S:.6} s"))
         }
-        (Some(step), _, _) => Ok(AnyStepControl::Fixed(FixedStep::of_seconds(S::from_f64(step)))),
+        (Some(step), _, _) => fixed("--step", step),
         (None, Some(_), Method::Rk4) => refuse(
             "--tolerance: must not be given with rk4, which has no error estimate; give --step".to_owned(),
         ),
@@ -100,18 +107,15 @@ pub(super) fn step_control<S: Scalar>(
              {SHORTEST_EXPLICIT_STEP_S:e} s; use tr-bdf2",
             scene.file.display()
         )),
-        (None, None, Method::Rk4) => {
-            let step = explicit.min(LONGEST_STEP_S);
-            Ok(AnyStepControl::Fixed(FixedStep::of_seconds(S::from_f64(step))))
-        }
+        (None, None, Method::Rk4) => fixed("--method rk4", explicit.min(LONGEST_STEP_S)),
         (None, Some(tolerance), _) if S::from_f64(tolerance) < S::EPSILON => refuse(format!(
             "--tolerance {tolerance:e}: must be at least {:e} in {}",
             S::EPSILON.to_f64(),
             precision_name::<S>()
         )),
-        (None, tolerance, _) => {
-            Ok(AnyStepControl::Adaptive(Adaptive::new(S::from_f64(tolerance.unwrap_or(DEFAULT_TOLERANCE)))))
-        }
+        (None, tolerance, _) => Adaptive::new(S::from_f64(tolerance.unwrap_or(DEFAULT_TOLERANCE)))
+            .map(AnyStepControl::Adaptive)
+            .map_err(|error| Failure::Input(format!("--tolerance: {error}"))),
     }
 }
 

@@ -22,7 +22,7 @@
 //! #     charge_density: 50e-6,
 //! #     choices: Choices::new(Resistor { ohms: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
 //! # };
-//! let harvester = Simulation::new(parameters.build()?, TrBdf2, Adaptive::new(5e-2));
+//! let harvester = Simulation::new(parameters.build()?, TrBdf2, Adaptive::new(5e-2)?);
 //! let settings = Settings {
 //!     rate: 400.0,                                           // samples per second
 //!     format: SampleFormat::counts(9.81 / 16_384.0, 32_767), // ± 2 g in 16 bits

@@ -9,7 +9,8 @@
 //! (K. Gustafsson, ACM Trans. Math. Softw. 17, 1991). An attempt with `r > 1` is rejected and repeated with
 //! `0.9 h r^(−1/2)`.
 
-use crate::clock::{seconds_of_ticks, ticks_of_seconds};
+use crate::bounds::{Bounds, ParameterError};
+use crate::clock::{LONGEST_STEP_S, seconds_of_ticks, ticks_of_seconds};
 use crate::scalar::Scalar;
 use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
@@ -159,6 +160,11 @@ pub trait StepControl<S: Scalar> {
     }
 }
 
+/// Refuses a length of step in s that is not above 0 and at most [`LONGEST_STEP_S`].
+pub(crate) fn check_step<S: Scalar>(field: &'static str, seconds: S) -> Result<(), ParameterError<S>> {
+    Bounds { lowest: S::TINY, highest: S::from_f64(LONGEST_STEP_S) }.check(field, seconds)
+}
+
 /// Steps of one length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -167,10 +173,13 @@ pub struct FixedStep {
 }
 
 impl FixedStep {
-    /// Steps of the number of ticks nearest to `seconds`, at least 1 and at most 2³² − 1 (3.9 ms).
-    #[must_use]
-    pub fn of_seconds<S: Scalar>(seconds: S) -> Self {
-        Self { ticks: ticks_of_seconds(seconds) }
+    /// Steps of the number of ticks nearest to `seconds`, above 0 and at most [`LONGEST_STEP_S`] (3.9 ms).
+    ///
+    /// # Errors
+    /// [`ParameterError`] with the field `step` where `seconds` is out of these bounds.
+    pub fn of_seconds<S: Scalar>(seconds: S) -> Result<Self, ParameterError<S>> {
+        check_step("step", seconds)?;
+        Ok(Self { ticks: ticks_of_seconds(seconds) })
     }
 }
 
@@ -261,10 +270,13 @@ struct RelativeErrors<S> {
 }
 
 impl<S: Scalar> Adaptive<S> {
-    /// With a relative tolerance per radian, kept between a rounding and 0.1.
-    #[must_use]
-    pub fn new(tolerance: S) -> Self {
-        Self { tolerance: tolerance.max(S::EPSILON).min(S::from_f64(0.1)) }
+    /// With a relative tolerance per radian, from one rounding ([`Scalar::EPSILON`]) to 0.1.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with the field `tolerance` where it is out of these bounds.
+    pub fn new(tolerance: S) -> Result<Self, ParameterError<S>> {
+        Bounds { lowest: S::EPSILON, highest: S::from_f64(0.1) }.check("tolerance", tolerance)?;
+        Ok(Self { tolerance })
     }
 
     #[inline(always)]
@@ -442,7 +454,7 @@ mod tests {
     #[test]
     fn settles_where_the_error_meets_the_tolerance() {
         let scale = ErrorScale { angular_frequency: 100.0_f64, energy_floor: 1e-12 };
-        let control = Adaptive::new(1e-4);
+        let control = Adaptive::new(1e-4).expect("in bounds");
         let mut memory = control.start(&scale);
         // A model error of 0.04 (ω h)³ per step: the allowed 1e-4 ω h / 20 gives ω h = 0.0112.
         let mut radians = 0.0;
@@ -464,7 +476,7 @@ mod tests {
     #[test]
     fn a_rejected_step_shrinks_and_the_next_does_not_grow() {
         let scale = ErrorScale { angular_frequency: 100.0_f32, energy_floor: 1e-12 };
-        let control = Adaptive::new(1e-4);
+        let control = Adaptive::new(1e-4).expect("in bounds");
         let mut memory = control.start(&scale);
         let before = memory.ticks;
         let bad = StepErrors { ticks: before, state: 1.0, energy: 0.0, delivered: 0.0 };
@@ -479,7 +491,7 @@ mod tests {
     #[test]
     fn an_error_of_the_energy_that_is_rounding_is_no_reason_to_reject() {
         let scale = ErrorScale { angular_frequency: 100.0_f32, energy_floor: 1e-12 };
-        let control = Adaptive::new(1e-4);
+        let control = Adaptive::new(1e-4).expect("in bounds");
         let start = control.start(&scale);
         let noisy = StepErrors { ticks: start.ticks, state: 0.0, energy: 2e-9, delivered: 1e-8 };
         let judge = |errors: &StepErrors<f32>, rounding: f32| {
@@ -505,5 +517,16 @@ mod tests {
             assert_eq!(at(hertz), core::f64::consts::TAU * hertz);
         }
         assert_eq!(scale.of_the_faster(Excitation::<f64>::angular_frequency(&Silence)), scale);
+    }
+
+    #[test]
+    fn lengths_and_tolerances_that_are_not_positive_finite_numbers_are_refused() {
+        for bad in [f64::NAN, 0.0, -1e-3, f64::INFINITY, 1.0] {
+            let error = Adaptive::new(bad).expect_err("out of bounds");
+            assert_eq!(error.field, "tolerance");
+            assert_eq!(FixedStep::of_seconds(bad).expect_err("out of bounds").field, "step");
+        }
+        assert!(Adaptive::new(f32::EPSILON).is_ok() && Adaptive::new(0.1_f64).is_ok());
+        assert!(FixedStep::of_seconds(1e-12_f64).is_ok() && FixedStep::of_seconds(3.9e-3_f32).is_ok());
     }
 }

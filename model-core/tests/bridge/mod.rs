@@ -88,11 +88,11 @@ where
 }
 
 pub(crate) fn fixed<S: Scalar>(seconds: f64) -> AnyStepControl<S> {
-    AnyStepControl::Fixed(FixedStep::of_seconds(S::from_f64(seconds)))
+    AnyStepControl::Fixed(FixedStep::of_seconds(S::from_f64(seconds)).expect("in bounds"))
 }
 
 pub(crate) fn adaptive<S: Scalar>(tolerance: f64) -> AnyStepControl<S> {
-    AnyStepControl::Adaptive(Adaptive::new(S::from_f64(tolerance)))
+    AnyStepControl::Adaptive(Adaptive::new(S::from_f64(tolerance)).expect("in bounds"))
 }
 
 /// Runs from the harvester's default start.

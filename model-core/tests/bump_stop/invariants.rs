@@ -20,7 +20,7 @@ fn energy_is_conserved_by_every_step_without_damping_and_load() {
     parameters.choices.stop.gap = 0.0;
     let scene = parameters.build::<6, 2>().expect("valid");
     for step in [1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
-        let stepper = Stepper::with_all_powers(scene, step, step);
+        let stepper = Stepper::with_all_powers(scene, step, step).expect("in bounds");
         // Bent back by 30 µm at the tip, and let go.
         let mut start = Start::default();
         start.beam[0] = [-30e-6 / 31.974_430_7, 0.0];
@@ -52,7 +52,7 @@ fn with_damping_load_and_shaking_the_ledger_closes() {
             parameters.choices.stop.contact = contact;
             parameters.choices.coupling = coupling;
             let scene = parameters.build::<6, 2>().expect("valid");
-            let stepper = Stepper::with_all_powers(scene, step, step.max(2e-5));
+            let stepper = Stepper::with_all_powers(scene, step, step.max(2e-5)).expect("in bounds");
             let excitation = shaking();
             let mut state = scene.start(&Start::default(), &excitation).expect("valid");
             let mut ledger = Ledger::open(&stepper.outputs(&state));
@@ -75,7 +75,7 @@ fn a_long_step_is_only_taken_where_no_contact_can_be() {
     let scene = baseline::<f64>().build::<10, 10>().expect("valid");
     let excitation = shaking();
     let run = |long: f64| {
-        let stepper = Stepper::with_all_powers(scene, 5e-7, long);
+        let stepper = Stepper::with_all_powers(scene, 5e-7, long).expect("in bounds");
         let mut state = scene.start(&Start::default(), &excitation).expect("valid");
         let mut touches = Touches::default();
         let advance =
@@ -110,9 +110,9 @@ fn bits_do_not_depend_on_capacity_budget_or_run_time_choice() {
         choices: Choices::new(Resistor { ohms: 1e6 }).stop(stop),
     };
     let excitation = shaking::<f32>();
-    let exact = Stepper::new(fixed.build::<4, 1>().expect("valid"), 2e-6, 5e-5);
+    let exact = Stepper::new(fixed.build::<4, 1>().expect("valid"), 2e-6, 5e-5).expect("in bounds");
     any.choices = any.choices.first_modes(4, 1);
-    let roomy = Stepper::new(any.build::<10, 10>().expect("valid"), 2e-6, 5e-5);
+    let roomy = Stepper::new(any.build::<10, 10>().expect("valid"), 2e-6, 5e-5).expect("in bounds");
     let mut one = exact.scene().start(&Start::default(), &excitation).expect("valid");
     let mut other = roomy.scene().start(&Start::default(), &excitation).expect("valid");
     exact.advance(&mut one, &excitation, seconds(0.03), u32::MAX, &mut ()).expect("runs");
@@ -152,7 +152,7 @@ fn impacts_and_closed_contacts_make_no_energy() {
             (parameters.choices.stop.length, parameters.choices.stop.section) =
                 if short_rod { (2e-3, 1e-6) } else { (0.02, 4e-6) };
             let scene = parameters.build::<10, 10>().expect("valid");
-            let stepper = Stepper::new(scene, step, step);
+            let stepper = Stepper::new(scene, step, step).expect("in bounds");
             let mut start = Start::default();
             start.beam[0] = [-30e-6 / 31.974_430_7, 0.0];
             let mut state = scene.start(&start, &Silence).expect("valid");
@@ -169,7 +169,7 @@ fn a_constrained_contact_is_counted_once() {
     let mut parameters = baseline::<f64>();
     parameters.choices.stop.contact = AnyContact::DisplacementConstraint;
     let scene = parameters.build::<6, 2>().expect("valid");
-    let stepper = Stepper::new(scene, 1e-6, 1e-6);
+    let stepper = Stepper::new(scene, 1e-6, 1e-6).expect("in bounds");
     let excitation = shaking();
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     struct Intervals(u32, bool);
@@ -193,7 +193,7 @@ fn a_run_with_impacts_resumes_with_the_same_bits() {
     let mut parameters = baseline::<f32>();
     parameters.choices.stop.contact = AnyContact::Restitution(Restitution { coefficient: 0.3 });
     let scene = parameters.build::<6, 1>().expect("valid");
-    let stepper = Stepper::new(scene, 1e-6, 2e-5);
+    let stepper = Stepper::new(scene, 1e-6, 2e-5).expect("in bounds");
     let excitation = shaking::<f32>();
     let mut whole = scene.start(&Start::default(), &excitation).expect("valid");
     let mut divided = whole;
@@ -237,4 +237,13 @@ fn parameters_out_of_bounds_and_starts_in_penetration_are_named() {
     start.beam[0][0] = 1e-6;
     let error = scene.start(&start, &Silence).expect_err("inside the stop");
     assert_eq!(error.field, "penetration at the start");
+}
+
+#[test]
+fn lengths_of_step_that_are_not_positive_finite_numbers_are_refused() {
+    let scene = baseline::<f64>().build::<4, 1>().expect("valid");
+    for bad in [f64::NAN, 0.0, -1e-6, f64::INFINITY, 1.0] {
+        assert_eq!(Stepper::new(scene, bad, 1e-5).map_err(|error| error.field).err(), Some("short_step"));
+        assert_eq!(Stepper::new(scene, 1e-6, bad).map_err(|error| error.field).err(), Some("long_step"));
+    }
 }

@@ -59,7 +59,8 @@ fn without_a_stop_the_steady_state_is_the_frequency_response() {
     {
         let mut parameters = without_stop();
         parameters.choices.coupling = coupling;
-        let stepper = Stepper::with_all_powers(parameters.build::<10, 0>().expect("valid"), 5e-6, 5e-6);
+        let stepper = Stepper::with_all_powers(parameters.build::<10, 0>().expect("valid"), 5e-6, 5e-6)
+            .expect("in bounds");
         let meter = measured(&stepper, &shaking(), 2.0, 2.5);
         close(meter.rms_voltage(), volts / 2f64.sqrt(), 2e-5);
         close(meter.voltage().magnitude(), volts, 2e-5);
@@ -70,7 +71,8 @@ fn without_a_stop_the_steady_state_is_the_frequency_response() {
     for (ohms, volts) in [(1e3, 0.154_761_8), (45.41e3, 4.188_495)] {
         let mut parameters = without_stop();
         parameters.choices.load.0.ohms = ohms;
-        let stepper = Stepper::with_all_powers(parameters.build::<6, 0>().expect("valid"), 5e-6, 5e-6);
+        let stepper = Stepper::with_all_powers(parameters.build::<6, 0>().expect("valid"), 5e-6, 5e-6)
+            .expect("in bounds");
         close(measured(&stepper, &shaking(), 2.0, 2.5).voltage().magnitude(), volts, 3e-5);
     }
 }
@@ -82,7 +84,7 @@ fn the_golden_trajectory_is_met_and_approached_in_second_order() {
     let (tip, volts) = (-1.509_803_342e-5, -0.701_496_050_4);
     let scene = baseline::<f64>().build::<6, 2>().expect("valid");
     let run = |step: f64| {
-        let stepper = Stepper::with_all_powers(scene, step, step);
+        let stepper = Stepper::with_all_powers(scene, step, step).expect("in bounds");
         let excitation = shaking();
         let mut state = scene.start(&Start::default(), &excitation).expect("valid");
         let mut touches = Touches::default();
@@ -115,7 +117,7 @@ fn one_way_coupling_has_its_own_contacts() {
     let mut parameters = baseline::<f64>();
     parameters.choices.coupling = AnyCoupling::OneWay;
     let scene = parameters.build::<6, 2>().expect("valid");
-    let stepper = Stepper::with_all_powers(scene, 1e-7, 1e-7);
+    let stepper = Stepper::with_all_powers(scene, 1e-7, 1e-7).expect("in bounds");
     let excitation = shaking();
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     let mut touches = Touches::default();
@@ -133,7 +135,7 @@ fn mean_deflections_are_those_of_the_mean_force() {
     let mut parameters = baseline::<f64>();
     parameters.choices.stop.gap = 0.0;
     let scene = parameters.build::<4, 1>().expect("valid");
-    let stepper = Stepper::with_all_powers(scene, 2e-6, 2e-5);
+    let stepper = Stepper::with_all_powers(scene, 2e-6, 2e-5).expect("in bounds");
     let excitation = shaking();
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     struct Mean(f64, f64);
@@ -160,11 +162,13 @@ fn statistics_are_those_of_the_event_driven_reference() {
         let mut parameters = baseline::<f64>();
         (parameters.choices.stop.position, parameters.choices.stop.gap) = (position, gap);
         let [voltage, force] = if ten {
-            let stepper = Stepper::with_all_powers(parameters.build::<10, 10>().expect("valid"), 1e-6, 2e-5);
+            let stepper = Stepper::with_all_powers(parameters.build::<10, 10>().expect("valid"), 1e-6, 2e-5)
+                .expect("in bounds");
             let meter = measured(&stepper, &shaking(), 0.5, 1.0);
             [meter.rms_voltage(), meter.integrals().mean(PowerIndex::ContactForce)]
         } else {
-            let stepper = Stepper::with_all_powers(parameters.build::<6, 2>().expect("valid"), 1e-6, 2e-5);
+            let stepper = Stepper::with_all_powers(parameters.build::<6, 2>().expect("valid"), 1e-6, 2e-5)
+                .expect("in bounds");
             let meter = measured(&stepper, &shaking(), 0.5, 1.5);
             [meter.rms_voltage(), meter.integrals().mean(PowerIndex::ContactForce)]
         };
@@ -185,8 +189,10 @@ fn single_precision_has_the_statistics_of_double() {
         let (mut double, mut single) = (baseline::<f64>(), baseline::<f32>());
         (double.choices.stop.position, double.choices.stop.gap) = (position, gap);
         (single.choices.stop.position, single.choices.stop.gap) = (position as f32, gap as f32);
-        let double = Stepper::with_all_powers(double.build::<6, 1>().expect("valid"), 2e-6, 5e-5);
-        let single = Stepper::with_all_powers(single.build::<6, 1>().expect("valid"), 2e-6, 5e-5);
+        let double =
+            Stepper::with_all_powers(double.build::<6, 1>().expect("valid"), 2e-6, 5e-5).expect("in bounds");
+        let single =
+            Stepper::with_all_powers(single.build::<6, 1>().expect("valid"), 2e-6, 5e-5).expect("in bounds");
         let (fine, coarse) =
             (measured(&double, &shaking(), 0.5, 10.5), measured(&single, &shaking(), 0.5, 10.5));
         let force_of_coarse = coarse.integrals().mean(PowerIndex::ContactForce);
@@ -209,7 +215,7 @@ fn the_impulse_of_the_first_impact_is_that_of_the_continuum() {
     // F(t) = Z v e^τ erfc √τ, τ = (a Z)² t, until the wave comes back through the rod: 6.631e-6 N·s in
     // 7.8 µs at 0.05 m/s. The modes that are kept come within some per cent of it.
     let impulse = |scene: BumpStop<f64, AnyChoices<f64>, 20, 20>| {
-        let stepper = Stepper::with_all_powers(scene, 1e-8, 1e-8);
+        let stepper = Stepper::with_all_powers(scene, 1e-8, 1e-8).expect("in bounds");
         let mut start = Start::<f64, 20, 20>::default();
         // The beam moves as a whole: ṙ = γ v, and γ = ∫ m' φ is what the base couples by.
         let beam = model_core::part::beam::Cantilever {

@@ -122,7 +122,7 @@ pub(crate) fn bump<S: Scalar, const B: usize, const R: usize>(
     let mut parameters = bump_parameters();
     parameters.choices.stop.contact = contact;
     let scene = parameters.build().expect("in bounds");
-    bump_stop::Stepper::new(scene, S::from_f64(9e-6), S::from_f64(80e-6))
+    bump_stop::Stepper::new(scene, S::from_f64(9e-6), S::from_f64(80e-6)).expect("in bounds")
 }
 
 /// `amplitude · sin(2π · hertz · n / rate)` for each sample `n`, rounded once.

@@ -68,7 +68,7 @@ impl<P: Parts<f32>, const B: usize, const R: usize> ModalRun<P, B, R> {
         let harvester = black_box(parameters).build().ok()?;
         let excitation = Sine::new(black_box(plan.amplitude), black_box(plan.frequency), 0.0).ok()?;
         let state = harvester.start(&Start::default(), &excitation).ok()?;
-        let stepper = Stepper::new(harvester, black_box(plan.short), black_box(plan.long));
+        let stepper = Stepper::new(harvester, black_box(plan.short), black_box(plan.long)).ok()?;
         let meter = PowerMeter::new();
         Some(Self { plan, stepper, excitation, state, meter, samples: 0, rejected: 0, bits: [0; WORDS] })
     }

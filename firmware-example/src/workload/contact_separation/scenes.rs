@@ -29,14 +29,14 @@ pub const FIXED_STEP: f32 = 1.25e-3;
 /// The default scene, as `bench` runs it.
 #[must_use]
 pub fn bench() -> Option<impl Workload> {
-    HybridRun::new(IMPACTING, parts::whole(), TrBdf2, Adaptive::new(TOLERANCE))
+    HybridRun::new(IMPACTING, parts::whole(), TrBdf2, Adaptive::new(TOLERANCE).ok()?)
 }
 
 /// The default scene without its parasitic capacitance.
 #[must_use]
 pub fn without_parasitic() -> Option<impl Workload> {
     let parameters = parts::parameters(parts::without_parasitic(LOAD, LAW_OF_SPEED));
-    HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
+    HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE).ok()?)
 }
 
 /// The default scene without sticking.
@@ -44,20 +44,20 @@ pub fn without_parasitic() -> Option<impl Workload> {
 pub fn without_sticking() -> Option<impl Workload> {
     let choices = parts::without_parasitic(LOAD, LAW_OF_SPEED).parasitic(PARASITIC).sticking(NeverSticks);
     let parameters = parts::parameters(choices);
-    HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
+    HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE).ok()?)
 }
 
 /// The default scene with one coefficient of restitution for all speeds.
 #[must_use]
 pub fn without_law_of_speed() -> Option<impl Workload> {
     let parameters = parts::parameters(parts::without_parasitic(LOAD, CONSTANT).parasitic(PARASITIC));
-    HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE))
+    HybridRun::new(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE).ok()?)
 }
 
 /// The default scene without error control.
 #[must_use]
 pub fn without_error_control() -> Option<impl Workload> {
-    let control = FixedStep::of_seconds(FIXED_STEP);
+    let control = FixedStep::of_seconds(FIXED_STEP).ok()?;
     HybridRun::new(IMPACTING, parts::whole(), TrBdf2, control)
 }
 
@@ -65,7 +65,7 @@ pub fn without_error_control() -> Option<impl Workload> {
 #[must_use]
 pub fn without_any() -> Option<impl Workload> {
     let parameters = parts::parameters(parts::without_parasitic(LOAD, CONSTANT).sticking(NeverSticks));
-    HybridRun::new(IMPACTING, parameters, TrBdf2, FixedStep::of_seconds(FIXED_STEP))
+    HybridRun::new(IMPACTING, parameters, TrBdf2, FixedStep::of_seconds(FIXED_STEP).ok()?)
 }
 
 /// Tolerances of [`with_precision`].
@@ -79,11 +79,11 @@ pub const EXPLICIT_STEPS: [f32; 2] = [5e-4, 2.5e-4];
 /// order; `None` if one is refused.
 pub fn with_precision<R>(work: impl FnOnce(Option<&mut [&mut dyn Workload]>) -> R) -> R {
     let adaptive = TOLERANCES
-        .map(|tolerance| HybridRun::new(SETTLING, parts::whole(), TrBdf2, Adaptive::new(tolerance)));
+        .map(|tolerance| HybridRun::new(SETTLING, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?));
     let fixed =
-        STEPS.map(|step| HybridRun::new(SETTLING, parts::whole(), TrBdf2, FixedStep::of_seconds(step)));
+        STEPS.map(|step| HybridRun::new(SETTLING, parts::whole(), TrBdf2, FixedStep::of_seconds(step).ok()?));
     let explicit = EXPLICIT_STEPS
-        .map(|step| HybridRun::new(SETTLING, parts::whole(), RungeKutta4, FixedStep::of_seconds(step)));
+        .map(|step| HybridRun::new(SETTLING, parts::whole(), RungeKutta4, FixedStep::of_seconds(step).ok()?));
     let (
         [Some(mut a), Some(mut b), Some(mut c), Some(mut d)],
         [Some(mut e), Some(mut f)],
@@ -106,8 +106,8 @@ pub const PEER_TOLERANCES: [f32; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 /// `None` if one is refused.
 pub fn with_smooth<R>(work: impl FnOnce(Option<&mut [&mut dyn Workload]>) -> R) -> R {
     let adaptive = SMOOTH_TOLERANCES
-        .map(|tolerance| HybridRun::new(SMOOTH, parts::whole(), TrBdf2, Adaptive::new(tolerance)));
-    let step = FixedStep::of_seconds(SMOOTH_STEP);
+        .map(|tolerance| HybridRun::new(SMOOTH, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?));
+    let Ok(step) = FixedStep::of_seconds(SMOOTH_STEP) else { return work(None) };
     let explicit = HybridRun::new(SMOOTH, parts::whole(), RungeKutta4, step);
     let ([Some(mut a), Some(mut b), Some(mut c)], Some(mut d)) = (adaptive, explicit) else {
         return work(None);

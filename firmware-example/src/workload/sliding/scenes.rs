@@ -80,13 +80,13 @@ pub fn gap_field() -> Option<impl Workload> {
 /// The default scene by TR-BDF2 with a fixed step.
 #[must_use]
 pub fn implicit() -> Option<impl Workload> {
-    HybridRun::new(SLIDING, parts::whole(), TrBdf2, FixedStep::of_seconds(IMPLICIT_STEP))
+    HybridRun::new(SLIDING, parts::whole(), TrBdf2, FixedStep::of_seconds(IMPLICIT_STEP).ok()?)
 }
 
 /// The default scene by TR-BDF2 with error control.
 #[must_use]
 pub fn with_error_control() -> Option<impl Workload> {
-    HybridRun::new(SLIDING, parts::whole(), TrBdf2, Adaptive::new(TOLERANCE))
+    HybridRun::new(SLIDING, parts::whole(), TrBdf2, Adaptive::new(TOLERANCE).ok()?)
 }
 
 fn explicit<P: Parts<f32>>(parameters: Parameters<f32, P>) -> Option<ExplicitRun<P>> {
@@ -94,17 +94,17 @@ fn explicit<P: Parts<f32>>(parameters: Parameters<f32, P>) -> Option<ExplicitRun
 }
 
 fn explicit_of<P: Parts<f32>>(plan: Plan, parameters: Parameters<f32, P>) -> Option<ExplicitRun<P>> {
-    HybridRun::new(plan, parameters, RungeKutta4, FixedStep::of_seconds(STEP))
+    HybridRun::new(plan, parameters, RungeKutta4, FixedStep::of_seconds(STEP).ok()?)
 }
 
 /// Gives `work` what the bench leaves out, to compare its bits: [`STICK_SLIP`] as the bench runs it,
 /// [`SLIDING`] and [`STICK_SLIP`] by TR-BDF2 with [`TOLERANCE`], and the making of the coefficients;
 /// `None` if one is refused.
 pub fn with_others<R>(work: impl FnOnce(Option<&mut [&mut dyn Workload]>) -> R) -> R {
-    let step = FixedStep::of_seconds(STEP);
+    let Ok(step) = FixedStep::of_seconds(STEP) else { return work(None) };
     let explicit = HybridRun::new(STICK_SLIP, parts::whole(), RungeKutta4, step);
     let adaptive = [SLIDING, STICK_SLIP]
-        .map(|plan| HybridRun::new(plan, parts::whole(), TrBdf2, Adaptive::new(TOLERANCE)));
+        .map(|plan| HybridRun::new(plan, parts::whole(), TrBdf2, Adaptive::new(TOLERANCE).ok()?));
     let (Some(mut a), [Some(mut b), Some(mut c)]) = (explicit, adaptive) else {
         return work(None);
     };
@@ -126,12 +126,12 @@ pub fn with_precision<R>(work: impl FnOnce(Option<&mut [&mut dyn Workload]>) -> 
 
 /// The same for any plan.
 pub fn with_precision_of<R>(plan: Plan, work: impl FnOnce(Option<&mut [&mut dyn Workload]>) -> R) -> R {
-    let adaptive =
-        TOLERANCES.map(|tolerance| HybridRun::new(plan, parts::whole(), TrBdf2, Adaptive::new(tolerance)));
+    let adaptive = TOLERANCES
+        .map(|tolerance| HybridRun::new(plan, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?));
     let implicit =
-        STEPS.map(|step| HybridRun::new(plan, parts::whole(), TrBdf2, FixedStep::of_seconds(step)));
+        STEPS.map(|step| HybridRun::new(plan, parts::whole(), TrBdf2, FixedStep::of_seconds(step).ok()?));
     let explicit = EXPLICIT_STEPS
-        .map(|step| HybridRun::new(plan, parts::whole(), RungeKutta4, FixedStep::of_seconds(step)));
+        .map(|step| HybridRun::new(plan, parts::whole(), RungeKutta4, FixedStep::of_seconds(step).ok()?));
     let (
         [Some(mut a), Some(mut b), Some(mut c), Some(mut d)],
         [Some(mut e), Some(mut f)],

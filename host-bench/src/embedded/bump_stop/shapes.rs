@@ -8,7 +8,9 @@ use model_core::scalar::Polynomial;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{AnyChoices, Circuit, Stepper};
 
-use super::{BumpStopReport, Prepared, Report, bridge, parameters, prepared, refuse_start, resistance};
+use super::{
+    BumpStopReport, Prepared, Report, bridge, parameters, prepared, refuse_start, refuse_step, resistance,
+};
 use crate::embedded::excitation::with_setting;
 use crate::method::{Failure, Options};
 use crate::scene_file::{BumpStop, Model, Scene};
@@ -79,7 +81,7 @@ impl Shapes<'_> {
         let (scene, instants) = (what.0, self.instants);
         let Prepared { scene: harvester, start, steps: [short, long] } =
             prepared::<f64, L, 20, 20>(what, load)?;
-        let stepper = Stepper::new(harvester, short, long);
+        let stepper = Stepper::new(harvester, short, long).map_err(refuse_step)?;
         let report = BumpStopReport(what.1);
         with_setting::<f64, Polynomial, _>(scene, what.2, |setting| {
             let excitation = setting.excitation;

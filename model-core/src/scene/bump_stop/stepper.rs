@@ -8,9 +8,11 @@ use super::state::StateOf;
 use super::step_set::StepSetOf;
 use super::trial::TrialOf;
 use super::{BumpStop, Parts, State};
+use crate::bounds::ParameterError;
 use crate::clock::{Instant, seconds_of_ticks, ticks_of_seconds};
 use crate::excitation::Excitation;
 use crate::hybrid::{Advance, Ended, StepError, StepFailure, Work};
+use crate::integrate::step_control::check_step;
 use crate::observer::{ALL_POWERS, AcceptedStep, Event, Observer, PowerIndex};
 use crate::scalar::Scalar;
 
@@ -59,8 +61,10 @@ pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R> {
     /// With the delivered energy as the only integral, which is what a node needs, and with steps of the ticks nearest to `short` seconds near contact and `long` in free flight, both up to
     /// 3.9 ms; a `long` that is not longer than `short` leaves one length for all.
-    #[must_use]
-    pub fn new(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Self {
+    ///
+    /// # Errors
+    /// [`ParameterError`] with the field `short_step` or `long_step` where a length is not above 0 and at most 3.9 ms.
+    pub fn new(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Result<Self, ParameterError<S>> {
         Self::build(scene, short, long)
     }
 }
@@ -68,14 +72,22 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R, 1> {
     /// As [`Stepper::new`], with the integral of every [`crate::observer::PowerIndex`], for a report and an energy
     /// ledger.
-    #[must_use]
-    pub fn with_all_powers(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Self {
+    ///
+    /// # Errors
+    /// As [`Stepper::new`].
+    pub fn with_all_powers(
+        scene: BumpStop<S, P, B, R>,
+        short: S,
+        long: S,
+    ) -> Result<Self, ParameterError<S>> {
         Self::build(scene, short, long)
     }
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> Stepper<S, P, B, R, ALL> {
-    fn build(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Self {
+    fn build(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Result<Self, ParameterError<S>> {
+        check_step("short_step", short)?;
+        check_step("long_step", long)?;
         let (short, long) = (scene.step_set(ticks_of_seconds(short)), scene.step_set(ticks_of_seconds(long)));
         let three = S::from_f64(3.0);
         let damping = S::from_f64(2.0) * scene.damping_ratio;
@@ -90,7 +102,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             by_base += three * (mode.contact * mode.base).abs();
         }
         let ratio = u16::try_from(long.ticks / short.ticks.max(1)).unwrap_or(u16::MAX);
-        Self {
+        Ok(Self {
             beam_curvature: scene.beam.map(|mode| mode.contact.abs() * factor * mode.angular_frequency),
             rod_curvature: scene.rod.map(|mode| mode.contact.abs() * factor * mode.angular_frequency),
             curvature_by_base: by_base,
@@ -103,7 +115,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             short,
             long,
             ratio,
-        }
+        })
     }
 
     /// The harvester.

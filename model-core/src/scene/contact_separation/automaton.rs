@@ -270,8 +270,9 @@ mod tests {
         let (density, area, permittivity) = (150e-6, 4e-4, 8.854_187_812_8e-12);
         let scene = parameters(density).build().expect("in bounds");
         let start = Start { gap: Some(0.0), velocity: None, charge: Some(0.0) };
-        let state =
-            scene.start::<_, _, 1>(&start, &Silence, &FixedStep::of_seconds(1e-5)).expect("in bounds");
+        let state = scene
+            .start::<_, _, 1>(&start, &Silence, &FixedStep::of_seconds(1e-5).expect("in bounds"))
+            .expect("in bounds");
         assert_eq!(state.mode, Mode::Stick);
         let attraction = density * density * area / (2.0 * permittivity);
         let expected = attraction + 5e-3 * 1.5 - 80.0 * 3e-3;
@@ -284,7 +285,10 @@ mod tests {
     fn a_start_in_penetration_or_out_of_bounds_is_refused() {
         let scene = parameters(50e-6).build().expect("in bounds");
         let refused = |start: Start<f64>| {
-            scene.start::<_, _, 1>(&start, &Silence, &Adaptive::new(1e-3)).err().map(|error| error.field)
+            scene
+                .start::<_, _, 1>(&start, &Silence, &Adaptive::new(1e-3).expect("in bounds"))
+                .err()
+                .map(|error| error.field)
         };
         assert_eq!(refused(Start { gap: Some(-1e-9), ..Start::default() }), Some("gap"));
         assert_eq!(refused(Start { velocity: Some(f64::NAN), ..Start::default() }), Some("velocity"));

@@ -356,7 +356,8 @@ mod tests {
     fn the_driver_locates_releases_where_the_closed_form_has_them() {
         let scene = parameters().build().expect("in bounds");
         let sine = Sine::<f64>::new(0.30 * 9.81, 6.0, 0.0).expect("valid");
-        let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, Adaptive::new(1e-6)) };
+        let driver =
+            Driver { pause_at_events: true, ..Driver::new(TrBdf2, Adaptive::new(1e-6).expect("in bounds")) };
         let mut state = scene.start::<_, _, 1>(&Start::default(), &sine, &driver.control).expect("in bounds");
         let mut releases = 0;
         let end = Instant::from_whole_seconds(3);
@@ -383,7 +384,10 @@ mod tests {
         for (amplitude, hertz) in [(0.30, 6.0), (0.28, 14.0), (0.36, 18.373), (0.26, 3.0)] {
             let scene = parameters().build().expect("in bounds");
             let sine = Sine::<f64>::new(amplitude * 9.81, hertz, 0.0).expect("valid");
-            let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, Adaptive::new(1e-4)) };
+            let driver = Driver {
+                pause_at_events: true,
+                ..Driver::new(TrBdf2, Adaptive::new(1e-4).expect("in bounds"))
+            };
             let mut state =
                 scene.start::<_, _, 1>(&Start::default(), &sine, &driver.control).expect("in bounds");
             let end = Instant::from_whole_seconds(2);
@@ -420,7 +424,9 @@ mod tests {
         let scene = parameters().build().expect("in bounds");
         let sine = Sine::<f64>::new(1.0, 6.0, 0.0).expect("valid");
         let apart = Start { displacement: Some(-0.02), ..Start::default() };
-        let error = scene.start::<_, _, 1>(&apart, &sine, &Adaptive::new(1e-4)).expect_err("apart");
+        let error = scene
+            .start::<_, _, 1>(&apart, &sine, &Adaptive::new(1e-4).expect("in bounds"))
+            .expect_err("apart");
         assert_eq!((error.field, error.value), ("displacement", -0.02));
     }
 }

@@ -1,0 +1,57 @@
+//! Power from the samples of an accelerometer, with its uncertainty, and a power-down in between.
+//!
+//! `cargo run --example estimator`
+
+use model_core::energy::Estimator;
+use model_core::energy::estimator::{SampleFormat, Settings};
+use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::part::load::Resistor;
+use model_core::part::restitution::ConstantRestitution;
+use model_core::scene::Simulation;
+use model_core::scene::contact_separation::{Choices, Parameters};
+
+/// A sample of 0.2 g at 20 Hz as a 16-bit accelerometer with a range of ± 2 g counts it.
+fn sample(n: u32) -> i16 {
+    (3277.0 * (core::f32::consts::TAU * (n % 20) as f32 / 20.0).sin()) as i16
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let scene = Parameters {
+        mass: 5e-3_f32,             // kg
+        stiffness: 80.0,            // N/m
+        damping_ratio: 0.005,       // of critical
+        initial_gap: 3e-3,          // m
+        electrode_area: 4e-4,       // m²
+        dielectric_thickness: 5e-5, // m
+        relative_permittivity: 2.0,
+        charge_density: 50e-6, // C/m²
+        choices: Choices::new(Resistor { ohms: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
+    }
+    .build()?;
+    let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(5e-2)?);
+    let settings = Settings {
+        rate: 400.0, // samples per second
+        format: SampleFormat::counts(9.81 / 16_384.0, 32_767),
+        longest_gap: 4,        // samples
+        settling_seconds: 0.0, // s
+    };
+    let mut estimator = Estimator::new(harvester, settings)?;
+    let mut flash = [0; 256];
+    for n in 0..2000 {
+        // At most 100 attempted steps for each call: a firmware has a deadline.
+        let mut progress = estimator.push_count(sample(n), 100)?;
+        while !progress.finished {
+            progress = estimator.resume(100)?;
+        }
+        if n == 999 {
+            // Power down and up: the run goes on with the same bits.
+            estimator.save(&mut flash)?;
+            estimator = Estimator::new(harvester, settings)?;
+            estimator.restore(&flash)?;
+        }
+    }
+    let estimate = estimator.estimate();
+    println!("{:.3e} W over {} s", estimate.mean_power, estimate.seconds);
+    println!("relative uncertainty {:.1e}", estimate.uncertainty.relative);
+    Ok(())
+}
