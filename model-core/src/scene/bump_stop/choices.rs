@@ -146,7 +146,7 @@ pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
     type Coupling: Coupling;
 
     /// The choices themselves.
-    fn choices(&self) -> Choices<Self::Load, Self::Stop, Self::Coupling>;
+    fn choices(&self) -> &Choices<Self::Load, Self::Stop, Self::Coupling>;
 }
 
 impl<S: Scalar, L: Circuit<S>, T: StopChoice<S>, K: Coupling> Parts<S> for Choices<L, T, K> {
@@ -155,8 +155,8 @@ impl<S: Scalar, L: Circuit<S>, T: StopChoice<S>, K: Coupling> Parts<S> for Choic
     type Contact = T::Contact;
     type Coupling = K;
 
-    #[inline]
-    fn choices(&self) -> Self {
-        *self
+    #[inline(always)]
+    fn choices(&self) -> &Self {
+        self
     }
 }

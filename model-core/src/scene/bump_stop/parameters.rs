@@ -48,7 +48,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         C: Parts<S>,
     {
         self.check()?;
-        let Choices { load, stop, coupling, modes } = self.choices.choices();
+        let &Choices { load, stop, coupling, modes } = self.choices.choices();
         let [beam_modes, rod_modes] = mode_counts(modes, [B, R])?;
         let section = self.section();
         let beam = Cantilever {
@@ -139,6 +139,7 @@ fn mode_counts<S: Scalar>(
 }
 
 /// Coefficients of the first `count` modes, at least one; `place` is that of the stop in units of the length.
+#[inline(always)]
 fn beam_coefficients<S: Scalar, const B: usize>(
     beam: &Cantilever<S>,
     coupling: S,
@@ -162,6 +163,7 @@ fn beam_coefficients<S: Scalar, const B: usize>(
 }
 
 /// Coefficients of the first `count` modes; zeros without a rod.
+#[inline(always)]
 fn rod_coefficients<S: Scalar, const R: usize>(rod: Option<&Rod<S>>, count: u32) -> [RodCoefficients<S>; R] {
     let mut number = 0;
     [(); R].map(|()| {

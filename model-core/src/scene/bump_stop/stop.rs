@@ -84,6 +84,7 @@ impl<S: Scalar, C: ContactLaw<S>> Stop<S, C> {
     }
 
     /// Refuses what is out of bounds, beside a beam of a length in m.
+    #[inline(always)]
     pub(super) fn check(&self, beam_length: S) -> Result<(), ParameterError<S>> {
         Bounds::new(1e-4, 10.0).check("stop.length", self.length)?;
         Bounds::new(1e-12, 1.0).check("stop.section", self.section)?;

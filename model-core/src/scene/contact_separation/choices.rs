@@ -110,7 +110,7 @@ pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
     type Sticking: Sticking;
 
     /// The choices themselves.
-    fn choices(&self) -> ChoicesOf<S, Self>;
+    fn choices(&self) -> &ChoicesOf<S, Self>;
 }
 
 /// The choices of some parts.
@@ -137,8 +137,8 @@ where
     type Parasitic = C;
     type Sticking = K;
 
-    #[inline]
-    fn choices(&self) -> Self {
-        *self
+    #[inline(always)]
+    fn choices(&self) -> &Self {
+        self
     }
 }

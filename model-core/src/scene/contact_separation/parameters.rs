@@ -44,7 +44,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         C: Parts<S>,
     {
         self.check()?;
-        let Choices { load, restitution, force_law, parasitic, sticking } = self.choices.choices();
+        let &Choices { load, restitution, force_law, parasitic, sticking } = self.choices.choices();
         let two = S::from_f64(2.0);
         let stiffness_per_mass = self.stiffness / self.mass;
         let angular_frequency = stiffness_per_mass.sqrt();

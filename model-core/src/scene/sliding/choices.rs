@@ -90,7 +90,7 @@ pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
     type LateralForce: LateralForce;
 
     /// The choices themselves.
-    fn choices(&self) -> ChoicesOf<S, Self>;
+    fn choices(&self) -> &ChoicesOf<S, Self>;
 }
 
 /// The choices of some parts.
@@ -117,8 +117,8 @@ where
     type Sticking = K;
     type LateralForce = T;
 
-    #[inline]
-    fn choices(&self) -> Self {
-        *self
+    #[inline(always)]
+    fn choices(&self) -> &Self {
+        self
     }
 }

@@ -51,7 +51,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         C: Parts<S>,
     {
         self.check()?;
-        let Choices { load, friction, force_law, sticking, lateral_force } = self.choices.choices();
+        let &Choices { load, friction, force_law, sticking, lateral_force } = self.choices.choices();
         let two = S::from_f64(2.0);
         let section = self.beam_width * self.beam_thickness;
         let square = self.beam_thickness * self.beam_thickness;
