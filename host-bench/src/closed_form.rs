@@ -148,9 +148,9 @@ fn of_bump_stop<S: Scalar>(
     let parameters = bump_stop_parameters::<S>(model, scene.load);
     let (beam, rod) = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
     Ok(match (beam, rod) {
-        (..=4, ..=2) => load.closed_form(&parameters.build::<4, 2>()?, amplitude, hertz),
-        (..=10, ..=10) => load.closed_form(&parameters.build::<10, 10>()?, amplitude, hertz),
-        _ => load.closed_form(&parameters.build::<20, 20>()?, amplitude, hertz),
+        (..=4, ..=2) => load.closed_form(&parameters.build_first::<4, 2>(beam, rod)?, amplitude, hertz),
+        (..=10, ..=10) => load.closed_form(&parameters.build_first::<10, 10>(beam, rod)?, amplitude, hertz),
+        _ => load.closed_form(&parameters.build_first::<20, 20>(beam, rod)?, amplitude, hertz),
     })
 }
 

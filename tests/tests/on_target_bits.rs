@@ -73,7 +73,6 @@ fn bump_stop_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
     let scene = shipped("bump-stop.toml");
     let Model::BumpStop(model) = &scene.model else { panic!("a bump-stop scene") };
     let mut parameters = bump_stop_parameters::<f32>(model, scene.load);
-    parameters.choices.modes = None;
     let mut any = |plan, gap| {
         parameters.choices.stop.gap = gap;
         states(&mut ModalRun::<AnyChoices<f32>, BEAM_MODES, ROD_MODES>::new(plan, parameters).expect("valid"))

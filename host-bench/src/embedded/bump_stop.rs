@@ -95,7 +95,6 @@ fn parameters_with<S: Scalar, L>(model: &BumpStop, load: L) -> Parameters<S, Any
                 Coupling::TwoWay => AnyCoupling::TwoWay,
                 Coupling::OneWay => AnyCoupling::OneWay,
             },
-            modes: Some([from.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)]),
         },
     }
 }
@@ -156,8 +155,10 @@ fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     load: L,
 ) -> Result<Prepared<S, AnyChoices<S, L>, B, R>, Failure> {
     let steps = steps(options)?.map(S::from_f64);
-    let harvester =
-        parameters_with(model, load).build::<B, R>().map_err(|error| refuse_parameter(scene, &error))?;
+    let rod_modes = model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
+    let harvester = parameters_with(model, load)
+        .build_first::<B, R>(model.parameters.beam_modes, rod_modes)
+        .map_err(|error| refuse_parameter(scene, &error))?;
     let initial = &model.initial;
     let mut start = Start { voltage: S::from_f64(initial.voltage_v), ..Start::default() };
     let put = |coordinates: &mut [[S; 2]], displacements: &[f64], velocities: &[f64]| {

@@ -94,7 +94,7 @@ fn a_long_step_is_only_taken_where_no_contact_can_be() {
 
 #[test]
 fn bits_do_not_depend_on_capacity_budget_or_run_time_choice() {
-    let mut any = baseline::<f32>();
+    let any = baseline::<f32>();
     let Stop { length, section, young_modulus, density, position, gap, contact_compliance, .. } =
         any.choices.stop;
     let contact = ResidualFlexibility;
@@ -111,8 +111,7 @@ fn bits_do_not_depend_on_capacity_budget_or_run_time_choice() {
     };
     let excitation = shaking::<f32>();
     let exact = Stepper::new(fixed.build::<4, 1>().expect("valid"), 2e-6, 5e-5).expect("in bounds");
-    any.choices = any.choices.first_modes(4, 1);
-    let roomy = Stepper::new(any.build::<10, 10>().expect("valid"), 2e-6, 5e-5).expect("in bounds");
+    let roomy = Stepper::new(any.build_first::<10, 10>(4, 1).expect("valid"), 2e-6, 5e-5).expect("in bounds");
     let mut one = exact.scene().start(&Start::default(), &excitation).expect("valid");
     let mut other = roomy.scene().start(&Start::default(), &excitation).expect("valid");
     exact.advance(&mut one, &excitation, seconds(0.03), u32::MAX, &mut ()).expect("runs");
@@ -219,11 +218,7 @@ fn parameters_out_of_bounds_and_starts_in_penetration_are_named() {
     assert_eq!(refused(|p| p.choices.stop.position = 0.06), Some("stop.position"));
     assert_eq!(refused(|p| p.choices.stop.gap = -1e-9), Some("stop.gap"));
     assert_eq!(refused(|p| p.choices.load.0.ohms = -1.0), Some("resistance"));
-    let modes = |beam, rod| {
-        let parameters = baseline::<f64>();
-        let choices = parameters.choices.first_modes(beam, rod);
-        Parameters { choices, ..parameters }.build::<2, 1>().err().map(|error| error.field)
-    };
+    let modes = |beam, rod| baseline::<f64>().build_first::<2, 1>(beam, rod).err().map(|error| error.field);
     assert_eq!([modes(1, 0), modes(2, 1)], [None; 2]);
     assert_eq!([modes(0, 1), modes(3, 1)], [Some("beam_modes"); 2]);
     assert_eq!(modes(2, 2), Some("rod_modes"));

@@ -18,8 +18,7 @@ fn first_modes<const B: usize, const R: usize>(
     beam: usize,
     rod: usize,
 ) -> BumpStop<f64, AnyChoices<f64>, B, R> {
-    let choices = parameters.choices.first_modes(beam, rod);
-    Parameters { choices, ..parameters }.build().expect("valid")
+    parameters.build_first(beam, rod).expect("valid")
 }
 
 fn without_stop() -> Parameters<f64, AnyChoices<f64>> {

@@ -110,7 +110,6 @@ pub(crate) fn bump_parameters_into<S: Scalar, L>(
                 contact: bump_stop::AnyContact::ResidualFlexibility,
             },
             coupling: bump_stop::AnyCoupling::TwoWay,
-            modes: None,
         },
     }
 }

@@ -87,27 +87,24 @@ pub struct Choices<L, T = NoStop, K = TwoWay> {
     pub stop: T,
     /// Whether the voltage acts back on the beam.
     pub coupling: K,
-    /// How many modes of the beam and of the rod are taken, of those that the harvester's type has room for.
-    pub modes: Option<[usize; 2]>,
 }
 
 /// Every choice at run time but that between a load and a bridge.
 pub type AnyChoices<S, L = Resistive<AnyLoad<S>>> = Choices<L, Stop<S, AnyContact<S>>, AnyCoupling>;
 
 impl<L> Choices<Resistive<L>> {
-    /// A load resistance; no stop, a voltage that acts back on the beam, and all modes of the harvester's type.
+    /// A load resistance; no stop, a voltage that acts back on the beam.
     #[must_use]
     pub const fn new(load: L) -> Self {
-        Self { load: Resistive(load), stop: NoStop, coupling: TwoWay, modes: None }
+        Self { load: Resistive(load), stop: NoStop, coupling: TwoWay }
     }
 }
 
 impl<S, R> Choices<FullBridge<S, R>> {
-    /// A full bridge and what it charges; no stop, a voltage that acts back on the beam, and all modes of the
-    /// harvester's type.
+    /// A full bridge and what it charges; no stop, a voltage that acts back on the beam.
     #[must_use]
     pub const fn behind(bridge: FullBridge<S, R>) -> Self {
-        Self { load: bridge, stop: NoStop, coupling: TwoWay, modes: None }
+        Self { load: bridge, stop: NoStop, coupling: TwoWay }
     }
 }
 
@@ -115,22 +112,15 @@ impl<L, T, K> Choices<L, T, K> {
     /// With a stop.
     #[must_use]
     pub fn stop<Other>(self, stop: Other) -> Choices<L, Other, K> {
-        let Self { load, coupling, modes, .. } = self;
-        Choices { load, stop, coupling, modes }
+        let Self { load, coupling, .. } = self;
+        Choices { load, stop, coupling }
     }
 
     /// With another coupling.
     #[must_use]
     pub fn coupling<Other>(self, coupling: Other) -> Choices<L, T, Other> {
-        let Self { load, stop, modes, .. } = self;
-        Choices { load, stop, coupling, modes }
-    }
-
-    /// With the first `beam` modes of the beam and the first `rod` modes of the rod only: for a host that learns
-    /// their numbers at run time. The bits are those of a harvester whose type has room for just these.
-    #[must_use]
-    pub fn first_modes(self, beam: usize, rod: usize) -> Self {
-        Self { modes: Some([beam, rod]), ..self }
+        let Self { load, stop, .. } = self;
+        Choices { load, stop, coupling }
     }
 }
 

@@ -39,16 +39,42 @@ fn check_frequency<S: Scalar>(field: &'static str, angular_frequency: S) -> Resu
 impl<S: Scalar, C> Parameters<S, C> {
     /// Checks the parameters and makes the coefficients of `B` beam modes, at least 1, and `R` rod modes.
     ///
-    /// Where [`Choices::first_modes`] takes fewer, a mode beyond them has coefficients of zero and stays at rest.
-    ///
     /// # Errors
     /// The first field that is out of its bounds, with its value.
     pub fn build<const B: usize, const R: usize>(&self) -> Result<BumpStop<S, C, B, R>, ParameterError<S>>
     where
         C: Parts<S>,
     {
+        self.build_modes(None)
+    }
+
+    /// The same with the first `beam` and `rod` modes only: for a host that learns their numbers at run time. A mode
+    /// beyond them has coefficients of zero and stays at rest; the bits are those of a type with room for just these.
+    ///
+    /// # Errors
+    /// As [`Parameters::build`].
+    pub fn build_first<const B: usize, const R: usize>(
+        &self,
+        beam: usize,
+        rod: usize,
+    ) -> Result<BumpStop<S, C, B, R>, ParameterError<S>>
+    where
+        C: Parts<S>,
+    {
+        self.build_modes(Some([beam, rod]))
+    }
+
+    // Inlined, so that firmware, which takes all modes, compiles no code for fewer.
+    #[inline(always)]
+    fn build_modes<const B: usize, const R: usize>(
+        &self,
+        modes: Option<[usize; 2]>,
+    ) -> Result<BumpStop<S, C, B, R>, ParameterError<S>>
+    where
+        C: Parts<S>,
+    {
         self.check()?;
-        let &Choices { load, stop, coupling, modes } = self.choices.choices();
+        let &Choices { load, stop, coupling } = self.choices.choices();
         let [beam_modes, rod_modes] = mode_counts(modes, [B, R])?;
         let section = self.section();
         let beam = Cantilever {
@@ -126,6 +152,7 @@ impl<S: Scalar, C> Parameters<S, C> {
 }
 
 /// The numbers of modes of the beam and of the rod, of those that the harvester's type has room for.
+#[inline(always)]
 fn mode_counts<S: Scalar>(
     modes: Option<[usize; 2]>,
     room: [usize; 2],
