@@ -176,7 +176,7 @@ pub trait Method<S: Scalar> {
 }
 
 /// `a + factor · b`, entry by entry.
-#[inline(always)]
+#[inline]
 fn add_scaled<S: Scalar, const N: usize>(a: &[S; N], factor: S, b: &[S; N]) -> [S; N] {
     core::array::from_fn(|i| a[i] + factor * b[i])
 }

@@ -21,7 +21,7 @@
 //! The modes are propagated exactly (`integrate::modal`) under a base acceleration that is
 //! linear over the step and a contact force and a voltage that are constant; the force is the discrete
 //! gradient of the contact's potential (`integrate::discrete_gradient`), the voltage the mean
-//! of the circuit's exact solution ([`crate::part::circuit`]). Both follow from one scalar equation
+//! of the circuit's exact solution (`part::circuit`). Both follow from one scalar equation
 //! in closed form. The energy of modes, capacitance and contact then never grows, whatever the step.
 //!
 //! Free flight is exact, so a second, much longer step is taken wherever a bound on the gap's

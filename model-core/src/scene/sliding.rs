@@ -14,7 +14,7 @@
 //! q' = V / R,    V = (σ S2 − q) / C,    C = ε0 ε_r S1 / d                          (12) to (15)
 //! ```
 //!
-//! `S1` is the overlap of slider and active patch ([`crate::part::disc_overlap`]), `S2 = π r² − S1`,
+//! `S1` is the overlap of slider and active patch (`part::disc_overlap`), `S2 = π r² − S1`,
 //! `μ_k` the mean of the patches' coefficients by area ([`crate::part::friction`]).
 //!
 //! # Stick

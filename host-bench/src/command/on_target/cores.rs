@@ -58,6 +58,13 @@ pub(super) fn report(cores: &[Core], limit: Duration) -> Result<(), Error> {
         samples += workloads.iter().map(|workload| workload.samples.len()).sum::<usize>();
         touching.push(other_gap_row(core, &workloads, &yardsticks)?);
     }
+    print_tables(benches, others, touching);
+    print_legend(samples);
+    Ok(())
+}
+
+/// Prints the tables: the bench on each core, what it leaves out, and bump-stop without a gap.
+fn print_tables(benches: Vec<[String; 9]>, others: Vec<[String; 8]>, touching: Vec<[String; 4]>) {
     let header = [
         "core",
         "board in QEMU",
@@ -84,6 +91,10 @@ pub(super) fn report(cores: &[Core], limit: Duration) -> Result<(), Error> {
     println!("{}", table(header, others, 1));
     println!();
     println!("{}", table(["core", "bump-stop without a gap", "error", "build"], touching, 1));
+}
+
+/// Prints what the tables hold.
+fn print_legend(samples: usize) {
     println!("{samples} sampled states, each bit-identical to the host's f32 run.");
     println!(
         "Contact-separation: TR-BDF2 with tolerance {}, 20 Hz, 0.2 g, 3 s from rest, with impacts.",
@@ -111,7 +122,6 @@ pub(super) fn report(cores: &[Core], limit: Duration) -> Result<(), Error> {
     println!("Instructions as QEMU executes them, which are not");
     println!("cycles. Flash: what is added to an empty firmware with the same runtime and logging. Stack:");
     println!("from the top of RAM. Sizes in bytes.");
-    Ok(())
 }
 
 /// Where the bump-stop runs count as settled, in seconds: at their first sample.

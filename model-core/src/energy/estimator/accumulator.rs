@@ -36,7 +36,7 @@ impl<S: Scalar> EnergyAccumulator<S> {
         ticks: 0,
     };
 
-    #[inline(always)]
+    #[inline]
     fn add(&mut self, energy: S, ticks: u32) {
         self.energy.add(energy);
         self.ticks = self.ticks.wrapping_add(u64::from(ticks));
@@ -69,7 +69,7 @@ impl<S: Scalar> EnergyAccumulator<S> {
 }
 
 impl<S: Scalar> Observer<S> for EnergyAccumulator<S> {
-    #[inline(always)]
+    #[inline]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         self.add(step.energy(PowerIndex::Load), step.ticks);
         self.energy_error.add(step.energy_error.abs());

@@ -17,7 +17,7 @@ use crate::observer::{ALL_POWERS, AcceptedStep, Event, Observer, PowerIndex};
 use crate::scalar::Scalar;
 
 /// Attempts that one step may take, the location of an impact included: a smaller budget of
-/// [`Stepper::advance`] is taken as this one.
+/// [`Harvester::advance`](crate::scene::Harvester::advance) is taken as this one.
 pub const LEAST_BUDGET: u32 = 44;
 /// Attempts to locate an impact: bisection of 2³² ticks.
 const MOST_LOCATING: u32 = 40;

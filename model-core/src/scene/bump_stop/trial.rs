@@ -108,28 +108,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let solution = self.solution(set, start, &end.circuit, start_voltage, unloaded);
         let Solution { strain, rate, mean_voltage, contact } = solution;
         // What both do to the modes.
-        let two_way = self.coupling.is_two_way();
         let force = contact.force;
         end.gap = contact.gap;
         end.closed = start.closed && force > S::ZERO;
-        if P::Contact::POSSIBLE && force != S::ZERO {
-            for ((coordinate, mode), modal) in end.rod.iter_mut().zip(&self.rod).zip(&set.rod) {
-                let push = mode.contact * force;
-                coordinate[0] += modal.by_force[0] * push;
-                coordinate[1] += modal.by_force[1] * push;
-            }
-            for ((coordinate, mode), modal) in end.beam.iter_mut().zip(&self.beam).zip(&set.beam) {
-                let push = mode.contact * force;
-                coordinate[0] -= modal.by_force[0] * push;
-                coordinate[1] -= modal.by_force[1] * push;
-            }
-        }
-        if two_way {
-            for (coordinate, modal) in end.beam.iter_mut().zip(&set.beam) {
-                coordinate[0] -= modal.by_voltage[0] * mean_voltage;
-                coordinate[1] -= modal.by_voltage[1] * mean_voltage;
-            }
-        }
+        self.load_modes(set, &mut end, force, mean_voltage);
         end.strain_charge = strain;
         let flow = StepCurrent { voltage: start_voltage, charge: strain - start.strain_charge, mean_voltage };
         let passed = self.load.conclude(&set.circuit, &flow, &mut end.circuit, &mut account);
@@ -151,6 +133,35 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             mean_square_voltage,
             delivered: P::Load::delivered(&set.circuit, mean_square_voltage, &account),
             account,
+        }
+    }
+
+    /// Adds what contact force and voltage do to the modes over a step.
+    #[inline(always)]
+    fn load_modes(
+        &self,
+        set: &StepSetOf<S, P, B, R>,
+        end: &mut StateOf<S, P, B, R>,
+        force: S,
+        mean_voltage: S,
+    ) {
+        if P::Contact::POSSIBLE && force != S::ZERO {
+            for ((coordinate, mode), modal) in end.rod.iter_mut().zip(&self.rod).zip(&set.rod) {
+                let push = mode.contact * force;
+                coordinate[0] += modal.by_force[0] * push;
+                coordinate[1] += modal.by_force[1] * push;
+            }
+            for ((coordinate, mode), modal) in end.beam.iter_mut().zip(&self.beam).zip(&set.beam) {
+                let push = mode.contact * force;
+                coordinate[0] -= modal.by_force[0] * push;
+                coordinate[1] -= modal.by_force[1] * push;
+            }
+        }
+        if self.coupling.is_two_way() {
+            for (coordinate, modal) in end.beam.iter_mut().zip(&set.beam) {
+                coordinate[0] -= modal.by_voltage[0] * mean_voltage;
+                coordinate[1] -= modal.by_voltage[1] * mean_voltage;
+            }
         }
     }
 
