@@ -53,14 +53,14 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
     }
 
     /// Phase at `at` in units of 2⁻⁶⁴ turns.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn phase(&self, at: Instant) -> u64 {
         self.frequency.phase(at).wrapping_add(self.start)
     }
 }
 
 impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {
-    #[inline]
+    #[inline(always)]
     fn acceleration(&self, at: Instant) -> S {
         self.amplitude * M::sine_of_turns(self.phase(at))
     }

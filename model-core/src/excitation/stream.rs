@@ -190,7 +190,7 @@ impl<S: Scalar> Stream<S> {
     }
 
     /// The samples on either side of `at`, and the place of `at` between them, 0 to 1.
-    #[inline]
+    #[inline(always)]
     fn bracket(&self, at: Instant) -> (S, S, S) {
         let (whole, theta) = self.grid.place(at);
         let [first, middle, last] = self.samples;
@@ -205,7 +205,7 @@ impl<S: Scalar> Stream<S> {
 }
 
 impl<S: Scalar> Excitation<S> for Stream<S> {
-    #[inline]
+    #[inline(always)]
     fn acceleration(&self, at: Instant) -> S {
         let (left, right, theta) = self.bracket(at);
         left + theta * (right - left)

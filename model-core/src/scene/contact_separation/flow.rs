@@ -135,7 +135,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
     }
 
     /// All powers; see [`PowerIndex`].
-    #[inline]
+    #[inline(always)]
     pub(super) fn all_powers(
         &self,
         state: &[S; STATES],
@@ -170,7 +170,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for Flow<'_, S, P> {
     type Factor = ModeFactor<S>;
 
-    #[inline]
+    #[inline(always)]
     fn flow(&self, state: &[S; STATES], acceleration: S) -> [S; STATES] {
         let scene = self.scene;
         let [gap, velocity, charge] = *state;
@@ -186,7 +186,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
         let derivatives = self.derivatives(state);
         if self.mode == Mode::Stick {
@@ -200,7 +200,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         factor.solve(right)
     }
 
-    #[inline]
+    #[inline(always)]
     fn iterate(
         &self,
         factor: &ModeFactor<S>,
@@ -220,7 +220,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         )
     }
 
-    #[inline]
+    #[inline(always)]
     fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
         if self.mode == Mode::Free {
             increment[GAP] = weight * (base[VELOCITY] + increment[VELOCITY]);
