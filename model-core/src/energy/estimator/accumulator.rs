@@ -69,7 +69,8 @@ impl<S: Scalar> EnergyAccumulator<S> {
 }
 
 impl<S: Scalar> Observer<S> for EnergyAccumulator<S> {
-    #[inline]
+    // Outlined, as on a Cortex-M0 otherwise, it makes every step compute all outputs.
+    #[inline(always)]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         self.add(step.energy(PowerIndex::Load), step.ticks);
         self.energy_error.add(step.energy_error.abs());
