@@ -1,8 +1,8 @@
 //! What every run shows, whatever the harvester: accepted steps, events, and the outputs at their ends.
 //!
 //! A harvester fills one [`AcceptedStep`] for each step that it keeps and one [`Event`] for each jump. Meters, the
-//! energy ledger, the event log and the estimator are [`Observer`]s of these and know no scene. What an observer does
-//! not read is not computed: the compiler drops it from an inlined step.
+//! energy ledger, the event log and the estimator are [`Observer`]s of these and know no scene. The compiler drops what
+//! an observer does not read from a step into which it inlines the observer.
 
 use crate::clock::Instant;
 use crate::scalar::Scalar;
@@ -256,6 +256,9 @@ pub struct Event<'a, S> {
 )]
 pub trait Observer<S: Scalar> {
     /// A step was accepted.
+    ///
+    /// Mark an implementation that reads few outputs `#[inline(always)]`. A core without floating point does not inline
+    /// it otherwise, and then computes all outputs at both ends of every step.
     fn step(&mut self, step: &AcceptedStep<'_, S>);
 
     /// An event happened.
