@@ -7,7 +7,7 @@ use serde::Serialize;
 
 pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome};
 pub use self::format::Format;
-pub(crate) use self::format::{cell, csv_line, number, small, text};
+pub(crate) use self::format::{cell, csv_line, number, optional_number, small, text};
 
 /// The result of one run.
 ///

@@ -17,7 +17,7 @@ use model_core::scene::contact_separation::{
 use super::bridge::bridge;
 use super::excitation::Setting;
 use super::run::{Found, Report, refuse_parameter, step_control};
-use super::triboelectric::{self, Prepared, behind_bridge, unit_of_charge};
+use super::triboelectric::{self, Prepared, behind_bridge, explicit_step_into, unit_of_charge};
 use crate::method::Failure;
 use crate::outcome::{self, CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Outcome, Particular};
 use crate::scene_file::{ContactSeparation, ForceLaw, Load, Restitution, Scene, StickCharge};
@@ -125,16 +125,14 @@ pub(super) fn start<S: Scalar>(model: &ContactSeparation) -> Start<S> {
     }
 }
 
-/// A step at which the explicit method is stable and accurate: an 800th of the natural period, and
-/// 2 over the fastest rate of the circuit, 1/(R (C + C_p)) with C at three times the initial gap.
+/// A step at which the explicit method is stable and accurate: see [`explicit_step_into`], with the capacitance C + C_p
+/// and C at three times the initial gap.
 fn explicit_step(model: &ContactSeparation, load: Load) -> f64 {
     let from = &model.parameters;
-    let resistance_ohm = load.resistance_ohm();
     let period = std::f64::consts::TAU * (from.mass_kg / from.stiffness_n_per_m).sqrt();
     let distance = 3.0 * from.initial_gap_m + from.dielectric_thickness_m / from.relative_permittivity;
     let capacitance = VACUUM_PERMITTIVITY * from.electrode_area_m2 / distance + from.parasitic_capacitance_f;
-    let circuit = if resistance_ohm == 0.0 { f64::INFINITY } else { 2.0 * resistance_ohm * capacitance };
-    (period / 800.0).min(circuit)
+    explicit_step_into(load, period, capacitance)
 }
 
 /// Gap, velocity and charge as large as they are in a motion that uses the whole gap.

@@ -13,7 +13,7 @@ use super::bridge::bridge;
 use super::contact_separation::{force_law, sticking};
 use super::excitation::Setting;
 use super::run::{Found, Report, refuse_parameter, step_control};
-use super::triboelectric::{self, Prepared, behind_bridge, unit_of_charge};
+use super::triboelectric::{self, Prepared, behind_bridge, explicit_step_into, unit_of_charge};
 use crate::method::Failure;
 use crate::outcome::{self, Outcome, Particular, SLIDING_COLUMNS, SlidingOutcome};
 use crate::scene_file::{Load, Scene, Sliding};
@@ -95,17 +95,15 @@ pub(super) fn start<S: Scalar>(model: &Sliding) -> Start<S> {
     }
 }
 
-/// A step at which the explicit method is stable and accurate: an 800th of the natural period, and
-/// 2 over the circuit's rate, 1/(R C), at a fiftieth of the overlap.
+/// A step at which the explicit method is stable and accurate: see [`explicit_step_into`], with the capacitance at a
+/// fiftieth of the overlap.
 fn explicit_step<S: Scalar>(harvester: &Harvester<S, AnyChoices<S>>, model: &Sliding, load: Load) -> f64 {
     let from = &model.parameters;
-    let resistance_ohm = load.resistance_ohm();
     let period = std::f64::consts::TAU / harvester.angular_frequency().to_f64();
     let area = std::f64::consts::PI * from.patch_radius_m.powi(2);
     let permittivity = VACUUM_PERMITTIVITY * from.relative_permittivity;
     let capacitance = permittivity * 0.02 * area / from.dielectric_thickness_m;
-    let circuit = if resistance_ohm == 0.0 { f64::INFINITY } else { 2.0 * resistance_ohm * capacitance };
-    (period / 800.0).min(circuit)
+    explicit_step_into(load, period, capacitance)
 }
 
 /// Displacement, velocity and charge as large as they are in a motion over half the patch.

@@ -127,6 +127,14 @@ pub(super) fn unit_of_charge(tribo_charge: f64, charge_unit: f64) -> f64 {
     if tribo_charge > 0.0 { tribo_charge / charge_unit } else { 1.0 }
 }
 
+/// A step in s at which an explicit method is stable and accurate: an 800th of the natural period in s, and 2 over the
+/// fastest rate of the circuit, 1/(R C), with `capacitance_f` in F.
+pub(super) fn explicit_step_into(load: Load, period_s: f64, capacitance_f: f64) -> f64 {
+    let resistance_ohm = load.resistance_ohm();
+    let circuit = if resistance_ohm == 0.0 { f64::INFINITY } else { 2.0 * resistance_ohm * capacitance_f };
+    (period_s / 800.0).min(circuit)
+}
+
 /// A step at which an explicit method is stable and accurate behind a bridge: the step of the motion, and 2 times the
 /// time constant of what empties the storage.
 fn explicit_step(motion_s: f64, load: Load) -> f64 {

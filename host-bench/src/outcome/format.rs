@@ -67,6 +67,11 @@ pub(crate) fn number(value: f64) -> String {
     serde_json::Number::from_f64(value).map_or_else(String::new, |number| number.to_string())
 }
 
+/// A [`number`], empty for none.
+pub(crate) fn optional_number(value: Option<f64>) -> String {
+    value.map_or_else(String::new, number)
+}
+
 /// A number in two digits, a dash for none.
 pub(crate) fn small(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1e}"))

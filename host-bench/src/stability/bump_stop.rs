@@ -14,7 +14,7 @@ pub(crate) use self::grid::Setting;
 use self::grid::{law_name, settings, steps};
 use super::{Finding, Grid, Subject, difference, ohms};
 use crate::method::{Failure, Method, Options, Precision};
-use crate::outcome::{Outcome, Particular, number};
+use crate::outcome::{Outcome, Particular, number, optional_number};
 use crate::run::run_scene;
 use crate::scene_file::{Contact, Model, Scene};
 
@@ -146,11 +146,10 @@ impl Finding for BumpStopFinding {
     }
 
     fn verdict(&self) -> Vec<(&'static str, String)> {
-        let optional = |value: Option<f64>| value.map_or_else(String::new, number);
         vec![
             ("verdict", self.verdict.name().to_owned()),
-            ("voltage_difference", optional(self.voltage_difference)),
-            ("energy_residual", optional(self.energy_residual)),
+            ("voltage_difference", optional_number(self.voltage_difference)),
+            ("energy_residual", optional_number(self.energy_residual)),
             ("contacts", self.contacts.map_or_else(String::new, |contacts| contacts.to_string())),
             ("reason", self.reason.clone()),
         ]

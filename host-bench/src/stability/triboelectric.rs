@@ -12,7 +12,7 @@ pub(crate) use self::contact_separation::ContactSeparationSetting;
 pub(crate) use self::sliding::SlidingSetting;
 use super::{Grid, Subject, ohms};
 use crate::method::Precision;
-use crate::outcome::number;
+use crate::outcome::{number, optional_number};
 use crate::scene_file::{ForceLaw, Scene};
 
 /// One case: what differs from the shipped scene.
@@ -173,13 +173,12 @@ impl<T: Setting> super::Finding for Finding<T> {
     }
 
     fn verdict(&self) -> Vec<(&'static str, String)> {
-        let optional = |value: Option<f64>| value.map_or_else(String::new, number);
         vec![
             ("class", self.class.name().to_owned()),
-            ("power_difference", optional(self.power_difference)),
-            ("motion_difference", optional(self.motion_difference)),
-            ("energy_residual", optional(self.energy_residual)),
-            ("steps_per_s", optional(self.steps_per_s)),
+            ("power_difference", optional_number(self.power_difference)),
+            ("motion_difference", optional_number(self.motion_difference)),
+            ("energy_residual", optional_number(self.energy_residual)),
+            ("steps_per_s", optional_number(self.steps_per_s)),
             ("reference_agrees", self.reference_agrees.map_or_else(String::new, |agrees| agrees.to_string())),
             ("reason", self.reason.clone()),
         ]

@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
 
 use super::{Comparison, Found, Kind, Omitted, Row};
-use crate::outcome::{csv_line, number, small};
+use crate::outcome::{csv_line, number, optional_number, small};
 
 /// A column of a table.
 pub(crate) struct Column {
@@ -90,7 +90,7 @@ impl Cell {
         match self {
             Self::Words(_, csv) => csv.clone(),
             Self::Large(value) => number(*value),
-            Self::Small(value) | Self::Ratio(value) => value.map_or_else(String::new, number),
+            Self::Small(value) | Self::Ratio(value) => optional_number(*value),
         }
     }
 }

@@ -120,23 +120,32 @@ pub(super) fn examine<T: Setting>(base: &Scene, setting: T, with_reference: bool
     let tight = first_of(&scene, &TIGHT)
         .or_else(|| Some((TOLERANCE, reference.or_else(|| by_reference(&scene))?)))
         .or_else(|| first_of(&scene, &[LOOSE]));
-    let judge = Judge { scene: &scene, tight, reference, shifted: OnceCell::new(), finer: OnceCell::new() };
+    let judge = Judge::new(&scene, tight, reference);
     [Precision::F32, Precision::F64].map(|precision| judge.finding(setting, precision))
 }
 
 /// What the runs of one case are judged by.
 pub(super) struct Judge<'a> {
-    pub(super) scene: &'a Scene,
+    scene: &'a Scene,
     /// The tighter run and its tolerance.
-    pub(super) tight: Option<(f64, Statistics)>,
-    pub(super) reference: Option<Statistics>,
+    tight: Option<(f64, Statistics)>,
+    reference: Option<Statistics>,
     /// The tight runs of [`Judge::shifted`], if they were needed.
-    pub(super) shifted: OnceCell<Vec<Statistics>>,
+    shifted: OnceCell<Vec<Statistics>>,
     /// The run at one of [`FINER`] or the reference, if it was needed and could run.
-    pub(super) finer: OnceCell<Option<Statistics>>,
+    finer: OnceCell<Option<Statistics>>,
 }
 
-impl Judge<'_> {
+impl<'a> Judge<'a> {
+    /// Judges runs of `scene` by the tighter run, with its tolerance, and by the reference.
+    pub(super) fn new(
+        scene: &'a Scene,
+        tight: Option<(f64, Statistics)>,
+        reference: Option<Statistics>,
+    ) -> Self {
+        Self { scene, tight, reference, shifted: OnceCell::new(), finer: OnceCell::new() }
+    }
+
     fn finding<T>(&self, setting: T, precision: Precision) -> Finding<T> {
         let outcome = run(self.scene, precision, TOLERANCE);
         let reference_agrees = match (&self.tight, &self.reference) {

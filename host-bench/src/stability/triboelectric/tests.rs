@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use std::cell::OnceCell;
-
 use super::judge::{Judge, MOST_ATTEMPTS, Statistics, TIGHT, examine, first_of};
 use super::*;
 use crate::method::{Failure, Options};
@@ -58,13 +56,7 @@ fn a_wrong_sliding_run_is_not_excused() {
     let scene = sliding_setting(1e8, 18.373).scene(&shipped_sliding());
     let tight = first_of(&scene, &TIGHT).expect("the scene runs");
     let wrong = Statistics { motion: 1.1 * tight.1.motion, ..tight.1 };
-    let judge = Judge {
-        scene: &scene,
-        tight: Some(tight),
-        reference: None,
-        shifted: OnceCell::new(),
-        finer: OnceCell::new(),
-    };
+    let judge = Judge::new(&scene, Some(tight), None);
     assert_eq!(judge.class(&wrong, true, None).0, Class::Silent);
     assert_eq!(judge.class(&tight.1, true, None).0, Class::Converged);
 }
@@ -124,13 +116,7 @@ fn a_wrong_run_is_not_excused_by_accurate_runs_that_agree() {
     let scene = setting(1e8).scene(&shipped());
     let tight = first_of(&scene, &TIGHT).expect("the scene runs");
     let wrong = Statistics { power: 2.0 * tight.1.power, motion: tight.1.motion };
-    let judge = Judge {
-        scene: &scene,
-        tight: Some(tight),
-        reference: None,
-        shifted: OnceCell::new(),
-        finer: OnceCell::new(),
-    };
+    let judge = Judge::new(&scene, Some(tight), None);
     assert_eq!(judge.class(&wrong, true, None).0, Class::Silent);
     assert_eq!(judge.class(&tight.1, true, None).0, Class::Converged);
     assert_eq!(judge.class(&wrong, false, None).0, Class::Flagged);
