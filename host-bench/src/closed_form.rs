@@ -65,7 +65,7 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
     if !(tone.frequency_hz > 0.0) {
         return Err(no_sine(scene));
     }
-    let (amplitude, hertz) = (S::from_f64(tone.amplitude_m_per_s2), S::from_f64(tone.frequency_hz));
+    let (amplitude, frequency) = (S::from_f64(tone.amplitude_m_per_s2), S::from_f64(tone.frequency_hz));
     if !matches!(scene.model, Model::BumpStop(_)) && !matches!(scene.load, Load::Resistor { .. }) {
         return Err(Failure::of_file(
             scene,
@@ -77,13 +77,14 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
         Model::ContactSeparation(model) => contact_separation_parameters::<S, S::Build>(model, scene.load)
             .build()
             .map_err(refused)?
-            .closed_form(amplitude, hertz),
-        Model::Sliding(model) => {
-            sliding_parameters::<S>(model, scene.load).build().map_err(refused)?.closed_form(amplitude, hertz)
-        }
+            .closed_form(amplitude, frequency),
+        Model::Sliding(model) => sliding_parameters::<S>(model, scene.load)
+            .build()
+            .map_err(refused)?
+            .closed_form(amplitude, frequency),
         Model::BumpStop(model) => {
             let load = BeamLoad::of(scene)?;
-            of_bump_stop(scene, model, load, amplitude, hertz).map_err(refused)?
+            of_bump_stop(scene, model, load, amplitude, frequency).map_err(refused)?
         }
     };
     Ok(Estimate::new(&found))
@@ -122,16 +123,16 @@ impl BeamLoad {
         self,
         beam: &Beam<S, AnyChoices<S>, B, R>,
         amplitude: S,
-        hertz: S,
+        frequency: S,
     ) -> ClosedForm<S> {
         let number = S::from_f64;
         match self {
-            Self::Resistor => beam.closed_form(amplitude, hertz),
-            Self::Bus(volts, drop) => {
-                beam.closed_form_into_bus(amplitude, hertz, number(volts), number(drop))
+            Self::Resistor => beam.closed_form(amplitude, frequency),
+            Self::Bus(voltage, drop) => {
+                beam.closed_form_into_bus(amplitude, frequency, number(voltage), number(drop))
             }
-            Self::Storage(drop, ohms) => {
-                beam.closed_form_into_store(amplitude, hertz, number(ohms), number(drop))
+            Self::Storage(drop, resistance) => {
+                beam.closed_form_into_store(amplitude, frequency, number(resistance), number(drop))
             }
         }
     }
@@ -143,14 +144,16 @@ fn of_bump_stop<S: Scalar>(
     model: &BumpStop,
     load: BeamLoad,
     amplitude: S,
-    hertz: S,
+    frequency: S,
 ) -> Result<ClosedForm<S>, ParameterError<S>> {
     let parameters = bump_stop_parameters::<S>(model, scene.load);
     let (beam, rod) = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
     Ok(match (beam, rod) {
-        (..=4, ..=2) => load.closed_form(&parameters.build_first::<4, 2>(beam, rod)?, amplitude, hertz),
-        (..=10, ..=10) => load.closed_form(&parameters.build_first::<10, 10>(beam, rod)?, amplitude, hertz),
-        _ => load.closed_form(&parameters.build_first::<20, 20>(beam, rod)?, amplitude, hertz),
+        (..=4, ..=2) => load.closed_form(&parameters.build_first::<4, 2>(beam, rod)?, amplitude, frequency),
+        (..=10, ..=10) => {
+            load.closed_form(&parameters.build_first::<10, 10>(beam, rod)?, amplitude, frequency)
+        }
+        _ => load.closed_form(&parameters.build_first::<20, 20>(beam, rod)?, amplitude, frequency),
     })
 }
 

@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         piezo_d31: -190e-12,          // m/V
         piezo_permittivity: 15.93e-9, // F/m
         damping_ratio: 0.01,
-        choices: Choices::new(Resistor { ohms: 1e6 }).stop(stop),
+        choices: Choices::new(Resistor { resistance: 1e6 }).stop(stop),
     }
     .build::<4, 1>()?;
     // Steps of 1 µs near contact and of 20 µs in flight.

@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         dielectric_thickness: 5e-5, // m
         relative_permittivity: 2.0,
         charge_density: 50e-6, // C/m²
-        choices: Choices::new(Resistor { ohms: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
+        choices: Choices::new(Resistor { resistance: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
     }
     .build()?;
     let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(5e-2)?);

@@ -32,7 +32,7 @@
 //!     dielectric_thickness: 5e-5,
 //!     relative_permittivity: 2.0,
 //!     charge_density: 50e-6,
-//!     choices: Choices::new(Resistor { ohms: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
+//!     choices: Choices::new(Resistor { resistance: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
 //! }
 //! .build()?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad

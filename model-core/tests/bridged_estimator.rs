@@ -22,17 +22,17 @@ type Hybrid = Simulation<Bridged, TrBdf2, Adaptive<f32>, STATES, 1>;
 const RATE: f32 = 400.0;
 
 fn draw() -> AnyDraw<f32> {
-    AnyDraw::Power(PowerDraw { watts: 3e-6, lockout: Lockout { turn_on: 2.5, turn_off: 2.0 } })
+    AnyDraw::Power(PowerDraw { power: 3e-6, lockout: Lockout { turn_on: 2.5, turn_off: 2.0 } })
 }
 
-fn bridge(diode_drop: f32, farads: f32, draw: AnyDraw<f32>) -> FullBridge<f32, AnyStorage<f32>> {
-    let storage = Capacitor { farads, leakage_ohms: 1e12, initial_voltage: 2.4, draw };
+fn bridge(diode_drop: f32, capacitance: f32, draw: AnyDraw<f32>) -> FullBridge<f32, AnyStorage<f32>> {
+    let storage = Capacitor { capacitance, leakage_resistance: 1e12, initial_voltage: 2.4, draw };
     FullBridge { diode_drop, storage: AnyStorage::Capacitor(storage) }
 }
 
 fn scene(bridge: FullBridge<f32, AnyStorage<f32>>) -> Bridged {
     let mut parameters = contact_parameters::<f32>();
-    parameters.choices.load = AnyLoad { ohms: f32::INFINITY };
+    parameters.choices.load = AnyLoad { resistance: f32::INFINITY };
     Rectified::new(parameters.build().expect("in bounds"), bridge).expect("in bounds")
 }
 
@@ -141,7 +141,7 @@ fn resumes<H: Harvester<f32> + Copy>(harvester: H, foreign: &[H], sine: [f64; 3]
 /// Another drop, another storage, no draw, and one that takes the same current at the turn-on voltage only.
 fn foreign() -> [FullBridge<f32, AnyStorage<f32>>; 4] {
     let lockout = Lockout { turn_on: 2.5, turn_off: 2.0 };
-    let current = AnyDraw::Current(CurrentDraw { amperes: 3e-6 / 2.5, lockout });
+    let current = AnyDraw::Current(CurrentDraw { current: 3e-6 / 2.5, lockout });
     [
         bridge(0.31, 1e-6, draw()),
         bridge(0.3, 2e-6, draw()),

@@ -169,8 +169,12 @@ fn with_a_tenth_of_the_coupling_the_voltage_is_that_of_a_harmonic_displacement()
 fn the_best_resistor_and_the_best_bus_are_those_of_weak_coupling() {
     let (omega, open) = (TAU * HERTZ, open_voltage());
     let best = 1.0 / (omega * CAPACITANCE);
-    let power =
-        |ohms| settled_power(&one_mode(baseline(Resistive(AnyLoad { ohms })), AnyCoupling::OneWay), HERTZ);
+    let power = |ohms| {
+        settled_power(
+            &one_mode(baseline(Resistive(AnyLoad { resistance: ohms })), AnyCoupling::OneWay),
+            HERTZ,
+        )
+    };
     let resistive = power(best);
     close("resistor", resistive, 0.25 * omega * CAPACITANCE * open * open, 1e-5);
     assert!(power(0.9 * best) < resistive && power(1.1 * best) < resistive);
@@ -192,7 +196,7 @@ fn no_load_takes_more_than_the_damping_leaves() {
             best[0] = best[0].max(settled_power(&stepper, hertz));
         }
         for ohms in [16.2e3, 40e3] {
-            let stepper = one_mode(baseline(Resistive(AnyLoad { ohms })), AnyCoupling::TwoWay);
+            let stepper = one_mode(baseline(Resistive(AnyLoad { resistance: ohms })), AnyCoupling::TwoWay);
             best[1] = best[1].max(settled_power(&stepper, hertz));
         }
     }

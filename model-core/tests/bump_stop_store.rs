@@ -108,9 +108,9 @@ fn the_ledger_of_harvester_and_store_closes() {
     let draws = [
         AnyDraw::None,
         resistor(2e6),
-        AnyDraw::Resistor(ResistiveDraw { ohms: 1e4, lockout: Some(LOCKOUT) }),
-        AnyDraw::Current(CurrentDraw { amperes: 3e-5, lockout: LOCKOUT }),
-        AnyDraw::Power(PowerDraw { watts: 1e-5, lockout: LOCKOUT }),
+        AnyDraw::Resistor(ResistiveDraw { resistance: 1e4, lockout: Some(LOCKOUT) }),
+        AnyDraw::Current(CurrentDraw { current: 3e-5, lockout: LOCKOUT }),
+        AnyDraw::Power(PowerDraw { power: 1e-5, lockout: LOCKOUT }),
     ];
     let restitution = AnyContact::Restitution(Restitution { coefficient: 0.5 });
     for draw in draws {
@@ -123,7 +123,7 @@ fn the_ledger_of_harvester_and_store_closes() {
         ] {
             let mut bridge = storage(0.2e-6, 0.2, draw, 0.05);
             if let AnyStorage::Capacitor(storage) = &mut bridge.storage {
-                storage.leakage_ohms = 5e6;
+                storage.leakage_resistance = 5e6;
             }
             let mut parameters = baseline(bridge);
             parameters.choices.coupling = coupling;
@@ -188,7 +188,7 @@ fn no_step_of_any_length_makes_energy() {
 /// A threshold that is never reached is an open circuit.
 #[test]
 fn behind_a_bus_out_of_reach_the_terminals_are_open_to_the_bit() {
-    let bus = FullBridge { diode_drop: 0.3_f32, storage: DcBus { volts: 1e6 } };
+    let bus = FullBridge { diode_drop: 0.3_f32, storage: DcBus { voltage: 1e6 } };
     fn run<L: Circuit<f32>>(load: L) -> ([[f32; 2]; 4], [[f32; 2]; 1], f32, f32, u32) {
         let stepper =
             Stepper::new(baseline(load).build::<4, 1>().expect("valid"), 1e-6, 2e-5).expect("in bounds");
@@ -205,7 +205,12 @@ fn behind_a_bus_out_of_reach_the_terminals_are_open_to_the_bit() {
 fn a_store_chosen_when_compiling_has_the_bits_of_one_chosen_when_running() {
     let fixed = FullBridge {
         diode_drop: 0.3,
-        storage: Capacitor { farads: 1e-6, leakage_ohms: f64::INFINITY, initial_voltage: 0.5, draw: NoDraw },
+        storage: Capacitor {
+            capacitance: 1e-6,
+            leakage_resistance: f64::INFINITY,
+            initial_voltage: 0.5,
+            draw: NoDraw,
+        },
     };
     let chosen: AnyBridge<f64> = storage(1e-6, 0.5, AnyDraw::None, 0.3);
     fn run<R: model_core::part::storage::StorageElement<f64>>(
@@ -271,7 +276,7 @@ fn a_draw_is_connected_and_disconnected_at_its_thresholds() {
     let (turn_on, turn_off) = (1.2, 0.8);
     let lockout = Lockout { turn_on, turn_off };
     let amperes = 4e-5;
-    let draw = AnyDraw::Current(CurrentDraw { amperes, lockout });
+    let draw = AnyDraw::Current(CurrentDraw { current: amperes, lockout });
     let mut parameters = baseline(storage(1e-6, 1.0, draw, 0.05));
     parameters.choices.stop.position = 0.025;
     let scene = parameters.build::<4, 1>().expect("valid");

@@ -448,16 +448,16 @@ fn step_figures<A: Scene<f64, 3, 1> + Copy>(name: &str, scene: A, samples: &[f64
 
 #[test]
 fn the_figure_for_the_step_is_of_the_size_of_the_actual_error() {
-    for (ohms, load) in [(1e8, "100 MΩ"), (1e6, "1 MΩ")] {
+    for (resistance, load) in [(1e8, "100 MΩ"), (1e6, "1 MΩ")] {
         let mut parameters = contact_parameters::<f64>();
-        parameters.choices.load.ohms = ohms;
+        parameters.choices.load.resistance = resistance;
         let samples = sine_samples(1.962, 20.0, 400.0, 2000);
         let scene = parameters.build().expect("in bounds");
         let ratios = step_figures(&format!("contact-separation, {load}"), scene, &samples);
         assert!(ratios.iter().all(|ratio| (1.0..25.0).contains(ratio)), "{ratios:?}");
 
         let mut parameters = sliding_parameters::<f64>();
-        parameters.choices.load.ohms = ohms;
+        parameters.choices.load.resistance = resistance;
         let samples = sine_samples(0.36 * 9.81, 18.373, 400.0, 2000);
         let scene = parameters.build().expect("in bounds");
         let ratios = step_figures(&format!("sliding, {load}"), scene, &samples);
@@ -466,8 +466,8 @@ fn the_figure_for_the_step_is_of_the_size_of_the_actual_error() {
 }
 
 /// Samples in single precision, and the same numbers in double.
-fn both_precisions(amplitude: f64, hertz: f64, rate: f64, count: u32) -> (Vec<f32>, Vec<f64>) {
-    let single = sine_samples::<f32>(amplitude, hertz, rate, count);
+fn both_precisions(amplitude: f64, frequency: f64, rate: f64, count: u32) -> (Vec<f32>, Vec<f64>) {
+    let single = sine_samples::<f32>(amplitude, frequency, rate, count);
     let double = single.iter().map(|&sample| f64::from(sample)).collect();
     (single, double)
 }
@@ -481,10 +481,11 @@ fn the_figure_for_rounding_covers_single_precision_in_regular_motion() {
     };
     // Steps of one length: what differs is the rounding, of the step itself too.
     for step in [2e-4, 5e-5] {
-        for ohms in [1e8, 1e6] {
+        for resistance in [1e8, 1e6] {
             let (single, double) = both_precisions(0.36 * 9.81, 18.373, 400.0, 1200);
             let (mut of_single, mut of_double) = (sliding_parameters::<f32>(), sliding_parameters::<f64>());
-            (of_single.choices.load.ohms, of_double.choices.load.ohms) = (ohms as f32, ohms);
+            (of_single.choices.load.resistance, of_double.choices.load.resistance) =
+                (resistance as f32, resistance);
             let scene = of_double.build().expect("in bounds");
             let [exact, ..] = measured(scene, FixedStep::of_seconds(step).expect("in bounds"), &double);
             let scene = of_single.build().expect("in bounds");
@@ -494,7 +495,8 @@ fn the_figure_for_rounding_covers_single_precision_in_regular_motion() {
 
             let (single, double) = both_precisions(1.962, 20.0, 400.0, 1200);
             let (mut of_single, mut of_double) = (contact_parameters::<f32>(), contact_parameters::<f64>());
-            (of_single.choices.load.ohms, of_double.choices.load.ohms) = (ohms as f32, ohms);
+            (of_single.choices.load.resistance, of_double.choices.load.resistance) =
+                (resistance as f32, resistance);
             let scene = of_double.build().expect("in bounds");
             let [exact, ..] = measured(scene, FixedStep::of_seconds(step).expect("in bounds"), &double);
             let scene = of_single.build().expect("in bounds");

@@ -171,7 +171,7 @@ impl<H: ElectricalPort<f64>, R: StorageElement<f64>> Observer<f64> for Regimes<'
 
 #[test]
 fn each_regime_is_what_it_says() {
-    let tight = || Capacitor { leakage_ohms: f64::INFINITY, ..storage(1e-8, 1.0) };
+    let tight = || Capacitor { leakage_resistance: f64::INFINITY, ..storage(1e-8, 1.0) };
     let driver = Driver::new(TrBdf2, adaptive(1e-4));
     let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::TransferredCharge), tight(), 0.3);
     let mut regimes = Regimes::of(&scene, contact_mode);
@@ -235,7 +235,7 @@ where
 #[test]
 fn what_is_out_of_bounds_is_refused_by_name() {
     let law = AnyForceLaw::GapField;
-    let bridge = |diode_drop| FullBridge { diode_drop, storage: DcBus { volts: 5.0_f64 } };
+    let bridge = |diode_drop| FullBridge { diode_drop, storage: DcBus { voltage: 5.0_f64 } };
     let field = |found: Result<_, model_core::scene::ParameterError<f64>>| {
         found.err().map(|error| (error.field, error.value))
     };

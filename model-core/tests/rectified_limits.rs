@@ -19,7 +19,7 @@ use model_core::scene::{contact_separation as contact, sliding};
 fn a_bus_without_voltage_is_a_short_circuit() {
     let driver = Driver::new(TrBdf2, adaptive(1e-7));
     let law = AnyForceLaw::TransferredCharge;
-    let (bus, shaking) = (DcBus { volts: 0.0 }, sine::<f64>(0.2, 20.0));
+    let (bus, shaking) = (DcBus { voltage: 0.0 }, sine::<f64>(0.2, 20.0));
     let end = Instant::from_whole_seconds(1);
     let shorted = pad::<f64>(0.0, law);
     let mut state = shorted
@@ -64,7 +64,7 @@ fn compare(name: &str, found: [f64; 2], expected: [f64; 2], sizes: [f64; 2]) {
 fn a_bus_out_of_reach_is_an_open_circuit() {
     let driver = Driver::new(TrBdf2, adaptive(1e-4));
     let law = AnyForceLaw::TransferredCharge;
-    let (bus, shaking) = (DcBus { volts: 1e6_f32 }, sine::<f32>(0.2, 20.0));
+    let (bus, shaking) = (DcBus { voltage: 1e6_f32 }, sine::<f32>(0.2, 20.0));
     let end = Instant::from_whole_seconds(2);
     let open = pad::<f32>(f64::INFINITY, law);
     let mut state =
@@ -84,19 +84,19 @@ fn a_bus_out_of_reach_is_an_open_circuit() {
 /// charge follows the rectangle's sides in the plane of charge and voltage.
 #[test]
 fn a_bus_receives_what_the_extremes_of_the_motion_say() {
-    let (volts, drop) = (3.0, 0.3);
-    let threshold = volts + 2.0 * drop;
-    let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::TransferredCharge), DcBus { volts }, drop);
-    let hertz = 18.0;
-    let shaking = sine::<f64>(0.05, hertz);
+    let (voltage, drop) = (3.0, 0.3);
+    let threshold = voltage + 2.0 * drop;
+    let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::TransferredCharge), DcBus { voltage }, drop);
+    let frequency = 18.0;
+    let shaking = sine::<f64>(0.05, frequency);
     let (area, thickness) = (VACUUM_PERMITTIVITY * 4e-4, 5e-5 / 2.0);
     // Q = q − C_p V at a gap and a voltage.
     let charge = |gap: f64, voltage: f64| {
         let distance = gap + thickness;
         (50e-6 * 4e-4 * gap - voltage * (area + 1e-12 * distance)) / distance
     };
-    let settled = Instant::from_seconds(600.0 / hertz).expect("in range");
-    let end = Instant::from_seconds(610.0 / hertz).expect("in range");
+    let settled = Instant::from_seconds(600.0 / frequency).expect("in range");
+    let end = Instant::from_seconds(610.0 / frequency).expect("in range");
     let implicit = Driver::new(TrBdf2, adaptive(1e-6));
     let mut state = scene
         .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &implicit.control)
@@ -106,12 +106,12 @@ fn a_bus_receives_what_the_extremes_of_the_motion_say() {
     implicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
     let gap = meter.coordinate();
     let passed = charge(gap.highest, threshold) - charge(gap.lowest, -threshold);
-    let expected = 10.0 * 2.0 * passed * volts;
+    let expected = 10.0 * 2.0 * passed * voltage;
     println!("gap {gap:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
     assert!(passed > 0.0 && meter.impacts() == 0);
     assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
     let lost = meter.integrals().integral(PowerIndex::Diodes);
-    assert!((lost / (expected * 2.0 * drop / volts) - 1.0).abs() < 1e-5);
+    assert!((lost / (expected * 2.0 * drop / voltage) - 1.0).abs() < 1e-5);
     assert!((meter.integrals().integral(PowerIndex::CurrentMagnitude) / (20.0 * passed) - 1.0).abs() < 1e-5);
 }
 
@@ -119,11 +119,11 @@ fn a_bus_receives_what_the_extremes_of_the_motion_say() {
 /// circuit is not stiff.
 #[test]
 fn an_explicit_method_finds_the_same_of_the_slider() {
-    let (volts, drop) = (20.0, 0.3);
-    let threshold = volts + 2.0 * drop;
-    let scene = behind(slider::<f64>(f64::INFINITY), DcBus { volts }, drop);
-    let hertz = 18.373;
-    let shaking = sine::<f64>(0.36, hertz);
+    let (voltage, drop) = (20.0, 0.3);
+    let threshold = voltage + 2.0 * drop;
+    let scene = behind(slider::<f64>(f64::INFINITY), DcBus { voltage }, drop);
+    let frequency = 18.373;
+    let shaking = sine::<f64>(0.36, frequency);
     let patch = core::f64::consts::PI * 1e-4;
     let overlap = |x: f64| {
         let away = x.abs() / 0.02;
@@ -133,8 +133,8 @@ fn an_explicit_method_finds_the_same_of_the_slider() {
         let capacitance = VACUUM_PERMITTIVITY * 2.0 * patch * overlap(x) / 5e-5;
         80e-6 * patch * (1.0 - overlap(x)) - capacitance * voltage
     };
-    let settled = Instant::from_seconds(1000.0 / hertz).expect("in range");
-    let end = Instant::from_seconds(1010.0 / hertz).expect("in range");
+    let settled = Instant::from_seconds(1000.0 / frequency).expect("in range");
+    let end = Instant::from_seconds(1010.0 / frequency).expect("in range");
     let explicit = Driver::new(RungeKutta4, fixed(0.05 / 800.0));
     let mut state = scene
         .start::<_, _, WHOLE>(&sliding::Start::default(), &shaking, &explicit.control)
@@ -146,7 +146,7 @@ fn an_explicit_method_finds_the_same_of_the_slider() {
     // Forward to either side, backward into the middle from each.
     let passed: f64 =
         [reach.lowest, reach.highest].map(|x| charge(x, threshold) - charge(0.0, -threshold)).iter().sum();
-    let expected = 10.0 * 2.0 * passed * volts;
+    let expected = 10.0 * 2.0 * passed * voltage;
     println!("reach {reach:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
     assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
 }
@@ -155,12 +155,12 @@ fn an_explicit_method_finds_the_same_of_the_slider() {
 /// gives is in the storage or lost in the diodes.
 #[test]
 fn a_charge_beyond_the_threshold_is_shared_at_once() {
-    let (volts, farads, gap) = (10.0, 1e-11, 3e-3);
-    let storage = Capacitor { leakage_ohms: f64::INFINITY, ..storage(farads, 1.0) };
+    let (voltage, storage_capacitance, gap) = (10.0, 1e-11, 3e-3);
+    let storage = Capacitor { leakage_resistance: f64::INFINITY, ..storage(storage_capacitance, 1.0) };
     let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage, 0.3);
     let distance = gap + 5e-5 / 2.0;
     let capacitance = VACUUM_PERMITTIVITY * 4e-4 / distance;
-    let charge = 50e-6 * 4e-4 * gap / distance - capacitance * volts;
+    let charge = 50e-6 * 4e-4 * gap / distance - capacitance * voltage;
     let start = contact::Start { charge: Some(charge), ..contact::Start::default() };
     let driver = Driver::new(TrBdf2, fixed(1e-9));
     let still = sine::<f64>(0.0, 20.0);
@@ -170,11 +170,12 @@ fn a_charge_beyond_the_threshold_is_shared_at_once() {
     let end = run(&scene, &start, &still, &driver, 1e-8, &mut ledger);
     // The capacitance at the terminals and the storage's, joined from 10 V and 1.6 V.
     let joined = capacitance + 1e-12;
-    let passed = (volts - 1.6) * joined * farads / (joined + farads);
-    let (delivered, lost) = (passed * (1.0 + 0.5 * passed / farads), passed * (0.6 + 0.5 * (volts - 1.6)));
+    let passed = (voltage - 1.6) * joined * storage_capacitance / (joined + storage_capacitance);
+    let (delivered, lost) =
+        (passed * (1.0 + 0.5 * passed / storage_capacitance), passed * (0.6 + 0.5 * (voltage - 1.6)));
     let found = [PowerIndex::Load, PowerIndex::Diodes].map(|entry| ledger.integrals().integral(entry));
     println!("{found:?} J, expected {delivered:e} J and {lost:e} J");
-    assert!((scene.storage_voltage(end.mode, &end.point.state) - 1.0 - passed / farads).abs() < 1e-6);
+    assert!((scene.storage_voltage(end.mode, &end.point.state) - 1.0 - passed / storage_capacitance).abs() < 1e-6);
     assert!((found[0] / delivered - 1.0).abs() < 1e-6 && (found[1] / lost - 1.0).abs() < 1e-6);
     let residual = ledger.residual();
     assert!(residual.electrical.abs().max(residual.storage.abs()) < 1e-6 * delivered, "{residual:?}");
@@ -184,19 +185,23 @@ fn a_charge_beyond_the_threshold_is_shared_at_once() {
 #[test]
 fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
     let lockout = Lockout { turn_on: 3.0, turn_off: 2.0 };
-    let (farads, full) = (1e-6, 3.0_f64);
+    let (capacitance, full) = (1e-6, 3.0_f64);
     let draws = [
-        (AnyDraw::Power(PowerDraw { watts: 5e-6, lockout }), farads * (full * full - 4.0) / (2.0 * 5e-6)),
-        (AnyDraw::Current(CurrentDraw { amperes: 2e-6, lockout }), farads * (full - 2.0) / 2e-6),
         (
-            AnyDraw::Resistor(ResistiveDraw { ohms: 1e6, lockout: Some(lockout) }),
-            1e6 * farads * (full / 2.0).ln(),
+            AnyDraw::Power(PowerDraw { power: 5e-6, lockout }),
+            capacitance * (full * full - 4.0) / (2.0 * 5e-6),
+        ),
+        (AnyDraw::Current(CurrentDraw { current: 2e-6, lockout }), capacitance * (full - 2.0) / 2e-6),
+        (
+            AnyDraw::Resistor(ResistiveDraw { resistance: 1e6, lockout: Some(lockout) }),
+            1e6 * capacitance * (full / 2.0).ln(),
         ),
     ];
     let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive(1e-6)) };
     let still = sine::<f64>(0.0, 20.0);
     for (draw, seconds) in draws {
-        let storage = Capacitor { farads, leakage_ohms: f64::INFINITY, initial_voltage: full, draw };
+        let storage =
+            Capacitor { capacitance, leakage_resistance: f64::INFINITY, initial_voltage: full, draw };
         let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage, 0.3);
         let mut state = scene
             .start::<_, _, WHOLE>(&contact::Start::default(), &still, &driver.control)
@@ -209,11 +214,15 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
         println!("{draw:?}: {found} s, expected {seconds} s");
         assert!(!state.mode.connected && (found / seconds - 1.0).abs() < 1e-6, "{draw:?}");
         let drawn = meter.integrals().integral(PowerIndex::Draw);
-        assert!((drawn / (0.5 * farads * (full * full - 4.0)) - 1.0).abs() < 1e-6, "{draw:?}: {drawn:e}");
+        assert!(
+            (drawn / (0.5 * capacitance * (full * full - 4.0)) - 1.0).abs() < 1e-6,
+            "{draw:?}: {drawn:e}"
+        );
     }
     // Charged from below: connected at each rise to the upper voltage, and not before.
-    let draw = PowerDraw { watts: 2e-4, lockout };
-    let storage = Capacitor { farads: 2e-8, leakage_ohms: f64::INFINITY, initial_voltage: 2.5, draw };
+    let draw = PowerDraw { power: 2e-4, lockout };
+    let storage =
+        Capacitor { capacitance: 2e-8, leakage_resistance: f64::INFINITY, initial_voltage: 2.5, draw };
     let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::TransferredCharge), single(storage), 0.3);
     let shaking = sine::<f32>(0.2, 20.0);
     let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive::<f32>(1e-4)) };
@@ -228,8 +237,8 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
         if state.mode.connected != before {
             toggles += 1;
             let level = if before { 2.0 } else { 3.0 };
-            let volts = scene.storage_voltage(state.mode, &state.point.state);
-            assert!((volts - level).abs() < 1e-5, "{volts} {level}");
+            let voltage = scene.storage_voltage(state.mode, &state.point.state);
+            assert!((voltage - level).abs() < 1e-5, "{voltage} {level}");
         }
     }
     println!("{toggles} toggles");
@@ -239,11 +248,11 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
 fn single(storage: Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f32, PowerDraw<f32>> {
     let Lockout { turn_on, turn_off } = storage.draw.lockout;
     Capacitor {
-        farads: storage.farads as f32,
-        leakage_ohms: f32::INFINITY,
+        capacitance: storage.capacitance as f32,
+        leakage_resistance: f32::INFINITY,
         initial_voltage: storage.initial_voltage as f32,
         draw: PowerDraw {
-            watts: storage.draw.watts as f32,
+            power: storage.draw.power as f32,
             lockout: Lockout { turn_on: turn_on as f32, turn_off: turn_off as f32 },
         },
     }

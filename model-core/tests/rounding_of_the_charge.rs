@@ -9,8 +9,8 @@ use model_core::part::load::Resistor;
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::sliding::{Choices, Parameters, PatchFriction, Start, TransferredCharge};
 
-/// Attempted steps of a slider with 1 Ω, 20 µC/m² and little friction, shaken at `hertz` for `seconds`.
-fn attempts<S: Scalar>(acceleration: f64, hertz: f64, seconds: f64) -> u32
+/// Attempted steps of a slider with 1 Ω, 20 µC/m² and little friction, shaken at `frequency` for `seconds`.
+fn attempts<S: Scalar>(acceleration: f64, frequency: f64, seconds: f64) -> u32
 where
     Polynomial: Mathematics<S>,
 {
@@ -33,25 +33,28 @@ where
         dielectric_thickness: number(5e-5),
         relative_permittivity: number(2.0),
         charge_density: number(20e-6),
-        choices: Choices::new(Resistor { ohms: S::ONE }, friction).force_law(TransferredCharge),
+        choices: Choices::new(Resistor { resistance: S::ONE }, friction).force_law(TransferredCharge),
     };
     let scene = parameters.build().expect("in bounds");
-    let sine = Sine::<S>::new(number(acceleration), number(hertz), S::ZERO).expect("valid");
+    let sine = Sine::<S>::new(number(acceleration), number(frequency), S::ZERO).expect("valid");
     let driver = Driver::new(TrBdf2, Adaptive::new(number(1e-4)).expect("in bounds"));
     let mut state = scene.start::<_, _, 1>(&Start::default(), &sine, &driver.control).expect("in bounds");
     let end = Instant::from_seconds(seconds).expect("a time");
     // Ten times what double precision takes for the longest.
     let advance = driver.advance(&scene, &mut state, &sine, end, 200_000, &mut ()).expect("runs");
-    assert_eq!(advance.ended, Ended::Finished, "{hertz} Hz: at {} s", state.clock.seconds::<f64>());
+    assert_eq!(advance.ended, Ended::Finished, "{frequency} Hz: at {} s", state.clock.seconds::<f64>());
     advance.work.steps + advance.work.rejected + advance.work.locating
 }
 
 #[test]
 fn single_precision_takes_no_more_steps_than_double() {
-    for (acceleration, hertz, seconds) in [(300.0, 1e4, 1e-3), (60.0, 1e3, 0.02), (30.0, 0.01, 2.0)] {
-        let single = attempts::<f32>(acceleration, hertz, seconds);
-        let double = attempts::<f64>(acceleration, hertz, seconds);
-        println!("{hertz} Hz: {single} attempts in single precision, {double} in double");
-        assert!(single <= double, "{hertz} Hz: {single} attempts in single precision, {double} in double");
+    for (acceleration, frequency, seconds) in [(300.0, 1e4, 1e-3), (60.0, 1e3, 0.02), (30.0, 0.01, 2.0)] {
+        let single = attempts::<f32>(acceleration, frequency, seconds);
+        let double = attempts::<f64>(acceleration, frequency, seconds);
+        println!("{frequency} Hz: {single} attempts in single precision, {double} in double");
+        assert!(
+            single <= double,
+            "{frequency} Hz: {single} attempts in single precision, {double} in double"
+        );
     }
 }

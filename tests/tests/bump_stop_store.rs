@@ -41,8 +41,8 @@ fn the_store_voltage_of_another_program_comes_out_of_a_scene_file() {
     let step = Options { step_s: Some(1e-7), trace_every_s: Some(1e-3), ..Options::default() };
     let (outcome, storage) = run(&scene, &step);
     assert_close("storage voltage", value(storage.store_voltage_v), 0.675_257_0, 1e-5);
-    let volts = value(storage.store_voltage_v);
-    assert_close("stored energy", value(storage.stored_energy_j), 0.1e-6 * volts * volts, 1e-12);
+    let voltage = value(storage.store_voltage_v);
+    assert_close("stored energy", value(storage.stored_energy_j), 0.1e-6 * voltage * voltage, 1e-12);
     // What came in is stored or has gone out, and the ledgers of harvester and storage close.
     let gained = value(storage.stored_energy_j) - 0.1e-6 * 0.04;
     let delivered = value(outcome.delivered_energy_j);
@@ -58,7 +58,7 @@ fn the_store_voltage_of_another_program_comes_out_of_a_scene_file() {
     assert_eq!(trace.columns.last(), Some(&"store_voltage_v"));
     assert!(trace.rows.iter().all(|row| row.len() == trace.columns.len()));
     let voltages: Vec<f64> = trace.rows.iter().filter_map(|row| row.last().copied()).collect();
-    assert_eq!((voltages.len(), voltages[0], voltages[12]), (13, 0.2, volts));
+    assert_eq!((voltages.len(), voltages[0], voltages[12]), (13, 0.2, voltage));
 }
 
 #[test]

@@ -32,25 +32,25 @@ fn compare(cases: &[(Scene, f64)]) {
 }
 
 /// Twenty seconds, of which the last two count: ten times the time in which a disturbance fades.
-fn plate(gravities: f64, frequency_hz: f64, ohms: f64) -> Scene {
+fn plate(gravities: f64, frequency_hz: f64, resistance: f64) -> Scene {
     contact_separation(|scene, _| {
-        scene.load = resistor(ohms);
+        scene.load = resistor(resistance);
         scene.excitation = sine(gravities, frequency_hz);
         let count = |seconds: f64| (seconds * frequency_hz) as u32;
         scene.run = periods(frequency_hz, count(20.0), count(2.0));
     })
 }
 
-fn slider(density: f64, gravities: f64, frequency_hz: f64, ohms: f64) -> Scene {
+fn slider(density: f64, gravities: f64, frequency_hz: f64, resistance: f64) -> Scene {
     sliding(|scene, model| {
         model.parameters.charge_density_c_per_m2 = density;
-        scene.load = resistor(ohms);
+        scene.load = resistor(resistance);
         scene.excitation = sine(gravities, frequency_hz);
         scene.run = periods(frequency_hz, 240, 20);
     })
 }
 
-fn beam(name: &str, amplitude: f64, frequency_hz: f64, ohms: f64) -> Scene {
+fn beam(name: &str, amplitude: f64, frequency_hz: f64, resistance: f64) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes").join(name);
     let mut scene = scene_file::read(&file, &[]).expect("the shipped scene is valid");
     // Few modes: the reference resolves the fastest.
@@ -59,7 +59,7 @@ fn beam(name: &str, amplitude: f64, frequency_hz: f64, ohms: f64) -> Scene {
     if let Some(stop) = &mut model.stop {
         stop.rod_modes = 1;
     }
-    scene.load = resistor(ohms);
+    scene.load = resistor(resistance);
     scene.excitation = sine(amplitude / GRAVITY, frequency_hz);
     let count = |seconds: f64| (seconds * frequency_hz) as u32;
     scene.run = periods(frequency_hz, count(0.8), count(0.2));

@@ -172,9 +172,9 @@ fn a_trace_has_the_voltage_of_the_store() {
     let storage = found.store.expect("a storage");
     let trace = found.trace.expect("asked for");
     assert_eq!(trace.columns.last(), Some(&"store_voltage_v"));
-    let volts: Vec<f64> = trace.rows.iter().filter_map(|row| row.last().copied()).collect();
-    assert_eq!((volts.len(), volts[0]), (9, 1.0));
-    assert!(volts.is_sorted());
-    assert_close("the last row", volts[8], value(storage.store_voltage_v), 1e-9);
-    assert_close("energy", value(storage.stored_energy_j), 0.5e-8 * volts[8] * volts[8], 1e-9);
+    let voltage: Vec<f64> = trace.rows.iter().filter_map(|row| row.last().copied()).collect();
+    assert_eq!((voltage.len(), voltage[0]), (9, 1.0));
+    assert!(voltage.is_sorted());
+    assert_close("the last row", voltage[8], value(storage.store_voltage_v), 1e-9);
+    assert_close("energy", value(storage.stored_energy_j), 0.5e-8 * voltage[8] * voltage[8], 1e-9);
 }

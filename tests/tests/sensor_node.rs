@@ -23,7 +23,7 @@ fn cost(decision: Decision) -> f64 {
 
 /// Keeps the storage beside a node's reports and compares each second; gives all that came in.
 fn keep(reports: impl Iterator<Item = Report>) -> (f64, [u32; 3]) {
-    let energy = |volts: f64| 0.5 * CAPACITANCE * volts * volts;
+    let energy = |voltage: f64| 0.5 * CAPACITANCE * voltage * voltage;
     let mut stored = energy(STORE_VOLTAGE.into());
     let (mut came_in, mut counts) = (0.0, [0; 3]);
     for report in reports {

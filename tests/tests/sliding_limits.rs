@@ -55,7 +55,7 @@ impl Mode {
         }
     }
 
-    fn hertz(&self) -> f64 {
+    fn frequency(&self) -> f64 {
         self.omega / TAU
     }
 }
@@ -106,7 +106,7 @@ fn the_beam_has_the_mode_of_table_1() {
     assert_close("M", mode.mass, 9.858_671_590e-3, 1e-8);
     assert_close("κ", mode.participation, 1.110_563_269_8, 1e-8);
     let (_, found) = slide(&linear(15.0, |scene, _| scene.run = periods(15.0, 1, 1)), &adaptive(1e-3));
-    assert_close("natural frequency", value(found.natural_frequency_hz), mode.hertz(), 1e-12);
+    assert_close("natural frequency", value(found.natural_frequency_hz), mode.frequency(), 1e-12);
 }
 
 #[test]
@@ -194,8 +194,8 @@ fn at_resonance(mode: &Mode, law: ForceLaw, density: f64, load: f64, gravities: 
         model.initial.displacement_m = Some(near);
         model.initial.charge_c = (load > 0.0).then(|| kept_charge(density, near));
         scene.load = resistor(load);
-        scene.excitation = sine(gravities, mode.hertz());
-        scene.run = periods(mode.hertz(), 130, 5);
+        scene.excitation = sine(gravities, mode.frequency());
+        scene.run = periods(mode.frequency(), 130, 5);
     })
 }
 
@@ -235,7 +235,7 @@ fn the_laws_have_opposite_trends_over_the_load() {
             let near = if law == ForceLaw::GapField { near * 1e-3 } else { 14e-3 };
             let mut scene = at_resonance(&mode, law, 20e-6, load, gravities, near);
             // As the values were found: at the peak of the response.
-            scene.run = periods(mode.hertz(), 300, 20);
+            scene.run = periods(mode.frequency(), 300, 20);
             value(slide(&scene, &adaptive(1e-4)).1.amplitude_m)
         })
     };

@@ -77,10 +77,13 @@ where
 }
 
 /// The run-time form of the shipped scene.
-fn any<S: Scalar>(ohms: f64, change: impl FnOnce(&mut SlidingParameters)) -> Parameters<S, AnyChoices<S>> {
+fn any<S: Scalar>(
+    resistance: f64,
+    change: impl FnOnce(&mut SlidingParameters),
+) -> Parameters<S, AnyChoices<S>> {
     let scene = sliding(|_, model| change(&mut model.parameters));
     let host_bench::scene_file::Model::Sliding(model) = &scene.model else { panic!("a sliding scene") };
-    sliding_parameters(model, Load::Resistor { resistance_ohm: ohms })
+    sliding_parameters(model, Load::Resistor { resistance_ohm: resistance })
 }
 
 /// Both forms under each method; the parts are those of the run-time form.
@@ -105,7 +108,7 @@ where
 {
     let paper = any::<S>(1e8, |_| ());
     let friction = paper.choices.friction;
-    let resistor = Resistor { ohms: S::from_f64(1e8) };
+    let resistor = Resistor { resistance: S::from_f64(1e8) };
     for case in [STICKING, SWINGING] {
         same(&paper, Choices::new(resistor, friction).force_law(TransferredCharge), case);
         let field = any::<S>(1e8, |parameters| {
@@ -137,7 +140,7 @@ fn parts_chosen_at_run_time_give_the_bits_of_those_chosen_at_compile_time() {
 #[test]
 fn no_friction_is_the_same_as_friction_of_nothing() {
     let none = any::<f64>(1e8, |parameters| cross_crate_tests::rub(parameters, 0.0));
-    let resistor = Resistor { ohms: 1e8 };
+    let resistor = Resistor { resistance: 1e8 };
     let choices = Choices::new(resistor, Frictionless).force_law(TransferredCharge);
     let free = with(&none, choices.sticking(NeverSticks));
     let choices = Choices::new(resistor, none.choices.friction).force_law(TransferredCharge);

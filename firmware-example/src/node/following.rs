@@ -32,8 +32,8 @@ impl<B: Board, H: Harvester<f32>> Following<B, H> {
         };
         let estimator = Estimator::new(harvester, settings).map_err(|_| NodeError::Parameters)?;
         let mut power_manager = PowerManager::new()?;
-        if let Some(volts) = board.storage_voltage() {
-            power_manager.read(volts);
+        if let Some(voltage) = board.storage_voltage() {
+            power_manager.read(voltage);
         }
         let mut node = Self { board, estimator, power_manager, seconds: 0 };
         node.estimator.set_storage_voltage(node.power_manager.storage_voltage());
@@ -69,8 +69,8 @@ impl<B: Board, H: Harvester<f32>> Following<B, H> {
         }
         let estimate = self.estimator.estimate();
         self.estimator.clear();
-        if let Some(volts) = self.board.storage_voltage() {
-            self.power_manager.read(volts);
+        if let Some(voltage) = self.board.storage_voltage() {
+            self.power_manager.read(voltage);
         }
         let harvested = estimate.energy;
         let decision = self.power_manager.second(harvested, harvested * estimate.uncertainty.relative);

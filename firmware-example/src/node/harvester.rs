@@ -28,8 +28,8 @@ pub fn following() -> Result<impl Harvester<f32>, NodeError> {
     let choices = parts::without_parasitic(OpenCircuit, LAW_OF_SPEED).parasitic(PARASITIC);
     let parameters = parts::parameters(choices);
     let storage = Capacitor {
-        farads: STORAGE.capacitance,
-        leakage_ohms: f32::INFINITY,
+        capacitance: STORAGE.capacitance,
+        leakage_resistance: f32::INFINITY,
         initial_voltage: STORAGE.lock_out_voltage,
         draw: NoDraw,
     };
@@ -49,10 +49,10 @@ pub struct Beam(BumpStop<f32, FreeBeam, 1, 0>);
 
 impl Beam {
     /// Energy in joules that enters a storage at `voltage` volts in a second, under a sine of `amplitude` m/s² and
-    /// `hertz`; none where the closed form does not hold.
+    /// `frequency`; none where the closed form does not hold.
     #[must_use]
-    pub fn energy_in_a_second(&self, amplitude: f32, hertz: f32, voltage: f32) -> f32 {
-        let found = self.0.closed_form_into_bus(amplitude, hertz, voltage, DIODE_DROP);
+    pub fn energy_in_a_second(&self, amplitude: f32, frequency: f32, voltage: f32) -> f32 {
+        let found = self.0.closed_form_into_bus(amplitude, frequency, voltage, DIODE_DROP);
         if found.validity.holds() { found.mean_power } else { 0.0 }
     }
 }

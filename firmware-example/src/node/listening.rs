@@ -30,8 +30,8 @@ impl<B: Board> Listening<B> {
     pub fn new(mut board: B, beam: Beam) -> Result<Self, NodeError> {
         let meter = ToneMeter::new(RATE_HZ as f32, RATE_HZ).map_err(|_| NodeError::Parameters)?;
         let mut power_manager = PowerManager::new()?;
-        if let Some(volts) = board.storage_voltage() {
-            power_manager.read(volts);
+        if let Some(voltage) = board.storage_voltage() {
+            power_manager.read(voltage);
         }
         Ok(Self { board, beam, tone: meter.start(), meter, power_manager, seconds: 0 })
     }
@@ -48,8 +48,8 @@ impl<B: Board> Listening<B> {
         let harvested = heard.map_or(0.0, |line| {
             self.beam.energy_in_a_second(line.amplitude, line.frequency, self.power_manager.storage_voltage())
         });
-        if let Some(volts) = self.board.storage_voltage() {
-            self.power_manager.read(volts);
+        if let Some(voltage) = self.board.storage_voltage() {
+            self.power_manager.read(voltage);
         }
         let decision = self.power_manager.second(harvested, CLOSED_FORM_ERROR * harvested);
         self.board.carry_out(decision);

@@ -64,8 +64,8 @@ impl PowerManager {
     }
 
     /// The storage as it was read.
-    pub fn read(&mut self, volts: f32) {
-        self.budget.correct_by_voltage(&mut self.state, volts, VOLTAGE_ERROR);
+    pub fn read(&mut self, voltage: f32) {
+        self.budget.correct_by_voltage(&mut self.state, voltage, VOLTAGE_ERROR);
     }
 
     /// A second has gone by, in which `harvested` joules came in, give or take `uncertainty` joules; what to

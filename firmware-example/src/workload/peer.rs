@@ -58,9 +58,9 @@ impl Model {
             damping: 2.0 * from.damping_ratio * angular_frequency,
             dielectric: from.dielectric_thickness / from.relative_permittivity,
             tribo: from.charge_density * from.electrode_area / unit,
-            parasitic: from.choices.parasitic.farads / area,
-            rate: 1.0 / from.choices.load.ohms / area,
-            power: from.choices.load.ohms * unit * unit / ENERGY_UNIT,
+            parasitic: from.choices.parasitic.capacitance / area,
+            rate: 1.0 / from.choices.load.resistance / area,
+            power: from.choices.load.resistance * unit * unit / ENERGY_UNIT,
         }
     }
 

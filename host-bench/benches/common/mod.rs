@@ -59,7 +59,7 @@ pub(crate) fn shipped<S: Scalar, M: Mathematics<S>>(
         dielectric_thickness: any.dielectric_thickness,
         relative_permittivity: any.relative_permittivity,
         charge_density: any.charge_density,
-        choices: Choices::new(Resistor { ohms: any.choices.load.ohms }, restitution)
+        choices: Choices::new(Resistor { resistance: any.choices.load.resistance }, restitution)
             .force_law(TransferredCharge)
             .parasitic(any.choices.parasitic),
     };

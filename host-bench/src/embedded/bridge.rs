@@ -15,15 +15,15 @@ pub(super) fn bridge<S: Scalar>(load: Load) -> Option<FullBridge<S, AnyStorage<S
         Load::RectifiedStore(store) => Some(FullBridge {
             diode_drop: number(store.diode_drop_v),
             storage: AnyStorage::Capacitor(Capacitor {
-                farads: number(store.capacitance_f),
-                leakage_ohms: number(store.leakage_ohm),
+                capacitance: number(store.capacitance_f),
+                leakage_resistance: number(store.leakage_ohm),
                 initial_voltage: number(store.initial_v),
                 draw: draw(store.draw),
             }),
         }),
         Load::DcBus { voltage_v, diode_drop_v } => Some(FullBridge {
             diode_drop: number(diode_drop_v),
-            storage: AnyStorage::DcBus(DcBus { volts: number(voltage_v) }),
+            storage: AnyStorage::DcBus(DcBus { voltage: number(voltage_v) }),
         }),
     }
 }
@@ -37,14 +37,14 @@ fn draw<S: Scalar>(draw: Draw) -> AnyDraw<S> {
     match draw {
         Draw::None => AnyDraw::None,
         Draw::Resistor { resistance_ohm, lockout } => AnyDraw::Resistor(ResistiveDraw {
-            ohms: number(resistance_ohm),
+            resistance: number(resistance_ohm),
             lockout: lockout.map(thresholds),
         }),
         Draw::Current { current_a, lockout } => {
-            AnyDraw::Current(CurrentDraw { amperes: number(current_a), lockout: thresholds(lockout) })
+            AnyDraw::Current(CurrentDraw { current: number(current_a), lockout: thresholds(lockout) })
         }
         Draw::Power { power_w, lockout } => {
-            AnyDraw::Power(PowerDraw { watts: number(power_w), lockout: thresholds(lockout) })
+            AnyDraw::Power(PowerDraw { power: number(power_w), lockout: thresholds(lockout) })
         }
     }
 }

@@ -39,7 +39,7 @@ pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyC
 }
 
 fn resistance<S: Scalar>(load: Load) -> Resistive<AnyLoad<S>> {
-    Resistive(AnyLoad { ohms: S::from_f64(load.resistance_ohm()) })
+    Resistive(AnyLoad { resistance: S::from_f64(load.resistance_ohm()) })
 }
 
 /// The core's parameters of a scene with a load of the core.

@@ -40,7 +40,7 @@ pub fn parameters<S: Scalar, M: Mathematics<S>>(
         relative_permittivity: number(from.relative_permittivity),
         charge_density: number(from.charge_density_c_per_m2),
         choices: Choices {
-            load: AnyLoad { ohms: number(load.resistance_ohm()) },
+            load: AnyLoad { resistance: number(load.resistance_ohm()) },
             restitution: match from.restitution {
                 Restitution::Constant { coefficient } => {
                     AnyRestitution::Constant(ConstantRestitution { coefficient: number(coefficient) })
@@ -55,7 +55,7 @@ pub fn parameters<S: Scalar, M: Mathematics<S>>(
                 }
             },
             force_law: force_law(from.force_law),
-            parasitic: ParasiticCapacitance { farads: number(from.parasitic_capacitance_f) },
+            parasitic: ParasiticCapacitance { capacitance: number(from.parasitic_capacitance_f) },
             sticking: sticking(from.stick_charge),
         },
     }

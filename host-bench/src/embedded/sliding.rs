@@ -36,7 +36,7 @@ pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyCh
         relative_permittivity: number(from.relative_permittivity),
         charge_density: number(from.charge_density_c_per_m2),
         choices: Choices {
-            load: AnyLoad { ohms: number(load.resistance_ohm()) },
+            load: AnyLoad { resistance: number(load.resistance_ohm()) },
             friction: PatchFriction {
                 static_active: number(from.static_friction_active),
                 static_inert: number(from.static_friction_inert),
@@ -142,9 +142,9 @@ impl<S: Scalar, H: model_core::scene::Harvester<S>> Report<S, H> for SlidingRepo
         let number = |value: S| Some(value.to_f64());
         let displacement = window.coordinate();
         let half = S::from_f64(0.5);
-        let hertz = harvester.angular_frequency().to_f64() / std::f64::consts::TAU;
+        let frequency = harvester.angular_frequency().to_f64() / std::f64::consts::TAU;
         Particular::Sliding(SlidingOutcome {
-            natural_frequency_hz: Some(hertz),
+            natural_frequency_hz: Some(frequency),
             peak_displacement_m: number(displacement.magnitude()),
             amplitude_m: number(half * (displacement.highest - displacement.lowest)),
             stick_fraction: number(window.stick_fraction()),

@@ -117,10 +117,10 @@ impl Setting<'_> {
         let bridge = FullBridge {
             diode_drop: S::from_f64(self.diode_drop_v),
             storage: Capacitor {
-                farads: S::from_f64(storage.capacitance_f),
-                leakage_ohms: S::from_f64(storage.leakage_ohm),
+                capacitance: S::from_f64(storage.capacitance_f),
+                leakage_resistance: S::from_f64(storage.leakage_ohm),
                 initial_voltage: S::from_f64(self.initial_v),
-                draw: PowerDraw { watts: S::ZERO, lockout },
+                draw: PowerDraw { power: S::ZERO, lockout },
             },
         };
         let core = connected(scene, harvester, bridge)?;
@@ -160,7 +160,7 @@ struct Loop<'a, S: Scalar, H: ElectricalPort<S>> {
 impl<S: Scalar, H: ElectricalPort<S>> StoreInLoop for Loop<'_, S, H> {
     fn advance(&mut self, until_s: u32, draw_w: f64) -> Result<Stretch, Failure> {
         let mut bridge = *self.core.bridge();
-        bridge.storage.draw.watts = S::from_f64(draw_w);
+        bridge.storage.draw.power = S::from_f64(draw_w);
         self.core = connected(self.scene, *self.core.harvester(), bridge)?;
         let simulation = Simulation::with_all_powers(self.core, TrBdf2, self.control);
         let until = Instant::from_whole_seconds(until_s);
@@ -225,7 +225,7 @@ mod tests {
             let options =
                 Options { precision: Some(Precision::F32), tolerance: Some(tolerance), ..Options::default() };
             with_store_in_loop(&scene(), 0.2, &STORAGE, (4.5, true), &hours, &options, |looped| {
-                let stored = |volts: f64| 0.5 * STORAGE.capacitance_f * volts * volts;
+                let stored = |voltage: f64| 0.5 * STORAGE.capacitance_f * voltage * voltage;
                 let (mut sum, mut delivered, start) = (0.0, 0.0, looped.voltage());
                 for (until_s, draw_w) in [(5, 0.0), (10, 20e-6), (20, 3e-6), (30, 80e-6)] {
                     let connected = looped.is_connected();

@@ -122,11 +122,11 @@ pub(super) fn together(parameters: &ContactSeparationParameters) -> Result<(), (
 
 /// Whether a natural frequency is one of a harvester; `with` names what makes it beside the key that is
 /// blamed. Returns the reason.
-pub(super) fn natural_frequency(hertz: f64, with: &str) -> Result<(), String> {
+pub(super) fn natural_frequency(frequency: f64, with: &str) -> Result<(), String> {
     let bound = Bound::new(1e-3, 1e4);
-    if bound.contains(hertz) {
+    if bound.contains(frequency) {
         Ok(())
     } else {
-        Err(format!("the natural frequency with {with} is {hertz:.3e} Hz, must be {bound}"))
+        Err(format!("the natural frequency with {with} is {frequency:.3e} Hz, must be {bound}"))
     }
 }

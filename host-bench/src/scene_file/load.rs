@@ -42,7 +42,7 @@ pub(super) fn load(mut section: Section<'_>) -> Result<(Load, Option<Preset<f64>
         Kind::RectifiedStore => Load::RectifiedStore(RectifiedStore {
             capacitance_f: number(&mut section, "capacitance_f")?,
             diode_drop_v: number_or(&mut section, "diode_drop_v", of_part(|part| part.diode_drop))?,
-            leakage_ohm: number_or(&mut section, "leakage_ohm", of_part(Preset::leakage_ohms))?,
+            leakage_ohm: number_or(&mut section, "leakage_ohm", of_part(Preset::leakage_resistance))?,
             initial_v: number(&mut section, "initial_v")?,
             draw: match section.optional_table("draw")? {
                 Some(table) => draw(table, part.as_ref())?,

@@ -92,9 +92,9 @@ fn storage(
         .or(of_load.and_then(|store| lockout_of_draw(store.draw)))
         .or(part.and_then(lockout_of_part));
     let leakage_ohm = own
-        .map(|part| part.leakage_ohms())
+        .map(|part| part.leakage_resistance())
         .or(of_load.map(|store| store.leakage_ohm))
-        .or(part.map(|part| part.leakage_ohms()));
+        .or(part.map(|part| part.leakage_resistance()));
     let mut number =
         |key: &'static str, bound: &str, other: Option<f64>| table.number_or(key, &bounds::of(bound), other);
     let storage = Storage {

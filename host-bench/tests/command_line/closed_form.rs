@@ -74,8 +74,8 @@ fn a_beam_behind_a_bridge_has_a_closed_form_too() {
         "load={kind='rectified-store',capacitance_f=1e-6,diode_drop_v=0,leakage_ohm=2e5,initial_v=0,\
          draw={kind='resistor',value=2e5}}",
     );
-    let volts = (store * 1e5).sqrt();
-    let bus = power(&format!("load={{kind='dc-bus',voltage_v={volts},diode_drop_v=0}}"));
+    let voltage = (store * 1e5).sqrt();
+    let bus = power(&format!("load={{kind='dc-bus',voltage_v={voltage},diode_drop_v=0}}"));
     assert!((store / bus - 1.0).abs() < 1e-2, "{store:e} {bus:e}");
 }
 

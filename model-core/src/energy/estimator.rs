@@ -20,7 +20,7 @@
 //! #     dielectric_thickness: 5e-5,
 //! #     relative_permittivity: 2.0,
 //! #     charge_density: 50e-6,
-//! #     choices: Choices::new(Resistor { ohms: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
+//! #     choices: Choices::new(Resistor { resistance: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
 //! # };
 //! let harvester = Simulation::new(parameters.build()?, TrBdf2, Adaptive::new(5e-2)?);
 //! let settings = Settings {
@@ -362,11 +362,11 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
 
     /// Puts the storage to a voltage in volts, for what the node has drawn from it or has read of it: between samples,
     /// and where the harvester has no storage without effect. What is no voltage changes nothing.
-    pub fn set_storage_voltage(&mut self, volts: S) {
-        if volts >= S::ZERO && volts.is_finite() {
+    pub fn set_storage_voltage(&mut self, voltage: S) {
+        if voltage >= S::ZERO && voltage.is_finite() {
             let State { stream, harvester, .. } = &mut self.state;
             let acceleration = stream.acceleration(self.harvester.clock(harvester));
-            self.harvester.set_storage_voltage(harvester, volts, acceleration);
+            self.harvester.set_storage_voltage(harvester, voltage, acceleration);
         }
     }
 

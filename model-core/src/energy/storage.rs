@@ -47,7 +47,7 @@ impl<S: Scalar> StorageParameters<S> {
         let lockout = part.lockout.filter(|_| part.highest_voltage < S::INFINITY)?;
         Some(Self {
             capacitance,
-            leakage_resistance: part.leakage_ohms(),
+            leakage_resistance: part.leakage_resistance(),
             charging_efficiency: part.charging_efficiency,
             discharging_efficiency: part.discharging_efficiency,
             highest_voltage: part.highest_voltage,

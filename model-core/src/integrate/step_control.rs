@@ -508,13 +508,13 @@ mod tests {
     fn the_unit_of_time_is_that_of_the_faster_motion_at_any_frequency() {
         use crate::excitation::{Excitation, Silence, Sine};
         let scale = ErrorScale { angular_frequency: 126.0_f64, energy_floor: 1e-12 };
-        let at = |hertz: f64| {
-            let sine = Sine::<f64>::new(1.0, hertz, 0.0).expect("valid");
+        let at = |frequency: f64| {
+            let sine = Sine::<f64>::new(1.0, frequency, 0.0).expect("valid");
             scale.of_the_faster(sine.angular_frequency()).angular_frequency
         };
         assert_eq!(at(20.0), 126.0);
-        for hertz in [20.1, 31.999, 32.001, 1e4] {
-            assert_eq!(at(hertz), core::f64::consts::TAU * hertz);
+        for frequency in [20.1, 31.999, 32.001, 1e4] {
+            assert_eq!(at(frequency), core::f64::consts::TAU * frequency);
         }
         assert_eq!(scale.of_the_faster(Excitation::<f64>::angular_frequency(&Silence)), scale);
     }

@@ -216,26 +216,31 @@ mod tests {
     const CAPACITANCE: f64 = 16e-9;
     const STEP: f64 = 1e-5;
 
-    fn bridge(farads: f64, volts: f64) -> FullBridge<f64, Capacitor<f64, NoDraw>> {
-        let storage = Capacitor { farads, leakage_ohms: f64::INFINITY, initial_voltage: volts, draw: NoDraw };
+    fn bridge(capacitance: f64, voltage: f64) -> FullBridge<f64, Capacitor<f64, NoDraw>> {
+        let storage = Capacitor {
+            capacitance,
+            leakage_resistance: f64::INFINITY,
+            initial_voltage: voltage,
+            draw: NoDraw,
+        };
         FullBridge { diode_drop: 0.3, storage }
     }
 
     /// The same by walking through the step in small pieces of charge: mean voltage, mean square, what has
     /// passed, and what the storage has received.
-    fn walked(farads: f64, volts: f64, start: f64, charge: f64) -> [f64; 4] {
+    fn walked(capacitance: f64, voltage: f64, start: f64, charge: f64) -> [f64; 4] {
         let count = 400_000;
         let piece = charge / f64::from(count);
-        let (mut v, mut storage) = (start, volts);
+        let (mut v, mut storage) = (start, voltage);
         let (mut mean, mut square, mut passed, mut delivered) = (0.0, 0.0, 0.0, 0.0);
         for _ in 0..count {
             let before = v;
             v += piece / CAPACITANCE;
             let excess = v.abs() - storage - 0.6;
             if excess > 0.0 {
-                let through = excess / (1.0 / CAPACITANCE + 1.0 / farads);
-                delivered += through * (storage + 0.5 * through / farads);
-                storage += through / farads;
+                let through = excess / (1.0 / CAPACITANCE + 1.0 / capacitance);
+                delivered += through * (storage + 0.5 * through / capacitance);
+                storage += through / capacitance;
                 passed += through * v.signum();
                 v -= through / CAPACITANCE * v.signum();
             }
@@ -248,17 +253,17 @@ mod tests {
 
     #[test]
     fn mean_and_charge_are_those_of_the_polyline() {
-        for farads in [2e-9, 16e-9, 1e-6] {
+        for capacitance in [2e-9, 16e-9, 1e-6] {
             for (start, charge) in [(0.2, 5e-8), (2.5, 1e-8), (2.6, 4e-9), (-2.0, 9e-8), (0.5, -6e-8)] {
-                let bridge = bridge(farads, 2.0);
+                let bridge = bridge(capacitance, 2.0);
                 let step = BridgeStep::new(CAPACITANCE, &bridge.storage, STEP);
-                let [mean, square, passed, delivered] = walked(farads, 2.0, start, charge);
+                let [mean, square, passed, delivered] = walked(capacitance, 2.0, start, charge);
                 let mut storage = StorageState::of(&bridge.storage);
                 let mut account = StorageAccount::default();
                 let Some([e0, e1]) = step.tangent(2.6, start, charge) else { panic!("it conducts") };
                 let (through, found) = step.pass(&bridge, [start, charge], &mut storage, &mut account);
                 let close = |what: &str, a: f64, b: f64| {
-                    assert!((a / b - 1.0).abs() < 1e-4, "{what} {farads} {start} {charge}: {a} {b}");
+                    assert!((a / b - 1.0).abs() < 1e-4, "{what} {capacitance} {start} {charge}: {a} {b}");
                 };
                 close("mean", e0 + e1 * charge, mean);
                 close("passed", through, passed);
@@ -285,7 +290,7 @@ mod tests {
 
     #[test]
     fn it_blocks_up_to_the_threshold_and_a_bus_holds_the_voltage_there() {
-        let bus = FullBridge { diode_drop: 0.25, storage: DcBus { volts: 1.5 } };
+        let bus = FullBridge { diode_drop: 0.25, storage: DcBus { voltage: 1.5 } };
         let step = BridgeStep::new(CAPACITANCE, &bus.storage, STEP);
         let to_threshold = 1.0 * CAPACITANCE;
         assert_eq!(step.tangent(2.0, 1.0, 0.999 * to_threshold), None);

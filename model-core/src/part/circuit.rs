@@ -37,8 +37,8 @@ impl<S: Scalar> CircuitStep<S> {
                 charge_by_mean: S::ZERO,
             },
             Resistance::Open => Self::of_ratio(S::ZERO, capacitance, S::ZERO),
-            Resistance::Finite(ohms) => {
-                let conductance = step / ohms;
+            Resistance::Finite(resistance) => {
+                let conductance = step / resistance;
                 Self::of_ratio(conductance / capacitance, capacitance, conductance)
             }
         }
@@ -81,12 +81,12 @@ mod tests {
         let capacitance = 16e-9;
         for ratio in [1e-6_f64, 1e-3, 0.1, 0.49, 0.51, 2.0, 30.0, 500.0] {
             let (step, charge, start) = (1e-6, 2e-9, 0.3);
-            let ohms = step / (ratio * capacitance);
-            let circuit = CircuitStep::new(capacitance, Resistance::Finite(ohms), step);
+            let resistance = step / (ratio * capacitance);
+            let circuit = CircuitStep::new(capacitance, Resistance::Finite(resistance), step);
             let mean = circuit.mean_by_voltage * start + circuit.mean_by_charge * charge;
             let end = start + (charge - circuit.charge_by_mean * mean) / capacitance;
             // v(t) = v∞ + (v0 − v∞) e^(−xt/h), sampled finely at the middles of intervals.
-            let (settled, count) = (ohms * charge / step, 2_000_000);
+            let (settled, count) = (resistance * charge / step, 2_000_000);
             let value = |t: f64| settled + (start - settled) * (-ratio * t).exp();
             let (mut first, mut second) = (0.0, 0.0);
             for k in 0..count {

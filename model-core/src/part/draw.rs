@@ -95,7 +95,7 @@ impl<S: Scalar> Draw<S> for NoDraw {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ResistiveDraw<S> {
     /// Resistance in Ω, 10⁻³ to 10¹⁵.
-    pub ohms: S,
+    pub resistance: S,
     /// Its lock-out; `None`: always connected.
     pub lockout: Option<Lockout<S>>,
 }
@@ -105,12 +105,12 @@ impl<S: Scalar> Draw<S> for ResistiveDraw<S> {
 
     #[inline]
     fn current(&self, voltage: S) -> S {
-        voltage / self.ohms
+        voltage / self.resistance
     }
 
     #[inline]
     fn current_by_voltage(&self, _voltage: S) -> S {
-        S::ONE / self.ohms
+        S::ONE / self.resistance
     }
 
     #[inline]
@@ -119,7 +119,7 @@ impl<S: Scalar> Draw<S> for ResistiveDraw<S> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(1e-3, 1e15).check("draw.ohms", self.ohms)?;
+        Bounds::new(1e-3, 1e15).check("draw.resistance", self.resistance)?;
         self.lockout.map_or(Ok(()), |lockout| lockout.check())
     }
 }
@@ -129,7 +129,7 @@ impl<S: Scalar> Draw<S> for ResistiveDraw<S> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CurrentDraw<S> {
     /// Current in A, 0 to 10³.
-    pub amperes: S,
+    pub current: S,
     /// Its lock-out: an empty storage gives no current.
     pub lockout: Lockout<S>,
 }
@@ -139,7 +139,7 @@ impl<S: Scalar> Draw<S> for CurrentDraw<S> {
 
     #[inline]
     fn current(&self, _voltage: S) -> S {
-        self.amperes
+        self.current
     }
 
     #[inline]
@@ -153,7 +153,7 @@ impl<S: Scalar> Draw<S> for CurrentDraw<S> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(0.0, 1e3).check("draw.amperes", self.amperes)?;
+        Bounds::new(0.0, 1e3).check("draw.current", self.current)?;
         self.lockout.check()
     }
 }
@@ -163,7 +163,7 @@ impl<S: Scalar> Draw<S> for CurrentDraw<S> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PowerDraw<S> {
     /// Power in W, 0 to 10³.
-    pub watts: S,
+    pub power: S,
     /// Its lock-out, whose turn-off voltage is at least 1 mV: the current grows without bound at 0.
     pub lockout: Lockout<S>,
 }
@@ -185,12 +185,12 @@ impl<S: Scalar> Draw<S> for PowerDraw<S> {
 
     #[inline]
     fn current(&self, voltage: S) -> S {
-        self.watts / voltage.max(self.floor())
+        self.power / voltage.max(self.floor())
     }
 
     #[inline]
     fn current_by_voltage(&self, voltage: S) -> S {
-        if voltage > self.floor() { -self.watts / (voltage * voltage) } else { S::ZERO }
+        if voltage > self.floor() { -self.power / (voltage * voltage) } else { S::ZERO }
     }
 
     #[inline]
@@ -199,7 +199,7 @@ impl<S: Scalar> Draw<S> for PowerDraw<S> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(0.0, 1e3).check("draw.watts", self.watts)?;
+        Bounds::new(0.0, 1e3).check("draw.power", self.power)?;
         self.lockout.check()?;
         Bounds::new(LOWEST_POWER_VOLTAGE, HIGHEST_VOLTAGE).check("draw.turn_off", self.lockout.turn_off)
     }
@@ -272,9 +272,9 @@ mod tests {
     fn derivatives_are_those_of_the_currents() {
         let draws = [
             AnyDraw::None,
-            AnyDraw::Resistor(ResistiveDraw { ohms: 5e4, lockout: Some(LOCKOUT) }),
-            AnyDraw::Current(CurrentDraw { amperes: 1e-5, lockout: LOCKOUT }),
-            AnyDraw::Power(PowerDraw { watts: 2e-5, lockout: LOCKOUT }),
+            AnyDraw::Resistor(ResistiveDraw { resistance: 5e4, lockout: Some(LOCKOUT) }),
+            AnyDraw::Current(CurrentDraw { current: 1e-5, lockout: LOCKOUT }),
+            AnyDraw::Power(PowerDraw { power: 2e-5, lockout: LOCKOUT }),
         ];
         for draw in draws {
             for voltage in [0.4, 1.7, 2.0, 3.3] {
@@ -283,14 +283,14 @@ mod tests {
                 assert!((slope - draw.current_by_voltage(voltage)).abs() < 1e-12, "{draw:?} {voltage}");
             }
         }
-        let power = PowerDraw { watts: 2e-5, lockout: LOCKOUT };
+        let power = PowerDraw { power: 2e-5, lockout: LOCKOUT };
         assert!((power.current(2.5) * 2.5 - 2e-5).abs() < 1e-20);
     }
 
     #[test]
     fn a_lock_out_without_hysteresis_and_power_from_an_empty_store_are_refused() {
         let power = |turn_on, turn_off| {
-            PowerDraw { watts: 1e-6, lockout: Lockout { turn_on, turn_off } }
+            PowerDraw { power: 1e-6, lockout: Lockout { turn_on, turn_off } }
                 .check()
                 .err()
                 .map(|error: ParameterError<f64>| (error.field, error.value))
@@ -299,7 +299,7 @@ mod tests {
         assert_eq!(power(2.0, 2.0), Some(("draw.turn_off", 2.0)));
         assert_eq!(power(2.0, 0.0), Some(("draw.turn_off", 0.0)));
         assert_eq!(power(-1.0, -2.0), Some(("draw.turn_on", -1.0)));
-        let current = CurrentDraw { amperes: -1e-6, lockout: LOCKOUT }.check().err();
-        assert_eq!(current.map(|error| error.field), Some("draw.amperes"));
+        let current = CurrentDraw { current: -1e-6, lockout: LOCKOUT }.check().err();
+        assert_eq!(current.map(|error| error.field), Some("draw.current"));
     }
 }

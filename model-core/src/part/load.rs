@@ -19,7 +19,7 @@ impl<S: Scalar> Resistance<S> {
     /// Refuses a finite resistance outside 10⁻⁹ to 10³⁰ Ω.
     pub(crate) fn check(&self) -> Result<(), ParameterError<S>> {
         match self {
-            Self::Finite(ohms) => Bounds::new(1e-9, 1e30).check("resistance", *ohms),
+            Self::Finite(resistance) => Bounds::new(1e-9, 1e30).check("resistance", *resistance),
             Self::Short | Self::Open => Ok(()),
         }
     }
@@ -28,7 +28,7 @@ impl<S: Scalar> Resistance<S> {
     pub(crate) fn identify(&self, fingerprint: &mut Fingerprint) {
         match self {
             Self::Short => fingerprint.count(0),
-            Self::Finite(ohms) => fingerprint.numbers(&[*ohms]),
+            Self::Finite(resistance) => fingerprint.numbers(&[*resistance]),
             Self::Open => fingerprint.count(1),
         }
     }
@@ -52,13 +52,13 @@ pub trait Load<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Resistor<S> {
     /// Load resistance in ohms.
-    pub ohms: S,
+    pub resistance: S,
 }
 
 impl<S: Scalar> Load<S> for Resistor<S> {
     #[inline]
     fn resistance(&self) -> Resistance<S> {
-        Resistance::Finite(self.ohms)
+        Resistance::Finite(self.resistance)
     }
 }
 
@@ -91,18 +91,18 @@ impl<S: Scalar> Load<S> for OpenCircuit {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AnyLoad<S> {
     /// Load resistance in ohms; 0 is a short circuit, infinity an open one.
-    pub ohms: S,
+    pub resistance: S,
 }
 
 impl<S: Scalar> Load<S> for AnyLoad<S> {
     #[inline]
     fn resistance(&self) -> Resistance<S> {
-        if self.ohms == S::ZERO {
+        if self.resistance == S::ZERO {
             Resistance::Short
-        } else if self.ohms == S::INFINITY {
+        } else if self.resistance == S::INFINITY {
             Resistance::Open
         } else {
-            Resistance::Finite(self.ohms)
+            Resistance::Finite(self.resistance)
         }
     }
 }

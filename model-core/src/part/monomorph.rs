@@ -94,8 +94,8 @@ mod tests {
             tip_mass: 0.0,
         };
         for (number, published) in [(1, 47.8), (2, 299.6)] {
-            let hertz = beam.mode(number).angular_frequency / core::f64::consts::TAU;
-            assert!((hertz - published).abs() < 0.05, "{number} {hertz}");
+            let frequency = beam.mode(number).angular_frequency / core::f64::consts::TAU;
+            assert!((frequency - published).abs() < 0.05, "{number} {frequency}");
         }
     }
 }

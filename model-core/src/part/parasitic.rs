@@ -12,7 +12,7 @@ pub(crate) trait Parasitic<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
     const PRESENT: bool;
 
     /// Capacitance in farads.
-    fn farads(&self) -> S;
+    fn capacitance(&self) -> S;
 }
 
 /// No parasitic capacitance: the equations contain no such term, and a step no division for it.
@@ -24,7 +24,7 @@ impl<S: Scalar> Parasitic<S> for NoParasitic {
     const PRESENT: bool = false;
 
     #[inline]
-    fn farads(&self) -> S {
+    fn capacitance(&self) -> S {
         S::ZERO
     }
 }
@@ -34,14 +34,14 @@ impl<S: Scalar> Parasitic<S> for NoParasitic {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ParasiticCapacitance<S> {
     /// Capacitance in farads.
-    pub farads: S,
+    pub capacitance: S,
 }
 
 impl<S: Scalar> Parasitic<S> for ParasiticCapacitance<S> {
     const PRESENT: bool = true;
 
     #[inline]
-    fn farads(&self) -> S {
-        self.farads
+    fn capacitance(&self) -> S {
+        self.capacitance
     }
 }

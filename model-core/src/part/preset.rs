@@ -186,7 +186,7 @@ impl<S: Scalar> Preset<S> {
     /// Resistance in Ω that takes the quiescent current of a locked-out part at its turn-on voltage; infinite
     /// without one.
     #[must_use]
-    pub fn leakage_ohms(&self) -> S {
+    pub fn leakage_resistance(&self) -> S {
         match self.lockout {
             Some(lockout) if self.quiescent_locked_out > S::ZERO => {
                 lockout.turn_on / self.quiescent_locked_out
@@ -195,26 +195,27 @@ impl<S: Scalar> Preset<S> {
         }
     }
 
-    /// Power in W that leaves the storage for a node that consumes `watts` while connected: through the converter,
+    /// Power in W that leaves the storage for a node that consumes `power` while connected: through the converter,
     /// and what the part takes more than in lock-out.
     #[must_use]
-    pub fn power_at_store(&self, watts: S) -> S {
+    pub fn power_at_store(&self, power: S) -> S {
         let more = self.quiescent_running - self.quiescent_locked_out;
         let own = self.lockout.map_or(S::ZERO, |lockout| lockout.turn_on * more);
-        watts / self.discharging_efficiency + own
+        power / self.discharging_efficiency + own
     }
 
-    /// The part's bridge into a storage of `farads` at `initial_voltage`, with `draw` as it is at the storage.
+    /// The part's bridge into a storage of `capacitance` at `initial_voltage`, with `draw` as it is at the storage.
     #[must_use]
-    pub fn bridge<D>(&self, farads: S, initial_voltage: S, draw: D) -> FullBridge<S, Capacitor<S, D>> {
-        let storage = Capacitor { farads, leakage_ohms: self.leakage_ohms(), initial_voltage, draw };
+    pub fn bridge<D>(&self, capacitance: S, initial_voltage: S, draw: D) -> FullBridge<S, Capacitor<S, D>> {
+        let storage =
+            Capacitor { capacitance, leakage_resistance: self.leakage_resistance(), initial_voltage, draw };
         FullBridge { diode_drop: self.diode_drop, storage }
     }
 
-    /// What a node that consumes `watts` draws from the storage; `None` for a part without thresholds.
+    /// What a node that consumes `power` draws from the storage; `None` for a part without thresholds.
     #[must_use]
-    pub fn node(&self, watts: S) -> Option<PowerDraw<S>> {
-        self.lockout.map(|lockout| PowerDraw { watts: self.power_at_store(watts), lockout })
+    pub fn node(&self, power: S) -> Option<PowerDraw<S>> {
+        self.lockout.map(|lockout| PowerDraw { power: self.power_at_store(power), lockout })
     }
 }
 
@@ -249,7 +250,7 @@ mod tests {
             close(storage.outflow(lockout.turn_on, false), preset.quiescent_locked_out);
             close(storage.outflow(lockout.turn_on, true), preset.quiescent_running);
         }
-        assert_eq!(Preset::<f64>::diodes().leakage_ohms(), f64::INFINITY);
+        assert_eq!(Preset::<f64>::diodes().leakage_resistance(), f64::INFINITY);
     }
 
     #[test]

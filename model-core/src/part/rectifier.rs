@@ -67,7 +67,7 @@ impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
         ]);
         // A draw shows itself in what it takes, at voltages at which it can be connected.
         let level = storage.lockout().map_or(S::ONE, |lockout| lockout.turn_on);
-        fingerprint.numbers(&[level, level + level].map(|volts| storage.drawn(volts)));
+        fingerprint.numbers(&[level, level + level].map(|voltage| storage.drawn(voltage)));
         if let Some(lockout) = storage.lockout() {
             fingerprint.numbers(&[lockout.turn_on, lockout.turn_off]);
         }

@@ -80,9 +80,9 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Capacitor<S, D> {
     /// Capacitance in F, 10⁻¹² to 10⁴.
-    pub farads: S,
+    pub capacitance: S,
     /// Leakage resistance in Ω, 10⁻³ or more; infinity is no leakage.
-    pub leakage_ohms: S,
+    pub leakage_resistance: S,
     /// Voltage in V at the start, 0 to 10⁶.
     pub initial_voltage: S,
     /// What the node draws.
@@ -95,12 +95,12 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
 
     #[inline]
     fn elastance(&self) -> S {
-        S::ONE / self.farads
+        S::ONE / self.capacitance
     }
 
     #[inline]
     fn capacitance(&self) -> S {
-        self.farads
+        self.capacitance
     }
 
     #[inline]
@@ -110,7 +110,7 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
 
     #[inline]
     fn leakage(&self, voltage: S) -> S {
-        voltage / self.leakage_ohms
+        voltage / self.leakage_resistance
     }
 
     #[inline]
@@ -120,7 +120,7 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
 
     #[inline]
     fn by_voltage(&self, voltage: S) -> [S; 2] {
-        [S::ONE / self.leakage_ohms, self.draw.current_by_voltage(voltage)]
+        [S::ONE / self.leakage_resistance, self.draw.current_by_voltage(voltage)]
     }
 
     #[inline]
@@ -130,13 +130,13 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
 
     #[inline]
     fn stored_energy(&self, voltage: S) -> S {
-        S::from_f64(0.5) * self.farads * voltage * voltage
+        S::from_f64(0.5) * self.capacitance * voltage * voltage
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(1e-12, 1e4).check("storage.farads", self.farads)?;
+        Bounds::new(1e-12, 1e4).check("storage.capacitance", self.capacitance)?;
         Bounds { lowest: S::from_f64(1e-3), highest: S::INFINITY }
-            .check("storage.leakage_ohms", self.leakage_ohms)?;
+            .check("storage.leakage_resistance", self.leakage_resistance)?;
         Bounds::new(0.0, HIGHEST_VOLTAGE).check("storage.initial_voltage", self.initial_voltage)?;
         self.draw.check()
     }
@@ -147,7 +147,7 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DcBus<S> {
     /// Voltage in V, 0 to 10⁶.
-    pub volts: S,
+    pub voltage: S,
 }
 
 impl<S: Scalar> StorageElement<S> for DcBus<S> {
@@ -166,7 +166,7 @@ impl<S: Scalar> StorageElement<S> for DcBus<S> {
 
     #[inline]
     fn initial_voltage(&self) -> S {
-        self.volts
+        self.voltage
     }
 
     #[inline]
@@ -195,7 +195,7 @@ impl<S: Scalar> StorageElement<S> for DcBus<S> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(0.0, HIGHEST_VOLTAGE).check("bus.volts", self.volts)
+        Bounds::new(0.0, HIGHEST_VOLTAGE).check("bus.voltage", self.voltage)
     }
 }
 
@@ -292,31 +292,39 @@ mod tests {
 
     #[test]
     fn what_leaves_is_leakage_and_what_is_connected() {
-        let draw = PowerDraw { watts: 6e-6_f64, lockout: Lockout { turn_on: 3.0, turn_off: 2.0 } };
-        let storage = Capacitor { farads: 1e-6, leakage_ohms: 1e6, initial_voltage: 2.5, draw };
+        let draw = PowerDraw { power: 6e-6_f64, lockout: Lockout { turn_on: 3.0, turn_off: 2.0 } };
+        let storage = Capacitor { capacitance: 1e-6, leakage_resistance: 1e6, initial_voltage: 2.5, draw };
         assert!(!storage.starts_connected());
         assert!((storage.outflow(2.0, false) - 2e-6).abs() < 1e-18);
         assert!((storage.outflow(2.0, true) - 5e-6).abs() < 1e-18);
         assert!((storage.outflow_by_voltage(2.0, true) + 0.5e-6).abs() < 1e-18);
-        let sealed = Capacitor { leakage_ohms: f64::INFINITY, draw: NoDraw, ..store_without_draw(&storage) };
+        let sealed =
+            Capacitor { leakage_resistance: f64::INFINITY, draw: NoDraw, ..store_without_draw(&storage) };
         assert_eq!((sealed.outflow(2.0, true), sealed.outflow_by_voltage(2.0, true)), (0.0, 0.0));
         assert!(sealed.starts_connected());
-        assert_eq!(DcBus { volts: 3.0 }.outflow(3.0, true), 0.0);
+        assert_eq!(DcBus { voltage: 3.0 }.outflow(3.0, true), 0.0);
     }
 
     fn store_without_draw(storage: &Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f64, NoDraw> {
-        let Capacitor { farads, leakage_ohms, initial_voltage, draw: _ } = *storage;
-        Capacitor { farads, leakage_ohms, initial_voltage, draw: NoDraw }
+        let Capacitor { capacitance, leakage_resistance, initial_voltage, draw: _ } = *storage;
+        Capacitor { capacitance, leakage_resistance, initial_voltage, draw: NoDraw }
     }
 
     #[test]
     fn parameters_out_of_bounds_are_named() {
-        let good = Capacitor { farads: 1e-6, leakage_ohms: 1e9, initial_voltage: 0.0, draw: NoDraw };
+        let good =
+            Capacitor { capacitance: 1e-6, leakage_resistance: 1e9, initial_voltage: 0.0, draw: NoDraw };
         let field = |storage: Capacitor<f64, NoDraw>| storage.check().err().map(|error| error.field);
         assert_eq!(field(good), None);
-        assert_eq!(field(Capacitor { farads: 0.0, ..good }), Some("storage.farads"));
-        assert_eq!(field(Capacitor { leakage_ohms: f64::NAN, ..good }), Some("storage.leakage_ohms"));
+        assert_eq!(field(Capacitor { capacitance: 0.0, ..good }), Some("storage.capacitance"));
+        assert_eq!(
+            field(Capacitor { leakage_resistance: f64::NAN, ..good }),
+            Some("storage.leakage_resistance")
+        );
         assert_eq!(field(Capacitor { initial_voltage: -1.0, ..good }), Some("storage.initial_voltage"));
-        assert_eq!(DcBus { volts: f64::INFINITY }.check().err().map(|error| error.field), Some("bus.volts"));
+        assert_eq!(
+            DcBus { voltage: f64::INFINITY }.check().err().map(|error| error.field),
+            Some("bus.voltage")
+        );
     }
 }

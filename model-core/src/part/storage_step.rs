@@ -53,14 +53,14 @@ impl<S: Scalar> StorageState<S> {
     }
 
     /// Its voltage is another, for what happens to it from outside.
-    pub(crate) fn put(&mut self, volts: S) {
-        (self.voltage, self.remainder) = (volts, S::ZERO);
+    pub(crate) fn put(&mut self, voltage: S) {
+        (self.voltage, self.remainder) = (voltage, S::ZERO);
     }
 
     /// Its voltage rises.
     #[inline]
-    pub(crate) fn rise(&mut self, volts: S) {
-        (self.voltage, self.remainder) = add_increment(self.voltage, self.remainder, volts);
+    pub(crate) fn rise(&mut self, increase: S) {
+        (self.voltage, self.remainder) = add_increment(self.voltage, self.remainder, increase);
     }
 
     /// Lets it leak and be drawn from for `seconds`; `elastance` is the storage's.
@@ -145,8 +145,8 @@ mod tests {
 
     const LOCKOUT: Lockout<f64> = Lockout { turn_on: 3.0, turn_off: 1.0 };
 
-    fn storage(leakage_ohms: f64, draw: AnyDraw<f64>) -> Capacitor<f64, AnyDraw<f64>> {
-        Capacitor { farads: 1e-6, leakage_ohms, initial_voltage: 3.5, draw }
+    fn storage(leakage_resistance: f64, draw: AnyDraw<f64>) -> Capacitor<f64, AnyDraw<f64>> {
+        Capacitor { capacitance: 1e-6, leakage_resistance, initial_voltage: 3.5, draw }
     }
 
     /// Voltage after `seconds` in `count` steps, and the account of them.
@@ -160,8 +160,8 @@ mod tests {
 
     #[test]
     fn affine_outflow_is_exact_in_a_step_of_any_length() {
-        let resistor = AnyDraw::Resistor(ResistiveDraw { ohms: 3e4, lockout: None });
-        let current = AnyDraw::Current(CurrentDraw { amperes: 2e-5, lockout: LOCKOUT });
+        let resistor = AnyDraw::Resistor(ResistiveDraw { resistance: 3e4, lockout: None });
+        let current = AnyDraw::Current(CurrentDraw { current: 2e-5, lockout: LOCKOUT });
         for seconds in [1e-6_f64, 1e-3, 0.02, 0.3] {
             for count in [1, 7] {
                 let decay = |ohms: f64| (-seconds / (ohms * 1e-6)).exp();
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn constant_power_is_taken_in_second_order() {
         let watts = 2e-5;
-        let storage = storage(f64::INFINITY, AnyDraw::Power(PowerDraw { watts, lockout: LOCKOUT }));
+        let storage = storage(f64::INFINITY, AnyDraw::Power(PowerDraw { power: watts, lockout: LOCKOUT }));
         // ½ C V² falls by P t.
         let exact = (3.5_f64 * 3.5 - 2.0 * watts * 0.1 / 1e-6).sqrt();
         let error = |count| (after(&storage, 0.1, count).0 - exact).abs();
@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn the_draw_is_connected_with_hysteresis() {
         let storage =
-            storage(f64::INFINITY, AnyDraw::Current(CurrentDraw { amperes: 1e-5, lockout: LOCKOUT }));
+            storage(f64::INFINITY, AnyDraw::Current(CurrentDraw { current: 1e-5, lockout: LOCKOUT }));
         let mut state = StorageState::of(&storage);
         let mut seen = Vec::new();
         for voltage in [3.5, 1.5, 1.0, 1.5, 2.9, 3.0, 1.1] {
@@ -209,11 +209,15 @@ mod tests {
         assert_eq!(seen, [true, true, false, false, false, true, true]);
         // A bus has nothing to switch, and a sealed storage keeps what it has.
         let mut account = StorageAccount::default();
-        let bus = DcBus { volts: 2.0 };
+        let bus = DcBus { voltage: 2.0 };
         let mut state = StorageState::of(&bus);
         state.drain(&bus, 0.0, 1.0, &mut account);
-        let sealed =
-            Capacitor { farads: 1e-6, leakage_ohms: f64::INFINITY, initial_voltage: 2.0, draw: NoDraw };
+        let sealed = Capacitor {
+            capacitance: 1e-6,
+            leakage_resistance: f64::INFINITY,
+            initial_voltage: 2.0,
+            draw: NoDraw,
+        };
         state.drain(&sealed, 1e6, 1.0, &mut account);
         assert_eq!((state.voltage, account), (2.0, StorageAccount::default()));
     }
@@ -231,8 +235,8 @@ mod tests {
     fn a_draw_that_empties_the_store_at_once_takes_what_there_was() {
         // The exponential of the growth of the current is beyond what single precision holds.
         let lockout = Lockout { turn_on: 0.9_f32, turn_off: 0.5 };
-        let draw = AnyDraw::Power(PowerDraw { watts: 5e-3, lockout });
-        let storage = Capacitor { farads: 1e-7, leakage_ohms: 1e9, initial_voltage: 1.0, draw };
+        let draw = AnyDraw::Power(PowerDraw { power: 5e-3, lockout });
+        let storage = Capacitor { capacitance: 1e-7, leakage_resistance: 1e9, initial_voltage: 1.0, draw };
         let (mut state, mut account) = (StorageState::of(&storage), StorageAccount::<f32>::default());
         state.drain(&storage, storage.elastance(), 3.9e-3, &mut account);
         assert_eq!(state.voltage, 0.0);

@@ -1,7 +1,7 @@
 //! Mean power without a trajectory: what a scene delivers in its regular regime under one sine.
 //!
-//! Each scene has a method `closed_form(amplitude, hertz)` that gives the mean power of the periodic motion
-//! which the base's acceleration `amplitude · sin(2π · hertz · t)` leads to from rest, in a bounded number of
+//! Each scene has a method `closed_form(amplitude, frequency)` that gives the mean power of the periodic motion
+//! which the base's acceleration `amplitude · sin(2π · frequency · t)` leads to from rest, in a bounded number of
 //! operations and without a state: a bump-stop beam that stays clear of its stop, exactly; a slider that never
 //! sticks and a plate that never touches, by harmonic balance. What the regime requires is checked with the
 //! result, and [`Validity`] says by how much it is met or missed.

@@ -81,8 +81,8 @@
 //! }
 //! .build()?;
 //! // A 1 µF storage behind diodes of 0.3 V, whose node draws 2 µW from 4.5 V on and down to 3 V.
-//! let draw = PowerDraw { watts: 2e-6, lockout: Lockout { turn_on: 4.5, turn_off: 3.0 } };
-//! let storage = Capacitor { farads: 1e-6, leakage_ohms: 1e9, initial_voltage: 0.0, draw };
+//! let draw = PowerDraw { power: 2e-6, lockout: Lockout { turn_on: 4.5, turn_off: 3.0 } };
+//! let storage = Capacitor { capacitance: 1e-6, leakage_resistance: 1e9, initial_voltage: 0.0, draw };
 //! let scene = Rectified::new(harvester, FullBridge { diode_drop: 0.3, storage })?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
 //! let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(1e-3)?);
@@ -151,12 +151,12 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// A harvester whose own load is not open, or a parameter of the bridge, of the storage or of its draw
     /// that is out of bounds.
     pub fn new(harvester: H, bridge: FullBridge<S, R>) -> Result<Self, ParameterError<S>> {
-        let ohms = match harvester.resistance() {
+        let resistance = match harvester.resistance() {
             Resistance::Short => S::ZERO,
-            Resistance::Finite(ohms) => ohms,
+            Resistance::Finite(resistance) => resistance,
             Resistance::Open => S::INFINITY,
         };
-        Bounds { lowest: S::INFINITY, highest: S::INFINITY }.check("resistance", ohms)?;
+        Bounds { lowest: S::INFINITY, highest: S::INFINITY }.check("resistance", resistance)?;
         bridge.check()?;
         let per_farad = bridge.storage.elastance();
         let elastance = harvester.coulombs() * per_farad;

@@ -29,7 +29,7 @@ pub(crate) type Contact<S> = contact::ContactSeparation<S, contact::AnyChoices<S
 pub(crate) type Slider<S> = sliding::Sliding<S, sliding::AnyChoices<S>>;
 
 /// The mass over a dielectric of Table 2.
-pub(crate) fn pad<S: Scalar>(ohms: f64, force_law: AnyForceLaw) -> Contact<S>
+pub(crate) fn pad<S: Scalar>(resistance: f64, force_law: AnyForceLaw) -> Contact<S>
 where
     Polynomial: Mathematics<S>,
 {
@@ -44,10 +44,10 @@ where
         relative_permittivity: number(2.0),
         charge_density: number(50e-6),
         choices: contact::Choices {
-            load: AnyLoad { ohms: number(ohms) },
+            load: AnyLoad { resistance: number(resistance) },
             restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: number(0.7) }),
             force_law,
-            parasitic: ParasiticCapacitance { farads: number(1e-12) },
+            parasitic: ParasiticCapacitance { capacitance: number(1e-12) },
             sticking: contact::StickCharge::Frozen,
         },
     }
@@ -56,18 +56,18 @@ where
 }
 
 /// The slider of Table 1, with the field's lateral force so that the ledger closes as a whole.
-pub(crate) fn slider<S: Scalar>(ohms: f64) -> Slider<S> {
+pub(crate) fn slider<S: Scalar>(resistance: f64) -> Slider<S> {
     let mut parameters = harvesters::sliding_parameters();
-    parameters.choices.load.ohms = S::from_f64(ohms);
+    parameters.choices.load.resistance = S::from_f64(resistance);
     parameters.choices.lateral_force = sliding::AnyLateralForce::Field;
     parameters.build().expect("in bounds")
 }
 
-pub(crate) fn storage<S: Scalar>(farads: f64, volts: f64) -> Capacitor<S, AnyDraw<S>> {
+pub(crate) fn storage<S: Scalar>(capacitance: f64, voltage: f64) -> Capacitor<S, AnyDraw<S>> {
     Capacitor {
-        farads: S::from_f64(farads),
-        leakage_ohms: S::from_f64(1e9),
-        initial_voltage: S::from_f64(volts),
+        capacitance: S::from_f64(capacitance),
+        leakage_resistance: S::from_f64(1e9),
+        initial_voltage: S::from_f64(voltage),
         draw: AnyDraw::None,
     }
 }
@@ -80,11 +80,11 @@ pub(crate) fn behind<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>>(
     Rectified::new(harvester, FullBridge { diode_drop: S::from_f64(drop), storage }).expect("in bounds")
 }
 
-pub(crate) fn sine<S: Scalar>(gravities: f64, hertz: f64) -> Sine<S>
+pub(crate) fn sine<S: Scalar>(gravities: f64, frequency: f64) -> Sine<S>
 where
     Polynomial: Mathematics<S>,
 {
-    Sine::new(S::from_f64(gravities * GRAVITY), S::from_f64(hertz), S::ZERO).expect("in bounds")
+    Sine::new(S::from_f64(gravities * GRAVITY), S::from_f64(frequency), S::ZERO).expect("in bounds")
 }
 
 pub(crate) fn fixed<S: Scalar>(seconds: f64) -> AnyStepControl<S> {

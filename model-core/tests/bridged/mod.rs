@@ -24,30 +24,35 @@ pub(crate) type Bridged<S> = AnyChoices<S, AnyBridge<S>>;
 pub(crate) use harvesters::bump_parameters_into as baseline;
 
 /// A storage without leakage: farads, volts at the start, what is drawn, volts of each diode.
-pub(crate) fn storage<S: Scalar>(farads: f64, volts: f64, draw: AnyDraw<S>, drop: f64) -> AnyBridge<S> {
+pub(crate) fn storage<S: Scalar>(
+    capacitance: f64,
+    voltage: f64,
+    draw: AnyDraw<S>,
+    drop: f64,
+) -> AnyBridge<S> {
     let number = S::from_f64;
     let storage = AnyStorage::Capacitor(Capacitor {
-        farads: number(farads),
-        leakage_ohms: S::INFINITY,
-        initial_voltage: number(volts),
+        capacitance: number(capacitance),
+        leakage_resistance: S::INFINITY,
+        initial_voltage: number(voltage),
         draw,
     });
     FullBridge { diode_drop: number(drop), storage }
 }
 
 /// A bus.
-pub(crate) fn bus(volts: f64, drop: f64) -> AnyBridge<f64> {
-    FullBridge { diode_drop: drop, storage: AnyStorage::DcBus(DcBus { volts }) }
+pub(crate) fn bus(voltage: f64, drop: f64) -> AnyBridge<f64> {
+    FullBridge { diode_drop: drop, storage: AnyStorage::DcBus(DcBus { voltage }) }
 }
 
 /// A resistor that is always connected.
-pub(crate) fn resistor<S: Scalar>(ohms: f64) -> AnyDraw<S> {
-    AnyDraw::Resistor(ResistiveDraw { ohms: S::from_f64(ohms), lockout: None })
+pub(crate) fn resistor<S: Scalar>(resistance: f64) -> AnyDraw<S> {
+    AnyDraw::Resistor(ResistiveDraw { resistance: S::from_f64(resistance), lockout: None })
 }
 
 /// 20 m/s² at a frequency in Hz.
-pub(crate) fn shaking<S: Scalar>(hertz: f64) -> Sine<S, S::Build> {
-    Sine::new(S::from_f64(20.0), S::from_f64(hertz), S::ZERO).expect("valid")
+pub(crate) fn shaking<S: Scalar>(frequency: f64) -> Sine<S, S::Build> {
+    Sine::new(S::from_f64(20.0), S::from_f64(frequency), S::ZERO).expect("valid")
 }
 
 pub(crate) fn seconds(seconds: f64) -> Instant {

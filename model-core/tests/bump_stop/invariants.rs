@@ -16,7 +16,7 @@ use super::setup::{Touches, baseline, seconds, shaking};
 fn energy_is_conserved_by_every_step_without_damping_and_load() {
     let mut parameters = baseline::<f64>();
     parameters.damping_ratio = 0.0;
-    parameters.choices.load.0.ohms = f64::INFINITY;
+    parameters.choices.load.0.resistance = f64::INFINITY;
     parameters.choices.stop.gap = 0.0;
     let scene = parameters.build::<6, 2>().expect("valid");
     for step in [1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
@@ -107,7 +107,7 @@ fn bits_do_not_depend_on_capacity_budget_or_run_time_choice() {
         piezo_d31: any.piezo_d31,
         piezo_permittivity: any.piezo_permittivity,
         damping_ratio: any.damping_ratio,
-        choices: Choices::new(Resistor { ohms: 1e6 }).stop(stop),
+        choices: Choices::new(Resistor { resistance: 1e6 }).stop(stop),
     };
     let excitation = shaking::<f32>();
     let exact = Stepper::new(fixed.build::<4, 1>().expect("valid"), 2e-6, 5e-5).expect("in bounds");
@@ -136,7 +136,7 @@ fn without_a_stop_nothing_of_it_is_there() {
 fn impacts_and_closed_contacts_make_no_energy() {
     let mut parameters = baseline::<f64>();
     parameters.damping_ratio = 0.0;
-    parameters.choices.load.0.ohms = f64::INFINITY;
+    parameters.choices.load.0.resistance = f64::INFINITY;
     parameters.choices.stop.gap = 0.0;
     struct Highest(f64);
     impl Observer<f64> for Highest {
@@ -217,7 +217,7 @@ fn parameters_out_of_bounds_and_starts_in_penetration_are_named() {
     assert_eq!(refused(|p| p.damping_ratio = 1.0), Some("damping_ratio"));
     assert_eq!(refused(|p| p.choices.stop.position = 0.06), Some("stop.position"));
     assert_eq!(refused(|p| p.choices.stop.gap = -1e-9), Some("stop.gap"));
-    assert_eq!(refused(|p| p.choices.load.0.ohms = -1.0), Some("resistance"));
+    assert_eq!(refused(|p| p.choices.load.0.resistance = -1.0), Some("resistance"));
     let modes = |beam, rod| baseline::<f64>().build_first::<2, 1>(beam, rod).err().map(|error| error.field);
     assert_eq!([modes(1, 0), modes(2, 1)], [None; 2]);
     assert_eq!([modes(0, 1), modes(3, 1)], [Some("beam_modes"); 2]);

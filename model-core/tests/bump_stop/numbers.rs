@@ -69,7 +69,7 @@ fn without_a_stop_the_steady_state_is_the_frequency_response() {
     // A small and a large resistance, six modes.
     for (ohms, volts) in [(1e3, 0.154_761_8), (45.41e3, 4.188_495)] {
         let mut parameters = without_stop();
-        parameters.choices.load.0.ohms = ohms;
+        parameters.choices.load.0.resistance = ohms;
         let stepper = Stepper::with_all_powers(parameters.build::<6, 0>().expect("valid"), 5e-6, 5e-6)
             .expect("in bounds");
         close(measured(&stepper, &shaking(), 2.0, 2.5).voltage().magnitude(), volts, 3e-5);

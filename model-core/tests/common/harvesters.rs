@@ -27,7 +27,7 @@ pub(crate) fn contact_parameters<S: Scalar>() -> contact_separation::Parameters<
         relative_permittivity: number(2.0),
         charge_density: number(50e-6),
         choices: contact_separation::Choices {
-            load: AnyLoad { ohms: number(1e8) },
+            load: AnyLoad { resistance: number(1e8) },
             restitution: AnyRestitution::VelocityDependent(VelocityDependentRestitution {
                 at_rest: number(0.8),
                 at_speed: number(0.5),
@@ -35,7 +35,7 @@ pub(crate) fn contact_parameters<S: Scalar>() -> contact_separation::Parameters<
                 mathematics: PhantomData,
             }),
             force_law: contact_separation::AnyForceLaw::TransferredCharge,
-            parasitic: ParasiticCapacitance { farads: number(1e-12) },
+            parasitic: ParasiticCapacitance { capacitance: number(1e-12) },
             sticking: contact_separation::StickCharge::Frozen,
         },
     }
@@ -60,7 +60,7 @@ pub(crate) fn sliding_parameters<S: Scalar>() -> sliding::Parameters<S, sliding:
         relative_permittivity: number(2.0),
         charge_density: number(80e-6),
         choices: sliding::Choices {
-            load: AnyLoad { ohms: number(1e8) },
+            load: AnyLoad { resistance: number(1e8) },
             friction: sliding::PatchFriction {
                 static_active: number(0.35),
                 static_inert: number(0.25),
@@ -81,7 +81,7 @@ pub(crate) fn slide<S: Scalar>() -> Slide<S> {
 /// 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A against an aluminium rod of 20 × 2 × 2 mm, 10 µm from its
 /// tip, into 1 MΩ.
 pub(crate) fn bump_parameters<S: Scalar>() -> bump_stop::Parameters<S, bump_stop::AnyChoices<S>> {
-    bump_parameters_into(bump_stop::Resistive(AnyLoad { ohms: S::from_f64(1e6) }))
+    bump_parameters_into(bump_stop::Resistive(AnyLoad { resistance: S::from_f64(1e6) }))
 }
 
 /// The same into any load.
@@ -124,9 +124,9 @@ pub(crate) fn bump<S: Scalar, const B: usize, const R: usize>(
     bump_stop::Stepper::new(scene, S::from_f64(9e-6), S::from_f64(80e-6)).expect("in bounds")
 }
 
-/// `amplitude · sin(2π · hertz · n / rate)` for each sample `n`, rounded once.
-pub(crate) fn sine_samples<S: Scalar>(amplitude: f64, hertz: f64, rate: f64, count: u32) -> Vec<S> {
+/// `amplitude · sin(2π · frequency · n / rate)` for each sample `n`, rounded once.
+pub(crate) fn sine_samples<S: Scalar>(amplitude: f64, frequency: f64, rate: f64, count: u32) -> Vec<S> {
     let sample =
-        |n: u32| S::from_f64(amplitude * (core::f64::consts::TAU * hertz * f64::from(n) / rate).sin());
+        |n: u32| S::from_f64(amplitude * (core::f64::consts::TAU * frequency * f64::from(n) / rate).sin());
     (0..count).map(sample).collect()
 }

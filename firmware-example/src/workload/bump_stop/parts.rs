@@ -5,7 +5,7 @@ use model_core::part::monomorph::Layer;
 use model_core::scene::bump_stop::{Choices, Parameters, ResidualFlexibility, Resistive, Stop};
 
 /// The load of the default scene.
-pub const LOAD: Resistor<f32> = Resistor { ohms: 1e6 };
+pub const LOAD: Resistor<f32> = Resistor { resistance: 1e6 };
 /// Distance of beam and rod at rest in the default scene, in m.
 pub const GAP: f32 = 10e-6;
 

@@ -8,9 +8,9 @@ use model_core::part::restitution::{ConstantRestitution, VelocityDependentRestit
 use model_core::scene::contact_separation::{Choices, Parameters, TransferredCharge};
 
 /// The load of the default scene.
-pub const LOAD: Resistor<f32> = Resistor { ohms: 1e8 };
+pub const LOAD: Resistor<f32> = Resistor { resistance: 1e8 };
 /// Its parasitic capacitance.
-pub const PARASITIC: ParasiticCapacitance<f32> = ParasiticCapacitance { farads: 1e-12 };
+pub const PARASITIC: ParasiticCapacitance<f32> = ParasiticCapacitance { capacitance: 1e-12 };
 /// Its law of restitution.
 pub const LAW_OF_SPEED: VelocityDependentRestitution<f32> = VelocityDependentRestitution {
     at_rest: 0.8,

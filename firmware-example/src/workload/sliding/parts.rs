@@ -4,7 +4,7 @@ use model_core::part::load::Resistor;
 use model_core::scene::sliding::{Choices, Parameters, PatchFriction, TransferredCharge};
 
 /// The load of the default scene.
-pub const LOAD: Resistor<f32> = Resistor { ohms: 1e8 };
+pub const LOAD: Resistor<f32> = Resistor { resistance: 1e8 };
 /// Its friction.
 pub const FRICTION: PatchFriction<f32> =
     PatchFriction { static_active: 0.35, static_inert: 0.25, kinetic_active: 0.30, kinetic_inert: 0.20 };

@@ -66,7 +66,7 @@ impl Coupling for AnyCoupling {
 /// use model_core::part::load::Resistor;
 /// use model_core::scene::bump_stop::{Choices, ResidualFlexibility, Stop};
 ///
-/// let free_beam = Choices::new(Resistor { ohms: 1e6_f32 });
+/// let free_beam = Choices::new(Resistor { resistance: 1e6_f32 });
 /// let with_a_stop = free_beam.stop(Stop {
 ///     length: 20e-3,
 ///     section: 4e-6,

@@ -255,8 +255,8 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
         account.delivered
     }
 
-    fn set_storage_voltage(state: &mut StorageState<S>, volts: S) {
-        state.put(volts);
+    fn set_storage_voltage(state: &mut StorageState<S>, voltage: S) {
+        state.put(voltage);
     }
 
     fn identify(&self, fingerprint: &mut Fingerprint) {

@@ -31,15 +31,15 @@ pub(super) struct Response<S> {
 }
 
 impl<S: Scalar, P: Parts<S, Load: Load<S>>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Mean power under the base acceleration `amplitude · sin(2π · hertz · t)`, in m/s² and Hz, of the motion
+    /// Mean power under the base acceleration `amplitude · sin(2π · frequency · t)`, in m/s² and Hz, of the motion
     /// that does not reach the stop: exact, for any resistance, in the one-way and in the two-way model.
     ///
     /// Some 50 multiplications and one division per beam mode, 10 and one per rod mode. The amplitude is
     /// that of the tip. Above the first mode a motion with contact may exist beside this one; where the
     /// transient from rest, of up to twice the amplitude, reaches the stop, it is not claimed to hold.
     #[must_use]
-    pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
-        self.closed_form_into(Load::resistance(&self.load), amplitude, hertz)
+    pub fn closed_form(&self, amplitude: S, frequency: S) -> ClosedForm<S> {
+        self.closed_form_into(Load::resistance(&self.load), amplitude, frequency)
     }
 }
 
@@ -49,16 +49,16 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         &self,
         resistance: Resistance<S>,
         amplitude: S,
-        hertz: S,
+        frequency: S,
     ) -> ClosedForm<S> {
-        let response = self.response(hertz);
+        let response = self.response(frequency);
         let by_base = response.charge_by_base.scaled(amplitude * self.elastance);
         let unloaded = Complex::new(S::ONE, S::ZERO) - response.charge_by_voltage.scaled(self.elastance);
         let (voltage, conductance) = match resistance {
             Resistance::Short => (Complex::ZERO, S::ZERO),
             Resistance::Open => (by_base * unloaded.inverse(), S::ZERO),
-            Resistance::Finite(ohms) => {
-                let ratio = response.angular_frequency * ohms * self.capacitance;
+            Resistance::Finite(resistance) => {
+                let ratio = response.angular_frequency * resistance * self.capacitance;
                 // Divided by the larger of the two admittances, so that neither end overflows.
                 let voltage = if ratio < S::ONE {
                     let loaded = Complex::new(S::ONE, S::ZERO) + times_j(unloaded.scaled(ratio));
@@ -66,7 +66,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
                 } else {
                     by_base * (unloaded - Complex::new(S::ZERO, S::ONE / ratio)).inverse()
                 };
-                (voltage, S::ONE / ohms)
+                (voltage, S::ONE / resistance)
             }
         };
         let mean_square = S::from_f64(0.5) * voltage.square();
@@ -101,8 +101,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 
     /// The sums over the modes at a frequency in Hz.
-    pub(super) fn response(&self, hertz: S) -> Response<S> {
-        let angular_frequency = hertz * S::from_f64(core::f64::consts::TAU);
+    pub(super) fn response(&self, frequency: S) -> Response<S> {
+        let angular_frequency = frequency * S::from_f64(core::f64::consts::TAU);
         let back = if self.coupling.is_two_way() { S::ONE } else { S::ZERO };
         let zero = Complex::ZERO;
         let mut response = Response {

@@ -20,7 +20,7 @@ const TURNS: u32 = 8;
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Mean power into a bus of constant voltage behind a full bridge, under the base acceleration
-    /// `amplitude · sin(2π · hertz · t)`: the motion is that of the short circuit, which is exact in the
+    /// `amplitude · sin(2π · frequency · t)`: the motion is that of the short circuit, which is exact in the
     /// one-way model and an approximation for weak coupling in the other,
     /// `P = 4 f C_p V_dc (V_oc − V_dc − 2 V_D)` with `V_oc = |Q|/C_p`, and nothing where the bridge blocks.
     ///
@@ -30,11 +30,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     pub fn closed_form_into_bus(
         &self,
         amplitude: S,
-        hertz: S,
+        frequency: S,
         bus_voltage: S,
         diode_drop: S,
     ) -> ClosedForm<S> {
-        let response = self.response(hertz);
+        let response = self.response(frequency);
         let amplitude = amplitude.abs();
         let open = response.charge_by_base.magnitude() * amplitude * self.elastance;
         let bridge = bus_voltage + diode_drop + diode_drop;
@@ -46,7 +46,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         } else {
             coupling * S::from_f64(1.0 / WEAK)
         };
-        let power = S::from_f64(4.0) * hertz * self.capacitance * bus_voltage * swing.max(S::ZERO);
+        let power = S::from_f64(4.0) * frequency * self.capacitance * bus_voltage * swing.max(S::ZERO);
         let [reaches, in_transient] = self.clearance(&response, amplitude, Complex::ZERO);
         ClosedForm {
             mean_power: power,
@@ -57,7 +57,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 
     /// Mean power in a resistance across a large storage behind a full bridge, in its steady state, under the
-    /// base acceleration `amplitude · sin(2π · hertz · t)`: Shu and Lien 2006 for a motion of one harmonic
+    /// base acceleration `amplitude · sin(2π · frequency · t)`: Shu and Lien 2006 for a motion of one harmonic
     /// with the voltage acting back on it, all modes of the beam and the diodes' drop taken along.
     ///
     /// `V_dc = ω R (|Q| − 2 C_p V_D)/(ω C_p R + π/2)`. Where the beam turns round the voltage is `V_b`, and over
@@ -68,11 +68,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     pub fn closed_form_into_store(
         &self,
         amplitude: S,
-        hertz: S,
+        frequency: S,
         resistance: S,
         diode_drop: S,
     ) -> ClosedForm<S> {
-        let response = self.response(hertz);
+        let response = self.response(frequency);
         let two = S::from_f64(2.0);
         let omega = response.angular_frequency;
         let by_base = response.charge_by_base.scaled(amplitude);

@@ -256,10 +256,10 @@ mod tests {
             relative_permittivity: 2.0,
             charge_density,
             choices: Choices {
-                load: AnyLoad { ohms: 1e8 },
+                load: AnyLoad { resistance: 1e8 },
                 restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: 0.5 }),
                 force_law: AnyForceLaw::GapField,
-                parasitic: ParasiticCapacitance { farads: 1e-12 },
+                parasitic: ParasiticCapacitance { capacitance: 1e-12 },
                 sticking: StickCharge::Frozen,
             },
         }
@@ -311,14 +311,14 @@ mod tests {
         assert_eq!(refused(|p| p.dielectric_thickness = 1.0), Some("dielectric_thickness"));
         assert_eq!(refused(|p| p.relative_permittivity = 0.5), Some("relative_permittivity"));
         assert_eq!(refused(|p| p.charge_density = -5e-5), Some("charge_density"));
-        assert_eq!(refused(|p| p.choices.parasitic.farads = -1e-12), Some("parasitic_capacitance"));
-        assert_eq!(refused(|p| p.choices.load.ohms = -1.0), Some("resistance"));
+        assert_eq!(refused(|p| p.choices.parasitic.capacitance = -1e-12), Some("parasitic_capacitance"));
+        assert_eq!(refused(|p| p.choices.load.resistance = -1.0), Some("resistance"));
         let elastic = |p: &mut Parameters<f64, AnyChoices<f64>>| {
             p.choices.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: 1.1 });
         };
         assert_eq!(refused(elastic), Some("restitution.coefficient"));
         let slow = |p: &mut Parameters<f64, AnyChoices<f64>>| (p.mass, p.stiffness) = (1e3, 1e-9);
         assert_eq!(refused(slow), Some("natural frequency sqrt(stiffness / mass) / (2 pi)"));
-        assert_eq!(refused(|p| p.choices.load.ohms = f64::INFINITY), None);
+        assert_eq!(refused(|p| p.choices.load.resistance = f64::INFINITY), None);
     }
 }

@@ -18,9 +18,9 @@ use crate::scalar::{Polynomial, Scalar};
 /// use model_core::part::restitution::ConstantRestitution;
 /// use model_core::scene::contact_separation::{Choices, TransferredCharge};
 ///
-/// let choices = Choices::new(Resistor { ohms: 1e8_f32 }, ConstantRestitution { coefficient: 0.75 })
+/// let choices = Choices::new(Resistor { resistance: 1e8_f32 }, ConstantRestitution { coefficient: 0.75 })
 ///     .force_law(TransferredCharge)
-///     .parasitic(ParasiticCapacitance { farads: 1e-12 });
+///     .parasitic(ParasiticCapacitance { capacitance: 1e-12 });
 /// ```
 ///
 /// A part of the wrong kind is refused where the parameters are built, with what to write instead: a bridge is
@@ -31,7 +31,7 @@ use crate::scalar::{Polynomial, Scalar};
 /// # use model_core::part::restitution::ConstantRestitution;
 /// # use model_core::part::storage::DcBus;
 /// # use model_core::scene::contact_separation::{Choices, Parameters};
-/// let bridge = FullBridge { diode_drop: 0.3, storage: DcBus { volts: 3.0 } };
+/// let bridge = FullBridge { diode_drop: 0.3, storage: DcBus { voltage: 3.0 } };
 /// let scene = Parameters {
 ///     mass: 5e-3,
 ///     stiffness: 80.0,

@@ -81,7 +81,7 @@ struct Motion<S> {
 }
 
 impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
-    /// Mean power under the base acceleration `amplitude · sin(2π · hertz · t)`, in m/s² and Hz, of the motion
+    /// Mean power under the base acceleration `amplitude · sin(2π · frequency · t)`, in m/s² and Hz, of the motion
     /// that does not reach the dielectric.
     ///
     /// Up to a dozen attempts at the amplitude, most often two or three, of some 750 additions and
@@ -89,8 +89,8 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// impacts exists beside this one; where the transient from rest, of up to twice the amplitude, reaches the
     /// dielectric, it is not claimed to hold.
     #[must_use]
-    pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
-        let omega = hertz * S::from_f64(core::f64::consts::TAU);
+    pub fn closed_form(&self, amplitude: S, frequency: S) -> ClosedForm<S> {
+        let omega = frequency * S::from_f64(core::f64::consts::TAU);
         let (motion, follows, rest) = self.motion(amplitude.abs(), omega);
         let reach = motion.amplitude / motion.mean.max(S::TINY);
         let in_transient = if follows { S::ZERO } else { reach + reach };
@@ -281,7 +281,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         match self.load.resistance() {
             Resistance::Short => (S::ZERO, S::ZERO),
             Resistance::Open => (S::ZERO, self.open_voltage(motion, omega)),
-            Resistance::Finite(ohms) => {
+            Resistance::Finite(resistance) => {
                 let harmonics = self.opposite_charge::<HARMONICS>(motion, omega);
                 let mut sum = S::ZERO;
                 for (number, harmonic) in harmonics.iter().enumerate() {
@@ -290,7 +290,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
                 }
                 let current = omega * self.charge_unit;
                 let square = (sum + sum) * current * current;
-                (square * ohms, square.sqrt() * ohms)
+                (square * resistance, square.sqrt() * resistance)
             }
         }
     }

@@ -86,9 +86,9 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             return (S::ZERO, S::ZERO);
         }
         match self.load.resistance() {
-            Resistance::Finite(ohms) => {
+            Resistance::Finite(resistance) => {
                 let current = self.charge_unit * rate[CHARGE];
-                (ohms * current, current)
+                (resistance * current, current)
             }
             Resistance::Short => {
                 let circuit = self.circuit(state[GAP], state[CHARGE]);

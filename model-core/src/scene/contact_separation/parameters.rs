@@ -48,14 +48,14 @@ impl<S: Scalar, C> Parameters<S, C> {
         let two = S::from_f64(2.0);
         let stiffness_per_mass = self.stiffness / self.mass;
         let angular_frequency = stiffness_per_mass.sqrt();
-        let hertz = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
-        Bounds::new(1e-3, 1e4).check("natural frequency sqrt(stiffness / mass) / (2 pi)", hertz)?;
+        let frequency = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
+        Bounds::new(1e-3, 1e4).check("natural frequency sqrt(stiffness / mass) / (2 pi)", frequency)?;
         let permittivity_area = S::from_f64(VACUUM_PERMITTIVITY) * self.electrode_area;
         let charge_unit = (two * permittivity_area * self.mass).sqrt();
         let tribo_charge = self.charge_density * self.electrode_area / charge_unit;
         let dielectric = self.dielectric_thickness / self.relative_permittivity;
         let circuit_rate = match load.resistance() {
-            Resistance::Finite(ohms) => S::ONE / ohms / permittivity_area,
+            Resistance::Finite(resistance) => S::ONE / resistance / permittivity_area,
             Resistance::Short | Resistance::Open => S::ZERO,
         };
         // The most a cycle can deliver is the energy of the charged dielectric, (σS)² d_e / (2 ε0 S),
@@ -82,7 +82,7 @@ impl<S: Scalar, C> Parameters<S, C> {
             permittivity_area,
             tribo_charge,
             per_tribo_charge: S::ONE / tribo_charge.max(S::from_f64(1e-12)),
-            parasitic: parasitic.farads() / permittivity_area,
+            parasitic: parasitic.capacitance() / permittivity_area,
             circuit_rate,
             field: charge_unit / permittivity_area,
             stick_speed: S::from_f64(1e-4) * angular_frequency * self.initial_gap,
@@ -116,7 +116,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         Bounds::new(1e-9, 0.1).check("dielectric_thickness", self.dielectric_thickness)?;
         Bounds::new(1.0, 1e5).check("relative_permittivity", self.relative_permittivity)?;
         Bounds::new(0.0, 1e-2).check("charge_density", self.charge_density)?;
-        Bounds::new(0.0, 1e-3).check("parasitic_capacitance", parasitic.farads())?;
+        Bounds::new(0.0, 1e-3).check("parasitic_capacitance", parasitic.capacitance())?;
         load.resistance().check()?;
         restitution
             .parameters()

@@ -36,22 +36,22 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Flow<'_, S, H, R, H:
         let scene = self.scene;
         let (at, own) = self.parts(state);
         let storage = &scene.bridge.storage;
-        let volts = at.storage_voltage;
+        let voltage = at.storage_voltage;
         let mut powers = scene.harvester.all_powers(self.mode.inner, &own, acceleration);
         if self.mode.regime != BridgeRegime::Blocked {
             let sign: S = self.mode.regime.sign();
             let current = scene.harvester.coulombs() * at.rectified(sign, state[VELOCITY]);
-            let threshold = scene.bridge.threshold(volts);
+            let threshold = scene.bridge.threshold(voltage);
             let drop = scene.bridge.diode_drop;
-            powers[PowerIndex::Load as usize] = volts * current;
+            powers[PowerIndex::Load as usize] = voltage * current;
             powers[PowerIndex::VoltageSquared as usize] = threshold * threshold;
             powers[PowerIndex::Voltage as usize] = sign * threshold;
             powers[PowerIndex::CurrentMagnitude as usize] = current.abs();
             powers[PowerIndex::Diodes as usize] = (drop + drop) * current;
         }
-        powers[PowerIndex::Leakage as usize] = volts * storage.leakage(volts);
+        powers[PowerIndex::Leakage as usize] = voltage * storage.leakage(voltage);
         powers[PowerIndex::Draw as usize] =
-            if self.mode.connected { volts * storage.drawn(volts) } else { S::ZERO };
+            if self.mode.connected { voltage * storage.drawn(voltage) } else { S::ZERO };
         powers
     }
 }

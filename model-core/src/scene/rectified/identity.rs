@@ -49,7 +49,7 @@ where
     fn set_storage_voltage(
         &self,
         state: &mut HybridState<S, ModeOf<S, H>, STATES, POWERS>,
-        volts: S,
+        voltage: S,
         acceleration: S,
     ) {
         // Conduction ends, its charge taken up; where the storage is now below the harvester, the event that is
@@ -57,7 +57,7 @@ where
         let Point { state: mut now, mut remainder, .. } = state.point;
         let passed = self.electrics(state.mode, &now).charge - now[CHARGE];
         (now[CHARGE], remainder[CHARGE]) = add_increment(now[CHARGE], remainder[CHARGE], passed);
-        (now[STORAGE], remainder[STORAGE]) = (volts, S::ZERO);
+        (now[STORAGE], remainder[STORAGE]) = (voltage, S::ZERO);
         state.mode.regime = BridgeRegime::Blocked;
         state.point =
             Point { remainder, ..Point::at(&Flow { scene: self, mode: state.mode }, now, acceleration) };

@@ -331,7 +331,7 @@ mod tests {
             relative_permittivity: 2.0,
             charge_density: 80e-6,
             choices: Choices {
-                load: AnyLoad { ohms: 1e8 },
+                load: AnyLoad { resistance: 1e8 },
                 friction: PatchFriction {
                     static_active: 0.35,
                     static_inert: 0.25,
@@ -381,9 +381,9 @@ mod tests {
 
     #[test]
     fn after_every_event_the_slider_accelerates_the_way_it_goes() {
-        for (amplitude, hertz) in [(0.30, 6.0), (0.28, 14.0), (0.36, 18.373), (0.26, 3.0)] {
+        for (amplitude, frequency) in [(0.30, 6.0), (0.28, 14.0), (0.36, 18.373), (0.26, 3.0)] {
             let scene = parameters().build().expect("in bounds");
-            let sine = Sine::<f64>::new(amplitude * 9.81, hertz, 0.0).expect("valid");
+            let sine = Sine::<f64>::new(amplitude * 9.81, frequency, 0.0).expect("valid");
             let driver = Driver {
                 pause_at_events: true,
                 ..Driver::new(TrBdf2, Adaptive::new(1e-4).expect("in bounds"))
@@ -399,7 +399,10 @@ mod tests {
                 {
                     let along = if forward { 1.0 } else { -1.0 };
                     let pull = 0.01 * 9.81;
-                    assert!(along * state.point.derivative[VELOCITY] > -1e-9 * pull, "{amplitude} {hertz}");
+                    assert!(
+                        along * state.point.derivative[VELOCITY] > -1e-9 * pull,
+                        "{amplitude} {frequency}"
+                    );
                 }
             }
         }
@@ -417,7 +420,7 @@ mod tests {
         assert_eq!(refused(|p| p.slider_mass = 0.0), Some("slider_mass"));
         assert_eq!(refused(|p| p.choices.friction.kinetic_inert = 0.3), Some("kinetic_friction_inert"));
         assert_eq!(refused(|p| p.charge_density = -1e-6), Some("charge_density"));
-        assert_eq!(refused(|p| p.choices.load.ohms = -1.0), Some("resistance"));
+        assert_eq!(refused(|p| p.choices.load.resistance = -1.0), Some("resistance"));
         let stiff =
             |p: &mut Parameters<f64, AnyChoices<f64>>| (p.beam_length, p.beam_thickness) = (1e-3, 1e-2);
         assert_eq!(refused(stiff), Some("natural frequency of the beam with the slider"));

@@ -18,7 +18,7 @@ use crate::scalar::Scalar;
 ///
 /// let friction =
 ///     PatchFriction { static_active: 0.35, static_inert: 0.25, kinetic_active: 0.30, kinetic_inert: 0.20 };
-/// let choices = Choices::new(Resistor { ohms: 1e8_f32 }, friction).force_law(TransferredCharge);
+/// let choices = Choices::new(Resistor { resistance: 1e8_f32 }, friction).force_law(TransferredCharge);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -100,15 +100,15 @@ struct Demand<S> {
 }
 
 impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
-    /// Mean power under the base acceleration `amplitude · sin(2π · hertz · t)`, in m/s² and Hz, of the motion
+    /// Mean power under the base acceleration `amplitude · sin(2π · frequency · t)`, in m/s² and Hz, of the motion
     /// without sticks that stays on the active patch; nothing, exactly, where static friction holds the
     /// slider from the start.
     ///
     /// Up to a dozen attempts at the amplitude, most often two or three, of some 1700 additions and
     /// multiplications and 60 divisions each. With the load open the charge is that of the slider at the centre.
     #[must_use]
-    pub fn closed_form(&self, amplitude: S, hertz: S) -> ClosedForm<S> {
-        let omega = hertz * S::from_f64(core::f64::consts::TAU);
+    pub fn closed_form(&self, amplitude: S, frequency: S) -> ClosedForm<S> {
+        let omega = frequency * S::from_f64(core::f64::consts::TAU);
         let drive = self.base_coupling * amplitude.abs();
         let at_rest = self.circuit(true, S::ZERO, S::ZERO);
         let held = ratio(drive, self.static_friction(&at_rest)[0]);
@@ -309,10 +309,10 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     fn electrical(&self, amplitude: S, current_square: S, omega: S) -> (S, S) {
         match self.load.resistance() {
             Resistance::Short => (S::ZERO, S::ZERO),
-            Resistance::Finite(ohms) => {
+            Resistance::Finite(resistance) => {
                 let current = omega * self.charge_unit;
                 let square = current_square * current * current;
-                (square * ohms, square.sqrt() * ohms)
+                (square * resistance, square.sqrt() * resistance)
             }
             Resistance::Open => {
                 // Mean of the square by Simpson's rule over a quarter of a turn, step by step.

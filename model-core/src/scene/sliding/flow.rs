@@ -181,9 +181,9 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         let [displacement, velocity, charge] = *state;
         let ahead = mode.is_ahead(displacement);
         match self.load.resistance() {
-            Resistance::Finite(ohms) => {
+            Resistance::Finite(resistance) => {
                 let current = self.charge_unit * rate[CHARGE];
-                (ohms * current, current)
+                (resistance * current, current)
             }
             Resistance::Short => {
                 (S::ZERO, self.charge_unit * self.following_current(ahead, displacement, velocity))
@@ -382,14 +382,14 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     #[inline(always)]
     fn rounding_energy(&self, state: &[S; STATES], rate: &[S; STATES], step: S) -> S {
         let scene = self.scene;
-        let Resistance::Finite(ohms) = scene.load.resistance() else { return S::ZERO };
+        let Resistance::Finite(resistance) = scene.load.resistance() else { return S::ZERO };
         let [displacement, _, charge] = *state;
         let overlap = scene.overlap(self.mode.is_ahead(displacement), displacement);
         let stiffness = step * self.circuit_rate();
         let share = stiffness / (overlap.active + stiffness);
         let rounding = S::EPSILON * S::from_f64(ROUNDINGS) * charge.abs() * share;
         let current = rate[CHARGE].abs();
-        ohms * scene.charge_unit * scene.charge_unit * (current + current + rounding / step) * rounding
+        resistance * scene.charge_unit * scene.charge_unit * (current + current + rounding / step) * rounding
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the

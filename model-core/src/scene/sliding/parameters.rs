@@ -63,8 +63,8 @@ impl<S: Scalar, C> Parameters<S, C> {
         }
         .mode(1);
         let angular_frequency = mode.angular_frequency;
-        let hertz = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
-        Bounds::new(1e-3, 1e4).check("natural frequency of the beam with the slider", hertz)?;
+        let frequency = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
+        Bounds::new(1e-3, 1e4).check("natural frequency of the beam with the slider", frequency)?;
         let tip = mode.shape(S::ONE).value;
         let modal_mass = S::ONE / (tip * tip);
         let area = S::from_f64(core::f64::consts::PI) * self.patch_radius * self.patch_radius;
@@ -73,7 +73,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         let tribo_charge = self.charge_density * area / charge_unit;
         let elastance = self.dielectric_thickness / permittivity_area;
         let circuit_rate = match load.resistance() {
-            Resistance::Finite(ohms) => elastance / ohms,
+            Resistance::Finite(resistance) => elastance / resistance,
             Resistance::Short | Resistance::Open => S::ZERO,
         };
         let diameter = two * self.patch_radius;

@@ -7,7 +7,7 @@ use crate::scene::bump_stop::{AnyChoices, AnyContact, AnyCoupling, Choices, Para
 
 /// The baseline: 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A against an aluminium rod of 20 × 2 × 2 mm,
 /// 10 µm from its tip.
-fn baseline<S: Scalar>(coupling: AnyCoupling, ohms: f64) -> Parameters<S, AnyChoices<S>> {
+fn baseline<S: Scalar>(coupling: AnyCoupling, resistance: f64) -> Parameters<S, AnyChoices<S>> {
     let number = S::from_f64;
     Parameters {
         beam_length: number(0.05),
@@ -17,7 +17,7 @@ fn baseline<S: Scalar>(coupling: AnyCoupling, ohms: f64) -> Parameters<S, AnyCho
         piezo_d31: number(-190e-12),
         piezo_permittivity: number(15.93e-9),
         damping_ratio: number(0.01),
-        choices: Choices::new(AnyLoad { ohms: number(ohms) }).coupling(coupling).stop(Stop {
+        choices: Choices::new(AnyLoad { resistance: number(resistance) }).coupling(coupling).stop(Stop {
             length: number(0.02),
             section: number(4e-6),
             young_modulus: number(70e9),
@@ -30,8 +30,8 @@ fn baseline<S: Scalar>(coupling: AnyCoupling, ohms: f64) -> Parameters<S, AnyCho
     }
 }
 
-fn free<const B: usize>(coupling: AnyCoupling, ohms: f64) -> BumpStop<f64, AnyChoices<f64>, B, 0> {
-    baseline(coupling, ohms).build().expect("valid")
+fn free<const B: usize>(coupling: AnyCoupling, resistance: f64) -> BumpStop<f64, AnyChoices<f64>, B, 0> {
+    baseline(coupling, resistance).build().expect("valid")
 }
 
 fn close(value: f64, expected: f64, relative: f64) {
@@ -44,17 +44,17 @@ const ONE_WAY: AnyCoupling = AnyCoupling::OneWay;
 #[test]
 fn voltage_tip_and_power_are_the_published_ones() {
     // Ten modes at 20 m/s², 220 Hz, 1 MΩ: voltage in V, tip in µm, power in µW.
-    for (coupling, volts, tip, power) in
+    for (coupling, voltage, tip, power) in
         [(TWO_WAY, 5.298_981, 66.9337, 14.0396), (ONE_WAY, 7.029_422, 86.8043, 24.7064)]
     {
         let found = free::<10>(coupling, 1e6).closed_form(20.0, 220.0);
-        close(found.rms_voltage * 2f64.sqrt(), volts, 2e-7);
+        close(found.rms_voltage * 2f64.sqrt(), voltage, 2e-7);
         close(1e6 * found.amplitude, tip, 1e-6);
         close(1e6 * found.mean_power, power, 3e-6);
         assert!(found.validity.holds());
     }
     // Six modes.
-    let six = |coupling, ohms| free::<6>(coupling, ohms).closed_form(20.0, 220.0);
+    let six = |coupling, resistance| free::<6>(coupling, resistance).closed_form(20.0, 220.0);
     close(1e6 * six(TWO_WAY, 1e6).amplitude, 66.9104, 1e-6);
     close(1e6 * six(TWO_WAY, 1e6).mean_power, 14.0835, 5e-6);
     close(1e6 * six(TWO_WAY, 45.41e3).mean_power, 193.168, 5e-6);
@@ -65,30 +65,30 @@ fn voltage_tip_and_power_are_the_published_ones() {
 #[test]
 fn the_best_loads_are_the_published_ones() {
     // Frequency in Hz, resistance in kΩ and power in µW.
-    for (coupling, hertz, ohms, power) in [
+    for (coupling, frequency, resistance, power) in [
         (TWO_WAY, 220.0, 33.9, 200.3),
         (ONE_WAY, 220.0, 45.7, 272.6),
         (TWO_WAY, 239.7, 16.2, 3812.0),
         (TWO_WAY, 245.3, 100.0, 3789.0),
     ] {
-        let at = |ohms: f64| free::<6>(coupling, ohms).closed_form(20.0, hertz).mean_power;
-        close(1e6 * at(1e3 * ohms), power, 2e-3);
+        let at = |resistance: f64| free::<6>(coupling, resistance).closed_form(20.0, frequency).mean_power;
+        close(1e6 * at(1e3 * resistance), power, 2e-3);
         // The optimum is given to three digits at the most.
         for other in [0.8, 1.25] {
-            assert!(at(other * 1e3 * ohms) < at(1e3 * ohms), "{hertz} Hz");
+            assert!(at(other * 1e3 * resistance) < at(1e3 * resistance), "{frequency} Hz");
         }
     }
 }
 
 #[test]
 fn weakly_coupled_the_best_load_is_that_of_the_capacitance() {
-    let hertz = 220.0;
+    let frequency = 220.0;
     let scene = free::<1>(ONE_WAY, 1e6);
-    let open = free::<1>(ONE_WAY, f64::INFINITY).closed_form(20.0, hertz);
-    let omega = core::f64::consts::TAU * hertz;
+    let open = free::<1>(ONE_WAY, f64::INFINITY).closed_form(20.0, frequency);
+    let omega = core::f64::consts::TAU * frequency;
     let best = 1.0 / (omega * scene.capacitance());
     let square = 2.0 * open.rms_voltage * open.rms_voltage;
-    let power = |ohms: f64| free::<1>(ONE_WAY, ohms).closed_form(20.0, hertz).mean_power;
+    let power = |resistance: f64| free::<1>(ONE_WAY, resistance).closed_form(20.0, frequency).mean_power;
     close(power(best), 0.25 * omega * scene.capacitance() * square, 1e-12);
     assert!(power(1.01 * best) < power(best) && power(0.99 * best) < power(best));
     // However strong the coupling, one mode gives at most (γ B)²/(16 ζ ω): 3.98 mW.
@@ -97,8 +97,9 @@ fn weakly_coupled_the_best_load_is_that_of_the_capacitance() {
     let mut most = 0.0_f64;
     for k in 0..200 {
         for l in 0..60 {
-            let (hertz, ohms) = (235.0 + 0.075 * f64::from(k), 5e3 * 10f64.powf(0.04 * f64::from(l)));
-            most = most.max(free::<1>(TWO_WAY, ohms).closed_form(20.0, hertz).mean_power);
+            let (frequency, resistance) =
+                (235.0 + 0.075 * f64::from(k), 5e3 * 10f64.powf(0.04 * f64::from(l)));
+            most = most.max(free::<1>(TWO_WAY, resistance).closed_form(20.0, frequency).mean_power);
         }
     }
     assert!(most < bound && most > 0.99 * bound, "{most} {bound}");
@@ -106,7 +107,7 @@ fn weakly_coupled_the_best_load_is_that_of_the_capacitance() {
 
 #[test]
 fn the_ends_of_the_load_are_limits() {
-    let at = |ohms: f64| free::<6>(TWO_WAY, ohms).closed_form(20.0, 220.0);
+    let at = |resistance: f64| free::<6>(TWO_WAY, resistance).closed_form(20.0, 220.0);
     let (short, open) = (at(0.0), at(f64::INFINITY));
     assert_eq!((short.mean_power, short.rms_voltage, open.mean_power), (0.0, 0.0, 0.0));
     close(at(1e-3).amplitude, short.amplitude, 1e-9);
@@ -140,11 +141,11 @@ fn what_reaches_the_stop_is_flagged() {
 
 #[test]
 fn single_precision_gives_the_same() {
-    for ohms in [1.0, 1e4, 1e6, 1e30] {
-        for hertz in [50.0, 220.0, 239.7, 245.0, 1500.0] {
-            let fine = free::<10>(TWO_WAY, ohms).closed_form(20.0, hertz);
-            let single = baseline::<f32>(TWO_WAY, ohms).build::<10, 10>().expect("valid");
-            let coarse = single.closed_form(20.0, hertz as f32);
+    for resistance in [1.0, 1e4, 1e6, 1e30] {
+        for frequency in [50.0, 220.0, 239.7, 245.0, 1500.0] {
+            let fine = free::<10>(TWO_WAY, resistance).closed_form(20.0, frequency);
+            let single = baseline::<f32>(TWO_WAY, resistance).build::<10, 10>().expect("valid");
+            let coarse = single.closed_form(20.0, frequency as f32);
             // At resonance 10⁻⁷ of the frequency is 10⁻⁵ of the detuning.
             close(coarse.mean_power.into(), fine.mean_power, 2e-4);
             close(coarse.amplitude.into(), fine.amplitude, 1e-4);
@@ -187,22 +188,24 @@ fn into_a_store_it_is_shu_and_liens_formula() {
     let (frequency, theta, gamma, capacitance) = (239.705_436_f64, 0.041_497_95, 0.048_976_12, 15.93e-9);
     let natural = core::f64::consts::TAU * frequency;
     // One mode, ideal diodes: the voltage that the formula has in closed form.
-    let formula = |part: f64, hertz: f64, ohms: f64| {
-        let (omega, theta) = (core::f64::consts::TAU * hertz, part * theta);
-        let q = capacitance * omega * ohms + core::f64::consts::FRAC_PI_2;
-        let damping = 2.0 * 0.01 * natural * omega + 2.0 * omega * theta * theta * ohms / (q * q);
-        let stiffness = natural * natural - omega * omega + omega * theta * theta * ohms / q;
-        omega * theta * ohms * (gamma * 20.0 / damping.hypot(stiffness)) / q
+    let formula = |part: f64, frequency: f64, resistance: f64| {
+        let (omega, theta) = (core::f64::consts::TAU * frequency, part * theta);
+        let q = capacitance * omega * resistance + core::f64::consts::FRAC_PI_2;
+        let damping = 2.0 * 0.01 * natural * omega + 2.0 * omega * theta * theta * resistance / (q * q);
+        let stiffness = natural * natural - omega * omega + omega * theta * theta * resistance / q;
+        omega * theta * resistance * (gamma * 20.0 / damping.hypot(stiffness)) / q
     };
     // Published: 3.4848 V at 220 Hz and 100 kΩ.
     close(formula(1.0, 220.0, 1e5), 3.4848, 2e-5);
-    for (part, hertz, ohms) in [(1.0, 220.0, 1e5), (1.0, 200.0, 3e4), (0.1, 230.0, 1e5), (0.1, 260.0, 1e6)] {
+    for (part, frequency, resistance) in
+        [(1.0, 220.0, 1e5), (1.0, 200.0, 3e4), (0.1, 230.0, 1e5), (0.1, 260.0, 1e6)]
+    {
         let mut parameters = baseline::<f64>(TWO_WAY, 1e6);
         parameters.piezo_d31 *= part;
         let scene = parameters.build::<1, 0>().expect("valid");
-        let found = scene.closed_form_into_store(20.0, hertz, ohms, 0.0);
-        let expected = formula(part, hertz, ohms);
-        close(found.mean_power, expected * expected / ohms, 2e-6);
+        let found = scene.closed_form_into_store(20.0, frequency, resistance, 0.0);
+        let expected = formula(part, frequency, resistance);
+        close(found.mean_power, expected * expected / resistance, 2e-6);
         assert!(found.validity.holds(), "{:?}", found.validity);
     }
     // Without back-coupling a bus at the storage's voltage takes what the storage's load does.

@@ -10,13 +10,13 @@ use crate::scene::contact_separation::{AnyChoices, Choices, Parameters, StickCha
 const GRAVITY: f64 = 9.81;
 
 /// Table 2 of the paper, with a charge density in µC/m² and a resistance in Ω.
-fn scene<S: Scalar>(density: f64, ohms: f64) -> ContactSeparation<S, AnyChoices<S, S::Build>> {
-    scene_with(density, ohms, AnyForceLaw::TransferredCharge)
+fn scene<S: Scalar>(density: f64, resistance: f64) -> ContactSeparation<S, AnyChoices<S, S::Build>> {
+    scene_with(density, resistance, AnyForceLaw::TransferredCharge)
 }
 
 fn scene_with<S: Scalar>(
     density: f64,
-    ohms: f64,
+    resistance: f64,
     force_law: AnyForceLaw,
 ) -> ContactSeparation<S, AnyChoices<S, S::Build>> {
     Parameters {
@@ -29,10 +29,10 @@ fn scene_with<S: Scalar>(
         relative_permittivity: S::from_f64(2.0),
         charge_density: S::from_f64(1e-6 * density),
         choices: Choices {
-            load: AnyLoad { ohms: S::from_f64(ohms) },
+            load: AnyLoad { resistance: S::from_f64(resistance) },
             restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: S::from_f64(0.7) }),
             force_law,
-            parasitic: ParasiticCapacitance { farads: S::from_f64(1e-12) },
+            parasitic: ParasiticCapacitance { capacitance: S::from_f64(1e-12) },
             sticking: StickCharge::Frozen,
         },
     }
@@ -58,7 +58,7 @@ fn the_gap_at_rest_and_the_small_signal_peak_are_the_published_ones() {
         let scene = scene::<f64>(density, 1e6);
         close(1e3 * scene.equilibrium().gap, gap, 3e-6);
         let Some(peak) = peak else { continue };
-        let amplitude = |hertz: f64| scene.closed_form(0.005 * GRAVITY, hertz).amplitude;
+        let amplitude = |frequency: f64| scene.closed_form(0.005 * GRAVITY, frequency).amplitude;
         let step = 5e-4;
         let highest = (-40..40)
             .map(|k| peak + step * f64::from(k))
@@ -72,9 +72,9 @@ fn the_gap_at_rest_and_the_small_signal_peak_are_the_published_ones() {
 fn without_charge_the_motion_is_that_of_the_linear_oscillator() {
     let scene = scene::<f64>(0.0, 1e8);
     let natural = scene.angular_frequency();
-    for hertz in [5.0, 18.0, 22.0, 40.0] {
-        let omega = core::f64::consts::TAU * hertz;
-        let found = scene.closed_form(1.0, hertz);
+    for frequency in [5.0, 18.0, 22.0, 40.0] {
+        let omega = core::f64::consts::TAU * frequency;
+        let found = scene.closed_form(1.0, frequency);
         let detuning = natural * natural - omega * omega;
         let expected = 1.0 / detuning.hypot(2.0 * 0.005 * natural * omega);
         close(found.amplitude, expected, 2.0 * TOLERANCE);
@@ -89,7 +89,7 @@ fn integrated(
     scene: &ContactSeparation<f64, AnyChoices<f64>>,
     gap: impl Fn(f64) -> f64,
     omega: f64,
-    ohms: f64,
+    resistance: f64,
 ) -> f64 {
     let steps = 8_000;
     let step = core::f64::consts::TAU / f64::from(steps);
@@ -106,7 +106,7 @@ fn integrated(
             let middle = (charge + 0.5 * step * rate * at(0.0)) / (1.0 - 0.5 * step * rate * slope);
             charge = 2.0 * middle - charge;
             let voltage = scene.field * at(middle);
-            sum += voltage * voltage / (ohms * f64::from(steps));
+            sum += voltage * voltage / (resistance * f64::from(steps));
         }
     }
     sum
@@ -115,8 +115,8 @@ fn integrated(
 #[test]
 fn the_power_is_that_of_the_circuits_equation_along_the_orbit() {
     let omega = core::f64::consts::TAU * 18.0;
-    for ohms in [1e7, 1e9, 1e10] {
-        let scene = scene::<f64>(50.0, ohms);
+    for resistance in [1e7, 1e9, 1e10] {
+        let scene = scene::<f64>(50.0, resistance);
         for (amplitude, second) in
             [(0.5e-3, Complex::ZERO), (2.0e-3, Complex::ZERO), (1.8e-3, Complex::new(1e-5, -0.5e-5))]
         {
@@ -129,17 +129,17 @@ fn the_power_is_that_of_the_circuits_equation_along_the_orbit() {
             // The second harmonic is taken along to first order.
             close(
                 power,
-                integrated(&scene, gap, omega, ohms),
+                integrated(&scene, gap, omega, resistance),
                 if second == Complex::ZERO { 1e-4 } else { 2e-3 },
             );
-            close(rms * rms / ohms, power, 1e-12);
+            close(rms * rms / resistance, power, 1e-12);
         }
     }
 }
 
 #[test]
 fn the_ends_of_the_load_are_limits() {
-    let at = |ohms: f64| scene::<f64>(50.0, ohms).closed_form(0.1 * GRAVITY, 18.0);
+    let at = |resistance: f64| scene::<f64>(50.0, resistance).closed_form(0.1 * GRAVITY, 18.0);
     let (short, small, open, large) = (at(0.0), at(1.0), at(f64::INFINITY), at(1e15));
     assert_eq!((short.mean_power, short.rms_voltage, open.mean_power), (0.0, 0.0, 0.0));
     close(small.amplitude, short.amplitude, 1e-6);
@@ -153,13 +153,13 @@ fn the_ends_of_the_load_are_limits() {
 #[test]
 fn what_touches_or_may_come_to_touch_is_flagged() {
     let scene = scene::<f64>(50.0, 1e8);
-    let verdict = |gravities: f64, hertz: f64| scene.closed_form(gravities * GRAVITY, hertz).validity;
+    let verdict = |gravities: f64, frequency: f64| scene.closed_form(gravities * GRAVITY, frequency).validity;
     // In the published band of impacts, 18.85 to 20.15 Hz at 0.2 g.
-    for hertz in [18.9, 19.0, 19.5, 20.0, 20.1] {
-        assert!(!verdict(0.2, hertz).holds(), "{hertz}");
+    for frequency in [18.9, 19.0, 19.5, 20.0, 20.1] {
+        assert!(!verdict(0.2, frequency).holds(), "{frequency}");
     }
-    for hertz in [10.0, 18.0, 22.0, 30.0] {
-        assert!(verdict(0.2, hertz).holds(), "{hertz}: {:?}", verdict(0.2, hertz));
+    for frequency in [10.0, 18.0, 22.0, 30.0] {
+        assert!(verdict(0.2, frequency).holds(), "{frequency}: {:?}", verdict(0.2, frequency));
     }
     assert!(matches!(verdict(0.2, 19.2), Validity::NeedsTrajectory { .. }));
     assert!(matches!(
@@ -172,13 +172,18 @@ fn what_touches_or_may_come_to_touch_is_flagged() {
 #[test]
 fn single_precision_gives_the_same() {
     for law in [AnyForceLaw::TransferredCharge, AnyForceLaw::GapField] {
-        for ohms in [1.0, 1e6, 1e8, 1e10] {
-            for (gravities, hertz) in [(0.005, 19.0), (0.1, 18.0), (0.2, 22.0), (0.2, 5.0)] {
-                let fine = scene_with::<f64>(50.0, ohms, law).closed_form(gravities * GRAVITY, hertz);
-                let coarse = scene_with::<f32>(50.0, ohms, law)
-                    .closed_form((gravities * GRAVITY) as f32, hertz as f32);
+        for resistance in [1.0, 1e6, 1e8, 1e10] {
+            for (gravities, frequency) in [(0.005, 19.0), (0.1, 18.0), (0.2, 22.0), (0.2, 5.0)] {
+                let fine =
+                    scene_with::<f64>(50.0, resistance, law).closed_form(gravities * GRAVITY, frequency);
+                let coarse = scene_with::<f32>(50.0, resistance, law)
+                    .closed_form((gravities * GRAVITY) as f32, frequency as f32);
                 close(coarse.mean_power.into(), fine.mean_power, 2e-3);
-                assert_eq!(coarse.validity.holds(), fine.validity.holds(), "{law:?} {ohms} {hertz}");
+                assert_eq!(
+                    coarse.validity.holds(),
+                    fine.validity.holds(),
+                    "{law:?} {resistance} {frequency}"
+                );
             }
         }
     }

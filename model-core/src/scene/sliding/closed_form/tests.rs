@@ -11,13 +11,13 @@ const GRAVITY: f64 = 9.81;
 const PUBLISHED: [f64; 4] = [0.35, 0.25, 0.3, 0.2];
 
 /// Table 1 of the paper, with a charge density in µC/m² and a resistance in Ω.
-fn scene<S: Scalar>(density: f64, ohms: f64) -> Sliding<S, AnyChoices<S>> {
-    parameters(density, ohms, PUBLISHED, 0.0035).build().expect("valid")
+fn scene<S: Scalar>(density: f64, resistance: f64) -> Sliding<S, AnyChoices<S>> {
+    parameters(density, resistance, PUBLISHED, 0.0035).build().expect("valid")
 }
 
 fn parameters<S: Scalar>(
     density: f64,
-    ohms: f64,
+    resistance: f64,
     friction: [f64; 4],
     damping_ratio: f64,
 ) -> Parameters<S, AnyChoices<S>> {
@@ -36,7 +36,7 @@ fn parameters<S: Scalar>(
         relative_permittivity: number(2.0),
         charge_density: number(1e-6 * density),
         choices: Choices {
-            load: AnyLoad { ohms: number(ohms) },
+            load: AnyLoad { resistance: number(resistance) },
             friction: PatchFriction { static_active, static_inert, kinetic_active, kinetic_inert },
             force_law: AnyForceLaw::TransferredCharge,
             sticking: StickCharge::Frozen,
@@ -45,7 +45,7 @@ fn parameters<S: Scalar>(
     }
 }
 
-fn natural_hertz() -> f64 {
+fn natural_frequency() -> f64 {
     scene::<f64>(0.0, 0.0).angular_frequency() / core::f64::consts::TAU
 }
 
@@ -64,8 +64,8 @@ fn the_amplitude_at_resonance_is_that_of_the_published_energy_balance() {
         (80.0, 8.860, 8.302),
         (120.0, 7.113, 6.590),
     ] {
-        for (ohms, amplitude) in [(0.0, short), (1e12, open)] {
-            let found = scene::<f64>(density, ohms).closed_form(0.36 * GRAVITY, natural_hertz());
+        for (resistance, amplitude) in [(0.0, short), (1e12, open)] {
+            let found = scene::<f64>(density, resistance).closed_form(0.36 * GRAVITY, natural_frequency());
             close(1e3 * found.amplitude, amplitude, 3e-4);
             assert!(found.validity.holds(), "{:?}", found.validity);
         }
@@ -75,10 +75,11 @@ fn the_amplitude_at_resonance_is_that_of_the_published_energy_balance() {
 #[test]
 fn with_constant_friction_alone_it_is_den_hartogs() {
     let scene = parameters::<f64>(0.0, 1e8, [0.2; 4], 0.0).build().expect("valid");
-    for (hertz, amplitude) in [(14.0, 0.637_432), (16.0, 1.071_944), (22.0, 0.564_334), (25.0, 0.282_935)] {
-        let found = scene.closed_form(0.36 * GRAVITY, hertz);
+    for (frequency, amplitude) in [(14.0, 0.637_432), (16.0, 1.071_944), (22.0, 0.564_334), (25.0, 0.282_935)]
+    {
+        let found = scene.closed_form(0.36 * GRAVITY, frequency);
         close(1e3 * found.amplitude, amplitude, 2.0 * TOLERANCE);
-        assert!(found.validity.holds(), "{hertz}: {:?}", found.validity);
+        assert!(found.validity.holds(), "{frequency}: {:?}", found.validity);
     }
 }
 
@@ -86,19 +87,19 @@ fn with_constant_friction_alone_it_is_den_hartogs() {
 fn without_friction_it_is_the_linear_oscillator() {
     let scene = parameters::<f64>(0.0, 1e8, [0.0; 4], 0.0035).build().expect("valid");
     let natural = scene.angular_frequency();
-    for hertz in [10.0, 15.0, 18.0, 25.0] {
-        let omega = core::f64::consts::TAU * hertz;
+    for frequency in [10.0, 15.0, 18.0, 25.0] {
+        let omega = core::f64::consts::TAU * frequency;
         let drive = scene.base_coupling() * 0.05 * GRAVITY;
         let detuning = natural * natural - omega * omega;
         let expected = drive / detuning.hypot(2.0 * 0.0035 * natural * omega);
-        close(scene.closed_form(0.05 * GRAVITY, hertz).amplitude, expected, 2.0 * TOLERANCE);
+        close(scene.closed_form(0.05 * GRAVITY, frequency).amplitude, expected, 2.0 * TOLERANCE);
     }
 }
 
 #[test]
 fn the_peaks_are_where_the_published_ones_are() {
     // Charge density in µC/m², resistance in Ω; shift of the peak in Hz, amplitude in mm, RMS voltage in V.
-    for (density, ohms, shift, amplitude, voltage) in [
+    for (density, resistance, shift, amplitude, voltage) in [
         (120.0, 1e6, -0.006_25, 7.1149, 1.360),
         (120.0, 1e7, -0.012_54, 7.1152, 12.537),
         (120.0, 5e7, -0.026_88, 6.9109, 40.709),
@@ -106,16 +107,16 @@ fn the_peaks_are_where_the_published_ones_are() {
         (120.0, 1e10, -0.004_73, 6.5905, 54.911),
         (20.0, 1e8, -0.002_06, 13.0376, 19.179),
     ] {
-        let scene = scene::<f64>(density, ohms);
-        let at = |hertz: f64| scene.closed_form(0.36 * GRAVITY, hertz);
+        let scene = scene::<f64>(density, resistance);
+        let at = |frequency: f64| scene.closed_form(0.36 * GRAVITY, frequency);
         let peak = (-60..30)
-            .map(|k| natural_hertz() + 5e-4 * f64::from(k))
+            .map(|k| natural_frequency() + 5e-4 * f64::from(k))
             .max_by(|one, other| at(*one).amplitude.total_cmp(&at(*other).amplitude))
             .expect("some");
         assert!(
-            (peak - natural_hertz() - shift).abs() < 2e-3,
-            "{density} {ohms}: {}",
-            peak - natural_hertz()
+            (peak - natural_frequency() - shift).abs() < 2e-3,
+            "{density} {resistance}: {}",
+            peak - natural_frequency()
         );
         close(1e3 * at(peak).amplitude, amplitude, 1e-3);
         close(at(peak).rms_voltage, voltage, 8e-3);
@@ -125,8 +126,8 @@ fn the_peaks_are_where_the_published_ones_are() {
 #[test]
 fn the_current_is_that_of_the_circuits_equation_along_the_orbit() {
     let omega = 115.0;
-    for ohms in [1e5, 1e7, 1e8, 1e10] {
-        let scene = scene::<f64>(80.0, ohms);
+    for resistance in [1e5, 1e7, 1e8, 1e10] {
+        let scene = scene::<f64>(80.0, resistance);
         let amplitude = 8e-3;
         // Implicit midpoint rule in fine steps, a hundred turns; q' = rate · V.
         let steps = 4000;
@@ -158,18 +159,18 @@ fn a_held_slider_delivers_nothing_and_one_that_sticks_is_flagged() {
     let below = scene.closed_form(2.508, 18.0);
     assert_eq!((below.mean_power, below.amplitude), (0.0, 0.0));
     assert!(matches!(below.validity, Validity::Holds { margin } if margin > 0.999));
-    assert!(scene.closed_form(2.51, natural_hertz()).amplitude > 0.0);
+    assert!(scene.closed_form(2.51, natural_frequency()).amplitude > 0.0);
     // Published motions that stick during 54, 25 and 3 % of the time.
-    for (gravities, hertz) in [(0.30, 6.0), (0.30, 10.0), (0.28, 14.0)] {
-        let found = scene.closed_form(gravities * GRAVITY, hertz);
-        assert!(!found.validity.holds(), "{hertz}: {:?}", found.validity);
+    for (gravities, frequency) in [(0.30, 6.0), (0.30, 10.0), (0.28, 14.0)] {
+        let found = scene.closed_form(gravities * GRAVITY, frequency);
+        assert!(!found.validity.holds(), "{frequency}: {:?}", found.validity);
     }
     // Far from resonance, kinetic friction of nine tenths of the drive leaves no motion without sticks.
     let stuck = parameters::<f64>(0.0, 1e8, [0.45, 0.45, 0.35, 0.35], 0.0).build().expect("valid");
     let stuck = stuck.closed_form(0.36 * GRAVITY, 30.0).validity;
     assert!(matches!(stuck, Validity::NeedsTrajectory { reason: Reason::Sticks, .. }), "{stuck:?}");
     // Published: at 0.4 g and more, without charge, it leaves the patch.
-    let charged = self::scene::<f64>(0.0, 1e8).closed_form(0.5 * GRAVITY, natural_hertz());
+    let charged = self::scene::<f64>(0.0, 1e8).closed_form(0.5 * GRAVITY, natural_frequency());
     let reason = Reason::LeavesOverlap;
     assert!(matches!(charged.validity, Validity::NeedsTrajectory { reason: found, .. } if found == reason));
     let heavy = parameters::<f64>(80.0, 1e8, PUBLISHED, 2.0).build().expect("valid");
@@ -178,7 +179,7 @@ fn a_held_slider_delivers_nothing_and_one_that_sticks_is_flagged() {
 
 #[test]
 fn the_load_may_be_anything() {
-    let at = |ohms: f64| scene::<f64>(80.0, ohms).closed_form(0.36 * GRAVITY, 18.37);
+    let at = |resistance: f64| scene::<f64>(80.0, resistance).closed_form(0.36 * GRAVITY, 18.37);
     let (short, open, large) = (at(0.0), at(f64::INFINITY), at(1e30));
     assert_eq!((short.mean_power, short.rms_voltage, open.mean_power), (0.0, 0.0, 0.0));
     close(at(1.0).amplitude, short.amplitude, 1e-6);
@@ -191,12 +192,13 @@ fn the_load_may_be_anything() {
 
 #[test]
 fn single_precision_gives_the_same() {
-    for ohms in [1.0, 1e6, 1e8, 1e10, 1e15] {
-        for (gravities, hertz) in [(0.36, 18.37), (0.36, 16.0), (0.5, 21.0), (0.6, 18.3)] {
-            let fine = scene::<f64>(80.0, ohms).closed_form(gravities * GRAVITY, hertz);
-            let coarse = scene::<f32>(80.0, ohms).closed_form((gravities * GRAVITY) as f32, hertz as f32);
+    for resistance in [1.0, 1e6, 1e8, 1e10, 1e15] {
+        for (gravities, frequency) in [(0.36, 18.37), (0.36, 16.0), (0.5, 21.0), (0.6, 18.3)] {
+            let fine = scene::<f64>(80.0, resistance).closed_form(gravities * GRAVITY, frequency);
+            let coarse =
+                scene::<f32>(80.0, resistance).closed_form((gravities * GRAVITY) as f32, frequency as f32);
             close(coarse.mean_power.into(), fine.mean_power, 2e-3);
-            assert_eq!(coarse.validity.holds(), fine.validity.holds(), "{ohms} {hertz}");
+            assert_eq!(coarse.validity.holds(), fine.validity.holds(), "{resistance} {frequency}");
         }
     }
 }
