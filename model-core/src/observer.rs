@@ -1,8 +1,8 @@
 //! What every run shows, whatever the harvester: accepted steps, events, and the outputs at their ends.
 //!
 //! A harvester fills one [`AcceptedStep`] for each step that it keeps and one [`Event`] for each jump. Meters, the
-//! energy ledger, the event log and the estimator are [`Observer`]s of these and know no scene. The compiler drops what
-//! an observer does not read from a step into which it inlines the observer.
+//! energy ledger, the event log and the estimator are [`Observer`]s of these and know no scene. An observer that reads no
+//! outputs of steps says so by [`Observer::READS_OUTPUTS`]; the harvester then does not compute them.
 
 use crate::clock::Instant;
 use crate::scalar::Scalar;
@@ -255,10 +255,13 @@ pub struct Event<'a, S> {
     note = "pass `&mut ()` to observe nothing, a meter of the same scalar type, or a tuple of two `&mut` observers"
 )]
 pub trait Observer<S: Scalar> {
-    /// A step was accepted.
+    /// Whether [`Observer::step`] reads [`AcceptedStep::start`], [`AcceptedStep::end`], [`AcceptedStep::mean_voltage`] or
+    /// [`AcceptedStep::contact`].
     ///
-    /// Mark an implementation that reads few outputs `#[inline(always)]`. A core without floating point does not inline
-    /// it otherwise, and then computes all outputs at both ends of every step.
+    /// Where it is `false` these are not computed and are not to be read. Events have their outputs in any case.
+    const READS_OUTPUTS: bool = true;
+
+    /// A step was accepted.
     fn step(&mut self, step: &AcceptedStep<'_, S>);
 
     /// An event happened.
@@ -268,12 +271,16 @@ pub trait Observer<S: Scalar> {
 
 /// Sees nothing.
 impl<S: Scalar> Observer<S> for () {
+    const READS_OUTPUTS: bool = false;
+
     #[inline]
     fn step(&mut self, _step: &AcceptedStep<'_, S>) {}
 }
 
 /// An observer, or none.
 impl<S: Scalar, A: Observer<S>> Observer<S> for Option<&mut A> {
+    const READS_OUTPUTS: bool = A::READS_OUTPUTS;
+
     #[inline]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         if let Some(observer) = self {
@@ -291,6 +298,8 @@ impl<S: Scalar, A: Observer<S>> Observer<S> for Option<&mut A> {
 
 /// Two observers of the same run.
 impl<S: Scalar, A: Observer<S>, B: Observer<S>> Observer<S> for (&mut A, &mut B) {
+    const READS_OUTPUTS: bool = A::READS_OUTPUTS || B::READS_OUTPUTS;
+
     #[inline]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         self.0.step(step);

@@ -175,7 +175,9 @@ fn a_charge_beyond_the_threshold_is_shared_at_once() {
         (passed * (1.0 + 0.5 * passed / storage_capacitance), passed * (0.6 + 0.5 * (voltage - 1.6)));
     let found = [PowerIndex::Load, PowerIndex::Diodes].map(|entry| ledger.integrals().integral(entry));
     println!("{found:?} J, expected {delivered:e} J and {lost:e} J");
-    assert!((scene.storage_voltage(end.mode, &end.point.state) - 1.0 - passed / storage_capacitance).abs() < 1e-6);
+    assert!(
+        (scene.storage_voltage(end.mode, &end.point.state) - 1.0 - passed / storage_capacitance).abs() < 1e-6
+    );
     assert!((found[0] / delivered - 1.0).abs() < 1e-6 && (found[1] / lost - 1.0).abs() < 1e-6);
     let residual = ledger.residual();
     assert!(residual.electrical.abs().max(residual.storage.abs()) < 1e-6 * delivered, "{residual:?}");

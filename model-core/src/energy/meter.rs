@@ -100,13 +100,15 @@ impl<S: Scalar> Default for PowerMeter<S> {
 snapshot_fields!(impl [S: Scalar] PowerMeter<S> { delivered, ticks });
 
 impl<S: Scalar> Observer<S> for PowerMeter<S> {
-    #[inline(always)]
+    const READS_OUTPUTS: bool = false;
+
+    #[inline]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         self.delivered.add(step.energy(PowerIndex::Load));
         self.ticks = self.ticks.wrapping_add(u64::from(step.ticks));
     }
 
-    #[inline(always)]
+    #[inline]
     fn event(&mut self, event: &Event<'_, S>) {
         if let Some(&energy) = event.energies.first()
             && energy != S::ZERO

@@ -7,7 +7,7 @@ use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
 use crate::integrate::step_control::{ErrorScale, StepErrors, Verdict};
 use crate::integrate::{Method, NotConverged, Point, StepControl, System, Trial};
-use crate::observer::{AcceptedStep, Contact, Event, Observer, PowerIndex};
+use crate::observer::{AcceptedStep, Contact, Event, Observer, Outputs, PowerIndex};
 use crate::scalar::Scalar;
 
 /// Attempts that [`Driver::advance`] may need to come to a point where it can pause: one step and
@@ -203,7 +203,7 @@ impl<M, C> Driver<M, C> {
                     automaton
                         .check(state.mode, &kept.trial.end.state)
                         .map_err(|(quantity, value)| fail(StepFailure::OutsideDomain { quantity, value }))?;
-                    observer.step(&accepted_step(automaton, state, &kept));
+                    observer.step(&accepted_step::<O, _, _, N, P>(automaton, state, &kept));
                     work.steps += 1;
                     state.clock = state.clock.after(kept.ticks);
                     state.since_event = state.since_event.saturating_add(kept.ticks);
@@ -339,24 +339,28 @@ where
 
 /// What an observer sees of a step that is kept.
 #[inline(always)]
-fn accepted_step<'a, S, A, const N: usize, const P: usize>(
+fn accepted_step<'a, O, S, A, const N: usize, const P: usize>(
     automaton: &A,
     state: &'a HybridState<S, A::Mode, N, P>,
     kept: &'a Kept<S, N, P>,
 ) -> AcceptedStep<'a, S>
 where
+    O: Observer<S>,
     S: Scalar,
     A: Automaton<S, N, P>,
 {
     let Kept { trial, ticks, .. } = kept;
     let step = seconds_of_ticks(*ticks);
+    let outputs = |point: &'a Point<S, N, P>| {
+        if O::READS_OUTPUTS { automaton.outputs(state.mode, point) } else { Outputs::of_state(&point.state) }
+    };
     let voltage = trial.energies.get(PowerIndex::Voltage as usize);
     AcceptedStep {
         from: state.clock,
         ticks: *ticks,
         step,
-        start: automaton.outputs(state.mode, &state.point),
-        end: automaton.outputs(state.mode, &trial.end),
+        start: outputs(&state.point),
+        end: outputs(&trial.end),
         energies: &trial.energies,
         mean_voltage: voltage.map_or(S::ZERO, |&integral| integral / step),
         contact: Contact::NONE,

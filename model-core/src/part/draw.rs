@@ -42,7 +42,7 @@ impl<S: Scalar> Lockout<S> {
     message = "`{Self}` is no draw on a storage",
     note = "a draw is `NoDraw`, a `ResistiveDraw`, a `CurrentDraw`, a `PowerDraw` or an `AnyDraw`"
 )]
-pub trait Draw<S: Scalar>: Copy + Debug + PartialEq {
+pub(crate) trait Draw<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether it is ever there at all.
     const POSSIBLE: bool;
 

@@ -14,7 +14,7 @@ use crate::scalar::{Scalar, arcsine, turns_of_radians};
     message = "`{Self}` is no law of friction",
     note = "a law of friction is a `PatchFriction` or `Frictionless`"
 )]
-pub trait Friction<S: Scalar>: Copy + Debug + PartialEq {
+pub(crate) trait Friction<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether there is friction at all; if not, the code for reversals and sticking is not there.
     const PRESENT: bool;
 

@@ -42,7 +42,7 @@ impl<S: Scalar> Resistance<S> {
     note = "a triboelectric harvester goes behind a bridge with `OpenCircuit` as its load: `scene::rectified::Rectified::new(harvester, bridge)`",
     note = "a bump-stop harvester goes behind a bridge with `Choices::behind(bridge)`"
 )]
-pub trait Load<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
+pub(crate) trait Load<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
     /// Its resistance.
     fn resistance(&self) -> Resistance<S>;
 }

@@ -54,6 +54,7 @@ pub use stepper::{LEAST_BUDGET, Stepper};
 pub use stop::Stop;
 
 use crate::scalar::Scalar;
+use choices::ContactOf;
 
 /// Coefficients of a beam mode, in SI units with a modal mass of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,7 +96,7 @@ pub struct BumpStop<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
     inverse_mass: S,
     load: P::Load,
     coupling: P::Coupling,
-    contact: P::Contact,
+    contact: ContactOf<S, P>,
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {

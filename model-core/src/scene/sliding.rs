@@ -57,7 +57,8 @@ pub use parameters::Parameters;
 pub use start::Start;
 
 pub use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
-pub use crate::part::friction::{Friction, Frictionless, PatchFriction};
+pub(crate) use crate::part::friction::Friction;
+pub use crate::part::friction::{Frictionless, PatchFriction};
 pub use crate::part::stick_charge::{NeverSticks, StickCharge};
 
 pub(crate) use crate::part::stick_charge::Sticking;

@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 use super::circuit::{Circuit, Resistive};
-use super::contact_law::{AnyContact, ContactLaw, NoStop};
+use super::contact_law::{AnyContact, NoStop};
 use super::stop::{Stop, StopChoice};
 use crate::part::load::AnyLoad;
 use crate::part::rectifier::FullBridge;
@@ -124,14 +124,15 @@ impl<L, T, K> Choices<L, T, K> {
     }
 }
 
+/// How beam and rod touch, by the choice of the stop.
+pub(super) type ContactOf<S, P> = <<P as Parts<S>>::Stop as StopChoice<S>>::Contact;
+
 /// The types of [`Choices`] as one.
 pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
     /// What is at the terminals.
     type Load: Circuit<S>;
     /// The stop.
-    type Stop: StopChoice<S, Contact = Self::Contact>;
-    /// How beam and rod touch, if they can.
-    type Contact: ContactLaw<S>;
+    type Stop: StopChoice<S>;
     /// Whether the voltage acts back.
     type Coupling: Coupling;
 
@@ -142,7 +143,6 @@ pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
 impl<S: Scalar, L: Circuit<S>, T: StopChoice<S>, K: Coupling> Parts<S> for Choices<L, T, K> {
     type Load = L;
     type Stop = T;
-    type Contact = T::Contact;
     type Coupling = K;
 
     #[inline(always)]

@@ -10,7 +10,7 @@
 //!     = −∫ a (Σ γ ṙ + Σ g q̇) dt − ∫ 2ζ (Σ ω ṙ² + Σ Ω q̇²) dt − χ ∫ v²/R dt − losses in contact
 //! ```
 
-use super::choices::Coupling;
+use super::choices::{ContactOf, Coupling};
 use super::contact_law::{ContactKind, ContactLaw};
 use super::state::StateOf;
 use super::trial::TrialOf;
@@ -200,7 +200,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         start: &StateOf<S, P, B, R>,
         trial: &TrialOf<S, P, B, R>,
     ) -> Contact<S> {
-        if !P::Contact::POSSIBLE || !(trial.force > S::ZERO) {
+        if !ContactOf::<S, P>::POSSIBLE || !(trial.force > S::ZERO) {
             return Contact::NONE;
         }
         let (from, to) = (start.gap, trial.end.gap);
@@ -251,7 +251,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 
     /// Energy of the contact's spring in J; a rigid contact has none.
     fn contact_energy<C>(&self, state: &State<S, B, R, C>) -> S {
-        if P::Contact::POSSIBLE && self.contact.kind() == ContactKind::Compliant {
+        if ContactOf::<S, P>::POSSIBLE && self.contact.kind() == ContactKind::Compliant {
             let pressed = state.gap.max(S::ZERO);
             S::from_f64(0.5) * self.stiffness * pressed * pressed
         } else {

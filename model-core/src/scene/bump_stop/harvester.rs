@@ -1,5 +1,6 @@
 //! Bump-stop as a [`Harvester`], and its outputs.
 
+use super::choices::ContactOf;
 use super::circuit::Circuit;
 use super::contact_law::ContactLaw;
 use super::state::StateOf;
@@ -25,7 +26,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         outputs.stored = self.stored_energy(state);
         outputs.storage = self.load.storage(&state.circuit);
         outputs.penetration = state.gap;
-        outputs.in_contact = P::Contact::POSSIBLE && (state.gap > S::ZERO || state.closed);
+        outputs.in_contact = ContactOf::<S, P>::POSSIBLE && (state.gap > S::ZERO || state.closed);
         outputs.mode = u8::from(state.closed);
         outputs
     }

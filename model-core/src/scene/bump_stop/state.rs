@@ -1,5 +1,6 @@
 //! What changes while a bump-stop harvester runs, and where it starts.
 
+use super::choices::ContactOf;
 use super::circuit::Circuit;
 use super::contact_law::ContactLaw;
 use super::{BumpStop, Parts};
@@ -104,7 +105,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         }
         let voltage = if self.load.is_short() { S::ZERO } else { start.voltage };
         state.moved_charge = state.strain_charge - self.capacitance * voltage;
-        if P::Contact::POSSIBLE {
+        if ContactOf::<S, P>::POSSIBLE {
             state.gap = self.stop_point(&state)[0] - self.rod_tip(&state)[0] - self.gap;
             Bounds { lowest: -S::INFINITY, highest: S::ZERO }.check("penetration at the start", state.gap)?;
         }

@@ -1,6 +1,6 @@
 //! Advancing: short steps near contact, long ones where none can be, and impacts where they are located.
 
-use super::choices::Coupling;
+use super::choices::{ContactOf, Coupling};
 use super::circuit::Circuit;
 use super::contact_law::{ContactKind, ContactLaw};
 use super::energies::GramianSet;
@@ -13,7 +13,7 @@ use crate::clock::{Instant, seconds_of_ticks, ticks_of_seconds};
 use crate::excitation::Excitation;
 use crate::hybrid::{Advance, Ended, StepError, StepFailure, Work};
 use crate::integrate::step_control::check_step;
-use crate::observer::{ALL_POWERS, AcceptedStep, Event, Observer, PowerIndex};
+use crate::observer::{ALL_POWERS, AcceptedStep, Contact, Event, Observer, Outputs, PowerIndex};
 use crate::scalar::Scalar;
 
 /// Attempts that one step may take, the location of an impact included: a smaller budget of
@@ -197,7 +197,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     /// Whether a gap coordinate leaves room, or there is nothing to touch.
     #[inline(always)]
     fn is_clear(&self, highest: S) -> bool {
-        if !P::Contact::POSSIBLE || matches!(self.scene.contact.kind(), ContactKind::None) {
+        if !ContactOf::<S, P>::POSSIBLE || matches!(self.scene.contact.kind(), ContactKind::None) {
             return true;
         }
         // Written so that not-a-number is no flight.
@@ -283,23 +283,29 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
                 ALL_POWERS
             }
         };
-        let (start, mut end) = (self.scene.outputs(state), self.scene.outputs(&trial.end));
-        end.in_contact |= self.scene.contact.kind() == ContactKind::Constrained;
-        // Behind a bridge the voltage of a step has its extremes at the ends, or at the corner of a polyline, which is
-        // level with the end or below it.
-        let chord = S::from_f64(0.5) * (start.voltage + end.voltage);
-        observer.step(&AcceptedStep {
+        let mut accepted = AcceptedStep {
             from: state.clock,
             ticks,
             step,
-            start,
-            end,
+            start: Outputs::of_state(&[]),
+            end: Outputs::of_state(&[]),
             energies: energies.get(..integrated).unwrap_or(&energies),
-            mean_voltage: if P::Load::SWITCHES { chord } else { trial.mean_voltage },
-            contact: self.scene.contact_within(state, trial),
+            mean_voltage: trial.mean_voltage,
+            contact: Contact::NONE,
             energy_error: S::ZERO,
             state_error: S::ZERO,
-        });
+        };
+        if O::READS_OUTPUTS {
+            (accepted.start, accepted.end) = (self.scene.outputs(state), self.scene.outputs(&trial.end));
+            accepted.end.in_contact |= self.scene.contact.kind() == ContactKind::Constrained;
+            accepted.contact = self.scene.contact_within(state, trial);
+            if P::Load::SWITCHES {
+                // Behind a bridge the voltage of a step has its extremes at the ends, or at the corner of a polyline,
+                // which is level with the end or below it.
+                accepted.mean_voltage = S::from_f64(0.5) * (accepted.start.voltage + accepted.end.voltage);
+            }
+        }
+        observer.step(&accepted);
         *state = State { short_steps: state.short_steps, ..trial.end };
         if state.drift > S::ZERO && state.gap < -S::from_f64(OPENED) * state.drift {
             state.gap += state.drift;
@@ -335,7 +341,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         work: &mut Work,
     ) -> Result<(), StepError<S>> {
         let trial = self.attempt(set, state, excitation);
-        if P::Contact::POSSIBLE
+        if ContactOf::<S, P>::POSSIBLE
             && let ContactKind::Impulsive { restitution } = self.scene.contact.kind()
             && !state.closed
             && trial.end.gap > S::ZERO
@@ -344,7 +350,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         }
         let was_closed = state.closed;
         self.take(state, &trial, (set.ticks, set.step), observer, work)?;
-        if P::Contact::POSSIBLE && was_closed && !state.closed {
+        if ContactOf::<S, P>::POSSIBLE && was_closed && !state.closed {
             BumpStop::<S, P, B, R>::close_gap(state);
         }
         Ok(())

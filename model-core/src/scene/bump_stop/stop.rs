@@ -12,7 +12,7 @@ use crate::scalar::Scalar;
     message = "`{Self}` is no stop",
     note = "write `.stop(Stop {{ .., contact: ResidualFlexibility }})`, or leave `.stop(..)` out"
 )]
-pub trait StopChoice<S: Scalar>: Copy + Debug + PartialEq {
+pub(crate) trait StopChoice<S: Scalar>: Copy + Debug + PartialEq {
     /// How beam and rod touch.
     type Contact: ContactLaw<S>;
 

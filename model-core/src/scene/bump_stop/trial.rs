@@ -5,7 +5,7 @@
 //! with the tangent at the charge that was found, up to [`MOST_REDONE`] times, until the charge stays where it
 //! is. Modes do not enter these repetitions, only what they add up to.
 
-use super::choices::Coupling;
+use super::choices::{ContactOf, Coupling};
 use super::circuit::{Circuit, StepCurrent};
 use super::contact_law::{ContactKind, ContactLaw};
 use super::state::StateOf;
@@ -89,7 +89,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             unloaded.gap += mode.contact * coordinate[0];
             unloaded.rate += mode.contact * coordinate[1];
         }
-        if P::Contact::POSSIBLE {
+        if ContactOf::<S, P>::POSSIBLE {
             for ((coordinate, mode), modal) in end.rod.iter_mut().zip(&self.rod).zip(&set.rod) {
                 *coordinate = modal.free(*coordinate, start.acceleration, rise);
                 unloaded.gap -= mode.contact * coordinate[0];
@@ -145,7 +145,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         force: S,
         mean_voltage: S,
     ) {
-        if P::Contact::POSSIBLE && force != S::ZERO {
+        if ContactOf::<S, P>::POSSIBLE && force != S::ZERO {
             for ((coordinate, mode), modal) in end.rod.iter_mut().zip(&self.rod).zip(&set.rod) {
                 let push = mode.contact * force;
                 coordinate[0] += modal.by_force[0] * push;
@@ -238,7 +238,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             strain -= set.charge_by_voltage * mean_voltage;
         }
         let contact = self.touch(line.flexibility, start, gap);
-        if P::Contact::POSSIBLE && contact.force != S::ZERO {
+        if ContactOf::<S, P>::POSSIBLE && contact.force != S::ZERO {
             let by_force = line.voltage_by_force * contact.force;
             mean_voltage -= by_force;
             strain -= set.gap_by_voltage * contact.force;
@@ -253,7 +253,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     #[inline(always)]
     fn touch(&self, flexibility: S, start: &StateOf<S, P, B, R>, gap: S) -> ContactStep<S> {
         let open = ContactStep { force: S::ZERO, gap };
-        if !P::Contact::POSSIBLE {
+        if !ContactOf::<S, P>::POSSIBLE {
             return open;
         }
         match self.contact.kind() {
