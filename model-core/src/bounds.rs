@@ -43,7 +43,7 @@ impl<S: Scalar> Bounds<S> {
     /// From `lowest` to `highest`, which are literals of the source.
     #[must_use]
     #[inline]
-    pub fn new(lowest: f64, highest: f64) -> Self {
+    pub(crate) fn new(lowest: f64, highest: f64) -> Self {
         Self { lowest: S::from_f64(lowest), highest: S::from_f64(highest) }
     }
 
@@ -51,7 +51,7 @@ impl<S: Scalar> Bounds<S> {
     ///
     /// # Errors
     /// `field`, its value and these bounds.
-    pub fn check(self, field: &'static str, value: S) -> Result<(), ParameterError<S>> {
+    pub(crate) fn check(self, field: &'static str, value: S) -> Result<(), ParameterError<S>> {
         if value >= self.lowest && value <= self.highest {
             Ok(())
         } else {

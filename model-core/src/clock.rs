@@ -60,7 +60,7 @@ impl Instant {
     /// Ticks from this instant until `later`, at most `limit`; 0 if `later` has passed.
     #[must_use]
     #[inline]
-    pub fn ticks_until(self, later: Self, limit: u32) -> u32 {
+    pub(crate) fn ticks_until(self, later: Self, limit: u32) -> u32 {
         u32::try_from(later.0.saturating_sub(self.0)).unwrap_or(u32::MAX).min(limit)
     }
 
@@ -92,7 +92,7 @@ fn scale_to_integer(mantissa: u64, exponent: i32) -> Option<u128> {
 /// The length of `ticks` ticks in seconds.
 #[must_use]
 #[inline]
-pub fn seconds_of_ticks<S: Scalar>(ticks: u32) -> S {
+pub(crate) fn seconds_of_ticks<S: Scalar>(ticks: u32) -> S {
     S::from_u32(ticks) * S::power_of_two(-TICKS_PER_SECOND_LOG2)
 }
 

@@ -74,7 +74,7 @@ pub struct InputAt<'a, E> {
 
 impl<'a, E> InputAt<'a, E> {
     /// The excitation `excitation` at `at`.
-    pub const fn new(excitation: &'a E, at: Instant) -> Self {
+    pub(crate) const fn new(excitation: &'a E, at: Instant) -> Self {
         Self { excitation, at }
     }
 
@@ -246,7 +246,7 @@ impl<S: Scalar, Mode: Copy, const N: usize, const P: usize> HybridState<S, Mode,
     /// The same state with its guards not watched until [`Automaton::rearms`] says so: for a start
     /// at which a guard is zero with no rate.
     #[must_use]
-    pub fn disarmed(self) -> Self {
+    pub(crate) fn disarmed(self) -> Self {
         Self { armed: false, ..self }
     }
 }

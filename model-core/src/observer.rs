@@ -96,6 +96,13 @@ pub struct StorageOutput<S> {
 }
 
 impl<S: Scalar> StorageOutput<S> {
+    /// Stored energy in J; 0 for a DC bus, which has no energy balance.
+    #[must_use]
+    pub fn energy(&self) -> S {
+        let half = S::from_f64(0.5) * self.capacitance;
+        if half.is_finite() { half * self.voltage * self.voltage } else { S::ZERO }
+    }
+
     /// Energy in J that the storage gained since `earlier`, `C (V² − V₀²)/2`; `None` for a DC bus.
     #[must_use]
     pub fn gained_since(&self, earlier: &Self) -> Option<S> {

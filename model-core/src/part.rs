@@ -18,7 +18,7 @@ pub mod parasitic;
 pub mod preset;
 pub mod rectifier;
 pub mod restitution;
-pub mod rod;
+pub(crate) mod rod;
 pub mod stick_charge;
 pub mod storage;
 pub mod storage_step;

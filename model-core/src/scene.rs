@@ -19,7 +19,7 @@ use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::{Advance, Automaton, HybridState, StepError};
 use crate::integrate::StepControl;
-use crate::observer::{Observer, Outputs, StorageOutput};
+use crate::observer::{Observer, Outputs};
 use crate::scalar::Scalar;
 use crate::snapshot::{Fingerprint, Snapshot};
 
@@ -173,25 +173,4 @@ pub trait Scene<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, P, M
 
     /// As [`Harvester::identify`].
     fn identify(&self, fingerprint: &mut Fingerprint);
-}
-
-/// What a storage holds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct StorageReading<S> {
-    /// Voltage in V.
-    pub voltage: S,
-    /// Energy in J; 0 for a DC bus.
-    pub energy: S,
-}
-
-impl<S: Scalar> StorageReading<S> {
-    /// The reading of a storage.
-    #[must_use]
-    pub fn of(storage: &StorageOutput<S>) -> Self {
-        let half = S::from_f64(0.5) * storage.capacitance;
-        let voltage = storage.voltage;
-        let energy = if half.is_finite() { half * voltage * voltage } else { S::ZERO };
-        Self { voltage, energy }
-    }
 }

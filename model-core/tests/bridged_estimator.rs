@@ -102,11 +102,11 @@ fn a_store_that_is_drawn_from_outside_takes_up_what_the_harvester_holds_above_it
         estimator.set_storage_voltage(volts);
         let after = reading(&estimator);
         assert!((after.voltage - volts).abs() < 1e-6, "{} {volts}", after.voltage);
-        taken += f64::from(before.energy) - f64::from(after.energy);
+        taken += f64::from(before.energy()) - f64::from(after.energy());
         feed(&mut estimator, SHAKEN, 900 + 7 * round, 7);
     }
     let (estimate, storage) = (estimator.estimate(), reading(&estimator));
-    let held = f64::from(storage.energy) - 0.5e-6 * 2.4 * 2.4 + taken;
+    let held = f64::from(storage.energy()) - 0.5e-6 * 2.4 * 2.4 + taken;
     // What came in is what is held and was taken, but for 30 pJ of leakage.
     assert!((f64::from(estimate.energy) / held - 1.0).abs() < 1e-3, "{} {held}", estimate.energy);
     // What is no voltage changes nothing.

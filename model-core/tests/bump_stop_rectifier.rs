@@ -79,7 +79,7 @@ fn a_bus_takes_what_the_closed_form_says() {
                 assert!(lost.abs() < 1e-12 * meter.mean_power());
             }
             // The bus holds the voltage at its threshold while it takes a current.
-            close("peak voltage", meter.voltage().magnitude(), volts + 2.0 * drop, 1e-9);
+            close("peak voltage", meter.report().voltage.magnitude(), volts + 2.0 * drop, 1e-9);
         }
     }
     // Another program, not in this repository: event-driven, in NumPy, by the eigenvectors of each regime.

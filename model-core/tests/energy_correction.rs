@@ -98,13 +98,14 @@ fn run(hour: &Hour) -> Option<Found> {
         correction.predict(&mut state, 60, (modelled * 60.0) as f32, (load * 60.0) as f32);
         correction.observe(&mut state, read(voltage, &mut random));
     }
-    let error = f64::from(state.gain()) / hour.factor - 1.0;
+    let error = f64::from(state.estimate().gain) / hour.factor - 1.0;
     let energy = 0.5 * hour.capacitance * voltage * voltage;
     Some(Found {
         state,
         error,
-        in_deviations: error * hour.factor / f64::from(state.gain_deviation()),
-        energy_in_deviations: (f64::from(state.energy()) - energy) / f64::from(state.energy_deviation()),
+        in_deviations: error * hour.factor / f64::from(state.estimate().gain_deviation),
+        energy_in_deviations: (f64::from(state.estimate().energy) - energy)
+            / f64::from(state.estimate().energy_deviation),
     })
 }
 
@@ -148,8 +149,8 @@ fn a_harvester_off_by_a_factor_of_two_is_found_within_five_per_cent_in_an_hour()
                 };
                 let found = run(&hour).unwrap_or_else(|| panic!("left its range: {hour:?}"));
                 assert!(found.error.abs() < 0.05, "{found:?}\n{hour:?} {} cells", cells(&hour));
-                assert!(found.state.income_error() < 0.05, "{found:?}\n{hour:?}");
-                assert_eq!(found.state.rejected(), 0, "{hour:?}");
+                assert!(found.state.estimate().income_error < 0.05, "{found:?}\n{hour:?}");
+                assert_eq!(found.state.estimate().rejected, 0, "{hour:?}");
                 worst = worst.max(found.error.abs());
             }
         }
@@ -192,7 +193,7 @@ fn the_error_figure_is_honest() {
         band[1] += u32::from(found.in_deviations.abs() < 3.0);
         band[2] += u32::from(found.energy_in_deviations.abs() < 3.0);
         band[3] += u32::from(found.error.abs() < 0.05);
-        band[4] += u32::from(found.state.income_error() < 0.05);
+        band[4] += u32::from(found.state.estimate().income_error < 0.05);
     }
     println!("cells in the hour: cases, gain in 3 deviations, energy so, error below 5 %, figure below 5 %");
     for (band, from) in bands.iter().zip(["0.1", "1", "10", "100"]) {
@@ -229,9 +230,12 @@ fn impossible_readings_are_counted_and_change_nothing() {
     assert_eq!(correction.observe(&mut state, 70_000), Reading::Saturated);
     assert_eq!(correction.observe(&mut state, 0), Reading::Rejected);
     assert_eq!(correction.observe(&mut state, code(1.0)), Reading::Rejected);
-    assert_eq!((state.saturated(), state.rejected(), state.used()), (2, 2, 1));
-    assert_eq!((state.gain(), state.energy()), (before.gain(), before.energy()));
-    assert_eq!(state.gain_deviation(), before.gain_deviation());
+    assert_eq!((state.estimate().saturated, state.estimate().rejected, state.estimate().used), (2, 2, 1));
+    assert_eq!(
+        (state.estimate().gain, state.estimate().energy),
+        (before.estimate().gain, before.estimate().energy)
+    );
+    assert_eq!(state.estimate().gain_deviation, before.estimate().gain_deviation);
 }
 
 #[test]
@@ -249,11 +253,11 @@ fn a_full_store_teaches_nothing_and_spoils_nothing() {
         seed: 9,
     };
     let mut state = run(&hour).expect("in range").state;
-    let (gain, deviation) = (state.gain(), state.gain_deviation());
+    let (gain, deviation) = (state.estimate().gain, state.estimate().gain_deviation);
     let correction = estimator(&hour);
     let capacity = 0.5 * 220e-6 * 4.9 * 4.9;
     let mut random = Random(5);
-    let (mut energy, mut filled) = (f64::from(state.energy()), false);
+    let (mut energy, mut filled) = (f64::from(state.estimate().energy), false);
     for minute in 0..8 * 60 {
         let income = 2.0 * 0.2e-6 * CHARGING * 60.0;
         let load = if minute < 7 * 60 { 0.0 } else { 1.5 * income };
@@ -263,9 +267,12 @@ fn a_full_store_teaches_nothing_and_spoils_nothing() {
         let voltage = (2.0 * energy / 220e-6).sqrt() + hour.noise * random.normal();
         correction.observe(&mut state, code(voltage));
     }
-    assert_eq!((state.rejected(), filled), (0, true));
-    assert!((gain - 2.0).abs() < 0.05 && (state.gain() - 2.0).abs() < 3.0 * state.gain_deviation());
-    assert!(state.gain_deviation() <= deviation);
+    assert_eq!((state.estimate().rejected, filled), (0, true));
+    assert!(
+        (gain - 2.0).abs() < 0.05
+            && (state.estimate().gain - 2.0).abs() < 3.0 * state.estimate().gain_deviation
+    );
+    assert!(state.estimate().gain_deviation <= deviation);
 }
 
 #[test]
@@ -297,10 +304,16 @@ fn a_gain_that_changes_is_followed_where_a_drift_is_allowed_for() {
         state
     };
     let (fixed, followed) = (after_the_change(0.0), after_the_change(0.2));
-    assert!((followed.gain() - 1.5).abs() < 3.0 * followed.gain_deviation(), "{followed:?}");
-    assert!((followed.gain() - 1.5).abs() < 0.05 && followed.rejected() == 0, "{followed:?}");
+    assert!(
+        (followed.estimate().gain - 1.5).abs() < 3.0 * followed.estimate().gain_deviation,
+        "{followed:?}"
+    );
+    assert!(
+        (followed.estimate().gain - 1.5).abs() < 0.05 && followed.estimate().rejected == 0,
+        "{followed:?}"
+    );
     // Where none is, readings are refused sooner or later, until the model is given up.
-    assert!(fixed.rejected() > 0 || (fixed.gain() - 1.5).abs() > 0.1, "{fixed:?}");
+    assert!(fixed.estimate().rejected > 0 || (fixed.estimate().gain - 1.5).abs() > 0.1, "{fixed:?}");
 }
 
 #[test]
@@ -318,7 +331,7 @@ fn a_model_that_is_far_off_is_given_up_and_found_anew() {
         seed: 1,
     };
     let mut state = run(&hour).expect("in range").state;
-    assert!(state.gain_deviation() < 0.05);
+    assert!(state.estimate().gain_deviation < 0.05);
     let correction = estimator(&hour);
     let mut voltage = 2.0_f64;
     for _ in 0..60 {
@@ -326,6 +339,6 @@ fn a_model_that_is_far_off_is_given_up_and_found_anew() {
         correction.predict(&mut state, 60, 0.7e-6 * 60.0, 0.0);
         correction.observe(&mut state, code(voltage));
     }
-    assert_eq!(state.rejected(), 10);
-    assert!((state.gain() - 3.0).abs() < 0.05, "{state:?}");
+    assert_eq!(state.estimate().rejected, 10);
+    assert!((state.estimate().gain - 3.0).abs() < 0.05, "{state:?}");
 }

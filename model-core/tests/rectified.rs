@@ -131,7 +131,7 @@ impl<H: ElectricalPort<f64>, R: StorageElement<f64>> Observer<f64> for Regimes<'
     fn step(&mut self, step: &AcceptedStep<'_, f64>) {
         let mode = self.mode(&step.end);
         let ([position, velocity, charge], storage) = self.at(&step.end);
-        let threshold = self.scene.bridge().threshold(storage);
+        let threshold = storage + 2.0 * self.scene.bridge().diode_drop;
         let terminal = self.scene.harvester().port_voltage(mode.inner, position, charge);
         // A step that ends a regime ends a tick or two beyond it.
         let rounding = 1e-13 * terminal.magnitude + 2e-12 * (terminal.by_position * velocity).abs();

@@ -104,11 +104,11 @@ fn a_bus_receives_what_the_extremes_of_the_motion_say() {
     let mut meter = RunMeter::new();
     implicit.advance(&scene, &mut state, &shaking, settled, u32::MAX, &mut ()).expect("runs");
     implicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
-    let gap = meter.coordinate();
+    let gap = meter.report().coordinate;
     let passed = charge(gap.highest, threshold) - charge(gap.lowest, -threshold);
     let expected = 10.0 * 2.0 * passed * voltage;
     println!("gap {gap:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
-    assert!(passed > 0.0 && meter.impacts() == 0);
+    assert!(passed > 0.0 && meter.report().impacts == 0);
     assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
     let lost = meter.integrals().integral(PowerIndex::Diodes);
     assert!((lost / (expected * 2.0 * drop / voltage) - 1.0).abs() < 1e-5);
@@ -142,7 +142,7 @@ fn an_explicit_method_finds_the_same_of_the_slider() {
     let mut meter = RunMeter::new();
     explicit.advance(&scene, &mut state, &shaking, settled, u32::MAX, &mut ()).expect("runs");
     explicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
-    let reach = meter.coordinate();
+    let reach = meter.report().coordinate;
     // Forward to either side, backward into the middle from each.
     let passed: f64 =
         [reach.lowest, reach.highest].map(|x| charge(x, threshold) - charge(0.0, -threshold)).iter().sum();

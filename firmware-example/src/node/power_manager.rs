@@ -74,7 +74,7 @@ impl PowerManager {
         let Self { budget, state, measure, transmit, .. } = self;
         budget.update(state, 1, harvested, 0.0);
         state.raise_uncertainty(uncertainty);
-        let now = state.income().second();
+        let now = state.second();
         self.since_measurement += 1;
         self.since_transmission += 1;
         let (decision, action) =
@@ -106,6 +106,6 @@ impl PowerManager {
     /// What the account of the storage leaves unexplained, in joules.
     #[must_use]
     pub fn unexplained(&self) -> f32 {
-        self.state.account().balance() - self.state.energy()
+        self.state.account().balance - self.state.energy()
     }
 }

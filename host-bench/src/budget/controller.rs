@@ -103,7 +103,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
     /// The actions to run now, by number; their energy is booked as spent.
     pub(super) fn decide(&mut self) -> Vec<usize> {
         let rates = self.rates();
-        let now = self.state.income().second();
+        let now = self.state.second();
         let mut run = Vec::new();
         for (index, (due, rate)) in self.due.iter_mut().zip(rates).enumerate() {
             let granted = rate * f64::from(self.node.decision_s);
@@ -136,8 +136,8 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
     /// Residual of the account of the budget since the start, over all income.
     pub(super) fn ledger_residual(&self) -> Option<f64> {
         let account = self.state.account();
-        let income = account.income().to_f64();
-        let left = (account.balance() - self.state.energy()).to_f64();
+        let income = account.income.to_f64();
+        let left = (account.balance - self.state.energy()).to_f64();
         (income > 0.0).then(|| left.abs() / income)
     }
 }

@@ -242,17 +242,17 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
         let window = found.window;
         let number = |value: S| Some(value.to_f64());
         let with_stop = |value: S| self.0.stop.as_ref().map(|_| value.to_f64());
-        let contacts = u64::from(window.contacts());
+        let contacts = u64::from(window.report().contacts);
         let modes = self.modes();
         Particular::BumpStop(BumpStopOutcome {
             natural_frequencies_hz: natural_frequencies_hz(harvester.scene(), modes),
-            peak_tip_displacement_m: number(window.coordinate().magnitude()),
-            peak_stop_point_displacement_m: with_stop(window.stop_point().magnitude()),
+            peak_tip_displacement_m: number(window.report().coordinate.magnitude()),
+            peak_stop_point_displacement_m: with_stop(window.report().stop_point.magnitude()),
             contacts,
             contacts_per_period: found.periods.map(|periods| contacts as f64 / periods),
-            contact_fraction: number(window.contact_fraction()),
+            contact_fraction: number(window.report().contact_fraction),
             first_contact_s: found.first_contact.map(Instant::seconds),
-            peak_force_n: with_stop(window.peak_force()),
+            peak_force_n: with_stop(window.report().peak_force),
             mean_force_n: with_stop(window.integrals().mean(PowerIndex::ContactForce)),
             end_state: scaled(harvester.scene(), end, modes),
         })

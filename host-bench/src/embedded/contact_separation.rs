@@ -172,16 +172,16 @@ impl<S: Scalar, H: model_core::scene::Harvester<S>> Report<S, H> for ContactSepa
     fn particular(&self, _harvester: &H, found: &Found<'_, S>, _end: &H::State) -> Particular {
         let window = found.window;
         let number = |value: S| Some(value.to_f64());
-        let impacts = u64::from(window.impacts());
+        let impacts = u64::from(window.report().impacts);
         Particular::ContactSeparation(ContactSeparationOutcome {
-            peak_gap_m: number(window.coordinate().highest),
+            peak_gap_m: number(window.report().coordinate.highest),
             // A step that ends in an impact ends up to a tick beyond contact.
-            min_gap_m: number(window.coordinate().lowest.max(S::ZERO)),
+            min_gap_m: number(window.report().coordinate.lowest.max(S::ZERO)),
             impacts,
             impacts_per_period: found.periods.map(|periods| impacts as f64 / periods),
-            max_impact_speed_m_per_s: (impacts > 0).then(|| window.fastest_impact().to_f64()),
+            max_impact_speed_m_per_s: (impacts > 0).then(|| window.report().fastest_impact.to_f64()),
             first_impact_s: found.first_contact.map(Instant::seconds),
-            stuck_fraction: number(window.stick_fraction()),
+            stuck_fraction: number(window.report().stick_fraction),
         })
     }
 

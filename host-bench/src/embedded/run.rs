@@ -9,7 +9,7 @@ use model_core::hybrid::{StepError, Work};
 use model_core::integrate::{Adaptive, AnyStepControl, FixedStep};
 use model_core::observer::{AcceptedStep, Outputs, PowerIndex};
 use model_core::scalar::Scalar;
-use model_core::scene::{Harvester, StorageReading};
+use model_core::scene::Harvester;
 
 use super::excitation::Setting;
 use super::recorder::Recorder;
@@ -207,7 +207,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         let window = &meters.window;
         let found = Found {
             window,
-            first_contact: meters.whole.as_ref().and_then(|(_, meter)| meter.first_contact()),
+            first_contact: meters.whole.as_ref().and_then(|(_, meter)| meter.report().first_contact),
             periods: scene.excitation.single_frequency().map(|frequency| frequency * span.window_s()),
         };
         let ledger = meters.whole.as_ref().map(|(ledger, _)| ledger);
@@ -220,8 +220,8 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             duration_s: span.duration_s,
             settle_s: span.settle_s,
             mean_power_w: number(window.mean_power()),
-            rms_voltage_v: number(window.rms_voltage()),
-            peak_voltage_v: number(window.voltage().magnitude()),
+            rms_voltage_v: number(window.report().rms_voltage),
+            peak_voltage_v: number(window.report().voltage.magnitude()),
             mean_voltage_v: number(window.integrals().mean(PowerIndex::Voltage)),
             delivered_energy_j: number(window.delivered_energy()),
             energy_residual: ledger.and_then(|ledger| report.residual(&ledger.residual())).map(S::to_f64),
@@ -233,10 +233,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             particular: report.particular(harvester, &found, state),
             store: harvester.outputs(state).storage.map(|storage| StoreOutcome {
                 store_voltage_v: number(storage.voltage),
-                stored_energy_j: storage
-                    .capacitance
-                    .is_finite()
-                    .then(|| StorageReading::of(&storage).energy.to_f64()),
+                stored_energy_j: storage.capacitance.is_finite().then(|| storage.energy().to_f64()),
                 diode_loss_j: spent(PowerIndex::Diodes),
                 leaked_energy_j: spent(PowerIndex::Leakage),
                 drawn_energy_j: spent(PowerIndex::Draw),

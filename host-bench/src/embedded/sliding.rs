@@ -140,15 +140,15 @@ impl<S: Scalar, H: model_core::scene::Harvester<S>> Report<S, H> for SlidingRepo
     fn particular(&self, harvester: &H, found: &Found<'_, S>, _end: &H::State) -> Particular {
         let window = found.window;
         let number = |value: S| Some(value.to_f64());
-        let displacement = window.coordinate();
+        let displacement = window.report().coordinate;
         let half = S::from_f64(0.5);
         let frequency = harvester.angular_frequency().to_f64() / std::f64::consts::TAU;
         Particular::Sliding(SlidingOutcome {
             natural_frequency_hz: Some(frequency),
             peak_displacement_m: number(displacement.magnitude()),
             amplitude_m: number(half * (displacement.highest - displacement.lowest)),
-            stick_fraction: number(window.stick_fraction()),
-            sticks_per_period: found.periods.map(|periods| f64::from(window.sticks()) / periods),
+            stick_fraction: number(window.report().stick_fraction),
+            sticks_per_period: found.periods.map(|periods| f64::from(window.report().sticks) / periods),
         })
     }
 

@@ -226,10 +226,10 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     {
         let mut meter = RunMeter::new();
         self.period(&orbit.start, &orbit.start.point.state, &mut meter, spent)?;
-        let coordinate = meter.coordinate();
+        let coordinate = meter.report().coordinate;
         Some(Response {
             amplitude_m: 0.5 * (coordinate.highest - coordinate.lowest),
-            rms_voltage_v: meter.rms_voltage(),
+            rms_voltage_v: meter.report().rms_voltage,
         })
     }
 

@@ -3,13 +3,37 @@
 use super::storage::StorageStep;
 use crate::scalar::{CompensatedSum, Scalar};
 
-/// The energies since the start in joules at the storage.
+/// The energies since the start, in J at the storage.
 ///
-/// The stored energy is `income − shunted − leaked − (drawn − unserved) + corrected`. The account begins with
-/// an empty storage, and the energy found by the first measurement counts as a correction.
+/// `balance = income − shunted − leaked − (drawn − unserved) + corrected`. The account begins with an empty storage,
+/// and the energy found by the first measurement counts as a correction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Account<S> {
+    /// Harvested energy times the charging efficiency.
+    pub income: S,
+    /// Energy requested by the load over the discharging efficiency.
+    pub drawn: S,
+    /// Leaked energy.
+    pub leaked: S,
+    /// Income for which the storage had no room.
+    pub shunted: S,
+    /// Requested energy that the storage could not give above its lock-out. If the node spent that energy
+    /// nevertheless, the storage held more than the budget knew.
+    pub unserved: S,
+    /// Sum of the corrections by measurements, positive where the storage held more than the budget knew.
+    pub corrected: S,
+    /// Stored energy by this account.
+    pub balance: S,
+    /// Number of values that were refused because they were negative or not finite.
+    pub refused: u32,
+}
+
+/// Compensated sums of an [`Account`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct AccountSums<S> {
     income: CompensatedSum<S>,
     drawn: CompensatedSum<S>,
     leaked: CompensatedSum<S>,
@@ -19,7 +43,7 @@ pub struct Account<S> {
     refused: u32,
 }
 
-impl<S: Scalar> Account<S> {
+impl<S: Scalar> AccountSums<S> {
     pub(super) const EMPTY: Self = Self {
         income: CompensatedSum::ZERO,
         drawn: CompensatedSum::ZERO,
@@ -30,58 +54,24 @@ impl<S: Scalar> Account<S> {
         refused: 0,
     };
 
-    /// Harvested energy times the charging efficiency, in joules.
-    #[must_use]
-    pub fn income(&self) -> S {
-        self.income.value()
-    }
-
-    /// Energy requested by the load over the discharging efficiency, in joules.
-    #[must_use]
-    pub fn drawn(&self) -> S {
-        self.drawn.value()
-    }
-
-    /// Leaked energy in joules.
-    #[must_use]
-    pub fn leaked(&self) -> S {
-        self.leaked.value()
-    }
-
-    /// Income in joules for which the storage had no room.
-    #[must_use]
-    pub fn shunted(&self) -> S {
-        self.shunted.value()
-    }
-
-    /// Requested energy in joules that the storage could not give above its lock-out. If the node spent that
-    /// energy nevertheless, the storage held more than the budget knew.
-    #[must_use]
-    pub fn unserved(&self) -> S {
-        self.unserved.value()
-    }
-
-    /// Sum of the corrections by measurements in joules, positive where the storage held more than the budget
-    /// knew.
-    #[must_use]
-    pub fn corrected(&self) -> S {
-        self.corrected.value()
-    }
-
-    /// Number of values that were refused because they were negative or not finite.
-    #[must_use]
-    pub fn refused(&self) -> u32 {
-        self.refused
-    }
-
-    /// Stored energy in joules by this account.
-    #[must_use]
-    pub fn balance(&self) -> S {
-        let mut sum = self.corrected;
-        for term in [self.income(), -self.shunted(), -self.leaked(), -self.drawn(), self.unserved()] {
-            sum.add(term);
+    /// The sums as numbers.
+    pub(super) fn read(&self) -> Account<S> {
+        let mut balance = self.corrected;
+        let [income, shunted] = [self.income.value(), self.shunted.value()];
+        let [leaked, drawn, unserved] = [self.leaked.value(), self.drawn.value(), self.unserved.value()];
+        for term in [income, -shunted, -leaked, -drawn, unserved] {
+            balance.add(term);
         }
-        sum.value()
+        Account {
+            income,
+            drawn,
+            leaked,
+            shunted,
+            unserved,
+            corrected: self.corrected.value(),
+            balance: balance.value(),
+            refused: self.refused,
+        }
     }
 
     /// `value` if it is finite and not negative; otherwise counts a refusal.

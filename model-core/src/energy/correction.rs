@@ -53,7 +53,7 @@ pub struct CorrectionParameters<S> {
 ///
 /// With 12 bits over 5 V and the storage at 3 V, a cell is 0.17 µJ for 47 µF, 3.7 µJ for 1 mF and 3.7 mJ for
 /// 1 F. Twenty cells in an hour are then an income into the storage of 1 nW, 20 nW and 20 µW. With less
-/// income, [`CorrectionState::income_error`] states a larger error.
+/// income, [`CorrectionEstimate::income_error`] states a larger error.
 ///
 /// A full storage tells nothing of the gain, because its income is shunted. Capacitance, leakage,
 /// efficiencies and expenditure are taken as known: their errors enter the gain, and the stated error does
@@ -79,20 +79,23 @@ pub struct CorrectionParameters<S> {
 ///     CorrectionParameters { bits: 12, full_scale: 5.0, noise: 0.5e-3, gain_deviation: 1.0, gain_drift: 0.05 };
 /// let correction = reading.build(budget.storage())?;
 ///
-/// let (mut state, mut estimate) = (budget.start(0), correction.start());
+/// let (mut state, mut correcting) = (budget.start(0), correction.start());
 /// let mut truth = 3.0_f64; // volts: what the ADC sees, of twice the income that the model knows of
 /// for _minute in 0..60 {
 ///     let (modelled, spent) = (6e-6, 4e-6); // joules in this minute
 ///     let used = spent + standing_power * 60.0;
-///     budget.update(&mut state, 60, estimate.gain() * modelled, spent);
+///     let before = correcting.estimate();
+///     budget.update(&mut state, 60, before.gain * modelled, spent);
 ///     // How far the income may be off.
-///     state.raise_uncertainty(3.0 * estimate.gain_deviation() * budget.storage().stored(modelled));
-///     correction.predict(&mut estimate, 60, modelled, used);
+///     state.raise_uncertainty(3.0 * before.gain_deviation * budget.storage().stored(modelled));
+///     correction.predict(&mut correcting, 60, modelled, used);
 ///     truth = (truth * truth + (2.0 * 6e-6 * 0.8 - f64::from(used) / 0.9) * 2e4).sqrt();
-///     correction.observe(&mut estimate, (truth * 4096.0 / 5.0).round() as u32);
-///     budget.correct(&mut state, estimate.energy(), 3.0 * estimate.energy_deviation());
+///     correction.observe(&mut correcting, (truth * 4096.0 / 5.0).round() as u32);
+///     let after = correcting.estimate();
+///     budget.correct(&mut state, after.energy, 3.0 * after.energy_deviation);
 /// }
-/// assert!((estimate.gain() - 2.0).abs() < 0.1 && estimate.income_error() < 0.05);
+/// let found = correcting.estimate();
+/// assert!((found.gain - 2.0).abs() < 0.1 && found.income_error < 0.05);
 /// # Ok(())
 /// # }
 /// ```
@@ -135,6 +138,29 @@ pub struct CorrectionState<S> {
     used: u32,
     saturated: u32,
     rejected: u32,
+}
+
+/// Result of a [`Correction`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct CorrectionEstimate<S> {
+    /// Gain of the modelled income, 0 to 10.
+    pub gain: S,
+    /// Standard deviation of the gain.
+    pub gain_deviation: S,
+    /// Standard deviation of the gain relative to the gain; infinite if the gain is 0.
+    pub income_error: S,
+    /// Stored energy in J. Between a prediction and the next reading, the limits of the storage are ignored.
+    pub energy: S,
+    /// Standard deviation of the stored energy in J.
+    pub energy_deviation: S,
+    /// Number of readings that were used.
+    pub used: u32,
+    /// Number of readings at full scale.
+    pub saturated: u32,
+    /// Number of readings that were rejected.
+    pub rejected: u32,
 }
 
 /// The use that was made of a reading.
@@ -195,53 +221,20 @@ impl<S: Scalar> CorrectionParameters<S> {
 }
 
 impl<S: Scalar> CorrectionState<S> {
-    /// Gain of the modelled income, 0 to 10.
+    /// Gain, stored energy, their standard deviations, and the numbers of readings.
     #[must_use]
-    pub fn gain(&self) -> S {
-        self.gain
-    }
-
-    /// Standard deviation of the gain.
-    #[must_use]
-    pub fn gain_deviation(&self) -> S {
-        self.gain_variance.sqrt()
-    }
-
-    /// Standard deviation of the gain relative to the gain; infinite if the gain is 0.
-    #[must_use]
-    pub fn income_error(&self) -> S {
-        if self.gain > S::ZERO { self.gain_deviation() / self.gain } else { S::INFINITY }
-    }
-
-    /// Stored energy in joules. Between a prediction and the next reading, the limits of the storage are
-    /// ignored.
-    #[must_use]
-    pub fn energy(&self) -> S {
-        self.energy
-    }
-
-    /// Standard deviation of the stored energy in joules.
-    #[must_use]
-    pub fn energy_deviation(&self) -> S {
-        self.energy_variance.sqrt()
-    }
-
-    /// Number of readings that were used.
-    #[must_use]
-    pub fn used(&self) -> u32 {
-        self.used
-    }
-
-    /// Number of readings at full scale.
-    #[must_use]
-    pub fn saturated(&self) -> u32 {
-        self.saturated
-    }
-
-    /// Number of readings that were rejected.
-    #[must_use]
-    pub fn rejected(&self) -> u32 {
-        self.rejected
+    pub fn estimate(&self) -> CorrectionEstimate<S> {
+        let gain_deviation = self.gain_variance.sqrt();
+        CorrectionEstimate {
+            gain: self.gain,
+            gain_deviation,
+            income_error: if self.gain > S::ZERO { gain_deviation / self.gain } else { S::INFINITY },
+            energy: self.energy,
+            energy_deviation: self.energy_variance.sqrt(),
+            used: self.used,
+            saturated: self.saturated,
+            rejected: self.rejected,
+        }
     }
 }
 
@@ -360,7 +353,7 @@ impl<S: Scalar> Correction<S> {
 
     /// Makes the stored energy unknown, after an unknown income or expenditure. The next reading determines
     /// it and leaves the gain as it is.
-    pub fn forget_energy(&self, state: &mut CorrectionState<S>) {
+    pub(crate) fn forget_energy(&self, state: &mut CorrectionState<S>) {
         let capacity = self.storage.capacity();
         state.located = false;
         state.rejected_in_turn = 0;

@@ -75,12 +75,12 @@ use crate::excitation::{Excitation, Stream};
 use crate::hybrid::{Ended, StepError, Work};
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
-use crate::scene::{Harvester, StorageReading};
+use crate::scene::Harvester;
 use crate::snapshot::{self, Fingerprint, SnapshotError};
 
 pub use accumulator::{EnergyAccumulator, Estimate, Uncertainty};
 pub use sample::{Sample, SampleFormat};
-pub use state::State;
+use state::State;
 use state::{Phase, Queue};
 
 /// How samples come and what is made of those that do not.
@@ -192,18 +192,6 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
             unknown_intervals: 0,
         };
         Ok(Self { harvester, settings, state })
-    }
-
-    /// The model.
-    #[must_use]
-    pub fn harvester(&self) -> &H {
-        &self.harvester
-    }
-
-    /// The settings.
-    #[must_use]
-    pub fn settings(&self) -> &Settings<S> {
-        &self.settings
     }
 
     /// The state of the model, one sample behind.
@@ -347,7 +335,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
             energy,
             mean_power: if seconds > S::ZERO { energy / seconds } else { S::ZERO },
             seconds,
-            storage: self.harvester.outputs(harvester).storage.map(|storage| StorageReading::of(&storage)),
+            storage: self.harvester.outputs(harvester).storage,
             uncertainty: Uncertainty {
                 step,
                 rounding,

@@ -41,7 +41,7 @@ pub(crate) struct Income<S, const SLOTS: usize> {
 /// The state of the memory of the income. Energies and powers are at the harvester's terminals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct IncomeState<S, const SLOTS: usize> {
+pub(super) struct IncomeState<S, const SLOTS: usize> {
     /// Whole seconds since a midnight.
     second: u32,
     /// Exponentially weighted mean in watts, and what rounding took from it.
@@ -85,7 +85,7 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
 
     /// The present time in whole seconds since a midnight; wraps after 136 years.
     #[must_use]
-    pub fn second(&self) -> u32 {
+    pub(super) fn second(&self) -> u32 {
         self.second
     }
 
@@ -98,29 +98,23 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
 
     /// Exponentially weighted mean of the harvested power in watts; 0 before any income.
     #[must_use]
-    pub fn mean_power(&self) -> S {
+    pub(super) fn mean_power(&self) -> S {
         self.mean[0]
     }
 
     /// Expected mean power of a slot in watts: the mean of that slot, or the exponentially weighted mean for
     /// a slot without an observation.
     #[must_use]
-    pub fn expected_power(&self, slot: usize) -> S {
+    pub(crate) fn expected_power(&self, slot: usize) -> S {
         match self.slots.get(slot) {
             Some(&learnt) if learnt >= S::ZERO => learnt,
             _ => self.mean_power(),
         }
     }
 
-    /// Number of slots with an observation.
-    #[must_use]
-    pub fn slots_learnt(&self) -> usize {
-        self.slots.iter().filter(|&&learnt| learnt >= S::ZERO).count()
-    }
-
     /// The present slot.
     #[must_use]
-    pub fn slot(&self) -> usize {
+    pub(crate) fn slot(&self) -> usize {
         slot_at::<SLOTS>(self.second % DAY_SECONDS)
     }
 }
@@ -226,6 +220,11 @@ pub(super) const fn shortest_slot<const SLOTS: usize>() -> u32 {
 mod tests {
     use super::*;
 
+    /// Number of slots with an observation.
+    fn slots_learnt<const SLOTS: usize>(state: &IncomeState<f64, SLOTS>) -> usize {
+        state.slots.iter().filter(|&&learnt| learnt >= 0.0).count()
+    }
+
     fn model<const SLOTS: usize>() -> Income<f64, SLOTS> {
         IncomeParameters { time_constant: 3600.0, day_weight: 0.5 }.build().expect("within bounds")
     }
@@ -281,7 +280,7 @@ mod tests {
             let energy: f64 = (second..second + 61).map(day_of).sum();
             income.update(&mut state, 61, energy);
         }
-        assert_eq!(state.slots_learnt(), 7);
+        assert_eq!(slots_learnt(&state), 7);
         for slot in 0..6 {
             let expected = [0.125, 0.125, 0.25, 0.5]
                 .iter()
@@ -305,14 +304,14 @@ mod tests {
             income.update(&mut state, 60, 0.12);
         }
         income.gap(&mut state, 5 * 3600 + 1800 - 4800);
-        assert_eq!((state.second(), state.slots_learnt()), (19_800, 1));
+        assert_eq!((state.second(), slots_learnt(&state)), (19_800, 1));
         assert_eq!(state.expected_power(1), state.mean_power());
         assert!(state.mean_power() > 1e-3 && state.mean_power() < 2e-3);
         // From half past, half of the sixth hour suffices.
         for _ in 0..30 {
             income.update(&mut state, 60, 0.24);
         }
-        assert_eq!(state.slots_learnt(), 2);
+        assert_eq!(slots_learnt(&state), 2);
         assert!((state.expected_power(5) - 4e-3).abs() < 1e-15);
         // A day without word changes nothing but the time.
         let before = state;
@@ -327,7 +326,7 @@ mod tests {
         for _ in 0..48 {
             income.update(&mut state, 3600, 3.6);
         }
-        assert_eq!(state.slots_learnt(), 0);
+        assert_eq!(slots_learnt(&state), 0);
         assert!((state.expected_power(3) - 1e-3).abs() < 1e-15);
     }
 

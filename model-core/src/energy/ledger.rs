@@ -103,12 +103,6 @@ impl<S: Scalar> Ledger<S> {
         }
     }
 
-    /// Work of the motion on the electrostatic force so far, in J: negative where the force gave energy to the motion.
-    #[must_use]
-    pub fn electrostatic_work(&self) -> S {
-        self.integrals.integral(PowerIndex::ElectrostaticWork)
-    }
-
     /// Energy lost in contact so far, in J; below zero where a contact law created energy.
     #[must_use]
     pub fn lost_in_contact(&self) -> S {

@@ -53,7 +53,7 @@ impl<S: Scalar> Integrals<S> {
 
     /// Elapsed time in s.
     #[must_use]
-    pub fn seconds(&self) -> S {
+    pub(crate) fn seconds(&self) -> S {
         Instant::from_ticks(self.ticks).seconds()
     }
 }
@@ -151,7 +151,37 @@ impl<S: Scalar> Peak<S> {
     }
 }
 
-/// The numbers of a report of a run, for every harvester.
+/// The numbers that a [`RunMeter`] reports beside its integrals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct RunReport<S> {
+    /// Root mean square of the terminal voltage in V.
+    pub rms_voltage: S,
+    /// Extremes of the terminal voltage in V.
+    pub voltage: Peak<S>,
+    /// Extremes of the harvester's first coordinate (a gap, a displacement) in m.
+    pub coordinate: Peak<S>,
+    /// Extremes of the beam's displacement at the stop of bump-stop in m.
+    pub stop_point: Peak<S>,
+    /// Number of impacts.
+    pub impacts: u32,
+    /// Largest impact speed in m/s; 0 without an impact.
+    pub fastest_impact: S,
+    /// Number of times that the moving part began to stick.
+    pub sticks: u32,
+    /// Fraction of the time in which the moving part stuck, 0 to 1.
+    pub stick_fraction: S,
+    /// Number of contacts: intervals with a contact force, and impacts.
+    pub contacts: u32,
+    /// Fraction of the time in contact, 0 to 1.
+    pub contact_fraction: S,
+    /// Time of the first contact or impact.
+    pub first_contact: Option<Instant>,
+    /// Largest contact force in N; an impact has none.
+    pub peak_force: S,
+}
+
+/// Meter of a whole run of any harvester: integrals of all powers, extremes, events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunMeter<S> {
     integrals: Integrals<S>,
@@ -213,78 +243,24 @@ impl<S: Scalar> RunMeter<S> {
         self.integrals.mean(PowerIndex::Load)
     }
 
-    /// Root mean square of the terminal voltage, in V.
+    /// The numbers of the report.
     #[must_use]
-    pub fn rms_voltage(&self) -> S {
-        self.integrals.mean(PowerIndex::VoltageSquared).sqrt()
-    }
-
-    /// Extremes of the harvester's first coordinate (a gap, a displacement), in m.
-    #[must_use]
-    pub fn coordinate(&self) -> Peak<S> {
-        let [first, ..] = self.motions;
-        first
-    }
-
-    /// Extremes of the beam's displacement at the stop of bump-stop, in m.
-    #[must_use]
-    pub fn stop_point(&self) -> Peak<S> {
-        let [_, second, _] = self.motions;
-        second
-    }
-
-    /// Extremes of the terminal voltage, in V.
-    #[must_use]
-    pub fn voltage(&self) -> Peak<S> {
-        self.voltage
-    }
-
-    /// Number of impacts.
-    #[must_use]
-    pub fn impacts(&self) -> u32 {
-        self.impacts
-    }
-
-    /// Largest impact speed in m/s; 0 without an impact.
-    #[must_use]
-    pub fn fastest_impact(&self) -> S {
-        self.fastest_impact
-    }
-
-    /// Number of times that the moving part began to stick.
-    #[must_use]
-    pub fn sticks(&self) -> u32 {
-        self.sticks
-    }
-
-    /// Fraction of the time in which the moving part stuck, 0 to 1.
-    #[must_use]
-    pub fn stick_fraction(&self) -> S {
-        self.fraction(Instant::from_ticks(self.stick_ticks).seconds())
-    }
-
-    /// Number of contacts: intervals with a contact force, and impacts.
-    #[must_use]
-    pub fn contacts(&self) -> u32 {
-        self.contacts
-    }
-
-    /// Fraction of the time in contact, 0 to 1.
-    #[must_use]
-    pub fn contact_fraction(&self) -> S {
-        self.fraction(self.contact_seconds.value())
-    }
-
-    /// Time of the first contact or impact.
-    #[must_use]
-    pub fn first_contact(&self) -> Option<Instant> {
-        self.first_contact
-    }
-
-    /// Largest contact force in N; an impact has none.
-    #[must_use]
-    pub fn peak_force(&self) -> S {
-        self.peak_force
+    pub fn report(&self) -> RunReport<S> {
+        let [coordinate, stop_point, _] = self.motions;
+        RunReport {
+            rms_voltage: self.integrals.mean(PowerIndex::VoltageSquared).sqrt(),
+            voltage: self.voltage,
+            coordinate,
+            stop_point,
+            impacts: self.impacts,
+            fastest_impact: self.fastest_impact,
+            sticks: self.sticks,
+            stick_fraction: self.fraction(Instant::from_ticks(self.stick_ticks).seconds()),
+            contacts: self.contacts,
+            contact_fraction: self.fraction(self.contact_seconds.value()),
+            first_contact: self.first_contact,
+            peak_force: self.peak_force,
+        }
     }
 
     fn fraction(&self, seconds: S) -> S {

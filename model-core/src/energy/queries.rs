@@ -35,19 +35,6 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         (spare / action.energy()).min(S::ONE / action.duration())
     }
 
-    /// The shortest period of an action in whole seconds that can go on for ever, by
-    /// [`Budget::sustainable_rate`]; `None` if even once a day is too often.
-    #[must_use]
-    pub fn sustainable_period(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>) -> Option<u32> {
-        let rate = self.sustainable_rate(state, action);
-        if !(rate * S::from_u32(DAY_SECONDS) >= S::ONE) {
-            return None;
-        }
-        let period = S::ONE / rate;
-        let whole = period.to_u32();
-        Some(if S::from_u32(whole) < period { whole + 1 } else { whole })
-    }
-
     /// Whether an action can be run at the present second `now` of the clock: it can be afforded, and by the
     /// forecast it leaves no more of the standing load of the coming day unserved.
     ///
@@ -155,8 +142,6 @@ mod tests {
             let state = knowing(&budget, daylight, hour, voltage);
             let action = Action::new("measure", energy, 0.01).expect("finite");
             let rate = budget.sustainable_rate(&state, &action);
-            let period = budget.sustainable_period(&state, &action).expect("some");
-            assert!(f64::from(period) >= 1.0 / rate && f64::from(period) < 1.0 / rate + 1.0);
             let floor = budget.storage().lock_out();
             // Forty days use up the energy that is there at the start.
             let under =
@@ -177,9 +162,8 @@ mod tests {
         // An action that the storage cannot hold, and one without any income, can never be run.
         let huge = Action::new("transmit", 20.0, 1.0).expect("finite");
         assert_eq!(budget.sustainable_rate(&state, &huge), 0.0);
-        assert_eq!(budget.sustainable_period(&state, &huge), None);
         let dark = knowing(&budget, |_| 0.0, 0, 4.0);
-        assert_eq!(budget.sustainable_period(&dark, &action), None);
+        assert_eq!(budget.sustainable_rate(&dark, &action), 0.0);
     }
 
     #[test]
@@ -192,7 +176,7 @@ mod tests {
         let low = knowing(&budget, daylight, 18, 3.6);
         let morning = knowing(&budget, daylight, 7, 3.6);
         let answers = |state: &BudgetState<f64, SLOTS>| {
-            let now = state.income().second();
+            let now = state.second();
             (budget.can_afford(state, &action, now), budget.can_run_now(state, &action, now))
         };
         assert_eq!(answers(&full), (true, true));

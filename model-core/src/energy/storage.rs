@@ -76,7 +76,6 @@ impl<S: Scalar> StorageParameters<S> {
             drawn_per_used: S::ONE / self.discharging_efficiency,
             capacity: energy(highest),
             lock_out: energy(self.lock_out_voltage),
-            turn_on: energy(self.turn_on_voltage),
             parameters: self,
         })
     }
@@ -93,7 +92,6 @@ pub struct Storage<S> {
     drawn_per_used: S,
     capacity: S,
     lock_out: S,
-    turn_on: S,
 }
 
 impl<S: Scalar> Storage<S> {
@@ -117,26 +115,14 @@ impl<S: Scalar> Storage<S> {
 
     /// Energy at the highest voltage.
     #[must_use]
-    pub fn capacity(&self) -> S {
+    pub(crate) fn capacity(&self) -> S {
         self.capacity
     }
 
     /// Energy at the lock-out voltage, which no load can use.
     #[must_use]
-    pub fn lock_out(&self) -> S {
+    pub(crate) fn lock_out(&self) -> S {
         self.lock_out
-    }
-
-    /// Energy at the turn-on voltage, for whoever simulates the node from outside.
-    #[must_use]
-    pub fn turn_on(&self) -> S {
-        self.turn_on
-    }
-
-    /// Energy above the lock-out as the load sees it, through the discharging efficiency; 0 below.
-    #[must_use]
-    pub fn usable(&self, energy: S) -> S {
-        (energy - self.lock_out).max(S::ZERO) * self.parameters.discharging_efficiency
     }
 
     /// What reaches the storage of an energy harvested.
@@ -149,13 +135,13 @@ impl<S: Scalar> Storage<S> {
     /// What the storage gives for an energy used by the load.
     #[must_use]
     #[inline]
-    pub fn drawn(&self, used: S) -> S {
+    pub(crate) fn drawn(&self, used: S) -> S {
         used * self.drawn_per_used
     }
 
     /// How the storage relaxes over an interval in seconds, at or above 0. At most one exponential.
     #[must_use]
-    pub fn relaxation(&self, seconds: S) -> Relaxation<S> {
+    pub(crate) fn relaxation(&self, seconds: S) -> Relaxation<S> {
         Relaxation::new(self.leakage_rate * seconds)
     }
 
@@ -166,7 +152,7 @@ impl<S: Scalar> Storage<S> {
     /// where it exactly would; of what is lost at a full storage, the leakage is taken as if nothing were
     /// shunted before the end, so that up to `x/2` of the shunted energy may stand under leakage.
     #[must_use]
-    pub fn step(&self, energy: S, relaxation: &Relaxation<S>, income: S, outgo: S) -> StorageStep<S> {
+    pub(crate) fn step(&self, energy: S, relaxation: &Relaxation<S>, income: S, outgo: S) -> StorageStep<S> {
         let net = income - outgo;
         let leaked = relaxation.leaked(energy, net);
         let change = net - leaked;
@@ -189,7 +175,7 @@ impl<S: Scalar> Storage<S> {
 /// What an interval did to a storage, in joules at the storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct StorageStep<S> {
+pub(crate) struct StorageStep<S> {
     /// Energy at the end.
     pub end: S,
     /// Change that a storage without limits would have seen: `end` less the start where nothing was shunted
@@ -206,7 +192,7 @@ pub struct StorageStep<S> {
 /// The closed forms of an interval of ratio `x = λ h`: 0 where nothing leaks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Relaxation<S> {
+pub(crate) struct Relaxation<S> {
     ratio: S,
     /// `e^(−x)`: part of the energy at the start that is left at the end.
     pub kept: S,
@@ -253,21 +239,21 @@ impl<S: Scalar> Relaxation<S> {
     /// `1 − e^(−x)`: part of the energy at the start that leaks.
     #[must_use]
     #[inline]
-    pub fn lost(&self) -> S {
+    pub(crate) fn lost(&self) -> S {
         self.ratio * self.of_income
     }
 
     /// Part of an even income that leaks.
     #[must_use]
     #[inline]
-    pub fn lost_of_income(&self) -> S {
+    pub(crate) fn lost_of_income(&self) -> S {
         self.ratio * self.second
     }
 
     /// What is left of an even income above what is left of one that came at the start, per joule.
     #[must_use]
     #[inline]
-    pub fn lost_by_early_income(&self) -> S {
+    pub(crate) fn lost_by_early_income(&self) -> S {
         self.ratio * (self.of_income - self.second)
     }
 }
@@ -306,7 +292,8 @@ pub(super) mod tests {
                     let storage = storage.and_then(Result::ok).expect("within bounds");
                     assert_eq!(storage.lock_out(), 0.5e-3 * lockout.turn_off * lockout.turn_off);
                     // What leaks at the turn-on voltage is the quiescent current.
-                    let leaked = storage.turn_on() * storage.relaxation(1.0).lost();
+                    let leaked =
+                        storage.energy(storage.parameters().turn_on_voltage) * storage.relaxation(1.0).lost();
                     let expected = lockout.turn_on * part.quiescent_locked_out;
                     assert!((leaked / expected - 1.0).abs() < 1e-2, "{} {leaked}", part.name);
                 }
@@ -322,8 +309,6 @@ pub(super) mod tests {
             assert!((storage.voltage(storage.energy(voltage)) - voltage).abs() <= 1e-15 * voltage);
         }
         assert!((storage.capacity() - 2.2275e-3).abs() < 1e-15);
-        assert_eq!(storage.usable(storage.lock_out() * 0.5), 0.0);
-        assert!((storage.usable(storage.lock_out() + 1e-4) - 0.9e-4).abs() < 1e-15);
     }
 
     #[test]

@@ -40,18 +40,6 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
         Ok(Self { amplitude, angular_frequency, frequency: fixed, resolved, start, mathematics: PhantomData })
     }
 
-    /// Amplitude in m/s².
-    #[must_use]
-    pub fn amplitude(&self) -> S {
-        self.amplitude
-    }
-
-    /// Frequency in Hz.
-    #[must_use]
-    pub fn frequency(&self) -> S {
-        self.angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI)
-    }
-
     /// Phase at `at` in units of 2⁻⁶⁴ turns.
     #[inline(always)]
     pub(crate) fn phase(&self, at: Instant) -> u64 {

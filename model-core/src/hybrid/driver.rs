@@ -70,7 +70,7 @@ impl Work {
 
     /// This work and `other`, one after the other.
     #[must_use]
-    pub fn and(self, other: Self) -> Self {
+    pub(crate) fn and(self, other: Self) -> Self {
         Self {
             steps: self.steps.saturating_add(other.steps),
             rejected: self.rejected.saturating_add(other.rejected),

@@ -119,7 +119,7 @@ impl<S: Scalar> Cantilever<S> {
     /// All modes together have `(s L)³/3EI`; this is a sum of what is left out, not the difference of
     /// the whole and what is kept, which cancels: in `f32` it is 10⁻³ off with ten modes.
     #[must_use]
-    pub fn residual_compliance(&self, place: S, kept: u32) -> S {
+    pub(crate) fn residual_compliance(&self, place: S, kept: u32) -> S {
         let free = Self { tip_mass: S::ZERO, ..*self };
         let last = kept + SUMMED;
         let mut sum = S::ZERO;

@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 use super::bounds::{Bounds, ParameterError};
-use crate::scalar::{Scalar, arcsine, turns_of_radians};
+use crate::scalar::Scalar;
 
 /// A law of dry friction.
 ///
@@ -108,61 +108,9 @@ impl<S: Scalar> Friction<S> for Frictionless {
     }
 }
 
-/// Turns of the excitation until static friction fails, where a load `constant + amplitude · sin(2π p)`
-/// pulls at a body that a friction of `hold` keeps at rest, and the phase `p` is `phase · 2⁻⁶⁴` turns
-/// now; `None` if it holds for ever.
-///
-/// Closed form: the load leaves `−hold … hold` upwards where the sine rises through
-/// `(hold − constant)/amplitude`, downwards where it falls through `(−hold − constant)/amplitude`;
-/// the earlier of the two counts. All three in one unit; the amplitude not below zero.
-#[must_use]
-pub fn turns_until_release<S: Scalar>(constant: S, amplitude: S, hold: S, phase: u64) -> Option<S> {
-    let crossing = |level: S, falls: bool| {
-        let sine = level / amplitude;
-        if !(sine.abs() <= S::ONE) {
-            return None;
-        }
-        let angle = turns_of_radians(arcsine(sine))?;
-        let at = if falls { (1_u64 << 63).wrapping_sub(angle) } else { angle };
-        // The top half of a phase in turns; what is behind comes again a turn later.
-        let ahead = (at.wrapping_sub(phase) >> 32) as u32;
-        Some(S::from_u32(ahead) * S::power_of_two(-32))
-    };
-    let (up, down) = (crossing(hold - constant, false), crossing(-hold - constant, true));
-    match (up, down) {
-        (Some(up), Some(down)) => Some(up.min(down)),
-        (one, other) => one.or(other),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn release_is_where_the_load_first_exceeds_the_hold() {
-        // By steps of a millionth of a turn.
-        for (constant, amplitude, hold) in
-            [(0.0, 2.0, 1.5), (0.7, 2.0, 1.5), (-1.4, 2.0, 1.5), (0.2, 1.0, 1.1)]
-        {
-            for start in [0.0, 0.1, 0.37, 0.5, 0.83] {
-                let load = |turns: f64| constant + amplitude * (core::f64::consts::TAU * turns).sin();
-                if load(start).abs() > hold {
-                    continue;
-                }
-                let found =
-                    turns_until_release::<f64>(constant, amplitude, hold, (start * 2f64.powi(64)) as u64)
-                        .expect("fails");
-                let sampled = (0..=1_000_000)
-                    .map(|k| f64::from(k) * 1e-6)
-                    .find(|turns| load(start + turns).abs() > hold);
-                let sampled = sampled.expect("fails");
-                assert!((found - sampled).abs() < 2e-6, "{constant} {hold} {start}: {found} {sampled}");
-            }
-        }
-        assert_eq!(turns_until_release(0.0, 1.0, 1.5, 0), None);
-        assert_eq!(turns_until_release(0.0_f32, 0.0, 1.5, 0), None);
-    }
 
     const PATCHES: PatchFriction<f64> =
         PatchFriction { static_active: 0.35, static_inert: 0.25, kinetic_active: 0.30, kinetic_inert: 0.20 };

@@ -52,7 +52,7 @@ impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
     /// Voltage in V at the terminals from which the bridge conducts, at a storage voltage in V.
     #[must_use]
     #[inline]
-    pub fn threshold(&self, storage_voltage: S) -> S {
+    pub(crate) fn threshold(&self, storage_voltage: S) -> S {
         storage_voltage + self.diode_drop + self.diode_drop
     }
 
@@ -77,7 +77,7 @@ impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
     ///
     /// # Errors
     /// The field, its value and its bounds.
-    pub fn check(&self) -> Result<(), ParameterError<S>> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError<S>> {
         Bounds::new(0.0, 100.0).check("diode_drop", self.diode_drop)?;
         self.storage.check()
     }

@@ -20,7 +20,7 @@ pub trait Restitution<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
 
 /// A parameter of a law of restitution, for the check at the build.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RestitutionParameter<S> {
+pub(crate) struct RestitutionParameter<S> {
     /// Its name.
     pub field: &'static str,
     /// Its value.

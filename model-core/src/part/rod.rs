@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 /// A uniform rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Rod<S> {
+pub(crate) struct Rod<S> {
     /// Length `L` in m.
     pub length: S,
     /// Axial stiffness `EA` in N.
@@ -20,7 +20,7 @@ pub struct Rod<S> {
 /// One mode of a [`Rod`], normalised to a modal mass of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RodMode<S> {
+pub(crate) struct RodMode<S> {
     /// Undamped angular frequency `Ω` in rad/s.
     pub angular_frequency: S,
     /// `ψ(L)` in 1/√kg; its sign alternates from mode to mode.
@@ -35,7 +35,7 @@ const SUMMED: u32 = 30;
 impl<S: Scalar> Rod<S> {
     /// Mode `number`, from 1, in order of frequency.
     #[must_use]
-    pub fn mode(&self, number: u32) -> RodMode<S> {
+    pub(crate) fn mode(&self, number: u32) -> RodMode<S> {
         let two = S::from_f64(2.0);
         let number = number.max(1);
         let quarter_turns = S::from_f64(core::f64::consts::FRAC_PI_2) * S::from_u32(2 * number - 1);
@@ -54,7 +54,7 @@ impl<S: Scalar> Rod<S> {
     ///
     /// A sum of what is left out, not the difference of the whole and what is kept, which cancels.
     #[must_use]
-    pub fn residual_compliance(&self, kept: u32) -> S {
+    pub(crate) fn residual_compliance(&self, kept: u32) -> S {
         let compliance = self.length / self.axial_stiffness;
         if kept == 0 {
             return compliance;

@@ -49,8 +49,8 @@ pub use circuit::{Circuit, Resistive};
 pub use contact_law::{AnyContact, DisplacementConstraint, NoStop, ResidualFlexibility, Restitution};
 pub use parameters::Parameters;
 pub use state::{Start, State, StateOf};
-pub use step_set::{StepSet, StepSetOf};
-pub use stepper::{LEAST_BUDGET, Stepper};
+use stepper::LEAST_BUDGET;
+pub use stepper::Stepper;
 pub use stop::Stop;
 
 use crate::scalar::Scalar;
@@ -126,19 +126,19 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 
     /// Displacement of the beam's tip towards the stop, and its rate, in m and m/s.
     #[must_use]
-    pub fn tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
+    pub(crate) fn tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         self.along_beam(state, |mode| mode.tip)
     }
 
     /// Displacement of the beam at the stop, and its rate, in m and m/s.
     #[must_use]
-    pub fn stop_point<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
+    pub(crate) fn stop_point<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         self.along_beam(state, |mode| mode.contact)
     }
 
     /// Displacement of the rod's face, and its rate, in m and m/s.
     #[must_use]
-    pub fn rod_tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
+    pub(crate) fn rod_tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         let mut sums = [S::ZERO; 2];
         for (mode, coordinate) in self.rod.iter().zip(&state.rod) {
             sums[0] += mode.contact * coordinate[0];

@@ -38,9 +38,10 @@ mod parameters;
 mod start;
 
 pub use crate::scene::coupled::ModeFactor;
+pub use crate::scene::coupled::{CHARGE, POSITION as GAP, STATES, VELOCITY};
 pub use automaton::Mode;
 pub use choices::{AnyChoices, Choices, Parts};
-pub use flow::{Circuit, Flow};
+pub use flow::Flow;
 pub use parameters::Parameters;
 pub use start::Start;
 
@@ -51,16 +52,6 @@ pub(crate) use crate::part::stick_charge::Sticking;
 
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
-use crate::scene::coupled;
-
-/// Number of states: gap in metres, velocity in m/s, total charge in units of `√(2 ε0 S m)`.
-pub const STATES: usize = coupled::STATES;
-/// Place of the gap in the state, in metres.
-pub const GAP: usize = coupled::POSITION;
-/// Place of the velocity in the state, in m/s; positive opens.
-pub const VELOCITY: usize = coupled::VELOCITY;
-/// Place of the total charge in the state, in units of [`ContactSeparation::charge_unit`].
-pub const CHARGE: usize = coupled::CHARGE;
 
 /// A harvester whose parameters have been checked: coefficients only, nothing that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,13 +105,6 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     #[must_use]
     pub fn charge_unit(&self) -> S {
         self.charge_unit
-    }
-
-    /// Transferred charge `q = Q + C_p V` in coulombs at a gap in metres and a total charge in
-    /// charge units.
-    #[must_use]
-    pub fn transferred_charge(&self, gap: S, charge: S) -> S {
-        self.charge_unit * self.circuit(gap, charge).transferred
     }
 
     /// Total charge in charge units at which the voltage vanishes at `gap`: `σ S g / (g + d_e)`.

@@ -13,13 +13,13 @@ use crate::integrate::System;
 use crate::scalar::Scalar;
 
 /// Number of states: position in metres, velocity in m/s, charge in units of the scene.
-pub(crate) const STATES: usize = 3;
+pub const STATES: usize = 3;
 /// Place of the position in the state.
-pub(crate) const POSITION: usize = 0;
+pub const POSITION: usize = 0;
 /// Place of the velocity.
-pub(crate) const VELOCITY: usize = 1;
+pub const VELOCITY: usize = 1;
 /// Place of the charge.
-pub(crate) const CHARGE: usize = 2;
+pub const CHARGE: usize = 2;
 
 /// Derivatives of the restoring force per mass, `−f`, and of the current `i`.
 #[derive(Debug, Clone, Copy, PartialEq)]

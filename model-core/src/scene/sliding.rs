@@ -47,10 +47,10 @@ mod lateral_force;
 mod parameters;
 mod start;
 
+pub use crate::scene::coupled::{CHARGE, POSITION as DISPLACEMENT, STATES, VELOCITY};
 pub use automaton::Mode;
 pub use choices::{AnyChoices, Choices, Parts};
 pub use flow::Flow;
-pub use force_law::Surface;
 pub(crate) use lateral_force::LateralForce;
 pub use lateral_force::{AnyLateralForce, FieldLateralForce, NoLateralForce};
 pub use parameters::Parameters;
@@ -65,17 +65,7 @@ pub(crate) use crate::part::stick_charge::Sticking;
 
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
-use crate::scene::coupled;
-
-/// Number of states: displacement in metres, velocity in m/s, charge in units of
-/// [`Sliding::charge_unit`].
-pub const STATES: usize = coupled::STATES;
-/// Place of the tip's displacement from the centre of the active patch in the state, in metres.
-pub const DISPLACEMENT: usize = coupled::POSITION;
-/// Place of the tip's velocity relative to the base in the state, in m/s.
-pub const VELOCITY: usize = coupled::VELOCITY;
-/// Place of the transferred charge in the state, in units of [`Sliding::charge_unit`].
-pub const CHARGE: usize = coupled::CHARGE;
+use force_law::Surface;
 
 /// A harvester whose parameters have been checked: coefficients only, nothing that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -58,12 +58,12 @@ pub struct Fingerprint(Checksum);
 impl Fingerprint {
     /// The fingerprint of nothing.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self(Checksum::START)
     }
 
     /// Includes a name: of a type or of a version.
-    pub fn name(&mut self, name: &str) {
+    pub(crate) fn name(&mut self, name: &str) {
         self.0.include(name.as_bytes());
     }
 
@@ -84,7 +84,7 @@ impl Fingerprint {
 
     /// The number.
     #[must_use]
-    pub fn value(self) -> u32 {
+    pub(crate) fn value(self) -> u32 {
         self.0.value()
     }
 }

@@ -61,9 +61,9 @@ fn without_a_stop_the_steady_state_is_the_frequency_response() {
         let stepper = Stepper::with_all_powers(parameters.build::<10, 0>().expect("valid"), 5e-6, 5e-6)
             .expect("in bounds");
         let meter = measured(&stepper, &shaking(), 2.0, 2.5);
-        close(meter.rms_voltage(), volts / 2f64.sqrt(), 2e-5);
-        close(meter.voltage().magnitude(), volts, 2e-5);
-        close(meter.coordinate().magnitude(), metres, 2e-5);
+        close(meter.report().rms_voltage, volts / 2f64.sqrt(), 2e-5);
+        close(meter.report().voltage.magnitude(), volts, 2e-5);
+        close(meter.report().coordinate.magnitude(), metres, 2e-5);
         close(meter.mean_power(), volts * volts / 2e6, 4e-5);
     }
     // A small and a large resistance, six modes.
@@ -72,7 +72,7 @@ fn without_a_stop_the_steady_state_is_the_frequency_response() {
         parameters.choices.load.0.resistance = ohms;
         let stepper = Stepper::with_all_powers(parameters.build::<6, 0>().expect("valid"), 5e-6, 5e-6)
             .expect("in bounds");
-        close(measured(&stepper, &shaking(), 2.0, 2.5).voltage().magnitude(), volts, 3e-5);
+        close(measured(&stepper, &shaking(), 2.0, 2.5).report().voltage.magnitude(), volts, 3e-5);
     }
 }
 
@@ -89,7 +89,7 @@ fn the_golden_trajectory_is_met_and_approached_in_second_order() {
         let mut touches = Touches::default();
         stepper.advance(&mut state, &excitation, seconds(6e-3), u32::MAX, &mut touches).expect("runs");
         assert!(!touches.negative && !touches.pulled_open);
-        (touches, scene.tip(&state)[0], scene.voltage(&state))
+        (touches, stepper.outputs(&state).coordinate().value, scene.voltage(&state))
     };
     let (touches, at_end, voltage) = run(1e-6);
     assert_eq!(touches.at.len(), 8);
@@ -125,7 +125,7 @@ fn one_way_coupling_has_its_own_contacts() {
         assert!((at - expected).abs() < 2e-8, "{at} {expected}");
     }
     close(scene.voltage(&state), -0.682_948_187_4, 1e-3);
-    close(scene.tip(&state)[0], -1.644_225_653e-5, 1e-3);
+    close(stepper.outputs(&state).coordinate().value, -1.644_225_653e-5, 1e-3);
 }
 
 #[test]
@@ -164,12 +164,12 @@ fn statistics_are_those_of_the_event_driven_reference() {
             let stepper = Stepper::with_all_powers(parameters.build::<10, 10>().expect("valid"), 1e-6, 2e-5)
                 .expect("in bounds");
             let meter = measured(&stepper, &shaking(), 0.5, 1.0);
-            [meter.rms_voltage(), meter.integrals().mean(PowerIndex::ContactForce)]
+            [meter.report().rms_voltage, meter.integrals().mean(PowerIndex::ContactForce)]
         } else {
             let stepper = Stepper::with_all_powers(parameters.build::<6, 2>().expect("valid"), 1e-6, 2e-5)
                 .expect("in bounds");
             let meter = measured(&stepper, &shaking(), 0.5, 1.5);
-            [meter.rms_voltage(), meter.integrals().mean(PowerIndex::ContactForce)]
+            [meter.report().rms_voltage, meter.integrals().mean(PowerIndex::ContactForce)]
         };
         close(voltage, volts, 0.05);
         close(force, newtons, 0.05);
@@ -198,12 +198,12 @@ fn single_precision_has_the_statistics_of_double() {
         let force_of_fine = fine.integrals().mean(PowerIndex::ContactForce);
         println!(
             "{position} {gap}: {} {} V, {} {} N",
-            coarse.rms_voltage(),
-            fine.rms_voltage(),
+            coarse.report().rms_voltage,
+            fine.report().rms_voltage,
             force_of_coarse,
             force_of_fine
         );
-        close(coarse.rms_voltage().into(), fine.rms_voltage(), 0.02);
+        close(coarse.report().rms_voltage.into(), fine.report().rms_voltage, 0.02);
         close(force_of_coarse.into(), force_of_fine, 0.02);
         close(coarse.mean_power().into(), fine.mean_power(), 0.04);
     }

@@ -2,9 +2,8 @@
 
 use crate::clock::Instant;
 use crate::integrate::step_control::REMEMBERED_RADIANS;
-use crate::observer::{AcceptedStep, Event, Observer, PowerIndex};
+use crate::observer::{AcceptedStep, Event, Observer, PowerIndex, StorageOutput};
 use crate::scalar::{CompensatedSum, Scalar};
-use crate::scene::StorageReading;
 use crate::snapshot::snapshot_fields;
 
 /// A power is a square: a small error of the state moves it twice as much.
@@ -104,7 +103,7 @@ pub struct Estimate<S> {
     /// Integrated time in seconds.
     pub seconds: S,
     /// The storage as it is now; `None` for a harvester without one.
-    pub storage: Option<StorageReading<S>>,
+    pub storage: Option<StorageOutput<S>>,
     /// How far this can be trusted.
     pub uncertainty: Uncertainty<S>,
 }

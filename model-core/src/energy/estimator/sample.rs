@@ -47,7 +47,7 @@ impl<S: Scalar> SampleFormat<S> {
     /// The sample of a raw count.
     #[must_use]
     #[inline]
-    pub fn of_count(&self, count: i16) -> Sample<S> {
+    pub(crate) fn of_count(&self, count: i16) -> Sample<S> {
         let (count, limit) = (i32::from(count), i32::from(self.count_limit));
         let clipped = count.max(-limit).min(limit);
         let saturated = count.unsigned_abs() >= u32::from(self.count_limit);
@@ -60,7 +60,7 @@ impl<S: Scalar> SampleFormat<S> {
     /// The sample of a reading in m/s²; one that is not finite is missing.
     #[must_use]
     #[inline]
-    pub fn of_acceleration(&self, acceleration: S) -> Sample<S> {
+    pub(crate) fn of_acceleration(&self, acceleration: S) -> Sample<S> {
         if !acceleration.is_finite() {
             Sample::Missing
         } else if acceleration.abs() < self.range {

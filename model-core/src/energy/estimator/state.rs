@@ -53,7 +53,7 @@ impl<S: Scalar> Queue<S> {
 ///
 /// `T` is the state of its harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct State<S, T> {
+pub(super) struct State<S, T> {
     pub(super) stream: Stream<S>,
     pub(super) harvester: T,
     pub(super) accumulator: EnergyAccumulator<S>,

@@ -57,7 +57,7 @@ impl<S: Scalar> ModeStep<S> {
 /// Everything about a step that depends on its length and the parameters only; `K` are the load's
 /// coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StepSet<S, const B: usize, const R: usize, K = CircuitStep<S>> {
+pub(crate) struct StepSet<S, const B: usize, const R: usize, K = CircuitStep<S>> {
     pub(super) ticks: u32,
     /// Its length in s.
     pub(super) step: S,
@@ -79,13 +79,13 @@ pub struct StepSet<S, const B: usize, const R: usize, K = CircuitStep<S>> {
 }
 
 /// The coefficients of a harvester made of the parts `P`.
-pub type StepSetOf<S, P, const B: usize, const R: usize> =
+pub(crate) type StepSetOf<S, P, const B: usize, const R: usize> =
     StepSet<S, B, R, <<P as Parts<S>>::Load as Circuit<S>>::Step>;
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// The coefficients of a step of `ticks` clock ticks, at least 1.
     #[must_use]
-    pub fn step_set(&self, ticks: u32) -> StepSetOf<S, P, B, R> {
+    pub(crate) fn step_set(&self, ticks: u32) -> StepSetOf<S, P, B, R> {
         let ticks = ticks.max(1);
         let step = seconds_of_ticks::<S>(ticks);
         let of = |angular_frequency, base, voltage| {

@@ -18,7 +18,7 @@ use crate::scalar::Scalar;
 
 /// Attempts that one step may take, the location of an impact included: a smaller budget of
 /// [`Harvester::advance`](crate::scene::Harvester::advance) is taken as this one.
-pub const LEAST_BUDGET: u32 = 44;
+pub(super) const LEAST_BUDGET: u32 = 44;
 /// Attempts to locate an impact: bisection of 2³² ticks.
 const MOST_LOCATING: u32 = 40;
 /// An impact slower than this, in m/s, closes the contact.

@@ -36,19 +36,6 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         acceleration + attraction - self.stiffness_per_mass * self.initial_gap
     }
 
-    /// Contact force in newtons while the mass is held; 0 in flight. Equation (22).
-    pub fn contact_force<const POWERS: usize>(
-        &self,
-        mode: Mode,
-        point: &Point<S, STATES, POWERS>,
-        acceleration: S,
-    ) -> S {
-        match mode {
-            Mode::Free => S::ZERO,
-            Mode::Stick => self.mass * self.contact_force_per_mass(point.state[CHARGE], acceleration),
-        }
-    }
-
     /// Stored energy at a gap with its circuit and a velocity.
     #[inline]
     fn stored_energy(&self, circuit: &Circuit<S>, gap: S, velocity: S) -> StoredEnergy<S> {
@@ -235,9 +222,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::excitation::Silence;
-    use crate::integrate::{Adaptive, FixedStep};
+    use crate::integrate::Adaptive;
     use crate::part::load::AnyLoad;
     use crate::part::parasitic::ParasiticCapacitance;
     use crate::part::restitution::{AnyRestitution, ConstantRestitution};
@@ -263,22 +249,6 @@ mod tests {
                 sticking: StickCharge::Frozen,
             },
         }
-    }
-
-    #[test]
-    fn the_contact_force_is_the_attraction_less_the_spring() {
-        let (density, area, permittivity) = (150e-6, 4e-4, 8.854_187_812_8e-12);
-        let scene = parameters(density).build().expect("in bounds");
-        let start = Start { gap: Some(0.0), velocity: None, charge: Some(0.0) };
-        let state = scene
-            .start::<_, _, 1>(&start, &Silence, &FixedStep::of_seconds(1e-5).expect("in bounds"))
-            .expect("in bounds");
-        assert_eq!(state.mode, Mode::Stick);
-        let attraction = density * density * area / (2.0 * permittivity);
-        let expected = attraction + 5e-3 * 1.5 - 80.0 * 3e-3;
-        let force = scene.contact_force(state.mode, &state.point, 1.5);
-        assert!((force / expected - 1.0).abs() < 1e-12, "{force} {expected}");
-        assert_eq!(scene.contact_force(Mode::Free, &state.point, 1.5), 0.0);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::scene::coupled::{self, Derivatives, ModeFactor};
 
 /// The electrical quantities at a gap and a total charge; charges in units of `√(2 ε0 S m)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Circuit<S> {
+pub(crate) struct Circuit<S> {
     /// Transferred charge `q = Q + C_p V`.
     pub transferred: S,
     /// Its derivative by the gap.

@@ -2,14 +2,13 @@
 
 use super::flow::Flow;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
-use crate::excitation::{Excitation, Sine};
-use crate::hybrid::{Automaton, Guard, HybridState, InputAt, Jump};
+use crate::excitation::Excitation;
+use crate::hybrid::{Automaton, Guard, InputAt, Jump};
 use crate::integrate::ErrorScale;
 use crate::integrate::{Point, System};
 use crate::observer::{Motion, Outputs, StoredEnergy};
-use crate::part::friction::turns_until_release;
 use crate::part::load::{Load, Resistance};
-use crate::scalar::{Mathematics, Scalar};
+use crate::scalar::Scalar;
 use crate::scene::coupled;
 
 /// The modes of motion.
@@ -78,43 +77,6 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         } else {
             Mode::sliding(pull < S::ZERO, state[DISPLACEMENT])
         }
-    }
-
-    /// Friction that holds the slider in newtons, positive towards positive displacement; 0 in a
-    /// slide. Equation (10) in its consistent form.
-    pub fn holding_friction<const POWERS: usize>(
-        &self,
-        mode: Mode,
-        point: &Point<S, STATES, POWERS>,
-        acceleration: S,
-    ) -> S {
-        let [[pull, _], _] = self.balance(&point.state, acceleration);
-        if mode == Mode::Stick { self.modal_mass * pull } else { S::ZERO }
-    }
-
-    /// Seconds until a held slider is released, where a single sine shakes the base and the charge is
-    /// frozen: the closed form of the event that the driver locates. `None` if it is not held, if
-    /// friction holds it for ever, or if the charge flows.
-    ///
-    /// A node may sleep until then.
-    pub fn release_in<M: Mathematics<S>, const POWERS: usize>(
-        &self,
-        state: &HybridState<S, Mode, STATES, POWERS>,
-        sine: &Sine<S, M>,
-    ) -> Option<S> {
-        let flows = self.sticking.relaxes() && matches!(self.load.resistance(), Resistance::Finite(_));
-        if state.mode != Mode::Stick || flows {
-            return None;
-        }
-        let [[constant, _], [hold, _]] = self.balance(&state.point.state, S::ZERO);
-        let (amplitude, phase) = (self.base_coupling * sine.amplitude(), sine.phase(state.clock));
-        if !(sine.frequency() > S::ZERO) {
-            return None;
-        }
-        // A negative amplitude is half a turn.
-        let phase = if amplitude < S::ZERO { phase.wrapping_add(1 << 63) } else { phase };
-        let turns = turns_until_release(constant, amplitude.abs(), hold, phase)?;
-        Some(turns / sine.frequency())
     }
 
     /// What friction can hold beyond what it must, towards either side, and its rate.
@@ -310,7 +272,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
 mod tests {
     use super::*;
     use crate::clock::Instant;
-    use crate::hybrid::{Driver, Ended};
+    use crate::excitation::Sine;
+    use crate::hybrid::{Driver, Ended, HybridState};
     use crate::integrate::{Adaptive, TrBdf2};
     use crate::part::load::AnyLoad;
     use crate::scene::sliding::{
@@ -352,25 +315,47 @@ mod tests {
         assert!((scene.base_coupling() / 1.110_563_269_8 - 1.0).abs() < 1e-9);
     }
 
+    /// Seconds until the slider is released with a frozen charge: the load `constant + amplitude sin φ` leaves
+    /// `−hold … hold` where the sine rises through `(hold − constant)/amplitude` or falls through
+    /// `(−hold − constant)/amplitude`, whichever is earlier.
+    fn release_in(
+        scene: &Sliding<f64, AnyChoices<f64>>,
+        state: &HybridState<f64, Mode, STATES, 1>,
+        [amplitude, frequency]: [f64; 2],
+    ) -> Option<f64> {
+        let [[constant, _], [hold, _]] = scene.balance(&state.point.state, 0.0);
+        let amplitude = scene.base_coupling * amplitude;
+        let phase = (state.clock.seconds::<f64>() * frequency).fract();
+        let ahead = |angle: f64| (angle / core::f64::consts::TAU - phase).rem_euclid(1.0);
+        let up = ((hold - constant) / amplitude).asin();
+        let down = core::f64::consts::PI - ((-hold - constant) / amplitude).asin();
+        [up, down]
+            .into_iter()
+            .filter(|angle| angle.is_finite())
+            .map(ahead)
+            .reduce(f64::min)
+            .map(|turns| turns / frequency)
+    }
+
     #[test]
     fn the_driver_locates_releases_where_the_closed_form_has_them() {
         let scene = parameters().build().expect("in bounds");
-        let sine = Sine::<f64>::new(0.30 * 9.81, 6.0, 0.0).expect("valid");
+        let shaking = [0.30 * 9.81, 6.0];
+        let sine = Sine::<f64>::new(shaking[0], shaking[1], 0.0).expect("valid");
         let driver =
             Driver { pause_at_events: true, ..Driver::new(TrBdf2, Adaptive::new(1e-6).expect("in bounds")) };
         let mut state = scene.start::<_, _, 1>(&Start::default(), &sine, &driver.control).expect("in bounds");
         let mut releases = 0;
         let end = Instant::from_whole_seconds(3);
         loop {
-            let expected =
-                scene.release_in(&state, &sine).map(|seconds| state.clock.seconds::<f64>() + seconds);
-            let before = state.mode;
+            let expected = release_in(&scene, &state, shaking);
+            let (before, since) = (state.mode, state.clock.seconds::<f64>());
             let advance = driver.advance(&scene, &mut state, &sine, end, u32::MAX, &mut ()).expect("runs");
             if advance.ended == Ended::Finished {
                 break;
             }
             if before == Mode::Stick {
-                let expected = expected.expect("friction fails");
+                let expected = since + expected.expect("friction fails");
                 let error = state.clock.seconds::<f64>() - expected;
                 assert!(error.abs() < 1e-9, "{error}");
                 releases += 1;
