@@ -1,10 +1,10 @@
-//! Why parameters are refused.
+//! Bounds of parameters, and the error of a parameter outside them.
 
 use core::fmt;
 
 use crate::scalar::Scalar;
 
-/// The values a parameter may have, ends included.
+/// The range of a parameter, ends included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bounds<S> {
@@ -14,15 +14,15 @@ pub struct Bounds<S> {
     pub highest: S,
 }
 
-/// A parameter out of its bounds.
+/// A parameter outside its bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ParameterError<S> {
-    /// The field.
+    /// Name of the field.
     pub field: &'static str,
-    /// Its value, in SI units.
+    /// Value of the field in SI units.
     pub value: S,
-    /// What it may be.
+    /// The allowed values.
     pub bounds: Bounds<S>,
 }
 
@@ -40,14 +40,14 @@ impl<S: Scalar> fmt::Display for ParameterError<S> {
 impl<S: Scalar> core::error::Error for ParameterError<S> {}
 
 impl<S: Scalar> Bounds<S> {
-    /// From `lowest` to `highest`, which are literals of the source.
+    /// From `lowest` to `highest`, both literals of the source.
     #[must_use]
     #[inline]
     pub(crate) fn new(lowest: f64, highest: f64) -> Self {
         Self { lowest: S::from_f64(lowest), highest: S::from_f64(highest) }
     }
 
-    /// Refuses a value outside, not-a-number included.
+    /// Refuses a value outside the bounds, and not-a-number.
     ///
     /// # Errors
     /// `field`, its value and these bounds.

@@ -1,9 +1,9 @@
-//! Simulated time as an integer, and the phase of a frequency at a time.
+//! Represents simulated time as an integer, and the phase of a frequency at a time.
 //!
-//! Time is a count of ticks of 2⁻⁴⁰ s (0.91 ps) in 64 bits, which wraps after half a year. Rounding an event to
-//! a tick is less than the rounding, in `f32`, of any step above a few microseconds. A frequency is a
+//! Time is a count of ticks of 2⁻⁴⁰ s (0.91 ps) in 64 bits, which wraps after half a year (2²⁴ s). Rounding
+//! an event to a tick is less than the `f32` rounding of any step above a few microseconds. A frequency is a
 //! fixed-point number of turns per tick with 96 fractional bits. The phase at a tick is one multiplication
-//! modulo a turn: after 24 hours at 10 kHz it is off by less than 10⁻⁹ of a turn in either precision.
+//! modulo a turn; its error after 24 hours at 10 kHz is below 10⁻⁹ of a turn in either precision.
 
 use crate::scalar::Scalar;
 use crate::snapshot::snapshot_fields;
@@ -64,7 +64,7 @@ impl Instant {
         u32::try_from(later.0.saturating_sub(self.0)).unwrap_or(u32::MAX).min(limit)
     }
 
-    /// Seconds since the start, rounded: for reports, since a step uses no absolute time.
+    /// Seconds since the start, rounded. For reports only: a step uses no absolute time.
     #[must_use]
     pub fn seconds<S: Scalar>(self) -> S {
         let (whole, fraction) =
@@ -117,7 +117,7 @@ pub(crate) struct Cycles {
 
 /// A frequency in units of 2⁻⁹⁶ cycles per tick, which are 2⁻⁵⁶ Hz.
 ///
-/// An `f32` or `f64` from 2⁻⁴ Hz to 1 MHz is held to that unit.
+/// An `f32` or `f64` from 2⁻⁴ Hz to 1 MHz is represented to that unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Frequency {
@@ -155,7 +155,7 @@ impl Frequency {
     /// Ticks in a cycle, rounded down; `None` where the number does not fit in 64 bits.
     pub(crate) fn whole_ticks_per_cycle(self) -> Option<u64> {
         let units = (u128::from(self.upper) << 32) | u128::from(self.lower);
-        // Long division of 2⁹⁶ bit by bit: nothing else in a firmware would link a 128-bit division.
+        // Long division of 2⁹⁶ bit by bit, because no other code of a firmware links a 128-bit division.
         let (mut quotient, mut remainder) = (0_u128, 0_u128);
         for bit in (0..=96).rev() {
             remainder = (remainder << 1) | u128::from(bit == 96_u32);

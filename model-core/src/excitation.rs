@@ -1,7 +1,7 @@
 //! Base acceleration `a(t)` in m/s² as a function of the integer clock, and the strongest sine in its samples.
 //!
-//! An excitation is a pure function of time without state of its own. In every scene `a` is the acceleration of
-//! the base in the positive direction of the relative coordinate, so the force on the mass is `−m a`.
+//! An excitation is a pure function of time, without state. In every scene `a` is the acceleration of the
+//! base in the positive direction of the relative coordinate, so the force on the mass is `−m a`.
 
 mod any;
 mod sample_grid;
@@ -30,8 +30,8 @@ pub trait Excitation<S: Scalar> {
 
     /// Time derivative of the base acceleration in m/s³ just after `at`.
     ///
-    /// Called only where an event depends on the acceleration: for a mass that sticks to its stop, and for a
-    /// slider that sticks by friction.
+    /// Called only if an event depends on the acceleration: while a mass sticks to its stop, or a slider
+    /// sticks by friction.
     fn jerk(&self, at: Instant) -> S;
 
     /// The longest step, in ticks, that resolves the acceleration: an eighth of the period of the fastest sine.
@@ -57,7 +57,7 @@ pub trait Excitation<S: Scalar> {
     }
 }
 
-/// A reference to an excitation, of a type that is known or not.
+/// A reference to an excitation of a known type or a trait object.
 impl<S: Scalar, E: Excitation<S> + ?Sized> Excitation<S> for &E {
     #[inline]
     fn acceleration(&self, at: Instant) -> S {
@@ -85,14 +85,14 @@ impl<S: Scalar, E: Excitation<S> + ?Sized> Excitation<S> for &E {
     }
 }
 
-/// Why the parameters of an excitation were refused.
+/// The reason why the parameters of an excitation were refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ExcitationError {
     /// The amplitude is not finite.
     Amplitude,
-    /// The frequency is negative, not finite, or above 1 MHz; for a sampled trace also where it is zero.
+    /// The frequency is negative, not finite, or above 1 MHz; for a sampled trace also if it is zero.
     Frequency,
     /// The phase is not finite.
     Phase,

@@ -1,9 +1,9 @@
-//! Hybrid systems: flows joined by events.
+//! Simulates hybrid systems: smooth flows in modes, joined by instantaneous events.
 //!
-//! A harvester that hits a stop or sticks to a surface is a hybrid automaton: in each *mode* it
-//! follows a smooth *flow*; a *guard* is positive while the mode lasts, and where it falls through
-//! zero a *jump* gives the next mode and state. An [`Automaton`] states these as pure functions
-//! and holds parameters only. The [`Driver`] advances a [`HybridState`] and knows no physics.
+//! A harvester with a stop or with friction is a hybrid automaton. In each *mode* the state follows the
+//! *flow* `y' = f(y, u)`. A *guard* `g(y, u)` is positive while the mode lasts. At `g = 0` the *jump* gives
+//! the next mode and state. An [`Automaton`] states modes, flows, guards and jumps as pure functions of its
+//! parameters. The [`Driver`] advances a [`HybridState`] and contains no physics.
 
 mod attempt;
 mod driver;
@@ -22,9 +22,9 @@ use crate::snapshot::{Snapshot, snapshot_fields};
 
 pub use driver::{Advance, Driver, Ended, LEAST_BUDGET, StepError, StepFailure, Work};
 
-/// A guard and its rate of change along the flow.
+/// A guard and its rate of change along the flow, in the guard's own unit.
 ///
-/// Positive while the mode lasts; the event is where it falls through zero.
+/// The guard is positive while the mode lasts; its fall through zero is the event.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard<S> {
     /// The value.
@@ -34,38 +34,38 @@ pub struct Guard<S> {
 }
 
 impl<S: Scalar> Guard<S> {
-    /// Whether the event is already due: below zero, or at zero and falling.
+    /// Whether the event is due: the guard is below zero, or at zero and falling.
     #[inline(always)]
     fn is_due(&self) -> bool {
         self.value < S::ZERO || self.value == S::ZERO && self.rate < S::ZERO
     }
 
-    /// The guard over a step that starts here and ends at `end`.
+    /// The interpolant of the guard over a step of `step` seconds from here to `end`.
     #[inline(always)]
     fn until(&self, end: &Self, step: S) -> Cubic<S> {
         Cubic::new(self.value, self.rate, end.value, end.rate, step)
     }
 }
 
-/// What happens at an event.
+/// The result of an event.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jump<S, Mode, const N: usize> {
     /// The mode after the event.
     pub mode: Mode,
     /// The state after the event.
     pub state: [S; N],
-    /// What rounding took from it; see [`Point::remainder`].
+    /// The part of the state that rounding removed; see [`Point::remainder`].
     pub remainder: [S; N],
     /// The derivative after the event, in the new mode.
     pub derivative: [S; N],
     /// Energy lost in the event, in joules.
     pub loss: S,
-    /// Whether the guards of the new mode are watched from the start. `false` where one of them
-    /// starts at zero with no rate; then [`Automaton::rearms`] says when they are watched.
+    /// Whether the guards of the new mode are watched from the start. `false` if a guard starts at zero with
+    /// zero rate; [`Automaton::rearms`] then tells when the guards are watched again.
     pub armed: bool,
 }
 
-/// The excitation at one instant: evaluated where it is asked for.
+/// The excitation at one instant, evaluated on request.
 #[derive(Debug, Clone, Copy)]
 pub struct InputAt<'a, E> {
     excitation: &'a E,
@@ -110,7 +110,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     /// The flow of `mode`.
     fn flow(&self, mode: Self::Mode) -> Self::Flow<'_>;
 
-    /// Number of guards of `mode`, at most 32; by default none, for a system without events.
+    /// Number of guards of `mode`, at most 32; 0 by default.
     #[inline(always)]
     fn guards(&self, _mode: Self::Mode) -> usize {
         0
@@ -118,8 +118,8 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
 
     /// Guard number `index` of `mode`.
     ///
-    /// Where `armed` is false the guard is to be lowered by a margin of rounding size, so that it
-    /// cannot fire at its start but still catches a state that sinks through.
+    /// If `armed` is false, lower the guard by a margin of rounding size: the guard then does not fire at its
+    /// start but still detects a state that moves through zero.
     #[inline(always)]
     fn guard<E: Excitation<S>>(
         &self,
@@ -132,16 +132,16 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
         Guard { value: S::ONE, rate: S::ZERO }
     }
 
-    /// Whether guards that were left unwatched by a jump into `mode` can be watched from here on.
+    /// Whether the guards of `mode`, unwatched since the jump into it, are watched from `point` on.
     #[inline(always)]
     fn rearms(&self, _mode: Self::Mode, _point: &Point<S, N, P>) -> bool {
         true
     }
 
-    /// What happens where guard number `index` of `mode` falls through zero.
+    /// The jump at the zero of guard number `index` of `mode`.
     ///
-    /// `step` is the length in seconds of the step that is to follow: a derivative that changes
-    /// within a boundary layer much thinner than that is best given as it is beyond the layer.
+    /// `step` is the length of the next step in seconds. If the derivative has a boundary layer much thinner
+    /// than `step`, return the derivative beyond the layer.
     #[inline(always)]
     fn jump<E: Excitation<S>>(
         &self,
@@ -155,8 +155,8 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
         Jump { mode, state, remainder, derivative, loss: S::ZERO, armed: true }
     }
 
-    /// The part of each power that passes in no time in that jump, to `after`, in joules: a capacitor that
-    /// is joined to another shares its charge at once.
+    /// The energy in joules that each power transfers instantaneously in the jump to `after`, for example
+    /// when two capacitors are connected.
     #[inline(always)]
     fn jump_energies(
         &self,
@@ -168,7 +168,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
         [S::ZERO; P]
     }
 
-    /// The outputs at a point of `mode`; by default zeros with the state variables.
+    /// The outputs at a point of `mode`; by default the state variables, and zero for every other output.
     #[inline(always)]
     fn outputs<'a>(&self, _mode: Self::Mode, point: &'a Point<S, N, P>) -> Outputs<'a, S> {
         Outputs::of_state(&point.state)
@@ -186,21 +186,20 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
         false
     }
 
-    /// The scales by which the step control measures errors.
+    /// The scales of the errors for the step control.
     fn error_scale(&self) -> ErrorScale<S>;
 
-    /// Whether the model holds at `state`; if not, the quantity that left its domain and its value.
+    /// Checks that `state` is within the domain of the model.
     ///
     /// # Errors
-    /// The name and the value of the quantity.
+    /// The name and the value in SI units of the quantity outside the domain.
     #[inline(always)]
     fn check(&self, _mode: Self::Mode, _state: &[S; N]) -> Result<(), (&'static str, S)> {
         Ok(())
     }
 }
 
-/// Everything that changes while a hybrid system runs: a plain value that can be copied, saved,
-/// compared and restored, and resumes with the same bits.
+/// The complete state of a simulation. A copy, or a state restored from a snapshot, resumes with the same bits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HybridState<S, Mode, const N: usize, const P: usize> {
@@ -214,7 +213,7 @@ pub struct HybridState<S, Mode, const N: usize, const P: usize> {
     control: ControlMemory<S>,
     /// Ticks since the last event, saturating.
     since_event: u32,
-    /// Events in a row that followed the one before within a nanosecond.
+    /// Number of successive events, each within a nanosecond of the event before.
     crowded_events: u8,
 }
 
@@ -243,8 +242,8 @@ impl<S: Scalar, Mode: Copy, const N: usize, const P: usize> HybridState<S, Mode,
         self.armed
     }
 
-    /// The same state with its guards not watched until [`Automaton::rearms`] says so: for a start
-    /// at which a guard is zero with no rate.
+    /// This state with its guards unwatched until [`Automaton::rearms`] returns true: for a start at which a
+    /// guard is zero with zero rate.
     #[must_use]
     pub(crate) fn disarmed(self) -> Self {
         Self { armed: false, ..self }

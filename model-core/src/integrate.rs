@@ -1,11 +1,12 @@
-//! One step of a small system of ordinary differential equations, `y' = f(y, u)`, and the length of the
-//! next step.
+//! Takes one step of a small system of ordinary differential equations `y' = f(y, u)` and controls the length
+//! of the next step.
 //!
 //! A [`System`] gives its flow, its Jacobian as a factored iteration matrix, and a short list of powers. A
 //! [`Method`] takes one step from one [`Point`] to the next and integrates the powers with the weights of its
 //! stages. A [`StepControl`] accepts or rejects the step and proposes the length of the next one.
 //!
-//! The length of a step is a whole number of clock ticks of 2⁻⁴⁰ s. A method asks for the input `u` at a
+//! The length of a step is a whole number of clock ticks of 2⁻⁴⁰ s. A method requests the input `u` at a
+//! number of ticks into the step. This module contains no absolute time, no events and no physics.
 //! number of ticks into the step. Absolute time, events and physics are unknown to this module.
 
 pub(crate) mod cubic;
@@ -25,11 +26,11 @@ pub use runge_kutta::RungeKutta4;
 pub use step_control::{Adaptive, AnyStepControl, ErrorScale, FixedStep, StepControl};
 pub use tr_bdf2::TrBdf2;
 
-/// A system `y' = f(y, u)` of `N` states `y` with one input `u`, and `P` powers that are integrated along with
-/// the states.
+/// A system `y' = f(y, u)` of `N` states `y` with one input `u`, and `P` powers that are integrated along
+/// with the states.
 ///
-/// `powers[0]` is the power delivered to the load; its error estimate limits the step beside that of the state.
-/// With [`DenseFactor`] a system states its Jacobian and needs no elimination by hand.
+/// `powers[0]` is the power delivered to the load; its error estimate limits the step in addition to that of
+/// the state. With [`DenseFactor`] a system states its Jacobian and needs no elimination by hand.
 pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// The factored iteration matrix `I − weight · ∂f/∂y`; [`DenseFactor`] suits any system.
     type Factor;
@@ -46,8 +47,8 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// One Newton iteration on the implicit stage `z = weight · f(base + z, u)`: improves `increment`, the
     /// present `z`, and returns the correction.
     ///
-    /// A system with equations that have a closed form given the others overrides this and
-    /// [`System::condense`], and iterates on the other equations only.
+    /// Override this and [`System::condense`] if some equations have a closed form given the others: Newton
+    /// then iterates on the others only.
     #[inline(always)]
     fn iterate(
         &self,
@@ -77,9 +78,8 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// computed from the state, which would be a small difference of large voltages.
     fn powers(&self, state: &[S; N], derivative: &[S; N], input: S) -> [S; P];
 
-    /// Overwrites energies in joules that are known exactly from the states at the start and the end of a step.
-    ///
-    /// For example, the charge that has passed may be a difference of two states.
+    /// Overwrites energies in joules that are known exactly from the states at the start and the end of a
+    /// step. For example, a transferred charge may be a difference of two states.
     #[inline(always)]
     fn correct_energies(&self, _start: &[S; N], _end: &[S; N], _energies: &mut [S; P]) {}
 
@@ -93,7 +93,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         S::ZERO
     }
 
-    /// The size of a small change of the state, relative to the scale of the state.
+    /// The norm of a small change of the state, relative to the scale of the state.
     fn error_norm(&self, state: &[S; N], change: &[S; N]) -> S;
 }
 
@@ -103,7 +103,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
 pub struct Point<S, const N: usize, const P: usize> {
     /// The state.
     pub state: [S; N],
-    /// What rounding took from the state: `state + remainder` is more exact.
+    /// The part of the state that rounding removed: `state + remainder` is more exact.
     pub remainder: [S; N],
     /// The derivative of the state at the last stage of the method.
     pub derivative: [S; N],

@@ -6,11 +6,10 @@
     private_interfaces,
     reason = "some traits are sealed: the crate implements them, nobody else"
 )]
-//! Vibration energy harvesters on a microcontroller: how much power is being harvested, estimated on
-//! the device.
+//! Simulates vibration energy harvesters on a microcontroller and estimates the harvested power.
 //!
-//! `no_std`, fixed allocation, no panics, generic over `f32` and `f64`. The same input gives the same
-//! bits on every core and on the host, so what the host tests is what the node runs.
+//! `no_std`, fixed allocation, no panics, generic over `f32` and `f64`. The same input gives the same bits on
+//! every core and on the host, so a host test covers the code of the node.
 //!
 //! ```
 //! use model_core::clock::Instant;
@@ -40,31 +39,31 @@
 //! let mut state = harvester.start(&Start::default(), &shaking)?;
 //! let mut meter = PowerMeter::new();
 //! harvester.advance(&mut state, &shaking, Instant::from_whole_seconds(2), 10_000, &mut meter)?;
-//! assert!((5e-6..20e-6).contains(&meter.mean_power())); // watts
+//! assert!((5e-6..20e-6).contains(&meter.mean_power())); // W
 //! # Ok(())
 //! # }
 //! ```
 //!
-//! # Floors
+//! # Modules
 //!
-//! A module knows those below it and none above:
+//! A module uses only the modules below it in this table:
 //!
-//! | module | what it is for |
+//! | module | content |
 //! | --- | --- |
 //! | [`energy`] | meters, the energy ledger, the event log; a node's energy budget |
 //! | [`scene`] | the harvesters: parameters, checked once, and pure functions |
-//! | [`part`] | what harvesters are put together from: loads, restitution |
-//! | [`hybrid`] | the driver: flow, guard, jump; event location |
+//! | [`part`] | the components of harvesters: loads, restitution |
+//! | [`hybrid`] | the driver: step, event location, jump |
 //! | [`integrate`] | TR-BDF2 and RK4, step control, dense output |
-//! | [`excitation`] | what shakes the base |
-//! | [`clock`] | time in integer ticks, phase that does not drift |
-//! | [`scalar`] | the number and its elementary functions |
+//! | [`excitation`] | the acceleration of the base |
+//! | [`clock`] | time in integer ticks, phase without drift |
+//! | [`scalar`] | the floating-point number and its elementary functions |
 //! | [`snapshot`] | states as bytes, for a power-down |
 //!
 //! # Errors
 //!
-//! Parameters are refused by [`scene::ParameterError`] with field, value and bounds. A step that cannot
-//! be taken is a [`hybrid::StepError`], and the state is then the last good one. Nothing panics.
+//! [`scene::ParameterError`] names the field, the value and the bounds of a refused parameter. A failed step
+//! returns a [`hybrid::StepError`], and the state is then the last good one. No function panics.
 
 pub mod bounds;
 pub mod clock;

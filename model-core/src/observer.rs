@@ -1,19 +1,19 @@
-//! What every run shows, whatever the harvester: accepted steps, events, and the outputs at their ends.
+//! Observes every run: accepted steps, events, and the outputs at their ends, alike for all harvesters.
 //!
-//! A harvester fills one [`AcceptedStep`] for each step that it keeps and one [`Event`] for each jump. Meters, the
-//! energy ledger, the event log and the estimator are [`Observer`]s of these and know no scene. An observer that reads no
-//! outputs of steps says so by [`Observer::READS_OUTPUTS`]; the harvester then does not compute them.
+//! A harvester fills one [`AcceptedStep`] for each accepted step and one [`Event`] for each jump. Meters, the energy
+//! ledger, the event log and the estimator are [`Observer`]s of these and independent of the scene. An observer that
+//! reads no outputs of steps declares it by [`Observer::READS_OUTPUTS`]; the harvester then does not compute them.
 
 use crate::clock::Instant;
 use crate::scalar::Scalar;
 
 /// Index of a power in the list that is integrated along with a step.
 ///
-/// A run integrates either the first entry alone, which a sensor node needs, or all of them.
+/// A run integrates either the first entry alone, which a sensor node needs, or all entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PowerIndex {
-    /// Power delivered to the load in W; behind a rectifier, the power that enters the storage.
+    /// Power delivered to the load in W; behind a rectifier, power into the storage.
     Load,
     /// Square of the terminal voltage in V².
     VoltageSquared,
@@ -31,8 +31,8 @@ pub enum PowerIndex {
     ElectrostaticWork,
     /// Power in W that the electric field gains from the motion.
     ///
-    /// It equals [`PowerIndex::ElectrostaticWork`] where the force law is that of the field. Under an inferred force
-    /// law, or one-way coupling, the difference is what the model creates.
+    /// It equals [`PowerIndex::ElectrostaticWork`] if the force law is derived from the field. With an
+    /// inferred force law, or one-way coupling, the difference is energy that the model creates.
     FieldWork,
     /// Power lost in the diodes of a rectifier in W.
     Diodes,
@@ -115,9 +115,9 @@ impl<S: Scalar> StorageOutput<S> {
 /// The outputs of a harvester at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outputs<'a, S> {
-    /// Coordinates in m and their rates in m/s. The first is the gap of contact-separation, the displacement of
-    /// sliding, the displacement of the tip of bump-stop. Bump-stop has two more: the beam at the stop, and the
-    /// face of the rod. Absent ones are zero.
+    /// Coordinates in m and their rates in m/s. The first is the gap of contact-separation, the displacement
+    /// of sliding, or the tip displacement of bump-stop. Bump-stop has two more: the beam at the stop, and
+    /// the face of the rod. Absent coordinates are zero.
     pub motions: [Motion<S>; 3],
     /// Charge in C that has passed the terminals, and the current in A.
     pub charge: Motion<S>,
@@ -133,9 +133,9 @@ pub struct Outputs<'a, S> {
     pub stick: bool,
     /// Whether a contact of bump-stop is closed.
     pub in_contact: bool,
-    /// Number of the mode, as the snapshot of the state writes it.
+    /// Number of the mode, as stored in the snapshot of the state.
     pub mode: u8,
-    /// The state variables of the scene; of bump-stop, displacement and velocity of each beam mode in turn.
+    /// The state variables of the scene; for bump-stop, displacement and velocity of each beam mode in turn.
     pub state: &'a [S],
 }
 
@@ -167,7 +167,7 @@ impl<'a, S: Scalar> Outputs<'a, S> {
         Outputs { motions, charge, voltage, stored, storage, penetration, stick, in_contact, mode, state }
     }
 
-    /// The first coordinate, whose extremes are reported.
+    /// The first coordinate, of which the extremes are reported.
     #[must_use]
     pub fn coordinate(&self) -> Motion<S> {
         let [first, ..] = self.motions;
@@ -186,7 +186,7 @@ pub struct Contact<S> {
     pub begins: S,
     /// Fraction of the step at which contact ends, 0 to 1.
     pub ends: S,
-    /// Energy in J that the contact lost; below zero where a contact law creates energy.
+    /// Energy in J that the contact lost; negative if a contact law creates energy.
     pub loss: S,
 }
 
@@ -211,12 +211,12 @@ pub struct AcceptedStep<'a, S> {
     pub end: Outputs<'a, S>,
     /// Integral of each power over the step, in the order of [`PowerIndex`]; the first alone, or all.
     pub energies: &'a [S],
-    /// Mean terminal voltage in V, with which the dense output of the voltage is a parabola.
+    /// Mean terminal voltage in V, for the parabola that interpolates the voltage.
     pub mean_voltage: S,
     /// Contact within the step.
     pub contact: Contact<S>,
-    /// Estimated local error of the delivered energy in J, signed: what the embedded formula would add. 0 for a
-    /// method without an estimate.
+    /// Estimated local error of the delivered energy in J: the embedded formula's value less the delivered
+    /// energy; 0 for a method without an estimate.
     pub energy_error: S,
     /// Estimated local error of the state, relative, in the error norm of the scene; 0 without an estimate.
     pub state_error: S,
@@ -229,7 +229,7 @@ impl<S: Scalar> AcceptedStep<'_, S> {
         self.from.after(self.ticks)
     }
 
-    /// Integral of one power over the step; 0 where it was not integrated.
+    /// Integral of one power over the step; 0 if it was not integrated.
     #[must_use]
     #[inline]
     pub fn energy(&self, power: PowerIndex) -> S {
@@ -244,7 +244,7 @@ pub struct Event<'a, S> {
     pub at: Instant,
     /// Number of the guard that fell through zero.
     pub guard: usize,
-    /// Impact speed in m/s; `None` for an event that is no impact.
+    /// Impact speed in m/s; `None` for an event other than an impact.
     pub impact_speed: Option<S>,
     /// Outputs before the event.
     pub before: Outputs<'a, S>,
@@ -252,31 +252,31 @@ pub struct Event<'a, S> {
     pub after: Outputs<'a, S>,
     /// Energy in J that the contact lost.
     pub loss: S,
-    /// Part of each integral that passed in no time; most events have none.
+    /// Part of each integral that the event transfers instantaneously; 0 for most events.
     pub energies: &'a [S],
 }
 
-/// Sees every accepted step and every event of a run, in order of time.
+/// Receives every accepted step and every event of a run, in order of time.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not observe runs in `{S}`",
     note = "pass `&mut ()` to observe nothing, a meter of the same scalar type, or a tuple of two `&mut` observers"
 )]
 pub trait Observer<S: Scalar> {
-    /// Whether [`Observer::step`] reads [`AcceptedStep::start`], [`AcceptedStep::end`], [`AcceptedStep::mean_voltage`] or
-    /// [`AcceptedStep::contact`].
+    /// Whether [`Observer::step`] reads [`AcceptedStep::start`], [`AcceptedStep::end`],
+    /// [`AcceptedStep::mean_voltage`] or [`AcceptedStep::contact`].
     ///
-    /// Where it is `false` these are not computed and are not to be read. Events have their outputs in any case.
+    /// If `false`, these are not computed and must not be read. Events always have their outputs.
     const READS_OUTPUTS: bool = true;
 
-    /// A step was accepted.
+    /// Receives an accepted step.
     fn step(&mut self, step: &AcceptedStep<'_, S>);
 
-    /// An event happened.
+    /// Receives an event.
     #[inline]
     fn event(&mut self, _event: &Event<'_, S>) {}
 }
 
-/// Sees nothing.
+/// The observer that ignores everything.
 impl<S: Scalar> Observer<S> for () {
     const READS_OUTPUTS: bool = false;
 

@@ -1,9 +1,8 @@
-//! The floating-point number of all models, `f32` or `f64`, and its elementary functions.
+//! Defines the floating-point number of all models, `f32` or `f64`, and its elementary functions.
 //!
-//! Every model and method in this crate is generic over [`Scalar`]. Addition, multiplication, division and
-//! conversion are IEEE 754 operations. The elementary functions are those of a [`Mathematics`] backend in plain
-//! Rust. Nothing calls the platform's math library. So the same input gives the same bits on every core and on
-//! the host.
+//! Every model and method in this crate is generic over [`Scalar`]. Addition, multiplication, division and conversion
+//! are IEEE 754 operations. The elementary functions are those of a [`Mathematics`] backend in plain Rust, and no
+//! code calls the platform's math library. So the same input gives the same bits on every core and on the host.
 
 mod compensated;
 mod complex;
@@ -32,13 +31,13 @@ pub use polynomial::Polynomial;
 pub(crate) struct Decomposed {
     /// Magnitude of the significand, at most 53 bits.
     pub(crate) mantissa: u64,
-    /// Power of two that scales `mantissa`.
+    /// Exponent of the power of two that multiplies `mantissa`.
     pub(crate) exponent: i32,
     /// Whether the number is below zero.
     pub(crate) negative: bool,
 }
 
-/// What only this crate calls of a [`Scalar`].
+/// The crate-private part of [`Scalar`].
 pub(crate) trait Sealed {
     /// Mantissa and exponent of a finite number; `None` otherwise.
     fn decompose(self) -> Option<Decomposed>;
@@ -64,7 +63,7 @@ pub trait Scalar:
     + Sealed
     + 'static
 {
-    /// The elementary functions that coefficients are built with, whatever backend a step uses.
+    /// The elementary functions for computing coefficients, independent of the backend of the steps.
     type Build: Mathematics<Self>;
 
     /// 0.
@@ -80,7 +79,7 @@ pub trait Scalar:
 
     /// `value` rounded to nearest.
     ///
-    /// For literals in the source: the compiler folds their conversion, and an `f32` firmware links no
+    /// For literals in the source: the compiler folds the conversion, so an `f32` firmware links no
     /// double-precision arithmetic.
     fn from_f64(value: f64) -> Self;
 
@@ -93,10 +92,10 @@ pub trait Scalar:
     /// `value / 2^63` rounded to the precision of this type.
     fn from_fraction(value: i64) -> Self;
 
-    /// The integer part, saturating at both ends; 0 for not-a-number.
+    /// The integer part, saturating at 0 and 2³² − 1; 0 for not-a-number.
     fn to_u32(self) -> u32;
 
-    /// This number rounded to single precision: for step control, whose quantities enter no result.
+    /// This number rounded to single precision, for the step control; no result depends on it.
     fn to_f32(self) -> f32;
 
     /// This number in double precision, exactly.
@@ -111,13 +110,13 @@ pub trait Scalar:
     /// Whether the number is neither infinite nor not-a-number.
     fn is_finite(self) -> bool;
 
-    /// `2^power`; the nearest normal power of two where that is not a normal number.
+    /// `2^power`; the nearest normal power of two if that is not a normal number.
     fn power_of_two(power: i32) -> Self;
 
     /// Square root to within one unit in the last place; 0 for negative numbers and not-a-number.
     ///
-    /// Newton's iteration, four divisions in `f32` and five in `f64`, from an estimate made of the bits. Within
-    /// a step only event location, the opening and closing of a contact, and the overlap of two discs call it.
+    /// Newton's iteration, four divisions in `f32` and five in `f64`, from an estimate by the bits of the number.
+    /// Within a step only event location, the opening and closing of a contact, and the overlap of two discs call it.
     fn sqrt(self) -> Self;
 
     /// The larger of two numbers; `other` if this one is not a number.
@@ -138,8 +137,7 @@ pub trait Scalar:
 /// Elementary functions, chosen at compile time by a type parameter.
 ///
 /// A step calls [`Mathematics::sine_of_turns`] for a sinusoidal excitation, and an impact calls
-/// [`Mathematics::exponential`] for some laws of restitution. The square root is [`Scalar::sqrt`] for every
-/// backend.
+/// [`Mathematics::exponential`] for some laws of restitution. The square root is [`Scalar::sqrt`] for every backend.
 pub trait Mathematics<S: Scalar>: Copy + Debug + PartialEq + 'static {
     /// Name of the backend on a command line and in reports.
     const NAME: &'static str;
@@ -147,7 +145,7 @@ pub trait Mathematics<S: Scalar>: Copy + Debug + PartialEq + 'static {
     /// `sin(2π · phase / 2^64)`: the sine of a phase in units of 2⁻⁶⁴ turns.
     fn sine_of_turns(phase: u64) -> S;
 
-    /// `e^x`; 0 where the result is too small to represent.
+    /// `e^x`; 0 if the result is too small to represent.
     fn exponential(x: S) -> S;
 
     /// `cos(2π · phase / 2^64)`.
@@ -167,7 +165,7 @@ pub(crate) fn horner<S: Scalar, const N: usize>(coefficients: &[S; N], x: S) -> 
 pub(crate) fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
     let turns = radians * S::from_f64(core::f64::consts::FRAC_1_PI * 0.5);
     let magnitude = turns.abs();
-    // Not `>=`, so that not-a-number is refused too.
+    // `!(magnitude < …)` also refuses not-a-number.
     if !(magnitude < S::from_f64(1_048_576.0)) {
         return None;
     }
@@ -180,11 +178,11 @@ pub(crate) fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
     Some(if turns < S::ZERO { units.wrapping_neg() } else { units })
 }
 
-/// Terms of the series of the arcsine; their factor 4⁻ⁿ falls below a rounding of `f64`.
+/// Number of terms of the arcsine series; 4⁻ⁿ is then below a rounding of `f64`.
 const ARCSINE_TERMS: u32 = 28;
 
-/// `arcsin x` in radians for −1 ≤ x ≤ 1, to a few roundings: by its series up to |x| = 1/2, and beyond by
-/// `π/2 − 2 arcsin √((1 − x)/2)`.
+/// `arcsin x` in radians for −1 ≤ x ≤ 1, to a few roundings: the series up to |x| = 1/2, above it `π/2 − 2
+/// arcsin √((1 − |x|)/2)` with the sign of `x`.
 pub(crate) fn arcsine<S: Scalar>(x: S) -> S {
     let half = S::from_f64(0.5);
     let magnitude = x.abs();

@@ -1,7 +1,6 @@
-//! States as bytes, from which a run resumes with the same bits after a power-down.
+//! Saves states as bytes and restores them, so that a run resumes with the same bits after a power-down.
 //!
-//! A snapshot has a fixed size for each type of state. Integers are little endian, floats are written by their
-//! bits:
+//! A snapshot has a fixed size for each type of state. Integers are little endian, floats are stored as their bits:
 //!
 //! | bytes | content |
 //! | --- | --- |
@@ -12,9 +11,9 @@
 //! | … | the state, field by field ([`Snapshot`]) |
 //! | 4 | CRC-32 of all bytes before it |
 //!
-//! [`restore`] refuses bytes that [`save`] did not write for the same model. The checksum finds every flipped
-//! bit and every burst of up to 32 flipped bits. The fingerprint and the length tell another scene, other
-//! parameters, another precision and other mode counts.
+//! [`restore`] refuses bytes that [`save`] did not write for the same model. The checksum detects every
+//! flipped bit and every burst of up to 32 flipped bits. The fingerprint and the length detect another scene,
+//! other parameters, another precision and other mode counts.
 //!
 //! ```
 //! use model_core::snapshot::{self, Snapshot, SnapshotError};
@@ -46,37 +45,37 @@ const HEAD: usize = 12;
 /// Bytes after the state.
 const TAIL: usize = 4;
 
-/// Why a snapshot was not written or not accepted.
+/// The reason why a snapshot was not written or not accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SnapshotError {
-    /// There is not enough room for the snapshot.
+    /// The buffer is smaller than the snapshot.
     NoRoom {
         /// Size of the snapshot in bytes.
         needed: usize,
-        /// Room in bytes.
+        /// Size of the buffer in bytes.
         given: usize,
     },
-    /// The bytes end before the snapshot does.
+    /// There are fewer bytes than the snapshot has.
     TooShort {
         /// Size of the snapshot in bytes.
         needed: usize,
-        /// Number of bytes that were given.
+        /// Number of bytes given.
         given: usize,
     },
-    /// The bytes do not begin with `VEHI`: erased flash, for example.
+    /// The bytes do not begin with `VEHI`, for example in erased flash.
     NotASnapshot,
-    /// A snapshot in another layout.
+    /// The snapshot has another layout.
     ForeignVersion {
         /// Version of that layout.
         version: u16,
     },
     /// The checksum does not match.
     Corrupt,
-    /// A sound snapshot for another model: another scene, other parameters, another precision.
+    /// A valid snapshot of another model: another scene, other parameters or another precision.
     ForeignModel,
-    /// A sound snapshot whose bytes are no state: a mode that does not exist, a number that is not finite.
+    /// A valid snapshot with an invalid state: a mode that does not exist, or a number that is not finite.
     NoState,
 }
 
@@ -100,7 +99,7 @@ impl fmt::Display for SnapshotError {
 
 impl core::error::Error for SnapshotError {}
 
-/// A plain value that can be written as a fixed number of bytes and read back with the same bits.
+/// A value with a fixed size in bytes that is read back with the same bits.
 pub trait Snapshot: Sized {
     /// Size in bytes.
     const BYTES: usize;
@@ -108,17 +107,17 @@ pub trait Snapshot: Sized {
     /// Appends the value.
     fn write(&self, out: &mut Writer<'_>);
 
-    /// Takes the value from the front.
+    /// Reads the value from the front.
     ///
     /// # Errors
-    /// [`SnapshotError::NoState`] where the bytes are no such value or too few.
+    /// [`SnapshotError::NoState`] if the bytes are too few or not a valid value.
     fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError>;
 }
 
-/// Implements [`Snapshot`] for a struct from one list of its fields, which are written in that order.
+/// Implements [`Snapshot`] for a struct from one list of its fields, written in that order.
 ///
 /// `snapshot_fields!(impl [S: Scalar] Pair<S> { low, high } if |pair| pair.low <= pair.high);` The condition
-/// after `if` is optional. A value for which the condition does not hold is refused on reading.
+/// after `if` is optional; on reading, a value that does not satisfy it is refused.
 macro_rules! snapshot_fields {
     (impl [$($generics:tt)*] $type:ty { $($field:tt),+ $(,)? } $(if $is_sound:expr)?) => {
         impl<$($generics)*> $crate::snapshot::Snapshot for $type {
@@ -176,14 +175,14 @@ macro_rules! snapshot_variants {
 }
 pub(crate) use snapshot_variants;
 
-/// The bytes that a snapshot is written to.
+/// The bytes to which a snapshot is written.
 #[derive(Debug)]
 pub struct Writer<'a> {
     left: &'a mut [u8],
 }
 
 impl Writer<'_> {
-    /// Appends `bytes`. Bytes without room are dropped; [`save`] has checked that there is room.
+    /// Appends `bytes`, or drops them without room; [`save`] has checked the room.
     pub(crate) fn bytes<const N: usize>(&mut self, bytes: [u8; N]) {
         let left = core::mem::take(&mut self.left);
         if let Some((front, rest)) = left.split_first_chunk_mut::<N>() {
@@ -193,7 +192,7 @@ impl Writer<'_> {
     }
 }
 
-/// The bytes that a snapshot is read from.
+/// The bytes from which a snapshot is read.
 #[derive(Debug)]
 pub struct Reader<'a> {
     left: &'a [u8],
@@ -214,8 +213,8 @@ pub const fn size_of<T: Snapshot>() -> usize {
     HEAD + T::BYTES + TAIL
 }
 
-/// Writes the snapshot of `state`, which belongs to the model with this fingerprint, to the front of `bytes`.
-/// Returns the size of the snapshot in bytes.
+/// Writes the snapshot of `state`, of the model with this fingerprint, to the front of `bytes`. Returns the
+/// size of the snapshot in bytes.
 ///
 /// # Errors
 /// [`SnapshotError::NoRoom`]; `bytes` is then unchanged.

@@ -1,4 +1,4 @@
-//! Samples at a fixed rate: the index of the sample before an instant, and the place between two samples.
+//! Samples at a fixed rate: the index of the sample before an instant, and the position between two samples.
 
 use super::ExcitationError;
 use crate::clock::{Cycles, Frequency, Instant};
@@ -40,17 +40,17 @@ impl<S: Scalar> SampleGrid<S> {
 
     /// Ticks from `at` to the next sample, or to a few millionths of the interval beyond it.
     pub(super) fn ticks_to_next(&self, at: Instant) -> u32 {
-        // In integers: in `f32` the rest rounds to zero close to the sample, and steps of one tick follow.
-        // At a sample the rest is the whole interval, 2³².
+        // In integers: in `f32` the remainder rounds to zero near the sample, which would cause steps of one
+        // tick. At a sample the remainder is the whole interval, 2³².
         let rest = (1 << 32) - (self.rate.phase(at) >> 32);
         rest.checked_mul(self.ticks_per_sample).map_or(u32::MAX, |product| {
             let ticks = product >> 32;
-            // Beyond the sample, so that rounding leaves no sliver of the interval.
+            // Past the sample, so that rounding leaves no short step before it.
             u32::try_from(ticks + (ticks >> 22) + 1).unwrap_or(u32::MAX)
         })
     }
 
-    /// Ticks from one sample to the next, rounded down; `None` where the number does not fit in 64 bits.
+    /// Ticks from one sample to the next, rounded down; `None` if the number does not fit in 64 bits.
     pub(super) fn whole_ticks_per_sample(&self) -> Option<u64> {
         self.rate.whole_ticks_per_cycle()
     }

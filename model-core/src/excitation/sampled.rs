@@ -11,14 +11,13 @@ use crate::scalar::Scalar;
 pub enum AfterLastSample {
     /// Zero from the last sample on.
     Silence,
-    /// The trace again, from one sample interval after its last sample.
+    /// The trace repeats, one sample interval after its last sample.
     Repeat,
 }
 
 /// Acceleration samples at a fixed rate, linearly interpolated; the first sample is at time zero.
 ///
-/// The slope jumps at a sample. So a step ends at the next sample, or a few millionths of the interval beyond
-/// it.
+/// The slope jumps at a sample. So a step ends at the next sample, or a few millionths of the interval past it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampled<'a, S> {
     samples: &'a [S],
@@ -30,7 +29,7 @@ impl<'a, S: Scalar> Sampled<'a, S> {
     /// A trace of `samples` in m/s² at `rate` samples per second.
     ///
     /// # Errors
-    /// Fewer than two samples, a sample that is not finite, or a rate that is not above 0 and at most 10⁶.
+    /// Fewer than two samples, a sample that is not finite, or a rate that is not above 0 and at most 10⁶ Hz.
     pub fn new(samples: &'a [S], rate: S, after: AfterLastSample) -> Result<Self, ExcitationError> {
         if samples.len() < 2 {
             return Err(ExcitationError::TooFewSamples);
@@ -41,7 +40,7 @@ impl<'a, S: Scalar> Sampled<'a, S> {
         Ok(Self { samples, grid: SampleGrid::new(rate)?, after })
     }
 
-    /// The samples on either side of `at`, and the place of `at` between them, 0 to 1.
+    /// The samples on either side of `at`, and the position of `at` between them, 0 to 1.
     fn bracket(&self, at: Instant) -> (S, S, S) {
         let (whole, theta) = self.grid.place(at);
         let count = self.samples.len() as u64;
@@ -113,8 +112,8 @@ mod tests {
             let double = Sampled::new(&TRACE, rate, AfterLastSample::Repeat).expect("valid");
             let samples = TRACE.map(|sample| sample as f32);
             let single = Sampled::new(&samples, rate as f32, AfterLastSample::Repeat).expect("valid");
-            // A step is at most 3.9 ms long: an interval may need several, and one more for what the
-            // first steps beyond a sample have taken off it.
+            // A step is at most 3.9 ms long. An interval may need several steps, and one more because the
+            // first steps past a sample shorten it.
             let steps_per_sample = (1.0 / rate / crate::clock::LONGEST_STEP_S).ceil();
             let walk = |next: &dyn Fn(Instant) -> u32| {
                 let (mut now, mut steps) = (Instant::START, 0.0);

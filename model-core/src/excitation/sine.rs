@@ -8,7 +8,7 @@ use crate::scalar::{Mathematics, Polynomial, Scalar, turns_of_radians};
 
 /// `a(t) = A sin(2π f t + φ)`.
 ///
-/// The phase is an integer number of 2⁻⁶⁴ turns, computed from the clock. So it does not drift and needs no
+/// The phase is an integer number of 2⁻⁶⁴ turns, computed from the clock, so it does not drift and needs no
 /// range reduction. `M` evaluates the sine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

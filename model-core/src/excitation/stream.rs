@@ -1,4 +1,4 @@
-//! An acceleration whose samples arrive one by one, linearly interpolated.
+//! An acceleration of samples that arrive one by one, linearly interpolated.
 
 use super::sample_grid::SampleGrid;
 use super::{Excitation, ExcitationError};
@@ -6,11 +6,11 @@ use crate::clock::Instant;
 use crate::scalar::Scalar;
 use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
-/// Leaps of a [`Stream::restart`]. Up to 2³² intervals of at least 2²⁰ ticks are missing at first, at most 2¹²
-/// after the first leap, and one after the second.
+/// Leaps of [`Stream::restart`]. The number of missing intervals of at least 2²⁰ ticks is at most 2³² at
+/// first, 2¹² after the first leap, and one after the second.
 const LEAPS: u32 = 3;
 
-/// The last three of the samples that arrive at a fixed rate, linearly interpolated.
+/// The last three samples of a fixed-rate stream, linearly interpolated.
 ///
 /// The first sample is at time zero. The acceleration has the same bits as that of a
 /// [`Sampled`](super::Sampled) of the same samples and rate.
@@ -28,11 +28,11 @@ const LEAPS: u32 = 3;
 /// # Ok::<(), model_core::excitation::StreamError>(())
 /// ```
 ///
-/// # How far it is known
+/// # End of the known acceleration
 ///
 /// A run can be advanced to [`Stream::known_until`], the first tick at or after the last sample but one. That
-/// tick lies up to one tick beyond its sample, on the line to the last sample. So the stream lags one sample
-/// behind, and it keeps three samples.
+/// tick lies up to one tick after this sample, between it and the last sample. So the stream lags one sample
+/// behind, and it stores three samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stream<S> {
     grid: SampleGrid<S>,
@@ -46,7 +46,7 @@ pub struct Stream<S> {
     known_until: Instant,
 }
 
-/// Why a stream or a sample was refused.
+/// The reason why a stream or a sample was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -159,21 +159,21 @@ impl<S: Scalar> Stream<S> {
         self.interval
     }
 
-    /// The first tick at or after sample `index`, given the first tick at or after the sample before it.
+    /// The first tick at or after sample `index`, from the first tick at or after the previous sample.
     #[inline]
     fn tick_of_next(&self, before: Instant, index: u64) -> Instant {
-        // `before` is less than a tick late, and the interval is less than a tick short. So the sum is the tick
-        // before the sample or the one after it.
+        // `before` is less than a tick late, and the interval is less than a tick too short. So the sum is
+        // the tick just before or just after the sample.
         let near = Instant::from_ticks(before.ticks().wrapping_add(self.interval));
         if self.grid.sample_before(near) >= index { near } else { near.after(1) }
     }
 
-    /// The first tick at or after sample `index`, given an instant any number of intervals before that sample.
+    /// The first tick at or after sample `index`, from an instant any number of intervals earlier.
     #[cold]
     fn first_tick_beyond(&self, before: Instant, index: u64) -> Instant {
         let mut before = before.ticks();
         for _ in 0..LEAPS {
-            // All missing intervals but the last one; each is counted less than a tick too short.
+            // All missing intervals except the last one; each is less than a tick too short.
             let missing = index.saturating_sub(self.grid.sample_before(Instant::from_ticks(before)));
             before = before.wrapping_add(missing.saturating_sub(1).wrapping_mul(self.interval));
         }
@@ -189,12 +189,12 @@ impl<S: Scalar> Stream<S> {
         Instant::from_ticks(beyond)
     }
 
-    /// The samples on either side of `at`, and the place of `at` between them, 0 to 1.
+    /// The samples on either side of `at`, and the position of `at` between them, 0 to 1.
     #[inline(always)]
     fn bracket(&self, at: Instant) -> (S, S, S) {
         let (whole, theta) = self.grid.place(at);
         let [first, middle, last] = self.samples;
-        // Outside the three samples the nearest one holds.
+        // Outside the three samples the acceleration is that of the nearest one.
         match self.newest.wrapping_sub(whole).cast_signed() {
             ..=0 => (last, last, theta),
             1 => (middle, last, theta),
@@ -307,7 +307,7 @@ mod tests {
                 for sample in [5.0, 6.0] {
                     walked.push(sample).expect("finite");
                 }
-                // The restart knows the time of its sample; its first interval takes two more.
+                // The restart computes the time of its sample; the first interval needs two more samples.
                 assert_eq!(jumped.known_until(), walked.known_until(), "{rate} Hz, {missed} missed");
                 jumped.push(6.0).expect("finite");
                 assert_eq!(jumped.known_until(), walked.known_until());

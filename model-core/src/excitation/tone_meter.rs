@@ -1,8 +1,8 @@
-//! Amplitude and frequency of the strongest sine in an accelerometer's samples, at two multiplications a
-//! sample: the input of a closed-form estimate of the harvested power.
+//! Estimates amplitude and frequency of the strongest sine in an accelerometer's samples, with two
+//! multiplications a sample: the input of a closed-form estimate of the harvested power.
 //!
-//! The samples are taken in windows. A first frequency follows from the interpolated upward zero crossings of a
-//! window, with a hysteresis against noise. The recursion of Goertzel,
+//! The samples are taken in windows. A first frequency follows from the interpolated upward zero crossings of
+//! a window, with a hysteresis against noise. The recursion of Goertzel,
 //!
 //! ```text
 //! s_n = x_n + 2 cos(ω) s_{n−1} − s_{n−2},
@@ -11,7 +11,7 @@
 //! at that frequency gives the amplitude of the sine and its phase in the middle of the window (G. Goertzel,
 //! Amer. Math. Monthly 65, 1958). The difference of the phases of two successive windows corrects the
 //! frequency. Other sines shift zero crossings by per cents, but the phase much less. The mean of one window,
-//! gravity above all, is subtracted from the samples of the next.
+//! mostly gravity, is subtracted from the samples of the next.
 
 use super::ExcitationError;
 use crate::clock::{Frequency, Instant};
@@ -53,19 +53,19 @@ pub struct ToneMeterState<S> {
     sum: S,
     /// Sum over this window of the squares of the samples less the offset.
     squares: S,
-    /// A sample below minus this arms the next upward crossing, in m/s².
+    /// A sample below minus this threshold in m/s² arms the next upward crossing.
     hysteresis: S,
     /// Whether the next upward crossing counts.
     armed: bool,
     /// The last sample less the offset.
     last: S,
-    /// Place of the first upward crossing, in samples from the start of the window.
+    /// Position of the first upward crossing, in samples from the start of the window.
     first_crossing: S,
-    /// Place of the last upward crossing.
+    /// Position of the last upward crossing.
     last_crossing: S,
     /// Number of upward crossings.
     crossings: u32,
-    /// Frequency of the recursion in Hz; 0 while none is known.
+    /// Frequency of the recursion in Hz; 0 if unknown.
     frequency: S,
     /// Cosine and sine of the phase of that frequency per sample.
     per_sample: [S; 2],
@@ -80,7 +80,7 @@ pub struct ToneMeterState<S> {
 impl<S: Scalar> ToneMeter<S> {
     /// A meter for `rate` samples per second, 1 to 10⁵, in windows of `window` samples, 16 to 4096.
     ///
-    /// A sine is found where a window holds two periods of it and a period holds three samples.
+    /// A sine is found if a window holds two of its periods and a period holds three samples.
     ///
     /// # Errors
     /// A rate or a window outside its bounds.
@@ -117,8 +117,8 @@ impl<S: Scalar> ToneMeter<S> {
         }
     }
 
-    /// Takes a sample in m/s². The last sample of a window returns the strongest sine, if there is one, from
-    /// the third window on. A sample that is not finite counts as the sample before it.
+    /// Takes a sample in m/s². From the third window on, the last sample of a window returns the strongest
+    /// sine, if there is one. A sample that is not finite counts as the sample before it.
     #[inline]
     pub fn push<M: Mathematics<S>>(
         &self,
@@ -134,7 +134,7 @@ impl<S: Scalar> ToneMeter<S> {
         if value < -state.hysteresis {
             state.armed = true;
         } else if state.armed && value >= S::ZERO {
-            // Linear interpolation; the last sample may be above zero too.
+            // Linear interpolation; the previous sample may be above zero too.
             let back = if state.last < S::ZERO { value / (value - state.last) } else { S::ZERO };
             let place = S::from_u32(state.count) - back;
             if state.crossings == 0 {
@@ -155,8 +155,8 @@ impl<S: Scalar> ToneMeter<S> {
     fn close<M: Mathematics<S>>(&self, state: &mut ToneMeterState<S>) -> Option<SpectralPeak<S>> {
         let mean = state.sum * self.per_window;
         let variance = (state.squares * self.per_window - mean * mean).max(S::ZERO);
-        // y = s_{N−1} − e^(−jω) s_{N−2} = Σ x_n e^(jω(N−1−n)). Turned back by half a window, y has the phase
-        // of the sine in the middle of the window even where ω is slightly off, and the magnitude A N/2.
+        // y = s_{N−1} − e^(−jω) s_{N−2} = Σ x_n e^(jω(N−1−n)). Rotated back by half a window, y has the phase
+        // of the sine in the middle of the window even if ω is slightly off, and the magnitude A N/2.
         let [last, previous] = state.sums;
         let [cosine, sine] = state.per_sample;
         let raw = [last - cosine * previous, sine * previous];
@@ -195,7 +195,7 @@ impl<S: Scalar> ToneMeter<S> {
             return S::ZERO;
         }
         let crossing = S::from_u32(state.crossings - 1) / between * self.samples_per_second;
-        // The turn of the phase since the previous window, less the turn that the frequency predicts.
+        // The rotation of the phase since the previous window, less the rotation that the frequency predicts.
         let predicted = turned_back(middle, self.phase_after::<M>(state.frequency, self.window));
         let [ahead, across] = turned_back(predicted, state.before);
         let [real, imaginary] = state.before;
@@ -203,7 +203,7 @@ impl<S: Scalar> ToneMeter<S> {
         let turns_per_window = S::from_f64(0.5 * core::f64::consts::FRAC_1_PI) * arcsine(across / magnitudes);
         let windows_per_second = self.samples_per_second * self.per_window;
         let corrected = state.frequency + turns_per_window * windows_per_second;
-        // Behind by more than a quarter of a turn, the zero crossings are more reliable.
+        // At a phase difference of more than a quarter of a turn the zero crossings are more reliable.
         let off = (corrected - crossing).abs();
         let locked = ahead > S::ZERO && off < windows_per_second;
         if locked && corrected > S::ZERO { corrected } else { crossing }
@@ -261,8 +261,8 @@ mod tests {
     #[test]
     fn the_strongest_of_two_sines_is_found_and_is_not_taken_as_pure() {
         let found = peaks(400.0, 400, |t| 2.0 * (TAU * 20.05 * t).sin() + 1.0 * (TAU * 61.3 * t + 1.0).sin());
-        // The first frequency is that of the crossings, which the other sine shifts; two windows later it
-        // is that of the phase.
+        // The first frequency comes from the crossings, which the other sine shifts; two windows later it
+        // comes from the phase.
         assert!((found[0].frequency - 20.05).abs() < 0.2, "{found:?}");
         for peak in &found[2..] {
             assert!((peak.frequency - 20.05).abs() < 0.01, "{peak:?}");

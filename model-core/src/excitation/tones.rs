@@ -5,7 +5,7 @@ use crate::clock::Instant;
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 use heapless::Vec;
 
-/// A sum of at most `CAPACITY` sines; zero without any.
+/// A sum of at most `CAPACITY` sines; zero if empty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tones<S, const CAPACITY: usize, M = Polynomial> {
     tones: Vec<Sine<S, M>, CAPACITY>,

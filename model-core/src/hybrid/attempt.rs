@@ -1,4 +1,4 @@
-//! Attempted steps of one mode from one start, and the guards along them.
+//! Attempts steps of one mode from one start and evaluates the guards along them.
 
 use super::{Automaton, Guard, InputAt};
 use crate::clock::{Instant, seconds_of_ticks};
@@ -6,10 +6,10 @@ use crate::excitation::Excitation;
 use crate::integrate::{Method, NotConverged, Point, Trial};
 use crate::scalar::Scalar;
 
-/// Guards that a mode may have: each has a bit in the set of those located in a step.
+/// Largest number of guards of a mode: each has a bit in the set of guards located in a step.
 pub(super) const MOST_GUARDS: usize = 32;
 
-/// One mode of one automaton from one start: what every attempt of a step has in common.
+/// The data common to all attempts of one step.
 pub(super) struct Attempts<'a, S, A, E, M, const N: usize, const P: usize>
 where
     S: Scalar,
@@ -49,7 +49,7 @@ where
     E: Excitation<S>,
     M: Method<S>,
 {
-    /// Takes a step of `ticks`.
+    /// Attempts a step of `ticks`.
     #[inline(always)]
     pub(super) fn attempt(&self, ticks: u32) -> Result<Trial<S, N, P>, NotConverged> {
         let flow = self.automaton.flow(self.mode);
@@ -64,8 +64,8 @@ where
         self.automaton.guard(self.mode, index, self.armed, point, &input)
     }
 
-    /// The guard, without those whose bit is in `done`, that falls first in the step to `trial`, with
-    /// the fraction of the step at which the dense output has it.
+    /// The guard that falls first in the step to `trial`, among those without a bit in `done`, and the
+    /// fraction of the step at which the dense output falls through zero.
     #[inline(always)]
     pub(super) fn first_fall(&self, trial: &Trial<S, N, P>, ticks: u32, done: u32) -> Option<(usize, S)> {
         let mut first = None;

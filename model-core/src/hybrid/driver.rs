@@ -1,4 +1,4 @@
-//! The driver: flow, guard, jump, flow.
+//! Advances a hybrid state: step, event location, jump.
 
 use super::attempt::{Attempts, MOST_GUARDS};
 use super::locate::MOST_ATTEMPTS;
@@ -10,50 +10,51 @@ use crate::integrate::{Method, NotConverged, Point, StepControl, System, Trial};
 use crate::observer::{AcceptedStep, Contact, Event, Observer, Outputs, PowerIndex};
 use crate::scalar::Scalar;
 
-/// Attempts that [`Driver::advance`] may need to come to a point where it can pause: one step and
-/// the location of one event. A smaller budget is taken as this one.
+/// Most attempts of [`Driver::advance`] before it can pause: one step and the location of one event. A
+/// smaller budget is raised to this number.
 pub const LEAST_BUDGET: u32 = MOST_ATTEMPTS + 2;
 
-/// Events that may follow one another within [`CROWDED_TICKS`] before it is called a storm.
+/// Number of successive events, each within [`CROWDED_TICKS`] of the event before, beyond which
+/// [`StepFailure::EventStorm`] is returned.
 pub(super) const MOST_CROWDED_EVENTS: u8 = 64;
-/// A nanosecond, in ticks.
+/// One nanosecond in ticks.
 const CROWDED_TICKS: u32 = 1_100;
-/// A step shorter than this (4 ps) has shrunk to nothing.
+/// Shortest step that may be shortened, in ticks (4 ps).
 const SHORTEST_TICKS: u32 = 4;
 
-/// What a driver is made of: a method and a rule for the length of its steps.
+/// An integration method with a step control.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Driver<M, C> {
-    /// The method that takes the steps.
+    /// The method.
     pub method: M,
-    /// The rule for their length.
+    /// The step control.
     pub control: C,
     /// Whether [`Driver::advance`] returns after each event.
     pub pause_at_events: bool,
 }
 
-/// Why [`Driver::advance`] returned.
+/// The reason why [`Driver::advance`] returned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Ended {
-    /// The clock stands at the instant that was asked for.
+    /// The clock has reached the requested instant.
     Finished,
-    /// The budget is spent: call again, nothing is lost.
+    /// The budget is spent; a further call continues the run.
     BudgetSpent,
-    /// An event happened, and the driver pauses at events.
+    /// An event happened and [`Driver::pause_at_events`] is set.
     Event,
 }
 
-/// Work done by one call.
+/// Counts of the work of one call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Work {
-    /// Steps kept.
+    /// Accepted steps.
     pub steps: u32,
-    /// Steps taken and not kept: rejected by the step control or not converged.
+    /// Attempts rejected by the step control or not converged.
     pub rejected: u32,
-    /// Steps taken to locate events, beside those kept.
+    /// Attempts to locate events, without the accepted steps.
     pub locating: u32,
     /// Newton iterations.
     pub iterations: u32,
@@ -62,13 +63,13 @@ pub struct Work {
 }
 
 impl Work {
-    /// Attempted steps, which a budget counts.
+    /// Number of attempted steps, which a budget limits.
     #[must_use]
     pub fn attempts(&self) -> u32 {
         self.steps.saturating_add(self.rejected).saturating_add(self.locating)
     }
 
-    /// This work and `other`, one after the other.
+    /// The sum of two counts, saturating.
     #[must_use]
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
@@ -81,41 +82,41 @@ impl Work {
     }
 }
 
-/// What [`Driver::advance`] did.
+/// The result of [`Driver::advance`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Advance {
-    /// Why it returned.
+    /// The reason of the return.
     pub ended: Ended,
-    /// What it spent.
+    /// The work done.
     pub work: Work,
 }
 
-/// What went wrong in a step.
+/// The cause of a failed step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum StepFailure<S> {
-    /// The step shrank to nothing: the equations could not be solved or the tolerance not met.
+    /// The step became shorter than 4 ps: the equations were not solved or the tolerance was not met.
     StepVanished,
-    /// Events follow one another without end in no time.
+    /// More than 64 successive events followed within a nanosecond of each other.
     EventStorm,
-    /// A quantity left the domain of the model.
+    /// A quantity is outside the domain of the model.
     OutsideDomain {
-        /// The quantity.
+        /// The name of the quantity.
         quantity: &'static str,
         /// Its value, in SI units.
         value: S,
     },
 }
 
-/// A step that cannot be taken. The state is the last good one.
+/// A step failed; the state is that before the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StepError<S> {
-    /// What went wrong.
+    /// The cause.
     pub failure: StepFailure<S>,
-    /// When.
+    /// The instant at the start of the step.
     pub at: Instant,
 }
 
@@ -134,13 +135,13 @@ impl<S: Scalar> core::fmt::Display for StepError<S> {
 
 impl<S: Scalar> core::error::Error for StepError<S> {}
 
-/// One step that is to be kept.
+/// An accepted step.
 struct Kept<S, const N: usize, const P: usize> {
     trial: Trial<S, N, P>,
     ticks: u32,
     /// The guard at which the step ends.
     event: Option<usize>,
-    /// Whether there was anything to search: then a guard may be due at the end all the same.
+    /// Whether event location ran; a guard may then be due at the end of the step.
     searched: bool,
 }
 
@@ -151,13 +152,12 @@ impl<M, C> Driver<M, C> {
         Self { method, control, pause_at_events: false }
     }
 
-    /// Advances `state` to `until`, in at most `budget` attempted steps.
+    /// Advances `state` to `until` in at most `budget` attempted steps.
     ///
-    /// The same bits result however a run is divided by budgets and pauses; dividing it by
-    /// `until` cuts a step there.
+    /// The bits of the result do not depend on budgets and pauses. They depend on `until`, because a step ends there.
     ///
     /// # Errors
-    /// [`StepError`]; the state is then the last good one, and `observer` has seen all before it.
+    /// [`StepError`]; `state` is then the last good state, and `observer` has seen all steps before the failed one.
     #[inline]
     pub fn advance<S, A, E, O, const N: usize, const P: usize>(
         &self,
@@ -179,8 +179,8 @@ impl<M, C> Driver<M, C> {
         let mut work = Work::default();
         let scale = automaton.error_scale().of_the_faster(excitation.angular_frequency());
         let budget = budget.max(LEAST_BUDGET);
-        // An event can be due where a run is taken up and after a jump; after a step, the search for
-        // a fall has just told that none is.
+        // An event can be due at the first step of a call and after a jump. After an ordinary step the search
+        // for a falling guard has excluded it.
         let mut may_be_due = true;
         while state.clock < until {
             if work.attempts() + work.events > 0 && budget.saturating_sub(work.attempts()) < LEAST_BUDGET {
@@ -197,7 +197,7 @@ impl<M, C> Driver<M, C> {
                         .next_step(automaton, state, excitation, until, &scale, &mut work)
                         .map_err(fail)?
                     else {
-                        // Rejected; the memory holds a shorter step.
+                        // Rejected: the control memory holds a shorter step.
                         continue;
                     };
                     automaton
@@ -225,7 +225,7 @@ impl<M, C> Driver<M, C> {
         Ok(Advance { ended: Ended::Finished, work })
     }
 
-    /// Attempts a step; `None` if it was not good enough and the memory proposes a shorter one.
+    /// Attempts a step; `None` if it was rejected and the control memory holds a shorter one.
     #[inline(always)]
     fn next_step<S, A, E, const N: usize, const P: usize>(
         &self,
@@ -302,8 +302,8 @@ impl<M, C> Driver<M, C> {
 
 /// Cuts an attempted step at the first guard that falls in it.
 ///
-/// Where one guard was located another may have fallen before it: the dense output of a long step can put them in the
-/// wrong order, or show a graze that a step to it does not have.
+/// The search repeats after each located guard, because another guard may fall earlier: the dense output of a
+/// long step can order two falls wrongly, or show a graze that the shorter step does not have.
 #[inline(always)]
 fn first_event<S, A, E, M, const N: usize, const P: usize>(
     attempts: &Attempts<'_, S, A, E, M, N, P>,
@@ -317,7 +317,7 @@ where
     E: Excitation<S>,
     M: Method<S>,
 {
-    // A bit for each guard that has been located in this step: each is, once at most.
+    // One bit for each guard located in this step. Each guard is located at most once.
     let mut done = 0_u32;
     let mut attempts_left = MOST_ATTEMPTS;
     for _ in 0..=guards.min(MOST_GUARDS) {
@@ -337,7 +337,7 @@ where
     Ok(kept)
 }
 
-/// What an observer sees of a step that is kept.
+/// The accepted step as an observer sees it.
 #[inline(always)]
 fn accepted_step<'a, O, S, A, const N: usize, const P: usize>(
     automaton: &A,
@@ -369,7 +369,7 @@ where
     }
 }
 
-/// A guard whose event is due where the state stands, without a step.
+/// A guard whose event is due at the present state.
 #[inline(always)]
 fn due_event<S, A, E, const N: usize, const P: usize>(
     automaton: &A,

@@ -1,4 +1,4 @@
-//! Location of an event: the tick at which a guard falls through zero.
+//! Locates the tick at which a guard falls through zero.
 
 use super::attempt::Attempts;
 use super::{Automaton, Work};
@@ -7,15 +7,15 @@ use crate::excitation::Excitation;
 use crate::integrate::{Method, NotConverged, Trial};
 use crate::scalar::Scalar;
 
-/// Attempts that the events of one step may take to locate. Newton needs two or three for one;
-/// bisection of 2³² ticks, 32.
+/// Most attempts to locate the events of one step. Newton's iteration needs two or three per event; bisection
+/// of 2³² ticks needs 32.
 pub(super) const MOST_ATTEMPTS: u32 = 40;
 
-/// The end of a search.
+/// The result of a search.
 pub(super) struct Located<S, const N: usize, const P: usize> {
     pub(super) trial: Trial<S, N, P>,
     pub(super) ticks: u32,
-    /// Whether the guard did fall: the dense output may promise a graze that the step itself misses.
+    /// Whether the guard fell. The dense output may show a graze that the step itself does not have.
     pub(super) fell: bool,
 }
 
@@ -26,11 +26,10 @@ where
     E: Excitation<S>,
     M: Method<S>,
 {
-    /// Steps from the start to the tick at which guard `index` falls through zero: a tick on the
-    /// far side, the first as far as rounding tells, found by Newton's iteration on steps taken anew, in a bracket.
+    /// Steps from the start to the tick at which guard `index` falls through zero, by bracketed Newton iteration with
+    /// a new step per iterate. The result is the first tick with a guard at or below zero, to within rounding.
     ///
-    /// Positions in the step are whole ticks from its start, so nothing is lost to the size of
-    /// absolute time.
+    /// Positions are whole ticks from the start of the step, so they do not depend on absolute time.
     #[cold]
     #[inline(never)]
     pub(super) fn locate(
@@ -44,17 +43,17 @@ where
     ) -> Result<Located<S, N, P>, NotConverged> {
         let mut reached = Located { trial: full, ticks: full_ticks, fell: false };
         let mut attempts = 0;
-        // The largest number of ticks known to stop short, the smallest known to reach the far side.
+        // The bracket in ticks: the guard is positive at `short` and at or below zero at `far`.
         let mut short = 0;
         let mut far = full_ticks.saturating_add(1);
         if self.guard(index, &full.end, full_ticks).value <= S::ZERO {
             (far, reached.fell) = (full_ticks, true);
         }
-        // What rounding leaves undecided.
-        let blur = (S::from_u32(full_ticks) * S::EPSILON * S::from_f64(8.0)).to_u32().max(1);
+        // Resolution in ticks that rounding allows.
+        let resolution = (S::from_u32(full_ticks) * S::EPSILON * S::from_f64(8.0)).to_u32().max(1);
         let mut ticks = (theta * S::from_u32(full_ticks)).to_u32().saturating_add(1);
         while far - short > 1 && attempts < most_attempts {
-            // Not `clamp`, which can panic: `far` stays above `short + 1` here.
+            // `clamp` can panic, `max` and `min` cannot: `far` stays above `short + 1` here.
             ticks = ticks.max(short + 1).min(far - 1);
             attempts += 1;
             work.locating += 1;
@@ -71,12 +70,12 @@ where
                 short = ticks
             }
             if !fallen && !(guard.rate < S::ZERO) && far > full_ticks {
-                // The lowest point has been passed above zero: a graze that does not touch.
+                // The guard has passed a minimum above zero: a graze without contact.
                 return Ok(reached);
             }
             let correction = (guard.value / guard.rate).abs() / seconds_of_ticks(1);
             let correction = if guard.rate < S::ZERO { correction.to_u32() } else { u32::MAX };
-            if fallen && correction < blur || far - short <= blur {
+            if fallen && correction < resolution || far - short <= resolution {
                 break;
             }
             ticks = if correction > far - short {
@@ -84,8 +83,8 @@ where
             } else if fallen {
                 ticks.saturating_sub(correction)
             } else {
-                // A little further than the estimate, to land on the far side.
-                ticks.saturating_add(correction).saturating_add(blur)
+                // Overshoot the estimate, to land at or below zero.
+                ticks.saturating_add(correction).saturating_add(resolution)
             };
         }
         Ok(reached)

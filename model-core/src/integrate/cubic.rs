@@ -1,8 +1,8 @@
-//! The dense output of a step: the cubic Hermite interpolant of the values and slopes at both ends.
+//! Interpolates a step between its ends: the cubic Hermite interpolant of the values and slopes at both ends.
 //!
-//! A method whose last stage is its result knows both slopes. The interpolants of successive steps join with
-//! a continuous first derivative. The extrema, which decide hidden crossings, grazes and peaks, are the roots
-//! of a quadratic.
+//! Both slopes are known if the last stage of the method is its result. The interpolants of successive steps
+//! join with a continuous first derivative. The extrema, which decide hidden crossings, grazes and peaks, are
+//! the roots of a quadratic.
 
 use crate::scalar::Scalar;
 
@@ -15,7 +15,7 @@ pub struct Cubic<S> {
     end_slope: S,
 }
 
-/// Most iterations of the bracketed root search; bisection alone resolves 2⁻⁴⁰.
+/// Most iterations of the bracketed root search. Bisection alone then resolves 2⁻⁴⁰.
 const ROOT_ITERATIONS: usize = 40;
 
 impl<S: Scalar> Cubic<S> {
@@ -109,11 +109,10 @@ impl<S: Scalar> Cubic<S> {
         }
     }
 
-    /// The first θ at which the cubic falls to zero: a crossing, a crossing before a return, or a graze. 0
-    /// for a cubic that starts below zero, or at zero without rising.
+    /// The smallest θ at which the cubic falls to zero, or touches zero. 0 for a cubic that starts below
+    /// zero, or at zero without rising.
     ///
-    /// `None`, the common case, costs four multiplications: a cubic with positive Bernstein coefficients has no
-    /// zero.
+    /// `None`, the common case, costs four multiplications: a cubic with positive Bernstein coefficients has no zero.
     #[must_use]
     #[inline(always)]
     pub(crate) fn first_fall(&self) -> Option<S> {
@@ -143,10 +142,10 @@ impl<S: Scalar> Cubic<S> {
         None
     }
 
-    /// The zero between `above`, where the cubic is positive, and `below`, where it is not.
+    /// The zero between `above`, where the cubic is positive, and `below`, where the cubic is at or below zero.
     fn root_between(&self, mut above: S, mut below: S) -> S {
         let half = S::from_f64(0.5);
-        // A start at zero is a root too: keep away from it.
+        // Start away from θ = 0, which is also a root if the cubic starts at zero.
         let mut theta =
             if above == S::ZERO && self.start == S::ZERO { half * below } else { half * (above + below) };
         for _ in 0..ROOT_ITERATIONS {

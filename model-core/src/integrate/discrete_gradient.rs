@@ -1,4 +1,4 @@
-//! The contact force of one step as a discrete gradient of the contact's potential.
+//! The contact force of one step as a discrete gradient of the contact potential.
 //!
 //! A unilateral spring of stiffness `k` has the potential `V(g) = k g²/2` for a gap coordinate `g > 0`, and 0
 //! for an open gap, `g ≤ 0`. A constant force `F` over a step moves `g` to `g⁺ = g* − H F`. The force
@@ -8,9 +8,9 @@
 //! ```
 //!
 //! does the work `−[V(g⁺) − V(g)]` exactly. If the rest of the system is propagated exactly for a constant
-//! force, the step conserves the energy of the whole at any length. `V` is piecewise quadratic, so the
-//! implicit equation has a closed form without event location or iteration. Discrete gradients are due to
-//! Gonzalez (1996) and McLachlan, Quispel and Robidoux (1999); the closed form is derived here.
+//! force, a step of any length conserves the total energy. `V` is piecewise quadratic, so the implicit
+//! equation has a closed form, without event location or iteration. Discrete gradients: Gonzalez (1996);
+//! McLachlan, Quispel and Robidoux (1999). The closed form is derived here.
 
 use crate::scalar::Scalar;
 
@@ -18,7 +18,7 @@ use crate::scalar::Scalar;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct ContactStep<S> {
-    /// Constant force over the step in N, compressive, at or above zero.
+    /// Constant force over the step in N, compressive, never negative.
     pub(crate) force: S,
     /// Gap coordinate at the end of the step in m, above zero in contact.
     pub(crate) gap: S,
@@ -56,7 +56,7 @@ fn touch_down<S: Scalar>(gap: S, predicted: S, flexibility: S, stiffness: S) -> 
     // The form of the root without cancellation.
     let reached =
         if sum >= S::ZERO { half * (sum + root) / leading } else { (product + product) / (root - sum) };
-    // V(u)/(u − g), because (g* − u)/H cancels. Without motion there is no force.
+    // V(u)/(u − g), because (g* − u)/H cancels. Without motion the force is zero.
     let apart = reached - gap;
     let force = if apart > S::ZERO { half * stiffness * reached * (reached / apart) } else { S::ZERO };
     ContactStep { force, gap: reached }

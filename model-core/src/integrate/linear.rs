@@ -1,8 +1,8 @@
-//! Solving small dense linear systems by LU factorisation with partial pivoting, for systems whose Jacobian
+//! Solves small dense linear systems by LU factorisation with partial pivoting, for systems whose Jacobian
 //! has no structure to use.
 //!
-//! nalgebra's static LU stays out: it asserts and indexes with bounds checks that may panic, and it takes
-//! `abs` from simba, hence from the platform or from a feature that another crate sets.
+//! nalgebra's static LU is not used: its assertions and bounds checks may panic, and it takes `abs` from
+//! simba, hence from the platform or from a feature that another crate sets.
 
 use crate::scalar::Scalar;
 
@@ -58,15 +58,15 @@ use crate::scalar::Scalar;
 /// [`System::Factor`]: crate::integrate::System::Factor
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DenseFactor<S, const N: usize> {
-    /// Unit lower triangle below the diagonal, upper triangle above, reciprocal pivots on it.
+    /// Unit lower triangle below the diagonal, upper triangle above, reciprocal pivots on the diagonal.
     triangles: [[S; N]; N],
     /// The row of the matrix that each row of the triangles comes from.
     order: [usize; N],
 }
 
 impl<S: Scalar, const N: usize> DenseFactor<S, N> {
-    /// Factors `I − weight · jacobian`, with `jacobian[i][j] = ∂f_i/∂y_j`; `None` if that is singular or not
-    /// finite.
+    /// Factors `I − weight · jacobian`, with `jacobian[i][j] = ∂f_i/∂y_j`; `None` if the matrix is singular
+    /// or not finite.
     #[must_use]
     #[inline]
     pub fn new(jacobian: &[[S; N]; N], weight: S) -> Option<Self> {
@@ -80,7 +80,8 @@ impl<S: Scalar, const N: usize> DenseFactor<S, N> {
     fn of_matrix(mut matrix: [[S; N]; N]) -> Option<Self> {
         let mut order = core::array::from_fn(|i| i);
         for k in 0..N {
-            // Every larger entry takes the pivot's place at once: the compiler sees that `i` is in bounds.
+            // Every larger entry is swapped into the pivot's place at once: the compiler then sees that `i`
+            // is in bounds.
             for i in k + 1..N {
                 if matrix[i][k].abs() > matrix[k][k].abs() {
                     matrix.swap(k, i);
@@ -88,7 +89,7 @@ impl<S: Scalar, const N: usize> DenseFactor<S, N> {
                 }
             }
             let reciprocal = S::ONE / matrix[k][k];
-            // An infinite pivot would pass as a reciprocal of zero.
+            // The reciprocal of an infinite pivot is a finite zero.
             if !reciprocal.is_finite() || !matrix[k][k].is_finite() {
                 return None;
             }

@@ -1,13 +1,12 @@
-//! The exact step of a damped mode under a force that is linear over the step: Duhamel's integral as a
-//! recurrence.
+//! The exact step of a damped mode under a force that is linear over the step: Duhamel's integral as a recurrence.
 //!
 //! ```text
 //! q̈ + 2 ζ ω q̇ + ω² q = p(t),   p(t) = p0 + (p1 − p0) t/h
 //! ```
 //!
-//! The state at the end of a step of length `h` is linear in the state at the start and in `p0` and `p1`, with
-//! coefficients that depend on `ω`, `ζ` and `h` only. The step is exact at any length, so the fastest mode does
-//! not limit it.
+//! The state at the end of a step of length `h` is linear in the state at the start and in `p0` and `p1`,
+//! with coefficients that depend on `ω`, `ζ` and `h` only. The step is exact at any length, so the fastest
+//! mode does not limit it.
 
 use crate::scalar::{Mathematics, Scalar, turns_of_radians};
 

@@ -6,8 +6,8 @@ use crate::scalar::{Scalar, add_increment};
 
 /// The classical explicit Runge–Kutta method of fourth order, without an error estimate.
 ///
-/// Stable only for steps below 2.78 over the largest rate of the system, which are nanoseconds for a small load
-/// resistance.
+/// It is stable only for steps below 2.78 divided by the largest rate of the system. With a small load
+/// resistance that is nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RungeKutta4;

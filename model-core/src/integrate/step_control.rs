@@ -1,4 +1,4 @@
-//! The length of the steps: fixed, or by a proportional–integral controller on the local error.
+//! Controls the length of the steps: fixed, or by a proportional–integral controller on the local error.
 //!
 //! After a step of length `h_n` whose local error is `r_n` times the allowed one, the controller proposes
 //!
@@ -28,8 +28,7 @@ pub(crate) struct ControlMemory<S> {
     rejected_ratio: f32,
     /// Length in ticks of the first attempt rejected since the last accepted step.
     rejected_ticks: u32,
-    /// Energy delivered per radian in joules, averaged over the last few periods: the scale of the energy
-    /// error.
+    /// Energy delivered per radian in joules, averaged over the last few periods: the scale of the energy error.
     recent_energy: S,
 }
 
@@ -46,14 +45,15 @@ impl<S: Scalar> ControlMemory<S> {
         }
     }
 
-    /// Restores the proposal that stood before a step shortened by the end of the run or a kink of the
-    /// excitation. The small error of such a step says little about a whole step.
+    /// Restores the proposal from before a step that the end of the run or a kink of the excitation
+    /// shortened: the small error of such a step does not predict that of a whole step.
     #[inline]
     pub(crate) fn keep_proposal(&mut self, before: &Self) {
         (self.ticks, self.previous, self.rejections) = (before.ticks, before.previous, before.rejections);
     }
 
-    /// Records an attempt of `ticks` with an error of `ratio` times the allowed one; the next has `next` ticks.
+    /// Records an attempt of `ticks` with an error of `ratio` times the allowed one, and the length `next` of
+    /// the next attempt.
     #[inline]
     fn reject(&mut self, ticks: u32, ratio: f32, next: u32) {
         if self.rejections == 0 {
@@ -72,7 +72,7 @@ impl<S: Scalar> Snapshot for ControlMemory<S> {
         self.ticks.write(out);
         self.previous.write(out);
         self.rejections.write(out);
-        // By its bits: the ratio is infinite after an attempt that did not converge.
+        // As bits: the ratio is infinite after an attempt that did not converge.
         self.rejected_ratio.to_bits().write(out);
         self.rejected_ticks.write(out);
         self.recent_energy.write(out);
@@ -160,7 +160,7 @@ pub trait StepControl<S: Scalar> {
     }
 }
 
-/// Refuses a length of step in s that is not above 0 and at most [`LONGEST_STEP_S`].
+/// Checks that a step length in s is above 0 and at most [`LONGEST_STEP_S`].
 pub(crate) fn check_step<S: Scalar>(field: &'static str, seconds: S) -> Result<(), ParameterError<S>> {
     Bounds { lowest: S::TINY, highest: S::from_f64(LONGEST_STEP_S) }.check(field, seconds)
 }
@@ -176,7 +176,7 @@ impl FixedStep {
     /// Steps of the number of ticks nearest to `seconds`, above 0 and at most [`LONGEST_STEP_S`] (3.9 ms).
     ///
     /// # Errors
-    /// [`ParameterError`] with the field `step` where `seconds` is out of these bounds.
+    /// [`ParameterError`] with the field `step` if `seconds` is outside these bounds.
     pub fn of_seconds<S: Scalar>(seconds: S) -> Result<Self, ParameterError<S>> {
         check_step("step", seconds)?;
         Ok(Self { ticks: ticks_of_seconds(seconds) })
@@ -208,12 +208,12 @@ impl<S: Scalar> StepControl<S> for FixedStep {
     }
 }
 
-/// Steps as long as a tolerance allows.
+/// Error control of the step length by a tolerance.
 ///
 /// The allowed relative error of the delivered energy is the tolerance times the radians `ω h` of the step:
 /// an error per unit step, so that the global error is proportional to the tolerance. The allowed error of
 /// the state is a twentieth of that, because a lightly damped motion keeps the errors of its state for many
-/// radians. A few roundings per step are added to both, below which an estimate means nothing.
+/// radians. A few roundings per step are added to both, since an estimate below rounding is meaningless.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Adaptive<S> {
@@ -240,9 +240,9 @@ const NEWTON_PART: f64 = 1.0 / REMEMBERED_RADIANS;
 const MEMORY_RADIANS: f64 = 16.0;
 /// Shortest step in ticks that the tolerance can demand: 4 ns.
 const SHORTEST_CONTROLLED_TICKS: u32 = 4096;
-/// Relative error of a step that is accepted where shorter steps do not lessen it.
+/// Largest relative error of a step that is accepted if shorter steps do not reduce the error.
 const WAIVED: f64 = 1e-3;
-/// Number of rejections of one step after which a step with an undiminished error is accepted.
+/// Number of rejections of one step after which a step with an unreduced error is accepted.
 const FUTILE_REJECTIONS: u8 = 3;
 /// Exponents of the present and the previous error, in units of 2⁻⁸: 0.35 and 0.2, half of Gustafsson's 0.7
 /// and 0.4, because the error over the allowed one is of second order in the step.
@@ -273,7 +273,7 @@ impl<S: Scalar> Adaptive<S> {
     /// With a relative tolerance per radian, from one rounding ([`Scalar::EPSILON`]) to 0.1.
     ///
     /// # Errors
-    /// [`ParameterError`] with the field `tolerance` where it is out of these bounds.
+    /// [`ParameterError`] with the field `tolerance` if it is outside these bounds.
     pub fn new(tolerance: S) -> Result<Self, ParameterError<S>> {
         Bounds { lowest: S::EPSILON, highest: S::from_f64(0.1) }.check("tolerance", tolerance)?;
         Ok(Self { tolerance })
@@ -301,9 +301,9 @@ impl<S: Scalar> Adaptive<S> {
         let allowed = target + S::EPSILON * S::from_f64(ENERGY_ROUNDINGS);
         let mut ratio = state.max(energy_error / allowed).to_f32();
         if !(ratio <= 1.0) {
-            // A shorter step does not lessen the energy error that the rounding of the state causes.
+            // A shorter step does not reduce the energy error that the rounding of the state causes.
             let rounding = rounding();
-            // Where the system returns the constant 0, this branch is not compiled.
+            // The compiler removes this branch if the system returns the constant 0.
             if rounding > S::ZERO {
                 let left = state.max((errors.energy - rounding) / per_radian / allowed).to_f32();
                 ratio = if left <= 1.0 { left } else { ratio };
@@ -314,10 +314,9 @@ impl<S: Scalar> Adaptive<S> {
 
     /// Whether a step with too large an error is accepted because a shorter step has no smaller error.
     ///
-    /// The derivative at the start of the step then comes from a longer step, or the step leaves a boundary
-    /// layer. Such a step is accepted if its relative error, not per radian, is small. A step of a few
-    /// nanoseconds is always accepted: with such steps an L-stable method passes the boundary layer of a
-    /// faster circuit.
+    /// The derivative at the start of the step then comes from a longer step, or the step leaves a boundary layer.
+    /// Such a step is accepted if its relative error, not per radian, is small. A step of a few nanoseconds is always
+    /// accepted: with such steps an L-stable method passes the boundary layer of a faster circuit.
     #[inline(always)]
     fn is_inherited(&self, memory: &ControlMemory<S>, ticks: u32, relative: &RelativeErrors<S>) -> bool {
         let ratio = relative.ratio;
@@ -328,8 +327,8 @@ impl<S: Scalar> Adaptive<S> {
     }
 }
 
-/// Piecewise-linear binary logarithm in units of 2⁻²³: the bits of a float as an integer. Off by at most
-/// 0.09, a few per cent of the step.
+/// Piecewise-linear binary logarithm in units of 2⁻²³: the bits of a float as an integer. Its error is at
+/// most 0.09, a few per cent of the step.
 #[inline(always)]
 fn log2(ratio: f32) -> i32 {
     ratio.to_bits().cast_signed().wrapping_sub(0x3f80_0000)
@@ -365,7 +364,7 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         let ratio = relative.ratio;
         let present = log2(Scalar::max(ratio, 1e-8));
         let inherited = self.is_inherited(memory, errors.ticks, &relative);
-        // Not `ratio > 1.0`, so that not-a-number is rejected too.
+        // `!(ratio <= 1.0)` also rejects not-a-number.
         if !(ratio <= 1.0) && !inherited {
             // Half the logarithm: the error over the allowed one is of second order in the step.
             let change = SAFETY_AFTER_REJECTION - present / 2;
@@ -374,8 +373,8 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
             return Verdict::Reject;
         }
         let next = if inherited {
-            // An inherited error says nothing about the next step: return to the length first rejected.
-            // Without a rejection, as after an event, take a somewhat longer step.
+            // An inherited error does not predict the next error: return to the length first rejected.
+            // Without a rejection, as after an event, take a longer step.
             let rejected = if memory.rejections > 0 { memory.rejected_ticks } else { 0 };
             rejected.max(errors.ticks.saturating_mul(4))
         } else {
@@ -387,7 +386,7 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
             scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, largest))
         };
         memory.ticks = next.min(ticks_of_seconds(S::from_f64(LONGEST_RADIANS) / scale.angular_frequency));
-        // Bounded below, so that a step without error does not make the next error look like a sudden rise.
+        // Bounded below: after a step without error, the next error would otherwise look like a sudden rise.
         memory.previous = present.clamp(LEAST_REMEMBERED, 0);
         memory.recent_energy = relative.recent_energy;
         memory.rejections = 0;

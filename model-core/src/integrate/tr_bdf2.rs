@@ -1,5 +1,5 @@
-//! TR-BDF2: a trapezoidal stage and a backward-differentiation stage with one iteration matrix (Bank and others
-//! 1985).
+//! TR-BDF2: a trapezoidal stage and a backward-differentiation stage with one iteration matrix (Bank and
+//! others 1985).
 
 use super::{Method, NotConverged, Point, System, Trial};
 use crate::clock::seconds_of_ticks;
@@ -47,8 +47,7 @@ const MOST_ITERATIONS: u32 = 10;
 
 /// Assumed constant `c` of quadratic convergence: a first correction of size `δ` leaves an error of `c δ²`.
 ///
-/// With 10 to 100 the results of the contact-separation scene agree to four digits; 10 takes the fewest
-/// iterations.
+/// With 10 to 100 the results of the contact-separation scene agree to four digits; 10 takes the fewest iterations.
 const ASSUMED_CURVATURE: f64 = 10.0;
 
 /// One implicit stage, `z = weight · f(base + z, input)`.
@@ -83,7 +82,7 @@ impl<S: Scalar, Y, F, const N: usize> Stage<'_, S, Y, F, N> {
                 system.condense(base, &mut z, *weight);
                 return Ok((z, iteration));
             }
-            // Not `>=`, so that not-a-number ends the iteration too.
+            // `!(rate < 2)` also ends the iteration at not-a-number.
             if iteration > 1 && !(rate < S::from_f64(2.0)) || !size.is_finite() {
                 return Err(NotConverged);
             }

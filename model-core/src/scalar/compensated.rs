@@ -1,13 +1,13 @@
-//! Sums that keep the part that a plain addition rounds away (Kahan 1965, with the comparison of Neumaier
-//! 1974).
+//! Compensated sums, which keep the part that a plain addition rounds away (Kahan 1965, with the comparison
+//! of Neumaier 1974).
 
 use super::Scalar;
 use crate::snapshot::snapshot_fields;
 
-/// A running sum whose error stays at one rounding of the result however many terms are added.
+/// A running sum whose error stays at one rounding of the result for any number of terms.
 ///
-/// The sum is right also where a term is larger than the sum so far. Each addition takes in the correction of
-/// the one before, so the correction never grows beyond a rounding of the sum.
+/// A term may be larger than the sum so far. Each addition includes the correction of the previous one, so
+/// the correction never exceeds a rounding of the sum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct CompensatedSum<S> {
@@ -48,10 +48,10 @@ impl<S: Scalar> Default for CompensatedSum<S> {
 
 snapshot_fields!(impl [S: Scalar] CompensatedSum<S> { sum, correction });
 
-/// `high + low + increment` as a new pair whose `low` is what rounding took from `high`.
+/// `high + low + increment` as a new pair, in which `low` is the part that rounding removed from `high`.
 ///
-/// For a state that moves by small increments. Without the branch of [`CompensatedSum::add`], an increment
-/// larger than the state loses what a plain addition loses.
+/// For a state with small increments. Without the branch of [`CompensatedSum::add`], an increment larger than
+/// the state is added with the rounding of a plain addition.
 #[inline]
 pub(crate) fn add_increment<S: Scalar>(high: S, low: S, increment: S) -> (S, S) {
     let moved = increment + low;

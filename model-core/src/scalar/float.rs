@@ -1,4 +1,4 @@
-//! [`Scalar`] for `f32` and `f64`.
+//! Implements [`Scalar`] for `f32` and `f64`.
 
 use super::{Decomposed, Polynomial, Scalar, Sealed};
 
@@ -69,7 +69,7 @@ impl Scalar for f32 {
     }
 
     fn sqrt(self) -> Self {
-        // Not `<=`, so that not-a-number gives 0 too.
+        // `!(self > 0.0)` also gives 0 for not-a-number.
         if !(self > 0.0 && f32::is_finite(self)) {
             return if self > 0.0 { self } else { 0.0 };
         }
@@ -182,7 +182,7 @@ impl Sealed for f64 {
         let (mantissa, exponent) = if biased == 0 {
             (fraction, -1074)
         } else {
-            // Eleven bits: the cast loses nothing.
+            // The biased exponent has eleven bits: the cast is exact.
             (fraction | 0x0010_0000_0000_0000, (biased as u32).cast_signed() - 1075)
         };
         Some(Decomposed { mantissa, exponent, negative: self < 0.0 })

@@ -1,4 +1,4 @@
-//! Sine and exponential by the crate `libm`, within one unit in the last place, in software.
+//! Sine and exponential of the crate `libm`, within one unit in the last place, in software.
 //!
 //! The single-precision sine of `libm` computes in double precision. It costs a Cortex-M4F about 1300
 //! instructions and 9 kB of flash; the default backend takes a few tens of instructions.

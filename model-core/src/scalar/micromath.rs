@@ -1,13 +1,12 @@
-//! Sine and exponential by the crate `micromath`: small, coarse, single precision only.
+//! Sine and exponential of the crate `micromath`: small, coarse, single precision only.
 
 use super::{Mathematics, Scalar};
 use micromath::F32Ext;
 
-/// Elementary functions of the crate `micromath`: sine within 2e-3 absolute, exponential within
-/// 3e-3 relative.
+/// Elementary functions of the crate `micromath`: sine within 2e-3 absolute, exponential within 3e-3 relative.
 ///
-/// These errors reach the excitation and the coefficient of restitution. The crate's square root, off by up to
-/// 5 %, is not used.
+/// These errors reach the excitation and the coefficient of restitution. The square root of `micromath`, with
+/// an error of up to 5 %, is not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Micromath;

@@ -7,8 +7,7 @@ use super::{Mathematics, Scalar, horner};
 
 /// Elementary functions by short polynomials, with the same bits on every machine.
 ///
-/// Sine within 1.8e-7 (`f32`) and 3e-16 (`f64`) absolute; exponential within 2e-7 and 4e-16
-/// relative.
+/// Sine within 1.8e-7 (`f32`) and 3e-16 (`f64`) absolute; exponential within 2e-7 and 4e-16 relative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Polynomial;
@@ -56,7 +55,7 @@ const EXPONENTIAL_F64: [f64; 13] = [
 #[inline]
 fn fold_quarter_wave(phase: u64) -> i64 {
     let signed = phase.cast_signed();
-    // Above a quarter of a turn sin(½ turn − x) = sin x. The subtraction wraps as phases do.
+    // sin(½ turn − x) = sin x above a quarter of a turn. The subtraction wraps like a phase.
     if (phase.wrapping_add(1 << 62)) >> 63 == 0 { signed } else { i64::MIN.wrapping_sub(signed) }
 }
 
@@ -88,7 +87,7 @@ fn exponential<S: Scalar, const N: usize>(
     let n = if scaled < S::ZERO { -magnitude } else { magnitude };
     let count = S::from_i32(n);
     let r = (x - count * S::from_f64(ln_2[0])) - count * S::from_f64(ln_2[1]);
-    // Two factors, neither of which leaves the normal range.
+    // Two factors, both in the normal range.
     let lower = n / 2;
     horner(coefficients, r) * S::power_of_two(lower) * S::power_of_two(n - lower)
 }

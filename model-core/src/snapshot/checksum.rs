@@ -2,9 +2,8 @@
 
 use super::{Snapshot, Writer};
 
-/// CRC-32 with the polynomial of IEEE 802.3, reflected, with all bits set at the start and inverted at the end.
-///
-/// A table of 64 bytes, and two look-ups per byte.
+/// CRC-32 with the polynomial of IEEE 802.3, reflected, with all bits set at the start and inverted at the
+/// end. Its table has 64 bytes; each byte takes two look-ups.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Checksum(u32);
 
@@ -48,21 +47,21 @@ impl Checksum {
     }
 }
 
-/// A 32-bit number that tells models apart: a checksum over the bits of all their coefficients.
+/// A 32-bit number that identifies a model: a checksum over the bits of all its coefficients.
 ///
-/// Two models that differ in one single-precision coefficient only always have different fingerprints. Two
+/// Two models that differ only in one single-precision coefficient always have different fingerprints. Two
 /// other models have the same fingerprint by chance once in 2³² pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fingerprint(Checksum);
 
 impl Fingerprint {
-    /// The fingerprint of nothing.
+    /// The fingerprint before any input.
     #[must_use]
     pub(crate) const fn new() -> Self {
         Self(Checksum::START)
     }
 
-    /// Includes a name: of a type or of a version.
+    /// Includes the name of a type or of a version.
     pub(crate) fn name(&mut self, name: &str) {
         self.0.include(name.as_bytes());
     }

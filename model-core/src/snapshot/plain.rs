@@ -1,4 +1,4 @@
-//! [`Snapshot`] for numbers, truth values, arrays and options.
+//! Implements [`Snapshot`] for numbers, truth values, arrays and options.
 
 use heapless::Vec;
 
@@ -26,7 +26,7 @@ integers!(u8, u16, u32, u64, i8, i16, i32, i64);
 
 macro_rules! floats {
     ($($float:ty),*) => {$(
-        /// The bits of the number; reading refuses what is not finite.
+        /// The bits of the number; reading refuses a number that is not finite.
         impl Snapshot for $float {
             const BYTES: usize = size_of::<Self>();
 
@@ -46,7 +46,7 @@ macro_rules! floats {
 
 floats!(f32, f64);
 
-/// No bytes.
+/// Zero bytes.
 impl Snapshot for () {
     const BYTES: usize = 0;
 
@@ -92,7 +92,7 @@ impl<T: Snapshot, const N: usize> Snapshot for [T; N] {
     }
 }
 
-/// A byte, 1 with a value and 0 without, and the bytes of the value or of the default.
+/// A byte, 1 with a value and 0 without, then the bytes of the value or of the default.
 impl<T: Snapshot> Snapshot for Option<T>
 where
     T: Default,
