@@ -1,8 +1,8 @@
-//! Parts that scenes are put together from.
+//! The components of scenes: beams, contacts, loads, rectifiers, storage.
 //!
-//! Each part has a type for every choice that can be made at compile time, so that firmware
-//! contains what its scene needs and no more, and one `Any…` type that makes the choice at run
-//! time for a host that must serve any scene file. Both give the same bits.
+//! Each component has one type for every choice made at compile time, so that firmware contains only the code
+//! of its scene, and one `Any…` type for a choice at run time, for a host that reads any scene file. Both
+//! give the same bits.
 
 pub mod beam;
 pub use crate::bounds;
@@ -23,8 +23,8 @@ pub mod stick_charge;
 pub mod storage;
 pub mod storage_step;
 
-/// Vacuum permittivity `ε0`, in F/m.
+/// Vacuum permittivity `ε0` in F/m.
 pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
 
-/// Acceleration of gravity in m/s², as the papers round it.
+/// Acceleration of gravity in m/s², rounded as in the papers.
 pub const GRAVITY: f64 = 9.81;

@@ -1,27 +1,27 @@
-//! Modes of a uniform cantilever with a tip mass.
+//! Computes the modes of a uniform cantilever with a tip mass.
 //!
-//! Euler–Bernoulli bending, clamped at one end, a point mass `m` without rotary inertia at the free
-//! one. With `s = z/L` along the beam, `m_b` the mass of the beam and `μ = m/m_b`, a mode has the
-//! shape `φ(s) = C [cosh λs − cos λs − σ (sinh λs − sin λs)]`, where `λ` is a root of
+//! Euler–Bernoulli bending, clamped at one end, with a point mass `m` without rotary inertia at the other
+//! end. With `s = z/L` along the beam, the beam mass `m_b` and `μ = m/m_b`, a mode has the shape `φ(s) = C
+//! [cosh λs − cos λs − σ (sinh λs − sin λs)]`, where `λ` is a root of
 //!
 //! ```text
 //! 1 + cos λ cosh λ + λ μ (cos λ sinh λ − sin λ cosh λ) = 0
 //! ```
 //!
-//! and `C` makes the modal mass one: `∫ m' φ² dz + m φ(L)² = 1`. Both integrals that are needed have
-//! a closed form, from `φ'''' = λ⁴ φ` and the conditions at the ends (primes by `s`):
+//! and `C` makes the modal mass one: `∫ m' φ² dz + m φ(L)² = 1`. Both required integrals have a closed form,
+//! from `φ'''' = λ⁴ φ` and the boundary conditions (primes: derivatives by `s`):
 //!
 //! ```text
 //! ∫ φ² ds + μ φ(1)² = φ(1) [(1 + μ) φ(1) + 2 μ φ'(1)] / 4
 //! ∫ φ ds + μ φ(1)   = −φ'''(0) / λ⁴ = 2 C σ / λ
 //! ```
 //!
-//! The first is used with `μ φ(1) = −φ'''(1)/λ⁴`, the shear that the tip mass takes: under a heavy
-//! mass the tip of a higher mode hardly moves, and `φ(1)` is a small difference.
+//! The first integral uses the shear of the tip mass, `μ φ(1) = −φ'''(1)/λ⁴`: under a heavy mass the tip of a
+//! higher mode hardly moves, and `φ(1)` is a small difference.
 //!
-//! Nothing cancels and nothing overflows: below `λ = 2` the differences of hyperbolic and circular
-//! functions are summed as series of one sign, above it the hyperbolic functions are written in
-//! exponentials that only decay. So `f32` is as good as its rounding, on the device too.
+//! No term cancels or overflows: below `λ = 2` the differences of hyperbolic and circular functions are
+//! summed as series of one sign, and above it the hyperbolic functions are written in decaying exponentials.
+//! So the result in `f32` is accurate to rounding.
 
 use crate::scalar::{Mathematics, Scalar, turns_of_radians};
 
@@ -47,7 +47,7 @@ pub struct BeamMode<S> {
     pub eigenvalue: S,
     /// Undamped angular frequency `ω = λ² √(EI / (m' L⁴))` in rad/s.
     pub angular_frequency: S,
-    /// `Γ = ∫ m' φ dz + m φ(L)` in √kg: the modal force per base acceleration, negated.
+    /// `Γ = ∫ m' φ dz + m φ(L)` in √kg: the modal force per negative base acceleration.
     pub base_coupling: S,
     /// `σ` of the shape.
     sigma: S,
@@ -57,7 +57,7 @@ pub struct BeamMode<S> {
     scale: S,
 }
 
-/// A mode shape and its derivatives at one place, by the place in units of the length.
+/// A mode shape and its derivatives by `s = z/L` at one position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shape<S> {
     /// `φ` in 1/√kg; positive towards positive displacement.
@@ -68,13 +68,13 @@ pub struct Shape<S> {
     pub curvature: S,
 }
 
-/// Below this the functions are summed as series, above it they are made of exponentials.
+/// `λ` below which the functions are summed as series; above it they are computed from exponentials.
 const SERIES_REACH: f64 = 2.0;
-/// Terms of a series within that reach: the last is below 2⁻⁵³ of the first.
+/// Number of terms of a series for arguments up to 2: the last is below 2⁻⁵³ of the first.
 const SERIES_TERMS: u32 = 9;
-/// From this number on the eigenvalues of a free end are `(i − ½) π` to a rounding of `f64`.
+/// Mode number above which the eigenvalues of a free end are `(i − ½) π` to a rounding of `f64`.
 const ASYMPTOTIC: u32 = 12;
-/// Halvings that bring a bracket of the width of a root's neighbourhood to neighbouring numbers.
+/// Most bisections from the initial bracket of a root to two neighbouring numbers.
 const MOST_HALVINGS: u32 = 120;
 
 impl<S: Scalar> Cantilever<S> {
@@ -96,8 +96,8 @@ impl<S: Scalar> Cantilever<S> {
         let [tip, slope, _, shear] = unscaled.derivatives(S::ONE);
         let two = S::from_f64(2.0);
         let slope = eigenvalue * slope;
-        let borne = if eigenvalue < S::from_f64(SERIES_REACH) { ratio * tip } else { -shear / eigenvalue };
-        let modal_mass = S::from_f64(0.25) * beam_mass * (tip * tip + borne * (tip + two * slope));
+        let inertia = if eigenvalue < S::from_f64(SERIES_REACH) { ratio * tip } else { -shear / eigenvalue };
+        let modal_mass = S::from_f64(0.25) * beam_mass * (tip * tip + inertia * (tip + two * slope));
         let scale = S::ONE / modal_mass.sqrt();
         let rate = (self.bending_stiffness / (beam_mass * self.length)).sqrt() / self.length;
         BeamMode {
@@ -109,15 +109,15 @@ impl<S: Scalar> Cantilever<S> {
     }
 }
 
-/// Modes beyond those kept that are summed one by one for the compliance of the rest.
+/// Number of modes after the kept ones that the residual compliance sums one by one.
 const SUMMED: u32 = 200;
 
 impl<S: Scalar> Cantilever<S> {
-    /// Static compliance, in m/N, at the place `s = z/L` above 0, of all modes after the first `kept`:
-    /// `Σ φ_i(s)²/ω_i²`. The tip mass has no part in it, so the modes of a free end serve.
+    /// Static compliance in m/N, at the position `s = z/L` above 0, of all modes after the first `kept`: `Σ
+    /// φ_i(s)²/ω_i²`, of the modes without tip mass.
     ///
-    /// All modes together have `(s L)³/3EI`; this is a sum of what is left out, not the difference of
-    /// the whole and what is kept, which cancels: in `f32` it is 10⁻³ off with ten modes.
+    /// All modes together have `(s L)³/3EI`. The omitted modes are summed directly, because the difference of
+    /// the total and the kept modes cancels: with ten modes in `f32` it has an error of 10⁻³.
     #[must_use]
     pub(crate) fn residual_compliance(&self, place: S, kept: u32) -> S {
         let free = Self { tip_mass: S::ZERO, ..*self };
@@ -128,8 +128,8 @@ impl<S: Scalar> Cantilever<S> {
             let ratio = mode.shape(place).value / mode.angular_frequency;
             sum += ratio * ratio;
         }
-        // The rest: λ = (i − ½)π, and φ² is on average 1/m_b, at the tip 4/m_b; Σ (i − ½)⁻⁴ by the
-        // Euler–Maclaurin formula at the middles.
+        // Remaining modes: λ = (i − ½)π, and φ² is on average 1/m_b, at the tip 4/m_b; Σ (i − ½)⁻⁴ by the
+        // Euler–Maclaurin formula at the midpoints.
         let n = S::from_u32(last);
         let cube = n * n * n;
         let fourths = S::from_f64(1.0 / 3.0) / cube - S::from_f64(1.0 / 6.0) / (cube * n * n);
@@ -141,7 +141,7 @@ impl<S: Scalar> Cantilever<S> {
 }
 
 impl<S: Scalar> BeamMode<S> {
-    /// The shape at the place `s = z/L`, 0 at the clamp and 1 at the tip.
+    /// The shape at the position `s = z/L`, 0 at the clamp and 1 at the tip.
     #[must_use]
     pub fn shape(&self, s: S) -> Shape<S> {
         let [value, slope, curvature, _] = self.derivatives(s);
@@ -177,8 +177,8 @@ impl<S: Scalar> BeamMode<S> {
 
 /// Root `number` of the characteristic equation, divided by `cosh λ`, for the mass ratio `ratio`.
 ///
-/// Each root lies between that of a pinned end, to which an endless tip mass leads, and that of a
-/// free one; bisection to neighbouring numbers.
+/// Each root lies between that of a pinned end (infinite tip mass) and that of a free end. Bisection to
+/// neighbouring numbers.
 fn eigenvalue<S: Scalar>(number: u32, ratio: S) -> S {
     let pi = S::from_f64(core::f64::consts::PI);
     let count = S::from_u32(number);
@@ -220,13 +220,13 @@ fn characteristic<S: Scalar>(lambda: S, ratio: S) -> S {
     sech + cosine + lambda * ratio * bending
 }
 
-/// `σ`, from the conditions at the tip, and `(1 − σ) e^λ / 2`.
+/// `σ`, from the boundary conditions at the tip, and `(1 − σ) e^λ / 2`.
 fn shape_constants<S: Scalar>(lambda: S, ratio: S) -> (S, S) {
     let two = S::from_f64(2.0);
     let weight = lambda * ratio;
     if lambda < S::from_f64(SERIES_REACH) {
         let [sum, _, cosines, sines] = [0, 1, 2, 3].map(|order| two * fourth_series(lambda, order, S::ONE));
-        // The growing part is not told apart here: the shape is summed as series too.
+        // The growing part is 0 here, because the shape is summed as series too.
         return ((sines + weight * cosines) / (sum + weight * sines), S::ZERO);
     }
     let half = S::from_f64(0.5);
@@ -313,7 +313,7 @@ mod tests {
         for (number, known) in (1..).zip(known) {
             let mode = slider(0.0).mode(number);
             assert!((mode.eigenvalue - known).abs() < 6e-9, "{number}");
-            // The exact shortcut at a free tip: φ = ±2/√m_b.
+            // The exact value at a free tip: φ = ±2/√m_b.
             let mass = slider(0.0).mass_per_length * 0.1;
             let sign = if number % 2 == 1 { 2.0 } else { -2.0 };
             close(mode.shape(1.0).value, sign / mass.sqrt(), 1e-12);
@@ -344,7 +344,7 @@ mod tests {
                 assert!((one.base_coupling - moment).abs() < 1e-10, "{tip_mass} {i}");
                 coupled += one.base_coupling.powi(2);
             }
-            // Σ Γ² is the whole mass once all modes are in.
+            // Σ Γ² over all modes is the whole mass.
             assert!(coupled < beam_mass + tip_mass && coupled > 0.93 * (beam_mass + tip_mass), "{tip_mass}");
         }
     }
@@ -381,7 +381,7 @@ mod tests {
         close(modal_mass, 8e-3 + 33.0 / 140.0 * beam_mass, 3e-3);
         close(mode.base_coupling / tip, 8e-3 + 0.375 * beam_mass, 3e-3);
         close(mode.angular_frequency.powi(2) * modal_mass, 3.0 * beam.bending_stiffness / 1e-3, 2e-3);
-        // A tip mass a million times the beam's: a massless spring.
+        // A tip mass of a million beam masses: a massless spring.
         let heavy = slider(7.8e3).mode(1);
         close(heavy.angular_frequency.powi(2), 3.0 * beam.bending_stiffness / 1e-3 / 7.8e3, 1e-6);
         close(heavy.base_coupling, 7.8e3f64.sqrt(), 1e-6);
@@ -397,7 +397,7 @@ mod tests {
                     .map(|i| (beam.mode(i).shape(place).value / beam.mode(i).angular_frequency).powi(2))
                     .sum();
                 let rest = beam.residual_compliance(place, kept);
-                // Relative to the rest itself, of which the difference leaves some digits.
+                // Relative to the residual compliance, of which the difference keeps some digits.
                 assert!((kept_part + rest - whole).abs() < 2e-4 * rest + 1e-13 * whole, "{place} {kept}");
                 let coarse = f64::from(single(beam).residual_compliance(place as f32, kept));
                 assert!((coarse / rest - 1.0).abs() < 2e-5, "{place} {kept} {coarse} {rest}");

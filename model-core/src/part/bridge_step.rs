@@ -1,10 +1,17 @@
-//! A capacitance behind a full bridge, over a step in which the current into it is constant.
+//! Steps a capacitance behind a full bridge under a constant current.
 //!
-//! Let `w` be the voltage `v` of the capacitance `C_p` at the start, counted positive in the direction of the
-//! current, `x = |Δq| ≥ 0` the charge of the step, `U = V + 2 V_D ≥ |v|` the threshold, `C` the storage's
-//! capacitance and `C_t = C_p + C`. The voltage rises at `1/C_p` per charge up to `U`, for which it takes
-//! `x_c = C_p (U − w)`, and then at `1/C_t`, with a part `C/C_t` of the charge passing into the storage: a
-//! polyline. Its mean over the step, with `f = x_c/x` the time before conduction, is
+//! | symbol | meaning | unit |
+//! | --- | --- | --- |
+//! | `w` | voltage of the capacitance at the start, positive in the direction of the current | V |
+//! | `x = abs(Δq) ≥ 0` | charge of the step | C |
+//! | `U = V + 2 V_D` | threshold voltage, `≥ abs(w)` | V |
+//! | `C_p`, `C` | the capacitance, and that of the storage | F |
+//! | `C_t = C_p + C` | total capacitance while the bridge conducts | F |
+//! | `x_c = C_p (U − w)` | charge at which conduction begins | C |
+//! | `f = x_c/x` | fraction of the step before conduction | 1 |
+//!
+//! The voltage rises at `1/C_p` per charge up to `U`, and then at `1/C_t`, while a part `C/C_t` of the charge
+//! passes into the storage. Its mean over the step is
 //!
 //! ```text
 //! m(x) = w + x/(2 C_p)                                                x ≤ x_c : blocked
@@ -12,24 +19,24 @@
 //! m'(x) = ½ [(1 − f²)/C_t + f²/C_p]
 //! ```
 //!
-//! The work `m x` is exactly what the capacitance stores, the storage receives and the diodes take: `m` is the
-//! discrete gradient of a convex potential of the charge, as the contact force is of one of the gap, so the
-//! step is passive at any length. `m` is increasing and, for a current in one direction, concave with a
-//! continuous slope. A scalar equation with it is solved by Newton's iteration from the blocked line, which
-//! is its tangent at `x = 0`: the iterates come from one side and double their digits.
+//! (derived here). The work `m x` equals the energy stored in the capacitance, delivered to the storage and
+//! lost in the diodes: `m` is the discrete gradient of a convex potential of the charge, so a step of any
+//! length is passive. `m` increases and, for a current in one direction, is concave with a continuous slope.
+//! Newton's iteration for a scalar equation in `m` starts from the blocked line, which is the tangent at `x =
+//! 0`: the iterates converge quadratically from one side.
 //!
-//! A mean of the two end voltages in its place leaves out the triangle between the polyline and its chord,
-//! which is energy made of nothing.
+//! The mean of the two end voltages would omit the triangle between the polyline and its chord and so create energy.
 //!
-//! # Where it stops
+//! # Limits
 //!
-//! The charge of a step that reverses the current is the difference of what came and went. What came beyond
-//! that is not rectified; it is of second order in the step, and so is the error of a run.
+//! In a step that reverses the current, `x` is the difference of the charges in the two directions, and the
+//! smaller of them is not rectified. This error is of second order in the step, like the error of the run.
 //!
-//! # What leaves the storage
+//! # Outflow of the storage
 //!
-//! Half of it at the start of the step and half at its end, so the composition is of second order. A
-//! storage that has fallen below a conducting harvester takes charge from its capacitance until they are level.
+//! Half of the outflow is taken at the start of the step and half at its end, so the composition is of second
+//! order. If the storage voltage falls below that of a conducting harvester, charge passes from the
+//! capacitance until the voltages are level.
 
 use super::circuit::CircuitStep;
 use super::load::Resistance;
@@ -38,7 +45,7 @@ use super::storage::StorageElement;
 use super::storage_step::{StorageAccount, StorageState};
 use crate::scalar::Scalar;
 
-/// The coefficients for one length of step.
+/// The coefficients for one step length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BridgeStep<S> {
@@ -56,17 +63,17 @@ pub struct BridgeStep<S> {
     share: S,
 }
 
-/// What a step comes to.
+/// The result of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Passed<S> {
     /// Charge in C that leaves the electrodes.
     pub charge: S,
-    /// Mean square in V² of the terminal voltage, where the bridge conducts.
+    /// Mean square in V² of the terminal voltage if the bridge conducts.
     pub mean_square_voltage: Option<S>,
 }
 
-/// The threshold as a charge sees it.
+/// The threshold in terms of the charge of a step.
 struct Approach<S> {
     /// Direction of the current.
     sign: S,
@@ -79,7 +86,7 @@ struct Approach<S> {
 }
 
 impl<S: Scalar> Approach<S> {
-    /// `f`; only where there is a charge beyond.
+    /// `f`, for `x > x_c` only.
     #[inline]
     fn part_before(&self) -> S {
         self.before / (self.before + self.beyond)
@@ -87,7 +94,7 @@ impl<S: Scalar> Approach<S> {
 }
 
 impl<S: Scalar> BridgeStep<S> {
-    /// For a capacitance in F above 0, what is behind the bridge, and a step in s above 0.
+    /// For a capacitance in F above 0, the storage behind the bridge, and a step in s above 0.
     #[must_use]
     pub(crate) fn new<R: StorageElement<S>>(capacitance: S, storage: &R, step: S) -> Self {
         let (own, storage) = (S::ONE / capacitance, storage.elastance());
@@ -111,10 +118,10 @@ impl<S: Scalar> BridgeStep<S> {
         Approach { sign, threshold, room, before, beyond: sign * charge - before }
     }
 
-    /// The tangent `[e0, e1]` of the mean voltage, `e0 + e1 Δq`, at a charge Δq in C that makes the bridge
-    /// conduct; `None` where it blocks.
+    /// The tangent `[e0, e1]` of the mean voltage, `e0 + e1 Δq`, at a charge Δq in C for which the bridge
+    /// conducts; `None` if the bridge blocks.
     ///
-    /// `voltage` is that at the start of the step, within the `threshold`.
+    /// `voltage` in V at the start of the step is within `±threshold`.
     #[must_use]
     #[inline]
     pub(crate) fn tangent(&self, threshold: S, voltage: S, charge: S) -> Option<[S; 2]> {
@@ -129,7 +136,7 @@ impl<S: Scalar> BridgeStep<S> {
         Some([at.sign * start, slope])
     }
 
-    /// Lets a charge flow from a voltage within the threshold, `[v, Δq]`, then the other half of the outflow.
+    /// Applies a charge Δq from a voltage v within the threshold, `[v, Δq]`, then the second half of the outflow.
     #[inline]
     pub(crate) fn conclude<R: StorageElement<S>>(
         &self,
@@ -145,8 +152,8 @@ impl<S: Scalar> BridgeStep<S> {
         Passed { charge: passed + late, mean_square_voltage }
     }
 
-    /// The flow alone: what passes into the storage, in C and with its sign, and where it conducts the mean
-    /// square of the terminal voltage.
+    /// Applies the charge without outflow. Returns the signed charge in C that passes into the storage, and
+    /// the mean square of the terminal voltage if the bridge conducts.
     #[inline]
     fn pass<R: StorageElement<S>>(
         &self,
@@ -168,8 +175,8 @@ impl<S: Scalar> BridgeStep<S> {
         (at.sign * passed, Some(mean_square))
     }
 
-    /// Half of what leaves the storage, and what the capacitance gives it to be level again; gives what has
-    /// passed the bridge, in C and with its sign.
+    /// Applies half of the outflow of the storage, and then levels the capacitance with the storage. Returns
+    /// the signed charge in C that passes the bridge.
     #[inline]
     pub(crate) fn drain<R: StorageElement<S>>(
         &self,
@@ -188,8 +195,8 @@ impl<S: Scalar> BridgeStep<S> {
         if voltage < S::ZERO { -passed } else { passed }
     }
 
-    /// The storage takes a charge that came through the diodes from a voltage that was higher than they need by
-    /// `excess` at the start, and by nothing at the end.
+    /// Adds a charge in C to the storage, from a terminal voltage that exceeds the threshold by `excess` at
+    /// the start and by 0 at the end.
     #[inline]
     fn receive<R: StorageElement<S>>(
         &self,
@@ -226,8 +233,8 @@ mod tests {
         FullBridge { diode_drop: 0.3, storage }
     }
 
-    /// The same by walking through the step in small pieces of charge: mean voltage, mean square, what has
-    /// passed, and what the storage has received.
+    /// Reference by small increments of charge: mean voltage, mean square, charge that has passed, and energy
+    /// delivered to the storage.
     fn walked(capacitance: f64, voltage: f64, start: f64, charge: f64) -> [f64; 4] {
         let count = 400_000;
         let piece = charge / f64::from(count);
@@ -269,7 +276,7 @@ mod tests {
                 close("passed", through, passed);
                 close("mean square", found.expect("it conducts"), square);
                 close("delivered", account.delivered, delivered);
-                // The slope is that of the mean.
+                // The slope is the derivative of the mean.
                 let mean_at = |charge: f64| {
                     let [e0, e1] = step.tangent(2.6, start, charge).expect("it conducts");
                     e0 + e1 * charge
@@ -277,7 +284,7 @@ mod tests {
                 let small = 1e-5 * charge;
                 let slope = (mean_at(charge + small) - mean_at(charge - small)) / (2.0 * small);
                 assert!((slope / e1 - 1.0).abs() < 1e-4, "{slope} {e1}");
-                // All of the work is stored, delivered or lost in the diodes.
+                // The whole work is stored, delivered or lost in the diodes.
                 let end = start + (charge - through) / CAPACITANCE;
                 let stored = 0.5 * CAPACITANCE * (end * end - start * start);
                 let work = (e0 + e1 * charge) * charge;
@@ -316,7 +323,7 @@ mod tests {
         let gained = 0.5e-7 * (storage.voltage * storage.voltage - 4.0);
         assert!((account.delivered / gained - 1.0).abs() < 1e-13);
         assert!(((account.delivered + account.diodes) / given - 1.0).abs() < 1e-13);
-        // Once level nothing more passes.
+        // After levelling no more charge passes.
         assert!(step.drain(&bridge, end, &mut storage, &mut account).abs() < 1e-22);
     }
 }

@@ -1,28 +1,27 @@
-//! A capacitance with a load across it, over a step in which the current into it is constant.
+//! Steps a capacitance with a parallel load under a constant current.
 //!
-//! `C v' = i − v/R` with a constant `i = Δq/h` has an exact solution, of which a step needs the mean
-//! voltage, linear in the charge, `v̄ = e0 + e1 Δq`. It is passive at any step and any resistance: the
-//! work `v̄ Δq` is exactly what is stored and what the load takes, and a fast circuit is damped as it
-//! should be, where a trapezoidal rule would ring.
+//! `C v' = i − v/R` with a constant `i = Δq/h` has an exact solution. A step uses its mean voltage, which is linear
+//! in the charge, `v̄ = e0 + e1 Δq`. It is passive at any step and any resistance: the work `v̄ Δq` is exactly the
+//! energy stored and dissipated. A fast circuit is damped, while a trapezoidal rule would oscillate.
 
 use super::load::Resistance;
 use crate::scalar::{Mathematics, Scalar};
 
-/// The coefficients for one length of step.
+/// The coefficients for one step length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CircuitStep<S> {
-    /// `e0/v`: part of the voltage at the start in the mean.
+    /// `e0/v`: weight of the start voltage in the mean.
     pub mean_by_voltage: S,
     /// `e1` in 1/F: mean voltage per charge brought in over the step.
     pub mean_by_charge: S,
-    /// `(mean of v² − v̄²)/(Δv)²`: what the change over the step adds to the mean square.
+    /// `(mean of v² − v̄²)/(Δv)²`: contribution of the change over the step to the mean square.
     pub square_by_change: S,
     /// `h/R` in s/Ω: charge through the load per mean voltage.
     pub charge_by_mean: S,
 }
 
-/// Below this ratio of step to time constant the closed forms cancel.
+/// Ratio of step to time constant below which the closed forms cancel.
 const SERIES_RATIO: f64 = 0.5;
 
 impl<S: Scalar> CircuitStep<S> {

@@ -1,33 +1,32 @@
-//! The overlap of two discs of one radius.
+//! Computes the overlap of two discs of equal radius.
 //!
-//! With centres `x` apart, discs of radius `r` share a lens of area
-//! `S1 = 2 r² arccos(|x|/2r) − (|x|/2) √(4r² − x²)` (equation (6) of Fu, Ouyang and Davis 2020, as
-//! derived from the geometry). Here everything is relative to the whole disc, `s1 = S1/(π r²)` and
-//! `s2 = 1 − s1`, as a function of `ξ = x/2r` on one side of the centre:
+//! Discs of radius `r` with centres at the distance `x` share a lens of area `S1 = 2 r² arccos(|x|/2r) − (|x|/2)
+//! √(4r² − x²)` (equation (6) of Fu, Ouyang and Davis 2020, as derived from the geometry). Areas are relative to the
+//! disc, `s1 = S1/(π r²)` and `s2 = 1 − s1`, as functions of `ξ = x/2r` on one side of the centre:
 //!
 //! ```text
 //! s2 = (2/π) (arcsin ξ + ξ √(1 − ξ²))          ds1/dξ = −(4/π) √(1 − ξ²)
 //! ```
 //!
-//! The area has a corner at `x = 0`. Each side by itself is analytic through it: `s2` is odd in `ξ`,
-//! so a step that ends a little on the other side sees no corner.
+//! The area has a corner at `x = 0`. The formula of each side is analytic through `x = 0`, with `s2` odd in
+//! `ξ`: a step that ends slightly beyond the centre has no corner.
 
 #[cfg(test)]
 use crate::scalar::arcsine;
 use crate::scalar::{Scalar, horner};
 
-/// Shares of a disc's face on the active disc under it and beside it.
+/// Parts of a disc's face over the active disc and beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct DiscOverlap<S> {
-    /// `s1 = S1/(π r²)`: on the active disc. 1 where the discs coincide, 0 where they part.
+    /// `s1 = S1/(π r²)`, over the active disc: 1 for coinciding discs, 0 for separate discs.
     pub active: S,
-    /// `s2 = 1 − s1`: beside it.
+    /// `s2 = 1 − s1`, beside the active disc.
     pub inert: S,
 }
 
-/// Up to this `ξ` a step takes `s2/ξ` as a polynomial in `ξ²`, beyond it `s1/(1 − ξ)^{3/2}` as one in
-/// `1 − ξ`: there `s1` has a root with a branch point, which no plain polynomial follows.
+/// Up to this `ξ`, `s2/ξ` is a polynomial in `ξ²`; beyond it, `s1/(1 − ξ)^{3/2}` is a polynomial in `1 − ξ`,
+/// because `s1` has a branch point at `ξ = 1` that a plain polynomial does not follow.
 const JOINT_F32: f64 = 0.8;
 /// `s2/ξ` in `ξ²`, `ξ ≤ 0.8`: relative error 7.7e-8.
 const INNER_F32: [f64; 7] = [
@@ -46,7 +45,7 @@ const OUTER_F32: [f64; 4] = [
     -0.016_031_806_605_457_848,
     -0.003_476_187_440_326_967_4,
 ];
-/// The same joint in double precision, where a longer reach would need twice the terms.
+/// The joint in double precision: a larger `ξ` would need twice the terms.
 const JOINT_F64: f64 = 0.5;
 /// `s2/ξ` in `ξ²`, `ξ ≤ 0.5`: relative error 5.2e-19.
 const INNER_F64: [f64; 13] = [
@@ -81,11 +80,11 @@ const OUTER_F64: [f64; 12] = [
 ];
 
 impl<S: Scalar> DiscOverlap<S> {
-    /// The form that a step uses: `s2` to 1.5e-7 relative in `f32` up to `ξ = 0.8` and `s1` to 3e-7
-    /// beyond, both to a few roundings in `f64`. No square root up to the joint.
+    /// The overlap for a step: `s2` to 1.5e-7 relative in `f32` up to `ξ = 0.8` and `s1` to 3e-7 beyond, both
+    /// to a few roundings in `f64`. No square root up to the joint.
     ///
-    /// `xi` is `x/2r` on the side in question, −0.8 to 1; beyond 1, where the discs are apart, `s1` is
-    /// as small as it can be and still be divided by.
+    /// `xi` is `x/2r` on the side in question, −0.8 to 1. Beyond 1, where the discs are separate, `s1` has
+    /// the smallest value that is a valid divisor.
     #[must_use]
     #[inline]
     pub(crate) fn at(xi: S) -> Self {
@@ -114,8 +113,7 @@ impl<S: Scalar> DiscOverlap<S> {
         }
     }
 
-    /// The exact form, to a few roundings of either share: for tests and for coefficients, some
-    /// hundred operations. `xi` is clamped to 0 … 1.
+    /// The exact overlap, to a few roundings of both parts, in about a hundred operations. `xi` is clamped to 0 … 1.
     #[must_use]
     #[cfg(test)]
     pub(crate) fn exact(xi: S) -> Self {
@@ -127,8 +125,8 @@ impl<S: Scalar> DiscOverlap<S> {
             let inert = two_over_pi * (arcsine(xi) + xi * chord);
             return Self { active: S::ONE - inert, inert };
         }
-        // s1 = (φ − sin φ)/π with φ = 2 arccos ξ and sin φ = 2 ξ √(1 − ξ²), which cancels where φ is
-        // small; there the series of the difference is summed.
+        // s1 = (φ − sin φ)/π with φ = 2 arccos ξ and sin φ = 2 ξ √(1 − ξ²). The difference cancels for small
+        // φ; its series is summed there.
         let angle = S::from_f64(4.0) * arcsine((half * (S::ONE - xi)).sqrt());
         let difference = if angle > S::ONE {
             angle - S::from_f64(2.0) * xi * chord
@@ -146,7 +144,7 @@ impl<S: Scalar> DiscOverlap<S> {
         Self { active, inert: S::ONE - active }
     }
 
-    /// `ds1/dξ = −(4/π) √(1 − ξ²)` on the side in question; 0 where the discs are apart.
+    /// `ds1/dξ = −(4/π) √(1 − ξ²)` on the side in question; 0 for separate discs.
     #[must_use]
     #[inline]
     pub(crate) fn active_by_xi(xi: S) -> S {
@@ -158,7 +156,7 @@ impl<S: Scalar> DiscOverlap<S> {
 mod tests {
     use super::*;
 
-    /// The lens by the standard library's arccosine; loses digits of `s1` towards `ξ = 1`.
+    /// The lens by the standard library's arccosine; it loses digits of `s1` towards `ξ = 1`.
     fn lens(xi: f64) -> f64 {
         core::f64::consts::FRAC_2_PI * (xi.acos() - xi * (1.0 - xi * xi).sqrt())
     }
@@ -185,7 +183,7 @@ mod tests {
             let leading = 8.0 * 2f64.sqrt() / (3.0 * core::f64::consts::PI) * w.powf(1.5);
             let expected = leading * (1.0 - 0.15 * w);
             let exact = DiscOverlap::<f64>::exact(1.0 - w).active;
-            // 1 − w itself is off by a rounding of 1.
+            // 1 − w itself has a rounding error of 1.
             let tolerance = 0.02 * w * w + 3e-16 / w;
             assert!((exact / expected - 1.0).abs() < tolerance, "{w}: {exact} {expected}");
         }

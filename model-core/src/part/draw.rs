@@ -1,30 +1,29 @@
-//! What a sensor node draws from its storage.
+//! The draw of a sensor node from its storage.
 //!
-//! A converter connects the node when the storage has risen to a turn-on voltage and disconnects it when
-//! the storage has fallen to a turn-off voltage: under-voltage lock-out with hysteresis. While connected
-//! the node is a resistor, a constant current (a linear regulator), or a constant power (a switching
-//! regulator).
+//! A converter connects the node when the storage has risen to a turn-on voltage and disconnects it when the
+//! storage has fallen to a turn-off voltage: under-voltage lock-out with hysteresis. A connected node is a
+//! resistor, a constant current (a linear regulator), or a constant power (a switching regulator).
 
 use core::fmt::Debug;
 
 use super::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 
-/// Largest voltage of a storage, in volts.
+/// Largest voltage of a storage in V.
 pub(crate) const HIGHEST_VOLTAGE: f64 = 1e6;
 
-/// Under-voltage lock-out: two voltages of the storage, in volts.
+/// Under-voltage lock-out: two voltages of the storage in V.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Lockout<S> {
-    /// The draw is connected where the storage rises to this voltage.
+    /// The draw is connected when the storage rises to this voltage.
     pub turn_on: S,
-    /// It is disconnected where the storage falls to this voltage, below `turn_on`.
+    /// The draw is disconnected when the storage falls to this voltage, below `turn_on`.
     pub turn_off: S,
 }
 
 impl<S: Scalar> Lockout<S> {
-    /// Whether a storage that starts at `voltage` starts with its draw connected: from the turn-on voltage.
+    /// Whether the draw is connected at the start, with the storage at `voltage` in V: from the turn-on voltage.
     #[inline]
     pub(crate) fn starts_connected(&self, voltage: S) -> bool {
         voltage >= self.turn_on
@@ -37,13 +36,13 @@ impl<S: Scalar> Lockout<S> {
     }
 }
 
-/// A draw on a storage.
+/// The current that a node draws from a storage.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no draw on a storage",
     note = "a draw is `NoDraw`, a `ResistiveDraw`, a `CurrentDraw`, a `PowerDraw` or an `AnyDraw`"
 )]
 pub(crate) trait Draw<S: Scalar>: Copy + Debug + PartialEq {
-    /// Whether it is ever there at all.
+    /// Whether the draw can differ from zero.
     const POSSIBLE: bool;
 
     /// Current in A at a storage voltage in V, while connected.
@@ -52,17 +51,17 @@ pub(crate) trait Draw<S: Scalar>: Copy + Debug + PartialEq {
     /// Derivative of the current by the voltage, in A/V.
     fn current_by_voltage(&self, voltage: S) -> S;
 
-    /// The lock-out; `None` where the draw is always connected.
+    /// The lock-out; `None` for a draw that is always connected.
     fn lockout(&self) -> Option<Lockout<S>>;
 
-    /// Refuses what is out of bounds.
+    /// Checks the parameters of the draw.
     ///
     /// # Errors
     /// The field, its value and its bounds.
     fn check(&self) -> Result<(), ParameterError<S>>;
 }
 
-/// Nothing.
+/// No draw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NoDraw;
@@ -90,13 +89,13 @@ impl<S: Scalar> Draw<S> for NoDraw {
     }
 }
 
-/// A resistor.
+/// A resistor across the storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ResistiveDraw<S> {
     /// Resistance in Ω, 10⁻³ to 10¹⁵.
     pub resistance: S,
-    /// Its lock-out; `None`: always connected.
+    /// The lock-out; `None` for a draw that is always connected.
     pub lockout: Option<Lockout<S>>,
 }
 
@@ -124,13 +123,13 @@ impl<S: Scalar> Draw<S> for ResistiveDraw<S> {
     }
 }
 
-/// A constant current, of a linear regulator.
+/// A constant current, as of a linear regulator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CurrentDraw<S> {
     /// Current in A, 0 to 10³.
     pub current: S,
-    /// Its lock-out: an empty storage gives no current.
+    /// The lock-out, required because an empty storage delivers no current.
     pub lockout: Lockout<S>,
 }
 
@@ -158,22 +157,22 @@ impl<S: Scalar> Draw<S> for CurrentDraw<S> {
     }
 }
 
-/// A constant power, of a switching regulator.
+/// A constant power, as of a switching regulator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PowerDraw<S> {
     /// Power in W, 0 to 10³.
     pub power: S,
-    /// Its lock-out, whose turn-off voltage is at least 1 mV: the current grows without bound at 0.
+    /// The lock-out, with a turn-off voltage of at least 1 mV: the current grows without bound towards 0 V.
     pub lockout: Lockout<S>,
 }
 
-/// Smallest turn-off voltage of a constant-power draw, in volts.
+/// Smallest turn-off voltage of a constant-power draw in V.
 const LOWEST_POWER_VOLTAGE: f64 = 1e-3;
 
 impl<S: Scalar> PowerDraw<S> {
-    /// A trial step may look below the turn-off voltage, where the event then cuts it: from half of that
-    /// on the current is taken as constant.
+    /// Voltage in V below which the current is constant. A trial step may reach below the turn-off voltage
+    /// before the event cuts the step.
     #[inline]
     fn floor(&self) -> S {
         S::from_f64(0.5) * self.lockout.turn_off

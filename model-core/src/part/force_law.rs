@@ -1,16 +1,15 @@
-//! The names of the two electrostatic force laws, which every triboelectric scene has in its own form.
+//! The names of the two electrostatic force laws; every triboelectric scene has its own formulas.
 //!
-//! The formulas of Fu, Ouyang and Davis (2020) for the electrostatic force did not survive in print.
-//! [`TransferredCharge`] is inferred from the paper's findings, which it reproduces; [`GapField`] is
-//! what electrostatics says. Which formula each stands for is said where a scene implements its
-//! `ForceLaw` for them.
+//! The formulas of Fu, Ouyang and Davis (2020) for the electrostatic force are not legible in the available
+//! print. [`TransferredCharge`] is inferred from the paper's results, which it reproduces; [`GapField`]
+//! follows from electrostatics. The `force_law` module of each scene states the formulas.
 
-/// The force of a capacitor charged with the transferred charge: the paper's law as inferred.
+/// The force of a capacitor charged with the transferred charge: the law inferred from the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TransferredCharge;
 
-/// The force of the field between the surfaces: the energy-consistent electrostatics.
+/// The force of the field between the surfaces: energy-consistent electrostatics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GapField;

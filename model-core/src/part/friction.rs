@@ -1,4 +1,4 @@
-//! Coulomb friction of a slider that lies on two patches at once.
+//! Coulomb friction of a slider on two patches.
 
 use core::fmt::Debug;
 
@@ -7,38 +7,38 @@ use crate::scalar::Scalar;
 
 /// A law of dry friction.
 ///
-/// The slider rests with the share `active` of its face on one patch and with the rest on the
-/// other; each patch has its own coefficients, and the friction coefficient of the pair is their
-/// mean weighed by the shares (equations (5) and (11) of Fu, Ouyang and Davis 2020).
+/// A part `active` (0 to 1) of the slider's face rests on the active patch and the remainder on the inert
+/// patch. Each patch has its own coefficients; the friction coefficient of the pair is their mean, weighted
+/// by the parts (equations (5) and (11) of Fu, Ouyang and Davis 2020).
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no law of friction",
     note = "a law of friction is a `PatchFriction` or `Frictionless`"
 )]
 pub(crate) trait Friction<S: Scalar>: Copy + Debug + PartialEq {
-    /// Whether there is friction at all; if not, the code for reversals and sticking is not there.
+    /// Whether there is friction; if not, the code for reversals and sticking is not compiled.
     const PRESENT: bool;
 
-    /// Coefficient of static friction where the share `active` lies on the active patch.
+    /// Coefficient of static friction with the part `active` on the active patch.
     fn static_coefficient(&self, active: S) -> S;
 
-    /// Coefficient of kinetic friction where the share `active` lies on the active patch.
+    /// Coefficient of kinetic friction with the part `active` on the active patch.
     fn kinetic_coefficient(&self, active: S) -> S;
 
-    /// Derivative of the kinetic coefficient by the share.
+    /// Derivative of the kinetic coefficient by the part on the active patch.
     fn kinetic_by_share(&self) -> S;
 
-    /// Checks the law's parameters.
+    /// Checks the parameters of the law.
     ///
     /// # Errors
-    /// The first that is out of its bounds.
+    /// The first parameter outside its bounds.
     fn check(&self) -> Result<(), ParameterError<S>>;
 }
 
-/// Coulomb friction with static and kinetic coefficients on an active patch (the charged electrode)
-/// and an inert one.
+/// Coulomb friction with static and kinetic coefficients on an active patch (the charged electrode) and an
+/// inert patch.
 ///
-/// On each patch the kinetic coefficient must not exceed the static one: a slider that static
-/// friction can no longer hold would be pushed back by the kinetic one, and no mode is consistent.
+/// On each patch the kinetic coefficient must not exceed the static one. Otherwise kinetic friction would
+/// push back a slider that overcomes static friction, and no mode would be consistent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PatchFriction<S> {
@@ -80,7 +80,7 @@ impl<S: Scalar> Friction<S> for PatchFriction<S> {
     }
 }
 
-/// No friction: no reversal is an event and nothing sticks.
+/// No friction: a reversal is not an event, and the slider does not stick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frictionless;

@@ -1,22 +1,22 @@
-//! The electrical load at the harvester's terminals.
+//! The electrical load at the terminals of the harvester.
 
 use super::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 use crate::snapshot::Fingerprint;
 
-/// A load resistance as the circuit's equations see it.
+/// A load resistance by case, for the circuit equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Resistance<S> {
     /// 0 Ω: the charge follows the position without delay; there is no electrical state.
     Short,
-    /// A resistance above zero, in ohms.
+    /// A resistance above zero, in Ω.
     Finite(S),
-    /// Infinite: no current, the charge stays as it is.
+    /// Infinite resistance: no current, constant charge.
     Open,
 }
 
 impl<S: Scalar> Resistance<S> {
-    /// Refuses a finite resistance outside 10⁻⁹ to 10³⁰ Ω.
+    /// Checks that a finite resistance is from 10⁻⁹ to 10³⁰ Ω.
     pub(crate) fn check(&self) -> Result<(), ParameterError<S>> {
         match self {
             Self::Finite(resistance) => Bounds::new(1e-9, 1e30).check("resistance", *resistance),
@@ -24,7 +24,7 @@ impl<S: Scalar> Resistance<S> {
         }
     }
 
-    /// Takes the resistance into a fingerprint.
+    /// Includes the resistance in a fingerprint.
     pub(crate) fn identify(&self, fingerprint: &mut Fingerprint) {
         match self {
             Self::Short => fingerprint.count(0),
@@ -43,7 +43,7 @@ impl<S: Scalar> Resistance<S> {
     note = "a bump-stop harvester goes behind a bridge with `Choices::behind(bridge)`"
 )]
 pub(crate) trait Load<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
-    /// Its resistance.
+    /// The resistance.
     fn resistance(&self) -> Resistance<S>;
 }
 
@@ -51,7 +51,7 @@ pub(crate) trait Load<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Resistor<S> {
-    /// Load resistance in ohms.
+    /// Load resistance in Ω.
     pub resistance: S,
 }
 
@@ -62,7 +62,7 @@ impl<S: Scalar> Load<S> for Resistor<S> {
     }
 }
 
-/// Terminals joined: 0 Ω.
+/// Connected terminals: 0 Ω.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShortCircuit;
@@ -86,11 +86,11 @@ impl<S: Scalar> Load<S> for OpenCircuit {
     }
 }
 
-/// Any resistance from 0 Ω to infinity, both included.
+/// Any resistance from 0 Ω to infinity, ends included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AnyLoad<S> {
-    /// Load resistance in ohms; 0 is a short circuit, infinity an open one.
+    /// Load resistance in Ω; 0 is a short circuit, infinity an open circuit.
     pub resistance: S,
 }
 

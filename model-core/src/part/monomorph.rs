@@ -1,27 +1,26 @@
-//! The section of a monomorph: a substrate and one piezoelectric layer, bonded over the whole length.
+//! The cross-section of a monomorph: a substrate and one piezoelectric layer, bonded over the whole length.
 
 use crate::scalar::Scalar;
 
-/// A layer of the section.
+/// One layer of the cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Layer<S> {
     /// Thickness `h` in m.
     pub thickness: S,
-    /// Young's modulus `E` in Pa; of a piezoelectric layer that at constant field.
+    /// Young's modulus `E` in Pa, for a piezoelectric layer at constant field.
     pub young_modulus: S,
     /// Density `ρ` in kg/m³.
     pub density: S,
 }
 
-/// What the section is to a beam and to a circuit.
+/// The properties of the cross-section for beam and circuit.
 ///
-/// The two-way model bends with the short-circuit stiffness; what the field adds comes in through the
-/// coupling.
+/// The two-way model bends with the short-circuit stiffness; the effect of the field enters by the coupling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Monomorph<S> {
-    /// Bending stiffness `EI` about the neutral axis, electrodes joined, in N·m².
+    /// Bending stiffness `EI` about the neutral axis with short-circuited electrodes, in N·m².
     pub bending_stiffness: S,
     /// Mass per length in kg/m.
     pub mass_per_length: S,
@@ -34,13 +33,13 @@ pub struct Monomorph<S> {
 impl<S: Scalar> Monomorph<S> {
     /// From the layers, the width `w` in m, `|d31|` in m/V and `ε33` at constant strain in F/m.
     ///
-    /// Distances are taken from the interface, so nothing cancels but what cancels in the section.
+    /// Distances are measured from the interface, to avoid cancellation.
     #[must_use]
     pub fn new(substrate: &Layer<S>, piezo: &Layer<S>, width: S, d31: S, permittivity: S) -> Self {
         let half = S::from_f64(0.5);
         let stiffness = |layer: &Layer<S>| layer.young_modulus * layer.thickness;
         let (below, above) = (stiffness(substrate), stiffness(piezo));
-        // The neutral axis divides the distance of the mid-planes by the stiffnesses.
+        // The neutral axis divides the distance of the mid-planes in proportion to the stiffnesses.
         let distance = half * (substrate.thickness + piezo.thickness);
         let per_total = S::ONE / (below + above);
         let (to_piezo, to_substrate) = (distance * below * per_total, distance * above * per_total);
@@ -80,8 +79,7 @@ mod tests {
 
     #[test]
     fn the_unimorph_of_erturk_and_inman_has_its_published_frequencies() {
-        // Erturk and Inman 2008: 100 × 20 mm, 0.5 mm substrate, 0.4 mm PZT-5A; short circuit
-        // 47.8, 299.6 Hz.
+        // Erturk and Inman 2008: 100 × 20 mm, 0.5 mm substrate, 0.4 mm PZT-5A; short circuit 47.8, 299.6 Hz.
         let substrate = Layer { thickness: 0.5e-3, young_modulus: 100e9, density: 7165.0 };
         let piezo = Layer { thickness: 0.4e-3, young_modulus: 66e9, density: 7800.0 };
         let section = Monomorph::new(&substrate, &piezo, 20e-3, -190e-12, 15.93e-9);

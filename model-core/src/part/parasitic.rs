@@ -2,20 +2,20 @@
 
 use crate::scalar::Scalar;
 
-/// Whether there is a parasitic capacitance, and how large.
+/// An optional parasitic capacitance.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no parasitic capacitance",
     note = "write `.parasitic(ParasiticCapacitance {{ .. }})`, or leave `.parasitic(..)` out"
 )]
 pub(crate) trait Parasitic<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
-    /// Whether the equations contain the term at all.
+    /// Whether the equations contain the parasitic capacitance.
     const PRESENT: bool;
 
-    /// Capacitance in farads.
+    /// Capacitance in F.
     fn capacitance(&self) -> S;
 }
 
-/// No parasitic capacitance: the equations contain no such term, and a step no division for it.
+/// No parasitic capacitance: the equations have no such term, and a step no division for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NoParasitic;
@@ -33,7 +33,7 @@ impl<S: Scalar> Parasitic<S> for NoParasitic {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ParasiticCapacitance<S> {
-    /// Capacitance in farads.
+    /// Capacitance in F.
     pub capacitance: S,
 }
 

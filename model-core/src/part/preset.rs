@@ -1,4 +1,4 @@
-//! Parts on the market between a harvester and a sensor node, as data.
+//! Commercial parts between a harvester and a sensor node, as data.
 //!
 //! | part | thresholds | quiescent | highest | efficiency | cold start |
 //! | --- | --- | --- | --- | --- | --- |
@@ -7,49 +7,49 @@
 //! | [`ltc3588_1`](Preset::ltc3588_1) | 4.04 V / 2.87 V to 5.05 V / 4.02 V | 450 nA, 950 nA | 20 V | 1 in, 0.85 out | |
 //! | [`ltc3588_2`](Preset::ltc3588_2) | 16 V / 14 V | 830 nA, 1500 nA | 20 V | 1 in, 0.85 out | |
 //!
-//! All are typical values at 25 °C. What each stands on is told at its constructor; figures that are marked *not
-//! confirmed* are to be checked against the data sheet before a design rests on them.
+//! All are typical values at 25 °C. The constructor of each part states its source; check the values that are
+//! marked *not confirmed* against the data sheet before you rely on them.
 //!
-//! # What becomes of a part in the models
+//! # Representation in the models
 //!
-//! * The storage behind a bridge has leakage as a resistance. A quiescent current `I_q` becomes the resistance that
-//!   takes as much at the turn-on voltage, `V_on/I_q`: right there, less than the part takes below, more above.
-//! * While the node is connected the part takes more. The difference, at the turn-on voltage, is added to what the
-//!   node draws at constant power.
-//! * A converter between storage and node takes `P/η` from the storage for a node that consumes `P`. An efficiency
-//!   is one number here and a curve over voltage and current in the data sheet.
-//! * No part is switched off above its highest voltage: a trajectory that passes it has left the model, and the
-//!   energy budget counts what is beyond as shunted.
-//! * A boost charger holds its *input* at a voltage of its own and so does not load the harvester as a storage does:
-//!   its harvester sees a bus of that voltage. Behind a bridge straight into the storage its data give the
-//!   thresholds and currents only.
+//! * The storage behind a bridge has leakage as a resistance. A quiescent current `I_q` becomes `V_on/I_q`, the
+//!   resistance with the same current at the turn-on voltage. It is exact there, too small below, too large above.
+//! * The part takes more while the node is connected. The difference at the turn-on voltage is added to the
+//!   constant power of the node.
+//! * A converter between storage and node takes `P/η` from the storage for a node that consumes `P`. The
+//!   efficiency is one number here and a curve over voltage and current in the data sheet.
+//! * No part is switched off above its highest voltage: a trajectory beyond it is outside the model, and the
+//!   energy budget counts the excess as shunted.
+//! * A boost charger holds its *input* at its own voltage and so does not load the harvester as a storage
+//!   does: its harvester is connected to a bus of that voltage. For a bridge directly into the storage its
+//!   data give only the thresholds and currents.
 
 use super::draw::{Lockout, PowerDraw};
 use super::rectifier::FullBridge;
 use super::storage::Capacitor;
 use crate::scalar::Scalar;
 
-/// A part between a harvester and a node, or none but diodes. In volts, amperes and parts of one.
+/// A part between a harvester and a node, or a diode bridge alone. Voltages in V, currents in A, efficiencies 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Preset<S> {
-    /// Its name in a scene file.
+    /// Name in a scene file.
     pub name: &'static str,
-    /// Forward voltage of each of the two diodes of the bridge that conduct at a time.
+    /// Forward voltage of each of the two diodes that conduct at a time.
     pub diode_drop: S,
-    /// Current taken from the storage while the node is locked out.
+    /// Current from the storage while the node is locked out.
     pub quiescent_locked_out: S,
-    /// Current taken from the storage while the node is connected, without what the node takes.
+    /// Current from the storage while the node is connected, without the current of the node.
     pub quiescent_running: S,
-    /// When the node is connected; `None` for a node that decides by itself.
+    /// The lock-out of the node; `None` for a node that decides by itself.
     pub lockout: Option<Lockout<S>>,
-    /// Voltage of the storage above which the part takes or refuses what comes in; infinite without such a limit.
+    /// Storage voltage above which the part dissipates or refuses the income; infinite without such a limit.
     pub highest_voltage: S,
     /// Part of the rectified energy that reaches the storage.
     pub charging_efficiency: S,
     /// Part of the energy from the storage that reaches the node.
     pub discharging_efficiency: S,
-    /// Rectified voltage below which a part with an empty storage does not start; `None` without such a limit.
+    /// Rectified voltage below which the part does not start with an empty storage; `None` without such a limit.
     pub cold_start: Option<S>,
 }
 
@@ -68,10 +68,10 @@ pub enum BuckOutput {
 }
 
 impl<S: Scalar> Preset<S> {
-    /// A bridge of four BAT54 diodes and a capacitor, the node on it as it is.
+    /// A bridge of four BAT54 diodes and a capacitor, with the node directly on the capacitor.
     ///
-    /// At most 0.24 V at 0.1 mA: ON Semiconductor, BAT54 data sheet, electrical characteristics; *not confirmed*.
-    /// The reverse current of the diodes, up to 2 µA at 25 V, is left out.
+    /// At most 0.24 V at 0.1 mA: ON Semiconductor, BAT54 data sheet, electrical characteristics; *not
+    /// confirmed*. The reverse current of the diodes, up to 2 µA at 25 V, is omitted.
     #[must_use]
     #[inline]
     pub fn diodes() -> Self {
@@ -91,13 +91,13 @@ impl<S: Scalar> Preset<S> {
     /// Boost charger with cold start and a power-good output with hysteresis: Texas Instruments BQ25504, data
     /// sheet SLUSAH0, 7.5 *Electrical Characteristics*, behind a bridge of BAT54 diodes.
     ///
-    /// * Quiescent current of VSTOR 330 nA with the charger off for under-voltage, 570 nA for over-voltage: all
-    ///   revisions from 2011 to G (August 2023). The larger is taken for running.
+    /// * Quiescent current of VSTOR 330 nA with the charger off for under-voltage, 570 nA for over-voltage:
+    ///   all revisions from 2011 to G (August 2023). The larger value is used while running.
     /// * Cold start at 600 mV (revision G); 330 mV up to revision C (June 2015).
-    /// * Thresholds are set by resistors. Those of the solar application, for two NiMH cells: power-good from
-    ///   2.80 V rising to 2.44 V falling, charging up to 3.15 V; as designs that use them quote them.
-    /// * Charging efficiency 0.80 for some tens of microwatts at 0.5 to 1 V: read off the efficiency curves; *not
-    ///   confirmed*. The node is fed by the storage itself.
+    /// * Resistors set the thresholds. Those of the solar application, for two NiMH cells: power-good from
+    ///   2.80 V rising to 2.44 V falling, charging up to 3.15 V, as quoted in designs that use them.
+    /// * Charging efficiency 0.80 for some tens of microwatts at 0.5 to 1 V, read from the efficiency curves;
+    ///   *not confirmed*. The storage feeds the node directly.
     #[must_use]
     #[inline]
     pub fn bq25504() -> Self {
@@ -114,15 +114,15 @@ impl<S: Scalar> Preset<S> {
         }
     }
 
-    /// Piezo supply with bridge, under-voltage lock-out and buck converter: Linear Technology (Analog Devices)
-    /// LTC3588-1, by its data sheet, the storage being the capacitor at its input.
+    /// Piezo supply with bridge, under-voltage lock-out and buck converter: Linear Technology (Analog
+    /// Devices) LTC3588-1, by its data sheet, with the capacitor at its input as the storage.
     ///
-    /// * Input current 450 nA in lock-out, 950 nA in regulation without load; shunt at 20 V, up to 25 mA: first
-    ///   page, as copies of it have it.
+    /// * Input current 450 nA in lock-out, 950 nA in regulation without load; shunt at 20 V, up to 25 mA:
+    ///   first page, from copies of it.
     /// * Lock-out rising/falling: 4.04/2.87 V for 1.8 V and 2.5 V out, 5.05/3.67 V for 3.3 V, 5.05/4.02 V for
     ///   3.6 V: *Electrical Characteristics*, typical; *not confirmed*.
     /// * Bridge: 400 mV at 10 µA over both diodes: *Electrical Characteristics*; *not confirmed*.
-    /// * Efficiency of the buck 0.85, between 10 µA and 10 mA out: read off the curves; *not confirmed*.
+    /// * Efficiency of the buck 0.85, between 10 µA and 10 mA out, read from the curves; *not confirmed*.
     #[must_use]
     #[inline]
     pub fn ltc3588_1(output: BuckOutput) -> Self {
@@ -145,11 +145,11 @@ impl<S: Scalar> Preset<S> {
         }
     }
 
-    /// As the LTC3588-1, for sources of high voltage, with 3.45 to 5 V out: Linear Technology (Analog Devices)
+    /// The LTC3588-1 for sources of high voltage, with 3.45 to 5 V out: Linear Technology (Analog Devices)
     /// LTC3588-2, by its data sheet.
     ///
-    /// * Lock-out rising/falling 16/14 V; input current 830 nA in lock-out at 12 V, 1500 nA in regulation at
-    ///   18 V; shunt at 20 V: first page, as copies of it have it; the falling threshold is its least input voltage.
+    /// * Lock-out rising/falling 16/14 V; input current 830 nA in lock-out at 12 V, 1500 nA in regulation at 18 V;
+    ///   shunt at 20 V: first page, from copies of it. The falling threshold is its lowest input voltage.
     /// * Bridge and efficiency as the LTC3588-1; *not confirmed*.
     #[must_use]
     #[inline]
@@ -163,7 +163,7 @@ impl<S: Scalar> Preset<S> {
         }
     }
 
-    /// All of them.
+    /// All presets.
     #[must_use]
     pub fn all() -> [Self; 7] {
         [
@@ -177,8 +177,8 @@ impl<S: Scalar> Preset<S> {
         ]
     }
 
-    /// Resistance in Ω that takes the quiescent current of a locked-out part at its turn-on voltage; infinite
-    /// without one.
+    /// Resistance in Ω with the quiescent current of the locked-out part at its turn-on voltage; infinite if
+    /// there is no quiescent current or no lock-out.
     #[must_use]
     pub fn leakage_resistance(&self) -> S {
         match self.lockout {
@@ -189,8 +189,8 @@ impl<S: Scalar> Preset<S> {
         }
     }
 
-    /// Power in W that leaves the storage for a node that consumes `power` while connected: through the converter,
-    /// and what the part takes more than in lock-out.
+    /// Power in W from the storage for a connected node that consumes `power` in W: `power` over the
+    /// efficiency of the converter, and the part's own consumption above that in lock-out.
     #[must_use]
     pub fn power_at_store(&self, power: S) -> S {
         let more = self.quiescent_running - self.quiescent_locked_out;
@@ -198,7 +198,7 @@ impl<S: Scalar> Preset<S> {
         power / self.discharging_efficiency + own
     }
 
-    /// The part's bridge into a storage of `capacitance` at `initial_voltage`, with `draw` as it is at the storage.
+    /// The part's bridge into a storage of `capacitance` in F at `initial_voltage` in V, with `draw` at the storage.
     #[must_use]
     pub fn bridge<D>(&self, capacitance: S, initial_voltage: S, draw: D) -> FullBridge<S, Capacitor<S, D>> {
         let storage =
@@ -206,7 +206,7 @@ impl<S: Scalar> Preset<S> {
         FullBridge { diode_drop: self.diode_drop, storage }
     }
 
-    /// What a node that consumes `power` draws from the storage; `None` for a part without thresholds.
+    /// The draw from the storage of a node that consumes `power` in W; `None` for a part without lock-out.
     #[must_use]
     pub fn node(&self, power: S) -> Option<PowerDraw<S>> {
         self.lockout.map(|lockout| PowerDraw { power: self.power_at_store(power), lockout })

@@ -1,11 +1,11 @@
 //! A full bridge of diodes between a harvester and its storage.
 //!
-//! A diode conducts with a constant drop or blocks. Two conduct at a time, so the bridge blocks while the
-//! harvester's voltage is within `±(V_s + 2 V_D)` of zero, and holds it at one end of that while a current flows:
+//! A diode conducts with a constant drop or blocks, and two diodes conduct at a time. The bridge blocks while the
+//! harvester's voltage is within `±(V_s + 2 V_D)`, and clamps the voltage to one of these limits while it conducts:
 //!
-//! | regime | voltage at the terminals | current | ends where |
+//! | regime | terminal voltage | current | end of the regime |
 //! | --- | --- | --- | --- |
-//! | blocked | within the threshold | 0 | the voltage comes to a threshold |
+//! | blocked | within the threshold | 0 | the voltage reaches a threshold |
 //! | forward, backward | `±(V_s + 2 V_D)` | into the storage | the current falls to 0 |
 
 use super::bounds::{Bounds, ParameterError};
@@ -13,13 +13,13 @@ use super::storage::StorageElement;
 use crate::scalar::Scalar;
 use crate::snapshot::Fingerprint;
 
-/// A full bridge and what it charges.
+/// A full bridge and the storage that it charges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FullBridge<S, R> {
     /// Forward voltage `V_D` in V of each of the two diodes that conduct at a time, 0 to 100.
     pub diode_drop: S,
-    /// What it charges.
+    /// The storage.
     pub storage: R,
 }
 
@@ -36,7 +36,7 @@ pub enum BridgeRegime {
 }
 
 impl BridgeRegime {
-    /// Sign of the voltage while it conducts; 0 where it blocks.
+    /// Sign of the terminal voltage in conduction; 0 if the bridge blocks.
     #[must_use]
     #[inline]
     pub fn sign<S: Scalar>(self) -> S {
@@ -49,14 +49,14 @@ impl BridgeRegime {
 }
 
 impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
-    /// Voltage in V at the terminals from which the bridge conducts, at a storage voltage in V.
+    /// Terminal voltage in V from which the bridge conducts, at a storage voltage in V.
     #[must_use]
     #[inline]
     pub(crate) fn threshold(&self, storage_voltage: S) -> S {
         storage_voltage + self.diode_drop + self.diode_drop
     }
 
-    /// Takes in all that tells this bridge and its storage from others.
+    /// Includes all parameters of the bridge and its storage in a fingerprint.
     pub(crate) fn identify(&self, fingerprint: &mut Fingerprint) {
         let storage = &self.storage;
         fingerprint.numbers(&[
@@ -65,7 +65,7 @@ impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
             storage.initial_voltage(),
             storage.leakage(S::ONE),
         ]);
-        // A draw shows itself in what it takes, at voltages at which it can be connected.
+        // A draw is identified by its currents at two voltages at which it can be connected.
         let level = storage.lockout().map_or(S::ONE, |lockout| lockout.turn_on);
         fingerprint.numbers(&[level, level + level].map(|voltage| storage.drawn(voltage)));
         if let Some(lockout) = storage.lockout() {
@@ -73,7 +73,7 @@ impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
         }
     }
 
-    /// Refuses what is out of bounds.
+    /// Checks the parameters of the bridge and its storage.
     ///
     /// # Errors
     /// The field, its value and its bounds.

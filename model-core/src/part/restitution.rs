@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use crate::part::bounds::Bounds;
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 
-/// A law of restitution: the speed after an impact over the speed before it.
+/// A law of restitution: the ratio of the speed after an impact to the speed before it.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no law of restitution",
     note = "a law of restitution is a `ConstantRestitution`, a `VelocityDependentRestitution` or an `AnyRestitution`"
@@ -14,18 +14,18 @@ pub trait Restitution<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
     /// The coefficient at an impact speed in m/s, at or above zero.
     fn coefficient(&self, speed: S) -> S;
 
-    /// The law's parameters, each with its name and its bounds, for the check at the build.
+    /// The parameters of the law with names and bounds, for the check at the build.
     fn parameters(&self) -> [Option<RestitutionParameter<S>>; 3];
 }
 
 /// A parameter of a law of restitution, for the check at the build.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RestitutionParameter<S> {
-    /// Its name.
+    /// The name.
     pub field: &'static str,
-    /// Its value.
+    /// The value.
     pub value: S,
-    /// Its allowed values.
+    /// The allowed values.
     pub bounds: Bounds<S>,
 }
 
@@ -53,21 +53,20 @@ impl<S: Scalar> Restitution<S> for ConstantRestitution<S> {
     }
 }
 
-/// A coefficient that falls with the impact speed:
-/// `e(v) = e_∞ + (e_0 − e_∞) exp(−v / v_ref)`.
+/// A coefficient that falls with the impact speed: `e(v) = e_∞ + (e_0 − e_∞) exp(−v / v_ref)`.
 ///
-/// The measured law behind equation (21) of Fu, Ouyang and Davis (2020) did not survive; this form
-/// has its limits at rest and at high speed as parameters.
+/// The measured law of equation (21) of Fu, Ouyang and Davis (2020) is not legible in the available print;
+/// this form has its limits at rest and at high speed as parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VelocityDependentRestitution<S, M = Polynomial> {
-    /// `e_0`, the coefficient at vanishing speed.
+    /// `e_0`, the coefficient at vanishing speed, 0 to 1.
     pub at_rest: S,
-    /// `e_∞`, the coefficient at high speed.
+    /// `e_∞`, the coefficient at high speed, 0 to 1.
     pub at_speed: S,
-    /// `v_ref` in m/s.
+    /// `v_ref` in m/s, 10⁻⁹ to 10³.
     pub reference_speed: S,
-    /// The functions that evaluate the exponential.
+    /// The elementary functions for the exponential.
     pub mathematics: PhantomData<M>,
 }
 

@@ -1,7 +1,7 @@
-//! Modes of a uniform rod, fixed at one end and free at the other, along its axis.
+//! Computes the axial modes of a uniform rod, fixed at one end and free at the other.
 //!
 //! `−EA z'' + m' z̈ = f` on `0 ≤ ξ ≤ L`: `Ω_j = (2j − 1) π c / 2L` with `c = √(EA/m')`, and mass-normalised
-//! shapes `ψ_j(ξ) = √(2/m_r) sin((2j − 1) π ξ / 2L)`.
+//! shapes `ψ_j(ξ) = √(2/m_r) sin((2j − 1) π ξ / 2L)`, with `m_r = m' L`.
 
 use crate::scalar::Scalar;
 
@@ -25,11 +25,11 @@ pub(crate) struct RodMode<S> {
     pub angular_frequency: S,
     /// `ψ(L)` in 1/√kg; its sign alternates from mode to mode.
     pub tip: S,
-    /// `∫ m' ψ dξ` in √kg: the modal force per base acceleration, negated.
+    /// `∫ m' ψ dξ` in √kg: the modal force per negative base acceleration.
     pub base_coupling: S,
 }
 
-/// Modes beyond those kept that are summed one by one for the compliance of the rest.
+/// Number of modes after the kept ones that the residual compliance sums one by one.
 const SUMMED: u32 = 30;
 
 impl<S: Scalar> Rod<S> {
@@ -49,10 +49,10 @@ impl<S: Scalar> Rod<S> {
         }
     }
 
-    /// Static compliance at the tip, in m/N, of all modes after the first `kept`:
-    /// `Σ ψ_j²/Ω_j² = (8/π²) (L/EA) Σ 1/(2j − 1)²`. With none kept it is that of the massless rod, `L/EA`.
+    /// Static compliance at the tip, in m/N, of all modes after the first `kept`: `Σ ψ_j²/Ω_j² = (8/π²)
+    /// (L/EA) Σ 1/(2j − 1)²`. For `kept` = 0 it is that of the massless rod, `L/EA`.
     ///
-    /// A sum of what is left out, not the difference of the whole and what is kept, which cancels.
+    /// The omitted modes are summed directly, because the difference of the total and the kept modes cancels.
     #[must_use]
     pub(crate) fn residual_compliance(&self, kept: u32) -> S {
         let compliance = self.length / self.axial_stiffness;
@@ -65,7 +65,7 @@ impl<S: Scalar> Rod<S> {
             let odd = S::from_u32(2 * number - 1);
             sum += S::ONE / (odd * odd);
         }
-        // The rest by the Euler–Maclaurin formula at the middles: 1/4n − 1/48n³ + 7/960n⁵.
+        // Remaining modes by the Euler–Maclaurin formula at the midpoints: 1/4n − 1/48n³ + 7/960n⁵.
         let n = S::from_u32(last);
         let square = n * n;
         let correction = S::from_f64(1.0 / 48.0) - S::from_f64(7.0 / 960.0) / square;

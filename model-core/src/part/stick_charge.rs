@@ -1,8 +1,8 @@
-//! Whether the moving part can stick, on the dielectric or by friction, and what its charge does then.
+//! Stick of the moving part, on the dielectric or by friction, and the charge in stick.
 
 use core::fmt::Debug;
 
-/// Whether the moving part can stick, and what its charge does then.
+/// Whether the moving part can stick, and the behaviour of the charge in stick.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not say whether the moving part sticks",
     note = "write `.sticking(StickCharge::Frozen)`, `.sticking(StickCharge::Relaxing)` or `.sticking(NeverSticks)`"
@@ -15,16 +15,16 @@ pub(crate) trait Sticking: Copy + Debug + PartialEq {
     fn relaxes(&self) -> bool;
 }
 
-/// What the charge does in stick.
+/// The behaviour of the charge in stick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-// As a byte it costs a Cortex-M firmware 450 bytes of flash in moves.
+// A `u8` costs a Cortex-M firmware 450 bytes of flash in moves.
 #[repr(u32)]
 pub enum StickCharge {
-    /// The charge transfer ceases, as the paper states: the load is open and receives nothing.
+    /// The charge transfer ceases, as the paper states: the load is open and receives no energy.
     #[default]
     Frozen,
-    /// The charge relaxes through the load, as it physically must.
+    /// The charge relaxes through the load, as physics requires.
     Relaxing,
 }
 
@@ -37,10 +37,9 @@ impl Sticking for StickCharge {
     }
 }
 
-/// The moving part never sticks: a mass always rebounds, a slider always slides on. For scenes that are
-/// known not to stick.
+/// The moving part never sticks: a mass always rebounds, a slider always slides on. For scenes without stick.
 ///
-/// If the moving part comes to rest all the same, the driver reports an event storm.
+/// If the moving part does come to rest, the driver reports an event storm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NeverSticks;

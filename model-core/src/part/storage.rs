@@ -1,4 +1,4 @@
-//! What a rectifier charges: a storage capacitor, or a stiff bus.
+//! The element that a rectifier charges: a storage capacitor, or a DC bus.
 //!
 //! ```text
 //! C V' = i − V/R_leak − i_draw(V)
@@ -12,7 +12,7 @@ use super::bounds::{Bounds, ParameterError};
 use super::draw::{AnyDraw, Draw, HIGHEST_VOLTAGE, Lockout};
 use crate::scalar::Scalar;
 
-/// What is behind a rectifier.
+/// The storage behind a rectifier.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no storage element",
     label = "cannot be charged",
@@ -20,15 +20,15 @@ use crate::scalar::Scalar;
     note = "a resistor across the storage is a draw: `Capacitor {{ draw: ResistiveDraw {{ .. }}, .. }}`"
 )]
 pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
-    /// Whether its voltage changes.
+    /// Whether the voltage changes.
     const CHARGES: bool;
-    /// Whether it has a draw that can be connected and disconnected.
+    /// Whether a lock-out can connect and disconnect the draw.
     const SWITCHES: bool;
 
-    /// `1/C` in 1/F: volts per coulomb brought in; 0 for a stiff bus.
+    /// `1/C` in 1/F; 0 for a DC bus.
     fn elastance(&self) -> S;
 
-    /// Capacitance in F; infinite for a stiff bus.
+    /// Capacitance in F; infinite for a DC bus.
     fn capacitance(&self) -> S;
 
     /// Voltage in V before the first step.
@@ -37,31 +37,31 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     /// Leakage current in A at a voltage in V.
     fn leakage(&self, voltage: S) -> S;
 
-    /// Current in A into the draw at a voltage in V, while it is connected.
+    /// Current in A into the connected draw, at a voltage in V.
     fn drawn(&self, voltage: S) -> S;
 
-    /// Derivatives of both by the voltage, in A/V.
+    /// Derivatives of leakage and draw by the voltage, in A/V.
     fn by_voltage(&self, voltage: S) -> [S; 2];
 
-    /// The draw's lock-out; `None` where it is always connected, or there is none.
+    /// The lock-out of the draw; `None` if the draw is always connected or absent.
     fn lockout(&self) -> Option<Lockout<S>>;
 
-    /// Stored energy in J at a voltage in V; 0 for a bus, which has no end.
+    /// Stored energy in J at a voltage in V; 0 for a DC bus, which has no energy balance.
     fn stored_energy(&self, voltage: S) -> S;
 
-    /// Refuses what is out of bounds.
+    /// Checks the parameters of the storage and its draw.
     ///
     /// # Errors
     /// The field, its value and its bounds.
     fn check(&self) -> Result<(), ParameterError<S>>;
 
-    /// Current in A that leaves at a voltage in V: leakage, and the draw if it is connected.
+    /// Outflow in A at a voltage in V: leakage, and the draw if it is connected.
     #[inline]
     fn outflow(&self, voltage: S, connected: bool) -> S {
         if connected { self.leakage(voltage) + self.drawn(voltage) } else { self.leakage(voltage) }
     }
 
-    /// Its derivative by the voltage, in A/V.
+    /// Derivative of the outflow by the voltage, in A/V.
     #[inline]
     fn outflow_by_voltage(&self, voltage: S, connected: bool) -> S {
         let [leakage, drawn] = self.by_voltage(voltage);
@@ -81,11 +81,11 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
 pub struct Capacitor<S, D> {
     /// Capacitance in F, 10⁻¹² to 10⁴.
     pub capacitance: S,
-    /// Leakage resistance in Ω, 10⁻³ or more; infinity is no leakage.
+    /// Leakage resistance in Ω, 10⁻³ or more; infinity for no leakage.
     pub leakage_resistance: S,
     /// Voltage in V at the start, 0 to 10⁶.
     pub initial_voltage: S,
-    /// What the node draws.
+    /// The draw of the node.
     pub draw: D,
 }
 
@@ -142,7 +142,7 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
     }
 }
 
-/// A bus whose voltage stays as it is, whatever comes: a large battery.
+/// A bus of constant voltage, such as a large battery.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DcBus<S> {

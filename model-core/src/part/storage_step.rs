@@ -1,29 +1,29 @@
-//! A storage over a part of a step in which nothing comes in: what leaks and what is drawn.
+//! Steps a storage over a part of a step without income: leakage and draw.
 //!
-//! `C V' = −I(V)` is taken by the exponential rule of Rosenbrock's kind,
+//! `C V' = −I(V)` is solved by the exponential Rosenbrock rule
 //!
 //! ```text
 //! ΔV = −(h/C) I(V) φ(−h I'(V)/C),      φ(z) = (e^z − 1)/z,
 //! ```
 //!
-//! which is exact where the outflow is affine in the voltage (leakage, a resistor, a constant current) and
-//! of second order where it is not (a constant power). The energy `½ C (V² − V⁺²)` that leaves is divided
-//! between leakage and draw in the ratio of their currents at the mean voltage.
+//! which is exact for an outflow that is affine in the voltage (leakage, a resistor, a constant current) and
+//! of second order otherwise (a constant power). The outgoing energy `½ C (V² − V⁺²)` is divided between
+//! leakage and draw in the ratio of their currents at the mean voltage.
 //!
-//! The draw's lock-out is looked at where a step ends: in a step of 80 µs a storage of
-//! 1 µF that gives 100 µA falls by 8 mV, and one of 1 mF by 8 µV.
+//! The lock-out of the draw is checked at the end of a step only. In a step of 80 µs at 100 µA the voltage of
+//! a storage of 1 µF falls by 8 mV, and that of 1 mF by 8 µV.
 
 use super::storage::StorageElement;
 use crate::scalar::{Mathematics, Scalar, add_increment};
 use crate::snapshot::snapshot_fields;
 
-/// What changes in a storage.
+/// The state of a storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StorageState<S> {
     /// Voltage in V.
     pub voltage: S,
-    /// What rounding took from it.
+    /// The part of the voltage that rounding removed.
     pub(crate) remainder: S,
     /// Whether the draw is connected.
     pub connected: bool,
@@ -31,7 +31,7 @@ pub struct StorageState<S> {
 
 snapshot_fields!(impl [S: Scalar] StorageState<S> { voltage, remainder, connected });
 
-/// Energies of a step in joules, each of them at or above zero.
+/// Energies of a step in J, none negative.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StorageAccount<S> {
@@ -46,24 +46,24 @@ pub struct StorageAccount<S> {
 }
 
 impl<S: Scalar> StorageState<S> {
-    /// Of a storage before the first step.
+    /// The state before the first step.
     #[must_use]
     pub(crate) fn of<R: StorageElement<S>>(storage: &R) -> Self {
         Self { voltage: storage.initial_voltage(), remainder: S::ZERO, connected: storage.starts_connected() }
     }
 
-    /// Its voltage is another, for what happens to it from outside.
+    /// Sets the voltage in V, for an external change.
     pub(crate) fn put(&mut self, voltage: S) {
         (self.voltage, self.remainder) = (voltage, S::ZERO);
     }
 
-    /// Its voltage rises.
+    /// Raises the voltage in V.
     #[inline]
     pub(crate) fn rise(&mut self, increase: S) {
         (self.voltage, self.remainder) = add_increment(self.voltage, self.remainder, increase);
     }
 
-    /// Lets it leak and be drawn from for `seconds`; `elastance` is the storage's.
+    /// Applies leakage and draw for `seconds`; `elastance` in 1/F is that of the storage.
     #[inline]
     pub(crate) fn drain<R: StorageElement<S>>(
         &mut self,
@@ -110,14 +110,14 @@ impl<S: Scalar> StorageState<S> {
     }
 }
 
-/// Up to this magnitude the series is summed; the closed form cancels there.
+/// Magnitude up to which the series is summed, because the closed form cancels.
 const SERIES_GROWTH: f64 = 0.0625;
 
 /// `φ(z) = (e^z − 1)/z`.
 #[inline]
 fn mean_growth<S: Scalar>(z: S) -> S {
     if z.abs() <= S::from_f64(SERIES_GROWTH) {
-        // 1 + z/2 (1 + z/3 (1 + …)): the first term left out is below 2⁻⁵³.
+        // 1 + z/2 (1 + z/3 (1 + …)): the first omitted term is below 2⁻⁵³.
         let next = |inner: S, part: S| S::ONE + z * part * inner;
         let sum = next(S::ONE, S::from_f64(1.0 / 9.0));
         let sum = next(sum, S::from_f64(1.0 / 8.0));
@@ -149,7 +149,7 @@ mod tests {
         Capacitor { capacitance: 1e-6, leakage_resistance, initial_voltage: 3.5, draw }
     }
 
-    /// Voltage after `seconds` in `count` steps, and the account of them.
+    /// Voltage after `seconds` in `count` steps, and the energies of these steps.
     fn after(storage: &Capacitor<f64, AnyDraw<f64>>, seconds: f64, count: u32) -> (f64, StorageAccount<f64>) {
         let (mut state, mut account) = (StorageState::of(storage), StorageAccount::default());
         for _ in 0..count {
@@ -170,7 +170,7 @@ mod tests {
                 let (both, account) = after(&storage(1e5, resistor), seconds, count);
                 let parallel = 1.0 / (1.0 / 1e5 + 1.0 / 3e4);
                 assert!((both - 3.5 * decay(parallel)).abs() < 1e-14, "{seconds} {both}");
-                // A leak of 3/13 of the conductance takes 3/13 of the energy.
+                // A leakage of 3/13 of the conductance takes 3/13 of the energy.
                 let gone = 0.5e-6 * (3.5 * 3.5 - both * both);
                 assert!((account.leaked / gone - 3.0 / 13.0).abs() < 1e-8, "{}", account.leaked / gone);
                 assert!(((account.leaked + account.drawn) / gone - 1.0).abs() < 1e-8);
@@ -207,7 +207,7 @@ mod tests {
             seen.push(state.connected);
         }
         assert_eq!(seen, [true, true, false, false, false, true, true]);
-        // A bus has nothing to switch, and a sealed storage keeps what it has.
+        // A bus has no switch, and a storage without outflow keeps its charge.
         let mut account = StorageAccount::default();
         let bus = DcBus { voltage: 2.0 };
         let mut state = StorageState::of(&bus);
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn a_draw_that_empties_the_store_at_once_takes_what_there_was() {
-        // The exponential of the growth of the current is beyond what single precision holds.
+        // The exponential of the growth of the current overflows single precision.
         let lockout = Lockout { turn_on: 0.9_f32, turn_off: 0.5 };
         let draw = AnyDraw::Power(PowerDraw { power: 5e-3, lockout });
         let storage = Capacitor { capacitance: 1e-7, leakage_resistance: 1e9, initial_voltage: 1.0, draw };
