@@ -1,9 +1,9 @@
-//! The account of the energies that a storage took and gave, in joules.
+//! The account of the energies into and out of a storage, in J.
 
 use super::storage::StorageStep;
 use crate::scalar::{CompensatedSum, Scalar};
 
-/// The energies since the start, in J at the storage.
+/// The energies since the start in J at the storage.
 ///
 /// `balance = income − shunted − leaked − (drawn − unserved) + corrected`. The account begins with an empty storage,
 /// and the energy found by the first measurement counts as a correction.
@@ -97,7 +97,7 @@ impl<S: Scalar> AccountSums<S> {
         self.unserved.add(step.unserved);
     }
 
-    /// Enters a correction in joules.
+    /// Enters a correction in J.
     pub(super) fn correct(&mut self, change: S) {
         self.corrected.add(change);
     }

@@ -13,8 +13,7 @@ pub struct Action<S> {
 }
 
 impl<S: Scalar> Action<S> {
-    /// An action that takes at most `energy` joules at the load and at most `duration` seconds. `name` is for
-    /// logs.
+    /// An action that takes at most `energy` in J at the load and at most `duration` in s. `name` is for logs.
     ///
     /// # Errors
     /// An `energy` or a `duration` that is not from 0 to 10⁹.
@@ -30,13 +29,13 @@ impl<S: Scalar> Action<S> {
         self.name
     }
 
-    /// Upper bound of the energy at the load in joules.
+    /// Upper bound of the energy at the load in J.
     #[must_use]
     pub fn energy(&self) -> S {
         self.energy
     }
 
-    /// Upper bound of the duration in seconds.
+    /// Upper bound of the duration in s.
     #[must_use]
     pub fn duration(&self) -> S {
         self.duration

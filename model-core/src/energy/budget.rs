@@ -1,4 +1,4 @@
-//! A node's energy budget: the stored energy, its uncertainty, and whether an action can be afforded.
+//! A node's energy budget: the stored energy, its uncertainty, and whether the node can afford an action.
 //!
 //! The state of charge is two numbers. The stored energy assumes that income and expenditure are spread
 //! evenly over each interval. The uncertainty bounds how much less the storage may hold. In the worst case
@@ -6,9 +6,8 @@
 //! end. The uncertainty covers this case and the rounding of the arithmetic. The caller raises it by the
 //! uncertainty of income and expenditure. A measured voltage replaces both numbers.
 //!
-//! In `f32`, with an update every minute or every second, a simulated day ends within 3·10⁻⁷ of the capacity
-//! of the result in `f64`, and the account of the energies agrees with the stored energy to 10⁻⁶ of the
-//! income.
+//! In `f32`, with an update every minute or every second, a simulated day ends within 3·10⁻⁷ of the capacity of the
+//! result in `f64`, and the account of the energies agrees with the stored energy to 10⁻⁶ of the income.
 
 use super::account::{Account, AccountSums};
 use super::action::Action;
@@ -25,16 +24,15 @@ pub struct BudgetParameters<S> {
     pub storage: StorageParameters<S>,
     /// The memory of the income.
     pub income: IncomeParameters<S>,
-    /// Upper bound of the power in watts that the load draws without any action, with the quiescent currents of
-    /// converters; 0 to 10⁶.
+    /// Upper bound of the power in W that the load draws without any action, including the quiescent currents
+    /// of converters; 0 to 10⁶.
     pub standing_power: S,
 }
 
 /// The energy budget of a node, with the day divided into `SLOTS` slots.
 ///
-/// The stored energy in [`BudgetState`] assumes that income and expenditure are spread evenly over each
-/// interval. [`BudgetState::uncertainty`] bounds how much less the storage may hold; a measured voltage
-/// replaces both.
+/// The stored energy in [`BudgetState`] assumes that income and expenditure are spread evenly over each interval.
+/// [`BudgetState::uncertainty`] bounds how much less the storage may hold; a measured voltage replaces both.
 ///
 /// ```
 /// use model_core::energy::{Action, BudgetParameters, IncomeParameters, StorageParameters};
@@ -51,13 +49,13 @@ pub struct BudgetParameters<S> {
 ///         turn_on_voltage: 2.4,
 ///     },
 ///     income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
-///     standing_power: 1.5e-6, // asleep, watts
+///     standing_power: 1.5e-6, // W, asleep
 /// }
 /// .build::<48>()?;
 /// let measure = Action::new("measure", 40e-6, 0.02)?; // at most 40 µJ in 20 ms
 /// let transmit = Action::new("transmit", 600e-6, 0.15)?;
 ///
-/// // At power-up, 06:00: the storage as the ADC reads it, good to 2 mV.
+/// // Power-up at 06:00; the ADC reads the storage voltage within 2 mV.
 /// let mut now = 6 * 3600;
 /// let mut state = budget.start(now);
 /// budget.correct_by_voltage(&mut state, 2.5, 2e-3);
@@ -72,12 +70,12 @@ pub struct BudgetParameters<S> {
 ///         budget.spend(&mut state, transmit.energy());
 ///     }
 ///     now += 60; // asleep for the rest of the minute
-///     let harvested = 30e-6 * 60.0; // joules: what the estimator says of it
+///     let harvested = 30e-6 * 60.0; // J, from the estimator
 ///     budget.update(&mut state, 60, harvested, 0.0);
 /// }
 /// assert!(measured > 100 && transmitted > 50);
-/// let period = 1.0 / budget.sustainable_rate(&state, &transmit);
-/// assert!((24.0..39.0).contains(&period)); // seconds
+/// let period = budget.sustainable_period(&state, &transmit).ok_or("never")?;
+/// assert!((25..40).contains(&period)); // s
 /// # Ok(())
 /// # }
 /// ```
@@ -94,37 +92,37 @@ pub struct Budget<S, const SLOTS: usize> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BudgetState<S, const SLOTS: usize> {
     pub(super) income: IncomeState<S, SLOTS>,
-    /// Stored energy in joules.
+    /// Stored energy in J.
     energy: S,
-    /// What rounding took from `energy`.
+    /// The part of `energy` that rounding removed.
     energy_low: S,
-    /// Bound in joules of how much less than `energy` is stored.
+    /// Upper bound in J of `energy` less the actual stored energy.
     uncertainty: S,
-    /// Energy spent since the last update, in joules at the storage.
+    /// Energy spent since the last update, in J at the storage.
     pending: S,
     account: AccountSums<S>,
 }
 
 impl<S: Scalar, const SLOTS: usize> BudgetState<S, SLOTS> {
-    /// Stored energy in joules at the last update.
+    /// Stored energy in J at the last update.
     #[must_use]
     pub fn energy(&self) -> S {
         self.energy
     }
 
-    /// Bound in joules of how much less than [`BudgetState::energy`] is stored.
+    /// Upper bound in J of [`BudgetState::energy`] less the actual stored energy.
     #[must_use]
     pub fn uncertainty(&self) -> S {
         self.uncertainty
     }
 
-    /// Certain stored energy in joules: at the last update, less the energy spent since.
+    /// Certain stored energy in J: at the last update, less the energy spent since.
     #[must_use]
     pub fn certain_energy(&self) -> S {
         (self.energy - self.uncertainty) - self.pending
     }
 
-    /// Time of the clock in whole seconds since the start of the first day.
+    /// The state of the income memory, with the time.
     #[must_use]
     pub fn second(&self) -> u32 {
         self.income.second()
@@ -142,7 +140,7 @@ impl<S: Scalar, const SLOTS: usize> BudgetState<S, SLOTS> {
         self.account.read()
     }
 
-    /// Raises the uncertainty by `energy` joules: for an estimated income, by its error over the interval. A
+    /// Raises the uncertainty by `energy` in J: for an estimated income, by its error over the interval. A
     /// negative `energy` or one that is not finite makes all of the stored energy uncertain.
     pub fn raise_uncertainty(&mut self, energy: S) {
         self.uncertainty = match self.account.admit(energy) {
@@ -156,7 +154,7 @@ impl<S: Scalar> BudgetParameters<S> {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// The first field that is out of its bounds.
+    /// The first field outside its bounds.
     pub fn build<const SLOTS: usize>(self) -> Result<Budget<S, SLOTS>, ParameterError<S>> {
         Bounds::new(0.0, 1e6).check("standing_power", self.standing_power)?;
         Ok(Budget {
@@ -174,8 +172,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         &self.storage
     }
 
-    /// The state at a time in whole seconds since a midnight, with an empty storage. Nothing can be afforded
-    /// before the first correction.
+    /// The state at a time in whole seconds since a midnight, with an empty storage. The node can afford no
+    /// action before the first correction.
     #[must_use]
     pub fn start(&self, second: u32) -> BudgetState<S, SLOTS> {
         BudgetState {
@@ -188,12 +186,12 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         }
     }
 
-    /// Advances the time by `interval` seconds with the standing load, `harvested` joules from the harvester,
-    /// and `spent` joules of actions in addition to those given to [`Budget::spend`]. For an interval in
-    /// which the node was off, call [`Budget::gap`].
+    /// Advances the time by `interval` in s with the standing load, `harvested` J from the harvester, and
+    /// `spent` J of actions in addition to those given to [`Budget::spend`]. For an interval in which the
+    /// node was off, call [`Budget::gap`].
     ///
-    /// An energy that is negative or not finite is refused and counted. A refused income counts as none, and
-    /// the memory takes it as unknown. A refused expenditure may have emptied the storage.
+    /// An energy that is negative or not finite is refused and counted. A refused income counts as zero in
+    /// the storage and as unknown in the income memory. After a refused expenditure the storage may be empty.
     ///
     /// Cost: at most two exponentials.
     pub fn update(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, harvested: S, spent: S) {
@@ -208,7 +206,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         self.move_store(state, interval, income, standing);
     }
 
-    /// Books `spent` joules of an action at once, before the next update.
+    /// Books `spent` J of an action at once, before the next update.
     ///
     /// Cost: no exponential.
     pub fn spend(&self, state: &mut BudgetState<S, SLOTS>, spent: S) {
@@ -218,15 +216,15 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         }
     }
 
-    /// Advances the time by `interval` seconds in which the node was off: the storage leaks, no income is
+    /// Advances the time by `interval` in s in which the node was off: the storage leaks, no income is
     /// counted, and the slots of the day in the interval keep their means.
     pub fn gap(&self, state: &mut BudgetState<S, SLOTS>, interval: u32) {
         self.income.gap(&mut state.income, interval);
         self.move_store(state, interval, S::ZERO, S::ZERO);
     }
 
-    /// Sets the stored energy to a measured `energy` in joules that may be `uncertainty` joules too high. An
-    /// energy that is negative or not finite is refused and counted.
+    /// Sets the stored energy to a measured `energy` in J that may be `uncertainty` in J too high. An energy
+    /// that is negative or not finite is refused and counted.
     pub fn correct(&self, state: &mut BudgetState<S, SLOTS>, energy: S, uncertainty: S) {
         let Some(energy) = state.account.admit(energy) else { return };
         let energy = energy.min(self.storage.capacity());
@@ -239,12 +237,11 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         state.raise_uncertainty(uncertainty);
     }
 
-    /// Sets the stored energy by a measured voltage in volts with an error of at most `error` volts, by
-    /// quantisation and noise. [`Correction`](super::Correction) weighs such readings against the income of a
-    /// model.
+    /// Sets the stored energy by a measured voltage in V with an error of at most `error` in V, by quantisation and
+    /// noise. [`Correction`](super::Correction) combines such readings with the income of a model.
     ///
-    /// A voltage or an error that is negative or not finite is refused and counted. So is a voltage that,
-    /// less its error, exceeds the highest voltage of the storage.
+    /// A voltage or an error that is negative or not finite is refused and counted. A voltage that, less its
+    /// error, exceeds the highest voltage of the storage is refused and counted too.
     pub fn correct_by_voltage(&self, state: &mut BudgetState<S, SLOTS>, voltage: S, error: S) {
         let readings = (state.account.admit(voltage), state.account.admit(error));
         let (Some(voltage), Some(error)) = readings else { return };
@@ -262,7 +259,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     ///
     /// The certain energy is reduced by the action, and by the standing load and the leakage from the last
     /// update to the end of the action. Pass overlapping actions combined: the duration of a booked action is
-    /// not counted. A second of the clock that has begun counts as over.
+    /// not counted. The current second of the clock counts as elapsed.
     ///
     /// Cost: at most one exponential.
     #[must_use]
@@ -276,8 +273,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         left >= self.storage.lock_out() + rounding
     }
 
-    /// Advances the storage by an interval in seconds, with the pending energy; `income` and `standing` are
-    /// in joules at the storage.
+    /// Advances the storage by an interval in s, with the pending energy; `income` and `standing` are in J at
+    /// the storage.
     fn move_store(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, income: S, standing: S) {
         let storage = &self.storage;
         let relaxation = storage.relaxation(S::from_u32(interval));
@@ -324,7 +321,7 @@ mod tests {
         parameters.build().expect("within bounds")
     }
 
-    /// A capacity of ten times the income of a day, and of a fiftieth of it.
+    /// Capacities of ten times the income of a day, and of a fiftieth of it.
     fn storages<S: Scalar>() -> [StorageParameters<S>; 2] {
         let large = StorageParameters {
             capacitance: S::from_f64(1.0),

@@ -1,8 +1,8 @@
-//! Stored energy and the gain of the modelled income, estimated from readings of the storage's voltage.
+//! Estimates the stored energy and the gain of the modelled income from readings of the storage's voltage.
 //!
-//! A Kalman filter with two states: the gain `g`, by which the modelled income must be multiplied to give the
-//! true one, and the stored energy `E`. Over an interval with the modelled income `m` and the known
-//! expenditure `u`, and with the closed form of the storage `w = e^(−x)`, `φ = (1 − w)/x`,
+//! A Kalman filter with two states: the gain `g`, the ratio of the true to the modelled income, and the
+//! stored energy `E` in J. Over an interval with the modelled income `m` and the known expenditure `u` in J,
+//! and with the closed form of the storage `w = e^(−x)`, `φ = (1 − w)/x`,
 //!
 //! ```text
 //! E ← w E + (g m − u) φ,   g ← g + random walk.
@@ -10,12 +10,12 @@
 //!
 //! `E` is linear in both states. A reading is a code: the voltage, with its noise, lies in one cell of the
 //! converter. Between two readings a capacitor often stays in the same cell, and the errors of the two
-//! readings are then the same. A filter that took each reading as a new sample of variance `Δ²/12` would
-//! count the same error many times. So the measurement update uses the quantised reading itself. Given the
-//! state, the energy of the reading is normal with the variance `P + R`. Its mean and variance *within the
-//! cell* follow by quadrature, and they update the filter: the Gaussian fit of R. E. Curry, *Estimation and
-//! Control with Quantized Measurements*, MIT Press 1970. Where the state is less certain than a cell is wide,
-//! this is the usual update with `Δ²/12`. Where it is more certain and well inside the cell, the update
+//! readings are then the same. A filter with each reading as a new sample of variance `Δ²/12` would count the
+//! same error many times. So the measurement update uses the quantised reading itself. Given the state, the
+//! energy of the reading is normal with the variance `P + R`. Its mean and variance *within the cell* follow
+//! by quadrature, and they update the filter: the Gaussian fit of R. E. Curry, *Estimation and Control with
+//! Quantized Measurements*, MIT Press 1970. If the standard deviation of the state is wider than a cell, this
+//! is the usual update with `Δ²/12`. If it is narrower and the state is well inside the cell, the update
 //! changes nothing. A change of the code, or a missing change, locates the edge of the cell.
 
 use super::storage::Storage;
@@ -30,10 +30,10 @@ pub struct CorrectionParameters<S> {
     /// Resolution of the converter in bits, 4 to 16. Code `k` means that `k · full_scale / 2^bits` is the
     /// nearest voltage.
     pub bits: u32,
-    /// Full scale of the converter in volts, 0.01 to 1000.
+    /// Full scale of the converter in V, 0.01 to 1000.
     pub full_scale: S,
-    /// Standard deviation of the noise of a reading in volts, independent from reading to reading, at most
-    /// `full_scale`. Less than a fifth of a cell counts as a fifth of a cell.
+    /// Standard deviation of the noise of a reading in V, independent from reading to reading, at most
+    /// `full_scale`. A value below a fifth of a cell is raised to a fifth of a cell.
     pub noise: S,
     /// Standard deviation of the gain about 1 before any reading, 10⁻³ to 10.
     pub gain_deviation: S,
@@ -41,8 +41,7 @@ pub struct CorrectionParameters<S> {
     pub gain_drift: S,
 }
 
-/// An estimator of the stored energy and of the gain of the modelled income, from readings of the storage's
-/// voltage.
+/// An estimator of the stored energy and of the gain of the modelled income, from readings of the storage's voltage.
 ///
 /// # Accuracy
 ///
@@ -55,9 +54,9 @@ pub struct CorrectionParameters<S> {
 /// 1 F. Twenty cells in an hour are then an income into the storage of 1 nW, 20 nW and 20 µW. With less
 /// income, [`CorrectionEstimate::income_error`] states a larger error.
 ///
-/// A full storage tells nothing of the gain, because its income is shunted. Capacitance, leakage,
-/// efficiencies and expenditure are taken as known: their errors enter the gain, and the stated error does
-/// not include them.
+/// A full storage carries no information about the gain, because its income is shunted. The filter assumes
+/// exact capacitance, leakage, efficiencies and expenditure: their errors enter the gain, and the stated
+/// error excludes them.
 ///
 /// ```
 /// use model_core::energy::{BudgetParameters, CorrectionParameters, IncomeParameters, StorageParameters};
@@ -79,16 +78,15 @@ pub struct CorrectionParameters<S> {
 ///     CorrectionParameters { bits: 12, full_scale: 5.0, noise: 0.5e-3, gain_deviation: 1.0, gain_drift: 0.05 };
 /// let correction = reading.build(budget.storage())?;
 ///
-/// let (mut state, mut correcting) = (budget.start(0), correction.start());
-/// let mut truth = 3.0_f64; // volts: what the ADC sees, of twice the income that the model knows of
+/// let (mut state, mut estimate) = (budget.start(0), correction.start());
+/// let mut truth = 3.0_f64; // V; the true income is twice the modelled one
 /// for _minute in 0..60 {
 ///     let (modelled, spent) = (6e-6, 4e-6); // joules in this minute
 ///     let used = spent + standing_power * 60.0;
-///     let before = correcting.estimate();
-///     budget.update(&mut state, 60, before.gain * modelled, spent);
-///     // How far the income may be off.
-///     state.raise_uncertainty(3.0 * before.gain_deviation * budget.storage().stored(modelled));
-///     correction.predict(&mut correcting, 60, modelled, used);
+///     budget.update(&mut state, 60, estimate.gain() * modelled, spent);
+///     // The error of the income.
+///     state.raise_uncertainty(3.0 * estimate.gain_deviation() * budget.storage().stored(modelled));
+///     correction.predict(&mut estimate, 60, modelled, used);
 ///     truth = (truth * truth + (2.0 * 6e-6 * 0.8 - f64::from(used) / 0.9) * 2e4).sqrt();
 ///     correction.observe(&mut correcting, (truth * 4096.0 / 5.0).round() as u32);
 ///     let after = correcting.estimate();
@@ -103,11 +101,11 @@ pub struct CorrectionParameters<S> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Correction<S> {
     storage: Storage<S>,
-    /// Width of a cell of the converter in volts.
+    /// Width of a cell of the converter in V.
     cell: S,
     /// The highest code.
     full_code: u32,
-    /// Standard deviation of the noise in volts.
+    /// Standard deviation of the noise in V.
     noise: S,
     /// Variance of the gain before any reading.
     gain_variance: S,
@@ -120,14 +118,14 @@ pub struct Correction<S> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CorrectionState<S> {
     gain: S,
-    /// Stored energy in joules.
+    /// Stored energy in J.
     energy: S,
-    /// What rounding took from `energy`.
+    /// The part of `energy` that rounding removed.
     energy_low: S,
     gain_variance: S,
-    /// Covariance of gain and stored energy in joules.
+    /// Covariance of gain and stored energy in J.
     covariance: S,
-    /// Variance of the stored energy in square joules.
+    /// Variance of the stored energy in J².
     energy_variance: S,
     /// Whether the stored energy is known.
     located: bool,
@@ -163,7 +161,7 @@ pub struct CorrectionEstimate<S> {
     pub rejected: u32,
 }
 
-/// The use that was made of a reading.
+/// The use of a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reading {
@@ -182,8 +180,8 @@ const HIGHEST_GAIN: f64 = 10.0;
 /// hundred ends with a wrong gain that is stated as certain.
 const LEAST_NOISE: f64 = 0.2;
 
-/// A reading is rejected if its cell is further away than the sum of this number of standard deviations and
-/// [`GATE_CELLS`].
+/// A reading is rejected if the distance to its cell exceeds the sum of this number of standard deviations
+/// and [`GATE_CELLS`].
 const GATE: f64 = 5.0;
 
 /// Number of cells in the limit of rejection: after a long time within one cell the energy is less certain
@@ -191,7 +189,7 @@ const GATE: f64 = 5.0;
 const GATE_CELLS: f64 = 2.0;
 
 /// Number of successive rejected readings after which the state is taken to be wrong.
-const PATIENCE: u32 = 10;
+const MOST_REJECTED_IN_TURN: u32 = 10;
 
 /// Least standard deviation of the gain relative to the gain, above the rounding of `f32`.
 const LEAST_DEVIATION: f64 = 1e-3;
@@ -259,11 +257,9 @@ impl<S: Scalar> Correction<S> {
         }
     }
 
-    /// Advances the time by `interval` seconds with a `modelled` income and all energy `spent` by the load,
-    /// both in joules.
+    /// Advances the time by `interval` in s with a `modelled` income and all energy `spent` by the load, both in J.
     ///
-    /// An energy that is negative or not finite makes the stored energy and the gain as uncertain as at the
-    /// start.
+    /// An energy that is negative or not finite makes the stored energy and the gain as uncertain as at the start.
     ///
     /// Cost: at most one exponential.
     pub fn predict(&self, state: &mut CorrectionState<S>, interval: u32, modelled: S, spent: S) {
@@ -275,8 +271,8 @@ impl<S: Scalar> Correction<S> {
         let seconds = S::from_u32(interval);
         let relaxation = self.storage.relaxation(seconds);
         let (income, outgo) = (self.storage.stored(modelled), self.storage.drawn(spent));
-        // The limits of the storage are ignored: where a wrong gain predicts more than the capacity, or less
-        // than nothing, the distance to the reading tells how wrong the gain is.
+        // The limits of the storage are ignored: if a wrong gain predicts more than the capacity, or a
+        // negative energy, the distance to the reading shows the error of the gain.
         let change = self.storage.step(state.energy, &relaxation, state.gain * income, outgo).change;
         (state.energy, state.energy_low) = add_increment(state.energy, state.energy_low, change);
         let (kept, sensitivity) = (relaxation.kept, income * relaxation.of_income);
@@ -311,8 +307,8 @@ impl<S: Scalar> Correction<S> {
         let noise = (high - low) * (self.noise / self.cell);
         let full = high + (high - low) + noise + noise >= self.storage.capacity();
         // Shunted income does not appear in the reading. If the storage was full at either end of the
-        // interval, the reading tells nothing of the gain, and the predicted energy may exceed it by any
-        // amount.
+        // interval, the reading carries no information about the gain, and the predicted energy may exceed
+        // the reading by any amount.
         let limited = full || state.was_full;
         if !state.located || (limited && state.energy + reach >= low) {
             self.locate(state, low, high, noise);
@@ -352,7 +348,7 @@ impl<S: Scalar> Correction<S> {
     }
 
     /// Makes the stored energy unknown, after an unknown income or expenditure. The next reading determines
-    /// it and leaves the gain as it is.
+    /// the stored energy and leaves the gain unchanged.
     pub(crate) fn forget_energy(&self, state: &mut CorrectionState<S>) {
         let capacity = self.storage.capacity();
         state.located = false;
@@ -377,7 +373,7 @@ impl<S: Scalar> Correction<S> {
     fn reject(&self, state: &mut CorrectionState<S>) {
         state.rejected = state.rejected.saturating_add(1);
         state.rejected_in_turn += 1;
-        if state.rejected_in_turn >= PATIENCE {
+        if state.rejected_in_turn >= MOST_REJECTED_IN_TURN {
             self.forget(state);
         }
     }
@@ -388,7 +384,7 @@ impl<S: Scalar> Correction<S> {
         state.gain_variance = state.gain_variance.max(self.gain_variance);
     }
 
-    /// Variance of a few roundings of the stored energy, in square joules.
+    /// Variance of a few roundings of the stored energy, in J².
     fn least_energy_variance(&self) -> S {
         let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
         rounding * rounding

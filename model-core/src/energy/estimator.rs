@@ -1,4 +1,4 @@
-//! Harvested power from an accelerometer: samples in, energy out, and how far it can be trusted.
+//! Estimates the harvested energy from the samples of an accelerometer, with its uncertainty.
 //!
 //! ```
 //! use model_core::energy::Estimator;
@@ -26,23 +26,23 @@
 //! let settings = Settings {
 //!     rate: 400.0,                                           // samples per second
 //!     format: SampleFormat::counts(9.81 / 16_384.0, 32_767), // ± 2 g in 16 bits
-//!     longest_gap: 4,                                        // lost samples to interpolate across
+//!     longest_gap: 4,                                        // lost samples to interpolate
 //!     settling_seconds: 0.0,                                 // the node starts at rest
 //! };
 //! let mut estimator = Estimator::new(harvester, settings)?;
 //!
 //! for n in 0..800 {
-//!     // At most 100 attempted steps, then something else may run.
+//!     // At most 100 attempted steps per call.
 //!     let mut progress = estimator.push_count(fifo(n), 100)?;
 //!     while !progress.finished {
 //!         progress = estimator.resume(100)?;
 //!     }
 //! }
 //! let estimate = estimator.estimate();
-//! assert!((5e-6..20e-6).contains(&estimate.mean_power)); // watts
+//! assert!((5e-6..20e-6).contains(&estimate.mean_power)); // W
 //! assert!(estimate.uncertainty.relative < 0.2);
 //!
-//! // Power down, and wake up: three samples have gone by.
+//! // Power down and wake up after three lost samples.
 //! let mut flash = [0; 256];
 //! estimator.save(&mut flash)?;
 //! let mut awake = Estimator::new(harvester, settings)?;
@@ -53,17 +53,19 @@
 //! # }
 //! ```
 //!
-//! # Samples that are not there
+//! # Missing samples
 //!
-//! Up to [`Settings::longest_gap`] lost samples in a row are put on a straight line between their
-//! neighbours, once the next one has come. After a longer gap the harvester's state is not known: the time
-//! between the samples on either side counts as *unknown* and is not integrated, and the harvester starts
-//! anew, at rest, with the first sample after it; what a storage held it still holds. A step that the model
-//! cannot take ends likewise, and is an error once. A sample at the end of the sensor's range is taken as
-//! that end, a lower bound. Intervals that a lost or a saturated sample borders on count as *uncertain*,
-//! and so do those within [`Settings::settling_seconds`] of a start, the first one included.
+//! Up to [`Settings::longest_gap`] successive lost samples are interpolated linearly between their neighbours
+//! when the next sample arrives. After a longer gap the state of the harvester is unknown: the time between
+//! the samples on either side counts as *unknown* and is not integrated, and the harvester restarts at rest
+//! with the first sample after the gap; a storage keeps its energy. A failed step of the model has the same
+//! consequence, and is reported as an error once.
 //!
-//! What the figures for the uncertainty cover, and how well: see [`Uncertainty`].
+//! A sample at the end of the sensor's range is replaced by that end, a lower bound. Intervals adjacent to a
+//! lost or a saturated sample count as *uncertain*, and so do those within [`Settings::settling_seconds`] of
+//! a start, the first one included.
+//!
+//! [`Uncertainty`] states the contents and the accuracy of the uncertainty figures.
 
 mod accumulator;
 mod gaps;
@@ -83,34 +85,34 @@ pub use sample::{Sample, SampleFormat};
 use state::State;
 use state::{Phase, Queue};
 
-/// How samples come and what is made of those that do not.
+/// The samples and the treatment of missing samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings<S> {
     /// Samples per second, 10⁻³ to 10⁶.
     pub rate: S,
-    /// What their counts or values mean.
+    /// The conversion of counts or values to accelerations.
     pub format: SampleFormat<S>,
-    /// Lost samples in a row across which is interpolated: short against a period of the motion.
+    /// Largest number of successive lost samples that are interpolated: short against a period of the motion.
     pub longest_gap: u16,
-    /// Seconds for which the harvester settles after a start at rest that it may not have been at, 0 to
-    /// 10⁶: some decay times `1/(damping ratio · angular frequency)`. 0 if a node starts and stays at rest.
+    /// Time in s in which the harvester settles after a start from rest that may differ from its true state,
+    /// 0 to 10⁶: some decay times `1/(damping ratio · angular frequency)`. 0 if a node starts at rest.
     pub settling_seconds: S,
 }
 
-/// Why a call did not do what it was to do.
+/// The reason why a call failed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum EstimatorError<S> {
-    /// A setting is out of its bounds, or the harvester cannot start at rest.
+    /// A setting is outside its bounds, or the harvester cannot start at rest.
     Parameter(ParameterError<S>),
-    /// A step could not be taken. The time up to the next sample is unknown, and the harvester starts anew
-    /// with that: go on.
+    /// A step failed. The time up to the next sample is unknown, and the harvester restarts with that sample:
+    /// continue with further samples.
     Step(StepError<S>),
-    /// The sample before is not finished: call [`Estimator::resume`]. This one was not taken.
+    /// The previous sample is not finished: call [`Estimator::resume`]. This sample was not taken.
     Unfinished,
-    /// A sequence number that is behind the one expected: a sample twice, or out of order. It was not taken.
+    /// A sequence number before the expected one: a repeated sample, or one out of order. It was not taken.
     OutOfOrder {
         /// The number expected.
         expected: u32,
@@ -134,20 +136,20 @@ impl<S: Scalar> core::fmt::Display for EstimatorError<S> {
 
 impl<S: Scalar> core::error::Error for EstimatorError<S> {}
 
-/// What a call did.
+/// The result of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Progress {
-    /// Whether the sample is dealt with; if not, the budget is spent and [`Estimator::resume`] goes on.
+    /// Whether the sample is finished; if not, the budget is spent and [`Estimator::resume`] continues.
     pub finished: bool,
-    /// What was spent.
+    /// The work done.
     pub work: Work,
 }
 
-/// Follows a harvester from the samples of an accelerometer.
+/// Simulates a harvester from the samples of an accelerometer.
 ///
-/// With a sample the interval that ends *before* it is integrated, see [`Stream`]: the estimate is one sample
-/// behind. Time counts from the first sample, and for half a year ([`Instant`]).
+/// Each sample completes the interval that ends one sample *earlier* (see [`Stream`]): the estimate lags one
+/// sample behind. Time counts from the first sample, for at most half a year ([`Instant`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator<S: Scalar, H: Harvester<S>> {
     harvester: H,
@@ -156,13 +158,13 @@ pub struct Estimator<S: Scalar, H: Harvester<S>> {
 }
 
 impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
-    /// Bytes that [`Estimator::save`] writes.
+    /// Size in bytes of the snapshot of [`Estimator::save`].
     pub const SNAPSHOT_BYTES: usize = snapshot::size_of::<State<S, H::State>>();
 
-    /// An estimator that waits for its first sample.
+    /// An estimator before its first sample.
     ///
     /// # Errors
-    /// [`EstimatorError::Parameter`] with the setting that is out of its bounds.
+    /// [`EstimatorError::Parameter`] with the setting outside its bounds.
     pub fn new(harvester: H, settings: Settings<S>) -> Result<Self, EstimatorError<S>> {
         let Settings { rate, format, settling_seconds, .. } = settings;
         let bounds = Bounds::new(1e-3, 1e6);
@@ -206,7 +208,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         self.state.stream.known_until()
     }
 
-    /// Takes in the next sample as a raw count, in at most `budget` attempted steps.
+    /// Takes the next sample as a raw count, in at most `budget` attempted steps.
     ///
     /// # Errors
     /// As [`Estimator::push`].
@@ -215,8 +217,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         self.push(self.settings.format.of_count(count), budget)
     }
 
-    /// Takes in the next sample in m/s², in at most `budget` attempted steps; one that is not finite is
-    /// missing.
+    /// Takes the next sample in m/s², in at most `budget` attempted steps; a sample that is not finite is missing.
     ///
     /// # Errors
     /// As [`Estimator::push`].
@@ -225,7 +226,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         self.push(self.settings.format.of_acceleration(acceleration), budget)
     }
 
-    /// Takes in `count` samples that were lost, in at most `budget` attempted steps.
+    /// Takes `count` lost samples, in at most `budget` attempted steps.
     ///
     /// # Errors
     /// As [`Estimator::push`].
@@ -236,8 +237,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         self.resume(budget)
     }
 
-    /// Takes in the sample with number `sequence`, which may wrap; those between it and the one before were
-    /// lost. The first number given is where counting starts.
+    /// Takes the sample with number `sequence`, which may wrap; the samples skipped since the previous number
+    /// were lost. Counting starts at the first number given.
     ///
     /// # Errors
     /// As [`Estimator::push`], and [`EstimatorError::OutOfOrder`].
@@ -259,14 +260,14 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         self.resume(budget)
     }
 
-    /// Takes in the next sample, in at most `budget` attempted steps.
+    /// Takes the next sample, in at most `budget` attempted steps.
     ///
-    /// Budgets below [`Harvester::LEAST_BUDGET`] are taken as that. The same bits result whatever the budgets
-    /// are.
+    /// A budget below [`Harvester::LEAST_BUDGET`] is raised to that number. The bits of the result do not
+    /// depend on the budgets.
     ///
     /// # Errors
     /// [`EstimatorError::Unfinished`]: the sample is not taken. [`EstimatorError::Step`] and
-    /// [`EstimatorError::Parameter`]: the harvester is lost until the next sample.
+    /// [`EstimatorError::Parameter`]: the state of the harvester is unknown until the next sample.
     pub fn push(&mut self, sample: Sample<S>, budget: u32) -> Result<Progress, EstimatorError<S>> {
         self.refuse_unfinished()?;
         self.state.expected = self.state.expected.map(|expected| expected.wrapping_add(1));
@@ -274,11 +275,11 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         self.resume(budget)
     }
 
-    /// Goes on with a sample that a budget did not suffice for, in at most `budget` attempted steps.
+    /// Continues an unfinished sample, in at most `budget` attempted steps.
     ///
     /// # Errors
-    /// [`EstimatorError::Step`] and [`EstimatorError::Parameter`]: the harvester is lost until the next
-    /// sample.
+    /// [`EstimatorError::Step`] and [`EstimatorError::Parameter`]: the state of the harvester is unknown
+    /// until the next sample.
     #[inline(never)]
     pub fn resume(&mut self, budget: u32) -> Result<Progress, EstimatorError<S>> {
         let mut work = Work::default();
@@ -318,7 +319,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         }
     }
 
-    /// What is known of the harvest so far.
+    /// The estimate so far.
     #[must_use]
     pub fn estimate(&self) -> Estimate<S> {
         let State { accumulator, harvester, .. } = &self.state;
@@ -348,8 +349,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         }
     }
 
-    /// Puts the storage to a voltage in volts, for what the node has drawn from it or has read of it: between samples,
-    /// and where the harvester has no storage without effect. What is no voltage changes nothing.
+    /// Sets the storage to a voltage in V, measured or after a draw by the node. Call it between samples.
+    /// Without effect on a harvester without a storage, and for a voltage that is negative or not finite.
     pub fn set_storage_voltage(&mut self, voltage: S) {
         if voltage >= S::ZERO && voltage.is_finite() {
             let State { stream, harvester, .. } = &mut self.state;
@@ -358,8 +359,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         }
     }
 
-    /// Sets energy, time and all counts to zero, for the mean of a new stretch of time: the harvester goes
-    /// on.
+    /// Sets energy, time and all counts to zero, to begin a new mean; the harvester continues.
     pub fn clear(&mut self) {
         let state = &mut self.state;
         state.accumulator = EnergyAccumulator::EMPTY;
@@ -367,8 +367,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         (state.uncertain_intervals, state.unknown_intervals) = (0, 0);
     }
 
-    /// Writes the state as a snapshot to the front of `bytes`, also in the middle of a sample; gives its size,
-    /// [`Estimator::SNAPSHOT_BYTES`].
+    /// Writes the state as a snapshot to the front of `bytes`, also in the middle of a sample. Returns its
+    /// size, [`Estimator::SNAPSHOT_BYTES`].
     ///
     /// # Errors
     /// [`SnapshotError::NoRoom`] with both sizes.
@@ -376,17 +376,16 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         snapshot::save(&self.state, self.fingerprint(), bytes)
     }
 
-    /// Takes the state from a snapshot at the front of `bytes`: the run then goes on with the bits with which
-    /// it would have gone on.
+    /// Restores the state from a snapshot at the front of `bytes`: the run then continues with the same bits.
     ///
     /// # Errors
-    /// [`SnapshotError`]; the state is then as before.
+    /// [`SnapshotError`]; the state is then unchanged.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SnapshotError> {
         self.state = snapshot::restore(self.fingerprint(), bytes)?;
         Ok(())
     }
 
-    /// Of the model, how it is stepped, and all settings.
+    /// The fingerprint of the model, its method and step control, and all settings.
     fn fingerprint(&self) -> u32 {
         let mut fingerprint = Fingerprint::new();
         self.harvester.identify(&mut fingerprint);
@@ -401,7 +400,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         if unfinished { Err(EstimatorError::Unfinished) } else { Ok(()) }
     }
 
-    /// Seconds in a number of intervals between samples.
+    /// Duration in s of a number of intervals between samples.
     fn duration(&self, intervals: u64) -> S {
         Instant::from_ticks(intervals.wrapping_mul(self.state.stream.ticks_per_sample())).seconds()
     }

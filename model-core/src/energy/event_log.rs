@@ -1,4 +1,4 @@
-//! A log of events of fixed capacity.
+//! Logs events, with a fixed capacity.
 
 use crate::clock::Instant;
 use crate::observer::{AcceptedStep, Event, Motion, Observer};
@@ -11,9 +11,9 @@ use heapless::Vec;
 pub struct LoggedEvent<S> {
     /// Time of the event.
     pub at: Instant,
-    /// Numbers of the modes before and after it.
+    /// Numbers of the modes before and after the event.
     pub modes: [u8; 2],
-    /// Impact speed in m/s; `None` for an event that is no impact.
+    /// Impact speed in m/s; `None` for an event other than an impact.
     pub impact_speed: Option<S>,
     /// The first coordinate after the event in m, and its rate in m/s.
     pub coordinate: Motion<S>,
@@ -21,7 +21,7 @@ pub struct LoggedEvent<S> {
     pub loss: S,
 }
 
-/// The first `CAPACITY` events of a run, and the number of those for which there was no room.
+/// The first `CAPACITY` events of a run, and the number of further events.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventLog<S, const CAPACITY: usize> {
     events: Vec<LoggedEvent<S>, CAPACITY>,
@@ -41,7 +41,7 @@ impl<S, const CAPACITY: usize> EventLog<S, CAPACITY> {
         &self.events
     }
 
-    /// Number of events that came when the log was full.
+    /// Number of events after the log was full.
     #[must_use]
     pub fn overflowed(&self) -> u32 {
         self.overflowed

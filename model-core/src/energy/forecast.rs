@@ -8,15 +8,15 @@ use super::income::{DAY_SECONDS, IncomeState, end_of, shortest_slot, start_of};
 use super::storage::{Relaxation, Storage};
 use crate::scalar::Scalar;
 
-/// Number of bisections: the interval that is left is below a rounding of its first length in `f32`.
+/// Number of bisections: the remaining interval is below a rounding of its first length in `f32`.
 const HALVINGS: u32 = 24;
 
 /// A stretch of constant predicted income.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stretch<S> {
-    /// Length in seconds.
+    /// Length in s.
     pub(super) seconds: u32,
-    /// Expected power in watts at the harvester's terminals.
+    /// Expected power in W at the harvester's terminals.
     pub(super) harvested: S,
     /// Relaxation of the storage over the stretch.
     pub(super) relaxation: Relaxation<S>,
@@ -29,9 +29,9 @@ pub(super) struct Forecast<'a, S, const SLOTS: usize> {
     income: &'a IncomeState<S, SLOTS>,
     /// The present slot.
     slot: usize,
-    /// The rest of the present slot in seconds.
+    /// The remaining part of the present slot in s.
     first: (u32, Relaxation<S>),
-    /// The part of the present slot in seconds that has passed; it ends the coming day.
+    /// The elapsed part of the present slot in s; it ends the coming day.
     last: (u32, Relaxation<S>),
     /// Relaxation over the shortest slot.
     short: Relaxation<S>,
@@ -75,7 +75,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         (0..=SLOTS).map(|index| self.stretch(index))
     }
 
-    /// Mean of the expected power over the day in watts at the harvester's terminals.
+    /// Mean of the expected power over the day in W at the harvester's terminals.
     pub(super) fn mean_power(&self) -> S {
         let energy = self
             .stretches()
@@ -83,14 +83,14 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         energy / S::from_u32(DAY_SECONDS)
     }
 
-    /// Income less drawn energy over a stretch in joules at the storage, for a load in watts.
+    /// Income less drawn energy over a stretch in J at the storage, for a load in W.
     fn net(&self, stretch: &Stretch<S>, load: S) -> S {
         let seconds = S::from_u32(stretch.seconds);
         self.storage.stored(stretch.harvested * seconds) - self.storage.drawn(load * seconds)
     }
 
-    /// Energy in joules at the end of the day under a load in watts, from `energy` at the start; `None` if
-    /// the storage falls below `floor`.
+    /// Energy in J at the end of the day under a load in W, from `energy` in J at the start; `None` if the
+    /// storage falls below `floor` in J.
     fn survive(&self, energy: S, load: S, floor: S) -> Option<S> {
         let mut now = energy;
         let mut lowest = energy;
@@ -103,8 +103,8 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         (lowest >= floor).then_some(now)
     }
 
-    /// The least energy in joules at the start of the day with which the storage does not fall below `floor`
-    /// under a load in watts; `None` if a full storage is not enough. Computed backwards through the day.
+    /// The least energy in J at the start of the day with which the storage does not fall below `floor` under
+    /// a load in W; `None` if a full storage is not enough. Computed backwards through the day.
     fn needed(&self, load: S, floor: S) -> Option<S> {
         let mut needed = floor;
         for stretch in self.stretches().rev() {
@@ -118,7 +118,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         (needed <= self.storage.capacity()).then_some(needed)
     }
 
-    /// Whether the storage can serve a load in watts for ever if every day is like the coming one.
+    /// Whether the storage can serve a load in W for ever if every day is like the coming one.
     ///
     /// It can if some energy up to the present one is enough for the day, and the day ends with no less: then
     /// all later days do. The gain of a day does not grow with the energy at its start, so the least
@@ -131,8 +131,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         })
     }
 
-    /// Unserved energy of a load in watts over the day, in joules at the storage. The load is cut at the
-    /// lock-out.
+    /// Unserved energy of a load in W over the day, in J at the storage. The load is cut at the lock-out.
     pub(super) fn shortfall(&self, energy: S, load: S) -> S {
         let (mut now, mut sum) = (energy, S::ZERO);
         for stretch in self.stretches() {

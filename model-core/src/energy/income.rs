@@ -1,7 +1,7 @@
-//! The harvested power as a mean over the recent past and as a mean for each slot of the day.
+//! Averages the harvested power over the recent past and for each slot of the day.
 //!
-//! The exponentially weighted mean forgets with a time constant. The mean of a slot takes in the same slot of
-//! each day with a weight `a`,
+//! The mean over the recent past is exponentially weighted with a time constant. The mean of a slot is
+//! updated by the same slot of each day with a weight `a`,
 //!
 //! ```text
 //! x̄ ← (1 − a) x̄ + a x,
@@ -10,8 +10,8 @@
 //! after Kansal, Hsu, Zahedi and Srivastava, *Power management in energy harvesting sensor networks*, ACM
 //! Transactions on Embedded Computing Systems 6(4), 2007, who recommend `a = 1/2` with 48 slots for sunlight.
 //!
-//! Time is a count of whole seconds. A slot of which less than half was observed keeps its mean. The expected
-//! power of a slot that was never observed is the exponentially weighted mean.
+//! Time is a count of whole seconds. A slot that was observed for less than half of its length keeps its
+//! mean. The expected power of a slot without any observation is the exponentially weighted mean.
 
 use super::storage::Relaxation;
 use crate::part::bounds::{Bounds, ParameterError};
@@ -20,17 +20,17 @@ use crate::scalar::{CompensatedSum, Scalar, add_increment};
 /// Seconds in a day.
 pub(crate) const DAY_SECONDS: u32 = 86_400;
 
-/// Parameters of the memory of the income.
+/// Parameters of the income memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct IncomeParameters<S> {
-    /// Time constant of the exponentially weighted mean in seconds, 1 to 10⁹.
+    /// Time constant of the exponentially weighted mean in s, 1 to 10⁹.
     pub time_constant: S,
     /// Weight of the newest day in the mean of a slot, 10⁻³ to 1.
     pub day_weight: S,
 }
 
-/// The memory of the income with the day divided into `SLOTS` slots, 1 to 1440, equal to the second.
+/// The income memory with the day divided into `SLOTS` slots, 1 to 1440, of equal length to within a second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Income<S, const SLOTS: usize> {
@@ -38,21 +38,21 @@ pub(crate) struct Income<S, const SLOTS: usize> {
     day_weight: S,
 }
 
-/// The state of the memory of the income. Energies and powers are at the harvester's terminals.
+/// The state of the income memory. Energies and powers are at the harvester's terminals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct IncomeState<S, const SLOTS: usize> {
     /// Whole seconds since a midnight.
     second: u32,
-    /// Exponentially weighted mean in watts, and what rounding took from it.
+    /// Exponentially weighted mean in W, and the part that rounding removed.
     mean: [S; 2],
-    /// Sum of the weights in the mean, from 0 towards 1, and what rounding took from it.
+    /// Sum of the weights in the mean, from 0 towards 1, and the part that rounding removed.
     weight: [S; 2],
-    /// Mean power of each slot in watts; −1 for a slot without an observation.
+    /// Mean power of each slot in W; −1 for a slot without an observation.
     slots: [S; SLOTS],
-    /// Energy in joules in the observed part of the present slot.
+    /// Energy in J in the observed part of the present slot.
     energy: CompensatedSum<S>,
-    /// Length of the observed part of the present slot in seconds.
+    /// Length in s of the observed part of the present slot.
     observed: u32,
 }
 
@@ -60,7 +60,7 @@ impl<S: Scalar> IncomeParameters<S> {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// The first field that is out of its bounds.
+    /// The first field outside its bounds.
     pub(crate) fn build<const SLOTS: usize>(self) -> Result<Income<S, SLOTS>, ParameterError<S>> {
         Bounds::new(1.0, 1e9).check("time_constant", self.time_constant)?;
         Bounds::new(1e-3, 1.0).check("day_weight", self.day_weight)?;
@@ -96,14 +96,14 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
         if ahead > u32::MAX / 2 { 0 } else { ahead }
     }
 
-    /// Exponentially weighted mean of the harvested power in watts; 0 before any income.
+    /// Exponentially weighted mean of the harvested power in W; 0 before any income.
     #[must_use]
     pub(super) fn mean_power(&self) -> S {
         self.mean[0]
     }
 
-    /// Expected mean power of a slot in watts: the mean of that slot, or the exponentially weighted mean for
-    /// a slot without an observation.
+    /// Expected mean power of a slot in W: the mean of that slot, or the exponentially weighted mean for a
+    /// slot without an observation.
     #[must_use]
     pub(crate) fn expected_power(&self, slot: usize) -> S {
         match self.slots.get(slot) {
@@ -120,7 +120,7 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
 }
 
 impl<S: Scalar, const SLOTS: usize> Income<S, SLOTS> {
-    /// Advances the time by `interval` seconds in which `energy` joules came in evenly.
+    /// Advances the time by `interval` in s with an evenly distributed income of `energy` in J.
     ///
     /// An interval longer than the shortest slot changes the exponentially weighted mean only.
     pub(crate) fn update(&self, state: &mut IncomeState<S, SLOTS>, interval: u32, energy: S) {
@@ -147,7 +147,7 @@ impl<S: Scalar, const SLOTS: usize> Income<S, SLOTS> {
         state.second = state.second.wrapping_add(interval);
     }
 
-    /// Advances the time by `interval` seconds with unknown income. The slots in the interval keep their means.
+    /// Advances the time by `interval` in s with unknown income. The slots in the interval keep their means.
     pub(crate) fn gap(&self, state: &mut IncomeState<S, SLOTS>, interval: u32) {
         let slot = state.slot();
         let before_end = end_of::<SLOTS>(slot) - state.second % DAY_SECONDS;
@@ -184,7 +184,7 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
     }
 }
 
-/// A number and what rounding took from it, after a small increment.
+/// A number and the part that rounding removed, after a small increment.
 fn moved<S: Scalar>([high, low]: [S; 2], increment: S) -> [S; 2] {
     let (high, low) = add_increment(high, low, increment);
     [high, low]
@@ -211,7 +211,7 @@ pub(super) fn end_of<const SLOTS: usize>(slot: usize) -> u32 {
     start_of::<SLOTS>(slot + 1)
 }
 
-/// Length in seconds of the shortest slot; the longest is at most a second longer.
+/// Length in s of the shortest slot; the longest is at most a second longer.
 pub(super) const fn shortest_slot<const SLOTS: usize>() -> u32 {
     const { DAY_SECONDS / SLOTS as u32 }
 }
@@ -251,7 +251,7 @@ mod tests {
 
     #[test]
     fn the_mean_weighs_by_age_and_not_by_number() {
-        // However finely an income is cut into intervals, the mean is that of the weighted integral.
+        // The mean is that of the weighted integral, for any division of an income into intervals.
         let income = model::<48>();
         for interval in [1_u32, 7, 60, 600] {
             let mut state = IncomeState::at(0);
@@ -274,7 +274,7 @@ mod tests {
         let income = model::<7>();
         let mut state = IncomeState::at(5);
         let power = |day: u32, slot: usize| f64::from(day + 1) * 1e-3 * (slot + 1) as f64;
-        // Updates of 61 s fall across slots: 12 342 s is not a multiple of it. Constant within a slot.
+        // Updates of 61 s cross the edges of slots: 12 342 s is not a multiple of 61 s. Constant within a slot.
         for second in (5..4 * DAY_SECONDS).step_by(61) {
             let day_of = |s: u32| power(s / DAY_SECONDS, slot_at::<7>(s % DAY_SECONDS));
             let energy: f64 = (second..second + 61).map(day_of).sum();
@@ -287,7 +287,7 @@ mod tests {
                 .zip(0..)
                 .map(|(weight, day)| weight * power(day, slot))
                 .sum::<f64>();
-            // An update across the edge spreads evenly what came unevenly: 61 s in 12 342 s.
+            // An update across an edge spreads an uneven income evenly: 61 s in 12 342 s.
             assert!((state.expected_power(slot) / expected - 1.0).abs() < 61.0 / 12_342.0, "{slot}");
         }
     }
@@ -299,7 +299,7 @@ mod tests {
         for _ in 0..60 {
             income.update(&mut state, 60, 0.06);
         }
-        // Twenty minutes of the second hour are too few; then it is off until 05:30.
+        // Twenty minutes of the second hour are too few; then the node is off until 05:30.
         for _ in 0..20 {
             income.update(&mut state, 60, 0.12);
         }
@@ -313,7 +313,7 @@ mod tests {
         }
         assert_eq!(slots_learnt(&state), 2);
         assert!((state.expected_power(5) - 4e-3).abs() < 1e-15);
-        // A day without word changes nothing but the time.
+        // A day without income data changes only the time.
         let before = state;
         income.gap(&mut state, DAY_SECONDS);
         assert_eq!(state, IncomeState { second: before.second + DAY_SECONDS, ..before });
@@ -332,7 +332,7 @@ mod tests {
 
     #[test]
     fn single_precision_forgets_as_double_does_at_an_update_a_second() {
-        // A weight of 2e-6 an update: without the remainder the mean would stall a few per cent off.
+        // A weight of 2e-6 an update: without the remainder the mean would stall with an error of a few per cent.
         let parameters = |time_constant| IncomeParameters { time_constant, day_weight: 0.5 };
         let double = parameters(500_000.0).build::<48>().expect("within bounds");
         let single = IncomeParameters::<f32> { time_constant: 500_000.0, day_weight: 0.5 };

@@ -1,4 +1,4 @@
-//! The energy ledger: what the base put in, against what was stored, lost and delivered.
+//! Balances the energies of a run: the work of the base against the energy stored, lost and delivered.
 //!
 //! ```text
 //! Δ(mechanical) = ∫ base − ∫ dissipation − ∫ electrostatic work − losses in contact
@@ -6,40 +6,40 @@
 //! Δ(storage)    = ∫ load − ∫ leakage − ∫ draw
 //! ```
 //!
-//! The third holds where a storage capacitor is behind a rectifier. The identities hold along any exact trajectory
-//! (multiply the equation of motion by the velocity, the circuit's by the voltage), so the residual is the error of
-//! the integration. A small residual says nothing about the error of a method that conserves energy at any step:
-//! that of bump-stop.
+//! The third balance applies to a storage capacitor behind a rectifier. The identities hold along any exact
+//! trajectory (multiply the equation of motion by the velocity, and that of the circuit by the voltage), so
+//! the residual is the error of the integration. The method of bump-stop conserves energy at any step: there
+//! a small residual says nothing about the error.
 
 use super::meter::Integrals;
 use crate::observer::{AcceptedStep, Event, Observer, Outputs, PowerIndex, StorageOutput, StoredEnergy};
 use crate::scalar::{CompensatedSum, Scalar};
 
-/// Residuals of the ledgers in J, and the energy that they are compared with.
+/// Residuals of the balances in J, and the energy for comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Residual<S> {
-    /// Residual of the mechanical ledger.
+    /// Residual of the mechanical balance.
     pub mechanical: S,
-    /// Residual of the electrical ledger.
+    /// Residual of the electrical balance.
     pub electrical: S,
-    /// Residual of the ledger of the storage behind a rectifier; 0 without one.
+    /// Residual of the balance of the storage behind a rectifier; 0 without one.
     pub storage: S,
-    /// The larger of `∫ |base power| dt` and the peak of the stored energy.
+    /// The larger of `∫ |base power| dt` and the peak of the stored energy, in J.
     pub scale: S,
 }
 
 impl<S: Scalar> Residual<S> {
-    /// The larger residual of the sum of the mechanical and the electrical ledger and of the storage's, relative to
-    /// the scale; `None` if the scale is 0.
+    /// The larger of two residuals relative to the scale: that of the sum of the mechanical and the
+    /// electrical balance, and that of the storage. `None` if the scale is 0.
     ///
-    /// The sum closes only where the force law is that of the field.
+    /// The sum closes only if the force law is derived from the field.
     #[must_use]
     pub fn total(&self) -> Option<S> {
         self.relative((self.mechanical + self.electrical).abs().max(self.storage.abs()))
     }
 
-    /// The largest residual of the ledgers, relative to the scale; `None` if the scale is 0.
+    /// The largest residual of the balances, relative to the scale; `None` if the scale is 0.
     #[must_use]
     pub fn largest(&self) -> Option<S> {
         let harvester = self.mechanical.abs().max(self.electrical.abs());
@@ -51,7 +51,7 @@ impl<S: Scalar> Residual<S> {
     }
 }
 
-/// Draws up the ledger of a run that integrates all powers.
+/// Balances the energies of a run that integrates all powers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ledger<S> {
     integrals: Integrals<S>,
@@ -109,12 +109,12 @@ impl<S: Scalar> Ledger<S> {
         self.losses.value()
     }
 
-    /// Energy in J that the storage gained; `None` without a storage, and for a DC bus.
+    /// Energy gained by the storage in J; `None` without a storage, and for a DC bus.
     fn stored(&self) -> Option<S> {
         self.storage_now?.gained_since(&self.storage_at_start?)
     }
 
-    fn look(&mut self, outputs: &Outputs<'_, S>) {
+    fn update(&mut self, outputs: &Outputs<'_, S>) {
         self.now = outputs.stored;
         self.storage_now = outputs.storage;
         self.peak = self.peak.max(self.now.total());
@@ -125,12 +125,12 @@ impl<S: Scalar> Observer<S> for Ledger<S> {
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         self.integrals.add(step.energies, step.ticks);
         self.losses.add(step.contact.loss);
-        self.look(&step.end);
+        self.update(&step.end);
     }
 
     fn event(&mut self, event: &Event<'_, S>) {
         self.losses.add(event.loss);
         self.integrals.add_at_once(event.energies);
-        self.look(&event.after);
+        self.update(&event.after);
     }
 }

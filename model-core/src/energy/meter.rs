@@ -1,8 +1,8 @@
-//! Meters: observers that add up what a run integrates.
+//! Sums the integrals of a run.
 //!
-//! Energy is the integral of a power over each step by the stage weights of the method, not a sample at the end of a
-//! step: the power of these harvesters comes in spikes of a fraction of a millisecond. Sums are compensated, so a day
-//! of simulated time drifts in `f32` by one rounding.
+//! Energy is the integral of a power over each step with the stage weights of the method, not a sample at the
+//! end of a step: the power of these harvesters comes in spikes of a fraction of a millisecond. Sums are
+//! compensated, so the error of a day of simulated time in `f32` is one rounding.
 
 use crate::clock::Instant;
 use crate::integrate::Cubic;
@@ -29,7 +29,7 @@ impl<S: Scalar> Integrals<S> {
         self.ticks = self.ticks.wrapping_add(u64::from(ticks));
     }
 
-    /// Adds the part of each integral that passed in no time.
+    /// Adds the instantaneous part of each integral.
     #[inline]
     pub(crate) fn add_at_once(&mut self, energies: &[S]) {
         for (sum, &energy) in self.sums.iter_mut().zip(energies) {
@@ -39,13 +39,13 @@ impl<S: Scalar> Integrals<S> {
         }
     }
 
-    /// Integral of a power over the elapsed time, in the unit of the power times s; 0 where it was not integrated.
+    /// Integral of a power over the elapsed time, in the unit of the power times s; 0 if it was not integrated.
     #[must_use]
     pub fn integral(&self, power: PowerIndex) -> S {
         self.sums.get(power as usize).map_or(S::ZERO, CompensatedSum::value)
     }
 
-    /// Mean of a power over the elapsed time, in the unit of the power; 0 before any time.
+    /// Mean of a power over the elapsed time, in the unit of the power; 0 at time zero.
     #[must_use]
     pub fn mean(&self, power: PowerIndex) -> S {
         if self.ticks == 0 { S::ZERO } else { self.integral(power) / self.seconds() }
@@ -58,7 +58,7 @@ impl<S: Scalar> Integrals<S> {
     }
 }
 
-/// What a sensor node needs: energy delivered to the load, and mean power.
+/// The meter of a sensor node: energy delivered to the load, and mean power.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PowerMeter<S> {
     delivered: CompensatedSum<S>,
@@ -78,7 +78,7 @@ impl<S: Scalar> PowerMeter<S> {
         self.delivered.value()
     }
 
-    /// Mean power delivered to the load, in W; 0 before any time.
+    /// Mean power delivered to the load, in W; 0 at time zero.
     #[must_use]
     pub fn mean_power(&self) -> S {
         if self.ticks == 0 { S::ZERO } else { self.delivered_energy() / self.seconds() }
@@ -121,9 +121,9 @@ impl<S: Scalar> Observer<S> for PowerMeter<S> {
 /// The smallest and the largest value of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak<S> {
-    /// Smallest value; infinite before any.
+    /// Smallest value; infinite before the first step.
     pub lowest: S,
-    /// Largest value; minus infinity before any.
+    /// Largest value; minus infinity before the first step.
     pub highest: S,
 }
 
@@ -132,7 +132,7 @@ impl<S: Scalar> Peak<S> {
         Self { lowest: S::INFINITY, highest: -S::INFINITY }
     }
 
-    /// Includes a step with the turning points inside it.
+    /// Includes a step with the extrema inside it.
     #[inline]
     fn include(&mut self, cubic: &Cubic<S>) {
         self.lowest = cubic.smallest().min(self.lowest);
@@ -144,7 +144,7 @@ impl<S: Scalar> Peak<S> {
         self.include(&Cubic::new(start.value, start.rate, end.value, end.rate, step));
     }
 
-    /// Largest magnitude; 0 before any.
+    /// Largest magnitude; 0 before the first step.
     #[must_use]
     pub fn magnitude(&self) -> S {
         self.highest.max(-self.lowest).max(S::ZERO)
@@ -219,7 +219,7 @@ impl<S: Scalar> RunMeter<S> {
         }
     }
 
-    /// A meter at zero that does not count a contact that is closed at `outputs`.
+    /// A meter at zero. A contact that is closed at `outputs` is not counted.
     #[must_use]
     pub fn starting_at(outputs: &Outputs<'_, S>) -> Self {
         Self { in_contact: outputs.in_contact, ..Self::new() }
@@ -267,7 +267,7 @@ impl<S: Scalar> RunMeter<S> {
         if self.integrals.ticks == 0 { S::ZERO } else { seconds / self.integrals.seconds() }
     }
 
-    /// Counts a contact that begins at `at`, unless it continues.
+    /// Counts a contact that begins at `at`, unless it continues the previous one.
     fn touch(&mut self, at: Instant) {
         if !self.in_contact {
             self.contacts = self.contacts.saturating_add(1);
@@ -289,7 +289,8 @@ impl<S: Scalar> Observer<S> for RunMeter<S> {
         for (peak, (start, end)) in self.motions.iter_mut().zip(ends) {
             peak.include_motion(*start, *end, step.step);
         }
-        // The mean gives a better curve than the rates: the rate of the voltage of a stiff circuit is a small difference.
+        // A parabola through the mean is more accurate than a cubic of the rates: the rate of the voltage of
+        // a stiff circuit is a small difference.
         self.voltage.include(&Cubic::with_mean(step.start.voltage, step.end.voltage, step.mean_voltage));
         if step.start.stick {
             self.stick_ticks = self.stick_ticks.wrapping_add(u64::from(step.ticks));
@@ -311,7 +312,7 @@ impl<S: Scalar> Observer<S> for RunMeter<S> {
             self.fastest_impact = self.fastest_impact.max(speed);
             self.in_contact = false;
             self.touch(event.at);
-            // A contact that the impact closes is the same contact.
+            // A contact that begins with the impact is the same contact.
             self.in_contact = true;
         }
         if event.after.stick && !event.before.stick {

@@ -1,9 +1,8 @@
-//! Decisions of a node: how often an action can be run for ever, and whether it can be run now.
+//! Decisions of a node: the rate at which an action can run for ever, and whether it can run now.
 //!
-//! The forecast of the coming day is the income that the memory expects of each slot, the standing load, and
-//! a load that is cut at the lock-out without hysteresis. A *pass* is one walk through the `SLOTS + 1`
-//! stretches of that day, with two multiplications and a few additions per stretch. A forecast takes four
-//! exponentials.
+//! The forecast of the coming day consists of the expected income of each slot, the standing load, and a cut
+//! of the load at the lock-out without hysteresis. A *pass* is one walk through the `SLOTS + 1` stretches of
+//! that day, with two multiplications and a few additions per stretch. A forecast takes four exponentials.
 
 use super::action::Action;
 use super::budget::{Budget, BudgetState};
@@ -12,12 +11,12 @@ use super::income::DAY_SECONDS;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
-    /// The rate in 1/s at which an action can be run for ever if every day is like the forecast; 0 if never.
+    /// The rate in 1/s at which an action can run for ever if every day is like the forecast; 0 if never.
     ///
     /// This is the energy-neutral operation of Kansal and others (2007) for a storage of finite size with
     /// losses: the largest uniform rate at which the storage, from its certain energy, never falls below the
-    /// lock-out plus one action, and a day ends with no less than it began with. The day may begin with less
-    /// than the certain energy, so a full storage need not stay full. Actions do not overlap.
+    /// lock-out plus one action, and no day ends with less energy than it began with. The day may begin with
+    /// less than the certain energy, so a full storage need not stay full. Actions do not overlap.
     ///
     /// Cost: 53 passes.
     #[must_use]
@@ -35,14 +34,14 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         (spare / action.energy()).min(S::ONE / action.duration())
     }
 
-    /// Whether an action can be run at the present second `now` of the clock: it can be afforded, and by the
-    /// forecast it leaves no more of the standing load of the coming day unserved.
+    /// Whether an action can run at the present second `now` of the clock: it can be afforded, and by the
+    /// forecast it does not increase the unserved standing load of the coming day.
     ///
     /// The first condition is certain ([`Budget::can_afford`]), the second is as good as the forecast. Before
-    /// a night without income it keeps the energy that the night takes. It does not hold an action back where
-    /// the storage fills up or runs out in any case.
+    /// a night without income the second condition reserves the energy for the night. It does not hold back
+    /// an action if the storage fills up or runs out in any case.
     ///
-    /// Cost: five exponentials and two passes, or one exponential where the action cannot be afforded.
+    /// Cost: five exponentials and two passes, or one exponential if the action cannot be afforded.
     #[must_use]
     pub fn can_run_now(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>, now: u32) -> bool {
         if !self.can_afford(state, action, now) {
@@ -143,7 +142,7 @@ mod tests {
             let action = Action::new("measure", energy, 0.01).expect("finite");
             let rate = budget.sustainable_rate(&state, &action);
             let floor = budget.storage().lock_out();
-            // Forty days use up the energy that is there at the start.
+            // In forty days the initial energy is used up.
             let under =
                 |rate: f64| lowest(&storage, [state.energy(), standing], hour, 40, [energy, 1.0 / rate]);
             assert!(under(rate) >= floor, "{storage:?} {rate}");
@@ -159,7 +158,7 @@ mod tests {
         let action = Action::new("measure", 1e-3, 0.01).expect("finite");
         let neutral = (20e-6 * 0.8 * 0.9 - 3e-6) / 1e-3;
         assert!((budget.sustainable_rate(&state, &action) / neutral - 1.0).abs() < 1e-6);
-        // An action that the storage cannot hold, and one without any income, can never be run.
+        // An action beyond the capacity of the storage, and one without any income, can never run.
         let huge = Action::new("transmit", 20.0, 1.0).expect("finite");
         assert_eq!(budget.sustainable_rate(&state, &huge), 0.0);
         let dark = knowing(&budget, |_| 0.0, 0, 4.0);

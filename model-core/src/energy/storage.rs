@@ -1,47 +1,47 @@
-//! The energy storage as a budget sees it: one number, the energy in it, and what becomes of that over time.
+//! Computes the energy in a storage over time.
 //!
-//! A capacitor of capacitance `C` at voltage `V` holds `E = C V²/2`. Its leakage resistance `R` takes
-//! `V²/R = 2 E/(R C)`, so between two updates, with an income and a load that are constant,
+//! A capacitor of capacitance `C` at voltage `V` holds `E = C V²/2`. Its leakage resistance `R` takes `V²/R =
+//! 2 E/(R C)`. Between two updates, with constant income and load of the net power `p`,
 //!
 //! ```text
 //! E' = p − λ E,   λ = 2/(R C):      E(h) = E₀ e^(−x) + p h (1 − e^(−x))/x,   x = λ h
 //! ```
 //!
-//! which is exact however long the interval. Above the highest voltage the income is shunted; below the
-//! lock-out voltage the load gets nothing until the turn-on voltage is reached again. Converters lose a
-//! constant part of what passes through them; what they draw when idle belongs to the load.
+//! which is exact for any interval `h`. Above the highest voltage the income is shunted; at the lock-out
+//! voltage the load is disconnected until the voltage reaches the turn-on voltage. Converters lose a constant
+//! part of the energy that they convert; their idle power belongs to the load.
 
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::part::preset::Preset;
 use crate::scalar::{Mathematics, Scalar, horner};
 
-/// What a storage is made of.
+/// Parameters of a storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StorageParameters<S> {
-    /// Capacitance in farads.
+    /// Capacitance in F, 10⁻⁹ to 10⁵.
     pub capacitance: S,
-    /// Leakage resistance across it in ohms; infinity: no leakage.
+    /// Leakage resistance in Ω, 1 or more; infinity for no leakage.
     pub leakage_resistance: S,
-    /// Part of the harvested energy that reaches the storage, above 0 and at most 1.
+    /// Part of the harvested energy that reaches the storage, 0.01 to 1.
     pub charging_efficiency: S,
-    /// Part of the energy taken from the storage that reaches the load, above 0 and at most 1.
+    /// Part of the energy taken from the storage that reaches the load, 0.01 to 1.
     pub discharging_efficiency: S,
-    /// Voltage in volts at which further income is shunted.
+    /// Voltage in V at which further income is shunted, 0.01 to 1000.
     pub highest_voltage: S,
-    /// Voltage in volts at or below which the load is switched off.
+    /// Voltage in V at or below which the load is switched off, 0 to `highest_voltage`.
     pub lock_out_voltage: S,
-    /// Voltage in volts at which a load that was switched off is switched on again. Nothing here depends on it:
-    /// a node that runs has passed it.
+    /// Voltage in V at which the load is switched on again, `lock_out_voltage` to `highest_voltage`. The
+    /// budget does not depend on it: a running node has passed it.
     pub turn_on_voltage: S,
 }
 
 impl<S: Scalar> StorageParameters<S> {
-    /// A capacitor of so many farads, ideal by itself, behind a part from the market; `None` for one without
-    /// thresholds or without a highest voltage, which are then the node's own to choose.
+    /// An ideal capacitor of `capacitance` in F behind a commercial part; `None` for a part without
+    /// thresholds or without a highest voltage, which the node must then choose.
     ///
-    /// What the part takes while the node is connected, beside the leakage that stands for it locked out, belongs
-    /// to the standing load: [`Preset::power_at_store`].
+    /// The leakage resistance represents the consumption of the locked-out part. Its further consumption
+    /// while the node is connected belongs to the standing load: [`Preset::power_at_store`].
     #[must_use]
     pub fn behind(part: &Preset<S>, capacitance: S) -> Option<Self> {
         let lockout = part.lockout.filter(|_| part.highest_voltage < S::INFINITY)?;
@@ -59,7 +59,7 @@ impl<S: Scalar> StorageParameters<S> {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// The first field that is out of its bounds.
+    /// The first field outside its bounds.
     pub fn build(self) -> Result<Storage<S>, ParameterError<S>> {
         Bounds::new(1e-9, 1e5).check("capacitance", self.capacitance)?;
         Bounds::new(1.0, f64::INFINITY).check("leakage_resistance", self.leakage_resistance)?;
@@ -81,76 +81,76 @@ impl<S: Scalar> StorageParameters<S> {
     }
 }
 
-/// A storage whose parameters have been checked. Energies are in joules at the storage.
+/// A storage with checked parameters. Energies are in J at the storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Storage<S> {
     parameters: StorageParameters<S>,
     /// `λ` in 1/s.
     leakage_rate: S,
-    /// Joules drawn from the storage per joule used by the load.
+    /// Energy from the storage per energy used by the load.
     drawn_per_used: S,
     capacity: S,
     lock_out: S,
 }
 
 impl<S: Scalar> Storage<S> {
-    /// What it is made of.
+    /// The parameters.
     #[must_use]
     pub fn parameters(&self) -> &StorageParameters<S> {
         &self.parameters
     }
 
-    /// Stored energy at a voltage in volts, without the limit of the highest voltage.
+    /// Stored energy in J at a voltage in V, without the limit of the highest voltage.
     #[must_use]
     pub fn energy(&self, voltage: S) -> S {
         S::from_f64(0.5) * self.parameters.capacitance * voltage * voltage
     }
 
-    /// Voltage in volts at a stored energy; 0 at or below none. One square root.
+    /// Voltage in V at a stored energy in J; 0 for an energy at or below 0. One square root.
     #[must_use]
     pub fn voltage(&self, energy: S) -> S {
         (S::from_f64(2.0) * energy / self.parameters.capacitance).sqrt()
     }
 
-    /// Energy at the highest voltage.
+    /// Energy in J at the highest voltage.
     #[must_use]
     pub(crate) fn capacity(&self) -> S {
         self.capacity
     }
 
-    /// Energy at the lock-out voltage, which no load can use.
+    /// Energy in J at the lock-out voltage, not available to the load.
     #[must_use]
     pub(crate) fn lock_out(&self) -> S {
         self.lock_out
     }
 
-    /// What reaches the storage of an energy harvested.
+    /// Energy in J into the storage for a harvested energy in J.
     #[must_use]
     #[inline]
     pub fn stored(&self, harvested: S) -> S {
         harvested * self.parameters.charging_efficiency
     }
 
-    /// What the storage gives for an energy used by the load.
+    /// Energy in J from the storage for an energy in J used by the load.
     #[must_use]
     #[inline]
     pub(crate) fn drawn(&self, used: S) -> S {
         used * self.drawn_per_used
     }
 
-    /// How the storage relaxes over an interval in seconds, at or above 0. At most one exponential.
+    /// The relaxation of the storage over an interval in s, at or above 0. At most one exponential.
     #[must_use]
     pub(crate) fn relaxation(&self, seconds: S) -> Relaxation<S> {
         Relaxation::new(self.leakage_rate * seconds)
     }
 
-    /// What becomes of `energy` over the interval of `relaxation`, in which `income` comes in and `outgo`
-    /// is asked for, each evenly and both in joules at the storage.
+    /// Advances a stored `energy` over the interval of `relaxation`, with the evenly distributed energies
+    /// `income` and `outgo`, all in J at the storage.
     ///
-    /// The load can take the storage down to its lock-out, which only leakage goes below. The storage ends
-    /// where it exactly would; of what is lost at a full storage, the leakage is taken as if nothing were
-    /// shunted before the end, so that up to `x/2` of the shunted energy may stand under leakage.
+    /// The load can discharge the storage to its lock-out, and only leakage goes below. The energy at the end
+    /// is exact. For a full storage the leakage is computed as if nothing were shunted before the end, so
+    /// that up to `x/2` of the shunted energy may be counted as leakage.
     #[must_use]
     pub(crate) fn step(&self, energy: S, relaxation: &Relaxation<S>, income: S, outgo: S) -> StorageStep<S> {
         let net = income - outgo;
@@ -172,37 +172,37 @@ impl<S: Scalar> Storage<S> {
     }
 }
 
-/// What an interval did to a storage, in joules at the storage.
+/// The result of an interval, in J at the storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct StorageStep<S> {
     /// Energy at the end.
     pub end: S,
-    /// Change that a storage without limits would have seen: `end` less the start where nothing was shunted
-    /// or left unserved, and not rounded to the size of the storage.
+    /// Change of a storage without limits: `end` less the start if nothing was shunted or left unserved, and
+    /// not rounded to the size of the storage.
     pub change: S,
-    /// Lost by leakage.
+    /// Leaked energy.
     pub leaked: S,
     /// Income for which there was no room.
     pub shunted: S,
-    /// What the load asked for and did not get.
+    /// Requested energy that the load did not get.
     pub unserved: S,
 }
 
-/// The closed forms of an interval of ratio `x = λ h`: 0 where nothing leaks.
+/// The closed forms of an interval of ratio `x = λ h`; `x = 0` without leakage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Relaxation<S> {
     ratio: S,
-    /// `e^(−x)`: part of the energy at the start that is left at the end.
+    /// `e^(−x)`: remaining part of the initial energy.
     pub kept: S,
-    /// `(1 − e^(−x))/x`: part of an even income that is left at the end.
+    /// `(1 − e^(−x))/x`: remaining part of an even income.
     pub of_income: S,
     /// `(1 − (1 − e^(−x))/x)/x`.
     second: S,
 }
 
-/// Below this ratio the closed forms cancel and their series are used.
+/// Ratio below which the closed forms cancel and their series are used.
 const SERIES_RATIO: f64 = 0.5;
 
 /// `Σ (−x)ⁿ/(n+2)!` up to the rounding of `f64` at [`SERIES_RATIO`].
@@ -229,28 +229,27 @@ impl<S: Scalar> Relaxation<S> {
         }
     }
 
-    /// What leaks of `energy` at the start and of `net` that comes in evenly, without a difference of large
-    /// numbers.
+    /// Leakage in J of `energy` at the start and an even net income `net`, both in J, without cancellation.
     #[inline]
     fn leaked(&self, energy: S, net: S) -> S {
         self.ratio * (energy * self.of_income + net * self.second)
     }
 
-    /// `1 − e^(−x)`: part of the energy at the start that leaks.
+    /// `1 − e^(−x)`: leaked part of the initial energy.
     #[must_use]
     #[inline]
     pub(crate) fn lost(&self) -> S {
         self.ratio * self.of_income
     }
 
-    /// Part of an even income that leaks.
+    /// Leaked part of an even income.
     #[must_use]
     #[inline]
     pub(crate) fn lost_of_income(&self) -> S {
         self.ratio * self.second
     }
 
-    /// What is left of an even income above what is left of one that came at the start, per joule.
+    /// Remaining part of an even income less that of an income at the start.
     #[must_use]
     #[inline]
     pub(crate) fn lost_by_early_income(&self) -> S {
@@ -270,7 +269,7 @@ impl<S: Scalar> Relaxation<S> {
 pub(super) mod tests {
     use super::*;
 
-    /// 220 µF with 10 MΩ across it, 0.8 and 0.9 efficient, used from 1.8 V to 4.5 V, on again at 2.4 V.
+    /// 220 µF with 10 MΩ across it, efficiencies 0.8 and 0.9, from 1.8 V to 4.5 V, turned on at 2.4 V.
     pub(crate) fn example<S: Scalar>() -> StorageParameters<S> {
         StorageParameters {
             capacitance: S::from_f64(220e-6),
@@ -291,7 +290,7 @@ pub(super) mod tests {
                 Some(lockout) => {
                     let storage = storage.and_then(Result::ok).expect("within bounds");
                     assert_eq!(storage.lock_out(), 0.5e-3 * lockout.turn_off * lockout.turn_off);
-                    // What leaks at the turn-on voltage is the quiescent current.
+                    // The leakage at the turn-on voltage is the quiescent current.
                     let leaked =
                         storage.energy(storage.parameters().turn_on_voltage) * storage.relaxation(1.0).lost();
                     let expected = lockout.turn_on * part.quiescent_locked_out;
@@ -315,7 +314,7 @@ pub(super) mod tests {
     fn closed_form_is_the_solution_of_the_differential_equation() {
         // RK4 with steps of a thousandth of the interval, or of the time constant.
         for resistance in [f64::INFINITY, 1e9, 10e6, 1.2e6, 1e5, 3e3] {
-            // With a lock-out, the leakier ones would reach it.
+            // With a lock-out, the storages with more leakage would reach it.
             let parameters = StorageParameters {
                 leakage_resistance: resistance,
                 lock_out_voltage: 0.0,
@@ -348,7 +347,7 @@ pub(super) mod tests {
             };
             let single = single.build().expect("within bounds");
             let step = single.step(1e-3, &single.relaxation(60.0), 4e-5, 1e-5);
-            // The rounding of x is one of its exponential; changes are rounded as the start is.
+            // The rounding of x is a relative error of its exponential; changes are rounded like the start.
             let allowed = 4e-7 * (1.0 + rate * seconds) * energy + 2e-7 * start;
             assert!((f64::from(step.end) - energy).abs() < allowed, "{resistance}");
         }
@@ -381,7 +380,7 @@ pub(super) mod tests {
         assert!(full.end == storage.capacity() && full.shunted > 8e-4);
         let empty = balance(storage.lock_out() + 5e-5, 0.0, 1e-4);
         assert!(empty.end == storage.lock_out() && empty.unserved > 5e-5);
-        // What is below the lock-out already only leaks.
+        // Below the lock-out the storage only leaks.
         let below = balance(storage.lock_out() * 0.5, 0.0, 1e-4);
         assert!((below.unserved - 1e-4).abs() < 1e-17);
         assert!((below.end - storage.lock_out() * 0.5 * relaxation.kept).abs() < 1e-18);

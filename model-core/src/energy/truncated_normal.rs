@@ -7,8 +7,8 @@ const PANELS: u32 = 12;
 
 /// Mean and variance of the standard normal distribution truncated to `low` to `high`.
 ///
-/// Simpson's rule on the density relative to its largest value in the interval, which neither underflows nor
-/// cancels in the tails. The mean is within 10⁻³, the variance within 5·10⁻³ of itself.
+/// Simpson's rule on the density relative to its largest value in the interval, which neither underflows nor cancels
+/// in the tails. The error of the mean is below 10⁻³, the relative error of the variance below 5·10⁻³.
 pub(super) fn moments_within<S: Scalar>(low: S, high: S) -> (S, S) {
     // The point of largest density, and the distance over which the density falls by e^(−12.5).
     let peak = S::ZERO.max(low).min(high);

@@ -1,4 +1,4 @@
-//! What the estimator adds up along the steps, and what it says of it.
+//! The sums of the estimator along the steps, and its estimate.
 
 use crate::clock::Instant;
 use crate::integrate::step_control::REMEMBERED_RADIANS;
@@ -6,28 +6,28 @@ use crate::observer::{AcceptedStep, Event, Observer, PowerIndex, StorageOutput};
 use crate::scalar::{CompensatedSum, Scalar};
 use crate::snapshot::snapshot_fields;
 
-/// A power is a square: a small error of the state moves it twice as much.
+/// Relative error of a power per relative error of the state: a power is a square.
 const POWER_PER_STATE: f64 = 2.0;
-/// Roundings in the energy of a step: some tens of operations lie between a state and it.
+/// Roundings in the energy of a step, which some tens of operations compute from the state.
 const ENERGY_ROUNDINGS: f64 = 32.0;
-/// Roundings that a compensated sum makes, however many its terms (Kahan): the next part is smaller by their
-/// number times a rounding.
+/// Roundings of a compensated sum with any number of terms (Kahan); the next part is smaller by the number of
+/// terms times a rounding.
 const SUM_ROUNDINGS: f64 = 2.0;
 
-/// Delivered energy and the errors made in it, added up over steps.
+/// Delivered energy and its errors, summed over steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnergyAccumulator<S> {
-    /// Energy delivered to the load, in joules.
+    /// Energy delivered to the load, in J.
     energy: CompensatedSum<S>,
-    /// Magnitudes of the estimated local errors of that, in joules.
+    /// Magnitudes of the estimated local errors of the energy, in J.
     energy_error: CompensatedSum<S>,
-    /// Estimated local errors of the state, relative to what it is measured by.
+    /// Estimated local errors of the state, in the error norm of the scene.
     state_error: CompensatedSum<S>,
     ticks: u64,
 }
 
 impl<S: Scalar> EnergyAccumulator<S> {
-    /// Nothing yet.
+    /// The sums at zero.
     pub(super) const EMPTY: Self = Self {
         energy: CompensatedSum::ZERO,
         energy_error: CompensatedSum::ZERO,
@@ -41,26 +41,26 @@ impl<S: Scalar> EnergyAccumulator<S> {
         self.ticks = self.ticks.wrapping_add(u64::from(ticks));
     }
 
-    /// Energy delivered to the load, in joules.
+    /// Energy delivered to the load, in J.
     pub(super) fn energy(&self) -> S {
         self.energy.value()
     }
 
-    /// Integrated time in seconds.
+    /// Integrated time in s.
     pub(super) fn seconds(&self) -> S {
         Instant::from_ticks(self.ticks).seconds()
     }
 
-    /// Error of the energy by the method's own estimate, in joules.
+    /// Error of the energy by the method's own estimate, in J.
     pub(super) fn step_error(&self, angular_frequency: S) -> S {
-        // The state carries what was made within the radians for which it is remembered.
+        // The state carries the errors of the last `REMEMBERED_RADIANS` radians.
         let radians = (angular_frequency * self.seconds()).max(S::TINY);
         let remembered = S::from_f64(REMEMBERED_RADIANS).min(radians);
         let carried = self.state_error.value() * (remembered / radians);
         self.energy_error.value() + S::from_f64(POWER_PER_STATE) * carried * self.energy().abs()
     }
 
-    /// Error of the energy by rounding, in joules.
+    /// Error of the energy by rounding, in J.
     pub(super) fn rounding(&self) -> S {
         let of_state = POWER_PER_STATE * REMEMBERED_RADIANS;
         S::EPSILON * S::from_f64(ENERGY_ROUNDINGS + SUM_ROUNDINGS + of_state) * self.energy().abs()
@@ -70,7 +70,7 @@ impl<S: Scalar> EnergyAccumulator<S> {
 impl<S: Scalar> Observer<S> for EnergyAccumulator<S> {
     const READS_OUTPUTS: bool = false;
 
-    // A Cortex-M0 build outlines this otherwise, and then fills a whole `AcceptedStep` in memory.
+    // A Cortex-M0 build would outline this function and then store a complete `AcceptedStep` in memory.
     #[inline(always)]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         self.add(step.energy(PowerIndex::Load), step.ticks);
@@ -92,34 +92,34 @@ impl<S: Scalar> Observer<S> for EnergyAccumulator<S> {
 
 snapshot_fields!(impl [S: Scalar] EnergyAccumulator<S> { energy, energy_error, state_error, ticks });
 
-/// What is known of the harvest so far.
+/// The estimate of the harvest so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Estimate<S> {
-    /// Energy delivered to the load over the integrated time, in joules. Of unknown time it holds nothing.
+    /// Energy delivered to the load over the integrated time, in J. Unknown time contributes nothing.
     pub energy: S,
-    /// Mean power over the integrated time, in watts; 0 before any.
+    /// Mean power over the integrated time, in W; 0 at time zero.
     pub mean_power: S,
-    /// Integrated time in seconds.
+    /// Integrated time in s.
     pub seconds: S,
-    /// The storage as it is now; `None` for a harvester without one.
+    /// The present state of the storage; `None` for a harvester without one.
     pub storage: Option<StorageOutput<S>>,
-    /// How far this can be trusted.
+    /// The uncertainty of the energy.
     pub uncertainty: Uncertainty<S>,
 }
 
-/// How far an [`Estimate`] can be trusted: as a model's numbers.
+/// The uncertainty of an [`Estimate`] within the model.
 ///
-/// # By the step
+/// # Error of the steps
 ///
-/// The sum of two. The magnitudes of the local errors of the delivered energy, by the embedded third-order
-/// formula; and what the local errors of the state do to the energy: twice their mean per radian, for a
-/// power is a square, times the 20 radians for which the step control takes a motion to remember them.
-/// Measured in `f64` on the shipped scenes from rest, 5 s of their sine at 400 samples per second, relative
-/// to the energy; the actual error is the difference to a tolerance of 10⁻⁶, `e` the local errors of the
-/// energy:
+/// The figure is the sum of two terms: the magnitudes of the local errors of the delivered energy, by the
+/// embedded third-order formula, and the effect of the local errors of the state on the energy. The second
+/// term is twice the mean state error per radian, because a power is a square, times the 20 radians over
+/// which the step control lets state errors add up. Measured in `f64` on the shipped scenes from rest, 5 s of
+/// their sine at 400 samples per second, relative to the energy; the actual error is the difference to a
+/// tolerance of 10⁻⁶, `e` are the local errors of the energy:
 ///
-/// | scene | tolerance | actual | `Σ|e|` | `|Σe|` | `√Σe²` | figure | figure / actual |
+/// | scene | tolerance | actual | `Σ\|e\|` | `\|Σe\|` | `√Σe²` | figure | figure / actual |
 /// | --- | --- | --- | --- | --- | --- | --- | --- |
 /// | contact-separation, 100 MΩ | 1e-1 | 6.8e-3 | 3.2e-2 | 2.5e-2 | 1.6e-3 | 1.4e-1 | 21 |
 /// | | 1e-2 | 3.6e-3 | 3.7e-3 | 2.5e-3 | 8.6e-5 | 1.8e-2 | 5.1 |
@@ -138,43 +138,41 @@ pub struct Estimate<S> {
 /// | | 1e-3 | 3.9e-4 | 1.1e-4 | 6.5e-6 | 1.0e-6 | 1.7e-3 | 4.4 |
 /// | | 1e-4 | 3.7e-5 | 1.2e-5 | 1.2e-7 | 6.0e-8 | 1.8e-4 | 4.8 |
 ///
-/// No sum of the local errors of the energy alone tells the actual error: what the error of the state does
-/// is the larger part of it, up to a thirtyfold of `Σ|e|`. In sliding, where errors of the motion add up,
-/// the figure is within a factor of 2 of three times the actual error. In contact-separation an impact
-/// forgets part of them and they cancel over the periods: there it is an upper bound, by a factor of 1 to
-/// 20. In the first second after a start it can be half of the actual error, and at the largest tolerance
-/// in sliding 0.9 of it.
+/// The local errors of the energy alone do not predict the actual error: the effect of the state error is up to
+/// thirty times `Σ|e|`. In sliding, where errors of the motion add up, the figure is within a factor of 2 of three
+/// times the actual error. In contact-separation an impact removes part of the errors and they cancel over the
+/// periods: the figure is an upper bound, too large by a factor of 1 to 20. In the first second after a start the
+/// figure can be half of the actual error, and at the largest tolerance in sliding 0.9 of it.
 ///
-/// # By rounding
+/// # Rounding
 ///
-/// 74 roundings of the energy: those of the energy of a step; of the compensated sum, whose error does not
-/// grow with the number of steps; and one of the state in a radian, remembered likewise (a state is a pair
-/// of numbers, so its rounding does not grow with them either). Between `f32` and `f64` with the same steps
-/// 30 at most were found.
+/// 74 roundings of the energy: those of the energy of a step; those of the compensated sum, whose error does
+/// not grow with the number of steps; and one rounding of the state per radian over 20 radians (a state is a
+/// pair of numbers, so its rounding does not grow with the steps either). The largest difference between
+/// `f32` and `f64` with the same steps was 30 roundings.
 ///
 /// # Not covered
 ///
-/// A motion that is chaotic (bump-stop in contact), the straight lines between samples, and how well the
-/// model's parameters are those of the harvester.
+/// Chaotic motion (bump-stop in contact), the linear interpolation between samples, and the difference
+/// between the model's parameters and the real harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Uncertainty<S> {
-    /// Error of the energy in joules by the finite step, as the method estimates it; `None` for a method
-    /// without an estimate (RK4, the modal steps of bump-stop): choose its step on the host.
+    /// Error of the energy in J by the finite step, estimated by the method; `None` for a method without an
+    /// estimate (RK4, the modal steps of bump-stop): choose its step on the host.
     pub step: Option<S>,
-    /// Error of the energy in joules by rounding.
+    /// Error of the energy in J by rounding.
     pub rounding: S,
-    /// Samples that were lost.
+    /// Number of lost samples.
     pub missing_samples: u32,
-    /// Samples at the end of the sensor's range.
+    /// Number of samples at the end of the sensor's range.
     pub saturated_samples: u32,
-    /// Part of the integrated time, in seconds, of which the acceleration is interpolated across lost
-    /// samples or cut off at the sensor's range, or in which the harvester is still settling after a start
-    /// at rest.
+    /// Part of the integrated time, in s, in which the acceleration is interpolated across lost samples or
+    /// limited by the sensor's range, or in which the harvester is settling after a start at rest.
     pub uncertain_seconds: S,
-    /// Time in seconds that was not integrated.
+    /// Time in s that was not integrated.
     pub unknown_seconds: S,
-    /// All of it, relative: the errors by step and rounding over the energy, and the uncertain and unknown
-    /// seconds over all seconds, as if nothing at all were known of the power in them.
+    /// Total relative uncertainty: the errors by step and rounding over the energy, plus the uncertain and
+    /// unknown time over the total time, as if the power in this time were entirely unknown.
     pub relative: S,
 }

@@ -1,4 +1,4 @@
-//! Samples one by one, and what is done where they are not there: interpolation, giving up, starting anew.
+//! Takes samples one by one and handles missing ones: interpolation, loss and restart of the harvester.
 
 use super::state::{Phase, Queue};
 use super::{Estimator, EstimatorError, Sample};
@@ -6,7 +6,7 @@ use crate::scalar::Scalar;
 use crate::scene::Harvester;
 
 impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
-    /// Queues a sample, with those that were lost before it.
+    /// Queues a sample, with the samples lost before it.
     pub(super) fn take(&mut self, sample: Sample<S>) {
         let (target, saturated) = match sample {
             Sample::Good(acceleration) if acceleration.is_finite() => (acceleration, false),
@@ -21,7 +21,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         state.queue = Queue { from, target, saturated, restarts, length, left: length };
     }
 
-    /// Counts `count` samples that were lost; gives the harvester up where they are too many in a row.
+    /// Counts `count` lost samples; the state of the harvester becomes unknown after too many in a row.
     pub(super) fn lose(&mut self, count: u32) {
         let longest = u32::from(self.settings.longest_gap);
         let state = &mut self.state;
@@ -36,7 +36,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
                 state.missing = state.missing.saturating_add(count);
                 if state.missing > longest {
                     state.unknown_intervals = state.unknown_intervals.wrapping_add(state.missing.into());
-                    // The newest sample stands in for the one after it, so that the interval up to the newest
+                    // The newest sample replaces its successor, so that the interval up to the newest sample
                     // can be integrated.
                     state.missing -= 1;
                     state.phase = Phase::Lost;
@@ -47,14 +47,13 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         }
     }
 
-    /// Gives the harvester up in the interval in which a step could not be taken, with all samples that
-    /// were to follow.
+    /// Makes the state of the harvester unknown after a failed step, and discards the queued samples.
     #[cold]
     pub(super) fn lose_harvester(&mut self) {
         let state = &mut self.state;
         let queued = core::mem::take(&mut state.queue.left);
-        // The interval itself, the one up to the newest sample unless that only stands in, and the queued
-        // ones.
+        // The interval of the step, the interval up to the newest sample unless this sample is a replacement,
+        // and the queued intervals.
         let to_newest = u64::from(state.phase == Phase::Following);
         state.unknown_intervals = state.unknown_intervals.wrapping_add(1 + to_newest + u64::from(queued));
         state.missing = state.missing.saturating_add(queued);
@@ -73,14 +72,14 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
             return;
         }
         state.pending = true;
-        // Of the interval that is now known: between the oldest sample and the middle one.
+        // The interval that is now known lies between the oldest sample and the middle one.
         if state.uncertain & 0b110 != 0 || state.settling > 0 {
             state.uncertain_intervals = state.uncertain_intervals.wrapping_add(1);
         }
         state.settling = state.settling.saturating_sub(1);
     }
 
-    /// Starts the harvester anew at a sample.
+    /// Restarts the harvester at a sample.
     #[cold]
     pub(super) fn restart(&mut self, sample: S, uncertain: bool) -> Result<(), EstimatorError<S>> {
         let state = &mut self.state;

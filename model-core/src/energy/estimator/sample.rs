@@ -1,44 +1,44 @@
-//! What an accelerometer says: a value, a lower bound of one, or nothing.
+//! The reading of an accelerometer: a value, a lower bound of its magnitude, or no value.
 
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 use crate::snapshot::Fingerprint;
 
-/// One sample of the base's acceleration.
+/// One sample of the acceleration of the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Sample<S> {
     /// The acceleration in m/s².
     Good(S),
-    /// The sensor is at the end of its range, given in m/s²: the acceleration is at least that in magnitude.
+    /// The end of the sensor's range in m/s²: the magnitude of the acceleration is at least that of the end.
     Saturated(S),
     /// The sample was lost.
     Missing,
 }
 
-/// How an accelerometer's readings become accelerations, and where its range ends.
+/// The conversion of an accelerometer's readings to accelerations, and the limits of its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SampleFormat<S> {
-    /// Acceleration of a count in m/s², 10⁻⁹ to 10⁶ in magnitude; its sign turns the axis.
+    /// Acceleration per count in m/s², 10⁻⁹ to 10⁶ in magnitude; a negative value reverses the axis.
     pub scale: S,
-    /// Acceleration at a count of zero in m/s², at most 10⁶ in magnitude: minus what the sensor's bias and
-    /// gravity show at rest.
+    /// Acceleration at a count of zero in m/s², at most 10⁶ in magnitude: minus the reading at rest, which is
+    /// the bias of the sensor and gravity.
     pub offset: S,
-    /// Magnitude of a raw count from which on the sensor is saturated, 1 to 32 768.
+    /// Magnitude of a raw count from which the sensor is saturated, 1 to 32 768.
     pub count_limit: u16,
-    /// Magnitude of an acceleration in m/s² from which on the sensor is saturated, 10⁻⁹ to infinity.
+    /// Magnitude of an acceleration in m/s² from which the sensor is saturated, 10⁻⁹ to infinity.
     pub range: S,
 }
 
 impl<S: Scalar> SampleFormat<S> {
-    /// Readings in m/s² of a sensor that is saturated from `range` on, in m/s²; infinite if it never is.
+    /// Readings in m/s² of a sensor that is saturated from `range` in m/s²; infinite for a sensor without limit.
     #[must_use]
     pub fn accelerations(range: S) -> Self {
         Self { scale: S::ONE, offset: S::ZERO, count_limit: 1 << 15, range }
     }
 
-    /// Raw counts of `scale` m/s² with zero at rest, saturated from `count_limit` on.
+    /// Raw counts of `scale` in m/s² with zero at rest, saturated from `count_limit`.
     #[must_use]
     pub fn counts(scale: S, count_limit: u16) -> Self {
         Self { scale, offset: S::ZERO, count_limit, range: S::INFINITY }
@@ -57,7 +57,7 @@ impl<S: Scalar> SampleFormat<S> {
         }
     }
 
-    /// The sample of a reading in m/s²; one that is not finite is missing.
+    /// The sample of a reading in m/s²; a reading that is not finite is missing.
     #[must_use]
     #[inline]
     pub(crate) fn of_acceleration(&self, acceleration: S) -> Sample<S> {

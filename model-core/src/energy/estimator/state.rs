@@ -1,32 +1,31 @@
-//! What changes while an estimator runs.
+//! The state of a running estimator.
 
 use super::accumulator::EnergyAccumulator;
 use crate::excitation::Stream;
 use crate::scalar::Scalar;
 use crate::snapshot::{Snapshot, snapshot_fields, snapshot_variants};
 
-/// How the samples stand.
+/// The relation of harvester and samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Phase {
     /// No sample yet.
     Waiting,
-    /// The harvester follows them.
+    /// The harvester is simulated from the samples.
     Following,
-    /// The harvester is lost: the next sample starts it anew.
+    /// The state of the harvester is unknown: the next sample restarts it.
     Lost,
 }
 
-/// Samples that are known and not yet taken into the stream: one, with those that were lost before it on a
-/// straight line to it.
+/// Samples that the stream has yet to take: one sample, preceded by lost samples interpolated linearly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Queue<S> {
-    /// The sample before.
+    /// The previous sample in m/s².
     pub(super) from: S,
-    /// The sample that ends the queue.
+    /// The sample in m/s² that ends the queue.
     pub(super) target: S,
-    /// Whether that one is cut off at the sensor's range.
+    /// Whether that sample is limited by the sensor's range.
     pub(super) saturated: bool,
-    /// Whether the harvester is to be started anew with it.
+    /// Whether the harvester restarts with that sample.
     pub(super) restarts: bool,
     pub(super) length: u32,
     pub(super) left: u32,
@@ -36,7 +35,7 @@ impl<S: Scalar> Queue<S> {
     pub(super) const EMPTY: Self =
         Self { from: S::ZERO, target: S::ZERO, saturated: false, restarts: false, length: 0, left: 0 };
 
-    /// Takes the next sample off, and whether its value is uncertain; `None` where none is left.
+    /// Removes the next sample and tells whether its value is uncertain; `None` for an empty queue.
     #[inline]
     pub(super) fn next(&mut self) -> Option<(S, bool)> {
         self.left = self.left.checked_sub(1)?;
@@ -44,14 +43,12 @@ impl<S: Scalar> Queue<S> {
             return Some((self.target, self.saturated));
         }
         let part = S::from_u32(self.length - self.left) / S::from_u32(self.length);
-        // Finite where both ends are.
+        // Finite if both ends are finite.
         Some(((S::ONE - part) * self.from + part * self.target, true))
     }
 }
 
-/// The state of an estimator: a plain value that can be copied, saved, compared and restored.
-///
-/// `T` is the state of its harvester.
+/// The state of an estimator; it can be copied, compared, saved and restored. `T` is the state of its harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct State<S, T> {
     pub(super) stream: Stream<S>,
@@ -59,13 +56,13 @@ pub(super) struct State<S, T> {
     pub(super) accumulator: EnergyAccumulator<S>,
     pub(super) queue: Queue<S>,
     pub(super) phase: Phase,
-    /// Whether the harvester has yet to be advanced to where the stream is known.
+    /// Whether the harvester has yet to be advanced to the end of the known acceleration.
     pub(super) pending: bool,
     /// Whether each of the stream's samples is uncertain: bit 0 the newest, bit 2 the oldest.
     pub(super) uncertain: u8,
-    /// Intervals of the stream for which the harvester is still settling.
+    /// Number of intervals until the harvester has settled.
     pub(super) settling: u32,
-    /// Lost samples since the newest one that the stream or the queue holds.
+    /// Lost samples after the newest sample of the stream or the queue.
     pub(super) missing: u32,
     /// Sequence number that the next sample should have.
     pub(super) expected: Option<u32>,
