@@ -1,8 +1,8 @@
 //! The harvesters: parameters, checked once, and pure functions of a state.
 //!
-//! [`Harvester`] is what every one of them offers: a start, an advance, outputs, a snapshot of its state. The
-//! triboelectric scenes are hybrid automata ([`Scene`]) and become harvesters with a method and a step control in a
-//! [`Simulation`]; bump-stop has its own [`bump_stop::Stepper`].
+//! Every harvester implements [`Harvester`]: start, advance, outputs, and a snapshot of its state. The triboelectric
+//! scenes are hybrid automata ([`Scene`]); with a method and a step control in a [`Simulation`] they become
+//! harvesters. Bump-stop has its own [`bump_stop::Stepper`].
 
 pub mod bump_stop;
 pub mod closed_form;
@@ -27,7 +27,7 @@ pub use crate::part::bounds::{Bounds, ParameterError};
 pub use closed_form::ClosedForm;
 pub use simulation::Simulation;
 
-/// A harvester that can be stepped along its base acceleration.
+/// A harvester that is stepped under a base acceleration.
 ///
 /// [`Simulation`] implements it for every [`Scene`], [`bump_stop::Stepper`] for bump-stop.
 #[diagnostic::on_unimplemented(
@@ -36,30 +36,30 @@ pub use simulation::Simulation;
     note = "put a bump-stop scene into `bump_stop::Stepper::new(scene, short_step, long_step)`"
 )]
 pub trait Harvester<S: Scalar> {
-    /// What changes while the harvester runs: a plain value that can be copied, compared, saved and restored.
+    /// The complete state of a simulation, which can be copied, compared, saved and restored.
     type State: Copy + Debug + PartialEq + Snapshot;
     /// Initial values.
     type Start: Default;
 
-    /// Whether steps come with an estimate of their error.
+    /// Whether steps estimate their error.
     const ESTIMATES_ERROR: bool;
-    /// Attempted steps that [`Harvester::advance`] takes as the smallest budget.
+    /// Smallest budget of [`Harvester::advance`] in attempted steps.
     const LEAST_BUDGET: u32;
 
     /// The state at time zero.
     ///
     /// # Errors
-    /// An initial value out of bounds.
+    /// An initial value outside its bounds.
     fn start<E: Excitation<S>>(
         &self,
         start: &Self::Start,
         excitation: &E,
     ) -> Result<Self::State, ParameterError<S>>;
 
-    /// The state at rest at `at`, under the acceleration there. The storage keeps its charge in `before`.
+    /// The state at rest at `at`, under the acceleration at that time. The storage keeps its charge from `before`.
     ///
     /// # Errors
-    /// If the harvester cannot start at rest.
+    /// The harvester cannot start at rest.
     fn restart<E: Excitation<S>>(
         &self,
         before: Option<&Self::State>,
@@ -69,10 +69,10 @@ pub trait Harvester<S: Scalar> {
 
     /// Advances `state` to `until`, in at most `budget` attempted steps.
     ///
-    /// Dividing a run by budgets changes no bit; dividing it by `until` cuts a step there.
+    /// The bits of the result do not depend on the budgets. They depend on `until`, because a step ends there.
     ///
     /// # Errors
-    /// [`StepError`]; `state` is then the last good one, and `observer` has seen all before it.
+    /// [`StepError`]; `state` is then the last good one, and `observer` has seen all steps before the failed one.
     fn advance<E: Excitation<S>, O: Observer<S>>(
         &self,
         state: &mut Self::State,
@@ -82,7 +82,7 @@ pub trait Harvester<S: Scalar> {
         observer: &mut O,
     ) -> Result<Advance, StepError<S>>;
 
-    /// Advances `state` to `until` or less than `sample_ticks` beyond it, whichever is cheaper.
+    /// Advances `state` to `until`, or by less than `sample_ticks` past it if that is cheaper.
     ///
     /// # Errors
     /// As [`Harvester::advance`].
@@ -105,8 +105,8 @@ pub trait Harvester<S: Scalar> {
     /// Outputs at `state`.
     fn outputs<'a>(&self, state: &'a Self::State) -> Outputs<'a, S>;
 
-    /// Sets the voltage of the storage in V, at or above 0, under a base acceleration in m/s². Without a storage
-    /// nothing changes.
+    /// Sets the voltage of the storage in V, at or above 0, under a base acceleration in m/s². Without effect on a
+    /// harvester without a storage.
     fn set_storage_voltage(&self, _state: &mut Self::State, _voltage: S, _acceleration: S) {}
 
     /// Angular frequency of the slowest undamped motion in rad/s.
@@ -123,11 +123,11 @@ pub trait Harvester<S: Scalar> {
         None
     }
 
-    /// Adds all parameters and choices on which the meaning of a state depends to a fingerprint.
+    /// Includes all parameters and choices that determine the meaning of a state in a fingerprint.
     fn identify(&self, fingerprint: &mut Fingerprint);
 }
 
-/// A harvester written as a hybrid automaton of `N` states with `P` powers.
+/// A harvester as a hybrid automaton of `N` states with `P` powers.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a scene of {N} states with {P} powers in `{S}`",
     note = "a triboelectric scene needs a `Load` (`Resistor`, `OpenCircuit`, ..); behind a bridge, give it \
@@ -140,7 +140,7 @@ pub trait Scene<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, P, M
     /// The state at time zero.
     ///
     /// # Errors
-    /// An initial value out of bounds.
+    /// An initial value outside its bounds.
     fn start<E: Excitation<S>, C: StepControl<S>>(
         &self,
         start: &Self::Start,
@@ -148,7 +148,8 @@ pub trait Scene<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, P, M
         control: &C,
     ) -> Result<HybridState<S, Self::Mode, N, P>, ParameterError<S>>;
 
-    /// Puts the storage of `before` into `state`, under a base acceleration in m/s². Without a storage nothing changes.
+    /// Copies the storage of `before` into `state`, under a base acceleration in m/s². Without effect on a scene
+    /// without a storage.
     fn keep_storage(
         &self,
         _before: &HybridState<S, Self::Mode, N, P>,

@@ -55,7 +55,7 @@ impl<S: Scalar> Restitution<S> for ConstantRestitution<S> {
 
 /// A coefficient that falls with the impact speed: `e(v) = e_∞ + (e_0 − e_∞) exp(−v / v_ref)`.
 ///
-/// The measured law of equation (21) of Fu, Ouyang and Davis (2020) is not legible in the available print;
+/// The measured law of equation (21) of Fu, Ouyang and Davis (2020) is missing from the available copy;
 /// this form has its limits at rest and at high speed as parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -1,33 +1,45 @@
 //! The bump-stop harvester: a piezoelectric cantilever that hits a rod.
 //!
-//! Mak, McWilliam, Popov and Fox, *Vibro-impact dynamics of a piezoelectric energy harvester*,
-//! IMAC-XXVIII (2010). A monomorph cantilever, clamped to a base that shakes with acceleration `a`,
-//! bends by `y` towards a rod that stands on the same base at a distance `Δ` from the place `X_c`
-//! of the beam. Both are in modal coordinates, `y = Σ φ_i r_i` and `z = Σ ψ_j q_j`; while they touch a
-//! force `F ≥ 0` acts between them; the electrodes feed a load:
+//! Mak, McWilliam, Popov and Fox, *Vibro-impact dynamics of a piezoelectric energy harvester*, IMAC-XXVIII (2010). A
+//! monomorph cantilever, clamped to a moving base, bends towards a rod on the same base. While beam and rod touch, a
+//! contact force acts between them. The electrodes feed a load. Beam and rod are in modal coordinates:
 //!
 //! ```text
-//! r̈_i + 2 ζ ω_i ṙ_i + ω_i² r_i = −γ_i a − φ_i(X_c) F − χ θ_i v
-//! q̈_j + 2 ζ Ω_j q̇_j + Ω_j² q_j = −g_j a + ψ_j(L_r) F
+//! r̈_i + 2 ζ ω_i ṙ_i + ω_i² r_i = −γ_i a − φ_i(X_c) F − χ θ_i v          y = Σ φ_i r_i
+//! q̈_j + 2 ζ Ω_j q̇_j + Ω_j² q_j = −g_j a + ψ_j(L_r) F                    z = Σ ψ_j q_j
 //! C_p v' = Σ θ_i ṙ_i − v/R                    g = y(X_c) − z(L_r) − Δ
 //! ```
 //!
-//! Displacements are relative to the base and positive towards the stop; the gap coordinate `g` is
-//! below zero where the gap is open. `χ` is 1 where the voltage acts back on the beam
-//! ([`TwoWay`]), and 0 as in the paper ([`OneWay`]).
+//! | symbol | quantity | unit | sign |
+//! | --- | --- | --- | --- |
+//! | `a` | base acceleration | m/s² | positive towards the stop |
+//! | `y`, `z` | displacement of beam and rod relative to the base | m | positive towards the stop |
+//! | `r_i`, `q_j` | modal coordinates, modal masses of one | m √kg | |
+//! | `φ_i`, `ψ_j` | mode shapes | 1/√kg | |
+//! | `ω_i`, `Ω_j` | angular frequencies | rad/s | |
+//! | `ζ` | damping ratio of all modes | 1 | |
+//! | `γ_i`, `g_j` | modal force per negative base acceleration | √kg | |
+//! | `X_c`, `L_r` | position of the stop on the beam; length of the rod | m | |
+//! | `Δ` | gap at rest | m | |
+//! | `g` | gap coordinate | m | negative while the gap is open |
+//! | `F` | contact force | N | `F ≥ 0`, compressive |
+//! | `v` | terminal voltage | V | |
+//! | `θ_i` | charge per modal coordinate, and modal force per negative voltage | C/(m √kg) | |
+//! | `C_p`, `R` | piezoelectric capacitance; load resistance | F; Ω | |
+//! | `χ` | back-action of the voltage on the beam: 1 ([`TwoWay`]), 0 as in the paper ([`OneWay`]) | 1 | |
 //!
-//! # How a step is taken
+//! # Integration
 //!
-//! The modes are propagated exactly (`integrate::modal`) under a base acceleration that is
-//! linear over the step and a contact force and a voltage that are constant; the force is the discrete
-//! gradient of the contact's potential (`integrate::discrete_gradient`), the voltage the mean
-//! of the circuit's exact solution (`part::circuit`). Both follow from one scalar equation
-//! in closed form. The energy of modes, capacitance and contact then never grows, whatever the step.
+//! The modes are propagated exactly (`integrate::modal`) under a base acceleration that is linear over the step and a
+//! constant contact force and voltage. The force is the discrete gradient of the contact potential
+//! (`integrate::discrete_gradient`), the voltage the mean of the circuit's exact solution (`part::circuit`). Both
+//! follow from one scalar equation in closed form. The energy of modes, capacitance and contact then never grows, at
+//! any step length.
 //!
-//! Free flight is exact, so a second, much longer step is taken wherever a bound on the gap's
-//! curvature says that no contact can occur within it ([`Stepper`]).
+//! Free flight is exact, so a second, much longer step is used while a bound on the gap's curvature excludes contact
+//! within it ([`Stepper`]).
 //!
-//! The mode counts are type parameters, `B` of the beam and `R` of the rod.
+//! The numbers of modes are type parameters, `B` of the beam and `R` of the rod.
 
 mod choices;
 mod circuit;
@@ -60,13 +72,13 @@ use choices::ContactOf;
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct BeamCoefficients<S> {
     angular_frequency: S,
-    /// `γ`: modal force per base acceleration, negated.
+    /// `γ`: modal force per negative base acceleration.
     base: S,
     /// `φ(X_c)`.
     contact: S,
     /// `φ(L)`.
     tip: S,
-    /// `θ`: modal force per voltage, negated, and charge per modal displacement.
+    /// `θ`: modal force per negative voltage, and charge per modal coordinate.
     voltage: S,
 }
 
@@ -79,7 +91,7 @@ struct RodCoefficients<S> {
     contact: S,
 }
 
-/// A harvester whose parameters have been checked: coefficients only, nothing that changes.
+/// A bump-stop harvester with checked parameters: constant coefficients only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BumpStop<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
     beam: [BeamCoefficients<S>; B],
@@ -90,9 +102,9 @@ pub struct BumpStop<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
     elastance: S,
     /// `Δ`.
     gap: S,
-    /// Contact stiffness `k`: the inverse of residual and contact compliance.
+    /// Contact stiffness `k` in N/m: the inverse of the sum of residual and contact compliance.
     stiffness: S,
-    /// `W = Σ φ² + Σ ψ²`, the inverse of the mass that an impact feels.
+    /// `W = Σ φ² + Σ ψ²` in 1/kg, the inverse of the effective mass of an impact.
     inverse_mass: S,
     load: P::Load,
     coupling: P::Coupling,
@@ -124,19 +136,19 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         self.stiffness
     }
 
-    /// Displacement of the beam's tip towards the stop, and its rate, in m and m/s.
+    /// Displacement of the beam's tip towards the stop in m, and its rate in m/s.
     #[must_use]
     pub(crate) fn tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         self.along_beam(state, |mode| mode.tip)
     }
 
-    /// Displacement of the beam at the stop, and its rate, in m and m/s.
+    /// Displacement of the beam at the stop in m, and its rate in m/s.
     #[must_use]
     pub(crate) fn stop_point<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         self.along_beam(state, |mode| mode.contact)
     }
 
-    /// Displacement of the rod's face, and its rate, in m and m/s.
+    /// Displacement of the rod's face in m, and its rate in m/s.
     #[must_use]
     pub(crate) fn rod_tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         let mut sums = [S::ZERO; 2];

@@ -1,14 +1,14 @@
-//! Mean power without a trajectory: what a scene delivers in its regular regime under one sine.
+//! Computes the mean power of the regular regime under one sine without a trajectory.
 //!
-//! Each scene has a method `closed_form(amplitude, frequency)` that gives the mean power of the periodic motion
-//! which the base's acceleration `amplitude · sin(2π · frequency · t)` leads to from rest, in a bounded number of
-//! operations and without a state: a bump-stop beam that stays clear of its stop, exactly; a slider that never
-//! sticks and a plate that never touches, by harmonic balance. What the regime requires is checked with the
-//! result, and [`Validity`] says by how much it is met or missed.
+//! The method `closed_form(amplitude, frequency)` of each scene gives the mean power of the periodic motion from rest
+//! under the base acceleration `amplitude · sin(2π · frequency · t)`. It takes a bounded number of operations and no
+//! state: for a bump-stop beam that does not reach its stop, exactly; for a slider that never sticks and a plate that
+//! never touches, by harmonic balance. The requirements of the regime are checked with the result, and [`Validity`]
+//! states the margin.
 
 use crate::scalar::Scalar;
 
-/// Mean power of a periodic motion, and whether it can be believed.
+/// Mean power of a periodic motion, and its validity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ClosedForm<S> {
@@ -16,69 +16,67 @@ pub struct ClosedForm<S> {
     pub mean_power: S,
     /// Root mean square of the terminal voltage, in V.
     pub rms_voltage: S,
-    /// Amplitude of the motion relative to the base, in m: of the gap, of the slider, of the beam's tip.
+    /// Amplitude of the motion relative to the base, in m: of the gap, of the slider, or of the beam's tip.
     pub amplitude: S,
     /// Whether the motion is in the regime of the formula.
     pub validity: Validity<S>,
 }
 
-/// Whether a motion is in the regime in which its closed form holds.
+/// Whether a motion is in the regime of its closed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Validity<S> {
-    /// It is.
+    /// The motion is in the regime.
     Holds {
-        /// The requirement that is nearest to being missed, as a part of its limit: 0 to 1.
+        /// The largest requirement relative to its limit: 0 to 1.
         margin: S,
     },
-    /// It is not: the numbers are those of a motion that does not exist or is not the one that is reached,
-    /// and only a trajectory tells.
+    /// The motion is not in the regime: it does not exist, or the transient may not reach it. Compute a trajectory.
     NeedsTrajectory {
-        /// The requirement that is missed by most.
+        /// The requirement that is exceeded most.
         reason: Reason,
-        /// What is required to be at most 1; infinite where there is no such motion at all.
+        /// The requirement relative to its limit, above 1; infinite if there is no such motion.
         margin: S,
     },
 }
 
-/// Why a closed form does not hold.
+/// The reason why a closed form does not hold, with the definition of the margin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
-    /// The plate reaches the dielectric: amplitude over the mean gap, which must be at most a part of 1.
+    /// The plate reaches the dielectric: amplitude over 0.9 of the mean gap.
     Impacts,
-    /// A motion with impacts exists beside the one without, and the transient from rest may end in it:
-    /// twice the amplitude over the gap.
+    /// A motion with impacts coexists, and the transient from rest may end in it: twice the amplitude over the gap.
     ImpactsInTransient,
-    /// The slider leaves the active patch: amplitude over a part of its diameter.
+    /// The slider leaves the active patch: amplitude over 0.9 of the diameter.
     LeavesOverlap,
-    /// The slider sticks where it turns round: static friction over the force on it.
+    /// The slider sticks at its turning point: static friction over the force on the slider.
     Sticks,
     /// The beam reaches the stop: amplitude of the gap coordinate over the gap.
     ReachesStop,
-    /// The motion is not one harmonic, as the balance takes it to be: amplitude of the third over its limit.
+    /// The motion is not harmonic, as the balance assumes: third harmonic over its limit.
     HigherHarmonics,
-    /// The rectifier's voltage bends the motion more than the formula allows for.
+    /// The rectifier's voltage changes the motion more than the formula allows.
     StrongCoupling,
-    /// The mode does not swing: damping ratio over its limit.
+    /// The mode is too strongly damped: damping ratio over its limit.
     Overdamped,
-    /// The balance was not found in the iterations allowed: what was left of it over what is tolerated.
+    /// The iteration did not converge: residual of the balance over its tolerance.
     NotBalanced,
 }
 
 impl<S: Scalar> Validity<S> {
-    /// Whether it does.
+    /// Whether the motion is in the regime.
     #[must_use]
     pub fn holds(&self) -> bool {
         matches!(self, Self::Holds { .. })
     }
 
-    /// The verdict on requirements that are each met up to a margin of 1; not-a-number is not met.
+    /// The verdict on requirements with margins of at most 1; not-a-number counts as not met.
     pub(super) fn of<const N: usize>(requirements: [(Reason, S); N]) -> Self {
         let mut verdict = Self::Holds { margin: S::ZERO };
         for (reason, margin) in requirements {
             let (Self::Holds { margin: worst } | Self::NeedsTrajectory { margin: worst, .. }) = verdict;
-            // Written so that not-a-number is as bad as can be.
+            // `!(margin >= 0)` includes not-a-number.
             let margin = if margin >= S::ZERO { margin } else { S::INFINITY };
             if margin > worst {
                 verdict = if margin <= S::ONE {
@@ -92,7 +90,7 @@ impl<S: Scalar> Validity<S> {
     }
 }
 
-/// `part/limit`; nothing is within any limit, and all else beyond a limit of zero.
+/// `part/limit`; 0 for a part of 0, infinite for another part at a limit of 0.
 pub(super) fn ratio<S: Scalar>(part: S, limit: S) -> S {
     if part == S::ZERO { S::ZERO } else { part / limit.max(S::ZERO) }
 }

@@ -1,24 +1,23 @@
-//! What the two triboelectric scenes have in common: a position, its velocity, and one charge.
+//! The common equations of the two triboelectric scenes: a position, its velocity, and one charge.
 //!
 //! ```text
 //! x' = v        v' = f(x, v, q)        q' = i(x, q)
 //! ```
 //!
-//! The iteration matrix `I − w J` of an implicit stage is eliminated by hand: the position's row is
-//! `δx − w δv`, which leaves two equations for velocity and charge. And because the position is
-//! linear in the velocity, and the charge linear in itself at a given position, Newton's iteration
-//! is on the velocity alone.
+//! The iteration matrix `I − w J` of an implicit stage is eliminated by hand: the row of the position is `δx − w δv`,
+//! which leaves two equations for velocity and charge. The position is linear in the velocity, and the charge
+//! equation is linear in the charge at a given position, so Newton iterates on the velocity alone.
 
 use crate::integrate::System;
 use crate::scalar::Scalar;
 
-/// Number of states: position in metres, velocity in m/s, charge in units of the scene.
+/// Number of states: position in m, velocity in m/s, charge in units of the scene.
 pub const STATES: usize = 3;
-/// Place of the position in the state.
+/// Index of the position in the state.
 pub const POSITION: usize = 0;
-/// Place of the velocity.
+/// Index of the velocity.
 pub const VELOCITY: usize = 1;
-/// Place of the charge.
+/// Index of the charge.
 pub const CHARGE: usize = 2;
 
 /// Derivatives of the restoring force per mass, `−f`, and of the current `i`.
@@ -39,7 +38,7 @@ pub struct Derivatives<S> {
 /// `I − w J`, factored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeFactor<S> {
-    /// `w`, or 0 where the position is held.
+    /// `w`, or 0 if the position is fixed.
     position_by_velocity: S,
     /// `w ∂v'/∂x` and `w ∂q'/∂x`.
     by_position: [S; 2],
@@ -48,7 +47,7 @@ pub struct ModeFactor<S> {
 }
 
 impl<S: Scalar> ModeFactor<S> {
-    /// Where the position moves; `None` if the matrix is singular.
+    /// The factor for a moving position; `None` if the matrix is singular.
     #[inline(always)]
     pub(crate) fn moving(weight: S, derivatives: &Derivatives<S>) -> Option<Self> {
         let charge_by_charge = S::ONE - weight * derivatives.current_by_charge;
@@ -70,7 +69,7 @@ impl<S: Scalar> ModeFactor<S> {
         })
     }
 
-    /// Where position and velocity are held.
+    /// The factor for a fixed position and velocity.
     #[inline(always)]
     pub(crate) fn held(weight: S, current_by_charge: S) -> Self {
         let charge_by_charge = S::ONE - weight * current_by_charge;
@@ -88,8 +87,7 @@ impl<S: Scalar> ModeFactor<S> {
         [position + self.position_by_velocity * solved, solved, c * velocity + d * charge]
     }
 
-    /// The correction of an increment whose velocity row has the residual `residual` and whose other
-    /// rows are solved.
+    /// The correction of an increment for the residual `residual` of the velocity row, with the other rows solved.
     #[inline(always)]
     pub(crate) fn correction(&self, residual: S) -> [S; STATES] {
         let correction = self.inverse[0][0] * residual;
@@ -97,10 +95,10 @@ impl<S: Scalar> ModeFactor<S> {
     }
 }
 
-/// One Newton iteration on the velocity alone of a stage of `system`, whose `condense` solves the other two
-/// rows outright: the position's is linear in the velocity, the charge's in the charge at a position.
+/// One Newton iteration on the velocity alone for a stage of `system`. [`System::condense`] solves the other two
+/// rows: the position is linear in the velocity, the charge equation linear in the charge.
 ///
-/// Where the position is `held` there is nothing left to iterate.
+/// With a fixed position (`held`) no iteration is needed.
 #[inline(always)]
 pub(crate) fn iterate<S: Scalar, Y, const POWERS: usize>(
     system: &Y,
@@ -125,8 +123,8 @@ where
     correction
 }
 
-/// The size of a change of state: motion relative to the present amplitude, at least `least`; charge
-/// relative to `1/per_charge`.
+/// The norm of a change of state: motion relative to the present amplitude, at least `least`; charge relative to
+/// `1/per_charge`.
 #[inline(always)]
 pub(crate) fn error_norm<S: Scalar>(
     [deflection, velocity]: [S; 2],
@@ -137,21 +135,20 @@ pub(crate) fn error_norm<S: Scalar>(
 ) -> S {
     let amplitude = deflection.abs().max(velocity.abs() * time_scale).max(least);
     let motion = change[POSITION].abs().max(change[VELOCITY].abs() * time_scale);
-    // A reciprocal, because it is the same for every change that is weighed in a step.
+    // The reciprocal is the same for every change in a step.
     let per_amplitude = S::ONE / amplitude;
     (motion * per_amplitude).max(change[CHARGE].abs() * per_charge)
 }
 
-/// The rate of a charge where its circuit has just been disturbed, as a step of length `step` needs it.
+/// The rate of a charge just after a disturbance of its circuit, for a step of length `step` in s.
 ///
-/// The rate itself is `before`. But where the circuit is fast, the charge follows the position within
-/// a boundary layer of the circuit's time constant `1/relaxation`, and a step much longer than that
-/// starts beyond the layer, at the rate `following` of a charge that follows. The weight between the
-/// two is of third order in `h Λ / 10`, so that neither limit is disturbed.
+/// The rate itself is `before`. In a fast circuit the charge follows the position after a boundary layer of the time
+/// constant `1/relaxation`, and a step `h` much longer than that must start with the rate beyond the layer,
+/// `following`. The weight of `following` is of third order in `h · relaxation / 10`, so that both limits are exact.
 #[inline(always)]
 pub(crate) fn beyond_boundary_layer<S: Scalar>(before: S, following: S, relaxation: S, step: S) -> S {
     let thickness = S::from_f64(0.1) * step * relaxation;
     let weight = thickness * thickness * thickness;
-    // Beyond this the layer is not seen, and the weight might overflow.
+    // Above this weight `before` is negligible, and the weight might overflow.
     if weight > S::from_f64(1e9) { following } else { (before + weight * following) / (S::ONE + weight) }
 }

@@ -1,7 +1,7 @@
-//! What a circuit behind the open terminals of a triboelectric harvester needs to know of it.
+//! A triboelectric harvester as a circuit element at its open terminals.
 //!
-//! At a position the voltage at the terminals is linear in the charge that has passed them, `∂V/∂Q < 0`:
-//! the harvester is a voltage source behind a capacitance, both of which depend on the position.
+//! At a fixed position the terminal voltage is linear in the charge that has passed the terminals, `∂V/∂Q < 0`: the
+//! harvester is a voltage source in series with a capacitance, both functions of the position.
 
 use core::fmt::Debug;
 
@@ -11,28 +11,27 @@ use crate::scalar::Scalar;
 use crate::scene::Scene;
 use crate::scene::coupled::{Derivatives, STATES};
 
-/// Voltage at the terminals, and how it changes with position and charge.
+/// Terminal voltage and its derivatives by position and charge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PortVoltage<S> {
-    /// `V` in volts.
+    /// `V` in V.
     pub value: S,
     /// `∂V/∂x` in V/m.
     pub by_position: S,
-    /// `∂V/∂Q` in volts per charge unit, below 0: the same at every charge.
+    /// `∂V/∂Q` in V per charge unit, below 0, independent of the charge.
     pub by_charge: S,
     /// `∂²V/∂x²` in V/m².
     pub curvature: S,
-    /// `∂²V/∂x∂Q` in V/m per charge unit: the same at every charge.
+    /// `∂²V/∂x∂Q` in V/m per charge unit, independent of the charge.
     pub by_both: S,
-    /// The largest of the terms whose difference `V` is, in volts: its roundings are roundings of this.
+    /// The larger of the two terms whose difference is `V`, in V: it scales the rounding error of `V`.
     pub magnitude: S,
 }
 
-/// A triboelectric harvester of three states, position, velocity and charge, as a circuit at its terminals
-/// sees it.
+/// A triboelectric harvester of three states, position, velocity and charge, for a circuit at its terminals.
 ///
-/// Implemented by [`crate::scene::contact_separation::ContactSeparation`] and
-/// [`crate::scene::sliding::Sliding`]; some of it can only be written inside this crate.
+/// Implemented by [`crate::scene::contact_separation::ContactSeparation`] and [`crate::scene::sliding::Sliding`]; it
+/// cannot be implemented outside this crate.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot be put behind a bridge by `Rectified`",
     note = "a triboelectric harvester can, once built with `OpenCircuit` as its load",
@@ -42,24 +41,24 @@ pub trait ElectricalPort<S: Scalar>: Scene<S, 3, 0> + Copy + Debug + PartialEq {
     /// The harvester's own load.
     fn resistance(&self) -> Resistance<S>;
 
-    /// Coulombs per unit of the state's charge.
+    /// Charge in C per charge unit of the state.
     fn coulombs(&self) -> S;
 
-    /// A voltage in V of the size that the harvester's own charge makes at its terminals.
+    /// Typical terminal voltage in V due to the harvester's own charge.
     fn typical_voltage(&self) -> S;
 
     /// The voltage at the terminals.
     fn port_voltage(&self, mode: Self::Mode, position: S, charge: S) -> PortVoltage<S>;
 
-    /// Whether the charge stays as it is in `mode`, the terminals being taken as open and without voltage.
+    /// Whether the charge is frozen in `mode`; the terminals then count as open, with zero voltage.
     fn charge_is_frozen(&self, mode: Self::Mode) -> bool;
 
-    /// Whether the guards of `mode` can be watched from a state, none of them being zero to rounding.
+    /// Whether no guard of `mode` is zero to rounding at a state, so that the guards can be watched.
     fn is_clear(&self, mode: Self::Mode, state: &[S; STATES]) -> bool;
 
-    /// Derivatives of the force where the position moves.
+    /// Derivatives of force and current for a moving position.
     fn derivatives(&self, mode: Self::Mode, state: &[S; STATES]) -> Derivatives<S>;
 
-    /// The whole account of powers with the terminals open; see [`crate::observer::PowerIndex`].
+    /// All powers with open terminals; see [`crate::observer::PowerIndex`].
     fn all_powers(&self, mode: Self::Mode, state: &[S; STATES], acceleration: S) -> [S; ALL_POWERS];
 }

@@ -1,56 +1,65 @@
 //! A triboelectric harvester behind a full bridge of diodes that charges a storage or feeds a DC bus.
 //!
-//! Either triboelectric scene, with its terminals open, and a [`FullBridge`]. A scene with a plain resistor
-//! contains nothing of this.
+//! The bridge is a [`FullBridge`] at the open terminals of a triboelectric scene. A scene with a resistor contains
+//! none of this code.
+//!
+//! | symbol | quantity | unit | sign |
+//! | --- | --- | --- | --- |
+//! | `x` | gap (contact-separation) or displacement (sliding) | m | as in the scene |
+//! | `Q` | charge that has passed the terminals | C | as in the scene |
+//! | `V` | terminal voltage | V | as in the scene |
+//! | `V_s`, `C_s` | voltage and capacitance of the storage | V, F | `V_s ≥ 0` |
+//! | `V_D` | drop of each of two conducting diodes | V | `≥ 0` |
+//! | `U = V_s + 2 V_D` | threshold voltage | V | `≥ 0` |
+//! | `s` | direction of the current, that of `Q'` | 1 | `±1` |
+//! | `i_out` | leakage and draw of the storage | A | positive out of the storage |
+//! | `Q0`, `ΔQ = Q − Q0` | charge at the start of conduction, and since | C | as `Q` |
+//! | `B` | storage voltage without the charge of the present conduction | V | |
 //!
 //! # The three regimes
 //!
-//! With `Q` the charge that has passed the terminals and `x` the gap or the displacement, equations (23) to (25)
-//! of Fu, Ouyang and Davis, J. Phys. D 53 (2020), for contact-separation (`Q = q − C_p V`), and (12) to (15) for
-//! sliding (`Q = q`) give a voltage at the terminals that is linear in the charge:
+//! The terminal voltage is linear in the charge: equations (23) to (25) of Fu, Ouyang and Davis, J. Phys. D 53
+//! (2020), for contact-separation (`Q = q − C_p V`), and (12) to (15) for sliding (`Q = q`),
 //!
 //! ```text
 //! V(x, Q) = (σ S x − Q (x + d_e)) / (ε0 S + C_p (x + d_e))        contact-separation
 //! V(x, Q) = (σ S2(x) − Q) d / (ε0 ε_r S1(x))                      sliding
 //! ```
 //!
-//! The bridge passes no current while `|V|` is below its threshold `U = V_s + 2 V_D`, with the storage's voltage
-//! `V_s` and the drop `V_D` of each of two diodes; and while it passes one it holds `V` at `s U`, `s = ±1` the
-//! current's direction. The storage, with what leaks from it and is drawn from it, `i_out`, follows
-//! `C_s V_s' = s Q' − i_out(V_s)`. So there are three regimes:
+//! The bridge blocks while `|V| < U`. While it conducts, it clamps `V` to `s U`. The storage follows `C_s V_s' = s Q'
+//! − i_out(V_s)`. There are three regimes:
 //!
-//! | regime | charge | storage | ends where |
+//! | regime | charge | storage | end of the regime |
 //! | --- | --- | --- | --- |
 //! | blocked | `Q' = 0` | `C_s V_s' = −i_out` | `V` rises through `U`, or falls through `−U` |
-//! | forward `s = 1`, backward `s = −1` | `V(x, Q) = s (V_s + 2 V_D)` | `C_s V_s' = s Q' − i_out` | `s Q'` falls through 0 |
+//! | forward, backward: `s = ±1` | `V(x, Q) = s (V_s + 2 V_D)` | `C_s V_s' = s Q' − i_out` | `s Q'` falls through 0 |
 //!
-//! The derivative of the condition in the second row gives the current without a difference of voltages,
+//! The time derivative of `V(x, Q) = s (V_s + 2 V_D)` gives the current without a difference of voltages,
 //!
 //! ```text
 //! Q' = (∂V/∂x · x' + s i_out/C_s) / (1/C_s − ∂V/∂Q)
 //! ```
 //!
-//! in which the denominator is above zero.
+//! with a positive denominator (derived here).
 //!
 //! # The electrical state
 //!
-//! While the bridge conducts, the charge is not integrated. The state keeps the charge `Q0` with which
-//! conduction began, and a voltage `B` that the storage would have without what has come in since, `C_s B' =
-//! −i_out(V_s)`. With `ΔQ = Q − Q0` and `V_s = B + s ΔQ/C_s` the condition is linear in `ΔQ`:
+//! During conduction the charge is not integrated. The state holds `Q0` and `B`, with `C_s B' = −i_out(V_s)`. With
+//! `V_s = B + s ΔQ/C_s` the condition is linear in `ΔQ`:
 //!
 //! ```text
 //! ΔQ = (V(x, Q0) − s (B + 2 V_D)) / (1/C_s − ∂V/∂Q)
 //! ```
 //!
-//! So there is no fast circuit whatever the diodes, an explicit method is as good as an implicit one, and conduction
-//! begins without a change of state. Where it ends, `Q0` and `B` take up `ΔQ` and `s ΔQ/C_s`; a step brings a
-//! large storage less than a rounding of its voltage, so what rounding takes is kept, through every event.
+//! So the circuit has no fast time constant, an explicit method is as good as an implicit one, and conduction begins
+//! without a change of state. When conduction ends, `Q0` increases by `ΔQ` and `B` by `s ΔQ/C_s`. A step raises the
+//! voltage of a large storage by less than its rounding, so the rounding remainder is kept through every event.
 //!
-//! At `V_s = V_D = 0` the bridge is a short circuit; where `U` is beyond the reach of `V`, an open one. While the
-//! scene holds its charge frozen in stick, the bridge blocks and the terminals count as without voltage; where
-//! the storage falls meanwhile, `V` may be beyond `U` at the release. Then, as with a start beyond it, the excess
-//! drives a charge through the bridge at once, and half of it times that charge is lost in the diodes beside
-//! `2 V_D` times it.
+//! With `V_s = V_D = 0` the bridge is a short circuit; with `U` above every `V` it is an open circuit. While the
+//! scene freezes its charge in stick, the bridge blocks and the terminal voltage counts as zero. If the storage
+//! voltage falls meanwhile, `|V|` may exceed `U` at the release, as it may at a start. The excess `|V| − U` then
+//! drives a charge through the bridge instantaneously, and half of the excess times this charge is lost in the
+//! diodes, in addition to `2 V_D` times this charge.
 //!
 //! ```
 //! use model_core::clock::Instant;
@@ -76,11 +85,11 @@
 //!     dielectric_thickness: 5e-5,
 //!     relative_permittivity: 2.0,
 //!     charge_density: 50e-6,
-//!     // The bridge is what is at the terminals.
+//!     // The bridge is at the open terminals.
 //!     choices: Choices::new(OpenCircuit, ConstantRestitution { coefficient: 0.75 }),
 //! }
 //! .build()?;
-//! // A 1 µF storage behind diodes of 0.3 V, whose node draws 2 µW from 4.5 V on and down to 3 V.
+//! // A 1 µF storage behind diodes of 0.3 V; its node draws 2 µW from 4.5 V on and down to 3 V.
 //! let draw = PowerDraw { power: 2e-6, lockout: Lockout { turn_on: 4.5, turn_off: 3.0 } };
 //! let storage = Capacitor { capacitance: 1e-6, leakage_resistance: 1e9, initial_voltage: 0.0, draw };
 //! let scene = Rectified::new(harvester, FullBridge { diode_drop: 0.3, storage })?;
@@ -91,8 +100,8 @@
 //! harvester.advance(&mut state, &shaking, Instant::from_whole_seconds(2), 100_000, &mut meter)?;
 //! let volts = scene.storage_voltage(state.mode, &state.point.state);
 //! assert!((0.5..3.0).contains(&volts));
-//! // Nothing is drawn yet and hardly anything leaks: what was delivered is stored.
-//! assert!((meter.delivered_energy() / (0.5e-6 * volts * volts) - 1.0).abs() < 1e-2);
+//! // No draw yet and hardly any leakage: the delivered energy is stored.
+//! assert!((meter.delivered_energy() / scene.stored_energy_at(volts) - 1.0).abs() < 1e-2);
 //! # Ok(())
 //! # }
 //! ```
@@ -118,33 +127,33 @@ use crate::part::storage::StorageElement;
 use crate::scalar::Scalar;
 use crate::scene::{Scene, coupled};
 
-/// Number of states: those of the harvester, and the storage's voltage.
+/// Number of states: those of the harvester, and the storage voltage.
 pub const STATES: usize = coupled::STATES + 1;
-/// Place of the storage's voltage in volts: while the bridge conducts, without what has come in since it began to.
+/// Index of the storage voltage in V; during conduction `B`.
 pub const STORAGE: usize = coupled::STATES;
 
-/// A triboelectric harvester `H` behind a full bridge into a storage `R`, checked.
+/// A triboelectric harvester `H` behind a full bridge into a storage `R`, with checked parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectified<S, H, R> {
     harvester: H,
     bridge: FullBridge<S, R>,
     /// `1/C_s` in 1/F.
     per_farad: S,
-    /// Volts that a charge unit adds to the storage.
+    /// Rise of the storage voltage in V per charge unit.
     elastance: S,
-    /// Volts below which the storage's voltage is not resolved.
+    /// Voltage in V below which the storage voltage is not resolved.
     voltage_floor: S,
 }
 
-/// Part of the voltage that the harvester makes below which that of the storage need not be resolved.
+/// Resolution of the storage voltage relative to the typical voltage of the harvester.
 const LEAST_VOLTAGE: f64 = 1e-6;
 
 impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// The harvester with the bridge at its terminals.
     ///
     /// # Errors
-    /// A harvester whose own load is not open, or a parameter of the bridge, of the storage or of its draw
-    /// that is out of bounds.
+    /// A harvester with a load other than open, or a parameter of the bridge, the storage or its draw outside its
+    /// bounds.
     pub fn new(harvester: H, bridge: FullBridge<S, R>) -> Result<Self, ParameterError<S>> {
         let resistance = match harvester.resistance() {
             Resistance::Short => S::ZERO,
@@ -164,8 +173,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         })
     }
 
-    /// The state at time zero: the harvester's own start, the bridge blocking, the storage as charged as it is
-    /// said to be.
+    /// The state at time zero: the harvester's own start, a blocking bridge, and the initial voltage of the storage.
     ///
     /// # Errors
     /// A start that the harvester refuses.
@@ -195,13 +203,13 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         &self.harvester
     }
 
-    /// The bridge and what is behind it.
+    /// The bridge with its storage.
     #[must_use]
     pub fn bridge(&self) -> &FullBridge<S, R> {
         &self.bridge
     }
 
-    /// Voltage of the storage or bus in volts.
+    /// Voltage of the storage or bus in V.
     #[must_use]
     pub fn storage_voltage(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> S {
         self.electrics(mode, state).storage_voltage

@@ -1,4 +1,4 @@
-//! A scene with the method and the step control that step it.
+//! A scene with its method and step control.
 
 use super::{ClosedForm, Harvester, ParameterError, Scene};
 use crate::clock::Instant;
@@ -20,7 +20,7 @@ pub struct Simulation<A, M, C, const N: usize, const P: usize> {
 }
 
 impl<A, M, C, const N: usize> Simulation<A, M, C, N, 1> {
-    /// `scene` stepped by `method` under `control`, with the delivered energy as its only integral: what a node needs.
+    /// `scene` stepped by `method` under `control`, integrating only the delivered energy: enough for a node.
     #[must_use]
     pub const fn new(scene: A, method: M, control: C) -> Self {
         Self { scene, driver: Driver::new(method, control) }
@@ -28,7 +28,7 @@ impl<A, M, C, const N: usize> Simulation<A, M, C, N, 1> {
 }
 
 impl<A, M, C, const N: usize> Simulation<A, M, C, N, ALL_POWERS> {
-    /// The same with the integral of every [`crate::observer::PowerIndex`], for a report and an energy ledger.
+    /// The same, integrating every [`crate::observer::PowerIndex`], for a report and an energy ledger.
     #[must_use]
     pub const fn with_all_powers(scene: A, method: M, control: C) -> Self {
         Self { scene, driver: Driver::new(method, control) }
@@ -49,7 +49,7 @@ impl<A, M, C, const N: usize, const P: usize> Simulation<A, M, C, N, P> {
     }
 }
 
-/// A base acceleration that does not change.
+/// A constant base acceleration.
 #[derive(Debug, Clone, Copy)]
 struct Constant<S>(S);
 
@@ -132,12 +132,13 @@ where
         self.scene.closed_form(amplitude, frequency)
     }
 
-    /// Method and step control enter by what they do: a state resumes with the same bits under the same ones only.
+    /// Method and step control are identified by their results on test inputs: the bits of a resumed state depend on
+    /// both.
     fn identify(&self, fingerprint: &mut Fingerprint) {
         self.scene.identify(fingerprint);
         fingerprint.count(P as u32);
         fingerprint.count(u32::from(M::ESTIMATES_ERROR));
-        // At this angular frequency no tolerance is below the roundings of a step.
+        // At this angular frequency the tolerance exceeds the roundings of a step.
         let scale = ErrorScale { angular_frequency: S::from_f64(1e6), energy_floor: S::ONE };
         let control = &self.driver.control;
         fingerprint.count(control.start(&scale).ticks);

@@ -1,12 +1,10 @@
 //! The sliding-mode triboelectric harvester: a cantilever whose tip slides on a charged patch.
 //!
-//! Fu, Ouyang and Davis, J. Phys. D 53 (2020), equations (1) to (18). The tip of a cantilever
-//! carries a slider, a disc of radius `r` and mass `m` with one electrode and a dielectric of thickness
-//! `d` and permittivity `ε_r` that holds the tribo-charge surface density `σ`. It rests by its
-//! weight on two patches in one plane that move with the base: the *active* one, a disc of the same
-//! radius under the beam's straight position, which is the other electrode, and the *inert* one
-//! around it. The base shakes along the plane with acceleration `a`. In the first mode `φ` of the beam
-//! with the slider ([`crate::part::beam`]), with `x` the displacement of the tip:
+//! Fu, Ouyang and Davis, J. Phys. D 53 (2020), equations (1) to (18). The tip of a cantilever carries a slider, a
+//! disc with one electrode and a charged dielectric. The slider rests by its weight on two patches in one plane that
+//! move with the base: the *active* patch, a disc of the same radius under the beam's straight position, which is the
+//! other electrode, and the *inert* patch around it. The base moves along the plane. In the first mode `φ` of the
+//! beam with the slider ([`crate::part::beam`]):
 //!
 //! ```text
 //! x'' + 2 ζ ω x' + ω² x = −κ a + (F_k + F_lat) / M      M = 1/φ(L)²,  κ = Γ φ(L)   (1) to (4)
@@ -14,27 +12,41 @@
 //! q' = V / R,    V = (σ S2 − q) / C,    C = ε0 ε_r S1 / d                          (12) to (15)
 //! ```
 //!
-//! `S1` is the overlap of slider and active patch (`part::disc_overlap`), `S2 = π r² − S1`,
-//! `μ_k` the mean of the patches' coefficients by area ([`crate::part::friction`]).
+//! | symbol | quantity | unit | sign |
+//! | --- | --- | --- | --- |
+//! | `a` | base acceleration | m/s² | positive in the direction of `x` |
+//! | `x` | displacement of the tip from the centre of the active patch | m | |
+//! | `ω`, `ζ` | angular frequency and damping ratio of the first mode | rad/s, 1 | |
+//! | `M`, `κ` | modal mass at the tip; base coupling | kg, 1 | |
+//! | `m`, `r` | mass and radius of the slider | kg, m | |
+//! | `F_k`, `F_lat` | kinetic friction; lateral force of the field | N | positive in the direction of `x` |
+//! | `N`, `F_e` | normal force; electrostatic force | N | positive: pressing |
+//! | `μ_k`, `μ_s` | kinetic, static friction coefficients: area means ([`crate::part::friction`]) | 1 | |
+//! | `S = π r²` | area of the slider | m² | |
+//! | `S1`, `S2 = S − S1` | overlap of slider and active patch (`part::disc_overlap`), and the remainder | m² | |
+//! | `s1`, `s2` | `S1/S` and `S2/S` | 1 | |
+//! | `σ` | tribo-charge surface density | C/m² | magnitude |
+//! | `d`, `ε_r` | thickness and relative permittivity of the dielectric | m, 1 | |
+//! | `q` | transferred charge | C | a positive `V` drives it through the load |
+//! | `t` | `σ S` in charge units | 1 | `≥ 0` |
+//! | `V`, `R` | terminal voltage, load resistance | V, Ω | |
 //!
 //! # Stick
 //!
-//! Where the slider comes to rest it is held while static friction can balance what acts on it,
-//! `|M (ω² x + κ a) − F_lat| ≤ μ_s(x) N`: the modal equation with velocity and acceleration zero,
-//! not the print's (10), which weighs `ω² x` by the slider's mass instead of the modal mass and so
-//! releases the slider with an acceleration that points the wrong way. Where it can not, the slider
-//! leaves against the sign of that force; and since no kinetic coefficient exceeds the static one of
-//! its patch, its acceleration then points the way it goes.
+//! A slider at rest sticks while static friction balances the load, `|M (ω² x + κ a) − F_lat| ≤ μ_s(x) N`: the modal
+//! equation with zero velocity and acceleration. The printed equation (10) differs: it multiplies `ω² x` by the
+//! slider's mass instead of the modal mass and so releases the slider with an acceleration in the wrong direction. At
+//! release the slider moves against the sign of this load. No kinetic coefficient exceeds the static one of its
+//! patch, so the acceleration then has the direction of the motion.
 //!
 //! # Corners
 //!
-//! The overlap has a corner at `x = 0`. The sign of `x` is therefore part of the mode, and the
-//! crossing an event: inside a mode everything is smooth.
+//! The overlap has a corner at `x = 0`. The sign of `x` is therefore part of the mode, and the crossing of 0 an
+//! event: the equations of each mode are smooth.
 //!
 //! # Units of the charge
 //!
-//! The charge is kept in units of `√(2 ε0 ε_r S M)`, `S = π r²`, in which the force of
-//! [`TransferredCharge`] per modal mass is `q²/s1` with `s1 = S1/S`.
+//! The charge unit is `√(2 ε0 ε_r S M)`, in which the force of [`TransferredCharge`] per modal mass is `q²/s1`.
 
 mod automaton;
 mod choices;
@@ -67,7 +79,7 @@ use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
 use force_law::Surface;
 
-/// A harvester whose parameters have been checked: coefficients only, nothing that changes.
+/// A sliding harvester with checked parameters: constant coefficients only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sliding<S: Scalar, P: Parts<S>> {
     /// `M`.
@@ -90,19 +102,19 @@ pub struct Sliding<S: Scalar, P: Parts<S>> {
     per_diameter: S,
     /// `d`.
     dielectric: S,
-    /// `√(2 ε0 ε_r S M)` in coulombs.
+    /// `√(2 ε0 ε_r S M)` in C.
     charge_unit: S,
     /// `σS` in charge units, and `√ε_r`.
     surface: Surface<S>,
-    /// `1/(σS)` in charge units, or a stand-in where that is zero.
+    /// `1/(σS)` in 1/charge unit, with `σS` raised to at least 10⁻¹².
     per_tribo_charge: S,
-    /// `d / (ε0 ε_r S R)`; 0 where the load is open or short.
+    /// `d / (ε0 ε_r S R)` in 1/s; 0 for an open or short-circuited load.
     circuit_rate: S,
-    /// Volts per charge unit at full overlap.
+    /// Voltage in V per charge unit at full overlap.
     field: S,
-    /// Below this a velocity is not told from rest.
+    /// Speed in m/s below which a velocity counts as zero.
     velocity_margin: S,
-    /// Joules below which the energy of a radian is not resolved.
+    /// Energy per radian in J below which no relative error is resolved.
     energy_floor: S,
     load: P::Load,
     force_law: P::ForceLaw,
@@ -124,13 +136,13 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         self.modal_mass
     }
 
-    /// `κ = Γ φ(L)`: how much more than the base's acceleration the tip feels.
+    /// `κ = Γ φ(L)`: inertial acceleration of the tip relative to the base acceleration.
     #[must_use]
     pub fn base_coupling(&self) -> S {
         self.base_coupling
     }
 
-    /// Coulombs per unit of the state's charge, `√(2 ε0 ε_r S M)`.
+    /// Charge in C per charge unit of the state, `√(2 ε0 ε_r S M)`.
     #[must_use]
     pub fn charge_unit(&self) -> S {
         self.charge_unit
@@ -143,7 +155,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         self.surface.tribo_charge * self.overlap(displacement >= S::ZERO, displacement).inert
     }
 
-    /// Whether the circuit is a short circuit: then the charge follows the displacement.
+    /// Whether the load is a short circuit: the charge then follows the displacement.
     #[inline]
     fn is_shorted(&self) -> bool {
         matches!(self.load.resistance(), Resistance::Short)

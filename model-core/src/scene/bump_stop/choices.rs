@@ -1,4 +1,4 @@
-//! The parts that a bump-stop harvester is made of.
+//! The components of a bump-stop harvester.
 
 use core::fmt::Debug;
 
@@ -15,11 +15,11 @@ use crate::scalar::Scalar;
     note = "a coupling is `TwoWay`, `OneWay` or `AnyCoupling`"
 )]
 pub(crate) trait Coupling: Copy + Debug + PartialEq {
-    /// Whether the voltage acts back.
+    /// Whether the voltage acts back on the beam.
     fn is_two_way(&self) -> bool;
 }
 
-/// The voltage acts back on the beam: what is harvested is taken from the motion.
+/// The voltage acts back on the beam: the harvested energy is taken from the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TwoWay;
@@ -60,7 +60,7 @@ impl Coupling for AnyCoupling {
     }
 }
 
-/// The parts of a bump-stop harvester, each by its type: what is not named is not compiled.
+/// The components of a bump-stop harvester, each by its type: firmware contains only the chosen ones.
 ///
 /// ```
 /// use model_core::part::load::Resistor;
@@ -81,7 +81,7 @@ impl Coupling for AnyCoupling {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Choices<L, T = NoStop, K = TwoWay> {
-    /// What is at the terminals: a [`Resistive`] load, or a [`FullBridge`] and what it charges.
+    /// The circuit at the terminals: a [`Resistive`] load, or a [`FullBridge`] with its storage.
     pub load: L,
     /// The stop.
     pub stop: T,
@@ -89,11 +89,11 @@ pub struct Choices<L, T = NoStop, K = TwoWay> {
     pub coupling: K,
 }
 
-/// Every choice at run time but that between a load and a bridge.
+/// Every choice at run time, except the one between a load and a bridge.
 pub type AnyChoices<S, L = Resistive<AnyLoad<S>>> = Choices<L, Stop<S, AnyContact<S>>, AnyCoupling>;
 
 impl<L> Choices<Resistive<L>> {
-    /// A load resistance; no stop, a voltage that acts back on the beam.
+    /// A load resistance, without stop, with two-way coupling.
     #[must_use]
     pub const fn new(load: L) -> Self {
         Self { load: Resistive(load), stop: NoStop, coupling: TwoWay }
@@ -101,7 +101,7 @@ impl<L> Choices<Resistive<L>> {
 }
 
 impl<S, R> Choices<FullBridge<S, R>> {
-    /// A full bridge and what it charges; no stop, a voltage that acts back on the beam.
+    /// A full bridge with its storage, without stop, with two-way coupling.
     #[must_use]
     pub const fn behind(bridge: FullBridge<S, R>) -> Self {
         Self { load: bridge, stop: NoStop, coupling: TwoWay }
@@ -124,16 +124,16 @@ impl<L, T, K> Choices<L, T, K> {
     }
 }
 
-/// How beam and rod touch, by the choice of the stop.
+/// The contact law of beam and rod, by the choice of the stop.
 pub(super) type ContactOf<S, P> = <<P as Parts<S>>::Stop as StopChoice<S>>::Contact;
 
-/// The types of [`Choices`] as one.
+/// The component types of [`Choices`].
 pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
-    /// What is at the terminals.
+    /// The circuit at the terminals.
     type Load: Circuit<S>;
     /// The stop.
     type Stop: StopChoice<S>;
-    /// Whether the voltage acts back.
+    /// Whether the voltage acts back on the beam.
     type Coupling: Coupling;
 
     /// The choices themselves.

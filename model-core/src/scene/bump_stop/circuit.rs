@@ -1,4 +1,4 @@
-//! What is at the terminals, as a step sees it: a load resistance, or a bridge and its storage.
+//! Steps the circuit at the terminals: a load resistance, or a bridge with its storage.
 
 use core::fmt::Debug;
 
@@ -13,56 +13,55 @@ use crate::part::storage_step::{StorageAccount, StorageState};
 use crate::scalar::Scalar;
 use crate::snapshot::{Fingerprint, Snapshot};
 
-/// The current of a step, taken as constant.
+/// The constant current of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepCurrent<S> {
     /// Voltage in V at the start.
     pub voltage: S,
-    /// Charge in C that strain brings to the electrodes.
+    /// Charge in C that strain moves to the electrodes.
     pub charge: S,
     /// Mean voltage in V.
     pub mean_voltage: S,
 }
 
-/// A circuit at the terminals: over a step its mean voltage is linear, `v̄ = e0 + e1 Δq`, in the charge Δq that
-/// strain brings to the electrodes, or it is found from such lines.
+/// A circuit at the terminals. Over a step its mean voltage is linear in the charge Δq that strain moves to the
+/// electrodes, `v̄ = e0 + e1 Δq`, or a curve that is solved by its tangents.
 ///
-/// The provided methods are those of a circuit without a storage, whose mean voltage is one line.
+/// The provided methods are those of a circuit without a storage, with one linear relation.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot be at the terminals of a bump-stop harvester",
     note = "`Choices::new(load)` takes a load resistance, `Choices::behind(bridge)` a `FullBridge`"
 )]
 pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
-    /// What it remembers from step to step: nothing, or its storage.
+    /// The state between steps: empty, or that of the storage.
     type State: Copy + Debug + PartialEq + Snapshot;
-    /// Its coefficients for one length of step.
+    /// The coefficients for one step length.
     type Step: Copy + Debug + PartialEq;
-    /// Whether it has a storage, and other lines than the one tried first. If not, the code for them is not
-    /// compiled.
+    /// Whether the circuit has a storage, and further tangents. If not, their code is not compiled.
     const SWITCHES: bool = false;
 
-    /// Whether its terminals are joined, so that the charge follows the strain.
+    /// Whether the circuit is a short circuit: the charge then follows the strain.
     #[inline]
     fn is_short(&self) -> bool {
         false
     }
 
-    /// Refuses what is out of bounds.
+    /// Checks the parameters of the circuit.
     ///
     /// # Errors
     /// The field, its value and its bounds.
     fn check(&self) -> Result<(), ParameterError<S>>;
 
-    /// What it remembers before the first step.
+    /// The state before the first step.
     fn start(&self) -> Self::State;
 
     /// The coefficients of a step in s, on a capacitance in F.
     fn step(&self, capacitance: S, step: S) -> Self::Step;
 
-    /// The line that is tried first.
+    /// The linear relation of the first trial.
     fn line(step: &Self::Step) -> &CircuitStep<S>;
 
-    /// Lets the current flow, and what happens after it.
+    /// Applies the current of a step and the outflow of the storage after it.
     fn conclude(
         &self,
         step: &Self::Step,
@@ -74,16 +73,16 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
     /// Energy in J delivered to the load in a step with this mean square voltage in V².
     fn delivered(step: &Self::Step, mean_square_voltage: S, account: &StorageAccount<S>) -> S;
 
-    /// Takes in all that tells this circuit from others.
+    /// Includes all parameters of the circuit in a fingerprint.
     fn identify(&self, fingerprint: &mut Fingerprint);
 
-    /// Whether a voltage may be taken for one that strays from it by at most `interpolation_bound`, both in V.
+    /// Whether the circuit may use `voltage` for a voltage that differs by at most `interpolation_bound`, both in V.
     #[inline]
     fn resolves(&self, _voltage: S, _interpolation_bound: S, _state: &Self::State) -> bool {
         true
     }
 
-    /// What happens at a voltage before the current flows; gives the charge in C that leaves the electrodes.
+    /// Applies the outflow of the storage before the current. Returns the charge in C that leaves the electrodes.
     #[inline]
     fn begin(
         &self,
@@ -95,13 +94,13 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
         S::ZERO
     }
 
-    /// The line `[e0, e1]` that touches the mean voltage at a charge, where that is not the first.
+    /// The tangent `[e0, e1]` of the mean voltage at a charge; `None` for the first linear relation.
     #[inline]
     fn tangent(&self, _step: &Self::Step, _voltage: S, _charge: S, _state: &Self::State) -> Option<[S; 2]> {
         None
     }
 
-    /// The storage behind it, or the bus.
+    /// The storage or DC bus.
     #[inline]
     fn storage(&self, _state: &Self::State) -> Option<StorageOutput<S>> {
         None
@@ -112,7 +111,7 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
         None
     }
 
-    /// Puts the storage to a voltage in V; without one nothing changes.
+    /// Sets the storage to a voltage in V; without effect on a circuit without a storage.
     fn set_storage_voltage(_state: &mut Self::State, _volts: S) {}
 }
 
@@ -177,8 +176,8 @@ impl<S: Scalar, L: Load<S>> Circuit<S> for Resistive<L> {
     }
 }
 
-/// What a voltage may stray by, beside the bridge's threshold: an error of that kind in the voltage to which a
-/// storage is charged is bounded by it.
+/// Largest interpolation error of the voltage relative to the threshold of the bridge: it bounds the error of the
+/// final storage voltage.
 const RESOLUTION: f64 = 1.0 / 128.0;
 
 impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
@@ -209,7 +208,7 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
         Some(StorageOutput { voltage, remainder, capacitance: self.storage.capacitance(), connected })
     }
 
-    /// Where it blocks either way, or the difference is small beside the threshold.
+    /// True if the bridge blocks within the whole interval, or if the interval is small relative to the threshold.
     #[inline]
     fn resolves(&self, voltage: S, interpolation_bound: S, state: &StorageState<S>) -> bool {
         let threshold = self.threshold(state.voltage);

@@ -1,15 +1,15 @@
-//! The beam that stays clear of its stop: the linear response to one sine, exactly.
+//! Computes the motion of a beam that does not reach its stop: the exact linear response to one sine.
 //!
-//! With `a = B sin ωt` and `D_i = ω_i² − ω² + 2jζ ω_i ω` the modal amplitudes are
-//! `r_i = −(γ_i B + χ θ_i v)/D_i`, and the charge that the strain moves, `Q = Σ θ_i r_i`, is linear in base
-//! and voltage, `Q = Q_a B + χ Q_v v`. What of it does not pass the load charges the capacitance:
+//! With `a = B sin ωt` and `D_i = ω_i² − ω² + 2jζ ω_i ω` the modal amplitudes are `r_i = −(γ_i B + χ θ_i v)/D_i`. The
+//! charge that strain moves, `Q = Σ θ_i r_i`, is linear in base acceleration and voltage, `Q = Q_a B + χ Q_v v`. The
+//! part of it that does not pass the load charges the capacitance:
 //!
 //! ```text
 //! v (C_p + 1/jωR) = Q              v = Q_a B / (C_p − χ Q_v + 1/jωR)
 //! ```
 //!
-//! The same sums with `φ_i(X_c)` in place of `θ_i`, less those of the rod, make the gap coordinate, whose
-//! amplitude must stay below the gap `Δ`.
+//! The same sums with `φ_i(X_c)` in place of `θ_i`, less those of the rod, give the gap coordinate, whose amplitude
+//! must stay below the gap `Δ`. Derived here.
 
 use super::choices::Coupling;
 use super::contact_law::{ContactKind, ContactLaw};
@@ -18,13 +18,13 @@ use crate::part::load::{Load, Resistance};
 use crate::scalar::{Complex, Scalar};
 use crate::scene::closed_form::{ClosedForm, Reason, Validity, ratio};
 
-/// What the modes answer at one frequency, per base acceleration and per voltage.
+/// The response of the modes at one frequency, per base acceleration and per voltage.
 pub(super) struct Response<S> {
     /// `ω` in rad/s.
     pub(super) angular_frequency: S,
-    /// `Q_a`: charge moved by strain per base acceleration.
+    /// `Q_a` in C per m/s²: charge moved by strain per base acceleration.
     pub(super) charge_by_base: Complex<S>,
-    /// `χ Q_v`: the same per voltage, in F; zero in the one-way model.
+    /// `χ Q_v` in F: charge moved by strain per voltage; zero in the one-way model.
     pub(super) charge_by_voltage: Complex<S>,
     tip: [Complex<S>; 2],
     gap: [Complex<S>; 2],
@@ -32,11 +32,11 @@ pub(super) struct Response<S> {
 
 impl<S: Scalar, P: Parts<S, Load: Load<S>>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Mean power under the base acceleration `amplitude · sin(2π · frequency · t)`, in m/s² and Hz, of the motion
-    /// that does not reach the stop: exact, for any resistance, in the one-way and in the two-way model.
+    /// that does not reach the stop: exact, for any resistance, with one-way and two-way coupling.
     ///
-    /// Some 50 multiplications and one division per beam mode, 10 and one per rod mode. The amplitude is
-    /// that of the tip. Above the first mode a motion with contact may exist beside this one; where the
-    /// transient from rest, of up to twice the amplitude, reaches the stop, it is not claimed to hold.
+    /// Some 50 multiplications and one division per beam mode, 10 and one per rod mode. The amplitude is that of the
+    /// tip. Above the first mode a motion with contact may coexist with this one; if the transient from rest, of up
+    /// to twice the amplitude, reaches the stop, the result is not claimed to hold.
     #[must_use]
     pub fn closed_form(&self, amplitude: S, frequency: S) -> ClosedForm<S> {
         self.closed_form_into(Load::resistance(&self.load), amplitude, frequency)
@@ -59,7 +59,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             Resistance::Open => (by_base * unloaded.inverse(), S::ZERO),
             Resistance::Finite(resistance) => {
                 let ratio = response.angular_frequency * resistance * self.capacitance;
-                // Divided by the larger of the two admittances, so that neither end overflows.
+                // Divided by the larger of the two admittances, so that neither limit overflows.
                 let voltage = if ratio < S::ONE {
                     let loaded = Complex::new(S::ONE, S::ZERO) + times_j(unloaded.scaled(ratio));
                     times_j(by_base.scaled(ratio)) * loaded.inverse()
@@ -80,7 +80,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// The requirements that the gap puts on a motion with the terminal voltage `voltage`.
+    /// The requirements of the gap for a motion with the terminal voltage `voltage`.
     pub(super) fn clearance(
         &self,
         response: &Response<S>,
@@ -128,8 +128,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         response
     }
 
-    /// `1/D = 1/(ω_i² − ω² + 2jζ ω_i ω)`, in s²: as a part of the static one, so that no square of a square
-    /// of a high frequency overflows in `f32`.
+    /// `1/D = 1/(ω_i² − ω² + 2jζ ω_i ω)`, in s², relative to the static value: the fourth power of a high frequency
+    /// would overflow in `f32`.
     fn flexibility(&self, mode: S, angular_frequency: S) -> Complex<S> {
         let per_mode = S::ONE / mode;
         let beta = angular_frequency * per_mode;

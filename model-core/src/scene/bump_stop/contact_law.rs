@@ -1,18 +1,18 @@
-//! How beam and rod touch.
+//! The contact laws of beam and rod.
 
 use core::fmt::Debug;
 
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 
-/// What a contact law comes to in a step.
+/// The numerical method of a contact law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ContactKind<S> {
     /// No stop.
     None,
     /// A massless spring between the modes: the discrete gradient of its potential.
     Compliant,
-    /// The gap is made zero at the end of each step.
+    /// The gap is set to zero at the end of each step.
     Constrained,
     /// Impacts between the modes with a coefficient of restitution.
     Impulsive {
@@ -27,16 +27,16 @@ pub(crate) enum ContactKind<S> {
     note = "a law of contact is `ResidualFlexibility`, a `Restitution`, `DisplacementConstraint` or an `AnyContact`"
 )]
 pub(crate) trait ContactLaw<S: Scalar>: Copy + Debug + PartialEq {
-    /// Whether there is a stop at all; if not, the code for it is not there.
+    /// Whether there is a stop; if not, its code is not compiled.
     const POSSIBLE: bool;
 
-    /// What it comes to.
+    /// The numerical method.
     fn kind(&self) -> ContactKind<S>;
 
-    /// Checks the law's own parameters.
+    /// Checks the parameters of the law.
     ///
     /// # Errors
-    /// The first that is out of its bounds.
+    /// The first parameter outside its bounds.
     fn check(&self) -> Result<(), ParameterError<S>> {
         match self.kind() {
             ContactKind::Impulsive { restitution } => Bounds::new(0.0, 1.0).check("restitution", restitution),
@@ -59,11 +59,11 @@ impl<S: Scalar> ContactLaw<S> for NoStop {
     }
 }
 
-/// The modes left out respond statically: their compliance is the contact's, in series with any
-/// contact compliance of its own (MacNeal's residual flexibility).
+/// Contact through the static compliance of the omitted modes, in series with the compliance of the contact itself
+/// (MacNeal's residual flexibility).
 ///
-/// Beam and rod touch through a boundary without mass, so there is no impulse and no coefficient of
-/// restitution, and the static stiffness is right for every number of modes.
+/// Beam and rod touch through a massless boundary, so there is no impulse and no coefficient of restitution, and the
+/// static stiffness is correct for every number of modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ResidualFlexibility;
@@ -77,11 +77,11 @@ impl<S: Scalar> ContactLaw<S> for ResidualFlexibility {
     }
 }
 
-/// Impacts between the modes that are kept: `ġ⁺ = −e ġ⁻`.
+/// Impacts between the kept modes: `ġ⁺ = −e ġ⁻`.
 ///
-/// The coefficient multiplies a mass that falls with the number of modes and is not a property of the
-/// materials. An impact slower than 10⁻⁵ m/s closes the contact; it then stays closed while it takes a
-/// compressive force to keep the gap at zero at the end of each step, and that force does no work.
+/// The coefficient multiplies an effective mass that falls with the number of modes, and is not a material property.
+/// An impact slower than 10⁻⁵ m/s closes the contact. It stays closed while a compressive force is needed to keep the
+/// gap at zero at the end of each step; this force does no work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Restitution<S> {
@@ -98,11 +98,11 @@ impl<S: Scalar> ContactLaw<S> for Restitution<S> {
     }
 }
 
-/// The paper's method: the force that makes the gap zero at the end of each step, where that is
-/// compressive; equations (8) and (9) with one constant force per step.
+/// The paper's method: the force that makes the gap zero at the end of each step, if compressive; equations (8) and
+/// (9) with one constant force per step.
 ///
-/// Stable, but the force is an artefact of the step: its peaks grow as one over it, and so does the
-/// number of contacts.
+/// It is stable, but the force is an artefact of the step length: its peaks and the number of contacts grow as the
+/// inverse of the step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DisplacementConstraint;

@@ -1,9 +1,10 @@
-//! The energies of a step: work of the base, damping, contact, circuit.
+//! Computes the energies of a step: work of the base, damping, contact and circuit.
 //!
-//! Over a step each mode moves under a force that is linear in time, so its velocity is known in closed form: `ẇ` of
-//! the same oscillator, driven by the constant rate of the force. The integrals of the velocity's square (damping) and
-//! of its product with the base acceleration (work) are quadratic and linear in the state. Their coefficients are made
-//! once for each length of step by Gauss's rule. The energy ledger then closes up to the error of contact and circuit:
+//! Over a step each mode moves under a force that is linear in time, so its velocity `w` is known in closed form: it
+//! obeys the equation of the same oscillator, driven by the constant rate of the force. The integrals of `w²`
+//! (damping) and of `w` times the base acceleration (work) are quadratic and linear in the state. Their coefficients
+//! are computed once for each step length by Gauss quadrature. The energy ledger then closes up to the error of
+//! contact and circuit:
 //!
 //! ```text
 //! Δ(½ Σ (ṙ² + ω² r²) + ½ Σ (q̇² + Ω² q²) + ½ k g₊² + χ ½ C v²)
@@ -31,12 +32,12 @@ struct Gramian<S> {
     moments: [S; 2],
 }
 
-/// Nodes and weights of Gauss's rule of five points on −1 to 1, those above zero.
+/// Non-negative nodes on −1 to 1, and weights, of the Gauss rule of five points.
 const NODES: [f64; 3] = [0.0, 0.538_469_310_105_683_1, 0.906_179_845_938_664];
 const WEIGHTS: [f64; 3] = [0.568_888_888_888_888_9, 0.478_628_670_499_366_47, 0.236_926_885_056_189_08];
-/// Radians of a mode in one panel of the rule.
+/// Phase of a mode in one panel of the rule, in rad.
 const PANEL: f64 = 0.25;
-/// Panels at most: beyond, a mode turns so often in a step that its damping is not resolved.
+/// Most panels: the damping of a mode with more panels per step is not resolved.
 const MOST_PANELS: u32 = 4096;
 
 impl<S: Scalar> Gramian<S> {
@@ -69,7 +70,7 @@ impl<S: Scalar> Gramian<S> {
     }
 }
 
-/// The Gramians of all modes for one length of step.
+/// The Gramians of all modes for one step length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct GramianSet<S, const B: usize, const R: usize> {
     ticks: u32,
@@ -77,7 +78,7 @@ pub(super) struct GramianSet<S, const B: usize, const R: usize> {
     rod: [Gramian<S>; R],
 }
 
-/// What one oscillator did in one step.
+/// One oscillator in one step.
 struct Oscillator<S> {
     angular_frequency: S,
     damping_ratio: S,
@@ -93,7 +94,7 @@ impl<S: Scalar> Oscillator<S> {
         let omega = self.angular_frequency;
         let damping = S::from_f64(2.0) * self.damping_ratio * omega;
         let [displacement, velocity] = self.start;
-        // w'' + 2ζω w' + ω² w = p' : towards w∞ from w(0) and w'(0).
+        // w'' + 2ζω w' + ω² w = p': w tends to w∞ = p'/ω² from w(0) and w'(0).
         let settled = self.force[1] / (step * omega * omega);
         let start = velocity - settled;
         let rate = self.force[0] - damping * velocity - omega * omega * displacement;
@@ -134,7 +135,7 @@ struct Works<S> {
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Integrals of all powers over a step of `step` seconds, in the order of [`PowerIndex`].
+    /// Integrals of all powers over a step of `step` in s, in the order of [`PowerIndex`].
     pub(super) fn energies(
         &self,
         gramians: &GramianSet<S, B, R>,
@@ -204,7 +205,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             return Contact::NONE;
         }
         let (from, to) = (start.gap, trial.end.gap);
-        // Before touch-down and after lift-off the step is open.
+        // The contact is open before touch-down and after lift-off.
         let begins = if from < S::ZERO && to > S::ZERO { crossing(from, to) } else { S::ZERO };
         let ends = if to < S::ZERO && from > S::ZERO { crossing(from, to) } else { S::ONE };
         let compliant = self.contact.kind() == ContactKind::Compliant;
@@ -230,7 +231,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         trial.force * closed
     }
 
-    /// Stored energy: mechanical (modes and contact), and in the capacitance.
+    /// Stored energy: mechanical (modes and contact), and electrical (capacitance).
     #[inline]
     pub(super) fn stored_energy<C>(&self, state: &State<S, B, R, C>) -> StoredEnergy<S> {
         let half = S::from_f64(0.5);
@@ -249,7 +250,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         StoredEnergy { mechanical, electrical: half * self.capacitance * voltage * voltage }
     }
 
-    /// Energy of the contact's spring in J; a rigid contact has none.
+    /// Energy of the contact spring in J; 0 for a rigid contact.
     fn contact_energy<C>(&self, state: &State<S, B, R, C>) -> S {
         if ContactOf::<S, P>::POSSIBLE && self.contact.kind() == ContactKind::Compliant {
             let pressed = state.gap.max(S::ZERO);
@@ -260,7 +261,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 }
 
-/// The fraction of a step at which a gap coordinate comes to zero, by a straight line.
+/// The fraction of a step at which a gap coordinate reaches zero, by linear interpolation.
 fn crossing<S: Scalar>(from: S, to: S) -> S {
     let apart = (to - from).abs();
     if apart > S::ZERO { from.abs() / apart } else { S::ZERO }

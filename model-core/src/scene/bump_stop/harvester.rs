@@ -1,4 +1,4 @@
-//! Bump-stop as a [`Harvester`], and its outputs.
+//! Implements [`Harvester`] for bump-stop.
 
 use super::choices::ContactOf;
 use super::circuit::Circuit;
@@ -15,7 +15,7 @@ use crate::scene::{ClosedForm, Harvester};
 use crate::snapshot::Fingerprint;
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Outputs at `state`; the current of the charge is not known there and is given as zero.
+    /// Outputs at `state`; the current is unknown there and set to zero.
     #[inline(always)]
     pub(super) fn outputs<'a>(&self, state: &'a StateOf<S, P, B, R>) -> Outputs<'a, S> {
         let motion = |[value, rate]: [S; 2]| Motion { value, rate };
@@ -78,7 +78,7 @@ where
         self.run::<true, E, O>(state, excitation, until, budget, observer)
     }
 
-    /// Ends with a whole step unless a short step is as long as a sample.
+    /// Ends with a whole step unless a short step is at least as long as a sample interval.
     #[inline]
     fn advance_past<E: Excitation<S>, O: Observer<S>>(
         &self,

@@ -1,4 +1,4 @@
-//! What a node that follows an accelerometer needs beside the steps: a fingerprint and the state as bytes.
+//! The fingerprint of bump-stop and the snapshot of its state.
 
 use super::choices::Coupling;
 use super::circuit::Circuit;
@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 use crate::snapshot::{Fingerprint, Snapshot, snapshot_fields};
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Takes everything that tells this harvester from another into a fingerprint.
+    /// Includes all coefficients of this harvester in a fingerprint.
     pub(super) fn identify(&self, fingerprint: &mut Fingerprint) {
         fingerprint.name("bump-stop");
         fingerprint.count(self.beam.len() as u32);

@@ -1,4 +1,4 @@
-//! Parameters, and the coefficients made of them.
+//! Parameters, and the coefficients derived from them.
 
 use super::circuit::Circuit;
 use super::stop::StopChoice;
@@ -24,23 +24,23 @@ pub struct Parameters<S, C> {
     pub piezo_d31: S,
     /// Permittivity `ε33` at constant strain in F/m, 10⁻¹² to 10⁻⁶.
     pub piezo_permittivity: S,
-    /// Damping ratio `ζ` of every mode, 0 to 0.9: the modes swing.
+    /// Damping ratio `ζ` of every mode, 0 to 0.9 (underdamped).
     pub damping_ratio: S,
-    /// The parts: [`Choices`].
+    /// The components: [`Choices`].
     pub choices: C,
 }
 
-/// Natural frequencies in Hz that can be stepped.
+/// Checks that a natural frequency is from 10⁻³ to 10⁸ Hz.
 fn check_frequency<S: Scalar>(field: &'static str, angular_frequency: S) -> Result<(), ParameterError<S>> {
     let frequency = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
     Bounds::new(1e-3, 1e8).check(field, frequency)
 }
 
 impl<S: Scalar, C> Parameters<S, C> {
-    /// Checks the parameters and makes the coefficients of `B` beam modes, at least 1, and `R` rod modes.
+    /// Checks the parameters and computes the coefficients of `B` beam modes, at least 1, and `R` rod modes.
     ///
     /// # Errors
-    /// The first field that is out of its bounds, with its value.
+    /// The first field outside its bounds, with its value.
     pub fn build<const B: usize, const R: usize>(&self) -> Result<BumpStop<S, C, B, R>, ParameterError<S>>
     where
         C: Parts<S>,
@@ -48,11 +48,11 @@ impl<S: Scalar, C> Parameters<S, C> {
         self.build_modes(None)
     }
 
-    /// The same with the first `beam` and `rod` modes only: for a host that learns their numbers at run time. A mode
-    /// beyond them has coefficients of zero and stays at rest; the bits are those of a type with room for just these.
+    /// As [`Parameters::build`] with the first `beam` and `rod` modes only, for mode counts known at run time.
+    /// Further modes have zero coefficients and stay at rest; the bits are those of a type with exactly these modes.
     ///
     /// # Errors
-    /// As [`Parameters::build`].
+    /// As [`Parameters::build`]. As [`Parameters::build`].
     pub fn build_first<const B: usize, const R: usize>(
         &self,
         beam: usize,
@@ -64,7 +64,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         self.build_modes(Some([beam, rod]))
     }
 
-    // Inlined, so that firmware, which takes all modes, compiles no code for fewer.
+    // Inlined: firmware, which uses all modes, then compiles no code for fewer.
     #[inline(always)]
     fn build_modes<const B: usize, const R: usize>(
         &self,
@@ -123,7 +123,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         })
     }
 
-    /// The section of the beam.
+    /// The cross-section of the beam.
     fn section(&self) -> Monomorph<S> {
         Monomorph::new(&self.substrate, &self.piezo, self.beam_width, self.piezo_d31, self.piezo_permittivity)
     }
@@ -151,7 +151,7 @@ impl<S: Scalar, C> Parameters<S, C> {
     }
 }
 
-/// The numbers of modes of the beam and of the rod, of those that the harvester's type has room for.
+/// The numbers of beam and rod modes, at most those of the harvester's type.
 #[inline(always)]
 fn mode_counts<S: Scalar>(
     modes: Option<[usize; 2]>,
@@ -165,7 +165,7 @@ fn mode_counts<S: Scalar>(
     Ok([beam, rod])
 }
 
-/// Coefficients of the first `count` modes, at least one; `place` is that of the stop in units of the length.
+/// Coefficients of the first `count` modes, at least one; `place` is the position of the stop over the length.
 #[inline(always)]
 fn beam_coefficients<S: Scalar, const B: usize>(
     beam: &Cantilever<S>,

@@ -1,31 +1,30 @@
-//! The beam that stays clear of its stop, behind a full bridge: mean power into a bus and into a storage.
+//! Computes the mean power of a beam that does not reach its stop, behind a full bridge, into a DC bus and into a
+//! storage.
 //!
-//! Between two turns of the motion the strain moves the charge `2 |Q|`. First it takes the voltage from one
-//! end, `∓V_b`, to the other, which takes `2 C_p V_b`; what is left goes through the bridge, at
-//! `V_b = V_dc + 2 V_D` with two diodes on its way.
+//! Between two turning points the strain moves the charge `2 |Q|`. First the voltage changes from `∓V_b` to `±V_b`,
+//! which takes `2 C_p V_b`; the remaining charge passes the bridge at `V_b = V_dc + 2 V_D`, with two diodes
+//! conducting.
 
 use super::{BumpStop, Parts};
 use crate::scalar::{Complex, Scalar, arcsine};
 use crate::scene::closed_form::{ClosedForm, Reason, Validity, ratio};
 
-/// Largest part of the power of a bus by which the voltage may bend the motion.
+/// Largest effect of the voltage on the motion, relative to the power of a bus.
 const WEAK: f64 = 0.05;
-/// Largest `|Q_v|/C_p`, at resonance the figure of merit `k² Q`, up to which a motion behind a bridge is
-/// harmonic enough.
+/// Largest `|Q_v|/C_p`, at resonance the figure of merit `k² Q`, for a nearly harmonic motion behind a bridge.
 const HARMONIC: f64 = 1.0;
-/// Largest change of the voltage in the last of them, relative.
-const UNBALANCED: f64 = 1e-3;
-/// Turns of the iteration by which the voltage and the motion of a storage agree.
-const TURNS: u32 = 8;
+/// Largest relative change of the voltage in the last iteration.
+const TOLERANCE: f64 = 1e-3;
+/// Number of iterations for the voltage and the motion with a storage.
+const ITERATIONS: u32 = 8;
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Mean power into a bus of constant voltage behind a full bridge, under the base acceleration
-    /// `amplitude · sin(2π · frequency · t)`: the motion is that of the short circuit, which is exact in the
-    /// one-way model and an approximation for weak coupling in the other,
-    /// `P = 4 f C_p V_dc (V_oc − V_dc − 2 V_D)` with `V_oc = |Q|/C_p`, and nothing where the bridge blocks.
+    /// Mean power in W into a DC bus behind a full bridge, `P = 4 f C_p V_dc (V_oc − V_dc − 2 V_D)` with `V_oc =
+    /// |Q|/C_p`; 0 if the bridge blocks. The motion is that of the short circuit: exact with one-way coupling, an
+    /// approximation for weak two-way coupling.
     ///
-    /// In m/s² (its magnitude), Hz, V and V for each diode; the load of the scene itself has no part in it. The power is what
-    /// enters the bus.
+    /// The base acceleration is `amplitude · sin(2π · frequency · t)` in m/s² and Hz; `bus_voltage` and `diode_drop`,
+    /// per diode, are in V. The load of the scene is ignored.
     #[must_use]
     pub fn closed_form_into_bus(
         &self,
@@ -38,7 +37,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let amplitude = amplitude.abs();
         let open = response.charge_by_base.magnitude() * amplitude * self.elastance;
         let bridge = bus_voltage + diode_drop + diode_drop;
-        // Where the bridge blocks, the terminals are open and the voltage is bent back by the motion.
+        // If the bridge blocks, the terminals are open and the voltage acts back on the motion.
         let swing = open - bridge;
         let coupling = response.charge_by_voltage.magnitude() * self.elastance;
         let bend = if swing > S::ZERO {
@@ -56,14 +55,16 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         }
     }
 
-    /// Mean power in a resistance across a large storage behind a full bridge, in its steady state, under the
-    /// base acceleration `amplitude · sin(2π · frequency · t)`: Shu and Lien 2006 for a motion of one harmonic
-    /// with the voltage acting back on it, all modes of the beam and the diodes' drop taken along.
+    /// Mean power in W in a `resistance` in Ω across a large storage behind a full bridge, in the steady state. Shu
+    /// and Lien (2006) for a harmonic motion with two-way coupling, extended to all beam modes and to the drop of the
+    /// diodes.
     ///
-    /// `V_dc = ω R (|Q| − 2 C_p V_D)/(ω C_p R + π/2)`. Where the beam turns round the voltage is `V_b`, and over
-    /// a period the bridge takes `P_b = V_b V_dc/R`; so to the modes the terminals are a voltage of
-    /// `V_b/|Q|` per charge in phase with the charge and of `2 P_b/(ω |Q|²)` ahead of it. With one mode and
-    /// ideal diodes `|Q|` follows in closed form; else by a few turns of an iteration.
+    /// The base acceleration is `amplitude · sin(2π · frequency · t)` in m/s² and Hz; `diode_drop` is in V per diode.
+    ///
+    /// `V_dc = ω R (|Q| − 2 C_p V_D)/(ω C_p R + π/2)`. At the turning point of the beam the voltage is `V_b`, and
+    /// over a period the bridge takes the mean power `P_b = V_b V_dc/R`. So the modes see a voltage per charge of
+    /// `V_b/|Q|` in phase with the charge and of `2 P_b/(ω |Q|²)` ahead of it. With one mode and ideal diodes `|Q|`
+    /// has a closed form; otherwise it is found by a few iterations.
     #[must_use]
     pub fn closed_form_into_store(
         &self,
@@ -82,7 +83,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let one = Complex::new(S::ONE, S::ZERO);
         let (mut charge, mut voltage, mut steady) = (by_base, Complex::ZERO, S::ZERO);
         let mut change = S::ZERO;
-        for _ in 0..TURNS {
+        for _ in 0..ITERATIONS {
             let magnitude = charge.magnitude().max(S::TINY);
             let before = steady;
             steady = per_charge * (magnitude - blocked).max(S::ZERO);
@@ -90,7 +91,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             let bridge = steady + two * diode_drop;
             let power = bridge * steady / resistance;
             let of_charge = Complex::new(bridge / magnitude, two * power / (omega * magnitude * magnitude));
-            // Where the diodes block, the voltage is all of the charge's.
+            // If the diodes block, the whole charge is on the capacitance.
             let of_charge = if magnitude > blocked { of_charge } else { one.scaled(self.elastance) };
             charge = by_base * (one - response.charge_by_voltage * of_charge).inverse();
             voltage = charge * of_charge;
@@ -106,7 +107,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             amplitude: response.tip_amplitude(amplitude, voltage),
             validity: Validity::of([
                 (Reason::StrongCoupling, coupling * S::from_f64(1.0 / HARMONIC)),
-                (Reason::NotBalanced, ratio(change, S::from_f64(UNBALANCED) * steady)),
+                (Reason::NotBalanced, ratio(change, S::from_f64(TOLERANCE) * steady)),
                 reaches,
                 in_transient,
             ]),
@@ -114,8 +115,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 }
 
-/// Root mean square of a voltage that would swing by `±open` and is held within `±bridge`: from a turn on
-/// `−V_b + V_oc (1 − cos φ)`, until it is `V_b`, and `V_b` until the next turn.
+/// Root mean square of a voltage with the open-circuit swing `±open`, clamped to `±bridge`: from a turning point
+/// `−V_b + V_oc (1 − cos φ)`, until it is `V_b`, and `V_b` until the next turning point.
 fn rms_behind_bridge<S: Scalar>(open: S, bridge: S) -> S {
     let half = S::from_f64(0.5);
     if !(bridge < open) {

@@ -1,4 +1,4 @@
-//! What changes while a bump-stop harvester runs, and where it starts.
+//! The state of a bump-stop harvester, and its start.
 
 use super::choices::ContactOf;
 use super::circuit::Circuit;
@@ -9,59 +9,57 @@ use crate::excitation::Excitation;
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 
-/// The state: a plain value that can be copied, saved, compared and restored, and resumes with the
-/// same bits.
+/// The complete state of a simulation. A copy, or a state restored from a snapshot, resumes with the same bits.
 ///
-/// `C` is what the load remembers: nothing if it is a resistance, a [`crate::part::storage_step::StorageState`]
-/// if it is a bridge.
+/// `C` is the state of the load: empty for a resistance, [`crate::part::storage_step::StorageState`] for a bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<S, const B: usize, const R: usize, C = ()> {
     /// Simulated time.
     pub clock: Instant,
     /// Displacement in √kg·m and velocity in √kg·m/s of each beam mode.
     pub beam: [[S; 2]; B],
-    /// The same of each rod mode.
+    /// Displacement in √kg·m and velocity in √kg·m/s of each rod mode.
     pub rod: [[S; 2]; R],
-    /// Charge in C that strain has brought to the electrodes, `Σ θ r`.
+    /// Charge in C that strain has moved to the electrodes, `Σ θ r`.
     pub(super) strain_charge: S,
-    /// Charge in C that has left them through the load.
+    /// Charge in C that has left the electrodes through the load.
     pub(super) moved_charge: S,
-    /// What rounding took from it.
+    /// The part of `moved_charge` that rounding removed.
     pub(super) charge_remainder: S,
-    /// Gap coordinate `g` in m: above zero in contact.
+    /// Gap coordinate `g` in m: positive in contact.
     pub(super) gap: S,
-    /// How much further than at `Δ` the rod's face is taken to stand, in m, since an impact.
+    /// Increase of `Δ` in m since an impact, for the rounding of its time.
     pub(super) drift: S,
-    /// Base acceleration at `clock`.
+    /// Base acceleration at `clock` in m/s².
     pub(super) acceleration: S,
-    /// Whether an impact has closed the contact for a while.
+    /// Whether a slow impact has closed the contact.
     pub(super) closed: bool,
-    /// Short steps still to take before a long one is tried again.
+    /// Number of short steps before the next attempt of a long one.
     pub(super) short_steps: u16,
-    /// What the load remembers.
+    /// The state of the load.
     pub circuit: C,
 }
 
-/// The state of a harvester made of the parts `P`.
+/// The state of a harvester with the components `P`.
 pub type StateOf<S, P, const B: usize, const R: usize> =
     State<S, B, R, <<P as Parts<S>>::Load as Circuit<S>>::State>;
 
 impl<S: Scalar, const B: usize, const R: usize, C> State<S, B, R, C> {
-    /// The gap coordinate `g = y(X_c) − z(L_r) − Δ` in m: below zero where the gap is open.
+    /// The gap coordinate `g = y(X_c) − z(L_r) − Δ` in m: negative while the gap is open.
     #[must_use]
     pub fn gap(&self) -> S {
         self.gap
     }
 }
 
-/// Initial values; at rest, without voltage, by default.
+/// Initial values; by default at rest with zero voltage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Start<S, const B: usize, const R: usize> {
     /// Displacement in √kg·m and velocity in √kg·m/s of each beam mode.
     pub beam: [[S; 2]; B],
-    /// The same of each rod mode.
+    /// Displacement in √kg·m and velocity in √kg·m/s of each rod mode.
     pub rod: [[S; 2]; R],
-    /// Voltage in V; across a short circuit there is none.
+    /// Voltage in V; ignored for a short circuit.
     pub voltage: S,
 }
 
@@ -75,7 +73,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     /// The state of this harvester at time zero.
     ///
     /// # Errors
-    /// A start in penetration, or a value that is out of bounds.
+    /// A start in penetration, or a value outside its bounds.
     pub fn start<E: Excitation<S>>(
         &self,
         start: &Start<S, B, R>,

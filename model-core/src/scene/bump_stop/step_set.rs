@@ -1,4 +1,4 @@
-//! The coefficients of one length of step.
+//! The coefficients for one step length.
 
 use super::choices::Coupling;
 use super::circuit::Circuit;
@@ -8,26 +8,26 @@ use crate::integrate::modal::ModalStep;
 use crate::part::circuit::CircuitStep;
 use crate::scalar::Scalar;
 
-/// What a step does to one mode, on its displacement and on its velocity: increments, so that in `f32` a
-/// short step keeps what it adds.
+/// The linear map of a step for one mode, `[displacement, velocity]`. The map gives increments, which a short step in
+/// `f32` does not round away.
 ///
-/// The coefficients of [`ModalStep`], with what the mode's own factors make of the base's acceleration and
-/// of the voltage multiplied in: a step multiplies by them once for each of its modes.
+/// These are the coefficients of [`ModalStep`], multiplied by the mode's factors for the base acceleration and the
+/// voltage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ModeStep<S> {
     by_displacement: [S; 2],
     by_velocity: [S; 2],
-    /// Per base acceleration at the start, and per its rise over the step.
+    /// Per base acceleration at the start, and per rise of the base acceleration over the step.
     by_base: [S; 2],
     by_rise: [S; 2],
-    /// Per modal force of the whole step.
+    /// Per constant modal force over the step.
     pub(super) by_force: [S; 2],
-    /// Per voltage of the whole step, negated.
+    /// Per negative constant voltage over the step.
     pub(super) by_voltage: [S; 2],
 }
 
 impl<S: Scalar> ModeStep<S> {
-    /// For a mode with the modal force `base` per base acceleration and `voltage` per voltage, both negated.
+    /// For a mode with the modal force `base` per negative base acceleration and `voltage` per negative voltage.
     fn new(modal: &ModalStep<S>, base: S, voltage: S) -> Self {
         let by_force = [modal.response, modal.displacement_by_velocity];
         Self {
@@ -40,8 +40,8 @@ impl<S: Scalar> ModeStep<S> {
         }
     }
 
-    /// The end without contact force and voltage, where the base's acceleration is `from` at the start and
-    /// `rise` more at the end.
+    /// The end without contact force and voltage, for the base acceleration `from` at the start and `from + rise` at
+    /// the end.
     #[inline(always)]
     pub(super) fn free(&self, [displacement, velocity]: [S; 2], from: S, rise: S) -> [S; 2] {
         let increment = |row: usize| {
@@ -54,31 +54,31 @@ impl<S: Scalar> ModeStep<S> {
     }
 }
 
-/// Everything about a step that depends on its length and the parameters only; `K` are the load's
-/// coefficients.
+/// The coefficients of a step, which depend on its length and the parameters only; `K` are those of the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StepSet<S, const B: usize, const R: usize, K = CircuitStep<S>> {
     pub(super) ticks: u32,
-    /// Its length in s.
+    /// Length of the step in s.
     pub(super) step: S,
     pub(super) beam: [ModeStep<S>; B],
     pub(super) rod: [ModeStep<S>; R],
     pub(super) circuit: K,
-    /// `H`: how far a unit force moves the gap, the answer of the circuit's first line included, in m/N.
+    /// `H` in m/N: displacement of the gap per contact force, with the response of the circuit's first linear
+    /// relation.
     pub(super) flexibility: S,
-    /// `Σ φ θ s`: how far a unit voltage moves the gap, and a unit force the strain charge.
+    /// `Σ φ θ s`: displacement of the gap per voltage in m/V, and strain charge per contact force in C/N.
     pub(super) gap_by_voltage: S,
-    /// `Σ θ² s`: how far a unit voltage moves the strain charge.
+    /// `Σ θ² s` in C/V: strain charge per voltage.
     pub(super) charge_by_voltage: S,
     /// `1/(1 + χ e1 Σ θ² s)`.
     pub(super) per_circuit: S,
-    /// Mean voltage per unit force, negated.
+    /// Mean voltage per negative contact force in V/N.
     pub(super) voltage_by_force: S,
-    /// How much a unit voltage changes the rate of the gap.
+    /// Rate of the gap per voltage in m/(s V).
     pub(super) rate_by_voltage: S,
 }
 
-/// The coefficients of a harvester made of the parts `P`.
+/// The coefficients of a harvester with the components `P`.
 pub(crate) type StepSetOf<S, P, const B: usize, const R: usize> =
     StepSet<S, B, R, <<P as Parts<S>>::Load as Circuit<S>>::Step>;
 

@@ -1,4 +1,4 @@
-//! Advancing: short steps near contact, long ones where none can be, and impacts where they are located.
+//! Advances a bump-stop harvester: short steps near contact, long steps in free flight, and located impacts.
 
 use super::choices::{ContactOf, Coupling};
 use super::circuit::Circuit;
@@ -16,35 +16,34 @@ use crate::integrate::step_control::check_step;
 use crate::observer::{ALL_POWERS, AcceptedStep, Contact, Event, Observer, Outputs, PowerIndex};
 use crate::scalar::Scalar;
 
-/// Attempts that one step may take, the location of an impact included: a smaller budget of
-/// [`Harvester::advance`](crate::scene::Harvester::advance) is taken as this one.
+/// Most attempts of one step with the location of an impact. A smaller budget of
+/// [`Harvester::advance`](crate::scene::Harvester::advance) is raised to this number.
 pub(super) const LEAST_BUDGET: u32 = 44;
-/// Attempts to locate an impact: bisection of 2³² ticks.
+/// Most attempts to locate an impact: bisection of 2³² ticks.
 const MOST_LOCATING: u32 = 40;
-/// An impact slower than this, in m/s, closes the contact.
+/// Impact speed in m/s below which an impact closes the contact.
 const CLOSING_SPEED: f64 = 1e-5;
 
-/// A gap this many times as wide as what has drifted is open.
+/// Ratio of the gap to the drift above which the drift is removed.
 const OPENED: f64 = 16.0;
 
-/// A harvester with its two lengths of step, and what a bound on the gap's curvature is made of.
+/// A bump-stop harvester with its two step lengths, and the coefficients of a bound on the gap's curvature.
 ///
-/// The gap cannot come to zero within a step of `h` if `max(g, g⁺) + M h²/8 < 0`, where `M` bounds
-/// `|g̈|`. A free mode keeps its energy or loses it, so that
-/// `|r̈| ≤ √(1 + 4ζ²) ω √(ω² r² + ṙ²) + 3 (|γ| a + χ |θ| v)`, with `a` and `v` the largest
-/// magnitudes over the step: of the base's acceleration and of the voltage, the first linear, the second
-/// constant.
+/// The gap cannot reach zero within a step of `h` if `max(g, g⁺) + M h²/8 < 0`, where `M` bounds `|g̈|`. The energy
+/// of a free mode does not grow, so `|r̈| ≤ √(1 + 4ζ²) ω √(ω² r² + ṙ²) + 3 (|γ| a + χ |θ| v)`, with `a` and `v` the
+/// largest magnitudes over the step of the base acceleration, which is linear, and of the voltage, which is constant
+/// (derived here).
 ///
-/// A bridge sees the voltage at the ends of a step: a long one is taken where the modes' part in a like bound
-/// says that it blocks throughout, or that the voltage strays little from a straight line.
+/// A bridge evaluates the voltage at the ends of a step. Behind a bridge a long step is taken only if the part of the
+/// modes in a similar bound shows that the bridge blocks throughout, or that the voltage is nearly linear.
 ///
-/// `ALL` is 1 where every power is integrated, 0 where only the delivered energy is.
+/// `ALL` is 1 to integrate every power, 0 to integrate only the delivered energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize = 0> {
     pub(super) scene: BumpStop<S, P, B, R>,
     pub(super) short: StepSetOf<S, P, B, R>,
     pub(super) long: StepSetOf<S, P, B, R>,
-    /// Short steps in a long one.
+    /// Number of short steps in a long step.
     ratio: u16,
     /// `|φ| √(1 + 4ζ²) ω` of each beam mode, and of each rod mode.
     beam_curvature: [S; B],
@@ -54,24 +53,25 @@ pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const
     curvature_by_voltage: S,
     /// `h²/8` of the long step.
     sagitta: S,
-    /// For the energies of a short and of a long step.
+    /// The Gramians of a short and of a long step.
     gramians: [[GramianSet<S, B, R>; 2]; ALL],
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R> {
-    /// With the delivered energy as the only integral, which is what a node needs, and with steps of the ticks nearest to `short` seconds near contact and `long` in free flight, both up to
-    /// 3.9 ms; a `long` that is not longer than `short` leaves one length for all.
+    /// A stepper that integrates only the delivered energy, enough for a node. Steps have the number of ticks nearest
+    /// to `short` near contact and `long` in free flight, both in s and up to 3.9 ms. A `long` at or below `short`
+    /// disables long steps.
     ///
     /// # Errors
-    /// [`ParameterError`] with the field `short_step` or `long_step` where a length is not above 0 and at most 3.9 ms.
+    /// [`ParameterError`] with the field `short_step` or `long_step` for a length that is not above 0 and at most 3.9
+    /// ms.
     pub fn new(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Result<Self, ParameterError<S>> {
         Self::build(scene, short, long)
     }
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R, 1> {
-    /// As [`Stepper::new`], with the integral of every [`crate::observer::PowerIndex`], for a report and an energy
-    /// ledger.
+    /// As [`Stepper::new`], integrating every [`crate::observer::PowerIndex`], for a report and an energy ledger.
     ///
     /// # Errors
     /// As [`Stepper::new`].
@@ -124,11 +124,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         &self.scene
     }
 
-    /// Advances `state` to `until`; without `CUT` it ends with a whole step, less than a short step beyond `until`.
+    /// Advances `state` to `until`; without `CUT` it ends with a whole step, less than a short step past `until`.
     ///
-    /// A cut step makes coefficients of its own, which cost more than many steps: where a run is advanced from sample to
-    /// sample, whole steps are cheaper. The base acceleration is taken as linear over each step: kinks of a sampled
-    /// excitation within a long step are rounded off.
+    /// A cut step computes its own coefficients, which cost more than many steps: from sample to sample, whole steps
+    /// are cheaper. The base acceleration is linear over each step, so kinks of a sampled excitation within a long
+    /// step are smoothed.
     #[inline]
     pub(super) fn run<const CUT: bool, E, O>(
         &self,
@@ -150,14 +150,13 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             if spent > 0 && budget.saturating_sub(spent) < LEAST_BUDGET {
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
             }
-            // No step is longer than resolves the excitation.
+            // Every step resolves the excitation.
             let resolved = excitation.resolved_ticks();
             let left = state.clock.ticks_until(until, resolved);
             let left = if CUT { left } else { left.max(self.short.ticks.min(resolved)) };
             let open = state.short_steps == 0 && !state.closed;
             if long_is_of_use && left >= self.long.ticks && open {
-                // Most of the long steps that are refused start too near to contact: seen before they are
-                // computed.
+                // Most rejected long steps start too near to contact: reject them before computing them.
                 let modes = self.curvature_of_modes(state);
                 let interpolation_bound = self.interpolation_bound_of_voltage(state);
                 if self.is_clear(state.gap + modes * self.sagitta)
@@ -194,18 +193,17 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         self.scene.trial(set, state, excitation.acceleration(state.clock.after(set.ticks)))
     }
 
-    /// Whether a gap coordinate leaves room, or there is nothing to touch.
+    /// Whether a largest gap coordinate excludes contact, or there is no stop.
     #[inline(always)]
     fn is_clear(&self, highest: S) -> bool {
         if !ContactOf::<S, P>::POSSIBLE || matches!(self.scene.contact.kind(), ContactKind::None) {
             return true;
         }
-        // Written so that not-a-number is no flight.
+        // `highest < 0` is false for not-a-number.
         highest < S::ZERO
     }
 
-    /// Whether no contact can have been in the long step to `trial`; `modes` is the start's
-    /// [`Self::curvature_of_modes`].
+    /// Whether contact is excluded in the long step to `trial`; `modes` is [`Self::curvature_of_modes`] at the start.
     #[inline(always)]
     fn cannot_touch(&self, start: &StateOf<S, P, B, R>, trial: &TrialOf<S, P, B, R>, modes: S) -> bool {
         let nearest = start.gap.max(trial.end.gap);
@@ -215,8 +213,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         self.is_clear(nearest + curvature * self.sagitta)
     }
 
-    /// What the modes as they are contribute to a bound on how far the voltage strays from a straight line
-    /// over a free long step, in V; 0 where nobody asks.
+    /// The contribution of the modes to a bound on the deviation of the voltage from a straight line over a free long
+    /// step, in V; 0 for a load without bridge.
     #[inline(always)]
     fn interpolation_bound_of_voltage(&self, start: &StateOf<S, P, B, R>) -> S {
         let mut bound = S::ZERO;
@@ -229,14 +227,14 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         bound * self.scene.elastance * self.sagitta
     }
 
-    /// Whether the load may take the voltage at `state` for one that strays from it by at most `interpolation_bound`.
+    /// Whether the load may use the voltage at `state` for one that differs by at most `interpolation_bound` in V.
     #[inline(always)]
     fn resolves_voltage(&self, state: &StateOf<S, P, B, R>, interpolation_bound: S) -> bool {
         !P::Load::SWITCHES
             || self.scene.load.resolves(self.scene.voltage(state), interpolation_bound, &state.circuit)
     }
 
-    /// What the modes as they are contribute to a bound on `|g̈|` over a free step, in m/s².
+    /// The contribution of the modes to a bound on `|g̈|` over a free step, in m/s².
     #[inline(always)]
     fn curvature_of_modes(&self, start: &StateOf<S, P, B, R>) -> S {
         let mut bound = S::ZERO;
@@ -250,7 +248,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         bound
     }
 
-    /// Keeps a step of a number of ticks and seconds.
+    /// Accepts a step of a number of ticks and seconds.
     #[inline(always)]
     fn take<O: Observer<S>>(
         &self,
@@ -300,8 +298,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             accepted.end.in_contact |= self.scene.contact.kind() == ContactKind::Constrained;
             accepted.contact = self.scene.contact_within(state, trial);
             if P::Load::SWITCHES {
-                // Behind a bridge the voltage of a step has its extremes at the ends, or at the corner of a polyline,
-                // which is level with the end or below it.
+                // Behind a bridge the extremes of the voltage in a step are at its ends: the corner of the polyline
+                // does not exceed the end.
                 accepted.mean_voltage = S::from_f64(0.5) * (accepted.start.voltage + accepted.end.voltage);
             }
         }
@@ -315,7 +313,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         Ok(())
     }
 
-    /// A step of `ticks`, to where the run is divided: coefficients of its own, once.
+    /// A step of `ticks` to `until`, with its own coefficients.
     #[cold]
     #[inline(never)]
     fn cut_step<E: Excitation<S>, O: Observer<S>>(
@@ -358,7 +356,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
 
     /// Steps to the tick at which the gap closes, and through the impact.
     ///
-    /// The gap is at or below zero at the start and above it at the end of the attempt `beyond`.
+    /// The gap is at or below zero at the start and above zero at the end of the attempt `beyond`.
     #[cold]
     #[inline(never)]
     fn locate_impact<E: Excitation<S>, O: Observer<S>>(
@@ -375,8 +373,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         let (mut latest, mut gap, mut rate) = (closed, reached.end.gap, reached.gap_rate);
         let mut attempts = 0;
         while closed - open > 1 && attempts < MOST_LOCATING {
-            // Newton's iteration from the last attempt, to the far side; where that leaves the bracket, its
-            // middle.
+            // Newton's iteration from the last attempt, overshooting; bisection if it leaves the bracket.
             let distance = ((gap / rate).abs() / seconds_of_ticks(1)).to_u32();
             let next = match (rate > S::ZERO, gap > S::ZERO) {
                 (true, true) if distance == 0 => break,
@@ -432,8 +429,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Calls a gap coordinate zero that is above it by the rounding of an impact's time or the drift of a
-    /// closed contact: the rod's face is taken to stand that much further, until the gap has opened.
+    /// Sets a positive gap coordinate to zero. It is due to the rounding of an impact's time or to the drift of a
+    /// closed contact; `drift` shifts the rod's face by this amount until the gap has opened.
     fn close_gap(state: &mut StateOf<S, P, B, R>) {
         if state.gap > S::ZERO {
             state.drift += state.gap;
@@ -442,7 +439,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 }
 
-/// At least `√(a² + b²)`, at most 8 % above it, without a root.
+/// An upper bound of `√(a² + b²)`, at most 8 % above it, without a square root.
 #[inline(always)]
 fn at_least_norm<S: Scalar>(a: S, b: S) -> S {
     let (a, b) = (a.abs(), b.abs());

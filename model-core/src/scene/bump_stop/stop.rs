@@ -1,4 +1,4 @@
-//! The stop, or none.
+//! The stop.
 
 use core::fmt::Debug;
 
@@ -13,13 +13,13 @@ use crate::scalar::Scalar;
     note = "write `.stop(Stop {{ .., contact: ResidualFlexibility }})`, or leave `.stop(..)` out"
 )]
 pub(crate) trait StopChoice<S: Scalar>: Copy + Debug + PartialEq {
-    /// How beam and rod touch.
+    /// The contact law.
     type Contact: ContactLaw<S>;
 
-    /// How beam and rod touch.
+    /// The contact law.
     fn contact(&self) -> Self::Contact;
 
-    /// The stop.
+    /// The stop; `None` without one.
     fn stop(&self) -> Option<Stop<S, Self::Contact>>;
 }
 
@@ -37,7 +37,7 @@ impl<S: Scalar> StopChoice<S> for NoStop {
     }
 }
 
-/// A rod that stands on the base, its free face beside the beam.
+/// A rod on the base with its free face next to the beam.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Stop<S, C = ResidualFlexibility> {
@@ -49,13 +49,13 @@ pub struct Stop<S, C = ResidualFlexibility> {
     pub young_modulus: S,
     /// Density of the rod in kg/m³, 1 to 10⁵.
     pub density: S,
-    /// Place `X_c` of the contact in m from the clamp, above 0 and at most the length of the beam.
+    /// Position `X_c` of the contact in m from the clamp, 10⁻⁴ to the length of the beam.
     pub position: S,
     /// Distance `Δ` of beam and rod at rest in m, 0 to 1.
     pub gap: S,
-    /// Compliance of the contact itself in m/N, 0 to 1, in series with that of the modes left out.
+    /// Compliance of the contact itself in m/N, 0 to 1, in series with that of the omitted modes.
     pub contact_compliance: S,
-    /// How beam and rod touch.
+    /// The contact law.
     pub contact: C,
 }
 
@@ -74,7 +74,7 @@ impl<S: Scalar, C: ContactLaw<S>> StopChoice<S> for Stop<S, C> {
 }
 
 impl<S: Scalar, C: ContactLaw<S>> Stop<S, C> {
-    /// The rod along its axis.
+    /// The rod for axial modes.
     pub(super) fn rod(&self) -> Rod<S> {
         Rod {
             length: self.length,
@@ -83,7 +83,7 @@ impl<S: Scalar, C: ContactLaw<S>> Stop<S, C> {
         }
     }
 
-    /// Refuses what is out of bounds, beside a beam of a length in m.
+    /// Checks the stop for a beam of the length `beam_length` in m.
     #[inline(always)]
     pub(super) fn check(&self, beam_length: S) -> Result<(), ParameterError<S>> {
         Bounds::new(1e-4, 10.0).check("stop.length", self.length)?;

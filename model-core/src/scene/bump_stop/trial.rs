@@ -1,9 +1,8 @@
-//! One step: modes, circuit and contact in one scalar equation.
+//! Computes one step: modes, circuit and contact in one scalar equation.
 //!
-//! Where the circuit's mean voltage is one line `e0 + e1 Δq`, the equation has a closed form. A bridge has a
-//! line for each regime, and a curve where it begins to conduct within the step: the step is then solved again
-//! with the tangent at the charge that was found, up to [`MOST_REDONE`] times, until the charge stays where it
-//! is. Modes do not enter these repetitions, only what they add up to.
+//! With the linear mean voltage `e0 + e1 Δq` of a circuit the equation has a closed form. The mean voltage of a
+//! bridge is a curve if conduction begins within the step: the step is then solved again with the tangent at the last
+//! charge, up to [`MOST_REPETITIONS`] times, until the charge converges. The repetitions use only sums over the modes.
 
 use super::choices::{ContactOf, Coupling};
 use super::circuit::{Circuit, StepCurrent};
@@ -15,10 +14,10 @@ use crate::integrate::discrete_gradient::{ContactStep, contact_step};
 use crate::part::storage_step::StorageAccount;
 use crate::scalar::{Scalar, add_increment};
 
-/// The end of a step and what happened in it.
+/// The result of a step.
 pub(super) struct Trial<S, const B: usize, const R: usize, C> {
     pub(super) end: State<S, B, R, C>,
-    /// Rate of the gap coordinate at the end of a step without contact force.
+    /// Rate of the gap coordinate in m/s at the end of a step without contact force.
     pub(super) gap_rate: S,
     /// Contact force in N, constant over the step.
     pub(super) force: S,
@@ -30,46 +29,46 @@ pub(super) struct Trial<S, const B: usize, const R: usize, C> {
     pub(super) account: StorageAccount<S>,
 }
 
-/// The trial of a harvester made of the parts `P`.
+/// The trial of a harvester with the components `P`.
 pub(super) type TrialOf<S, P, const B: usize, const R: usize> =
     Trial<S, B, R, <<P as Parts<S>>::Load as Circuit<S>>::State>;
 
-/// Times that a step is solved again at most.
+/// Most repetitions of a step.
 ///
-/// The charges that are found rise or fall to the solution, and their relative distance to it is at least
-/// squared by each: from a half, which takes a coupling that no material has, five reach a rounding of `f64`.
-const MOST_REDONE: u32 = 8;
+/// The charges converge monotonically, and each repetition at least squares their relative error: from one half,
+/// beyond the coupling of any material, five repetitions reach a rounding of `f64`.
+const MOST_REPETITIONS: u32 = 8;
 
-/// A step of all modes without contact force and voltage.
+/// The end of a step of all modes without contact force and voltage.
 #[derive(Clone, Copy)]
 struct Unloaded<S> {
-    /// Strain charge and gap coordinate at its end, and the gap's rate.
+    /// Strain charge in C, gap coordinate in m, and its rate in m/s.
     strain: S,
     gap: S,
     rate: S,
 }
 
-/// A line of the circuit, solved for what it depends on.
+/// A linear circuit relation, solved for the unknowns of a step.
 struct AffineCircuit<S> {
-    /// Mean voltage without contact force.
+    /// Mean voltage in V without contact force.
     mean_voltage: S,
-    /// Mean voltage per unit force, negated.
+    /// Mean voltage per negative contact force in V/N.
     voltage_by_force: S,
-    /// How far a unit force moves the gap.
+    /// Displacement of the gap per contact force in m/N.
     flexibility: S,
 }
 
 /// The solution of the scalar equation.
 struct Solution<S> {
     strain: S,
-    /// Rate of the gap without contact force.
+    /// Rate of the gap coordinate in m/s without contact force.
     rate: S,
     mean_voltage: S,
     contact: ContactStep<S>,
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Takes the step `set` from `start`; `acceleration` is the base's at its end.
+    /// Takes the step `set` from `start`; `acceleration` in m/s² is that of the base at the end.
     #[inline(always)]
     pub(super) fn trial(
         &self,
@@ -107,7 +106,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let start_voltage = self.voltage(&end);
         let solution = self.solution(set, start, &end.circuit, start_voltage, unloaded);
         let Solution { strain, rate, mean_voltage, contact } = solution;
-        // What both do to the modes.
+        // The effect of contact force and voltage on the modes.
         let force = contact.force;
         end.gap = contact.gap;
         end.closed = start.closed && force > S::ZERO;
@@ -136,7 +135,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         }
     }
 
-    /// Adds what contact force and voltage do to the modes over a step.
+    /// Adds the effect of contact force and voltage on the modes over a step.
     #[inline(always)]
     fn load_modes(
         &self,
@@ -165,7 +164,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         }
     }
 
-    /// Solves the scalar equation of a step that starts at a voltage.
+    /// Solves the scalar equation of a step from a start voltage.
     #[inline(always)]
     fn solution(
         &self,
@@ -183,7 +182,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             voltage_by_force: set.voltage_by_force,
             flexibility: set.flexibility,
         };
-        let mut solution = self.on_line(set, start, &line, unloaded);
+        let mut solution = self.solve_affine(set, start, &line, unloaded);
         if !P::Load::SWITCHES {
             return solution;
         }
@@ -194,7 +193,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             set.flexibility
         };
         let mut charge = solution.strain - start.strain_charge;
-        for _ in 0..MOST_REDONE {
+        for _ in 0..MOST_REPETITIONS {
             let Some([at_zero, slope]) = self.load.tangent(&set.circuit, start_voltage, charge, circuit)
             else {
                 break;
@@ -208,11 +207,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
                 voltage_by_force,
                 flexibility: without_circuit - by_circuit,
             };
-            solution = self.on_line(set, start, &line, unloaded);
+            solution = self.solve_affine(set, start, &line, unloaded);
             let found = solution.strain - start.strain_charge;
             let apart = found - charge;
             charge = found;
-            // What is left is below the square of this.
+            // The remaining relative error is below the square of this change.
             if apart * apart <= S::EPSILON * charge * charge {
                 break;
             }
@@ -220,9 +219,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         solution
     }
 
-    /// Solves it where the mean voltage is on a line.
+    /// Solves the scalar equation for a linear mean voltage.
     #[inline(always)]
-    fn on_line(
+    fn solve_affine(
         &self,
         set: &StepSetOf<S, P, B, R>,
         start: &StateOf<S, P, B, R>,
@@ -249,7 +248,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         Solution { strain, rate, mean_voltage, contact }
     }
 
-    /// The contact force and the gap at the end of a step that without it would come to `gap`.
+    /// Contact force and gap at the end of a step that would reach `gap` without contact force.
     #[inline(always)]
     fn touch(&self, flexibility: S, start: &StateOf<S, P, B, R>, gap: S) -> ContactStep<S> {
         let open = ContactStep { force: S::ZERO, gap };
@@ -259,7 +258,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         match self.contact.kind() {
             ContactKind::None => open,
             ContactKind::Compliant => contact_step(start.gap, gap, flexibility, self.stiffness),
-            // The force that makes the gap zero; it does no work on a gap that was zero before.
+            // The force that makes the gap zero; it does no work if the gap was zero before.
             ContactKind::Constrained if gap > S::ZERO && flexibility > S::ZERO => {
                 ContactStep { force: gap / flexibility, gap: S::ZERO }
             }

@@ -17,19 +17,19 @@ use crate::scene::coupled;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Mode {
-    /// The gap is open, or just closing or opening.
+    /// The mass moves freely above the dielectric.
     Free,
-    /// The mass is held on the dielectric: gap and velocity are zero.
+    /// The mass sticks to the dielectric: gap and velocity are zero.
     Stick,
 }
 
-/// Roundings of the initial gap within which a release is not told from a contact.
+/// Margin in roundings of the initial gap within which a released mass still counts as in contact.
 const RELEASE_ROUNDINGS: f64 = 64.0;
 
 impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
-    /// Contact force per mass while the mass is held, in m/s²: `a + (F_e − k d0) / m`.
+    /// Contact force per mass in stick, in m/s²: `a + (F_e − k d0) / m`.
     ///
-    /// Equation (22) of the paper, derived; contact is kept while it is positive.
+    /// Equation (22) of the paper, derived here; contact lasts while it is positive.
     #[inline]
     pub(super) fn contact_force_per_mass(&self, charge: S, acceleration: S) -> S {
         let attraction = self.attraction(&self.circuit(S::ZERO, charge));
@@ -52,9 +52,9 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         }
     }
 
-    /// The contact force per mass while the mass is held, and its rate.
+    /// The contact force per mass in stick, and its rate.
     ///
-    /// Out of line, or the compiler would evaluate the excitation for it in flight too.
+    /// Outlined: the compiler would otherwise evaluate the excitation for it in flight too.
     #[cold]
     #[inline(never)]
     fn release_guard<E: Excitation<S>, const POWERS: usize>(
@@ -71,13 +71,13 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         }
     }
 
-    /// Smallest gap that is told from contact after a release.
+    /// Smallest gap in m that counts as open after a release.
     #[inline]
     pub(super) fn release_margin(&self) -> S {
         S::from_f64(RELEASE_ROUNDINGS) * S::EPSILON * self.initial_gap
     }
 
-    /// The jump to `mode` at contact, leaving at `speed`.
+    /// The jump to `mode` at contact with the speed `speed` in m/s after the jump.
     #[inline]
     fn leave_contact<const POWERS: usize>(
         &self,
@@ -100,11 +100,11 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         }
     }
 
-    /// The rate of the charge just after an impact, as a step of length `step` needs it.
+    /// The rate of the charge just after an impact, for a step of length `step` in s.
     ///
-    /// The rate itself is continuous, since it depends on gap and charge only, and the value of
-    /// the stage before is better than the difference that the flow computes. But the rate
-    /// `∂Q_eq/∂g · v` of a charge that follows the gap turns with the velocity.
+    /// The rate itself is continuous, since it depends on gap and charge only, and the value of the previous stage is
+    /// more accurate than the flow's difference. But the rate `∂Q_eq/∂g · v` of a charge that follows the gap changes
+    /// its sign with the velocity.
     #[inline]
     fn charge_rate_after_impact(&self, before: S, speed: S, charge: S, step: S) -> S {
         if !matches!(self.load.resistance(), Resistance::Finite(_)) {
@@ -126,7 +126,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
 
     #[inline]
     fn flow(&self, mode: Mode) -> Flow<'_, S, P> {
-        // Where sticking is left out the compiler knows the mode, and drops the other.
+        // If the mass never sticks, the compiler knows the mode and removes the other one.
         Flow { scene: self, mode: if P::Sticking::POSSIBLE { mode } else { Mode::Free } }
     }
 
@@ -147,7 +147,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         if P::Sticking::POSSIBLE && mode == Mode::Stick {
             return self.release_guard(point, input);
         }
-        // After a release the gap starts at zero with no rate: it is let sink by the margin.
+        // After a release the gap starts at zero with zero rate: the guard is lowered by the margin.
         let lowered = if armed { S::ZERO } else { self.release_margin() };
         Guard { value: point.state[GAP] + lowered, rate: point.state[VELOCITY] }
     }

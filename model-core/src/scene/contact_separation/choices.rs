@@ -1,4 +1,4 @@
-//! The parts that a contact-separation harvester is made of.
+//! The components of a contact-separation harvester.
 
 use core::fmt::Debug;
 
@@ -10,7 +10,7 @@ use crate::part::restitution::{AnyRestitution, Restitution};
 use crate::part::stick_charge::{StickCharge, Sticking};
 use crate::scalar::{Polynomial, Scalar};
 
-/// The parts of a contact-separation harvester, each by its type: what is not named is not compiled.
+/// The components of a contact-separation harvester, each by its type: firmware contains only the chosen ones.
 ///
 /// ```
 /// use model_core::part::load::Resistor;
@@ -23,8 +23,7 @@ use crate::scalar::{Polynomial, Scalar};
 ///     .parasitic(ParasiticCapacitance { capacitance: 1e-12 });
 /// ```
 ///
-/// A part of the wrong kind is refused where the parameters are built, with what to write instead: a bridge is
-/// no load of this scene.
+/// A component of the wrong kind is a compile error that names the alternatives: a bridge is no load of this scene.
 ///
 /// ```compile_fail,E0277
 /// # use model_core::part::rectifier::FullBridge;
@@ -56,7 +55,7 @@ pub struct Choices<L, R, F = GapField, C = NoParasitic, K = StickCharge> {
     pub force_law: F,
     /// Parasitic capacitance `C_p` in parallel with the load, 0 to 10⁻³ F.
     pub parasitic: C,
-    /// Whether the mass can stick to the dielectric, and what the charge does then.
+    /// Whether the mass can stick to the dielectric, and the behaviour of the charge in stick.
     pub sticking: K,
 }
 
@@ -65,8 +64,8 @@ pub type AnyChoices<S, M = Polynomial> =
     Choices<AnyLoad<S>, AnyRestitution<S, M>, AnyForceLaw, ParasiticCapacitance<S>, StickCharge>;
 
 impl<L, R> Choices<L, R> {
-    /// A load and a coefficient of restitution; the force of the field, no parasitic capacitance, and a charge
-    /// that is frozen in stick.
+    /// A load and a coefficient of restitution, with the force of the field, no parasitic capacitance, and a frozen
+    /// charge in stick.
     #[must_use]
     pub const fn new(load: L, restitution: R) -> Self {
         Self { load, restitution, force_law: GapField, parasitic: NoParasitic, sticking: StickCharge::Frozen }
@@ -88,7 +87,7 @@ impl<L, R, F, C, K> Choices<L, R, F, C, K> {
         Choices { load, restitution, force_law, parasitic, sticking }
     }
 
-    /// With another choice of what happens on the dielectric.
+    /// With another behaviour on the dielectric.
     #[must_use]
     pub fn sticking<Other>(self, sticking: Other) -> Choices<L, R, F, C, Other> {
         let Self { load, restitution, force_law, parasitic, .. } = self;
@@ -96,7 +95,7 @@ impl<L, R, F, C, K> Choices<L, R, F, C, K> {
     }
 }
 
-/// The types of [`Choices`] as one.
+/// The component types of [`Choices`].
 pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
     /// The load.
     type Load: Load<S>;
@@ -106,14 +105,14 @@ pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
     type ForceLaw: ForceLaw<S>;
     /// The parasitic capacitance.
     type Parasitic: Parasitic<S>;
-    /// What happens on the dielectric.
+    /// The behaviour on the dielectric.
     type Sticking: Sticking;
 
     /// The choices themselves.
     fn choices(&self) -> &ChoicesOf<S, Self>;
 }
 
-/// The choices of some parts.
+/// The choices of given component types.
 type ChoicesOf<S, P> = Choices<
     <P as Parts<S>>::Load,
     <P as Parts<S>>::Restitution,

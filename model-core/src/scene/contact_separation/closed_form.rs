@@ -1,49 +1,49 @@
-//! The plate that never touches: harmonic balance of the motion, all harmonics of the charge.
+//! Computes the motion of a plate that never touches: harmonic balance of the motion, all harmonics of the charge.
 //!
-//! The gap is taken as `g = g0 + Y cos θ`, `θ = Ω t`, the distance as `D = g + d_e`. In terms of the charge
-//! that faces the dielectric, `P = σS − Q`, the circuit's equation loses its varying right-hand side:
+//! The gap is approximated by `g = g0 + Y cos θ`, `θ = Ω t`, with the distance `D = g + d_e`. In terms of the charge
+//! that faces the dielectric, `P = σS − Q`, the circuit equation has a constant right-hand side:
 //!
 //! ```text
-//! κ (1 + c D) dP/dθ + D P = σS d_e            κ = Ω ε0 S R,  c = C_p/(ε0 S)
+//! τ (1 + c D) dP/dθ + D P = σS d_e            τ = Ω ε0 S R,  c = C_p/(ε0 S)
 //! ```
 //!
-//! and, `D` being of one harmonic, those of `P = Σ p_n e^{jnθ}` couple to their neighbours only. A continued
-//! fraction from the highest down solves them for any resistance; the power is `R Ω² Σ n² |p_n|²`.
+//! `D` has one harmonic, so the harmonics of `P = Σ p_n e^{jnθ}` couple only to their neighbours. A continued
+//! fraction from the highest harmonic down solves for them at any resistance; the power is `R Ω² Σ n² |p_n|²`.
 //!
-//! The attraction `F` along that orbit, in mean and first harmonic, balances the motion:
+//! The mean `F_0` and the first harmonic `F_c`, `F_s` of the attraction along that orbit balance the motion:
 //!
 //! ```text
 //! ω0² (g0 − d0) + F_0 = 0
 //! A² = ((ω0² − Ω²) Y + F_c)² + (2 ζ ω0 Ω Y − F_s)²
 //! ```
 //!
-//! The second is explicit in `A`, so the amplitude `Y` is found as a root, from the small ones up.
+//! The second equation is explicit in the base acceleration `A`, so the amplitude `Y` is found as a root, from small
+//! amplitudes upwards.
 //!
-//! Near the dielectric the power hangs on the least distance, and so on the second harmonic of the motion,
-//! `y_2 = −F_2/(ω0² − 4 Ω² + 4jζ ω0 Ω)`. It is taken into the charge to first order, by the same fraction with the
-//! product of `y_2` and the charge without it on the right-hand side.
+//! Near the dielectric the power depends on the least distance, and so on the second harmonic of the motion, `y_2 =
+//! −F_2/(ω0² − 4 Ω² + 4jζ ω0 Ω)`. The charge includes it to first order, by the same fraction with the product of
+//! `y_2` and the charge without `y_2` on the right-hand side. Derived here.
 
 use super::{ContactSeparation, Parts};
 use crate::part::load::{Load, Resistance};
 use crate::scalar::{Complex, Scalar};
 use crate::scene::closed_form::{ClosedForm, Reason, Validity};
 
-/// Harmonics of the charge for the power: with the plate nine tenths of the way to the dielectric the last is
-/// 10⁻³ of the first.
+/// Harmonics of the charge for the power. At an amplitude of 0.9 of the mean gap the last is 10⁻³ of the first.
 const HARMONICS: usize = 16;
-/// Harmonics of the charge for the force, of which the first two count.
+/// Harmonics of the charge for the force, of which the first two matter.
 const FORCE_HARMONICS: usize = 8;
-/// Points of a period at which the force is taken, with cosines and sines of twelfths of a turn.
+/// Number of points of a period for the force, twelfths of a turn; their sines follow.
 const POINTS: usize = 12;
 const SINES: [f64; POINTS] = [0.0, 0.5, ROOT, 1.0, ROOT, 0.5, 0.0, -0.5, -ROOT, -1.0, -ROOT, -0.5];
 /// `√3/2`.
 const ROOT: f64 = 0.866_025_403_784_438_6;
-/// Largest part of the way to the dielectric that is claimed not to touch: with the harmonics that the
-/// balance leaves out, and those of the charge beyond the sixteenth.
+/// Largest amplitude over the mean gap that counts as free of impacts, in view of the omitted harmonics of the motion
+/// and of the charge beyond the sixteenth.
 const CLEAR: f64 = 0.9;
-/// Attempts at the amplitude, after which a balance is given up.
+/// Most iterations for the amplitude.
 const MOST_ATTEMPTS: u32 = 12;
-/// What may be left of the balance, as a part of the acceleration.
+/// Tolerance of the balance relative to the acceleration.
 const TOLERANCE: f64 = 1e-4;
 
 /// Mean and first two harmonics of the attraction per mass, in m/s².
@@ -54,19 +54,19 @@ struct Attraction<S> {
     second: Complex<S>,
 }
 
-/// What the balance of the first harmonic needs and which way it points.
+/// The base acceleration that the balance of the first harmonic requires.
 struct Demand<S> {
     /// Amplitude of the base acceleration, in m/s².
     acceleration: S,
-    /// Whether the motion follows the base, as below resonance.
+    /// Whether the motion is in phase with the base, as below resonance.
     follows: bool,
 }
 
-/// The plate at rest, and how it begins to move.
+/// The plate at rest, and its motion at small amplitudes.
 struct Equilibrium<S> {
     /// Gap in m.
     gap: S,
-    /// Stiffness per mass there with the charge at rest too, in 1/s².
+    /// Stiffness per mass with a relaxed charge, in 1/s².
     stiffness: S,
     /// Change of the mean gap over the square of a small amplitude, in 1/m.
     drift: S,
@@ -84,10 +84,10 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// Mean power under the base acceleration `amplitude · sin(2π · frequency · t)`, in m/s² and Hz, of the motion
     /// that does not reach the dielectric.
     ///
-    /// Up to a dozen attempts at the amplitude, most often two or three, of some 750 additions and
-    /// multiplications and 20 divisions each, and a last pass of 1400 and 20. Above resonance a motion with
-    /// impacts exists beside this one; where the transient from rest, of up to twice the amplitude, reaches the
-    /// dielectric, it is not claimed to hold.
+    /// Up to a dozen iterations for the amplitude, most often two or three, of some 750 additions and multiplications
+    /// and 20 divisions each, and a last pass of 1400 and 20. Above resonance a motion with impacts coexists with
+    /// this one; if the transient from rest, of up to twice the amplitude, reaches the dielectric, the result is not
+    /// claimed to hold.
     #[must_use]
     pub fn closed_form(&self, amplitude: S, frequency: S) -> ClosedForm<S> {
         let omega = frequency * S::from_f64(core::f64::consts::TAU);
@@ -103,7 +103,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         ClosedForm { mean_power, rms_voltage, amplitude: motion.amplitude, validity }
     }
 
-    /// The gap at rest with the load's charge at rest too: where spring and attraction balance.
+    /// The gap at rest with a relaxed charge: spring force and attraction balance.
     fn equilibrium(&self) -> Equilibrium<S> {
         let (two, quarter) = (S::from_f64(2.0), S::from_f64(0.25));
         let force = |gap: S| self.attraction(&self.circuit(gap, self.relaxed_charge(gap)));
@@ -121,8 +121,8 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         Equilibrium { gap, stiffness, drift: -quarter * curvature / stiffness }
     }
 
-    /// The motion under a base acceleration, whether it follows the base, and what is left of its balance as
-    /// a part of the acceleration. A motion that would touch is given as the one that just does.
+    /// The motion under a base acceleration in m/s², whether it is in phase with the base, and the residual of its
+    /// balance relative to the acceleration. A motion that would touch is replaced by the one that just touches.
     fn motion(&self, acceleration: S, omega: S) -> (Motion<S>, bool, S) {
         let rest = self.equilibrium();
         let twice = omega + omega;
@@ -142,7 +142,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         }
         let mut next = acceleration / first;
         for _ in 0..MOST_ATTEMPTS {
-            // The mean gap drifts with the square of the amplitude, nearly.
+            // The mean gap drifts approximately with the square of the amplitude.
             motion.amplitude = next.min(highest).max(S::from_f64(1e-6) * highest);
             let square = motion.amplitude * motion.amplitude;
             motion.mean = rest.gap + drift * square;
@@ -155,10 +155,10 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             let short = demand.acceleration - acceleration;
             left = short.abs() / acceleration.max(S::TINY)
                 + residual.abs() / (self.stiffness_per_mass * rest.gap);
-            // At the reach of the gap and still more asked for: it touches.
+            // At the largest amplitude the required acceleration is still too small: the plate touches.
             let touches = motion.amplitude >= highest && short < S::ZERO;
             if touches {
-                // However far the mean gap is taken to drift: the reach of the gap at rest.
+                // The mean gap is at most the gap at rest, for any estimated drift.
                 motion.mean = motion.mean.min(rest.gap);
                 left = S::ZERO;
             }
@@ -167,14 +167,14 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             }
             let rise = (demand.acceleration - before.1) / (motion.amplitude - before.0);
             before = (motion.amplitude, demand.acceleration);
-            // A demand that falls is left behind; written so that not-a-number is too.
+            // A falling demand doubles the amplitude, and so does not-a-number.
             let secant = motion.amplitude - short / rise;
             next = if rise > S::ZERO { secant } else { motion.amplitude + motion.amplitude };
         }
         (motion, follows, left)
     }
 
-    /// The base acceleration that a motion takes.
+    /// The base acceleration that a motion requires.
     fn demand(&self, motion: &Motion<S>, force: &Attraction<S>, omega: S) -> Demand<S> {
         let detuning = (self.angular_frequency - omega) * (self.angular_frequency + omega);
         let along = detuning * motion.amplitude + force.first.re;
@@ -211,8 +211,8 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         Attraction { mean: part * mean, first: first.scaled(part + part), second: second.scaled(part + part) }
     }
 
-    /// Harmonics 0 to `N − 1` of the charge that faces the dielectric, `P = p_0 + 2 Re Σ p_n e^{jnθ}`, in
-    /// charge units. With the load open the charge stays that of the gap at rest.
+    /// Harmonics 0 to `N − 1` of the charge that faces the dielectric, `P = p_0 + 2 Re Σ p_n e^{jnθ}`, in charge
+    /// units. With an open load the charge is that of the gap at rest.
     fn opposite_charge<const N: usize>(&self, motion: &Motion<S>, omega: S) -> [Complex<S>; N] {
         let mut harmonics = [Complex::ZERO; N];
         let lag = match self.load.resistance() {
@@ -250,7 +250,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         if motion.second == Complex::ZERO {
             return harmonics;
         }
-        // What the second harmonic of the motion makes of each, negated; p_{−n} is the conjugate of p_n.
+        // The right-hand side due to the second harmonic of the motion, negated; p_{−n} is the conjugate of p_n.
         let product = |n: i32| {
             let at = |m: i32| {
                 let place = harmonics.get(m.unsigned_abs() as usize).copied().unwrap_or(Complex::ZERO);
@@ -295,7 +295,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         }
     }
 
-    /// Root mean square of the voltage in V with the load open, from points of the period.
+    /// Root mean square of the voltage in V with an open load, from points of the period.
     fn open_voltage(&self, motion: &Motion<S>, omega: S) -> S {
         let [constant] = self.opposite_charge::<1>(motion, omega);
         let mut sum = S::ZERO;
@@ -308,10 +308,10 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     }
 }
 
-/// What the elimination of a harmonic leaves.
+/// A row of the eliminated system.
 #[derive(Clone, Copy)]
 struct Row<S> {
-    /// Over the one below it.
+    /// Harmonic over the next lower harmonic.
     ratio: Complex<S>,
     inverse: Complex<S>,
 }
@@ -325,8 +325,8 @@ fn turn<S: Scalar>(point: usize) -> Complex<S> {
     Complex::new(sine(ahead), sine(point))
 }
 
-/// `p_0 + 2 Σ Re p_n cos nθ` and `2 Σ Im p_n sin nθ` at a point of the first half of the period: the series is
-/// their difference there, and their sum at `−θ`.
+/// `p_0 + 2 Σ Re p_n cos nθ` and `2 Σ Im p_n sin nθ` at a point of the first half of the period. Their difference is
+/// the series at `θ`, and their sum that at `−θ`.
 fn series<S: Scalar, const N: usize>(harmonics: &[Complex<S>; N], point: usize) -> [S; 2] {
     let (mut even, mut odd, mut place) = (S::ZERO, S::ZERO, 0);
     for harmonic in harmonics.iter().skip(1) {

@@ -1,4 +1,4 @@
-//! The open terminals, for a circuit behind them.
+//! The open terminals, for an external circuit.
 
 use super::automaton::Mode;
 use super::flow::Flow;
@@ -58,7 +58,7 @@ impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for ContactSeparation<S, P> {
 
     #[inline]
     fn all_powers(&self, mode: Mode, state: &[S; STATES], acceleration: S) -> [S; ALL_POWERS] {
-        // Of the rates the account asks for the current in a resistor only.
+        // Of the rates, only the current in a resistor enters the powers.
         Flow { scene: self, mode }.all_powers(state, &[S::ZERO; STATES], acceleration)
     }
 }

@@ -15,25 +15,24 @@ use crate::scene::coupled::{self, Derivatives, ModeFactor};
 pub(crate) struct Circuit<S> {
     /// Transferred charge `q = Q + C_p V`.
     pub transferred: S,
-    /// Its derivative by the gap.
+    /// Derivative of the transferred charge by the gap.
     pub transferred_by_gap: S,
-    /// Its derivative by the total charge.
+    /// Derivative of the transferred charge by the total charge.
     pub transferred_by_charge: S,
-    /// `1 / (1 + C_p/C)`: the part of a charge that the harvester's own capacitance takes.
+    /// `1 / (1 + C_p/C)`: part of a charge on the harvester's own capacitance.
     pub sharing: S,
     /// `C_p / (ε0 S)` in 1/m.
     pub parasitic: S,
-    /// Voltage in units of one charge unit over `ε0 S`, in metres times charge units.
+    /// Voltage in units of one charge unit over `ε0 S`, in m times charge units.
     pub voltage: S,
-    /// Its derivative by the gap.
+    /// Derivative of the voltage by the gap.
     pub voltage_by_gap: S,
-    /// Its derivative by the total charge.
+    /// Derivative of the voltage by the total charge.
     pub voltage_by_charge: S,
 }
 
 impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
-    /// The electrical quantities where the charge is a state of its own, or, in a short circuit,
-    /// where it follows the gap.
+    /// The electrical quantities at a gap and a charge; in a short circuit the charge follows the gap.
     #[inline]
     pub(super) fn circuit(&self, gap: S, charge: S) -> Circuit<S> {
         let distance = gap + self.dielectric;
@@ -76,10 +75,10 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         self.force_law.attraction(circuit, self.tribo_charge)
     }
 
-    /// Terminal voltage and load current, in volts and amperes.
+    /// Terminal voltage in V and load current in A.
     ///
-    /// With a resistor both come from the rate of the charge: the voltage as a difference,
-    /// `V_oc − q/C`, is 17 kV less 17 kV where the resistance is small.
+    /// With a resistor both come from the rate of the charge. The voltage as the difference `V_oc − q/C` would be 17
+    /// kV less 17 kV at a small resistance.
     #[inline]
     pub(super) fn voltage_and_current(&self, mode: Mode, state: &[S; STATES], rate: &[S; STATES]) -> (S, S) {
         if mode == Mode::Stick && !self.sticking.relaxes() {
@@ -107,8 +106,7 @@ pub struct Flow<'a, S: Scalar, P: Parts<S>> {
 }
 
 impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
-    /// Derivative of the charge's rate by gap and by charge, per unit of voltage: 0 unless a
-    /// resistor carries current in this mode.
+    /// Rate of the charge per voltage in units of the circuit; 0 unless a resistor carries current in this mode.
     #[inline]
     fn circuit_rate(&self) -> S {
         let frozen = self.mode == Mode::Stick && !self.scene.sticking.relaxes();
@@ -118,7 +116,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         }
     }
 
-    /// Derivatives of force and current while the mass is free.
+    /// Derivatives of force and current in flight.
     #[inline]
     pub(super) fn derivatives(&self, state: &[S; STATES]) -> Derivatives<S> {
         let scene = self.scene;
@@ -150,7 +148,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         let circuit = scene.circuit(state[GAP], state[CHARGE]);
         let opposite = scene.tribo_charge - circuit.transferred;
         let mut powers = [S::ZERO; ALL_POWERS];
-        // Written out: the compiler cannot know that nothing times a current is nothing.
+        // Written out: the compiler cannot remove a floating-point `0 · i`.
         powers[PowerIndex::Load as usize] = match scene.load.resistance() {
             Resistance::Finite(_) => voltage * current,
             Resistance::Short | Resistance::Open => S::ZERO,
@@ -235,8 +233,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         first_powers(&self.all_powers(state, rate, acceleration))
     }
 
-    /// Mechanical changes are relative to the present amplitude of the motion (at least a
-    /// thousandth of the initial gap), charges to the tribo-charge.
+    /// Mechanical changes are relative to the present amplitude of the motion (at least a thousandth of the initial
+    /// gap), charges to the tribo-charge.
     #[inline]
     fn error_norm(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let scene = self.scene;

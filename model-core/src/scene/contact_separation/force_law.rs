@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 
 /// An electrostatic force law: attraction per mass, and its derivatives.
 ///
-/// Charges are in units of `√(2 ε0 S m)`, so a charge squared is a force per mass in m/s².
+/// Charges are in charge units `√(2 ε0 S m)`, so a charge squared is a force per mass in m/s².
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no electrostatic force law of this scene",
     note = "a force law is `GapField`, `TransferredCharge` or an `AnyForceLaw`"
@@ -21,13 +21,13 @@ pub(crate) trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
     fn derivatives(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 2];
 }
 
-/// `F_e = q² / (2 ε0 S) · (C / (C + C_p))²`, from `W = q² / (2 (C + C_p))` at fixed charge:
-/// equations (26) to (28) as inferred from the paper's findings.
+/// `F_e = q² / (2 ε0 S) · (C / (C + C_p))²`, from `W = q² / (2 (C + C_p))` at fixed charge: equations (26) to (28) as
+/// inferred from the paper's results.
 ///
-/// The only form tried that shows the paper's loss of amplitude, shift to the left and widening
-/// with the resistance. It is **not passive**: the charge lags the motion, so the force gives the
-/// mass more on approach than it takes on departure, and the sum of the mechanical and the
-/// electrical ledger does not close, though each does by itself.
+/// Of the forms tried, only this one shows the paper's loss of amplitude, shift to the left and widening with the
+/// resistance. It is **not passive**: the charge lags the motion, so the force delivers more energy on approach than
+/// it takes on departure. The sum of the mechanical and the electrical ledger does not close, although each closes by
+/// itself.
 impl<S: Scalar> ForceLaw<S> for TransferredCharge {
     #[inline]
     fn attraction(&self, circuit: &Circuit<S>, _tribo_charge: S) -> S {
@@ -45,9 +45,8 @@ impl<S: Scalar> ForceLaw<S> for TransferredCharge {
     }
 }
 
-/// `F_e = (σS − q)² / (2 ε0 S)`: the field in the gap, the energy-consistent electrostatics.
-///
-/// With it the total energy ledger closes.
+/// `F_e = (σS − q)² / (2 ε0 S)`: the field in the gap, energy-consistent electrostatics. With this law the total
+/// energy ledger closes.
 impl<S: Scalar> ForceLaw<S> for GapField {
     #[inline]
     fn attraction(&self, circuit: &Circuit<S>, tribo_charge: S) -> S {

@@ -1,4 +1,4 @@
-//! What a node needs to follow this harvester: a start at rest, a fingerprint, and the mode as a byte.
+//! The scene interface of contact-separation: start at rest, fingerprint, and the mode as a byte.
 
 use super::force_law::ForceLaw;
 use super::{ContactSeparation, Mode, Parts, STATES, Start, Sticking};
@@ -41,7 +41,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for C
             self.parasitic,
         ]);
         self.load.resistance().identify(fingerprint);
-        // A law shows itself in what it does.
+        // A law is identified by its values.
         for charge in [S::ZERO, S::ONE] {
             let circuit = self.circuit(self.initial_gap, charge);
             fingerprint.numbers(&[self.force_law.attraction(&circuit, self.tribo_charge)]);

@@ -1,4 +1,4 @@
-//! Parameters, and the coefficients made of them.
+//! Parameters, and the coefficients derived from them.
 
 use super::{Choices, ContactSeparation, Parts};
 use crate::part::VACUUM_PERMITTIVITY;
@@ -8,12 +8,12 @@ use crate::part::parasitic::Parasitic;
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
 
-/// Parameters of a contact-separation harvester, in SI units. Table 2 of the paper.
+/// Parameters of a contact-separation harvester, in SI units. Table 2 of Fu, Ouyang and Davis (2020).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters<S, C> {
     /// Moving mass `m` in kg, 10⁻¹² to 10³.
     pub mass: S,
-    /// Stiffness `k` in N/m, 10⁻⁹ to 10⁹; `√(k/m)/2π` must come out between 10⁻³ and 10⁴ Hz.
+    /// Stiffness `k` in N/m, 10⁻⁹ to 10⁹; `√(k/m)/2π` must be from 10⁻³ to 10⁴ Hz.
     pub stiffness: S,
     /// Damping ratio `ζ = c / (2 √(k m))`, 0 to 10.
     pub damping_ratio: S,
@@ -25,20 +25,20 @@ pub struct Parameters<S, C> {
     pub dielectric_thickness: S,
     /// Relative permittivity `ε_r` of the dielectric, 1 to 10⁵.
     pub relative_permittivity: S,
-    /// Magnitude of the tribo-charge surface density `σ` in C/m², 0 to 10⁻². Its sign would only
-    /// turn the signs of charge and voltage.
+    /// Magnitude of the tribo-charge surface density `σ` in C/m², 0 to 10⁻². A negative `σ` reverses the signs of
+    /// charge and voltage only.
     pub charge_density: S,
-    /// The parts: [`Choices`].
+    /// The components: [`Choices`].
     pub choices: C,
 }
 
 impl<S: Scalar, C> Parameters<S, C> {
-    /// Checks the parameters and makes the coefficients of them.
+    /// Checks the parameters and computes the coefficients.
     ///
-    /// No step of this cancels, so the coefficients are right to a few roundings in `f32` too.
+    /// No operation cancels, so the coefficients are exact to a few roundings in `f32` too.
     ///
     /// # Errors
-    /// The first field that is out of its bounds, with its value.
+    /// The first field outside its bounds, with its value.
     pub fn build(&self) -> Result<ContactSeparation<S, C>, ParameterError<S>>
     where
         C: Parts<S>,
@@ -58,9 +58,8 @@ impl<S: Scalar, C> Parameters<S, C> {
             Resistance::Finite(resistance) => S::ONE / resistance / permittivity_area,
             Resistance::Short | Resistance::Open => S::ZERO,
         };
-        // The most a cycle can deliver is the energy of the charged dielectric, (σS)² d_e / (2 ε0 S),
-        // and through a small resistance what the current pulse of a contact dissipates in it,
-        // R (σS)² ω0 d0 / d_e.
+        // A cycle delivers at most the energy of the charged dielectric, (σS)² d_e / (2 ε0 S); through a small
+        // resistance, at most the energy of the current pulse of a contact, R (σS)² ω0 d0 / d_e.
         let square = tribo_charge * tribo_charge * self.mass;
         let dielectric_energy = square * dielectric;
         let pulse_energy = match load.resistance() {
@@ -92,7 +91,7 @@ impl<S: Scalar, C> Parameters<S, C> {
             restitution,
             sticking,
         };
-        // The bounds above leave combinations that no single precision can hold.
+        // The bounds above allow combinations that overflow single precision.
         for (field, value) in [
             ("1 / (permittivity * electrode area * resistance)", scene.circuit_rate),
             ("parasitic capacitance / (permittivity * electrode area)", scene.parasitic),

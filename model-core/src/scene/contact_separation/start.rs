@@ -1,4 +1,4 @@
-//! Where a run starts.
+//! The start of a run.
 
 use super::automaton::Mode;
 use super::{CHARGE, ContactSeparation, Parts, STATES, Sticking};
@@ -9,25 +9,25 @@ use crate::integrate::StepControl;
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 
-/// Initial values; whatever is `None` is at rest at the initial gap, electrically relaxed.
+/// Initial values; a `None` is at rest at the initial gap, electrically relaxed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Start<S> {
-    /// Gap in metres, at or above zero; by default the initial gap `d0`.
+    /// Gap in m, 0 to 10; by default the initial gap `d0`.
     pub gap: Option<S>,
-    /// Velocity in m/s, positive opens; by default 0.
+    /// Velocity in m/s, at most 10³ in magnitude, positive: opening; by default 0.
     pub velocity: Option<S>,
-    /// Transferred charge `q` in coulombs; by default that at which the voltage is zero.
+    /// Transferred charge `q` in C, at most 1 in magnitude; by default the charge at zero voltage.
     pub charge: Option<S>,
 }
 
 impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// The state of this harvester at time zero.
     ///
-    /// A start at contact without speed is held there if the contact force says so.
+    /// At contact with zero speed, the mass sticks if the contact force is positive.
     ///
     /// # Errors
-    /// A start in penetration (gap below zero), or a value that is out of bounds.
+    /// A gap below zero, or another value outside its bounds.
     pub fn start<E, C, const POWERS: usize>(
         &self,
         start: &Start<S>,
@@ -60,8 +60,8 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         let mode = if held { Mode::Stick } else { Mode::Free };
         let mut state = HybridState::start(self, mode, [gap, velocity, charge], excitation, control);
         if start.charge.is_none() {
-            // The voltage is zero by construction; as a difference it would be a rounding error,
-            // which a small resistance turns into a current.
+            // The voltage is exactly zero. Computed as a difference it would be a rounding error, which a small
+            // resistance turns into a current.
             state.point.derivative[CHARGE] = S::ZERO;
             state.point = crate::integrate::Point::with_derivative(
                 &crate::hybrid::Automaton::<S, STATES, POWERS>::flow(self, mode),

@@ -1,4 +1,4 @@
-//! Modes, guards and jumps: those of the harvester, the bridge's, and the lock-out's.
+//! Modes, guards and jumps of the harvester, the bridge and the lock-out.
 
 use super::electrics::Electrics;
 use super::flow::Flow;
@@ -23,24 +23,24 @@ pub struct Mode<M> {
     pub connected: bool,
 }
 
-/// What a guard is for.
+/// The subject of a guard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Watch {
+enum GuardKind {
     /// A guard of the harvester, by its number.
     Harvester(usize),
-    /// The voltage comes to the threshold from which the bridge conducts in this regime.
+    /// The voltage reaches the threshold at which conduction begins in this regime.
     Begin(BridgeRegime),
     /// The current through the bridge ends.
     End,
-    /// The storage comes to a voltage of the lock-out.
+    /// The storage voltage reaches a voltage of the lock-out.
     Lockout,
 }
 
-/// Roundings of a voltage within which it is not told from the threshold at which conduction has just ended.
+/// Roundings of a voltage within which the voltage counts as below the threshold at which conduction has just ended.
 const THRESHOLD_ROUNDINGS: f64 = 8.0;
 
 impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
-    /// Guards of the harvester and of the bridge in a mode.
+    /// Numbers of guards of the harvester and of the bridge in a mode.
     #[inline]
     fn counts(&self, mode: Mode<H::Mode>) -> [usize; 2] {
         let own = self.harvester.guards(mode.inner);
@@ -52,24 +52,24 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         [own, bridge]
     }
 
-    /// What guard number `index` of `mode` is for: the harvester's first, then the bridge's.
+    /// The subject of guard number `index` of `mode`: first those of the harvester, then those of the bridge.
     #[inline]
-    fn watch(&self, mode: Mode<H::Mode>, index: usize) -> Watch {
+    fn guard_kind(&self, mode: Mode<H::Mode>, index: usize) -> GuardKind {
         let [own, bridge] = self.counts(mode);
         if index < own {
-            Watch::Harvester(index)
+            GuardKind::Harvester(index)
         } else if index >= own + bridge {
-            Watch::Lockout
+            GuardKind::Lockout
         } else if mode.regime != BridgeRegime::Blocked {
-            Watch::End
+            GuardKind::End
         } else if index == own {
-            Watch::Begin(BridgeRegime::Forward)
+            GuardKind::Begin(BridgeRegime::Forward)
         } else {
-            Watch::Begin(BridgeRegime::Backward)
+            GuardKind::Begin(BridgeRegime::Backward)
         }
     }
 
-    /// The harvester's own point.
+    /// The point of the harvester alone.
     #[inline]
     fn own_point<const POWERS: usize>(
         &self,
@@ -91,9 +91,10 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         }
     }
 
-    /// How far the voltage is below the threshold at which conduction in the direction of `regime` begins.
+    /// Margin of the voltage in V below the threshold at which conduction in the direction of `regime` begins.
     ///
-    /// Lowered by the roundings of a voltage: where conduction has ended the voltage is at the threshold.
+    /// The margin is raised by the roundings of a voltage: when conduction has ended, the voltage is at the
+    /// threshold.
     #[inline]
     fn begin_guard(&self, mode: Mode<H::Mode>, regime: BridgeRegime, state: &[S; STATES]) -> Guard<S> {
         let sign: S = regime.sign();
@@ -107,7 +108,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         }
     }
 
-    /// The current through the bridge in the measure of [`Electrics::drive`], and its rate.
+    /// The current through the bridge in the scale of [`Electrics::drive`], and its rate.
     #[inline]
     fn end_guard<const POWERS: usize>(
         &self,
@@ -128,7 +129,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         }
     }
 
-    /// How far the storage is from the voltage of the lock-out that it is to come to next.
+    /// Distance of the storage voltage in V from the next voltage of the lock-out.
     #[inline]
     fn lockout_guard<const POWERS: usize>(
         &self,
@@ -140,7 +141,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         };
         let at = self.electrics(mode, &point.state);
         let rise = self.elastance * at.rectified(mode.regime.sign(), point.state[VELOCITY]) - at.fall;
-        // The remainder counts: near the level the first difference is exact.
+        // With the remainder: near the level the first difference is exact.
         let above = |level: S| (point.state[STORAGE] - level) + (point.remainder[STORAGE] + at.gained);
         if mode.connected {
             Guard { value: above(lockout.turn_off), rate: rise }
@@ -149,10 +150,9 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         }
     }
 
-    /// The jump to a mode at a state that has the electrics of `mode.regime`, or of `leaving` if conduction
-    /// is to end with it.
+    /// The jump to `mode` at a state of `mode.regime`; with `leaving` set, conduction ends.
     #[inline]
-    fn land<const POWERS: usize>(
+    fn jump_to<const POWERS: usize>(
         &self,
         mode: Mode<H::Mode>,
         leaving: bool,
@@ -209,13 +209,13 @@ where
         point: &Point<S, STATES, POWERS>,
         input: &InputAt<'_, E>,
     ) -> Guard<S> {
-        match self.watch(mode, index) {
-            Watch::Harvester(index) => {
+        match self.guard_kind(mode, index) {
+            GuardKind::Harvester(index) => {
                 self.harvester.guard(mode.inner, index, armed, &self.own_point(mode, point), input)
             }
-            Watch::Begin(regime) => self.begin_guard(mode, regime, &point.state),
-            Watch::End => self.end_guard(mode, point),
-            Watch::Lockout => self.lockout_guard(mode, point),
+            GuardKind::Begin(regime) => self.begin_guard(mode, regime, &point.state),
+            GuardKind::End => self.end_guard(mode, point),
+            GuardKind::Lockout => self.lockout_guard(mode, point),
         }
     }
 
@@ -234,33 +234,33 @@ where
     ) -> Jump<S, Self::Mode, STATES> {
         let acceleration = input.acceleration();
         let Point { state, remainder, .. } = *point;
-        let watch = self.watch(mode, index);
-        let Watch::Harvester(index) = watch else {
-            let (regime, connected) = match watch {
-                Watch::Begin(regime) => (regime, mode.connected),
-                Watch::Lockout => (mode.regime, !mode.connected),
-                Watch::End | Watch::Harvester(_) => (mode.regime, mode.connected),
+        let kind = self.guard_kind(mode, index);
+        let GuardKind::Harvester(index) = kind else {
+            let (regime, connected) = match kind {
+                GuardKind::Begin(regime) => (regime, mode.connected),
+                GuardKind::Lockout => (mode.regime, !mode.connected),
+                GuardKind::End | GuardKind::Harvester(_) => (mode.regime, mode.connected),
             };
             let mode = Mode { regime, connected, ..mode };
-            return self.land::<POWERS>(mode, watch == Watch::End, state, remainder, acceleration);
+            return self.jump_to::<POWERS>(mode, kind == GuardKind::End, state, remainder, acceleration);
         };
         let own = self.harvester.jump(mode.inner, index, &self.own_point(mode, point), input, step);
         let mode = Mode { inner: own.mode, ..mode };
         let state = [own.state[POSITION], own.state[VELOCITY], state[CHARGE], state[STORAGE]];
         let remainder =
             [own.remainder[POSITION], own.remainder[VELOCITY], remainder[CHARGE], remainder[STORAGE]];
-        // An impact turns the voltage's rate with the velocity, a stick takes it away.
+        // An impact reverses the rate of the voltage with the velocity, and stick makes the rate zero.
         let sign: S = mode.regime.sign();
         let conducts = mode.regime != BridgeRegime::Blocked;
         let leaving = conducts
             && (self.harvester.charge_is_frozen(mode.inner)
                 || !(self.electrics(mode, &state).drive(sign, state[VELOCITY]) > S::ZERO));
-        let jump = self.land::<POWERS>(mode, leaving, state, remainder, acceleration);
+        let jump = self.jump_to::<POWERS>(mode, leaving, state, remainder, acceleration);
         Jump { loss: own.loss, armed: own.armed, ..jump }
     }
 
-    /// Where conduction begins beyond the threshold, the terminals having been open before, the excess drives a
-    /// charge through the bridge at once, and half of it times the charge is lost in the diodes.
+    /// If conduction begins above the threshold, with open terminals before, the excess drives a charge through the
+    /// bridge instantaneously, and half of the excess times the charge is lost in the diodes.
     fn jump_energies(
         &self,
         mode: Self::Mode,
@@ -269,14 +269,14 @@ where
         after: &Jump<S, Self::Mode, STATES>,
     ) -> [S; POWERS] {
         let mut energies = [S::ZERO; ALL_POWERS];
-        if let Watch::Begin(regime) = self.watch(mode, index) {
+        if let GuardKind::Begin(regime) = self.guard_kind(mode, index) {
             let sign: S = regime.sign();
             let at = self.electrics(after.mode, &after.state);
             let passed = sign * self.harvester.coulombs() * (at.charge - after.state[CHARGE]);
             let base = point.state[STORAGE];
             let drop = self.bridge.diode_drop;
             let half = S::from_f64(0.5);
-            // V(x, Q0) − s (B + 2 V_D), which has fallen to what the storage rises as the charge has passed.
+            // V(x, Q0) − s (B + 2 V_D), which falls to the rise of the storage voltage as the charge passes.
             let excess = sign * (at.charge - after.state[CHARGE]) / at.charge_by_voltage;
             energies[PowerIndex::Load as usize] = passed * (base + half * at.gained);
             energies[PowerIndex::CurrentMagnitude as usize] = passed;
@@ -297,13 +297,13 @@ where
 
     #[inline]
     fn is_impact(&self, mode: Self::Mode, guard: usize) -> bool {
-        match self.watch(mode, guard) {
-            Watch::Harvester(index) => self.harvester.is_impact(mode.inner, index),
-            Watch::Begin(_) | Watch::End | Watch::Lockout => false,
+        match self.guard_kind(mode, guard) {
+            GuardKind::Harvester(index) => self.harvester.is_impact(mode.inner, index),
+            GuardKind::Begin(_) | GuardKind::End | GuardKind::Lockout => false,
         }
     }
 
-    /// Stored energy is that of the harvester alone.
+    /// The stored energy is that of the harvester alone.
     #[inline]
     fn outputs<'a>(&self, mode: Self::Mode, point: &'a Point<S, STATES, POWERS>) -> Outputs<'a, S> {
         let own = self.own_point(mode, point);

@@ -8,30 +8,30 @@ use crate::scalar::Scalar;
 pub(super) struct Electrics<S> {
     /// Charge that has passed the terminals, in charge units.
     pub(super) charge: S,
-    /// What of it has passed since conduction began.
+    /// `ΔQ` in charge units.
     pub(super) passed: S,
-    /// What it has added to the storage's voltage since conduction began, in volts.
+    /// `s ΔQ/C_s` in V: rise of the storage voltage since conduction began.
     pub(super) gained: S,
-    /// Voltage of the storage in volts.
+    /// `V_s` in V.
     pub(super) storage_voltage: S,
     /// `i_out/C_s` in V/s.
     pub(super) fall: S,
     /// `∂V/∂x` in V/m.
     pub(super) voltage_by_position: S,
-    /// `1/(1/C_s − ∂V/∂Q)` in charge units per volt while the bridge conducts, else 0.
+    /// `1/(1/C_s − ∂V/∂Q)` in charge units per V in conduction, else 0.
     pub(super) charge_by_voltage: S,
-    /// `dV_s/dB`: what the harvester's capacitance leaves the storage of a change.
+    /// `dV_s/dB`: part of a change of `B` that remains after charge sharing with the harvester's capacitance.
     pub(super) share: S,
 }
 
 impl<S: Scalar> Electrics<S> {
-    /// `s Q' (1/C_s − ∂V/∂Q)` in V/s at a velocity: positive while the bridge conducts.
+    /// `s Q' (1/C_s − ∂V/∂Q)` in V/s at a velocity in m/s: positive in conduction.
     #[inline]
     pub(super) fn drive(&self, sign: S, velocity: S) -> S {
         sign * self.voltage_by_position * velocity + self.fall
     }
 
-    /// `s Q'` in charge units per second: the rectified current.
+    /// `s Q'` in charge units per s: the rectified current.
     #[inline]
     pub(super) fn rectified(&self, sign: S, velocity: S) -> S {
         self.charge_by_voltage * self.drive(sign, velocity)
@@ -74,7 +74,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         }
     }
 
-    /// Derivative of [`Electrics::fall`] by the storage's voltage, in 1/s.
+    /// Derivative of [`Electrics::fall`] by the storage voltage, in 1/s.
     #[inline]
     pub(super) fn fall_by_voltage(&self, mode: Mode<H::Mode>, at: &Electrics<S>) -> S {
         self.per_farad * self.bridge.storage.outflow_by_voltage(at.storage_voltage, mode.connected)

@@ -8,7 +8,7 @@ use crate::part::storage::StorageElement;
 use crate::scalar::Scalar;
 use crate::scene::coupled::{Derivatives, ModeFactor};
 
-/// The flow of one mode, `M` the harvester's own.
+/// The flow of one mode; `M` is the mode of the harvester.
 #[derive(Debug, Clone, Copy)]
 pub struct Flow<'a, S, H, R, M> {
     pub(super) scene: &'a Rectified<S, H, R>,
@@ -24,7 +24,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Flow<'_, S, H, R, H:
         (at, own)
     }
 
-    /// Whether the harvester's position is held.
+    /// Whether the harvester's position is fixed.
     #[inline]
     fn is_stick(&self) -> bool {
         self.scene.harvester.is_stick(self.mode.inner)
@@ -72,7 +72,7 @@ where
         [velocity, rate, S::ZERO, -at.fall]
     }
 
-    /// With the charge following the position, and without what the storage's slow voltage does to the motion.
+    /// With a charge that follows the position, and without the effect of the slow storage voltage on the motion.
     #[inline]
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
         if self.is_stick() {
@@ -95,7 +95,7 @@ where
         [position, velocity, charge, storage]
     }
 
-    /// Newton's iteration on the velocity; the storage takes one of its own in each.
+    /// Newton's iteration on the velocity, each with one Newton iteration on the storage voltage.
     #[inline]
     fn iterate(
         &self,
@@ -137,8 +137,8 @@ where
         first_powers(&self.all_powers(state, acceleration))
     }
 
-    /// The charge that passes in a step is what the ends have let pass, and the storage's voltage is linear in it but
-    /// for what leaks and is drawn: then the storage's ledger closes to rounding whatever the step.
+    /// The charge of a step follows exactly from its ends, and the storage voltage is linear in the charge except for
+    /// the outflow. With these energies the balance of the storage closes to rounding at any step length.
     #[inline]
     fn correct_energies(&self, start: &[S; STATES], end: &[S; STATES], energies: &mut [S; POWERS]) {
         if self.mode.regime == BridgeRegime::Blocked {
@@ -161,7 +161,7 @@ where
         }
     }
 
-    /// The harvester's own measure; the storage relative to the threshold that its voltage makes.
+    /// The harvester's own norm; the storage voltage relative to the threshold.
     #[inline]
     fn error_norm(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let [position, velocity, charge, storage] = *change;
@@ -172,7 +172,7 @@ where
             return size;
         }
         let threshold = self.scene.bridge.threshold(state[STORAGE]).max(self.scene.voltage_floor);
-        // A reciprocal, because it is the same for every change that is weighed in a step.
+        // The reciprocal is the same for every change in a step.
         let per_threshold = S::ONE / threshold;
         size.max(storage.abs() * per_threshold)
     }

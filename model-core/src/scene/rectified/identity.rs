@@ -1,4 +1,4 @@
-//! What a node needs to follow this harvester, and a storage that is drawn from outside.
+//! The scene interface of a rectified harvester, with external changes of the storage voltage.
 
 use super::{BridgeRegime, CHARGE, ElectricalPort, Flow, Mode, Rectified, STATES, STORAGE};
 use crate::excitation::Excitation;
@@ -52,8 +52,8 @@ where
         voltage: S,
         acceleration: S,
     ) {
-        // Conduction ends, its charge taken up; where the storage is now below the harvester, the event that is
-        // due begins it anew and accounts for what passes at once.
+        // Conduction ends and its charge is added to the state. If the storage is now below the harvester, the event
+        // that is due restarts conduction and accounts for the instantaneous charge.
         let Point { state: mut now, mut remainder, .. } = state.point;
         let passed = self.electrics(state.mode, &now).charge - now[CHARGE];
         (now[CHARGE], remainder[CHARGE]) = add_increment(now[CHARGE], remainder[CHARGE], passed);
@@ -65,7 +65,7 @@ where
 }
 
 impl<M> Mode<M> {
-    /// Number of the mode in outputs: the harvester's, 16 times the regime, 64 for a connected draw.
+    /// Number of the mode in outputs: that of the harvester, plus 16 times the regime, plus 64 for a connected draw.
     pub(super) fn number(&self, inner: u8) -> u8 {
         inner + 16 * self.regime as u8 + 64 * u8::from(self.connected)
     }

@@ -17,33 +17,32 @@ use crate::scene::coupled;
 pub enum Mode {
     /// The slider slides.
     Sliding {
-        /// Whether towards positive displacement: the sign against which friction acts.
+        /// Whether the velocity is positive; friction acts against it.
         forward: bool,
         /// Whether the displacement is positive: the side of the overlap's corner.
         ahead: bool,
     },
-    /// Friction holds the slider.
+    /// The slider sticks by friction.
     Stick,
 }
 
-/// Guard of [`Mode::Sliding`] at which the displacement comes to the corner of the overlap; at the
-/// other the velocity comes to zero.
+/// Guard of [`Mode::Sliding`] for the corner of the overlap, zero displacement; the other guard is zero velocity.
 const CORNER: usize = 0;
-/// Guards of [`Mode::Stick`]: friction fails to hold the slider back from negative displacement.
+/// Guard of [`Mode::Stick`] for a release towards negative displacement.
 const BACKWARD: usize = 0;
-/// And from positive.
+/// Guard of [`Mode::Stick`] for a release towards positive displacement.
 const FORWARD: usize = 1;
 
 impl Mode {
-    /// Sliding from `displacement`; from the corner itself to the side it slides to.
+    /// The sliding mode at `displacement`; at the corner itself, on the side of the motion.
     #[inline(always)]
     pub(super) fn sliding<S: Scalar>(forward: bool, displacement: S) -> Self {
         let ahead = if displacement == S::ZERO { forward } else { displacement > S::ZERO };
         Self::Sliding { forward, ahead }
     }
 
-    /// The side of the overlap's corner: in a slide that of the mode, which a step may end a little
-    /// beyond.
+    /// The side of the overlap's corner: in a slide that of the mode, since a step may end slightly beyond the
+    /// corner.
     #[inline(always)]
     pub(super) fn is_ahead<S: Scalar>(self, displacement: S) -> bool {
         match self {
@@ -54,11 +53,11 @@ impl Mode {
 }
 
 impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
-    /// Whether the slider can be held at all.
+    /// Whether the slider can stick at all.
     pub(super) const STICKS: bool = <P::Friction as Friction<S>>::PRESENT && P::Sticking::POSSIBLE;
 
-    /// What pulls a slider at rest back, per modal mass: `ω² x + κ a − F_lat/M`; with the most that
-    /// static friction can hold, and the derivatives of both by the charge.
+    /// The load on a slider at rest per modal mass, `ω² x + κ a − F_lat/M`, and the limit of static friction, both in
+    /// m/s² with their derivatives by the charge.
     #[inline(never)]
     fn balance(&self, [displacement, _, charge]: &[S; STATES], acceleration: S) -> [[S; 2]; 2] {
         let ahead = *displacement >= S::ZERO;
@@ -68,7 +67,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         [[pull, -lateral_by_charge], self.static_friction(&circuit)]
     }
 
-    /// The mode of a slider without speed: held if static friction can, or off against the pull.
+    /// The mode of a slider at rest: stick if static friction suffices, otherwise sliding against the load.
     #[inline(always)]
     pub(super) fn mode_from_rest(&self, state: &[S; STATES], acceleration: S) -> Mode {
         let [[pull, _], [hold, _]] = self.balance(state, acceleration);
@@ -79,9 +78,9 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
     }
 
-    /// What friction can hold beyond what it must, towards either side, and its rate.
+    /// The margin of static friction over the load in either direction, and its rate.
     ///
-    /// Out of line, or the compiler would evaluate the excitation for it in a slide too.
+    /// Outlined: the compiler would otherwise evaluate the excitation for it in a slide too.
     #[cold]
     #[inline(never)]
     fn release_guard<E: Excitation<S>, const POWERS: usize>(
@@ -102,9 +101,9 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
     }
 
-    /// The jump to `mode` with the displacement as it is.
+    /// The jump to `mode` with unchanged displacement.
     #[inline(always)]
-    fn go_on<const POWERS: usize>(
+    fn jump_to<const POWERS: usize>(
         &self,
         mode: Mode,
         velocity: S,
@@ -129,8 +128,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
     }
 
-    /// The rate of the charge after an event, as a step of length `step` needs it, where it was
-    /// `before`.
+    /// The rate of the charge after an event, for a step of length `step` in s, from the rate `before` the event.
     #[inline(never)]
     fn charge_rate_from(&self, before: S, mode: Mode, state: &[S; STATES], step: S) -> S {
         if !matches!(self.load.resistance(), Resistance::Finite(_)) {
@@ -181,8 +179,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         } else {
             (velocity, point.derivative[VELOCITY], forward, self.velocity_margin)
         };
-        // After a rest the velocity starts at zero, and perhaps the displacement: they are let sink by
-        // the margin.
+        // After a rest the velocity starts at zero, and perhaps the displacement: the guards are lowered by the
+        // margin.
         let lowered = if armed { S::ZERO } else { margin };
         if positive {
             Guard { value: value + lowered, rate }
@@ -220,18 +218,18 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
                 let flowing = self.circuit_rate * circuit.voltage;
                 let before = if self.sticking.relaxes() { rate } else { flowing };
                 let after = self.charge_rate_from(before, mode, &rest, step);
-                self.go_on(mode, S::ZERO, after, point, acceleration)
+                self.jump_to(mode, S::ZERO, after, point, acceleration)
             }
             Mode::Sliding { forward, ahead } if index == CORNER => {
                 let mode = Mode::Sliding { forward, ahead: !ahead };
                 let after = self.charge_rate_from(rate, mode, &point.state, step);
-                self.go_on(mode, velocity, after, point, acceleration)
+                self.jump_to(mode, velocity, after, point, acceleration)
             }
             Mode::Sliding { .. } | Mode::Stick => {
                 let mode = self.mode_from_rest(&rest, acceleration);
                 let frozen = mode == Mode::Stick && !self.sticking.relaxes();
                 let after = if frozen { S::ZERO } else { self.charge_rate_from(rate, mode, &rest, step) };
-                self.go_on(mode, S::ZERO, after, point, acceleration)
+                self.jump_to(mode, S::ZERO, after, point, acceleration)
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The parts that a sliding harvester is made of.
+//! The components of a sliding harvester.
 
 use core::fmt::Debug;
 
@@ -10,8 +10,7 @@ use crate::part::load::{AnyLoad, Load};
 use crate::part::stick_charge::{StickCharge, Sticking};
 use crate::scalar::Scalar;
 
-/// The parts of a sliding harvester, each by its type: what is not named is not compiled.
-///
+/// The components of a sliding harvester, each by its type: firmware contains only the chosen ones.
 /// ```
 /// use model_core::part::load::Resistor;
 /// use model_core::scene::sliding::{Choices, PatchFriction, TransferredCharge};
@@ -29,9 +28,9 @@ pub struct Choices<L, R, F = GapField, K = StickCharge, T = NoLateralForce> {
     pub friction: R,
     /// Electrostatic force law.
     pub force_law: F,
-    /// Whether the slider can stick, and what the charge does then.
+    /// Whether the slider can stick, and the behaviour of the charge in stick.
     pub sticking: K,
-    /// Whether the field pulls the slider along the plane.
+    /// Whether the field exerts a force along the plane.
     pub lateral_force: T,
 }
 
@@ -39,8 +38,8 @@ pub struct Choices<L, R, F = GapField, K = StickCharge, T = NoLateralForce> {
 pub type AnyChoices<S> = Choices<AnyLoad<S>, PatchFriction<S>, AnyForceLaw, StickCharge, AnyLateralForce>;
 
 impl<L, R> Choices<L, R> {
-    /// A load and a friction; the force of the field across the plane and none along it, and a charge that is
-    /// frozen in stick.
+    /// A load and a friction law, with the force of the field normal to the plane, no lateral force, and a frozen
+    /// charge in stick.
     #[must_use]
     pub const fn new(load: L, friction: R) -> Self {
         Self {
@@ -61,14 +60,14 @@ impl<L, R, F, K, T> Choices<L, R, F, K, T> {
         Choices { load, friction, force_law, sticking, lateral_force }
     }
 
-    /// With another choice of what happens where the slider comes to rest.
+    /// With another behaviour of the slider at rest.
     #[must_use]
     pub fn sticking<Other>(self, sticking: Other) -> Choices<L, R, F, Other, T> {
         let Self { load, friction, force_law, lateral_force, .. } = self;
         Choices { load, friction, force_law, sticking, lateral_force }
     }
 
-    /// With another choice of whether the field pulls along the plane.
+    /// With another lateral force.
     #[must_use]
     pub fn lateral_force<Other>(self, lateral_force: Other) -> Choices<L, R, F, K, Other> {
         let Self { load, friction, force_law, sticking, .. } = self;
@@ -76,7 +75,7 @@ impl<L, R, F, K, T> Choices<L, R, F, K, T> {
     }
 }
 
-/// The types of [`Choices`] as one.
+/// The component types of [`Choices`].
 pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
     /// The load.
     type Load: Load<S>;
@@ -84,16 +83,16 @@ pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
     type Friction: Friction<S>;
     /// The electrostatic force law.
     type ForceLaw: ForceLaw<S>;
-    /// What happens where the slider comes to rest.
+    /// The behaviour of the slider at rest.
     type Sticking: Sticking;
-    /// Whether the field pulls along the plane.
+    /// The lateral force of the field.
     type LateralForce: LateralForce;
 
     /// The choices themselves.
     fn choices(&self) -> &ChoicesOf<S, Self>;
 }
 
-/// The choices of some parts.
+/// The choices of given component types.
 type ChoicesOf<S, P> = Choices<
     <P as Parts<S>>::Load,
     <P as Parts<S>>::Friction,

@@ -1,24 +1,24 @@
-//! The slider that never sticks: Den Hartog's motion with a friction that depends on place and charge.
+//! Computes the motion of a slider that never sticks: Den Hartog's solution with a friction that depends on position
+//! and charge.
 //!
-//! The displacement is taken as `x = X cos θ`, `θ = Ω t`. Along it the charge's equation is linear and of the
-//! period `π`; with `P = σS − q`
-//!
-//! ```text
-//! κ s1 dP/dθ + P = σS s1              κ = Ω R ε0 ε_r S / d
-//! ```
-//!
-//! and Lobatto's third method of order 4 carries it over half a turn, through stages that lie alike on
-//! the way out and on the way in, so that the overlap is taken once for both; the rate at the stages is the
-//! current. What acts on the slider in that half, `f = μ N + F_lat` per modal mass, is replaced by the constant
-//! `f̄ = ½ ∫ f sin θ dθ` that does the same work, and by the stiffness `−(2/π) ∫ f cos θ dθ / X` that its
-//! lag behind the motion makes. With both the motion between two turns is that of Den Hartog (1931), with
-//! viscous damping, exactly:
+//! The displacement is approximated by `x = X cos θ`, `θ = Ω t`. Along it the charge equation is linear and periodic
+//! with the period `π`; with `P = σS − q`
 //!
 //! ```text
-//! κ_b A = |D| √((X − G_u f̄/ω²)² + (G_w f̄/ω²Ω)²)         D = ω² − Ω² + 2jζ ωΩ
+//! τ s1 dP/dθ + P = σS s1              τ = Ω R ε0 ε_r S / d
 //! ```
 //!
-//! where `G_u`, `G_w` follow from the free motion over half a period. This is explicit in the base's
+//! The Lobatto IIIC method of order 4 integrates it over half a turn. Its stages are symmetric about the centre, so
+//! the overlap is computed once for both directions; the rate at the stages is the current. The force on the slider
+//! in this half turn, `f = μ N + F_lat` per modal mass, is replaced by the constant `f̄ = ½ ∫ f sin θ dθ` of equal
+//! work, and by the stiffness `−(2/π) ∫ f cos θ dθ / X` due to its lag behind the motion. With both, the motion
+//! between two turning points is exactly that of J. P. Den Hartog (1931) with viscous damping:
+//!
+//! ```text
+//! κ A = |D| √((X − G_u f̄/ω²)² + (G_w f̄/ω²Ω)²)         D = ω² − Ω² + 2jζ ωΩ
+//! ```
+//!
+//! where `G_u`, `G_w` follow from the free motion over half a period. The equation is explicit in the base
 //! acceleration `A`, so the amplitude `X` is found as a root.
 
 mod charge;
@@ -32,11 +32,11 @@ use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
 use crate::scene::closed_form::{ClosedForm, Reason, Validity, ratio};
 
-/// Steps in a quarter of a turn.
+/// Number of steps in a quarter of a turn.
 const STEPS: usize = 4;
-/// Places at which the overlap is taken: ends and middles of the steps, from the turn to the centre.
+/// Number of points for the overlap: ends and middles of the steps, from the turning point to the centre.
 const PLACES: usize = 2 * STEPS + 1;
-/// Cosines of the places; backwards, their sines.
+/// Cosines of the points; in reverse order, their sines.
 const COSINES: [f64; PLACES] = [
     1.0,
     0.980_785_280_403_230_4,
@@ -48,32 +48,32 @@ const COSINES: [f64; PLACES] = [
     0.195_090_322_016_128_27,
     0.0,
 ];
-/// A step, in radians.
+/// Length of a step in radians.
 const STEP: f64 = core::f64::consts::FRAC_PI_2 / STEPS as f64;
-/// Largest amplitude that is claimed, as a part of the diameter.
+/// Largest valid amplitude, as a part of the diameter.
 const REACH: f64 = 0.9;
-/// Largest third harmonic, as a part of the first.
+/// Largest valid third harmonic, as a part of the first.
 const THIRD: f64 = 0.03;
-/// Largest damping ratio.
+/// Largest valid damping ratio.
 const DAMPING: f64 = 0.9;
-/// Attempts at the amplitude, after which a balance is given up.
+/// Most iterations for the amplitude.
 const MOST_ATTEMPTS: u32 = 12;
-/// What may be left of the balance, as a part of the acceleration.
+/// Tolerance of the balance relative to the acceleration.
 const TOLERANCE: f64 = 1e-4;
 
-/// What acts on the slider and flows through the load on the way from one turn to the other.
+/// Friction and current from one turning point to the other.
 struct HalfTurn<S> {
     /// `f̄` in m/s².
     friction: S,
-    /// The stiffness of its lag, per modal mass, in 1/s².
+    /// Stiffness per modal mass due to the lag of the friction, in 1/s².
     stiffness: S,
-    /// Mean of `(dq/dθ)²` in square charge units.
+    /// Mean of `(dq/dθ)²` in charge units squared.
     current_square: S,
-    /// Charge at the turn, in charge units.
+    /// Charge at the turning point, in charge units.
     charge: S,
 }
 
-/// Den Hartog's motion between two turns.
+/// Den Hartog's motion between two turning points.
 struct Orbit<S> {
     /// `X − p_c`, with the forced motion `p_c cos θ + p_s sin θ`, in m.
     drop: S,
@@ -87,12 +87,12 @@ struct Orbit<S> {
     stiffness: S,
 }
 
-/// The base acceleration that an amplitude takes, in m/s² of the tip, and whether its motion is regular.
+/// The base acceleration that an amplitude requires, times `κ` in m/s², and the requirements of its regime.
 struct Demand<S> {
     acceleration: S,
-    /// Its derivative by the amplitude, were the friction constant.
+    /// Derivative of the acceleration by the amplitude at constant friction, in 1/s².
     rise: S,
-    /// Static friction at the turn over the force on the slider.
+    /// Static friction at the turning point over the force on the slider.
     hold: S,
     /// Third harmonic over the first.
     third: S,
@@ -101,11 +101,10 @@ struct Demand<S> {
 
 impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// Mean power under the base acceleration `amplitude · sin(2π · frequency · t)`, in m/s² and Hz, of the motion
-    /// without sticks that stays on the active patch; nothing, exactly, where static friction holds the
-    /// slider from the start.
+    /// without stick that stays on the active patch; exactly 0 if static friction holds the slider from the start.
     ///
-    /// Up to a dozen attempts at the amplitude, most often two or three, of some 1700 additions and
-    /// multiplications and 60 divisions each. With the load open the charge is that of the slider at the centre.
+    /// Up to a dozen iterations for the amplitude, most often two or three, of some 1700 additions and
+    /// multiplications and 60 divisions each. With an open load the charge is that of the slider at the centre.
     #[must_use]
     pub fn closed_form(&self, amplitude: S, frequency: S) -> ClosedForm<S> {
         let omega = frequency * S::from_f64(core::f64::consts::TAU);
@@ -139,15 +138,15 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
     }
 
-    /// The amplitude that takes a drive, what goes with it, and what is left of the balance as a part of the
-    /// drive. Where the drive is beyond the largest amplitude there is, that; where it is not enough for the
-    /// smallest, that, as one that sticks.
+    /// The amplitude for a drive in m/s², its demand, and the residual of the balance relative to the drive. For a
+    /// drive above that of the largest amplitude, the largest amplitude; for a drive below that of the smallest
+    /// amplitude, the smallest, as a motion that sticks.
     fn reached(&self, drive: S, omega: S) -> (S, Demand<S>, S) {
         let half = S::from_f64(0.5);
-        // Between these; whether each end has been tried.
+        // The bracket of the amplitude, and whether each end has been tried.
         let (mut low, mut high) = (S::from_f64(1e-3) * self.diameter, S::from_f64(0.99) * self.diameter);
         let (mut low_tried, mut high_tried) = (false, false);
-        // The first guess has the friction of the centre; the first step, that of the guess.
+        // The first guess uses the friction at the centre, the first iteration that of the guess.
         let at_centre = self.circuit(true, S::ZERO, S::ZERO);
         let [normal, _] = self.normal(&at_centre);
         let friction = self.friction.kinetic_coefficient(S::ONE) * normal;
@@ -180,7 +179,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             let rise = before.map_or(demand.rise, |(place, over_there)| (over - over_there) / (at - place));
             before = Some((at, over));
             let next = at - over / rise;
-            // An end that has not been tried is, where the secant leads beyond it; one that has is not.
+            // A secant beyond an untried end leads to that end; beyond a tried end, to bisection.
             at = if rise > S::ZERO && next > low && next < high {
                 next
             } else if above {
@@ -193,18 +192,18 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
     }
 
-    /// What an amplitude takes.
+    /// The demand of an amplitude.
     fn demand(&self, amplitude: S, omega: S) -> Demand<S> {
         let turn = self.half_turn(amplitude, omega);
         let orbit = self.between_turns(turn.friction, turn.stiffness, omega);
         let forced = amplitude - orbit.drop;
         let square = orbit.norm * (forced * forced + orbit.lagging * orbit.lagging);
         let acceleration = square.sqrt();
-        // At the turn: spring and base against static friction.
+        // At the turning point: spring and base against static friction.
         let pull = orbit.stiffness * amplitude - orbit.detuning * forced - orbit.across * orbit.lagging;
         let circuit = self.circuit(true, amplitude, turn.charge);
         let [holding, _] = self.static_friction(&circuit);
-        // A square wave has a third of its first harmonic in the third.
+        // The third harmonic of a square wave is a third of its first harmonic.
         let third = S::from_f64(2.0 / 3.0 * core::f64::consts::FRAC_2_PI) * turn.friction
             / ((orbit.stiffness - S::from_f64(9.0) * omega * omega).abs() * amplitude);
         Demand {
@@ -216,7 +215,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
     }
 
-    /// The motion between two turns under a constant friction, with a stiffness beside the beam's.
+    /// The motion between two turning points under a constant friction, with a stiffness in addition to that of the
+    /// beam.
     fn between_turns(&self, friction: S, stiffness: S, omega: S) -> Orbit<S> {
         let two = S::from_f64(2.0);
         let stiffness = (self.stiffness_per_mass + stiffness).max(S::TINY);
@@ -230,8 +230,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             free.velocity_by_displacement,
             two + free.velocity_by_velocity,
         ];
-        // (1 + a11) u + a12 w = (a11 − 1) f, a21 u + (1 + a22) w = a21 f: u = X − p_c, w = −Ω p_s of the
-        // forced part p_c cos Ωt + p_s sin Ωt.
+        // (1 + a11) u + a12 w = (a11 − 1) f, a21 u + (1 + a22) w = a21 f: u = X − p_c, w = −Ω p_s of the forced part
+        // p_c cos Ωt + p_s sin Ωt.
         let per_determinant = friction / (stiffness * (a * d - b * c));
         let drop = ((a - two) * d - b * c) * per_determinant;
         let lagging = -two * c * per_determinant / omega;
@@ -240,7 +240,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         Orbit { drop, lagging, detuning, across, stiffness, norm: detuning * detuning + across * across }
     }
 
-    /// Friction, lag and current on the way from `x = X` to `x = −X`.
+    /// Friction, its lag and the current from `x = X` to `x = −X`.
     fn half_turn(&self, amplitude: S, omega: S) -> HalfTurn<S> {
         let tribo = self.surface.tribo_charge;
         let overlaps = COSINES.map(S::from_f64).map(|cosine| self.overlap(true, amplitude * cosine));
@@ -259,7 +259,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
                 Increments::new(&overlap.map(|one| one.active), lag * S::from_f64(1.0 / STEP), tribo)
             })
         };
-        // The charge after half a turn is (1 − e) of that before, and some more: periodic where both agree.
+        // The charge after half a turn is affine in the charge before, with the slope 1 − e: the fixed point is
+        // periodic.
         let (mut forgotten, mut gained) = (S::ZERO, S::ZERO);
         let maps: [Increments<S>; 2 * STEPS] = core::array::from_fn(step_map);
         for map in &maps {
@@ -280,9 +281,9 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
                 let (cosine, sine) = cosine_and_sine::<S>(place);
                 let acting =
                     self.acting(active(step, stage), place < PLACES - 1, amplitude * cosine, transferred);
-                let weighed = weight * acting;
-                work += weighed * sine;
-                lagging += weighed * cosine;
+                let weighted = weight * acting;
+                work += weighted * sine;
+                lagging += weighted * cosine;
                 let rate = rates.get(stage).copied().unwrap_or(S::ZERO);
                 square += weight * rate * rate;
             }
@@ -297,7 +298,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
     }
 
-    /// Friction against a slider on its way back, and the field's lateral force, per modal mass.
+    /// Friction on a slider moving backward, and the lateral force of the field, per modal mass.
     fn acting(&self, overlap: DiscOverlap<S>, ahead: bool, displacement: S, transferred: S) -> S {
         let circuit: Circuit<S> = self.circuit_of(overlap, transferred);
         let [lateral, _] = self.lateral(ahead, displacement, &circuit);
@@ -333,7 +334,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 }
 
-/// Of a place on the way from one turn to the other.
+/// Cosine and sine at a point between the two turning points.
 fn cosine_and_sine<S: Scalar>(place: usize) -> (S, S) {
     let cosines = COSINES.map(S::from_f64);
     let entry = |index: usize| cosines.get(index).copied().unwrap_or(S::ZERO);

@@ -1,4 +1,4 @@
-//! The open terminals, for a circuit behind them.
+//! The open terminals, for an external circuit.
 
 use super::automaton::Mode;
 use super::flow::Flow;
@@ -30,8 +30,8 @@ impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
         let ahead = mode.is_ahead(displacement);
         let circuit = self.circuit(ahead, displacement, charge);
         let slope = self.active_by_displacement(ahead, displacement);
-        // With s2 = 1 − s1 the voltage is field ((t − q)/s1 − t), so that −s1'/s1 takes its first part to
-        // its derivative.
+        // With s2 = 1 − s1 the voltage is field ((t − q)/s1 − t), so the derivative of its first part is that part
+        // times −s1'/s1.
         let per_active = self.field * circuit.per_active;
         let growth = -slope * circuit.per_active;
         let first = per_active * (self.surface.tribo_charge - charge);
@@ -63,7 +63,7 @@ impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
 
     #[inline]
     fn all_powers(&self, mode: Mode, state: &[S; STATES], acceleration: S) -> [S; ALL_POWERS] {
-        // Of the rates the account asks for the current in a resistor only.
+        // Of the rates, only the current in a resistor enters the powers.
         Flow { scene: self, mode }.all_powers(state, &[S::ZERO; STATES], acceleration)
     }
 }

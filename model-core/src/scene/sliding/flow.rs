@@ -11,19 +11,19 @@ use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
 use crate::scene::coupled::{self, Derivatives, ModeFactor};
 
-/// The electrical quantities at a displacement and a charge, in units of the charge and of volts per
-/// charge unit at full overlap.
+/// The electrical quantities at a displacement and a charge: charges in charge units, voltages relative to the
+/// voltage of one charge unit at full overlap.
 pub(super) struct Circuit<S> {
     overlap: DiscOverlap<S>,
     /// `1/s1`.
     pub(super) per_active: S,
-    /// Transferred charge: the state, or in a short circuit what the displacement makes it.
+    /// Transferred charge: the state, or in a short circuit a function of the displacement.
     transferred: S,
     pub(super) voltage: S,
 }
 
-/// Roundings of the charge that its difference to the relaxed charge may be off by: nine in ten of the errors
-/// that are nothing but rounding are smaller.
+/// Error of the difference of charge and relaxed charge, in roundings of the charge: nine in ten of the pure rounding
+/// errors are smaller.
 const ROUNDINGS: f64 = 4.0;
 
 /// Derivatives of the circuit by the displacement.
@@ -35,14 +35,14 @@ struct Slope<S> {
 }
 
 impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
-    /// `x/2r` on the side `ahead` or the other.
+    /// `ξ = x/2r` on the side `ahead`, `−ξ` on the other.
     #[inline(always)]
     fn xi(&self, ahead: bool, displacement: S) -> S {
         let xi = self.per_diameter * displacement;
         if ahead { xi } else { -xi }
     }
 
-    /// Shares of the slider's face on the patches, as of the side `ahead` or the other.
+    /// Parts of the slider's face on the patches, by the formula of the side `ahead`.
     #[inline(always)]
     pub(super) fn overlap(&self, ahead: bool, displacement: S) -> DiscOverlap<S> {
         DiscOverlap::at(self.xi(ahead, displacement))
@@ -53,7 +53,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         self.circuit_of(self.overlap(ahead, displacement), charge)
     }
 
-    /// The same where the overlap is known.
+    /// The circuit for a known overlap.
     #[inline(always)]
     pub(super) fn circuit_of(&self, overlap: DiscOverlap<S>, charge: S) -> Circuit<S> {
         let per_active = S::ONE / overlap.active;
@@ -64,17 +64,17 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         Circuit { overlap, per_active, transferred: charge, voltage: (relaxed - charge) * per_active }
     }
 
-    /// `ds1/dx` in 1/m, as of the side `ahead` or the other.
+    /// `ds1/dx` in 1/m, by the formula of the side `ahead`.
     #[inline(always)]
     pub(super) fn active_by_displacement(&self, ahead: bool, displacement: S) -> S {
         let by_xi = self.per_diameter * DiscOverlap::active_by_xi(self.xi(ahead, displacement));
         if ahead { by_xi } else { -by_xi }
     }
 
-    /// `d²s1/dx²` in 1/m², as of the side `ahead` or the other.
+    /// `d²s1/dx²` in 1/m², by the formula of the side `ahead`.
     #[inline(always)]
     pub(super) fn active_curvature(&self, ahead: bool, displacement: S) -> S {
-        // d²s1/dξ² = (16/π²) ξ / −(ds1/dξ); at the rim of the domain it has a pole.
+        // d²s1/dξ² = (16/π²) ξ / −(ds1/dξ), with a pole at |ξ| = 1.
         let xi = self.xi(ahead, displacement);
         let by_xi = DiscOverlap::active_by_xi(xi).abs().max(S::from_f64(1e-3));
         S::from_f64(16.0 / (core::f64::consts::PI * core::f64::consts::PI)) * xi / by_xi
@@ -112,7 +112,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         [self.weight_per_mass + acting * per_charge, by_charge]
     }
 
-    /// Its derivative by the displacement.
+    /// Derivative of the normal force per modal mass by the displacement.
     #[inline(always)]
     fn normal_by_displacement(&self, circuit: &Circuit<S>, slope: &Slope<S>) -> S {
         let [acting, by_charge] = self.force_law.acting_charge(circuit.transferred, &self.surface);
@@ -123,7 +123,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         if self.is_shorted() { at_charge + along } else { at_charge }
     }
 
-    /// The most that static friction can hold, per modal mass, and its derivative by the charge.
+    /// The limit of static friction per modal mass in m/s², and its derivative by the charge.
     #[inline(always)]
     pub(super) fn static_friction(&self, circuit: &Circuit<S>) -> [S; 2] {
         let coefficient = self.friction.static_coefficient(circuit.overlap.active);
@@ -137,7 +137,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         self.dielectric * active_by_displacement * circuit.voltage * (circuit.voltage + tribo + tribo)
     }
 
-    /// Lateral force per modal mass that acts on the slider, and its derivative by the charge.
+    /// Lateral force on the slider per modal mass, and its derivative by the charge.
     #[inline(always)]
     pub(super) fn lateral(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> [S; 2] {
         if !self.lateral_force.acts() {
@@ -149,7 +149,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         [self.field_force(circuit, slope), by_charge]
     }
 
-    /// Its derivative by the displacement.
+    /// Derivative of the lateral force per modal mass by the displacement.
     #[inline(always)]
     fn lateral_by_displacement(
         &self,
@@ -169,10 +169,10 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
                 + S::from_f64(2.0) * slope.active * slope.voltage * (voltage + tribo))
     }
 
-    /// Terminal voltage and load current, in volts and amperes.
+    /// Terminal voltage in V and load current in A.
     ///
-    /// With a resistor both come from the rate of the charge: the voltage as a difference is a
-    /// small part of `V_oc` where the resistance is small.
+    /// With a resistor both come from the rate of the charge, because the voltage as a difference is a small part of
+    /// `V_oc` at a small resistance.
     #[inline(always)]
     pub(super) fn voltage_and_current(&self, mode: Mode, state: &[S; STATES], rate: &[S; STATES]) -> (S, S) {
         if Self::STICKS && mode == Mode::Stick && !self.sticking.relaxes() {
@@ -192,7 +192,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
     }
 
-    /// Elastic and kinetic, and electrical energy in joules.
+    /// Mechanical and electrical energy in J.
     #[inline(always)]
     pub(super) fn energies(&self, mode: Mode, [displacement, velocity, charge]: [S; STATES]) -> [S; 2] {
         let circuit = self.circuit(mode.is_ahead(displacement), displacement, charge);
@@ -213,7 +213,7 @@ pub struct Flow<'a, S: Scalar, P: Parts<S>> {
 }
 
 impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
-    /// Whether the slider is held; where it never is, the compiler drops the code for it.
+    /// Whether the slider sticks; if it never does, the compiler removes the code of the stick.
     #[inline(always)]
     fn is_stuck(&self) -> bool {
         Sliding::<S, P>::STICKS && self.mode == Mode::Stick
@@ -281,9 +281,9 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         let coefficient = scene.friction.kinetic_coefficient(circuit.overlap.active);
         let [normal, _] = scene.normal(&circuit);
         let slope = scene.active_by_displacement(ahead, displacement);
-        let taken_up = -scene.field_force(&circuit, slope) * momentum;
+        let field_work = -scene.field_force(&circuit, slope) * momentum;
         let mut powers = [S::ZERO; ALL_POWERS];
-        // Written out: the compiler cannot know that nothing times a current is nothing.
+        // Written out: the compiler cannot remove a floating-point `0 · i`.
         powers[PowerIndex::Load as usize] = match scene.load.resistance() {
             Resistance::Finite(_) => voltage * current,
             Resistance::Short | Resistance::Open => S::ZERO,
@@ -296,8 +296,8 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         powers[PowerIndex::Dissipation as usize] =
             momentum * (scene.damping_per_mass * velocity + self.direction() * coefficient * normal);
         powers[PowerIndex::ElectrostaticWork as usize] =
-            if scene.lateral_force.acts() { taken_up } else { S::ZERO };
-        powers[PowerIndex::FieldWork as usize] = taken_up;
+            if scene.lateral_force.acts() { field_work } else { S::ZERO };
+        powers[PowerIndex::FieldWork as usize] = field_work;
         powers
     }
 }
@@ -366,7 +366,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         }
         let displacement = base[DISPLACEMENT] + increment[DISPLACEMENT];
         let overlap = self.scene.overlap(self.mode.is_ahead(displacement), displacement);
-        // (t s2 − q) = s1 V, so that the open end of the overlap divides nothing by nothing.
+        // (t s2 − q) = s1 V stays finite for separate discs, without 0/0.
         let excess = self.scene.surface.tribo_charge * overlap.inert - base[CHARGE];
         let rate = weight * self.circuit_rate();
         increment[CHARGE] = rate * excess / (overlap.active + rate);
@@ -377,8 +377,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         first_powers(&self.all_powers(state, rate, acceleration))
     }
 
-    /// The charge `q` follows `t s2(x)` within `Λ h/(s1 + Λ h)` of their difference, whose rounding `δ`
-    /// stands in the current as `δ/h`: in the energy `R I² h` as `R (2 I + δ/h) δ`.
+    /// The charge `q` follows `t s2(x)` with the weight `Λ h/(s1 + Λ h)` of their difference. A rounding `δ` of `q`
+    /// changes the current by `δ/h` and the energy `R I² h` by `R (2 I + δ/h) δ`.
     #[inline(always)]
     fn rounding_energy(&self, state: &[S; STATES], rate: &[S; STATES], step: S) -> S {
         let scene = self.scene;
@@ -392,8 +392,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         resistance * scene.charge_unit * scene.charge_unit * (current + current + rounding / step) * rounding
     }
 
-    /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the
-    /// patch's diameter), charges to the tribo-charge.
+    /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the patch's
+    /// diameter), charges to the tribo-charge.
     #[inline(always)]
     fn error_norm(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let scene = self.scene;

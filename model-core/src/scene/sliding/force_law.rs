@@ -1,4 +1,4 @@
-//! The electrostatic force that adds to the slider's weight.
+//! The electrostatic force in addition to the slider's weight.
 
 use core::fmt::Debug;
 
@@ -15,9 +15,9 @@ pub(crate) struct Surface<S> {
     pub root_permittivity: S,
 }
 
-/// A law for the attraction between slider and active patch.
+/// A law of the attraction between slider and active patch.
 ///
-/// Each is `F_e / M = e² / s1` with a charge `e` that is linear in the transferred one.
+/// Each law is `F_e / M = e² / s1` with a charge `e` that is linear in the transferred charge.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no electrostatic force law of this scene",
     note = "a force law is `GapField`, `TransferredCharge` or an `AnyForceLaw`"
@@ -27,10 +27,10 @@ pub(crate) trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
     fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2];
 }
 
-/// `F_e = q² / (2 ε0 ε_r S1)`: equation (16) as inferred from the paper's findings.
+/// `F_e = q² / (2 ε0 ε_r S1)`: equation (16) as inferred from the paper's results.
 ///
-/// Of the forms tried only this one, with or without the factor `ε_r`, gives the paper's fall of the
-/// amplitude and its shift of the peak to the left and back as the resistance grows.
+/// Of the forms tried only this one, with or without the factor `ε_r`, reproduces the paper's fall of the amplitude
+/// and the shift of the peak to the left and back with growing resistance.
 impl<S: Scalar> ForceLaw<S> for TransferredCharge {
     #[inline]
     fn acting_charge(&self, transferred: S, _surface: &Surface<S>) -> [S; 2] {
@@ -40,7 +40,7 @@ impl<S: Scalar> ForceLaw<S> for TransferredCharge {
 
 /// `F_e = (σS − q)² / (2 ε0 S1)`: the field between slider and patch acts on the charge of the face.
 ///
-/// Its trends with the resistance are opposite to the paper's.
+/// Its trends with the resistance are opposite to those of the paper.
 impl<S: Scalar> ForceLaw<S> for GapField {
     #[inline]
     fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2] {

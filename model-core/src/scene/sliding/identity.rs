@@ -1,4 +1,4 @@
-//! What a node needs to follow this harvester: a start at rest, a fingerprint, and the mode as a byte.
+//! The scene interface of sliding: start at rest, fingerprint, and the mode as a byte.
 
 use super::force_law::ForceLaw;
 use super::{Friction, LateralForce, Mode, Parts, STATES, Sliding, Start, Sticking};
@@ -42,7 +42,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for S
             self.surface.root_permittivity,
         ]);
         self.load.resistance().identify(fingerprint);
-        // A law shows itself in what it does.
+        // A law is identified by its values.
         fingerprint.numbers(&self.force_law.acting_charge(S::ZERO, &self.surface));
         fingerprint.count(u32::from(P::Friction::PRESENT));
         for active in [S::ZERO, S::ONE] {
@@ -65,7 +65,7 @@ impl Mode {
     }
 }
 
-/// A byte: 0 to 3 sliding, 1 for forward and 2 for ahead added up; 4 stuck.
+/// A byte: 0 to 3 in a slide, the sum of 1 for forward and 2 for ahead; 4 in stick.
 impl Snapshot for Mode {
     const BYTES: usize = 1;
 

@@ -2,17 +2,17 @@
 
 use core::fmt::Debug;
 
-/// Whether the field pulls the slider along the plane too: `F_lat = −∂W/∂x` at constant charge, with
-/// `W = (q − σ S2)² d / (2 ε0 ε_r S1)` the energy of the overlap capacitor.
+/// Whether the field also exerts a force along the plane: `F_lat = −∂W/∂x` at constant charge, with `W = (q − σ S2)²
+/// d / (2 ε0 ε_r S1)` the energy of the overlap capacitor.
 ///
-/// The paper leaves it out, as some 10⁻⁴ of the elastic force. Then what the load receives is taken
-/// from nowhere; with it the energy ledger closes as a whole.
+/// The paper omits it, because it is about 10⁻⁴ of the elastic force. The energy delivered to the load then has no
+/// source; with the lateral force the total energy ledger closes.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not say whether the field pulls along the plane",
     note = "a lateral force is `NoLateralForce`, `FieldLateralForce` or an `AnyLateralForce`"
 )]
 pub(crate) trait LateralForce: Copy + Debug + PartialEq {
-    /// Whether it acts.
+    /// Whether the lateral force acts.
     fn acts(&self) -> bool;
 }
 

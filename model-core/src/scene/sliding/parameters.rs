@@ -1,4 +1,4 @@
-//! Parameters, and the coefficients made of them.
+//! Parameters, and the coefficients derived from them.
 
 use super::force_law::Surface;
 use super::{Choices, Friction, Parts, Sliding};
@@ -8,15 +8,15 @@ use crate::part::load::{Load, Resistance};
 use crate::part::{GRAVITY, VACUUM_PERMITTIVITY};
 use crate::scalar::Scalar;
 
-/// Parameters of a sliding harvester, in SI units. Table 1 of the paper.
+/// Parameters of a sliding harvester, in SI units. Table 1 of Fu, Ouyang and Davis (2020).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters<S, C> {
     /// Length `L` of the beam in m, 10⁻⁴ to 10.
     pub beam_length: S,
     /// Width `b` of the beam in m, 10⁻⁵ to 10.
     pub beam_width: S,
-    /// Thickness `h` of the beam, in the direction of bending, in m, 10⁻⁷ to 1; the natural frequency
-    /// must come out between 10⁻³ and 10⁴ Hz.
+    /// Thickness `h` of the beam, in the direction of bending, in m, 10⁻⁷ to 1; the natural frequency must be from
+    /// 10⁻³ to 10⁴ Hz.
     pub beam_thickness: S,
     /// Young's modulus `E` in Pa, 10⁵ to 10¹³.
     pub young_modulus: S,
@@ -32,20 +32,20 @@ pub struct Parameters<S, C> {
     pub dielectric_thickness: S,
     /// Relative permittivity `ε_r` of the dielectric, 1 to 10⁵.
     pub relative_permittivity: S,
-    /// Magnitude of the tribo-charge surface density `σ` in C/m², 0 to 10⁻². Its sign would only
-    /// turn the signs of charge and voltage.
+    /// Magnitude of the tribo-charge surface density `σ` in C/m², 0 to 10⁻². A negative `σ` reverses the signs of
+    /// charge and voltage only.
     pub charge_density: S,
-    /// The parts: [`Choices`].
+    /// The components: [`Choices`].
     pub choices: C,
 }
 
 impl<S: Scalar, C> Parameters<S, C> {
-    /// Checks the parameters and makes the coefficients of them.
+    /// Checks the parameters and computes the coefficients.
     ///
-    /// No step of this cancels, so the coefficients are right to some roundings in `f32` too.
+    /// No operation cancels, so the coefficients are exact to some roundings in `f32` too.
     ///
     /// # Errors
-    /// The first field that is out of its bounds, with its value.
+    /// The first field outside its bounds, with its value.
     pub fn build(&self) -> Result<Sliding<S, C>, ParameterError<S>>
     where
         C: Parts<S>,
@@ -77,9 +77,9 @@ impl<S: Scalar, C> Parameters<S, C> {
             Resistance::Short | Resistance::Open => S::ZERO,
         };
         let diameter = two * self.patch_radius;
-        // Scale of the energy of a radian: that of the charge σS on the whole patch, (σS)²/2C = M d q²;
-        // or what its motion dissipates in a small resistance, 2 ω τ of that. Slow motion of a
-        // hundredth of the diameter moves a ten-thousandth of the energy.
+        // Scale of the energy of a radian: the energy of the charge σS on the whole patch, (σS)²/2C = M d q², or with
+        // a small resistance the dissipated part 2 ω τ of it. A slow motion of a hundredth of the diameter moves a
+        // ten-thousandth of the energy.
         let patch_energy = modal_mass * self.dielectric_thickness * tribo_charge * tribo_charge;
         let share = match load.resistance() {
             Resistance::Finite(_) => (two * angular_frequency / circuit_rate).min(S::ONE),
@@ -101,8 +101,8 @@ impl<S: Scalar, C> Parameters<S, C> {
             per_tribo_charge: S::ONE / tribo_charge.max(S::from_f64(1e-12)),
             circuit_rate,
             field: charge_unit * elastance,
-            // The acceleration of a release may be off by a rounding, and so point the wrong way until the
-            // pull has grown: for much less than a hundredth of a radian.
+            // The acceleration at a release may have a rounding error, and so the wrong sign until the load has
+            // grown: for much less than a hundredth of a radian.
             velocity_margin: S::from_f64(0.01 * GRAVITY) * S::EPSILON / angular_frequency,
             energy_floor: (S::from_f64(1e-8) * share * patch_energy).max(S::TINY),
             load,
@@ -111,7 +111,7 @@ impl<S: Scalar, C> Parameters<S, C> {
             sticking,
             lateral_force,
         };
-        // The bounds above leave combinations that no single precision can hold.
+        // The bounds above allow combinations that overflow single precision.
         Bounds::new(0.0, 1e34)
             .check("dielectric thickness / (permittivity * patch area * resistance)", scene.circuit_rate)?;
         Bounds::new(0.0, 1e12)

@@ -1,4 +1,4 @@
-//! Where a run starts.
+//! The start of a run.
 
 use super::automaton::Mode;
 use super::{CHARGE, Parts, STATES, Sliding};
@@ -9,25 +9,25 @@ use crate::integrate::{Point, StepControl};
 use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 
-/// Initial values; whatever is `None` is at rest at the centre, electrically relaxed.
+/// Initial values; a `None` is at rest at the centre, electrically relaxed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Start<S> {
-    /// Displacement of the tip in metres, less than `2r` in magnitude; by default 0.
+    /// Displacement of the tip in m, less than `2r` in magnitude; by default 0.
     pub displacement: Option<S>,
-    /// Velocity of the tip relative to the base in m/s; by default 0.
+    /// Velocity of the tip relative to the base in m/s, at most 10³ in magnitude; by default 0.
     pub velocity: Option<S>,
-    /// Transferred charge `q` in coulombs; by default that at which the voltage is zero.
+    /// Transferred charge `q` in C, at most 1 in magnitude; by default the charge at zero voltage.
     pub charge: Option<S>,
 }
 
 impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// The state of this harvester at time zero.
     ///
-    /// A start without speed is held by friction if that can.
+    /// With zero speed the slider sticks if static friction suffices.
     ///
     /// # Errors
-    /// A start where slider and active patch are apart, or a value that is out of bounds.
+    /// A displacement at which slider and active patch are separate, or another value outside its bounds.
     pub fn start<E, C, const POWERS: usize>(
         &self,
         start: &Start<S>,
@@ -40,7 +40,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     {
         let displacement = start.displacement.unwrap_or(S::ZERO);
         let velocity = start.velocity.unwrap_or(S::ZERO);
-        // The last number below 2r.
+        // The largest number below 2r.
         let highest = self.diameter * (S::ONE - S::EPSILON);
         Bounds { lowest: -highest, highest }.check("displacement", displacement)?;
         Bounds::new(-1e3, 1e3).check("velocity", velocity)?;
@@ -60,8 +60,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         };
         let mut start_state = HybridState::start(self, mode, state, excitation, control);
         if start.charge.is_none() {
-            // The voltage is zero by construction; as a difference it would be a rounding error,
-            // which a small resistance turns into a current.
+            // The voltage is exactly zero. Computed as a difference it would be a rounding error, which a small
+            // resistance turns into a current.
             let mut derivative = start_state.point.derivative;
             derivative[CHARGE] = S::ZERO;
             let flow = crate::hybrid::Automaton::<S, STATES, POWERS>::flow(self, mode);

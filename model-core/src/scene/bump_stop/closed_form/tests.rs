@@ -5,8 +5,8 @@ use crate::part::load::AnyLoad;
 use crate::part::monomorph::Layer;
 use crate::scene::bump_stop::{AnyChoices, AnyContact, AnyCoupling, Choices, Parameters, Stop};
 
-/// The baseline: 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A against an aluminium rod of 20 × 2 × 2 mm,
-/// 10 µm from its tip.
+/// The baseline: 50 × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A against an aluminium rod of 20 × 2 × 2 mm, 10 µm from
+/// its tip.
 fn baseline<S: Scalar>(coupling: AnyCoupling, resistance: f64) -> Parameters<S, AnyChoices<S>> {
     let number = S::from_f64;
     Parameters {
@@ -73,7 +73,7 @@ fn the_best_loads_are_the_published_ones() {
     ] {
         let at = |resistance: f64| free::<6>(coupling, resistance).closed_form(20.0, frequency).mean_power;
         close(1e6 * at(1e3 * resistance), power, 2e-3);
-        // The optimum is given to three digits at the most.
+        // The optimum is given to at most three digits.
         for other in [0.8, 1.25] {
             assert!(at(other * 1e3 * resistance) < at(1e3 * resistance), "{frequency} Hz");
         }
@@ -91,7 +91,7 @@ fn weakly_coupled_the_best_load_is_that_of_the_capacitance() {
     let power = |resistance: f64| free::<1>(ONE_WAY, resistance).closed_form(20.0, frequency).mean_power;
     close(power(best), 0.25 * omega * scene.capacitance() * square, 1e-12);
     assert!(power(1.01 * best) < power(best) && power(0.99 * best) < power(best));
-    // However strong the coupling, one mode gives at most (γ B)²/(16 ζ ω): 3.98 mW.
+    // At any coupling, one mode gives at most (γ B)²/(16 ζ ω): 3.98 mW.
     let bound = (0.048_976_12_f64 * 20.0).powi(2) / (16.0 * 0.01 * core::f64::consts::TAU * 239.705_436);
     close(bound, 3.982e-3, 1e-3);
     let mut most = 0.0_f64;
@@ -126,12 +126,12 @@ fn what_reaches_the_stop_is_flagged() {
     let Validity::NeedsTrajectory { reason: Reason::ReachesStop, margin } = found.validity else {
         panic!("{:?}", found.validity)
     };
-    // 66.93 µm over 10 µm, but for the rod, which bends the other way by nanometres.
+    // 66.93 µm over 10 µm, less the rod's motion in the other direction by nanometres.
     close(margin, 6.6934, 1e-4);
     let limit = 20.0 / margin;
     assert!(scene.closed_form(0.999 * limit, 220.0).validity.holds());
     assert!(!scene.closed_form(1.001 * limit, 220.0).validity.holds());
-    // With the beam in contact at rest nothing is clear but silence.
+    // With the beam in contact at rest, only zero excitation is free of contact.
     let mut touching = parameters;
     touching.choices.stop.gap = 0.0;
     let touching = touching.build::<4, 1>().expect("valid");
@@ -173,12 +173,12 @@ fn into_a_bus_the_power_is_the_published_one() {
     let blocked = scene.closed_form_into_bus(20.0, 220.0, 1.01 * open, 0.0);
     assert_eq!(blocked.mean_power, 0.0);
     close(blocked.rms_voltage * 2f64.sqrt(), open, 1e-12);
-    // The best a bus can do is 2/π of the best of a resistor.
+    // The maximum with a bus is 2/π of the maximum with a resistor.
     let resistor = 1.0 / (core::f64::consts::TAU * 220.0 * scene.capacitance());
     let most = free::<1>(ONE_WAY, resistor).closed_form(20.0, 220.0).mean_power;
     let bus = scene.closed_form_into_bus(20.0, 220.0, 0.5 * open, 0.0).mean_power;
     close(bus / most, core::f64::consts::FRAC_2_PI, 1e-9);
-    // Near resonance the voltage of a bus bends the motion of the two-way model.
+    // Near resonance the voltage of a bus changes the motion with two-way coupling.
     let strong = free::<1>(TWO_WAY, 1e6).closed_form_into_bus(20.0, 239.0, 20.0, 0.0);
     assert!(matches!(strong.validity, Validity::NeedsTrajectory { reason: Reason::StrongCoupling, .. }));
 }
@@ -187,7 +187,7 @@ fn into_a_bus_the_power_is_the_published_one() {
 fn into_a_store_it_is_shu_and_liens_formula() {
     let (frequency, theta, gamma, capacitance) = (239.705_436_f64, 0.041_497_95, 0.048_976_12, 15.93e-9);
     let natural = core::f64::consts::TAU * frequency;
-    // One mode, ideal diodes: the voltage that the formula has in closed form.
+    // One mode, ideal diodes: the closed form of the voltage.
     let formula = |part: f64, frequency: f64, resistance: f64| {
         let (omega, theta) = (core::f64::consts::TAU * frequency, part * theta);
         let q = capacitance * omega * resistance + core::f64::consts::FRAC_PI_2;
@@ -208,22 +208,22 @@ fn into_a_store_it_is_shu_and_liens_formula() {
         close(found.mean_power, expected * expected / resistance, 2e-6);
         assert!(found.validity.holds(), "{:?}", found.validity);
     }
-    // Without back-coupling a bus at the storage's voltage takes what the storage's load does.
+    // With one-way coupling a bus at the storage voltage takes the power of the storage's load.
     let scene = free::<4>(ONE_WAY, 1e6);
     let storage = scene.closed_form_into_store(20.0, 220.0, 1e5, 0.3);
     let voltage = (storage.mean_power * 1e5).sqrt();
     let bus = scene.closed_form_into_bus(20.0, 220.0, voltage, 0.3);
     close(bus.mean_power, storage.mean_power, 1e-9);
     close(bus.rms_voltage, storage.rms_voltage, 1e-9);
-    // Drops that the voltage does not overcome.
+    // Diode drops above the voltage.
     assert_eq!(scene.closed_form_into_store(20.0, 220.0, 1e5, 10.0).mean_power, 0.0);
-    // At resonance the motion is not one harmonic.
+    // At resonance the motion is not harmonic.
     assert!(!free::<1>(TWO_WAY, 1e6).closed_form_into_store(20.0, 242.0, 1e5, 0.0).validity.holds());
 }
 
 #[test]
 fn behind_a_bridge_the_terminal_voltage_is_flat_topped() {
-    // By sampling: the charge's swing moves the voltage until it is held.
+    // By sampling: the charge changes the voltage until it is clamped.
     let scene = free::<1>(ONE_WAY, 1e6);
     let open = scene.closed_form_into_bus(20.0, 220.0, 1e9, 0.0).rms_voltage * 2f64.sqrt();
     for bridge in [0.05 * open, 0.4 * open, 0.9 * open] {

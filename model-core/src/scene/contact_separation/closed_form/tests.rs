@@ -99,7 +99,7 @@ fn integrated(
     for _ in 0..15 {
         sum = 0.0;
         for k in 0..steps {
-            // The midpoint rule, solved for the charge at the middle, in which it is linear.
+            // The midpoint rule; the charge at the middle follows from a linear equation.
             let gap = gap(step * (f64::from(k) + 0.5));
             let at = |charge: f64| scene.circuit(gap, charge).voltage;
             let slope = at(1.0) - at(0.0);
@@ -126,7 +126,7 @@ fn the_power_is_that_of_the_circuits_equation_along_the_orbit() {
                 let (sine, cosine) = (2.0 * theta).sin_cos();
                 motion.mean + amplitude * theta.cos() + second.re * cosine - second.im * sine
             };
-            // The second harmonic is taken along to first order.
+            // The second harmonic is included to first order.
             close(
                 power,
                 integrated(&scene, gap, omega, resistance),
@@ -145,7 +145,7 @@ fn the_ends_of_the_load_are_limits() {
     close(small.amplitude, short.amplitude, 1e-6);
     // P = R I²: a millionth of that at 1 MΩ.
     close(1e6 * small.mean_power, at(1e6).mean_power, 1e-2);
-    // With the load open the charge is that at rest, of which the mean voltage is not quite zero.
+    // With an open load the charge is that at rest, and the mean voltage is not quite zero.
     assert!(open.rms_voltage > large.rms_voltage && open.rms_voltage < 1.3 * large.rms_voltage);
     assert!(large.mean_power > 0.0 && large.mean_power < 1e-3 * at(1e9).mean_power);
 }

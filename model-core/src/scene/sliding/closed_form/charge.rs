@@ -1,18 +1,18 @@
-//! The charge along a given motion: steps of the third of Lobatto's methods of order 4 (IIIC), which forgets a
-//! fast circuit's start in one step.
+//! Integrates the charge along a given motion by the Lobatto IIIC method of order 4, which damps the transient of a
+//! fast circuit within one step.
 
 use crate::scalar::Scalar;
 
 /// Weights of the stages.
 pub(super) const WEIGHTS: [f64; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
-/// The matrix of the stages.
+/// The Butcher matrix.
 pub(super) const STAGES: [[f64; 3]; 3] = [
     [1.0 / 6.0, -1.0 / 3.0, 1.0 / 6.0],
     [1.0 / 6.0, 5.0 / 12.0, -1.0 / 12.0],
     [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
 ];
 
-/// What a step adds to the charge `P` at each stage's rate, times the step: a constant, and per charge at the
+/// The rates of the charge `P` at the stages, times the step: a constant, and a coefficient of the charge at the
 /// start.
 pub(super) struct Increments<S> {
     constant: [S; 3],
@@ -20,12 +20,12 @@ pub(super) struct Increments<S> {
 }
 
 impl<S: Scalar> Increments<S> {
-    /// Of a charge that stays.
+    /// The increments of a constant charge.
     pub(super) const NONE: Self = Self { constant: [S::ZERO; 3], by_charge: [S::ZERO; 3] };
 
-    /// `κ s1 z/h + A z = σS s1 − P` at the three stages, by Cramer's rule; `per_step` is `κ/h`.
+    /// `τ s1 z/h + A z = σS s1 − P` at the three stages, by Cramer's rule; `per_step` is `τ/h`.
     pub(super) fn new(active: &[S; 3], per_step: S, tribo_charge: S) -> Self {
-        // All rows by the largest that they hold, so that an open circuit overflows nothing.
+        // All rows are scaled by their largest entry, so that an open circuit does not overflow.
         let scale = S::ONE / (S::ONE + per_step);
         let stages = STAGES.map(|row| row.map(S::from_f64));
         let row = |stage: usize| {
@@ -58,7 +58,7 @@ impl<S: Scalar> Increments<S> {
         Self { constant: solve(active.map(|own| tribo_charge * own)), by_charge: solve([minus_one; 3]) }
     }
 
-    /// Over the whole step.
+    /// The increment over the whole step: a constant, and a coefficient of the charge at the start.
     pub(super) fn over_step(&self) -> [S; 2] {
         let weights = WEIGHTS.map(S::from_f64);
         [sum(&weights, &self.constant), sum(&weights, &self.by_charge)]

@@ -7,7 +7,7 @@ use crate::scene::sliding::{
 };
 
 const GRAVITY: f64 = 9.81;
-/// Of Table 1: static on the active and the inert patch, kinetic on both.
+/// Table 1: static friction on the active and the inert patch, kinetic friction on both.
 const PUBLISHED: [f64; 4] = [0.35, 0.25, 0.3, 0.2];
 
 /// Table 1 of the paper, with a charge density in µC/m² and a resistance in Ω.
@@ -55,7 +55,7 @@ fn close(value: f64, expected: f64, relative: f64) {
 
 #[test]
 fn the_amplitude_at_resonance_is_that_of_the_published_energy_balance() {
-    // Charge density in µC/m², amplitude in mm at 0.36 g with the load short and nearly open.
+    // Charge density in µC/m², amplitude in mm at 0.36 g with a short-circuited and a nearly open load.
     for (density, short, open) in [
         (0.0, 14.115, 14.115),
         (10.0, 13.830, 13.746),
@@ -165,11 +165,11 @@ fn a_held_slider_delivers_nothing_and_one_that_sticks_is_flagged() {
         let found = scene.closed_form(gravities * GRAVITY, frequency);
         assert!(!found.validity.holds(), "{frequency}: {:?}", found.validity);
     }
-    // Far from resonance, kinetic friction of nine tenths of the drive leaves no motion without sticks.
+    // Far from resonance, with kinetic friction of nine tenths of the drive, every motion sticks.
     let stuck = parameters::<f64>(0.0, 1e8, [0.45, 0.45, 0.35, 0.35], 0.0).build().expect("valid");
     let stuck = stuck.closed_form(0.36 * GRAVITY, 30.0).validity;
     assert!(matches!(stuck, Validity::NeedsTrajectory { reason: Reason::Sticks, .. }), "{stuck:?}");
-    // Published: at 0.4 g and more, without charge, it leaves the patch.
+    // Published: at 0.4 g and more, without charge, the slider leaves the patch.
     let charged = self::scene::<f64>(0.0, 1e8).closed_form(0.5 * GRAVITY, natural_frequency());
     let reason = Reason::LeavesOverlap;
     assert!(matches!(charged.validity, Validity::NeedsTrajectory { reason: found, .. } if found == reason));
@@ -186,7 +186,7 @@ fn the_load_may_be_anything() {
     // V → −R σ S1'(x) x' at small resistances.
     close(at(1e3).rms_voltage / at(1e2).rms_voltage, 10.0, 1e-3);
     assert!(open.rms_voltage > 0.0 && large.rms_voltage > 0.0 && large.mean_power < 1e-20);
-    // Literally open, the charge is that of the centre, none; nearly open, that of no mean voltage.
+    // With an open load the charge is that of the centre, 0; with a nearly open load it has zero mean voltage.
     close(large.rms_voltage, at(1e12).rms_voltage, 1e-4);
 }
 
