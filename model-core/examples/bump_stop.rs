@@ -1,4 +1,4 @@
-//! A piezoelectric cantilever that hits a stop: power, RMS voltage, contacts, energy ledger.
+//! Simulates a piezoelectric cantilever that hits a stop: power, RMS voltage, contacts, energy ledger.
 //!
 //! `cargo run --release --example bump_stop`
 
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         contact_compliance: 0.0, // m/N
         contact: ResidualFlexibility,
     };
-    // Four modes of the beam, one of the rod.
+    // Four beam modes, one rod mode.
     let scene = Parameters {
         beam_length: 0.05_f64, // m
         beam_width: 0.01,      // m

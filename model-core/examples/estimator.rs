@@ -1,4 +1,4 @@
-//! Power from the samples of an accelerometer, with its uncertainty, and a power-down in between.
+//! Estimates the power from the samples of an accelerometer, with its uncertainty and a power-down between samples.
 //!
 //! `cargo run --example estimator`
 
@@ -10,7 +10,7 @@ use model_core::part::restitution::ConstantRestitution;
 use model_core::scene::Simulation;
 use model_core::scene::contact_separation::{Choices, Parameters};
 
-/// A sample of 0.2 g at 20 Hz as a 16-bit accelerometer with a range of ± 2 g counts it.
+/// Raw count of a 16-bit accelerometer with a range of ± 2 g, for 0.2 g at 20 Hz.
 fn sample(n: u32) -> i16 {
     (3277.0 * (core::f32::consts::TAU * (n % 20) as f32 / 20.0).sin()) as i16
 }
@@ -38,13 +38,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut estimator = Estimator::new(harvester, settings)?;
     let mut flash = [0; 256];
     for n in 0..2000 {
-        // At most 100 attempted steps for each call: a firmware has a deadline.
+        // At most 100 attempted steps per call, because firmware has deadlines.
         let mut progress = estimator.push_count(sample(n), 100)?;
         while !progress.finished {
             progress = estimator.resume(100)?;
         }
         if n == 999 {
-            // Power down and up: the run goes on with the same bits.
+            // Power down and up: the run continues with the same bits.
             estimator.save(&mut flash)?;
             estimator = Estimator::new(harvester, settings)?;
             estimator.restore(&flash)?;

@@ -1,10 +1,10 @@
-//! A harvester of one's own: a magnet on a spring in a coil, base-excited, with an end stop.
+//! A user-defined harvester: a base-excited magnet on a spring in a coil, with an end stop.
 //!
 //! ```text
 //! m x'' + c x' + k x + T i = −m a        L i' + R i = T x'        at x = travel: x' → −e x'
 //! ```
 //!
-//! `x` in m relative to the housing, `i` in A, `a` the base acceleration in m/s², `R` the load in Ω.
+//! `x`: displacement relative to the housing in m, `i`: current in A, `a`: base acceleration in m/s², `R`: load in Ω.
 use model_core::clock::Instant;
 use model_core::energy::estimator::{SampleFormat, Settings};
 use model_core::energy::{Estimator, Ledger, RunMeter};
@@ -15,7 +15,7 @@ use model_core::observer::{ALL_POWERS, Motion, Outputs, PowerIndex};
 use model_core::scene::{Harvester, ParameterError, Scene, Simulation};
 use model_core::snapshot::Fingerprint;
 
-/// In kg, N s/m, N/m, N/A, H, Ω, m; the restitution `e` is 0 to 1.
+/// Units: kg, N s/m, N/m, N/A, H, Ω, m; the restitution `e` is 0 to 1.
 #[rustfmt::skip]
 #[derive(Debug, Clone, Copy)]
 struct Coil { m: f32, c: f32, k: f32, t: f32, l: f32, r: f32, travel: f32, e: f32 }

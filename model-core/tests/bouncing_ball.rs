@@ -1,14 +1,13 @@
-//! The bouncing ball, the classical trap for event location: infinitely many impacts in a finite
-//! time (Zeno's paradox), then rest.
+//! The bouncing ball, the standard test of event location: infinitely many impacts in a finite time (Zeno's paradox),
+//! then rest.
 //!
-//! Closed form for a drop from `h = 10 m` with `g = 9.81 m/s²` and restitution `e = 0.8`: impact
-//! `k` is at `t_k = t₀ (1 + 2 Σ_{i≤k} e^i)`, `t₀ = √(2h/g)`, and they accumulate at
-//! `t₀ (1 + e)/(1 − e) = 12.850588106343581 s`. Between impacts both methods are exact, so all
-//! error is that of location.
+//! Closed form for a drop from `h = 10 m` with `g = 9.81 m/s²` and restitution `e = 0.8`: impact `k` is at `t_k = t₀
+//! (1 + 2 Σ_{i≤k} e^i)`, `t₀ = √(2h/g)`, and the impacts accumulate at `t₀ (1 + e)/(1 − e) = 12.850588106343581 s`.
+//! Between impacts both methods are exact, so the whole error is that of the event location.
 //!
-//! Asserted: every impact time, speed and the number of impacts; that a stick speed ends the
-//! chatter before the accumulation point in a mode of rest; and that without one the driver
-//! returns [`StepFailure::EventStorm`] at the accumulation point instead of hanging.
+//! Asserted: every impact time, speed and the number of impacts; a stick speed ends the chatter before the
+//! accumulation point in a mode of rest; without one the driver returns [`StepFailure::EventStorm`] at the
+//! accumulation point.
 
 mod common;
 

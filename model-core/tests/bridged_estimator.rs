@@ -1,4 +1,4 @@
-//! The estimator on harvesters behind a bridge: what it adds up, its snapshots, and whose snapshots it takes.
+//! The estimator for harvesters behind a bridge: its sums, its snapshots, and the refusal of foreign snapshots.
 
 mod common;
 

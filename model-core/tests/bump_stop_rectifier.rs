@@ -1,7 +1,7 @@
-//! The bump-stop harvester behind a full bridge against what is known in closed form.
+//! The bump-stop harvester behind a full bridge against closed forms.
 //!
-//! One mode, no stop. Numbers of the mode are those of the baseline beam: `ω₁`, `γ₁ = 0.04897612 √kg`,
-//! `θ₁ = 0.04149795 C/(m √kg)`, `C_p = 15.93 nF`.
+//! One mode, no stop, with the numbers of the baseline beam: `ω₁`, `γ₁ = 0.04897612 √kg`, `θ₁ = 0.04149795 C/(m
+//! √kg)`, `C_p = 15.93 nF`.
 
 mod bridged;
 

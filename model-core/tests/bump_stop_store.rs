@@ -1,5 +1,5 @@
 //! The bump-stop harvester behind a full bridge: the trajectory of another program through six regimes, the energy
-//! ledger with the storage in it, bits, and what the lengths of step cost.
+//! ledger with the storage, bits, and the cost of the step lengths.
 
 mod bridged;
 

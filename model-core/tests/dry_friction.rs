@@ -1,11 +1,10 @@
 //! Dry friction as modes, not as a steep smooth function of the speed.
 //!
-//! * A slider on a spring with Coulomb friction, `x'' = −x − μ sgn x'`, `μ = 0.15`, from `x = 1`:
-//!   each swing is half a cosine about `±μ`, so it turns at `−0.7`, `0.4` and `−0.1` at `π`, `2π`
-//!   and `3π`, and there the spring is weaker than the friction: it sticks for ever.
-//! * A block on a belt that moves with `v₀ = 0.2` (`m = k = 1`, static friction 1, kinetic 1/2):
-//!   it sticks until `x = 1`, slips for `2 (π − atan(5/2)) = 3.9026054`, sticks again at `x = 0`,
-//!   and so on with the period `8.9026054`.
+//! * A slider on a spring with Coulomb friction, `x'' = −x − μ sgn x'`, `μ = 0.15`, from `x = 1`: each swing is half
+//!   a cosine about `±μ`. It turns at `−0.7`, `0.4` and `−0.1` at `π`, `2π` and `3π`, where the spring force is below
+//!   the friction: it sticks for ever.
+//! * A block on a belt with the speed `v₀ = 0.2` (`m = k = 1`, static friction 1, kinetic 1/2): it sticks until `x =
+//!   1`, slips for `2 (π − atan(5/2)) = 3.9026054`, sticks again at `x = 0`, and repeats with the period `8.9026054`.
 //!
 //! Asserted: positions, times, modes and number of events, in both precisions, for both methods.
 

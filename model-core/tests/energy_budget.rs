@@ -1,9 +1,9 @@
-//! An action is never started that empties the storage below its lock-out; and the income is spent all the same.
+//! No allowed action empties the storage below its lock-out, and the actions use the income.
 //!
-//! Random days of random nodes: storage that leaks or not, income with nights, spikes and gaps, actions that
-//! cost what they declare or less, at the beginning, the end or throughout. The true storage is simulated here
-//! in `f64`, in twenty steps a minute, each by the exact solution for a constant power; the budget runs in
-//! `f32` with one update a minute.
+//! Random days of random nodes: storage with and without leakage, income with nights, spikes and gaps, actions that
+//! cost at most their declared energy, at the beginning, the end or throughout. The true storage is simulated here in
+//! `f64`, in twenty steps a minute, each by the exact solution for a constant power; the budget runs in `f32` with
+//! one update a minute.
 
 mod common;
 

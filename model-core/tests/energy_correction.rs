@@ -1,7 +1,7 @@
-//! A node whose harvester is not what its model says finds out from the voltage of its storage.
+//! A node corrects the error of its harvester model by the voltage of its storage.
 //!
-//! The true storage is simulated here in `f64`, in steps of a second by its differential equation for the
-//! voltage; the estimator runs in `f32` and sees one 12-bit reading a minute.
+//! The true storage is simulated here in `f64`, in steps of a second by its differential equation for the voltage;
+//! the estimator runs in `f32` with one 12-bit reading a minute.
 
 mod common;
 

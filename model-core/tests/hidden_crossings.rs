@@ -1,11 +1,11 @@
-//! Crossings that hide inside one step, where a sign at both ends tells nothing.
+//! Crossings hidden inside one step, with equal signs at both ends.
 //!
-//! * A body under constant force, `x = 1 − s²/2`, and one on a spring, `x = cos s`, pass a wall at
-//!   `1 − δ` and come back: at `∓√(2δ)` and `∓acos(1 − δ)`. Steps are longer than that. SUNDIALS
-//!   and SciPy document that they miss such pairs.
-//! * Guards that fall within one step are taken in order of time.
-//! * A guard that starts at zero after a jump does not fire at once, also where its rate is zero.
-//! * However a run is divided by budgets and pauses, its bits are the same.
+//! * A body under constant force, `x = 1 − s²/2`, and one on a spring, `x = cos s`, pass a wall at `1 − δ` and
+//!   return: at `∓√(2δ)` and `∓acos(1 − δ)`. Steps are longer than that. SUNDIALS and SciPy document that they miss
+//!   such pairs.
+//! * Guards that fall within one step are located in order of time.
+//! * A guard that starts at zero after a jump does not fire at once, also with zero rate.
+//! * The bits of a run do not depend on its division by budgets and pauses.
 
 mod common;
 

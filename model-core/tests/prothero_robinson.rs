@@ -1,9 +1,9 @@
-//! The problem of Prothero and Robinson (Math. Comp. 28, 1974), `y' = λ (y − cos t) − sin t` from
-//! `y(0) = 1`: its solution is `cos t` whatever `λ`, and the larger `−λ`, the stiffer it is.
+//! The problem of Prothero and Robinson (Math. Comp. 28, 1974), `y' = λ (y − cos t) − sin t` from `y(0) = 1`: its
+//! solution is `cos t` for any `λ`, and its stiffness grows with `−λ`.
 //!
-//! Asserted for `λ` from −1 to −10⁶: the order, which an implicit method may lose here; that the
-//! steps grow with the stiffness, which an error estimate that is not filtered forbids (Hosea and
-//! Shampine, Appl. Numer. Math. 20, 1996); and L-stability.
+//! Asserted for `λ` from −1 to −10⁶: the order, which an implicit method may lose here; steps that grow with the
+//! stiffness, which requires a filtered error estimate (Hosea and Shampine, Appl. Numer. Math. 20, 1996); and
+//! L-stability.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! Both triboelectric scenes behind a full bridge in the limits, and where there is a closed form.
+//! Both triboelectric scenes behind a full bridge in limiting cases and against closed forms.
 
 mod bridge;
 

@@ -1,10 +1,9 @@
-//! A run can be divided in any way and gives the same bits; and a guard that starts at zero after
-//! a jump does not fire at once.
+//! The bits of a run do not depend on its division, and a guard that starts at zero after a jump does not fire at
+//! once.
 //!
-//! The subject is a forced oscillator between a stop that it hits with restitution and a latch that
-//! holds it for as long as a timer runs: many events, rejected steps, and, after each release, a
-//! guard that is zero with no rate, at a position that no binary fraction holds. Nothing here has a
-//! reference: the runs are compared with each other.
+//! The subject is a forced oscillator between a stop with restitution and a latch that holds it while a timer runs:
+//! many events, rejected steps, and, after each release, a guard that is zero with zero rate, at a position that no
+//! binary fraction represents. There is no reference: the runs are compared with each other.
 
 mod common;
 

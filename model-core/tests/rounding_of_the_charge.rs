@@ -1,5 +1,5 @@
-//! A fast circuit in single precision: the rounding of the charge, divided by a step, is the noise of its
-//! current, and must not shorten the step.
+//! A fast circuit in single precision: the rounding of the charge, divided by a step, is the noise of its current,
+//! and must not shorten the step.
 
 use model_core::clock::Instant;
 use model_core::excitation::Sine;

@@ -1,12 +1,12 @@
-//! Smooth problems with published or closed-form answers.
+//! Smooth problems with published or closed-form solutions.
 //!
-//! * An oscillator forced so that its motion is a cosine: the order of both methods, of the state
-//!   and of the integrated power, which is the square of the velocity.
+//! * An oscillator forced to move as a cosine: the order of both methods for the state and for the integrated power,
+//!   the square of the velocity.
 //! * Van der Pol's oscillator with `ε = 10⁻⁶` (Bari/CWI test set, VDPOL) and `10⁻³`.
-//! * Robertson's reaction (ROBER), to 10¹¹ s and with the two roots of the SUNDIALS example. The
-//!   clock holds no 10¹¹ s, so the problem runs in logarithmic time: `t = t₀ (e^s − 1)` with `s`
-//!   proportional to the clock, which turns `y' = f(y)` into `dy/ds = (dt/ds) f(y)`. `dt/ds` is a
-//!   known function of the clock and comes in as the input: no error is made in it.
+//! * Robertson's reaction (ROBER), to 10¹¹ s and with the two roots of the SUNDIALS example. The clock cannot
+//!   represent 10¹¹ s, so the problem runs in logarithmic time: `t = t₀ (e^s − 1)` with `s` proportional to the
+//!   clock, which gives `dy/ds = (dt/ds) f(y)`. `dt/ds` is a known function of the clock and enters exactly as the
+//!   input.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! Power-down and wake-up: a snapshot resumes with the same bits, and whatever else there is in flash is refused.
+//! Power-down and wake-up: a snapshot resumes with the same bits, and any other content of the flash is refused.
 
 mod common;
 

@@ -1,13 +1,13 @@
-//! A mass on a spring that meets a stiff elastic stop: `x'' = −x`, and `x'' = −x − K (x − 1/2)`
-//! while `x > 1/2`, from rest at `x = −1`.
+//! A mass on a spring with a stiff elastic stop: `x'' = −x`, and `x'' = −x − K (x − 1/2)` while `x > 1/2`, from rest
+//! at `x = −1`.
 //!
-//! Closed form: the stop is met at `2π/3` with the speed `√3/2`. In contact the motion is harmonic
-//! with `Ω² = 1 + K` about `p = −1/(2 Ω²)`, which gives its duration and its depth. Energy is
-//! conserved, so the motion is periodic.
+//! Closed form: the mass reaches the stop at `2π/3` with the speed `√3/2`. In contact the motion is harmonic with `Ω²
+//! = 1 + K` about `p = −1/(2 Ω²)`, which gives its duration and its depth. Energy is conserved, so the motion is
+//! periodic.
 //!
-//! Asserted for `K = 10⁴, 10⁶, 10⁸`, in both precisions: all of these with adaptive steps; with
-//! fixed ones, that the duration converges with the order of the method and the energy with one
-//! order more, which is the dissipation of a method on a harmonic motion (`|R(iz)| − 1`).
+//! Asserted for `K = 10⁴, 10⁶, 10⁸`, in both precisions: all of these with adaptive steps; with fixed steps, the
+//! order of the method for the duration, and one order more for the energy, the dissipation of a method on a harmonic
+//! motion (`|R(iz)| − 1`).
 //!
 //! The coordinate is the penetration `p = x − 1/2`, so that single precision resolves the contact.
 

@@ -1,9 +1,9 @@
-//! Steps that cannot be taken: each ends with the right [`StepError`], in bounded work, on the last
-//! good state; and calling again neither hangs nor spoils that state.
+//! Failed steps: each ends with the right [`StepError`], in bounded work, with the last good state; a further call
+//! neither hangs nor changes that state.
 //!
-//! The problems are made to fail at known places: a derivative that ceases to exist at a given
-//! position, an equation that Newton's iteration cannot solve, a singular iteration matrix, a jump
-//! that leads nowhere, a quantity that leaves its domain.
+//! The problems fail at known places: a derivative that ceases to exist at a given position, an equation on which
+//! Newton's iteration diverges, a singular iteration matrix, a jump without effect, a quantity that leaves its
+//! domain.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! What the tests across crates have in common: the shipped scenes, changed and run.
+//! Common code of the tests across crates: the shipped scenes, modified and run.
 
 use std::path::Path;
 

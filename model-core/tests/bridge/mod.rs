@@ -1,4 +1,4 @@
-//! What the tests of a bridge share: both harvesters, a storage, a run.
+//! Common code of the bridge tests: both harvesters, a storage, a run.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 

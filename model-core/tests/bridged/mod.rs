@@ -1,4 +1,4 @@
-//! A bump-stop harvester behind a full bridge, and how the tests of it run one.
+//! A bump-stop harvester behind a full bridge, and a run of it.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 

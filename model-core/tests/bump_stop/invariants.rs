@@ -1,4 +1,4 @@
-//! What holds at any step: energy, bits, counts, bounds.
+//! Properties at any step: energy, bits, counts, bounds.
 
 use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Silence;

@@ -1,4 +1,4 @@
-//! The bump-stop scene: its numbers, and what holds of it at any step.
+//! The bump-stop scene: its numbers, and its properties at any step.
 
 mod invariants;
 mod numbers;

@@ -1,7 +1,7 @@
 //! Closed forms, and the numbers of two other programs.
 //!
-//! The other programs are not in this repository: one is event-driven, in NumPy, by the eigenvectors of each state
-//! of contact; the other has the same method and step as the kernel here.
+//! The other programs are not in this repository: one is event-driven, in NumPy, by the eigenvectors of each state of
+//! contact; the other has the same method and step as the library.
 
 use model_core::excitation::Silence;
 use model_core::observer::{AcceptedStep, Observer, PowerIndex};

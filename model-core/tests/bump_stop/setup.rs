@@ -1,4 +1,4 @@
-//! The scene of the paper, and how it is run.
+//! The scene of the paper, and a run of it.
 
 #[allow(dead_code, reason = "the other scenes are for other tests")]
 #[path = "../common/harvesters.rs"]

@@ -1,5 +1,5 @@
-//! What the tests in this folder share: a short way to state a hybrid problem through the public
-//! traits, an observer that keeps what it sees, and inputs given as functions of time.
+//! Common code of these tests: hybrid problems through the public traits, a recording observer, and inputs as
+//! functions of time.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 
