@@ -111,7 +111,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     fn flow(&self, mode: Self::Mode) -> Self::Flow<'_>;
 
     /// Number of guards of `mode`, at most 32; 0 by default.
-    #[inline(always)]
+    #[inline]
     fn guards(&self, _mode: Self::Mode) -> usize {
         0
     }
@@ -120,7 +120,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     ///
     /// If `armed` is false, lower the guard by a margin of rounding size: the guard then does not fire at its
     /// start but still detects a state that moves through zero.
-    #[inline(always)]
+    #[inline]
     fn guard<E: Excitation<S>>(
         &self,
         _mode: Self::Mode,
@@ -133,7 +133,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     }
 
     /// Whether the guards of `mode`, unwatched since the jump into it, are watched from `point` on.
-    #[inline(always)]
+    #[inline]
     fn rearms(&self, _mode: Self::Mode, _point: &Point<S, N, P>) -> bool {
         true
     }
@@ -142,7 +142,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     ///
     /// `step` is the length of the next step in seconds. If the derivative has a boundary layer much thinner
     /// than `step`, return the derivative beyond the layer.
-    #[inline(always)]
+    #[inline]
     fn jump<E: Excitation<S>>(
         &self,
         mode: Self::Mode,
@@ -157,7 +157,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
 
     /// The energy in joules that each power transfers instantaneously in the jump to `after`, for example
     /// when two capacitors are connected.
-    #[inline(always)]
+    #[inline]
     fn jump_energies(
         &self,
         _mode: Self::Mode,
@@ -169,19 +169,19 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     }
 
     /// The outputs at a point of `mode`; by default the state variables, and zero for every other output.
-    #[inline(always)]
+    #[inline]
     fn outputs<'a>(&self, _mode: Self::Mode, point: &'a Point<S, N, P>) -> Outputs<'a, S> {
         Outputs::of_state(&point.state)
     }
 
     /// Whether the moving part sticks in `mode`.
-    #[inline(always)]
+    #[inline]
     fn is_stick(&self, _mode: Self::Mode) -> bool {
         false
     }
 
     /// Whether guard number `index` of `mode` is an impact.
-    #[inline(always)]
+    #[inline]
     fn is_impact(&self, _mode: Self::Mode, _index: usize) -> bool {
         false
     }
@@ -193,7 +193,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     ///
     /// # Errors
     /// The name and the value in SI units of the quantity outside the domain.
-    #[inline(always)]
+    #[inline]
     fn check(&self, _mode: Self::Mode, _state: &[S; N]) -> Result<(), (&'static str, S)> {
         Ok(())
     }
