@@ -173,37 +173,43 @@ fn beam_coefficients<S: Scalar, const B: usize>(
     place: Option<S>,
     count: u32,
 ) -> [BeamCoefficients<S>; B] {
-    let mut number = 0;
-    [(); B].map(|()| {
-        number += 1;
+    let zero = BeamCoefficients {
+        angular_frequency: S::ONE,
+        base: S::ZERO,
+        contact: S::ZERO,
+        tip: S::ZERO,
+        voltage: S::ZERO,
+    };
+    let mut coefficients = [zero; B];
+    for (number, coefficient) in (1..).zip(&mut coefficients) {
         let mode = beam.mode(number.min(count));
         let tip = mode.shape(S::ONE);
         let taken = if number <= count { S::ONE } else { S::ZERO };
-        BeamCoefficients {
+        *coefficient = BeamCoefficients {
             angular_frequency: mode.angular_frequency,
             base: taken * mode.base_coupling,
             contact: taken * place.map_or(S::ZERO, |place| mode.shape(place).value),
             tip: taken * tip.value,
             voltage: taken * coupling * tip.slope / beam.length,
-        }
-    })
+        };
+    }
+    coefficients
 }
 
 /// Coefficients of the first `count` modes; zeros without a rod.
 #[inline(always)]
 fn rod_coefficients<S: Scalar, const R: usize>(rod: Option<&Rod<S>>, count: u32) -> [RodCoefficients<S>; R] {
-    let mut number = 0;
-    [(); R].map(|()| {
-        number += 1;
-        let absent = RodCoefficients { angular_frequency: S::ONE, base: S::ZERO, contact: S::ZERO };
-        rod.map_or(absent, |rod| {
-            let mode = rod.mode(number.min(count));
-            let taken = if number <= count { S::ONE } else { S::ZERO };
-            RodCoefficients {
-                angular_frequency: mode.angular_frequency,
-                base: taken * mode.base_coupling,
-                contact: taken * mode.tip,
-            }
-        })
-    })
+    let absent = RodCoefficients { angular_frequency: S::ONE, base: S::ZERO, contact: S::ZERO };
+    let mut coefficients = [absent; R];
+    let Some(rod) = rod else { return coefficients };
+    for (number, coefficient) in (1..).zip(&mut coefficients) {
+        let mode = rod.mode(number.min(count));
+        let taken = if number <= count { S::ONE } else { S::ZERO };
+        *coefficient = RodCoefficients {
+            angular_frequency: mode.angular_frequency,
+            base: taken * mode.base_coupling,
+            contact: taken * mode.tip,
+        };
+    }
+    coefficients
 }

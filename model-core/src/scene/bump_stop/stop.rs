@@ -26,12 +26,12 @@ pub(crate) trait StopChoice<S: Scalar>: Copy + Debug + PartialEq {
 impl<S: Scalar> StopChoice<S> for NoStop {
     type Contact = Self;
 
-    #[inline(always)]
+    #[inline]
     fn contact(&self) -> Self {
         *self
     }
 
-    #[inline(always)]
+    #[inline]
     fn stop(&self) -> Option<Stop<S, Self>> {
         None
     }
