@@ -20,13 +20,13 @@ pub struct Account<S> {
     /// Income for which the storage had no room.
     pub shunted: S,
     /// Requested energy that the storage could not give above its lock-out. If the node spent that energy
-    /// nevertheless, the storage held more than the budget knew.
+    /// nevertheless, the storage held more than the budget assumed.
     pub unserved: S,
-    /// Sum of the corrections by measurements, positive where the storage held more than the budget knew.
+    /// Sum of the corrections by measurements, positive if the storage held more than the budget assumed.
     pub corrected: S,
     /// Stored energy by this account.
     pub balance: S,
-    /// Number of values that were refused because they were negative or not finite.
+    /// Number of values refused because they were negative or not finite.
     pub refused: u32,
 }
 
@@ -54,7 +54,7 @@ impl<S: Scalar> AccountSums<S> {
         refused: 0,
     };
 
-    /// The sums as numbers.
+    /// The rounded sums.
     pub(super) fn read(&self) -> Account<S> {
         let mut balance = self.corrected;
         let [income, shunted] = [self.income.value(), self.shunted.value()];

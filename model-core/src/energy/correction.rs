@@ -153,11 +153,11 @@ pub struct CorrectionEstimate<S> {
     pub energy: S,
     /// Standard deviation of the stored energy in J.
     pub energy_deviation: S,
-    /// Number of readings that were used.
+    /// Number of used readings.
     pub used: u32,
     /// Number of readings at full scale.
     pub saturated: u32,
-    /// Number of readings that were rejected.
+    /// Number of rejected readings.
     pub rejected: u32,
 }
 

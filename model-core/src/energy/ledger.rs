@@ -103,7 +103,7 @@ impl<S: Scalar> Ledger<S> {
         }
     }
 
-    /// Energy lost in contact so far, in J; below zero where a contact law created energy.
+    /// Energy lost in contact so far, in J; negative if a contact law created energy.
     #[must_use]
     pub fn lost_in_contact(&self) -> S {
         self.losses.value()

@@ -151,7 +151,7 @@ impl<S: Scalar> Peak<S> {
     }
 }
 
-/// The numbers that a [`RunMeter`] reports beside its integrals.
+/// The report of a [`RunMeter`], without its integrals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct RunReport<S> {
@@ -169,7 +169,7 @@ pub struct RunReport<S> {
     pub fastest_impact: S,
     /// Number of times that the moving part began to stick.
     pub sticks: u32,
-    /// Fraction of the time in which the moving part stuck, 0 to 1.
+    /// Fraction of the time in stick, 0 to 1.
     pub stick_fraction: S,
     /// Number of contacts: intervals with a contact force, and impacts.
     pub contacts: u32,
@@ -177,7 +177,7 @@ pub struct RunReport<S> {
     pub contact_fraction: S,
     /// Time of the first contact or impact.
     pub first_contact: Option<Instant>,
-    /// Largest contact force in N; an impact has none.
+    /// Largest contact force in N; impacts have no force.
     pub peak_force: S,
 }
 
@@ -243,7 +243,7 @@ impl<S: Scalar> RunMeter<S> {
         self.integrals.mean(PowerIndex::Load)
     }
 
-    /// The numbers of the report.
+    /// The report.
     #[must_use]
     pub fn report(&self) -> RunReport<S> {
         let [coordinate, stop_point, _] = self.motions;

@@ -313,9 +313,8 @@ mod tests {
         assert!((scene.base_coupling() / 1.110_563_269_8 - 1.0).abs() < 1e-9);
     }
 
-    /// Seconds until the slider is released with a frozen charge: the load `constant + amplitude sin φ` leaves
-    /// `−hold … hold` where the sine rises through `(hold − constant)/amplitude` or falls through
-    /// `(−hold − constant)/amplitude`, whichever is earlier.
+    /// Time in s until the slider is released with a frozen charge under the load `constant + amplitude sin φ`: the sine
+    /// rises through `(hold − constant)/amplitude` or falls through `(−hold − constant)/amplitude`.
     fn release_in(
         scene: &Sliding<f64, AnyChoices<f64>>,
         state: &HybridState<f64, Mode, STATES, 1>,
