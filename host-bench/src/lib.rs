@@ -1,22 +1,17 @@
 //! The host side of `model-core`: scene files, the independent reference, and the command line.
 
-mod base_motion;
 mod budget;
 pub mod closed_form;
 pub mod command;
-pub mod embedded;
 pub mod figures;
-pub mod method;
 pub mod on_target;
-pub mod outcome;
 mod peer;
-pub mod reference;
 mod report;
-mod root;
 pub mod run;
-pub mod scene_file;
 mod stability;
-pub mod steady_state;
-#[cfg(test)]
-mod test_support;
 mod work_precision;
+
+pub use harvester_engine::{embedded, steady_state};
+pub use harvester_reference as reference;
+use harvester_scene::base_motion;
+pub use harvester_scene::{method, outcome, scene_file};

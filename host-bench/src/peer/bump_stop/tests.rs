@@ -19,6 +19,10 @@ fn options(method: Method, step: f64) -> Options {
     Options { method, step_s: Some(step), ..Options::default() }
 }
 
+fn without_step(method: Method) -> Options {
+    Options { method, ..Options::default() }
+}
+
 fn run(scene: &Scene, options: &Options) -> (Outcome, BumpStopOutcome) {
     let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
     let Particular::BumpStop(particular) = outcome.particular.clone() else { panic!("another scene") };
@@ -40,7 +44,7 @@ fn without_contact_the_order_is_the_methods_own() {
     // Open for 3 ms, at steps that resolve the highest mode.
     let scene =
         shipped(&[("run.duration_s", "3e-3"), ("parameters.beam_modes", "3"), ("stop.rod_modes", "0")]);
-    let (_, exact) = run(&scene, &options(Method::Reference, 0.0).without_step());
+    let (_, exact) = run(&scene, &without_step(Method::Reference));
     for (method, order) in METHODS.into_iter().zip([2.0, 4.0, 2.0]) {
         let errors = [8e-6, 4e-6].map(|step| error(&run(&scene, &options(method, step)).1, &exact));
         let measured = (errors[0] / errors[1]).log2();
@@ -58,7 +62,7 @@ fn with_contacts_all_approach_the_reference() {
         [("load.resistance_ohm", "inf"), ("parameters.coupling", "two-way")],
     ] {
         let scene = shipped(&[&changes[..], &[("run.duration_s", "6e-3")]].concat());
-        let (exact, contacts) = run(&scene, &options(Method::Reference, 0.0).without_step());
+        let (exact, contacts) = run(&scene, &without_step(Method::Reference));
         assert!(contacts.contacts > 5, "{changes:?}");
         for method in METHODS {
             let (found, particular) = run(&scene, &options(method, 5e-8));
@@ -88,7 +92,7 @@ fn a_step_that_is_not_stable_is_a_named_error() {
     let failure = run_scene(&scene, &options(Method::Rk4, 1e-5)).expect_err("unstable");
     assert!(matches!(&failure, Failure::Step(text) if text.contains("not finite")), "{failure}");
     // The step that is taken where none is given is stable, and the implicit methods are at any.
-    run(&scene, &options(Method::Rk4, 0.0).without_step());
+    run(&scene, &without_step(Method::Rk4));
     for method in [Method::TrBdf2, Method::Newmark] {
         run(&scene, &options(method, 1e-3));
     }
@@ -114,10 +118,4 @@ fn what_the_methods_do_not_have_is_refused() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/contact-separation.toml");
     let another = scene_file::read(&file, &[]).expect("valid");
     refused(&another, Options { method: Method::Newmark, ..Options::default() }, "--method newmark");
-}
-
-impl Options {
-    fn without_step(self) -> Self {
-        Self { step_s: None, ..self }
-    }
 }

@@ -1,0 +1,184 @@
+//! The embedded core on the host: the very code of the firmware, for any scene file.
+//!
+//! Every choice that firmware makes at compile time is made here at run time, by the core's `Any…`
+//! types; precision and elementary functions are type parameters and dispatched below.
+
+mod bridge;
+mod bump_stop;
+mod contact_separation;
+mod excitation;
+mod recorder;
+mod run;
+mod shooting;
+mod sliding;
+mod steady_state;
+mod store_in_loop;
+mod triboelectric;
+mod whole_day;
+
+use model_core::scalar::{Libm, Mathematics, Micromath, Polynomial, Scalar};
+
+use self::excitation::with_setting;
+use crate::steady_state::{Resonance, Spent, resonance};
+use harvester_scene::method::{Failure, Math, Method, Options, Precision};
+use harvester_scene::outcome::Outcome;
+use harvester_scene::scene_file::{Excitation, Model, Scene};
+
+pub use bump_stop::{DeflectedShape, deflected_shapes, parameters as bump_stop_parameters};
+pub use contact_separation::parameters as contact_separation_parameters;
+pub use sliding::parameters as sliding_parameters;
+pub use store_in_loop::{StoreInLoop, Stretch, with_store_in_loop};
+pub use whole_day::{Daily, WholeDay, whole_day};
+
+/// Relative tolerance per radian where neither step nor tolerance is given.
+pub const DEFAULT_TOLERANCE: f64 = 1e-5;
+
+/// Runs a scene on the embedded core.
+///
+/// # Errors
+/// [`Failure::Input`] if the options do not fit the method or the core refuses the scene,
+/// [`Failure::Step`] if a step cannot be taken.
+pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    let precision = options.precision.unwrap_or(match options.math {
+        Some(Math::Micromath) => Precision::F32,
+        _ => Precision::F64,
+    });
+    match (precision, options.math.unwrap_or(Math::Polynomial)) {
+        (Precision::F64, Math::Polynomial) => run_as::<f64, Polynomial>(scene, options),
+        (Precision::F64, Math::Libm) => run_as::<f64, Libm>(scene, options),
+        (Precision::F32, Math::Polynomial) => run_as::<f32, Polynomial>(scene, options),
+        (Precision::F32, Math::Libm) => run_as::<f32, Libm>(scene, options),
+        (Precision::F32, Math::Micromath) => run_as::<f32, Micromath>(scene, options),
+        (Precision::F64, Math::Micromath) => Err(Failure::Input(
+            "--math micromath: must be with --precision f32, it has no double precision".to_owned(),
+        )),
+    }
+}
+
+fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    with_setting::<S, M, _>(scene, options, |setting| match &scene.model {
+        Model::ContactSeparation(model) => contact_separation::run::<S, M>(setting, model),
+        Model::Sliding(model) => sliding::run(setting, model),
+        Model::BumpStop(model) => bump_stop::run(setting, model),
+    })
+}
+
+/// The periodic steady state of a scene under one sine, by shooting; the scene's own run where it has no
+/// stable orbit of one period.
+///
+/// # Errors
+/// As [`run`].
+pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    options.check()?;
+    options.check_scene(scene)?;
+    match options.math {
+        Some(Math::Libm) => steady_state_as::<Libm>(scene, options),
+        _ => steady_state_as::<Polynomial>(scene, options),
+    }
+}
+
+fn steady_state_as<M: Mathematics<f64>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    with_setting::<f64, M, _>(scene, options, |setting| match &scene.model {
+        Model::ContactSeparation(model) => {
+            contact_separation::prepared::<f64, M, _>(setting, model, |prepared, start| {
+                prepared.steady_state(start, contact_separation::typical(model, prepared.core))
+            })
+        }
+        Model::Sliding(model) => sliding::prepared(setting, model, |prepared, start| {
+            prepared.steady_state(start, sliding::typical(model, prepared.core))
+        }),
+        Model::BumpStop(_) => Err(no_steady_state(scene)),
+    })
+}
+
+/// The refusal of a scene whose motion is not sought by shooting.
+fn no_steady_state(scene: &Scene) -> Failure {
+    Failure::Input(format!(
+        "{}: scene = {:?}: must be \"contact-separation\" or \"sliding\" for a periodic steady state",
+        scene.file.display(),
+        scene.name()
+    ))
+}
+
+/// The frequencies of a range in Hz at which the steady state of a scene responds most, by following
+/// its orbit upwards over `points` frequencies and then to the peaks; and the simulated periods it
+/// took. `None` if the steady state is a stable orbit at no frequency.
+///
+/// Where two orbits are stable the one is followed on which the path came. Where it ends, or loses its
+/// stability, the steady state from the scene's start takes its place.
+///
+/// # Errors
+/// As [`run`].
+pub fn resonance_peak(
+    scene: &Scene,
+    range: [f64; 2],
+    points: usize,
+    options: &Options,
+) -> Result<(Option<Resonance>, f64), Failure> {
+    let options = &Options { steady_state: true, ..*options };
+    options.check()?;
+    options.check_scene(scene)?;
+    match options.math {
+        Some(Math::Libm) => resonance_peak_as::<Libm>(scene, range, points, options),
+        _ => resonance_peak_as::<Polynomial>(scene, range, points, options),
+    }
+}
+
+fn resonance_peak_as<M: Mathematics<f64>>(
+    scene: &Scene,
+    range: [f64; 2],
+    points: usize,
+    options: &Options,
+) -> Result<(Option<Resonance>, f64), Failure> {
+    let mut spent = Spent::default();
+    let at = |frequency_hz: f64| {
+        let mut scene = scene.clone();
+        if let Excitation::Sine(tone) = &mut scene.excitation {
+            tone.frequency_hz = frequency_hz;
+        }
+        scene
+    };
+    let found = match &scene.model {
+        Model::ContactSeparation(model) => {
+            let mut known = None;
+            resonance(range, points, |frequency_hz| {
+                with_setting::<f64, M, _>(&at(frequency_hz), options, |setting| {
+                    contact_separation::prepared::<f64, M, _>(setting, model, |prepared, start| {
+                        let typical = contact_separation::typical(model, prepared.core);
+                        prepared.response(start, typical, &mut known, &mut spent)
+                    })
+                })
+            })?
+        }
+        Model::Sliding(model) => {
+            let mut known = None;
+            resonance(range, points, |frequency_hz| {
+                with_setting::<f64, M, _>(&at(frequency_hz), options, |setting| {
+                    sliding::prepared(setting, model, |prepared, start| {
+                        let typical = sliding::typical(model, prepared.core);
+                        prepared.response(start, typical, &mut known, &mut spent)
+                    })
+                })
+            })?
+        }
+        Model::BumpStop(_) => return Err(no_steady_state(scene)),
+    };
+    Ok((found, spent.periods))
+}
+
+/// The name of a precision, as the command line writes it.
+#[must_use]
+pub fn precision_name<S: Scalar>() -> &'static str {
+    if size_of::<S>() == 4 { "f32" } else { "f64" }
+}
+
+/// The method that runs, as the command line writes it.
+fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Auto | Method::TrBdf2 => "tr-bdf2",
+        Method::Rk4 => "rk4",
+        Method::DiscreteGradient => "discrete-gradient",
+        Method::Newmark => "newmark",
+        Method::Reference => "reference",
+    }
+}

@@ -1,0 +1,303 @@
+//! A bump-stop run on the embedded core.
+
+mod shapes;
+
+use model_core::bounds::ParameterError;
+use model_core::clock::{Instant, LONGEST_STEP_S};
+use model_core::energy::Residual;
+use model_core::observer::{AcceptedStep, Outputs, PowerIndex};
+use model_core::part::load::AnyLoad;
+use model_core::part::monomorph::Layer;
+use model_core::scalar::Scalar;
+use model_core::scene::Harvester as _;
+use model_core::scene::bump_stop::{
+    AnyChoices, AnyContact, AnyCoupling, BumpStop as Harvester, Choices, Circuit, Parameters, Parts,
+    Resistive, Restitution, Start, StateOf, Stepper, Stop,
+};
+
+pub use self::shapes::{DeflectedShape, deflected_shapes};
+use super::bridge::bridge;
+use super::excitation::Setting;
+use super::recorder::{dense, dense_voltage};
+use super::run::{Found, Report, Run, refuse_parameter, refuse_start};
+use harvester_scene::method::{Failure, Options};
+use harvester_scene::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, with_store};
+use harvester_scene::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
+
+/// Step near contact where none is given, in s.
+const DEFAULT_SHORT_STEP_S: f64 = 1e-6;
+/// Step in free flight where none is given, in s.
+const DEFAULT_LONG_STEP_S: f64 = 2e-5;
+
+/// Columns of a recording behind a bridge.
+const STORAGE_COLUMNS: [&str; 8] = with_store(BUMP_STOP_COLUMNS);
+
+/// The core's parameters of a scene whose load is a resistor; a bridge is taken as it is while it blocks.
+#[must_use]
+pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyChoices<S>> {
+    parameters_with(model, resistance(load))
+}
+
+fn resistance<S: Scalar>(load: Load) -> Resistive<AnyLoad<S>> {
+    Resistive(AnyLoad { resistance: S::from_f64(load.resistance_ohm()) })
+}
+
+/// The core's parameters of a scene with a load of the core.
+fn parameters_with<S: Scalar, L>(model: &BumpStop, load: L) -> Parameters<S, AnyChoices<S, L>> {
+    let from = &model.parameters;
+    let number = S::from_f64;
+    let absent = Stop {
+        length: S::ONE,
+        section: S::ONE,
+        young_modulus: number(1e9),
+        density: S::ONE,
+        position: number(from.beam_length_m),
+        gap: S::ZERO,
+        contact_compliance: S::ZERO,
+        contact: AnyContact::NoStop,
+    };
+    let stop = model.stop.as_ref().map_or(absent, |stop| Stop {
+        length: number(stop.length_m),
+        section: number(stop.width_m * stop.thickness_m),
+        young_modulus: number(stop.young_modulus_pa),
+        density: number(stop.density_kg_per_m3),
+        position: number(stop.position_m),
+        gap: number(stop.gap_m),
+        contact_compliance: number(stop.contact_compliance_m_per_n),
+        contact: match stop.contact {
+            Contact::ResidualFlexibility => AnyContact::ResidualFlexibility,
+            Contact::DisplacementConstraint => AnyContact::DisplacementConstraint,
+            Contact::Restitution => {
+                AnyContact::Restitution(Restitution { coefficient: number(stop.restitution.unwrap_or(1.0)) })
+            }
+        },
+    });
+    Parameters {
+        beam_length: number(from.beam_length_m),
+        beam_width: number(from.beam_width_m),
+        substrate: Layer {
+            thickness: number(from.substrate_thickness_m),
+            young_modulus: number(from.substrate_young_modulus_pa),
+            density: number(from.substrate_density_kg_per_m3),
+        },
+        piezo: Layer {
+            thickness: number(from.piezo_thickness_m),
+            young_modulus: number(from.piezo_young_modulus_pa),
+            density: number(from.piezo_density_kg_per_m3),
+        },
+        piezo_d31: number(from.piezo_d31_m_per_v),
+        piezo_permittivity: number(from.piezo_permittivity_f_per_m),
+        damping_ratio: number(from.damping_ratio),
+        choices: Choices {
+            load,
+            stop,
+            coupling: match from.coupling {
+                Coupling::TwoWay => AnyCoupling::TwoWay,
+                Coupling::OneWay => AnyCoupling::OneWay,
+            },
+        },
+    }
+}
+
+/// Runs the scene from its start to its end.
+///
+/// The mode counts are type parameters of the core. A mode beyond the scene's own stays at rest and
+/// leaves every bit as it is, so a few capacities serve all scenes.
+pub(super) fn run<S: Scalar>(setting: Setting<'_, S>, model: &BumpStop) -> Result<Outcome, Failure> {
+    match bridge(setting.scene.load) {
+        Some(bridge) => with_load(setting, model, bridge),
+        None => with_load(setting, model, resistance(setting.scene.load)),
+    }
+}
+
+fn with_load<S: Scalar, L: Circuit<S>>(
+    setting: Setting<'_, S>,
+    model: &BumpStop,
+    load: L,
+) -> Result<Outcome, Failure> {
+    match (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)) {
+        (..=4, ..=2) => run_with::<S, L, 4, 2>(setting, model, load),
+        (..=10, ..=10) => run_with::<S, L, 10, 10>(setting, model, load),
+        _ => run_with::<S, L, 20, 20>(setting, model, load),
+    }
+}
+
+/// The lengths of step near contact and in free flight that the options ask for.
+fn steps(options: &Options) -> Result<[f64; 2], Failure> {
+    if options.tolerance.is_some() {
+        return Err(Failure::Input(
+            "--tolerance: must not be given for a bump-stop scene, whose steps have no error estimate; \
+             give --step"
+                .to_owned(),
+        ));
+    }
+    let short = options.step_s.unwrap_or(DEFAULT_SHORT_STEP_S);
+    // A step that is given alone is that of the whole run.
+    let long = options.long_step_s.or(options.step_s).unwrap_or(DEFAULT_LONG_STEP_S);
+    for (name, step) in [("--step", short), ("--long-step", long)] {
+        if step > LONGEST_STEP_S {
+            return Err(Failure::Input(format!("{name} {step}: must be at most {LONGEST_STEP_S:.6} s")));
+        }
+    }
+    Ok([short, long])
+}
+
+/// A harvester of the core with its initial values.
+struct Prepared<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
+    scene: Harvester<S, P, B, R>,
+    start: Start<S, B, R>,
+    /// Lengths of step near contact and in free flight in s.
+    steps: [S; 2],
+}
+
+fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
+    (scene, model, options): (&Scene, &BumpStop, &Options),
+    load: L,
+) -> Result<Prepared<S, AnyChoices<S, L>, B, R>, Failure> {
+    let steps = steps(options)?.map(S::from_f64);
+    let rod_modes = model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
+    let harvester = parameters_with(model, load)
+        .build_first::<B, R>(model.parameters.beam_modes, rod_modes)
+        .map_err(|error| refuse_parameter(scene, &error))?;
+    let initial = &model.initial;
+    let mut start = Start { voltage: S::from_f64(initial.voltage_v), ..Start::default() };
+    let put = |coordinates: &mut [[S; 2]], displacements: &[f64], velocities: &[f64]| {
+        for ((coordinate, &displacement), &velocity) in
+            coordinates.iter_mut().zip(displacements).zip(velocities)
+        {
+            *coordinate = [S::from_f64(displacement), S::from_f64(velocity)];
+        }
+    };
+    put(&mut start.beam, &initial.modal_displacement, &initial.modal_velocity);
+    put(&mut start.rod, &initial.rod_modal_displacement, &initial.rod_modal_velocity);
+    Ok(Prepared { scene: harvester, start, steps })
+}
+
+fn run_with<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
+    setting: Setting<'_, S>,
+    model: &BumpStop,
+    load: L,
+) -> Result<Outcome, Failure> {
+    let options = setting.options;
+    let Prepared { scene, start, steps: [short, long] } =
+        prepared::<S, L, B, R>((setting.scene, model, options), load)?;
+    if options.bare {
+        to_end(setting, model, &Stepper::new(scene, short, long).map_err(refuse_step)?, &start)
+    } else {
+        let stepper = Stepper::with_all_powers(scene, short, long).map_err(refuse_step)?;
+        to_end(setting, model, &stepper, &start)
+    }
+}
+
+/// The refusal of a length of step by the core.
+fn refuse_step<S: Scalar>(error: ParameterError<S>) -> Failure {
+    Failure::Input(format!("--step, --long-step: {error}"))
+}
+
+fn to_end<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>(
+    setting: Setting<'_, S>,
+    model: &BumpStop,
+    harvester: &Stepper<S, P, B, R, ALL>,
+    start: &Start<S, B, R>,
+) -> Result<Outcome, Failure> {
+    let Setting { scene, excitation, .. } = setting;
+    let report = BumpStopReport(model);
+    let state = harvester.start(start, &excitation).map_err(|error| refuse_start(scene, &error))?;
+    Run { setting, harvester, report: &report, method: "discrete-gradient" }.measured(state, &scene.run)
+}
+
+/// The report of a bump-stop scene.
+struct BumpStopReport<'a>(&'a BumpStop);
+
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
+    Report<S, Stepper<S, P, B, R, ALL>> for BumpStopReport<'_>
+{
+    fn columns(&self, with_storage: bool) -> &'static [&'static str] {
+        if with_storage { &STORAGE_COLUMNS } else { &BUMP_STOP_COLUMNS }
+    }
+
+    /// Tip, stop point, rod face, voltage, contact force, base acceleration.
+    fn row(&self, step: &AcceptedStep<'_, S>, fraction: S, acceleration: S) -> [S; 6] {
+        let place =
+            |index: usize| dense(step.start.motions[index], step.end.motions[index], step.step, fraction);
+        // Without a stop there is no stop point, no rod and no force.
+        let of_stop = |value: S| if self.0.stop.is_some() { value } else { S::from_f64(f64::NAN) };
+        let voltage = dense_voltage(step, fraction);
+        [place(0), of_stop(place(1)), of_stop(place(2)), voltage, of_stop(step.contact.force), acceleration]
+    }
+
+    fn residual(&self, residual: &Residual<S>) -> Option<S> {
+        match self.0.parameters.coupling {
+            Coupling::TwoWay => residual.total(),
+            Coupling::OneWay => residual.largest(),
+        }
+    }
+
+    fn particular(
+        &self,
+        harvester: &Stepper<S, P, B, R, ALL>,
+        found: &Found<'_, S>,
+        end: &StateOf<S, P, B, R>,
+    ) -> Particular {
+        let window = found.window;
+        let number = |value: S| Some(value.to_f64());
+        let with_stop = |value: S| self.0.stop.as_ref().map(|_| value.to_f64());
+        let contacts = u64::from(window.report().contacts);
+        let modes = self.modes();
+        Particular::BumpStop(BumpStopOutcome {
+            natural_frequencies_hz: natural_frequencies_hz(harvester.scene(), modes),
+            peak_tip_displacement_m: number(window.report().coordinate.magnitude()),
+            peak_stop_point_displacement_m: with_stop(window.report().stop_point.magnitude()),
+            contacts,
+            contacts_per_period: found.periods.map(|periods| contacts as f64 / periods),
+            contact_fraction: number(window.report().contact_fraction),
+            first_contact_s: found.first_contact.map(Instant::seconds),
+            peak_force_n: with_stop(window.report().peak_force),
+            mean_force_n: with_stop(window.integrals().mean(PowerIndex::ContactForce)),
+            end_state: scaled(harvester.scene(), end, modes),
+        })
+    }
+
+    fn describe(&self, outputs: &Outputs<'_, S>) -> String {
+        format!(
+            "tip {:e} m, gap {:e} m, voltage {:e} V",
+            outputs.coordinate().value.to_f64(),
+            outputs.penetration.to_f64(),
+            outputs.voltage.to_f64()
+        )
+    }
+}
+
+impl BumpStopReport<'_> {
+    /// Numbers of modes of beam and rod that the scene keeps.
+    fn modes(&self) -> [usize; 2] {
+        [self.0.parameters.beam_modes, self.0.stop.as_ref().map_or(0, |stop| stop.rod_modes)]
+    }
+}
+
+/// The state with half the sum of its squares the energy in J of motion and charge.
+fn scaled<S: Scalar, P: Parts<S>, const B: usize, const R: usize>(
+    scene: &Harvester<S, P, B, R>,
+    state: &StateOf<S, P, B, R>,
+    [beam_modes, rod_modes]: [usize; 2],
+) -> Vec<f64> {
+    let beam = state.beam.iter().enumerate().take(beam_modes);
+    let beam = beam.filter_map(|(i, motion)| Some((scene.beam_angular_frequency(i)?, motion)));
+    let rod = state.rod.iter().enumerate().take(rod_modes);
+    let rod = rod.filter_map(|(j, motion)| Some((scene.rod_angular_frequency(j)?, motion)));
+    let charge = scene.capacitance().to_f64().sqrt() * scene.voltage(state).to_f64();
+    beam.chain(rod)
+        .flat_map(|(omega, [at, rate])| [omega.to_f64() * at.to_f64(), rate.to_f64()])
+        .chain([charge])
+        .collect()
+}
+
+/// Of the modes that the scene keeps, the beam's first.
+fn natural_frequencies_hz<S: Scalar, P: Parts<S>, const B: usize, const R: usize>(
+    scene: &Harvester<S, P, B, R>,
+    [beam_modes, rod_modes]: [usize; 2],
+) -> Vec<f64> {
+    let beam = (0..beam_modes).filter_map(|i| scene.beam_angular_frequency(i));
+    let rod = (0..rod_modes).filter_map(|j| scene.rod_angular_frequency(j));
+    beam.chain(rod).map(|omega| omega.to_f64() / std::f64::consts::TAU).collect()
+}

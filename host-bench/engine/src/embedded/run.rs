@@ -1,0 +1,282 @@
+//! A run of any harvester of the core, measured and recorded: one path for every scene.
+
+use std::fmt::Display;
+use std::time::Instant as Stopwatch;
+
+use model_core::clock::{Instant, LONGEST_STEP_S};
+use model_core::energy::{Ledger, Residual, RunMeter};
+use model_core::hybrid::{StepError, Work};
+use model_core::integrate::{Adaptive, AnyStepControl, FixedStep};
+use model_core::observer::{AcceptedStep, Outputs, PowerIndex};
+use model_core::scalar::Scalar;
+use model_core::scene::Harvester;
+
+use super::excitation::Setting;
+use super::recorder::Recorder;
+use super::{DEFAULT_TOLERANCE, precision_name};
+use harvester_scene::method::{Failure, Method, Options};
+use harvester_scene::outcome::{Outcome, Particular, Recording, StoreOutcome};
+use harvester_scene::scene_file::{RunSpan, Scene};
+
+/// What the report of one kind of scene adds to the numbers that every run has.
+pub(super) trait Report<S: Scalar, H: Harvester<S>> {
+    /// Columns of a trace: time first, the voltage of a storage last.
+    fn columns(&self, with_storage: bool) -> &'static [&'static str];
+
+    /// The columns between these two at a fraction of a step, under a base acceleration in m/s².
+    fn row(&self, step: &AcceptedStep<'_, S>, fraction: S, acceleration: S) -> [S; 6];
+
+    /// The relative residual of the energy ledger that holds for this scene.
+    fn residual(&self, residual: &Residual<S>) -> Option<S>;
+
+    /// The numbers that only this kind of scene has.
+    fn particular(&self, harvester: &H, found: &Found<'_, S>, end: &H::State) -> Particular;
+
+    /// A state in words.
+    fn describe(&self, outputs: &Outputs<'_, S>) -> String;
+}
+
+/// What a run found, for the scene to make its own numbers of.
+pub(super) struct Found<'a, S> {
+    /// The measuring window.
+    pub(super) window: &'a RunMeter<S>,
+    /// Time of the first contact or impact of the whole run.
+    pub(super) first_contact: Option<Instant>,
+    /// Periods of the base in the window, where it moves in one sine.
+    pub(super) periods: Option<f64>,
+}
+
+/// The refusal of a parameter by the core.
+pub(super) fn refuse_parameter(scene: &Scene, error: &dyn Display) -> Failure {
+    Failure::Input(format!("{}: parameters.{error}", scene.file.display()))
+}
+
+/// The refusal of a start by the core.
+pub(super) fn refuse_start(scene: &Scene, error: &dyn Display) -> Failure {
+    Failure::Input(format!("{}: initial.{error}", scene.file.display()))
+}
+
+/// The instants from which a run is measured and at which it ends.
+pub(super) fn ends_of(scene: &Scene, span: &RunSpan) -> Result<[Instant; 2], Failure> {
+    let instant = |seconds: f64| {
+        Instant::from_seconds(seconds).ok_or_else(|| {
+            Failure::Input(format!("{}: run: {seconds} s, must be below 16777216", scene.file.display()))
+        })
+    };
+    Ok([instant(span.settle_s)?, instant(span.duration_s)?])
+}
+
+/// The shortest step for which the explicit method is run without being told to.
+const SHORTEST_EXPLICIT_STEP_S: f64 = 1e-7;
+
+/// Steps of one length in s, for the option `name`.
+fn fixed<S: Scalar>(name: &str, seconds: f64) -> Result<AnyStepControl<S>, Failure> {
+    FixedStep::of_seconds(S::from_f64(seconds))
+        .map(AnyStepControl::Fixed)
+        .map_err(|error| Failure::Input(format!("{name}: {error}")))
+}
+
+/// The rule for the length of steps that the options ask for; `explicit` is the step at which an
+/// explicit method is stable and accurate, in s.
+pub(super) fn step_control<S: Scalar>(
+    scene: &Scene,
+    options: &Options,
+    explicit: f64,
+) -> Result<AnyStepControl<S>, Failure> {
+    let refuse = |text: String| Err(Failure::Input(text));
+    match options.method {
+        Method::DiscreteGradient => {
+            return refuse("--method discrete-gradient: must be with a bump-stop scene".to_owned());
+        }
+        Method::Newmark => return refuse("--method newmark: must be with a bump-stop scene".to_owned()),
+        Method::Auto | Method::TrBdf2 | Method::Rk4 | Method::Reference => {}
+    }
+    if options.long_step_s.is_some() {
+        return refuse("--long-step: must be with a bump-stop scene".to_owned());
+    }
+    match (options.step_s, options.tolerance, options.method) {
+        (Some(step), _, _) if step > LONGEST_STEP_S => {
+            refuse(format!("--step {step}: must be at most {LONGEST_STEP_S:.6} s"))
+        }
+        (Some(step), _, _) => fixed("--step", step),
+        (None, Some(_), Method::Rk4) => refuse(
+            "--tolerance: must not be given with rk4, which has no error estimate; give --step".to_owned(),
+        ),
+        (None, None, Method::Rk4) if explicit < SHORTEST_EXPLICIT_STEP_S => refuse(format!(
+            "--method rk4: {} needs steps of {explicit:.1e} s to be stable, must be at least \
+             {SHORTEST_EXPLICIT_STEP_S:e} s; use tr-bdf2",
+            scene.file.display()
+        )),
+        (None, None, Method::Rk4) => fixed("--method rk4", explicit.min(LONGEST_STEP_S)),
+        (None, Some(tolerance), _) if S::from_f64(tolerance) < S::EPSILON => refuse(format!(
+            "--tolerance {tolerance:e}: must be at least {:e} in {}",
+            S::EPSILON.to_f64(),
+            precision_name::<S>()
+        )),
+        (None, tolerance, _) => Adaptive::new(S::from_f64(tolerance.unwrap_or(DEFAULT_TOLERANCE)))
+            .map(AnyStepControl::Adaptive)
+            .map_err(|error| Failure::Input(format!("--tolerance: {error}"))),
+    }
+}
+
+/// Attempts per call: the counts of a call fit in 32 bits.
+pub(super) const BUDGET: u32 = 1 << 24;
+
+/// A harvester of the core with all that a run of its scene needs.
+pub(super) struct Run<'a, S: Scalar, H, R> {
+    pub(super) setting: Setting<'a, S>,
+    pub(super) harvester: &'a H,
+    pub(super) report: &'a R,
+    /// Name of the method, as the command line writes it.
+    pub(super) method: &'static str,
+}
+
+/// The meters of a run. A bare run has the window alone.
+struct Meters<S> {
+    whole: Option<(Ledger<S>, RunMeter<S>)>,
+    window: RunMeter<S>,
+}
+
+impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
+    /// The outcome of a run from `state` to the end of `span`.
+    pub(super) fn measured(&self, mut state: H::State, span: &RunSpan) -> Result<Outcome, Failure> {
+        let Self { setting: Setting { scene, options, excitation, .. }, harvester, .. } = *self;
+        let outputs = harvester.outputs(&state);
+        let mut meters = Meters {
+            whole: (!options.bare).then(|| (Ledger::open(&outputs), RunMeter::new())),
+            window: RunMeter::new(),
+        };
+        let every = options.trace_every_s.unwrap_or(f64::INFINITY);
+        let mut recorder = Recorder::new(self.report, excitation, every);
+        let mut total = Total::default();
+        let [settled, end] = ends_of(scene, span)?;
+        let began = Stopwatch::now();
+        // One pass over each stretch; the recorder joins in only if a trace was asked for.
+        for (until, measured) in [(settled, false), (end, true)] {
+            if measured {
+                meters.window = RunMeter::starting_at(&harvester.outputs(&state));
+            }
+            let mut pair = meters.whole.as_mut().map(|(ledger, meter)| (ledger, meter));
+            let mut whole = pair.as_mut();
+            let mut recording = options.trace_every_s.map(|_| &mut recorder);
+            let mut window = measured.then_some(&mut meters.window);
+            let mut others = (&mut recording, &mut window);
+            self.advance(&mut state, until, &mut total, &mut (&mut whole, &mut others))?;
+        }
+        let wall_s = began.elapsed().as_secs_f64();
+        let trace = options.trace_every_s.map(|_| Recording {
+            columns: self.report.columns(harvester.outputs(&state).storage.is_some()),
+            rows: recorder.into_rows(),
+        });
+        Ok(Outcome { trace, ..self.outcome(&state, span, &meters, &total, wall_s) })
+    }
+
+    /// Advances to `until`, within the attempts that the options allow.
+    fn advance(
+        &self,
+        state: &mut H::State,
+        until: Instant,
+        total: &mut Total,
+        observer: &mut impl model_core::observer::Observer<S>,
+    ) -> Result<(), Failure> {
+        let Self { setting: Setting { options, excitation, .. }, harvester, .. } = *self;
+        while harvester.clock(state) < until {
+            let left = options.most_attempts.map_or(u64::MAX, |most| most.saturating_sub(total.attempts()));
+            if left == 0 {
+                return Err(self.step_limit_exceeded(state));
+            }
+            let budget = u32::try_from(left).unwrap_or(BUDGET).min(BUDGET);
+            let advance = harvester
+                .advance(state, &excitation, until, budget, observer)
+                .map_err(|error| self.step_failure(&error, state))?;
+            total.add(&advance.work);
+        }
+        Ok(())
+    }
+
+    fn outcome(
+        &self,
+        state: &H::State,
+        span: &RunSpan,
+        meters: &Meters<S>,
+        total: &Total,
+        wall_s: f64,
+    ) -> Outcome {
+        let Self { setting: Setting { scene, math, .. }, harvester, report, .. } = *self;
+        let number = |value: S| Some(value.to_f64());
+        let window = &meters.window;
+        let found = Found {
+            window,
+            first_contact: meters.whole.as_ref().and_then(|(_, meter)| meter.report().first_contact),
+            periods: scene.excitation.single_frequency().map(|frequency| frequency * span.window_s()),
+        };
+        let ledger = meters.whole.as_ref().map(|(ledger, _)| ledger);
+        let spent = |power| ledger.map(|ledger| ledger.integrals().integral(power).to_f64());
+        Outcome {
+            scene: scene.name(),
+            method: self.method.to_owned(),
+            precision: precision_name::<S>(),
+            math,
+            duration_s: span.duration_s,
+            settle_s: span.settle_s,
+            mean_power_w: number(window.mean_power()),
+            rms_voltage_v: number(window.report().rms_voltage),
+            peak_voltage_v: number(window.report().voltage.magnitude()),
+            mean_voltage_v: number(window.integrals().mean(PowerIndex::Voltage)),
+            delivered_energy_j: number(window.delivered_energy()),
+            energy_residual: ledger.and_then(|ledger| report.residual(&ledger.residual())).map(S::to_f64),
+            steps: total.steps,
+            rejected_steps: total.rejected,
+            newton_iterations: total.iterations,
+            events: total.events,
+            wall_s,
+            particular: report.particular(harvester, &found, state),
+            store: harvester.outputs(state).storage.map(|storage| StoreOutcome {
+                store_voltage_v: number(storage.voltage),
+                stored_energy_j: storage.capacitance.is_finite().then(|| storage.energy().to_f64()),
+                diode_loss_j: spent(PowerIndex::Diodes),
+                leaked_energy_j: spent(PowerIndex::Leakage),
+                drawn_energy_j: spent(PowerIndex::Draw),
+            }),
+            steady_state: None,
+            trace: None,
+        }
+    }
+
+    /// The end of a run that has taken the most attempts it may.
+    fn step_limit_exceeded(&self, state: &H::State) -> Failure {
+        let most = self.setting.options.most_attempts.unwrap_or(0);
+        let at = self.harvester.clock(state).seconds::<f64>();
+        Failure::StepLimitExceeded(format!("given up after {most} attempted steps at {at} s"))
+    }
+
+    /// The end of a run in a step that cannot be taken.
+    pub(super) fn step_failure(&self, error: &StepError<S>, state: &H::State) -> Failure {
+        Failure::Step(format!("{error}: {}", self.report.describe(&self.harvester.outputs(state))))
+    }
+}
+
+/// Work of a whole run: a long one has more steps than fit in 32 bits.
+#[derive(Default)]
+pub(super) struct Total {
+    pub(super) steps: u64,
+    pub(super) rejected: u64,
+    pub(super) locating: u64,
+    pub(super) iterations: u64,
+    pub(super) events: u64,
+}
+
+impl Total {
+    /// Steps kept, rejected, and taken to locate events.
+    pub(super) fn attempts(&self) -> u64 {
+        self.steps + self.rejected + self.locating
+    }
+
+    pub(super) fn add(&mut self, work: &Work) {
+        self.steps += u64::from(work.steps);
+        self.rejected += u64::from(work.rejected);
+        self.locating += u64::from(work.locating);
+        self.iterations += u64::from(work.iterations);
+        self.events += u64::from(work.events);
+    }
+}

@@ -1,0 +1,169 @@
+//! A whole day of a harvester on the embedded core, step by step, shaken harder or softer from hour to hour.
+
+use model_core::clock::Instant;
+use model_core::energy::{Ledger, PowerMeter};
+use model_core::excitation::Excitation;
+use model_core::integrate::TrBdf2;
+use model_core::observer::ALL_POWERS;
+use model_core::scalar::Scalar;
+use model_core::scene::{Harvester, Scene as CoreScene};
+
+use super::excitation::with_setting;
+use super::run::{BUDGET, Report};
+use super::triboelectric::{Prepared, STATES, Simulated};
+use super::{contact_separation, sliding};
+use harvester_scene::method::{Failure, Options, Precision};
+use harvester_scene::scene_file::{HOURS, Load, Model, Scene};
+
+/// Seconds in a day.
+const DAY_S: u32 = 86_400;
+/// Seconds in an hour.
+const HOUR_S: u32 = 3600;
+
+/// What a day brought.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WholeDay {
+    /// Energy delivered to the load in J, in each of the equal intervals of the day.
+    pub energies_j: Vec<f64>,
+    /// What is left over in the energy ledger of the day, as a run reports it.
+    pub energy_residual: Option<f64>,
+    /// Accepted steps.
+    pub steps: u64,
+}
+
+/// Runs a triboelectric scene for a day by TR-BDF2, its excitation multiplied hour by hour from midnight, and adds
+/// up what it delivers in intervals of `interval_s` seconds, which divide the day.
+///
+/// # Errors
+/// [`Failure::Input`] if the scene is another one or its load no resistor, and as a run.
+pub fn whole_day(
+    scene: &Scene,
+    hours: &[f64; HOURS],
+    interval_s: u32,
+    options: &Options,
+) -> Result<WholeDay, Failure> {
+    options.check()?;
+    options.check_scene(scene)?;
+    if !matches!(scene.load, Load::Resistor { .. }) {
+        return Err(Failure::Input(format!(
+            "{}: load.kind: must be \"resistor\" or \"rectified-store\" with --exact",
+            scene.file.display()
+        )));
+    }
+    match options.precision {
+        Some(Precision::F32) => whole_day_as::<f32>(scene, hours, interval_s, options),
+        _ => whole_day_as::<f64>(scene, hours, interval_s, options),
+    }
+}
+
+fn whole_day_as<S: Scalar>(
+    scene: &Scene,
+    hours: &[f64; HOURS],
+    interval_s: u32,
+    options: &Options,
+) -> Result<WholeDay, Failure> {
+    with_setting::<S, S::Build, _>(scene, options, |setting| match &scene.model {
+        Model::ContactSeparation(model) => {
+            contact_separation::prepared::<S, S::Build, _>(setting, model, |prepared, start| {
+                day(prepared, start, hours, interval_s)
+            })
+        }
+        Model::Sliding(model) => {
+            sliding::prepared(setting, model, |prepared, start| day(prepared, start, hours, interval_s))
+        }
+        Model::BumpStop(_) => Err(refuse_bump_stop(scene)),
+    })
+}
+
+/// The refusal of a bump-stop scene: at 10⁵ steps a second a day would take hours.
+pub(super) fn refuse_bump_stop(scene: &Scene) -> Failure {
+    Failure::Input(format!(
+        "{}: scene = {:?}: must be \"contact-separation\" or \"sliding\" with --exact",
+        scene.file.display(),
+        scene.name()
+    ))
+}
+
+fn day<S: Scalar, A, R>(
+    prepared: &Prepared<'_, S, A, R>,
+    start: &A::Start,
+    hours: &[f64; HOURS],
+    interval_s: u32,
+) -> Result<WholeDay, Failure>
+where
+    A: CoreScene<S, STATES, ALL_POWERS> + Copy,
+    R: Report<S, Simulated<S, A, TrBdf2, STATES>>,
+{
+    let daily = Daily { base: prepared.setting.excitation, factors: hours.map(S::from_f64) };
+    let simulation = prepared.simulation(TrBdf2);
+    let mut state = prepared.start(&simulation, start)?;
+    let mut ledger = Ledger::open(&simulation.outputs(&state));
+    let mut energies_j = Vec::new();
+    let mut steps = 0;
+    for end in (interval_s..=DAY_S).step_by(interval_s as usize) {
+        let mut meter = PowerMeter::new();
+        let until = Instant::from_whole_seconds(end);
+        let mut observer = (&mut ledger, &mut meter);
+        while state.clock < until {
+            let advance = simulation
+                .advance(&mut state, &daily, until, BUDGET, &mut observer)
+                .map_err(|error| prepared.run(&simulation).step_failure(&error, &state))?;
+            steps += u64::from(advance.work.steps);
+        }
+        energies_j.push(meter.delivered_energy().to_f64());
+    }
+    let energy_residual = prepared.report.residual(&ledger.residual()).map(S::to_f64);
+    Ok(WholeDay { energies_j, energy_residual, steps })
+}
+
+/// An excitation multiplied with a factor for each hour of the day. In the first second of an hour the factor goes
+/// in a straight line from the one before, so that the acceleration has no jump.
+#[derive(Debug)]
+pub struct Daily<S, E> {
+    /// The excitation at a factor of one.
+    pub base: E,
+    /// The factor of each hour.
+    pub factors: [S; HOURS],
+}
+
+impl<S: Scalar, E> Daily<S, E> {
+    /// The factor, its rate in 1/s, and the ticks until it next has a kink.
+    fn factor(&self, at: Instant) -> (S, S, u64) {
+        let hour_ticks = Instant::from_whole_seconds(HOUR_S).ticks();
+        let second_ticks = Instant::from_whole_seconds(1).ticks();
+        let hour = (at.ticks() / hour_ticks) as usize % HOURS;
+        let within = at.ticks() % hour_ticks;
+        let (before, now) = (self.factors[(hour + HOURS - 1) % HOURS], self.factors[hour]);
+        if within < second_ticks {
+            let rate = now - before;
+            let part = Instant::from_ticks(within).seconds::<S>();
+            (before + rate * part, rate, second_ticks - within)
+        } else {
+            (now, S::ZERO, hour_ticks - within)
+        }
+    }
+}
+
+impl<S: Scalar, E: Excitation<S>> Excitation<S> for Daily<S, E> {
+    fn acceleration(&self, at: Instant) -> S {
+        self.factor(at).0 * self.base.acceleration(at)
+    }
+
+    fn jerk(&self, at: Instant) -> S {
+        let (factor, rate, _) = self.factor(at);
+        factor * self.base.jerk(at) + rate * self.base.acceleration(at)
+    }
+
+    fn resolved_ticks(&self) -> u32 {
+        self.base.resolved_ticks()
+    }
+
+    fn angular_frequency(&self) -> S {
+        self.base.angular_frequency()
+    }
+
+    fn smooth_ticks(&self, at: Instant) -> u32 {
+        let kink = u32::try_from(self.factor(at).2).unwrap_or(u32::MAX);
+        self.base.smooth_ticks(at).min(kink)
+    }
+}

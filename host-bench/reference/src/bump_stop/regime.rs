@@ -1,0 +1,185 @@
+//! A regime, one state of contact and circuit: its exact propagation, and the guards that end it.
+
+use nalgebra::DMatrix;
+
+use super::circuit::{Circuit, Currents};
+use super::propagator::{FORMS, Propagator};
+use super::system::{Row, System, value};
+use crate::ledger::integral;
+
+/// The change of regime where a guard rises through zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Change {
+    /// The contact closes or opens.
+    Contact,
+    /// The bridge begins to conduct at a voltage of this sign.
+    Conducts { sign: i8 },
+    /// The bridge begins to block.
+    Blocks,
+    /// The draw is connected or disconnected.
+    Draw { connected: bool },
+}
+
+/// A linear quantity that is negative while a regime lasts.
+#[derive(Debug)]
+pub(super) struct Guard {
+    pub(super) change: Change,
+    row: Row,
+    rate: Row,
+}
+
+impl Guard {
+    fn new(change: Change, row: Row, matrix: &DMatrix<f64>) -> Self {
+        Self { change, rate: System::rate(&row, matrix), row }
+    }
+
+    /// Value and rate.
+    pub(super) fn at(&self, vector: &[f64]) -> [f64; 2] {
+        [value(&self.row, vector), value(&self.rate, vector)]
+    }
+}
+
+/// A state of contact and circuit as a linear system.
+#[derive(Debug)]
+pub(super) struct Regime {
+    pub(super) propagator: Propagator,
+    /// Contact force in N, and its rate.
+    pub(super) force: Row,
+    pub(super) force_rate: Row,
+    /// Rate of the voltage in V/s.
+    pub(super) voltage_rate: Row,
+    /// Rate of the storage voltage in V/s, and its rate.
+    pub(super) storage_rate: Row,
+    pub(super) storage_curvature: Row,
+    /// Current through the diodes in A.
+    pub(super) into_storage: Row,
+    /// The guards that end the regime; the contact first.
+    pub(super) guards: Vec<Guard>,
+}
+
+/// The symmetric form of the product of two linear quantities.
+fn product(one: &[f64], other: &[f64]) -> DMatrix<f64> {
+    DMatrix::from_fn(one.len(), one.len(), |row, column| {
+        0.5 * (one[row] * other[column] + one[column] * other[row])
+    })
+}
+
+/// A row times a number.
+fn scaled(weight: f64, row: &[f64]) -> Row {
+    row.iter().map(|entry| weight * entry).collect()
+}
+
+impl Regime {
+    /// The regime of this contact force and circuit; the row `release` ends the state of contact.
+    pub(super) fn new(system: &System, force: Row, release: Row, circuit: Circuit, step: f64) -> Self {
+        let size = system.layout.size();
+        let currents = system.currents(circuit);
+        let mut matrix = system.matrix(circuit, &currents);
+        for (column, weight) in force.iter().enumerate() {
+            for (row, push) in system.push.iter().enumerate() {
+                matrix[(row, column)] += push * weight;
+            }
+        }
+        let mut one = vec![0.0; size];
+        one[system.layout.one()] = 1.0;
+        let drop = system.storage.map_or(0.0, |storage| storage.drop);
+        let mut forms: [DMatrix<f64>; FORMS] = std::array::from_fn(|_| DMatrix::zeros(size, size));
+        forms[integral::VOLTAGE_SQUARED] = product(&system.voltage, &system.voltage);
+        forms[integral::VOLTAGE] = product(&system.voltage, &one);
+        forms[integral::BASE_WORK] = product(&system.base, &system.base_lever);
+        forms[integral::DAMPING] = DMatrix::from_diagonal(&system.damping.clone().into());
+        forms[integral::FORCE] = product(&force, &one);
+        forms[integral::COUPLING] = product(&system.voltage, &system.current);
+        forms[integral::INTO_LOAD] = match system.storage {
+            None => product(&system.voltage, &scaled(system.conductance, &system.voltage)),
+            Some(_) => product(&system.storage_voltage, &currents.into_storage),
+        };
+        forms[integral::DIODES] = product(&scaled(drop, &one), &currents.into_storage);
+        forms[integral::LEAKED] = product(&system.storage_voltage, &currents.leaked);
+        forms[integral::DRAWN] = product(&system.storage_voltage, &currents.drawn);
+        let storage_rate = System::rate(&system.storage_voltage, &matrix);
+        Self {
+            propagator: Propagator::new(&matrix, step, &forms),
+            force_rate: System::rate(&force, &matrix),
+            force,
+            voltage_rate: System::rate(&system.voltage, &matrix),
+            storage_curvature: System::rate(&storage_rate, &matrix),
+            storage_rate,
+            guards: guards(system, release, circuit, &currents, &matrix),
+            into_storage: currents.into_storage,
+        }
+    }
+
+    /// The first tick within `ticks` at which a guard is above zero after a rise, given the vectors at both
+    /// ends.
+    ///
+    /// A grid step is a tenth of the shortest period, so the guard turns at most once in it.
+    pub(super) fn first_rise(&self, guard: &Guard, start: &[f64], end: &[f64], ticks: u64) -> Option<u64> {
+        let ([before, rate_before], [after, rate_after]) = (guard.at(start), guard.at(end));
+        let risen = |vector: &[f64]| guard.at(vector)[0] > 0.0;
+        match (rate_before > 0.0, rate_after > 0.0) {
+            // The guard falls.
+            (false, false) => None,
+            // The guard rises from zero: the first tick.
+            (true, true) if after > 0.0 && before >= 0.0 => Some(1),
+            (true, _) if after > 0.0 => Some(self.propagator.first_past(start, ticks, risen)),
+            (true, true) => None,
+            // A maximum: the rise before it, if it is above zero; the tangents at both ends bound it.
+            (true, false) => {
+                let step = ticks as f64 * self.propagator.tick();
+                if (before + rate_before * step).max(after - rate_after * step) <= 0.0 {
+                    return None;
+                }
+                let top = self.propagator.first_past(start, ticks, |vector| guard.at(vector)[1] <= 0.0);
+                let mut vector = Vec::new();
+                self.propagator.advance(start, top, &mut vector);
+                risen(&vector).then(|| self.propagator.first_past(start, top, risen))
+            }
+            // A minimum: the rise after it.
+            (false, true) if after > 0.0 => {
+                if before < 0.0 {
+                    return Some(self.propagator.first_past(start, ticks, risen));
+                }
+                let bottom = self.propagator.first_past(start, ticks, |vector| guard.at(vector)[1] > 0.0);
+                let mut vector = Vec::new();
+                self.propagator.advance(start, bottom, &mut vector);
+                let rest = ticks - bottom;
+                if rest == 0 || risen(&vector) {
+                    return Some(bottom);
+                }
+                Some(bottom + self.propagator.first_past(&vector, rest, risen))
+            }
+            (false, true) => None,
+        }
+    }
+}
+
+/// The guards of a regime: the contact, and behind a bridge the diodes and the lock-out of the draw.
+fn guards(
+    system: &System,
+    release: Row,
+    circuit: Circuit,
+    currents: &Currents,
+    matrix: &DMatrix<f64>,
+) -> Vec<Guard> {
+    let mut guards = vec![Guard::new(Change::Contact, release, matrix)];
+    let Some(storage) = &system.storage else { return guards };
+    if circuit.sign == 0 {
+        for sign in [1, -1] {
+            let pairs = system.voltage.iter().zip(&system.storage_voltage);
+            let mut row: Row = pairs.map(|(v, storage)| f64::from(sign) * v - storage).collect();
+            row[system.layout.one()] -= storage.drop;
+            guards.push(Guard::new(Change::Conducts { sign }, row, matrix));
+        }
+    } else {
+        guards.push(Guard::new(Change::Blocks, scaled(-1.0, &currents.into_storage), matrix));
+    }
+    if let Some(lockout) = storage.lockout() {
+        let (sign, threshold) =
+            if circuit.connected { (-1.0, lockout.turn_off_v) } else { (1.0, lockout.turn_on_v) };
+        let mut row = scaled(sign, &system.storage_voltage);
+        row[system.layout.one()] -= sign * threshold;
+        guards.push(Guard::new(Change::Draw { connected: !circuit.connected }, row, matrix));
+    }
+    guards
+}

@@ -1,0 +1,58 @@
+//! Spec values, closed-form limits, and what tightening the tolerance changes.
+
+mod limits;
+mod published;
+mod storage;
+
+use crate::ReferenceOptions;
+use crate::test_support::{close, contact_separation, number};
+use crate::triboelectric::VACUUM_PERMITTIVITY;
+use crate::triboelectric::tests::run;
+use harvester_scene::outcome::{ContactSeparationOutcome, Outcome};
+use harvester_scene::scene_file::{
+    ContactSeparation, ContactSeparationParameters, ContactSeparationStart, Excitation, ForceLaw, GRAVITY,
+    Load, Model, Restitution, RunSpan, Scene, StickCharge, Tone,
+};
+
+/// Table 2 of the paper with another charge and force law.
+pub(super) fn table_2(charge_density: f64, force_law: ForceLaw) -> ContactSeparationParameters {
+    ContactSeparationParameters { charge_density_c_per_m2: charge_density, force_law, ..contact_separation() }
+}
+
+/// `amplitude` in m/s².
+fn sine(amplitude: f64, frequency_hz: f64) -> Excitation {
+    Excitation::Sine(Tone { amplitude_m_per_s2: amplitude, frequency_hz, phase_rad: 0.0 })
+}
+
+/// A scene with the given parts.
+fn scene(
+    parameters: ContactSeparationParameters,
+    initial: ContactSeparationStart,
+    resistance_ohm: f64,
+    excitation: Excitation,
+    [settle_s, duration_s]: [f64; 2],
+) -> Scene {
+    Scene {
+        file: "test".into(),
+        model: Model::ContactSeparation(ContactSeparation { parameters, initial }),
+        load: Load::Resistor { resistance_ohm },
+        excitation,
+        run: RunSpan { duration_s, settle_s },
+    }
+}
+
+/// The shipped scene: 50 µC/m², 0.2 g, 20 Hz, 15 s settled 10 s.
+fn shipped(resistance_ohm: f64) -> Scene {
+    let parameters = table_2(50e-6, ForceLaw::TransferredCharge);
+    scene(
+        parameters,
+        ContactSeparationStart::default(),
+        resistance_ohm,
+        sine(0.2 * GRAVITY, 20.0),
+        [10.0, 15.0],
+    )
+}
+
+fn particular(outcome: &Outcome) -> &ContactSeparationOutcome {
+    outcome.contact_separation().expect("a contact-separation run")
+}

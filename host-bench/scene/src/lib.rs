@@ -1,0 +1,9 @@
+//! Scenes, the options of a run and its outcome: what the embedded core, the reference and the peers share on the host.
+
+pub mod base_motion;
+pub mod method;
+pub mod outcome;
+pub mod root;
+pub mod scene_file;
+#[cfg(test)]
+mod test_support;

@@ -1,0 +1,195 @@
+//! What can be asked of a run: method, precision, elementary functions, step; and why a run has no outcome.
+
+use std::fmt::Display;
+
+use serde::Serialize;
+
+use crate::scene_file::{Load, Model, Scene, SceneError};
+
+/// Integration method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The embedded core, with the method that suits the scene.
+    #[default]
+    Auto,
+    /// TR-BDF2, implicit, for stiff circuits: the embedded core; of a bump-stop scene, the host.
+    TrBdf2,
+    /// The classical Runge-Kutta method of order 4: the embedded core; of a bump-stop scene, the host.
+    Rk4,
+    /// The embedded core by exact modal steps and a discrete-gradient contact: bump-stop scenes only.
+    DiscreteGradient,
+    /// Newmark's method of average acceleration on the host, in double precision: bump-stop scenes only.
+    Newmark,
+    /// The independent reference on the host, in double precision.
+    Reference,
+}
+
+/// Precision of the embedded core.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Precision {
+    /// Single precision.
+    F32,
+    /// Double precision.
+    F64,
+}
+
+impl Precision {
+    /// Its name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+}
+
+/// Elementary functions of the embedded core.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Math {
+    /// The polynomials of the core.
+    Polynomial,
+    /// The crate `libm`: accurate to an ulp.
+    Libm,
+    /// The crate `micromath`: small and coarse, single precision only.
+    Micromath,
+}
+
+/// How to run a scene. The method chooses what is `None`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Options {
+    /// Integration method.
+    pub method: Method,
+    /// Precision of the embedded core.
+    pub precision: Option<Precision>,
+    /// Elementary functions of the embedded core.
+    pub math: Option<Math>,
+    /// Fixed step in s; of a bump-stop scene, the step near contact.
+    pub step_s: Option<f64>,
+    /// Step in s of a bump-stop scene in free flight.
+    pub long_step_s: Option<f64>,
+    /// Relative tolerance of an adaptive step.
+    pub tolerance: Option<f64>,
+    /// Distance in s of the rows of the recorded motion.
+    pub trace_every_s: Option<f64>,
+    /// Whether a bump-stop run on the core keeps no energy ledger and meters the measuring window only, as firmware
+    /// would: for measuring its run time.
+    pub bare: bool,
+    /// Whether shooting for the periodic steady state replaces the run.
+    pub steady_state: bool,
+    /// Number of attempted steps after which the core's hybrid driver stops with [`Failure::StepLimitExceeded`].
+    pub most_attempts: Option<u64>,
+}
+
+/// Why there is no outcome.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Failure {
+    /// The input is bad: exit code 2.
+    #[error("{0}")]
+    Input(String),
+    /// The scene could not be stepped to its end: exit code 3. The text has the error, the simulated time and the
+    /// state.
+    #[error("{0}")]
+    Step(String),
+    /// The run was stopped because it took more steps than it was allowed: exit code 3.
+    #[error("{0}")]
+    StepLimitExceeded(String),
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+impl Failure {
+    /// Bad input that a scene file is to blame for.
+    pub fn of_file(scene: &Scene, reason: impl Display) -> Self {
+        Self::Input(format!("{}: {reason}", scene.file.display()))
+    }
+}
+
+impl Options {
+    /// Checks what can be checked without a scene.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] that names the option, its value and its bound.
+    pub fn check(&self) -> Result<(), Failure> {
+        within("--step", self.step_s, [1e-9, 1.0])?;
+        within("--long-step", self.long_step_s, [1e-9, 1.0])?;
+        within("--tolerance", self.tolerance, [1e-13, 0.1])?;
+        within("--trace-every", self.trace_every_s, [1e-9, 1e7])?;
+        let refusal = match (self.math, self.precision) {
+            (Some(Math::Micromath), Some(Precision::F64)) => {
+                Some("--math micromath: must be with --precision f32, it has no double precision")
+            }
+            _ if self.method == Method::Reference => self.refused_by_reference(),
+            _ => None,
+        };
+        let refusal = refusal.or_else(|| self.refused_by_steady_state().filter(|_| self.steady_state));
+        refusal.map_or(Ok(()), |text| Err(Failure::Input(text.to_owned())))
+    }
+
+    /// The first option that the reference does not take.
+    fn refused_by_reference(&self) -> Option<&'static str> {
+        if self.precision == Some(Precision::F32) {
+            Some("--precision f32: the reference must be in f64")
+        } else if self.math.is_some() {
+            Some("--math: must not be given for the reference, which uses that of the host")
+        } else if self.step_s.is_some() {
+            Some("--step: must not be given for the reference, which adapts its step")
+        } else {
+            None
+        }
+    }
+
+    /// The first option that does not go with shooting for a steady state.
+    fn refused_by_steady_state(&self) -> Option<&'static str> {
+        if self.method == Method::Reference {
+            Some("--method reference: must be of the core for a steady state, such as tr-bdf2")
+        } else if self.precision == Some(Precision::F32) {
+            Some("--precision f32: a steady state must be in f64")
+        } else if self.math == Some(Math::Micromath) {
+            Some("--math micromath: a steady state must be in f64, which it does not have")
+        } else if self.trace_every_s.is_some() {
+            Some("--trace-every: must not be given for a steady state")
+        } else {
+            None
+        }
+    }
+
+    /// Checks what depends on the kind of the scene.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] that names the file, the key and what it must be.
+    pub fn check_scene(&self, scene: &Scene) -> Result<(), Failure> {
+        let refuse = |reason: &str| Err(Failure::of_file(scene, reason));
+        if self.steady_state && scene.excitation.single_frequency().is_none() {
+            return refuse(
+                "excitation.kind: must be \"sine\" with a frequency_hz above 0 for a periodic steady state",
+            );
+        }
+        let bridge = !matches!(scene.load, Load::Resistor { .. });
+        // The storage behind a bridge fills: its voltage is not periodic.
+        if bridge && self.steady_state {
+            return refuse("load.kind: must be \"resistor\" for a periodic steady state");
+        }
+        let by_peer = matches!(self.method, Method::TrBdf2 | Method::Rk4 | Method::Newmark);
+        if bridge && by_peer && matches!(scene.model, Model::BumpStop(_)) {
+            return refuse("load.kind: must be \"resistor\" for this scene by this method");
+        }
+        Ok(())
+    }
+}
+
+fn within(name: &str, value: Option<f64>, [lowest, highest]: [f64; 2]) -> Result<(), Failure> {
+    match value {
+        Some(value) if !(lowest..=highest).contains(&value) => {
+            Err(Failure::Input(format!("{name} {value}: must be a number from {lowest:e} to {highest:e}")))
+        }
+        _ => Ok(()),
+    }
+}

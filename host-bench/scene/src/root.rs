@@ -1,0 +1,64 @@
+//! Zeros and minima of a function of one variable, to the last bits.
+//!
+//! Bisection and golden section cannot fail, and a run needs a few zeros in each period only.
+
+/// The zero of `f` between `from` and `to`, where `f` has opposite signs: an abscissa within one rounding of
+/// the zero at which `f` is zero or has the sign of `f(to)`.
+pub fn far_side<E>(mut f: impl FnMut(f64) -> Result<f64, E>, from: f64, to: f64) -> Result<f64, E> {
+    let positive_after = f(to)? > 0.0;
+    let (mut near, mut far) = (from, to);
+    loop {
+        let middle = near + 0.5 * (far - near);
+        if middle <= near || middle >= far {
+            return Ok(far);
+        }
+        let value = f(middle)?;
+        if value == 0.0 {
+            return Ok(middle);
+        }
+        if (value > 0.0) == positive_after {
+            far = middle;
+        } else {
+            near = middle;
+        }
+    }
+}
+
+/// The abscissa of the only minimum of `f` between `from` and `to`, to half the digits; the value of `f` there
+/// is right to all digits.
+pub fn lowest_point(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut low, mut high) = (from, to);
+    while high - low > 1e-9 * (to - from) {
+        let left = high - GOLDEN * (high - low);
+        let right = low + GOLDEN * (high - low);
+        if f(left) < f(right) {
+            high = right;
+        } else {
+            low = left;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use super::*;
+
+    #[test]
+    fn a_zero_is_found_to_the_last_bit_from_either_sign() {
+        for sign in [1.0, -1.0] {
+            let zero = far_side::<Infallible>(|x| Ok(sign * (x * x - 2.0)), 0.0, 2.0).expect("no error");
+            assert!((zero - 2f64.sqrt()).abs() <= 2.0 * f64::EPSILON);
+            assert!(zero * zero >= 2.0, "on the far side");
+        }
+    }
+
+    #[test]
+    fn a_minimum_is_found() {
+        let at = lowest_point(|x| (x - 0.3).powi(2) - 1.0, 0.0, 1.0);
+        assert!((at - 0.3).abs() < 1e-7);
+    }
+}

@@ -1,0 +1,102 @@
+//! Scene files: TOML with SI values in named fields, read into plain checked numbers.
+//!
+//! Every key must be known, every number within its bounds; what is wrong is told in one line with
+//! file, line, key, value and bound. Overrides (`--set a.b=c`) are put into the document before it is
+//! read, so they meet the same checks.
+
+mod bounds;
+mod bump_stop;
+mod contact_separation;
+mod document;
+mod excitation;
+mod load;
+pub mod modes;
+mod node;
+mod preset;
+mod run_span;
+mod scene;
+mod section;
+mod sliding;
+mod trace;
+
+use std::path::{Path, PathBuf};
+
+use self::document::Document;
+pub use self::document::{Override, SceneError};
+pub use self::scene::*;
+use self::section::Section;
+
+/// Standard gravity of the papers in m/s²: what `amplitude_g` multiplies.
+pub const GRAVITY: f64 = 9.81;
+
+/// The scenes that there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    ContactSeparation,
+    Sliding,
+    BumpStop,
+}
+
+/// Reads and checks a scene file, with `overrides` put in first, in their order.
+///
+/// # Errors
+/// The first thing that is wrong, in one line.
+pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
+    read_all(file, overrides).map(|(scene, _)| scene)
+}
+
+/// As [`read`], for a file that has a node.
+///
+/// # Errors
+/// As [`read`], and if there is no `[node]`.
+pub fn read_with_node(file: &Path, overrides: &[Override]) -> Result<(Scene, Node), SceneError> {
+    let (scene, node) = read_all(file, overrides)?;
+    let absent = || SceneError::of_absent(file, "node", "is missing; must be a table");
+    node.map(|node| (scene, node)).ok_or_else(absent)
+}
+
+/// The path of a scene file in `host-bench/scenes`, by its name without ending.
+#[must_use]
+pub fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name).with_extension("toml")
+}
+
+fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>), SceneError> {
+    let document = Document::read(file, overrides)?;
+    let mut root = Section::root(&document);
+    let model = match root.choice(
+        "scene",
+        &[
+            ("contact-separation", Kind::ContactSeparation),
+            ("sliding", Kind::Sliding),
+            ("bump-stop", Kind::BumpStop),
+        ],
+    )? {
+        Kind::ContactSeparation => {
+            let parameters = contact_separation::parameters(root.table("parameters")?)?;
+            let initial = match root.optional_table("initial")? {
+                Some(section) => contact_separation::start(section)?,
+                None => ContactSeparationStart::default(),
+            };
+            Model::ContactSeparation(ContactSeparation { parameters, initial })
+        }
+        Kind::Sliding => {
+            let parameters = sliding::parameters(root.table("parameters")?)?;
+            let initial = match root.optional_table("initial")? {
+                Some(section) => sliding::start(section, &parameters)?,
+                None => SlidingStart::default(),
+            };
+            Model::Sliding(Sliding { parameters, initial })
+        }
+        Kind::BumpStop => Model::BumpStop(bump_stop::model(&mut root)?),
+    };
+    let (load, part) = load::load(root.table("load")?)?;
+    let excitation = excitation::excitation(root.table("excitation")?)?;
+    let run = run_span::run_span(root.table("run")?, &excitation)?;
+    let node = match root.optional_table("node")? {
+        Some(section) => Some(node::node(section, load, part)?),
+        None => None,
+    };
+    root.finish()?;
+    Ok((Scene { file: file.to_owned(), model, load, excitation, run }, node))
+}

@@ -1,8 +1,0 @@
-//! The vibration modes of the beams that a scene file describes: for the checks of the reader, the reference
-//! and the peers.
-
-mod bump_stop;
-mod cantilever;
-
-pub(crate) use self::bump_stop::BumpStopModes;
-pub(crate) use self::cantilever::Cantilever;
