@@ -41,12 +41,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut ledger = Ledger::open(&harvester.outputs(&state));
     let end = Instant::from_whole_seconds(1);
     harvester.advance(&mut state, &shaking, end, u32::MAX, &mut (&mut meter, &mut ledger))?;
-    println!("{:.3e} W, {:.3} V RMS", meter.mean_power(), meter.report().rms_voltage);
-    println!(
-        "{} contacts, {:.1} % of the time",
-        meter.report().contacts,
-        100.0 * meter.report().contact_fraction
-    );
+    let report = meter.report();
+    println!("{:.3e} W, {:.3} V RMS", meter.mean_power(), report.rms_voltage);
+    println!("{} contacts, {:.1} % of the time", report.contacts, 100.0 * report.contact_fraction);
     println!("energy residual {:.1e}", ledger.residual().total().unwrap_or(0.0));
     Ok(())
 }

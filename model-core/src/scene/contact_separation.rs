@@ -39,19 +39,21 @@
 
 mod automaton;
 mod choices;
+mod circuit;
 mod closed_form;
 mod electrical_port;
 mod flow;
 mod force_law;
 mod identity;
+mod mode;
 mod parameters;
 mod start;
 
 pub use crate::scene::coupled::ModeFactor;
 pub use crate::scene::coupled::{CHARGE, POSITION as GAP, STATES, VELOCITY};
-pub use automaton::Mode;
 pub use choices::{AnyChoices, Choices, Parts};
 pub use flow::Flow;
+pub use mode::Mode;
 pub use parameters::Parameters;
 pub use start::Start;
 

@@ -56,15 +56,16 @@ mod flow;
 mod force_law;
 mod identity;
 mod lateral_force;
+mod mode;
 mod parameters;
 mod start;
 
 pub use crate::scene::coupled::{CHARGE, POSITION as DISPLACEMENT, STATES, VELOCITY};
-pub use automaton::Mode;
 pub use choices::{AnyChoices, Choices, Parts};
 pub use flow::Flow;
 pub(crate) use lateral_force::LateralForce;
 pub use lateral_force::{AnyLateralForce, FieldLateralForce, NoLateralForce};
+pub use mode::Mode;
 pub use parameters::Parameters;
 pub use start::Start;
 

@@ -1,7 +1,9 @@
 //! Modes, guards and jumps: impact, stick and release.
 
-use super::flow::{Circuit, Flow};
+use super::circuit::Circuit;
+use super::flow::Flow;
 use super::force_law::ForceLaw;
+use super::mode::Mode;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};
@@ -12,16 +14,6 @@ use crate::part::load::{Load, Resistance};
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
 use crate::scene::coupled;
-
-/// The modes of motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Mode {
-    /// The mass moves freely above the dielectric.
-    Free,
-    /// The mass sticks to the dielectric: gap and velocity are zero.
-    Stick,
-}
 
 /// Margin in roundings of the initial gap within which a released mass still counts as in contact.
 const RELEASE_ROUNDINGS: f64 = 64.0;

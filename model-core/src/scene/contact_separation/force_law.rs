@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use super::flow::Circuit;
+use super::circuit::Circuit;
 use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
 use crate::scalar::Scalar;
 

@@ -1,6 +1,6 @@
 //! The start of a run.
 
-use super::automaton::Mode;
+use super::mode::Mode;
 use super::{CHARGE, ContactSeparation, Parts, STATES, Sticking};
 use crate::clock::Instant;
 use crate::excitation::Excitation;

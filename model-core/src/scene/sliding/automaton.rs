@@ -1,6 +1,7 @@
 //! Modes, guards and jumps: reversal, stick and release, and the corner of the overlap.
 
 use super::flow::Flow;
+use super::mode::Mode;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};
@@ -11,46 +12,12 @@ use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
 use crate::scene::coupled;
 
-/// The modes of motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Mode {
-    /// The slider slides.
-    Sliding {
-        /// Whether the velocity is positive; friction acts against it.
-        forward: bool,
-        /// Whether the displacement is positive: the side of the overlap's corner.
-        ahead: bool,
-    },
-    /// The slider sticks by friction.
-    Stick,
-}
-
 /// Guard of [`Mode::Sliding`] for the corner of the overlap, zero displacement; the other guard is zero velocity.
 const CORNER: usize = 0;
 /// Guard of [`Mode::Stick`] for a release towards negative displacement.
 const BACKWARD: usize = 0;
 /// Guard of [`Mode::Stick`] for a release towards positive displacement.
 const FORWARD: usize = 1;
-
-impl Mode {
-    /// The sliding mode at `displacement`; at the corner itself, on the side of the motion.
-    #[inline(always)]
-    pub(super) fn sliding<S: Scalar>(forward: bool, displacement: S) -> Self {
-        let ahead = if displacement == S::ZERO { forward } else { displacement > S::ZERO };
-        Self::Sliding { forward, ahead }
-    }
-
-    /// The side of the overlap's corner: in a slide that of the mode, since a step may end slightly beyond the
-    /// corner.
-    #[inline(always)]
-    pub(super) fn is_ahead<S: Scalar>(self, displacement: S) -> bool {
-        match self {
-            Self::Sliding { ahead, .. } => ahead,
-            Self::Stick => displacement >= S::ZERO,
-        }
-    }
-}
 
 impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// Whether the slider can stick at all.

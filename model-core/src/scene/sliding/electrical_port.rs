@@ -1,7 +1,7 @@
 //! The open terminals, for an external circuit.
 
-use super::automaton::Mode;
 use super::flow::Flow;
+use super::mode::Mode;
 use super::{Parts, STATES, Sliding, Sticking, VELOCITY};
 use crate::observer::ALL_POWERS;
 use crate::part::load::{Load, Resistance};

@@ -1,8 +1,8 @@
 //! The flow of each mode, its iteration matrix, and the powers along it.
 
-use super::automaton::Mode;
 use super::force_law::ForceLaw;
 use super::lateral_force::LateralForce;
+use super::mode::Mode;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
 use crate::integrate::System;
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
