@@ -189,5 +189,6 @@ fn name(reason: Reason) -> &'static str {
         Reason::StrongCoupling => "strong-coupling",
         Reason::Overdamped => "overdamped",
         Reason::NotBalanced => "not-balanced",
+        _ => "other",
     }
 }

@@ -17,6 +17,7 @@ pub struct Bounds<S> {
 /// A parameter outside its bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct ParameterError<S> {
     /// Name of the field.
     pub field: &'static str,

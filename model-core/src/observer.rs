@@ -84,6 +84,7 @@ impl<S: Scalar> StoredEnergy<S> {
 /// The storage behind a rectifier at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct StorageOutput<S> {
     /// Voltage in V.
     pub voltage: S,
@@ -114,6 +115,7 @@ impl<S: Scalar> StorageOutput<S> {
 
 /// The outputs of a harvester at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Outputs<'a, S> {
     /// Coordinates in m and their rates in m/s. The first is the gap of contact-separation, the displacement
     /// of sliding, or the tip displacement of bump-stop. Bump-stop has two more: the beam at the stop, and
@@ -177,6 +179,7 @@ impl<'a, S: Scalar> Outputs<'a, S> {
 
 /// The contact of bump-stop within one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Contact<S> {
     /// Contact force in N, constant over the step; 0 without contact.
     pub force: S,
@@ -198,6 +201,7 @@ impl<S: Scalar> Contact<S> {
 
 /// One accepted step.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct AcceptedStep<'a, S> {
     /// Time at the start of the step.
     pub from: Instant,
@@ -239,6 +243,7 @@ impl<S: Scalar> AcceptedStep<'_, S> {
 
 /// One event: an impact, a stick, a release, a switch of the bridge or of the draw.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Event<'a, S> {
     /// Time of the event.
     pub at: Instant,

@@ -8,7 +8,7 @@ use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, HybridState};
 use model_core::integrate::{AnyStepControl, Method, TrBdf2};
-use model_core::observer::{AcceptedStep, Event, Observer, Outputs, StorageOutput};
+use model_core::observer::{AcceptedStep, Event, Observer, Outputs};
 use model_core::part::force_law::AnyForceLaw;
 use model_core::part::storage::{Capacitor, DcBus, StorageElement};
 use model_core::scalar::Scalar;
@@ -228,7 +228,8 @@ where
     A: Scene<S, STATES, WHOLE>,
 {
     let now = scene.outputs(state.mode, &state.point).storage.expect("a storage");
-    let earlier = StorageOutput { voltage: S::from_f64(volts), remainder: S::ZERO, ..now };
+    let mut earlier = now;
+    (earlier.voltage, earlier.remainder) = (S::from_f64(volts), S::ZERO);
     now.gained_since(&earlier).expect("no bus").to_f64()
 }
 

@@ -74,8 +74,8 @@ pub struct BudgetParameters<S> {
 ///     budget.update(&mut state, 60, harvested, 0.0);
 /// }
 /// assert!(measured > 100 && transmitted > 50);
-/// let period = budget.sustainable_period(&state, &transmit).ok_or("never")?;
-/// assert!((25..40).contains(&period)); // s
+/// let period = 1.0 / budget.sustainable_rate(&state, &transmit);
+/// assert!((24.0..39.0).contains(&period)); // s
 /// # Ok(())
 /// # }
 /// ```

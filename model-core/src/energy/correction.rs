@@ -78,15 +78,16 @@ pub struct CorrectionParameters<S> {
 ///     CorrectionParameters { bits: 12, full_scale: 5.0, noise: 0.5e-3, gain_deviation: 1.0, gain_drift: 0.05 };
 /// let correction = reading.build(budget.storage())?;
 ///
-/// let (mut state, mut estimate) = (budget.start(0), correction.start());
+/// let (mut state, mut correcting) = (budget.start(0), correction.start());
 /// let mut truth = 3.0_f64; // V; the true income is twice the modelled one
 /// for _minute in 0..60 {
 ///     let (modelled, spent) = (6e-6, 4e-6); // joules in this minute
 ///     let used = spent + standing_power * 60.0;
-///     budget.update(&mut state, 60, estimate.gain() * modelled, spent);
+///     let before = correcting.estimate();
+///     budget.update(&mut state, 60, before.gain * modelled, spent);
 ///     // The error of the income.
-///     state.raise_uncertainty(3.0 * estimate.gain_deviation() * budget.storage().stored(modelled));
-///     correction.predict(&mut estimate, 60, modelled, used);
+///     state.raise_uncertainty(3.0 * before.gain_deviation * budget.storage().stored(modelled));
+///     correction.predict(&mut correcting, 60, modelled, used);
 ///     truth = (truth * truth + (2.0 * 6e-6 * 0.8 - f64::from(used) / 0.9) * 2e4).sqrt();
 ///     correction.observe(&mut correcting, (truth * 4096.0 / 5.0).round() as u32);
 ///     let after = correcting.estimate();
@@ -164,6 +165,7 @@ pub struct CorrectionEstimate<S> {
 /// The use of a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Reading {
     /// Used.
     Used,

@@ -139,6 +139,7 @@ impl<S: Scalar> core::error::Error for EstimatorError<S> {}
 /// The result of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Progress {
     /// Whether the sample is finished; if not, the budget is spent and [`Estimator::resume`] continues.
     pub finished: bool,

@@ -18,6 +18,7 @@ use crate::scalar::{CompensatedSum, Scalar};
 /// Residuals of the balances in J, and the energy for comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Residual<S> {
     /// Residual of the mechanical balance.
     pub mechanical: S,

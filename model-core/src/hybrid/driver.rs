@@ -49,6 +49,7 @@ pub enum Ended {
 /// Counts of the work of one call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Work {
     /// Accepted steps.
     pub steps: u32,
@@ -85,6 +86,7 @@ impl Work {
 /// The result of [`Driver::advance`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Advance {
     /// The reason of the return.
     pub ended: Ended,
@@ -113,6 +115,7 @@ pub enum StepFailure<S> {
 /// A step failed; the state is that before the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct StepError<S> {
     /// The cause.
     pub failure: StepFailure<S>,

@@ -11,6 +11,7 @@ use crate::scalar::Scalar;
 /// Mean power of a periodic motion, and its validity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct ClosedForm<S> {
     /// Mean power in the load, in W.
     pub mean_power: S,
@@ -43,6 +44,7 @@ pub enum Validity<S> {
 /// The reason why a closed form does not hold, with the definition of the margin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Reason {
     /// The plate reaches the dielectric: amplitude over 0.9 of the mean gap.
     Impacts,

@@ -143,7 +143,9 @@ impl<S: Scalar, const N: usize, Q: Problem<S, N>> Automaton<S, N, 1> for Machine
     }
 
     fn outputs<'a>(&self, mode: Q::Mode, point: &'a Point<S, N, 1>) -> Outputs<'a, S> {
-        Outputs { mode: self.0.number(mode), ..Outputs::of_state(&point.state) }
+        let mut outputs = Outputs::of_state(&point.state);
+        outputs.mode = self.0.number(mode);
+        outputs
     }
 
     fn error_scale(&self) -> ErrorScale<S> {

@@ -95,6 +95,7 @@ snapshot_fields!(impl [S: Scalar] EnergyAccumulator<S> { energy, energy_error, s
 /// The estimate of the harvest so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Estimate<S> {
     /// Energy delivered to the load over the integrated time, in J. Unknown time contributes nothing.
     pub energy: S,
@@ -157,6 +158,7 @@ pub struct Estimate<S> {
 /// between the model's parameters and the real harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Uncertainty<S> {
     /// Error of the energy in J by the finite step, estimated by the method; `None` for a method without an
     /// estimate (RK4, the modal steps of bump-stop): choose its step on the host.
