@@ -9,7 +9,8 @@
 //! | `stack` | how deep the stack went |
 //! | `measure` | one workload measured: what it cost, and its states, in the log |
 //! | `calibration` | the workload whose cost is known |
-//! | `workload` | what is measured: scenes whole, with parts left out, at several settings |
+//! | `variant` | the variants of the bench by name |
+//! | `workload` | the workloads of the variants: scenes whole, with parts left out, at several settings |
 //! | `node` | a sensor node: acceleration samples in, a decision a second out |
 //! | `logger` | defmt frames over semihosting |
 //! | `stop` | panics and faults end the run with a code |
@@ -29,6 +30,7 @@ pub mod node;
 mod stack;
 #[cfg(target_os = "none")]
 pub mod stop;
+pub mod variant;
 pub mod workload;
 
 /// What a binary says when it was built for the host.
@@ -38,43 +40,3 @@ This is firmware, and this was built for the host. To build it for the default b
     cargo build --release -p firmware-example --target thumbv7em-none-eabihf
 To build and run it on every core under QEMU:
     cargo run --release -p host-bench -- on-target";
-
-/// The `main` of a binary that measures one workload, and on the host says how to build it.
-#[macro_export]
-macro_rules! measuring_main {
-    ($scene:path) => {
-        #[cfg(target_os = "none")]
-        #[cortex_m_rt::entry]
-        fn main() -> ! {
-            match $scene() {
-                Some(mut scene) => $crate::measure::run(&mut [&mut scene]),
-                None => $crate::measure::refused(),
-            }
-        }
-
-        #[cfg(not(target_os = "none"))]
-        fn main() {
-            println!("{}", $crate::HOW_TO_BUILD);
-        }
-    };
-}
-
-/// The `main` of a binary that measures several workloads.
-#[macro_export]
-macro_rules! measuring_several_main {
-    ($scenes:path) => {
-        #[cfg(target_os = "none")]
-        #[cortex_m_rt::entry]
-        fn main() -> ! {
-            $scenes(|workloads| match workloads {
-                Some(workloads) => $crate::measure::run(workloads),
-                None => $crate::measure::refused(),
-            })
-        }
-
-        #[cfg(not(target_os = "none"))]
-        fn main() {
-            println!("{}", $crate::HOW_TO_BUILD);
-        }
-    };
-}

@@ -17,25 +17,20 @@ use crate::calibration::Nops;
 use crate::counter::Counter;
 use crate::stack;
 use crate::stop::{Code, stop};
-use crate::workload::{Progress, Workload};
+use crate::workload::{Progress, Visit, Workload};
 use core::hint::black_box;
 use cortex_m::Peripherals;
 use defmt::info;
 
-/// Measures what costs a known number of instructions, then the workloads, and ends the run.
-pub fn run(workloads: &mut [&mut dyn Workload]) -> ! {
+/// Measures the calibration and then the workloads of a variant, and ends the run.
+pub fn run(workloads: fn(Visit<'_>) -> Option<()>) -> ! {
     let Some(peripherals) = Peripherals::take() else { stop(Code::Faulted) };
     let counter = Counter::start(peripherals.SYST);
     measure(&counter, &mut Nops::default());
-    for workload in workloads {
-        measure(&counter, *workload);
+    match workloads(&mut |workload| measure(&counter, workload)) {
+        Some(()) => stop(Code::Done),
+        None => stop(Code::WorkloadFailed),
     }
-    stop(Code::Done)
-}
-
-/// Ends the run of a firmware whose scene was refused.
-pub fn refused() -> ! {
-    stop(Code::WorkloadFailed)
 }
 
 #[inline(never)]

@@ -1,40 +1,51 @@
-//! What the firmware measures, and the host runs beside it to compare the bits.
+//! The workloads of the bench. The host runs them too and compares the bits.
 
+pub mod building;
 pub mod bump_stop;
 pub mod contact_separation;
 pub mod estimators;
-pub mod hybrid_run;
-#[cfg(all(target_os = "none", feature = "peer"))]
 pub mod peer;
+pub mod run;
 pub mod sliding;
 
-/// Something to measure.
+/// A workload of the bench.
 ///
-/// It is used as `dyn Workload`, so that the code around it is the same machine code in `empty`
-/// and in `bench`, and the difference of their sizes is the workload's own.
+/// The bench uses it as `dyn Workload`, so that the code around it is the same machine code in `empty` and in
+/// `bench`. The difference of the two sizes is the workload's.
 pub trait Workload {
     /// One word, for the log.
     fn name(&self) -> &'static str;
 
-    /// Runs up to the next sample. This, and nothing else, is measured.
+    /// Runs up to the next sample. The bench measures this call only.
     fn advance(&mut self) -> Progress;
 
-    /// The state as raw bits, for a comparison with the host that forgives nothing.
+    /// The state as raw bits, for an exact comparison with the host.
     fn state(&self) -> &[u32];
 }
 
-/// What a call of [`Workload::advance`] did.
+/// Takes the workloads of a variant, one after the other. A variant gives `None` if a workload is refused.
+pub type Visit<'a> = &'a mut dyn FnMut(&mut dyn Workload);
+
+/// Gives a workload to `visit`; `None` if the workload was refused.
+#[inline(always)]
+pub(crate) fn show<W: Workload>(visit: Visit<'_>, mut workload: Option<W>) -> Option<()> {
+    // By reference: a move would put a second copy of the workload on the stack.
+    visit(workload.as_mut()?);
+    Some(())
+}
+
+/// The result of [`Workload::advance`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// It got to the next sample.
+    /// The next sample.
     Sample {
-        /// Steps taken since the last one.
+        /// Steps since the last sample.
         steps: u32,
-        /// Simulated microseconds since the last one.
+        /// Simulated microseconds since the last sample.
         simulated_us: u32,
     },
-    /// There was nothing left to do.
+    /// There are no more samples.
     Finished,
-    /// It could not go on.
+    /// The model could not be stepped.
     Failed,
 }

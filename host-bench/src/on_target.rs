@@ -1,8 +1,8 @@
-//! The firmware built for each core, run under QEMU, and what its log says.
+//! Builds the firmware for each core, runs it under QEMU and reads its log.
 //!
-//! The counts are of *instructions*: QEMU runs with a virtual clock on which every instruction takes
-//! a nanosecond, so they are the same on every run and every machine. They are not cycles: on a
-//! Cortex-M4F a division takes 14 of those, a load up to 2 and a taken branch 2 to 4.
+//! The counts are *instructions*: on the virtual clock of QEMU every instruction takes a nanosecond, so that the
+//! counts are the same on every machine. Instructions are not cycles: on a Cortex-M4F a division takes 14 cycles,
+//! a load up to 2 and a taken branch 2 to 4.
 
 pub mod accuracy;
 pub mod build;
@@ -20,18 +20,15 @@ use self::build::Binary;
 use self::core::Core;
 use self::decode::{Sample, Section};
 use self::size::Size;
+use firmware_example::variant::{self, Variant};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 use thiserror::Error;
 
-/// What one core made of the firmware.
+/// What one core measured of one variant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// The core.
-    pub core: Core,
-    /// Instructions counted for an instruction: 1, or there would be no figures.
-    pub calibration: f64,
     /// Bytes of flash that the workloads add to a firmware without them.
     pub flash: u64,
     /// Size of the whole firmware.
@@ -40,20 +37,20 @@ pub struct Measurement {
     pub workloads: Vec<Workload>,
 }
 
-/// What one workload cost on one core, and where it got to.
+/// The cost of one workload on one core, and its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Workload {
     /// Its name in the firmware.
     pub name: String,
     /// Deepest stack in bytes, from the top of RAM.
     pub stack: u64,
-    /// The states that it logged, as raw bits, and what it had cost to get there; at least one.
+    /// The samples that it logged; at least one.
     pub samples: Vec<Sample>,
     /// Instructions in a tick of the board's counter.
-    instructions_per_tick: f64,
+    pub(crate) instructions_per_tick: f64,
 }
 
-/// A stretch of a workload, between two samples.
+/// The cost of a workload between two samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
     /// Steps taken.
@@ -68,24 +65,22 @@ impl Workload {
     /// From the start to the last sample.
     #[must_use]
     pub fn whole(&self) -> Stretch {
-        self.stretch(None)
+        self.after(0)
     }
 
-    /// From sample number `first` to the last one.
+    /// From the sample at a simulated time in microseconds, or from the start at 0, to the last sample.
     #[must_use]
-    pub fn after(&self, first: usize) -> Stretch {
-        self.stretch(self.samples.get(first))
-    }
-
-    fn stretch(&self, from: Option<&Sample>) -> Stretch {
-        let counts = |sample: Option<&Sample>| {
-            sample.map_or((0, 0, 0), |sample| (sample.simulated_us, sample.steps, sample.ticks))
-        };
-        let (start, end) = (counts(from), counts(self.samples.last()));
+    pub fn after(&self, simulated_us: u64) -> Stretch {
+        // A computation without simulated time has its sample at 0.
+        let start =
+            self.samples.iter().find(|sample| simulated_us > 0 && sample.simulated_us == simulated_us);
+        let counts = |sample: &Sample| [sample.simulated_us, sample.steps, sample.ticks];
+        let start = start.map_or([0; 3], counts);
+        let end = self.samples.last().map_or([0; 3], counts);
         Stretch {
-            seconds: (end.0 - start.0) as f64 * 1e-6,
-            steps: end.1 - start.1,
-            instructions: (end.2 - start.2) as f64 * self.instructions_per_tick,
+            seconds: (end[0] - start[0]) as f64 * 1e-6,
+            steps: end[1] - start[1],
+            instructions: (end[2] - start[2]) as f64 * self.instructions_per_tick,
         }
     }
 }
@@ -104,7 +99,7 @@ impl Stretch {
     }
 }
 
-/// Why a measurement did not come about, or cannot be trusted.
+/// Why there is no measurement.
 #[derive(Debug, Error)]
 pub enum Error {
     /// There is nothing to compile with, or the firmware does not build.
@@ -113,111 +108,99 @@ pub enum Error {
     /// QEMU is missing, or the run went wrong.
     #[error(transparent)]
     Qemu(#[from] qemu::Error),
-    /// The log is not what the firmware writes.
-    #[error("{core}: {source}")]
-    Log {
-        /// The core.
-        core: Core,
-        /// What is wrong with it.
-        source: decode::Error,
-    },
-    /// A firmware file could not be read.
-    #[error("{}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why not.
-        source: std::io::Error,
-    },
-    /// A firmware file is not one that this core could run.
-    #[error("{}: {source}", path.display())]
-    Image {
+    /// A firmware file could not be read, or is not for the core.
+    #[error("{}: {what}", path.display())]
+    File {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        source: image::Error,
-    },
-    /// Code is linked that the firmware promises to do without.
-    #[error("{core}: the firmware links code that can panic, or double arithmetic: {}", symbols.join(", "))]
-    Symbols {
-        /// The core.
-        core: Core,
-        /// The names of that code.
-        symbols: Vec<String>,
-    },
-    /// The core comes to other bits than the host.
-    #[error(
-        "{core}: {workload}: sample {sample}, number {number}: the bits are {found:08x}, \
-         on the host {expected:08x}"
-    )]
-    Bits {
-        /// The core.
-        core: Core,
-        /// The workload's name.
-        workload: String,
-        /// Which sample, from 0.
-        sample: usize,
-        /// Which number of it, from 0.
-        number: usize,
-        /// What the core logged.
-        found: u32,
-        /// What the host computed.
-        expected: u32,
-    },
-    /// The core logs something that the host does not have to compare with.
-    #[error("{core}: {what}")]
-    Other {
-        /// The core.
-        core: Core,
-        /// What differs.
         what: String,
     },
-    /// The reference, or the host's own run, did not come about.
-    #[error("on the host: {0}")]
-    Host(String),
-    /// The instructions of the calibration did not count as one each.
-    #[error("{core}: an instruction counts as {instructions:.4}; the board's clock is not what it should be")]
-    Calibration {
+    /// The firmware contains what it must not, or its log is not the expected one.
+    #[error("{core}: {what}")]
+    Core {
         /// The core.
         core: Core,
-        /// What it counts as.
-        instructions: f64,
+        /// What is wrong.
+        what: String,
     },
+    /// The reference or the host's own run failed.
+    #[error("on the host: {0}")]
+    Host(String),
 }
 
-/// What an instruction may count as, when the instructions are known: the slowest SysTick resolves
-/// 63 of a million.
+impl Error {
+    fn on(core: Core, what: impl ToString) -> Self {
+        Self::Core { core, what: what.to_string() }
+    }
+}
+
+/// The counts of one instruction that pass the calibration: the slowest SysTick resolves 63 of a million.
 const CALIBRATED: RangeInclusive<f64> = 0.999..=1.001;
 
-/// The firmware with no workload.
-const EMPTY: Binary = Binary::new("empty");
+/// The variant with the workloads of a peer, which a Cargo feature of the firmware links.
+const PEER: Variant = variant::named("peer::smooth");
 
-/// Builds `binary` for `core`, checks it, runs it for at most `time_limit`, and reads its log.
-///
-/// # Errors
-///
-/// When something is missing, fails, or contradicts what the figures are supposed to mean.
-pub fn measure(core: Core, binary: Binary, time_limit: Duration) -> Result<Measurement, Error> {
-    let firmware = Firmware::build(core, binary)?;
-    let size = firmware.check()?;
-    let empty = Firmware::build(core, EMPTY)?;
-    let flash = size.flash.saturating_sub(Size::of(&empty.image()?).flash);
-
-    let log = qemu::run(core, &firmware.path, time_limit)?;
-    let mut workloads =
-        workloads(core, &firmware.bytes, &log).map_err(|source| Error::Log { core, source })?;
-    // The firmware calibrates before anything else.
-    if workloads.first().is_none_or(|first| first.name != "calibration") {
-        return Err(Error::Log { core, source: decode::Error::Incomplete });
-    }
-    let calibration = workloads.remove(0).whole().instructions_per_step();
-    if !CALIBRATED.contains(&calibration) {
-        return Err(Error::Calibration { core, instructions: calibration });
-    }
-    Ok(Measurement { core, calibration, flash, size, workloads })
+/// A core on which variants are measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Bench {
+    core: Core,
+    time_limit: Duration,
+    /// Flash of the firmware without a workload, in bytes.
+    empty_flash: u64,
 }
 
-/// A binary, built.
+impl Bench {
+    /// The bench on `core`, with runs of at most `time_limit`.
+    ///
+    /// # Errors
+    ///
+    /// If the firmware without a workload does not build.
+    pub fn new(core: Core, time_limit: Duration) -> Result<Self, Error> {
+        let empty = Firmware::build(core, Binary::new("empty"))?;
+        Ok(Self { core, time_limit, empty_flash: Size::of(&empty.image()?).flash })
+    }
+
+    /// The core.
+    #[must_use]
+    pub fn core(&self) -> Core {
+        self.core
+    }
+
+    /// Builds the bench with `variant`, checks it, runs it, reads its log, and compares its bits with the host's.
+    ///
+    /// # Errors
+    ///
+    /// If the firmware does not build, contains what it must not, fails, or computes other bits than the host.
+    pub fn measure(&self, variant: &Variant) -> Result<Measurement, Error> {
+        let core = self.core;
+        let name = variant.name;
+        let feature = (name == PEER.name).then_some("peer");
+        let firmware = Firmware::build(core, Binary { name: "bench", variant: Some(name), feature })?;
+        let size = firmware.check()?;
+        let log = qemu::run(core, &firmware.path, self.time_limit)?;
+        let mut workloads = workloads(core, &firmware.bytes, &log).map_err(|error| Error::on(core, error))?;
+        // The firmware logs the calibration first.
+        if workloads.first().is_none_or(|first| first.name != "calibration") {
+            return Err(Error::on(core, decode::Error::Incomplete));
+        }
+        let instructions = workloads.remove(0).whole().instructions_per_step();
+        if !CALIBRATED.contains(&instructions) {
+            let what = format!(
+                "an instruction counts as {instructions:.4}; the board's clock is not what it should be"
+            );
+            return Err(Error::on(core, what));
+        }
+        let compared = native::compare(core, &workloads, variant)?;
+        if compared != workloads.len() && feature.is_none() {
+            let what = format!("{name}: {} workloads, on the host {compared}", workloads.len());
+            return Err(Error::on(core, what));
+        }
+        Ok(Measurement { flash: size.flash.saturating_sub(self.empty_flash), size, workloads })
+    }
+}
+
+/// A binary that has been built.
 struct Firmware {
     core: Core,
     binary: Binary,
@@ -228,33 +211,39 @@ struct Firmware {
 impl Firmware {
     fn build(core: Core, binary: Binary) -> Result<Self, Error> {
         let path = build::build(core, binary)?;
-        let bytes = std::fs::read(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+        let bytes = std::fs::read(&path)
+            .map_err(|error| Error::File { path: path.clone(), what: error.to_string() })?;
         Ok(Self { core, binary, path, bytes })
     }
 
     fn image(&self) -> Result<image::Image<'_>, Error> {
-        image::open(&self.bytes, self.core).map_err(|source| Error::Image { path: self.path.clone(), source })
+        image::open(&self.bytes, self.core)
+            .map_err(|error| Error::File { path: self.path.clone(), what: error.to_string() })
     }
 
-    /// Refuses code that should not be there, and gives the size of the rest.
+    /// Refuses code that must not be there, and gives the size.
     fn check(&self) -> Result<Size, Error> {
         let image = self.image()?;
         let symbols = symbols::refused(&image);
-        // What is ours must be clean; a peer, which has a feature to itself, is as it is.
+        // Only a peer, which needs a feature, may link panics and double arithmetic.
         if !symbols.is_empty() && self.binary.feature.is_none() {
-            return Err(Error::Symbols { core: self.core, symbols });
+            let what = format!(
+                "the firmware links code that can panic, or double arithmetic: {}",
+                symbols.join(", ")
+            );
+            return Err(Error::on(self.core, what));
         }
         Ok(Size::of(&image))
     }
 }
 
-/// What the log says, each section for itself.
+/// The workloads of a log.
 fn workloads(core: Core, firmware: &[u8], log: &[u8]) -> Result<Vec<Workload>, decode::Error> {
     let sections = decode::decode(firmware, log)?;
     sections.into_iter().map(|section| workload(core, section)).collect()
 }
 
-/// What a section of the log means on `core`.
+/// A section of the log as a workload on `core`.
 fn workload(core: Core, section: Section) -> Result<Workload, decode::Error> {
     let count = "stack_bytes";
     let Some(&stack) = section.counts.get(count) else {

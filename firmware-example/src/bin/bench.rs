@@ -1,5 +1,8 @@
 //! The on-target bench: what a model costs on a microcontroller, and the bits it comes to there.
 //!
+//! The environment variable `HARVESTER_VARIANT` chooses at build what is measured: a name of
+//! `firmware_example::variant::VARIANTS`, `contact_separation::bench` if it is not set.
+//!
 //! Under QEMU, on every core, with the log decoded, the bits checked and a table at the end:
 //!
 //! ```text
@@ -10,7 +13,7 @@
 //! through a debug probe that serves semihosting; the ticks are then cycles of the core:
 //!
 //! ```text
-//! cargo build --profile firmware -p firmware-example --target thumbv7em-none-eabihf
+//! HARVESTER_VARIANT=sliding::bench cargo build --profile firmware -p firmware-example --target thumbv7em-none-eabihf
 //! openocd -f interface/stlink.cfg -f target/stm32f4x.cfg \
 //!     -c "program target/thumbv7em-none-eabihf/firmware/bench" \
 //!     -c "arm semihosting enable" -c "reset run" \
@@ -19,4 +22,19 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-firmware_example::measuring_main!(firmware_example::workload::contact_separation::scenes::bench);
+#[cfg(target_os = "none")]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    use firmware_example::variant::{VARIANTS, Variant, named};
+
+    const VARIANT: Variant = match option_env!("HARVESTER_VARIANT") {
+        Some(name) => named(name),
+        None => VARIANTS[0],
+    };
+    firmware_example::measure::run(VARIANT.workloads)
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("{}", firmware_example::HOW_TO_BUILD);
+}

@@ -8,7 +8,7 @@
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    firmware_example::measure::run(&mut [])
+    firmware_example::measure::run(|_| Some(()))
 }
 
 #[cfg(not(target_os = "none"))]

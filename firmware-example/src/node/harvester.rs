@@ -11,8 +11,8 @@ use model_core::scene::{Harvester, Simulation};
 
 use super::NodeError;
 use super::power_manager::STORAGE;
+use crate::workload::contact_separation::TOLERANCE;
 use crate::workload::contact_separation::parts::{self, LAW_OF_SPEED, PARASITIC};
-use crate::workload::contact_separation::scenes::TOLERANCE;
 
 /// Forward voltage in volts of each of the bridge's diodes.
 const DIODE_DROP: f32 = 0.3;

@@ -1,30 +1,126 @@
-//! The contact-separation scene.
+//! The contact-separation scene: its variants.
 
 pub mod parts;
-pub mod scenes;
 
-use model_core::excitation::Sine;
-use model_core::integrate::StepControl;
-use model_core::scene::contact_separation::{ContactSeparation, Parameters, Parts, Start};
+use core::hint::black_box;
 
-use super::hybrid_run::{self, State};
+use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::scene::Simulation;
+use model_core::scene::contact_separation::{NeverSticks, Parameters, Parts, Start};
 
-impl<P: Parts<f32>> hybrid_run::Parameters for Parameters<f32, P> {
-    type Harvester = ContactSeparation<f32, P>;
+use self::parts::{CONSTANT, LAW_OF_SPEED, LOAD, PARASITIC};
+use super::run::{self, Plan, Run};
+use super::{Visit, Workload, show};
 
-    #[inline]
-    fn build(&self) -> Option<Self::Harvester> {
-        self.build().ok()
+/// 0.2 g at 20 Hz, just below the natural frequency: impacts from 0.43 s on. Three seconds.
+pub const IMPACTING: Plan = Plan {
+    name: "contact-separation",
+    amplitude: 1.962,
+    frequency: 20.0,
+    velocity: 0.0,
+    quarters: 1,
+    samples: 12,
+};
+/// The same for fifteen seconds, of which the last five are settled.
+pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..IMPACTING };
+/// 0.2 g at 22 Hz, above the natural frequency: the mass never reaches the dielectric.
+pub const SMOOTH: Plan = Plan { name: "smooth", frequency: 22.0, quarters: 12, samples: 1, ..IMPACTING };
+
+/// Relative tolerance per radian of [`bench`] and of the variants without a part.
+pub const TOLERANCE: f32 = 5e-2;
+/// Step in seconds of the variants without error control: as many steps as [`bench`] takes.
+pub const FIXED_STEP: f32 = 1.25e-3;
+/// Tolerances of [`precision`].
+pub const TOLERANCES: [f32; 4] = [1e-1, 5e-2, 2e-2, 1e-2];
+/// Fixed steps of [`precision`] for TR-BDF2, in seconds.
+pub const STEPS: [f32; 2] = [1e-3, 5e-4];
+/// Fixed steps of [`precision`] for the classical Runge–Kutta method, in seconds.
+pub const EXPLICIT_STEPS: [f32; 2] = [5e-4, 2.5e-4];
+/// Tolerances of [`smooth`].
+pub const SMOOTH_TOLERANCES: [f32; 3] = [1e-1, 1e-2, 1e-3];
+/// Fixed step of [`smooth`] for the classical Runge–Kutta method, in seconds.
+pub const SMOOTH_STEP: f32 = 2.5e-4;
+
+/// The default scene.
+pub fn bench(visit: Visit<'_>) -> Option<()> {
+    adaptive(visit, parts::whole())
+}
+
+/// The default scene without its parasitic capacitance.
+pub fn without_parasitic(visit: Visit<'_>) -> Option<()> {
+    adaptive(visit, parts::parameters(parts::without_parasitic(LOAD, LAW_OF_SPEED)))
+}
+
+/// The default scene without sticking.
+pub fn without_sticking(visit: Visit<'_>) -> Option<()> {
+    let choices = parts::without_parasitic(LOAD, LAW_OF_SPEED).parasitic(PARASITIC).sticking(NeverSticks);
+    adaptive(visit, parts::parameters(choices))
+}
+
+/// The default scene with one coefficient of restitution for all speeds.
+pub fn without_law_of_speed(visit: Visit<'_>) -> Option<()> {
+    adaptive(visit, parts::parameters(parts::without_parasitic(LOAD, CONSTANT).parasitic(PARASITIC)))
+}
+
+/// The default scene without error control.
+pub fn without_error_control(visit: Visit<'_>) -> Option<()> {
+    fixed(visit, IMPACTING, parts::whole(), TrBdf2, FIXED_STEP)
+}
+
+/// The default scene without all of these.
+pub fn without_any(visit: Visit<'_>) -> Option<()> {
+    let choices = parts::without_parasitic(LOAD, CONSTANT).sticking(NeverSticks);
+    fixed(visit, IMPACTING, parts::parameters(choices), TrBdf2, FIXED_STEP)
+}
+
+/// [`SETTLING`] with each of [`TOLERANCES`], [`STEPS`] and [`EXPLICIT_STEPS`].
+pub fn precision(visit: Visit<'_>) -> Option<()> {
+    for tolerance in TOLERANCES {
+        show(visit, run(SETTLING, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
     }
-
-    #[inline]
-    fn start<C: StepControl<f32>>(
-        harvester: &Self::Harvester,
-        velocity: f32,
-        excitation: &Sine<f32>,
-        control: &C,
-    ) -> Option<State<Self::Harvester>> {
-        let start = Start { velocity: Some(velocity), ..Start::default() };
-        harvester.start(&start, excitation, control).ok()
+    for step in STEPS {
+        fixed(visit, SETTLING, parts::whole(), TrBdf2, step)?;
     }
+    for step in EXPLICIT_STEPS {
+        fixed(visit, SETTLING, parts::whole(), RungeKutta4, step)?;
+    }
+    Some(())
+}
+
+/// [`SMOOTH`] with each of [`SMOOTH_TOLERANCES`] and with [`SMOOTH_STEP`].
+pub fn smooth(visit: Visit<'_>) -> Option<()> {
+    for tolerance in SMOOTH_TOLERANCES {
+        show(visit, run(SMOOTH, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
+    }
+    fixed(visit, SMOOTH, parts::whole(), RungeKutta4, SMOOTH_STEP)
+}
+
+#[inline]
+fn adaptive<P: Parts<f32>>(visit: Visit<'_>, parameters: Parameters<f32, P>) -> Option<()> {
+    show(visit, run(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE).ok()?))
+}
+
+#[inline]
+fn fixed<P: Parts<f32>>(
+    visit: Visit<'_>,
+    plan: Plan,
+    parameters: Parameters<f32, P>,
+    method: impl Method<f32>,
+    step: f32,
+) -> Option<()> {
+    show(visit, run(plan, parameters, method, FixedStep::of_seconds(step).ok()?))
+}
+
+/// A run of `parameters`; `None` if something is refused.
+#[must_use]
+#[inline(never)]
+pub fn run<P: Parts<f32>>(
+    plan: Plan,
+    parameters: Parameters<f32, P>,
+    method: impl Method<f32>,
+    control: impl StepControl<f32>,
+) -> Option<impl Workload> {
+    let scene = black_box(parameters).build().ok()?;
+    let start = Start { velocity: Some(black_box(plan.velocity)), ..Start::default() };
+    Run::new(plan, Simulation::new(scene, method, black_box(control)), &start, run::triboelectric)
 }

@@ -1,31 +1,157 @@
-//! The sliding scene.
+//! The sliding scene: its variants.
+//!
+//! The bench runs the classical Runge–Kutta method with a fixed step. Nothing is stiff at 100 MΩ, the corners of the
+//! motion are events, and at equal error TR-BDF2 costs several times as much.
 
-pub mod building;
 pub mod parts;
-pub mod scenes;
 
-use model_core::excitation::Sine;
-use model_core::integrate::StepControl;
-use model_core::scene::sliding::{Parameters, Parts, Sliding, Start};
+use core::hint::black_box;
 
-use super::hybrid_run::{self, State};
+use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::part::load::{OpenCircuit, ShortCircuit};
+use model_core::scene::Simulation;
+use model_core::scene::sliding::{Choices, Frictionless, NeverSticks, Parameters, Parts, Start};
 
-impl<P: Parts<f32>> hybrid_run::Parameters for Parameters<f32, P> {
-    type Harvester = Sliding<f32, P>;
+use self::parts::{FRICTION, LOAD, choices};
+use super::building::Building;
+use super::run::{self, Plan, Run};
+use super::{Visit, Workload, show};
 
-    #[inline]
-    fn build(&self) -> Option<Self::Harvester> {
-        self.build().ok()
+/// 0.36 g at 18.373 Hz, the natural frequency: the slider lets go in the first period and slides from
+/// then on. Three seconds.
+pub const SLIDING: Plan =
+    Plan { name: "sliding", amplitude: 3.5316, frequency: 18.373, velocity: 0.0, quarters: 1, samples: 12 };
+/// 0.30 g at 6 Hz: the slider sticks twice a period, for half of the time.
+pub const STICK_SLIP: Plan = Plan { name: "stick-slip", amplitude: 2.943, frequency: 6.0, ..SLIDING };
+/// 0.1 g: without friction 0.36 g would part the discs.
+pub const GENTLE: Plan = Plan { name: "gentle", amplitude: 0.981, ..SLIDING };
+/// 0.8 g at 16 Hz: the force of the field presses a slider at the centre on so that 0.36 g cannot move it.
+pub const STRONG: Plan = Plan { name: "strong", amplitude: 7.848, frequency: 16.0, ..SLIDING };
+/// In motion from the start, for a slider that never sticks.
+pub const MOVING: Plan = Plan { name: "moving", velocity: -0.8, ..SLIDING };
+/// Fifteen seconds at resonance, of which the last five are settled.
+pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..SLIDING };
+/// [`SETTLING`] a little below the resonance: on the flanks an error of the frequency shows.
+pub const BELOW: Plan = Plan { name: "below", frequency: 18.303, ..SETTLING };
+/// [`SETTLING`] a little above the resonance.
+pub const ABOVE: Plan = Plan { name: "above", frequency: 18.443, ..SETTLING };
+
+/// Step of [`bench`] in seconds: some 27 in a period.
+pub const STEP: f32 = 2e-3;
+/// Relative tolerance per radian of [`with_error_control`].
+pub const TOLERANCE: f32 = 5e-3;
+/// Step of [`implicit`] in seconds.
+pub const IMPLICIT_STEP: f32 = 5e-4;
+/// Tolerances of [`precision`].
+pub const TOLERANCES: [f32; 4] = [5e-2, 2e-2, 1e-2, 5e-3];
+/// Fixed steps of [`precision`] for TR-BDF2, in seconds.
+pub const STEPS: [f32; 2] = [1e-3, 5e-4];
+/// Fixed steps of [`precision`] for the classical Runge–Kutta method, in seconds.
+pub const EXPLICIT_STEPS: [f32; 4] = [3.8e-3, 2.5e-3, 2e-3, 1e-3];
+
+/// The default scene.
+pub fn bench(visit: Visit<'_>) -> Option<()> {
+    explicit(visit, SLIDING, parts::whole())
+}
+
+/// The default scene without friction, under [`GENTLE`].
+pub fn without_friction(visit: Visit<'_>) -> Option<()> {
+    explicit(visit, GENTLE, parts::parameters(choices(LOAD, Frictionless)))
+}
+
+/// The default scene without sticking, under [`MOVING`].
+pub fn without_sticking(visit: Visit<'_>) -> Option<()> {
+    explicit(visit, MOVING, parts::parameters(choices(LOAD, FRICTION).sticking(NeverSticks)))
+}
+
+/// The default scene with the load open.
+pub fn open(visit: Visit<'_>) -> Option<()> {
+    explicit(visit, SLIDING, parts::parameters(choices(OpenCircuit, FRICTION)))
+}
+
+/// The default scene with the load shorted.
+pub fn shorted(visit: Visit<'_>) -> Option<()> {
+    explicit(visit, SLIDING, parts::parameters(choices(ShortCircuit, FRICTION)))
+}
+
+/// The default scene with the force of the field, under [`STRONG`].
+pub fn gap_field(visit: Visit<'_>) -> Option<()> {
+    explicit(visit, STRONG, parts::parameters(Choices::new(LOAD, FRICTION)))
+}
+
+/// The default scene by TR-BDF2 with a fixed step.
+pub fn implicit(visit: Visit<'_>) -> Option<()> {
+    fixed(visit, SLIDING, parts::whole(), TrBdf2, IMPLICIT_STEP)
+}
+
+/// The default scene by TR-BDF2 with error control.
+pub fn with_error_control(visit: Visit<'_>) -> Option<()> {
+    adaptive(visit, SLIDING, TOLERANCE)
+}
+
+/// [`STICK_SLIP`] as the bench runs it, [`SLIDING`] and [`STICK_SLIP`] by TR-BDF2 with [`TOLERANCE`], and the build
+/// of the coefficients, the beam's eigenvalue included.
+pub fn others(visit: Visit<'_>) -> Option<()> {
+    explicit(visit, STICK_SLIP, parts::whole())?;
+    adaptive(visit, SLIDING, TOLERANCE)?;
+    adaptive(visit, STICK_SLIP, TOLERANCE)?;
+    visit(&mut Building::new("sliding-build", || {
+        let scene = black_box(black_box(parts::whole()).build().ok()?);
+        Some([scene.angular_frequency(), scene.modal_mass(), scene.base_coupling(), scene.charge_unit()])
+    }));
+    Some(())
+}
+
+/// [`SETTLING`] with each of [`TOLERANCES`], [`STEPS`] and [`EXPLICIT_STEPS`].
+pub fn precision(visit: Visit<'_>) -> Option<()> {
+    precision_of(SETTLING, visit)
+}
+
+/// The same for any plan.
+pub fn precision_of(plan: Plan, visit: Visit<'_>) -> Option<()> {
+    for tolerance in TOLERANCES {
+        adaptive(visit, plan, tolerance)?;
     }
-
-    #[inline]
-    fn start<C: StepControl<f32>>(
-        harvester: &Self::Harvester,
-        velocity: f32,
-        excitation: &Sine<f32>,
-        control: &C,
-    ) -> Option<State<Self::Harvester>> {
-        let start = Start { velocity: Some(velocity), ..Start::default() };
-        harvester.start(&start, excitation, control).ok()
+    for step in STEPS {
+        fixed(visit, plan, parts::whole(), TrBdf2, step)?;
     }
+    for step in EXPLICIT_STEPS {
+        fixed(visit, plan, parts::whole(), RungeKutta4, step)?;
+    }
+    Some(())
+}
+
+#[inline]
+fn explicit<P: Parts<f32>>(visit: Visit<'_>, plan: Plan, parameters: Parameters<f32, P>) -> Option<()> {
+    fixed(visit, plan, parameters, RungeKutta4, STEP)
+}
+
+#[inline]
+fn adaptive(visit: Visit<'_>, plan: Plan, tolerance: f32) -> Option<()> {
+    show(visit, run(plan, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?))
+}
+
+#[inline]
+fn fixed<P: Parts<f32>>(
+    visit: Visit<'_>,
+    plan: Plan,
+    parameters: Parameters<f32, P>,
+    method: impl Method<f32>,
+    step: f32,
+) -> Option<()> {
+    show(visit, run(plan, parameters, method, FixedStep::of_seconds(step).ok()?))
+}
+
+/// A run of `parameters`; `None` if something is refused.
+#[must_use]
+#[inline(never)]
+pub fn run<P: Parts<f32>>(
+    plan: Plan,
+    parameters: Parameters<f32, P>,
+    method: impl Method<f32>,
+    control: impl StepControl<f32>,
+) -> Option<impl Workload> {
+    let scene = black_box(parameters).build().ok()?;
+    let start = Start { velocity: Some(black_box(plan.velocity)), ..Start::default() };
+    Run::new(plan, Simulation::new(scene, method, black_box(control)), &start, run::triboelectric)
 }

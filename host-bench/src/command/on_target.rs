@@ -4,13 +4,15 @@ mod cores;
 mod estimators;
 mod leave_outs;
 mod node;
+mod output;
 mod peer;
+mod rows;
 mod work_precision;
 
+use self::output::{Format, Output};
 use crate::on_target::core::Core;
-use crate::on_target::{Error, qemu};
+use crate::on_target::{Bench, Error, qemu};
 use clap::{Args, ValueEnum};
-use comfy_table::{CellAlignment, Table, presets};
 use std::time::Duration;
 
 /// Build the firmware for each core, run it under QEMU, check its bits against the host, and report
@@ -24,6 +26,10 @@ pub struct OnTargetArguments {
     /// How long a run may take, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 120)]
     time_limit: u64,
+
+    /// Output format
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
 
     /// Error against instructions, over tolerances, fixed steps and methods
     #[arg(long, group = "report")]
@@ -46,50 +52,51 @@ pub struct OnTargetArguments {
     peer: bool,
 }
 
-/// Measures each core and prints one table.
+/// Prints the chosen report.
 ///
 /// # Errors
 ///
-/// At the first core whose firmware cannot be built, run, or trusted.
+/// At the first core whose firmware does not build or run, or computes other bits than the host.
 pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
     qemu::find()?;
     let limit = Duration::from_secs(arguments.time_limit);
-    let of_one = |report: fn(Core, Duration) -> Result<(), Error>| {
-        let small = arguments.node || arguments.estimators;
-        let usual = if small { &[Core::M4f, Core::M0][..] } else { &[Core::M4f] };
-        let cores = if arguments.core.is_empty() { usual } else { &arguments.core };
-        cores.iter().try_for_each(|&core| {
-            announce(core);
-            report(core, limit)
-        })
+    let mut output = Output::new(arguments.format);
+    let cores = |default: &[Core]| match &arguments.core[..] {
+        [] => default.to_vec(),
+        chosen => chosen.to_vec(),
     };
-    if arguments.work_precision {
-        of_one(work_precision::report)
+    let of_bench: fn(&Bench, &mut Output) -> Result<(), Error> = if arguments.work_precision {
+        work_precision::report
     } else if arguments.leave_outs {
-        of_one(leave_outs::report)
-    } else if arguments.node {
-        of_one(node::report)
+        leave_outs::report
     } else if arguments.estimators {
-        of_one(estimators::report)
+        estimators::report
     } else if arguments.peer {
-        of_one(peer::report)
+        peer::report
     } else {
-        let cores = if arguments.core.is_empty() { Core::value_variants() } else { &arguments.core };
-        cores::report(cores, limit)
+        let all = if arguments.node { &[Core::M4f, Core::M0] } else { Core::value_variants() };
+        let cores = cores(all);
+        if arguments.node {
+            node::report(&cores, limit, &mut output)?;
+        } else {
+            cores::report(&cores, limit, &mut output)?;
+        }
+        output.finish();
+        return Ok(());
+    };
+    for core in cores(if arguments.estimators { &[Core::M4f, Core::M0] } else { &[Core::M4f] }) {
+        of_bench(&bench(core, limit)?, &mut output)?;
     }
+    output.finish();
+    Ok(())
+}
+
+/// The bench on `core`, announced on standard error.
+fn bench(core: Core, limit: Duration) -> Result<Bench, Error> {
+    announce(core);
+    Bench::new(core, limit)
 }
 
 fn announce(core: Core) {
     eprintln!("{core}, on the board {}", core.hardware().board);
-}
-
-/// A table with its first `text` columns to the left and the others, which are numbers, to the right.
-fn table<const N: usize>(header: [&str; N], rows: Vec<[String; N]>, text: usize) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::ASCII_MARKDOWN).set_header(header);
-    table.add_rows(rows);
-    for column in table.column_iter_mut().skip(text) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
 }

@@ -1,30 +1,30 @@
-//! How far a workload's mean power or voltage is from what it should be.
+//! The error of a workload's mean power or RMS voltage against the independent reference.
 
 use std::path::Path;
 
-use firmware_example::workload::bump_stop::modal_run;
-use firmware_example::workload::bump_stop::scenes::{BEAM_MODES, ROD_MODES};
-use firmware_example::workload::hybrid_run::{ENERGY, Plan};
+use firmware_example::workload::bump_stop::{BEAM_MODES, ROD_MODES};
+use firmware_example::workload::run::{ENERGY, Plan};
 
-use super::{Error, Workload};
+use super::Error;
+use super::decode::Sample;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{
     self, BumpStop, ContactSeparationParameters, Excitation, Load, Model, RunSpan, Scene, SlidingParameters,
     Tone,
 };
 
-/// The shipped contact-separation scene shaken as `plan` says, measured from `settle_s` to the plan's
-/// end, with other parameters where `change` says so.
+/// The shipped contact-separation scene under the excitation of `plan`, measured from `settle_s` to the plan's end,
+/// with the parameters that `change` sets.
 ///
 /// # Errors
 ///
-/// When the shipped scene cannot be read.
+/// If the shipped scene cannot be read.
 pub fn contact_separation(
     plan: &Plan,
     settle_s: f64,
     change: impl FnOnce(&mut ContactSeparationParameters),
 ) -> Result<Scene, Error> {
-    let mut scene = shaken("contact-separation.toml", plan, settle_s)?;
+    let mut scene = shipped("contact-separation.toml", plan, settle_s)?;
     if let Model::ContactSeparation(model) = &mut scene.model {
         model.initial.velocity_m_per_s = Some(f64::from(plan.velocity));
         change(&mut model.parameters);
@@ -32,17 +32,17 @@ pub fn contact_separation(
     Ok(scene)
 }
 
-/// The same of the shipped sliding scene, whose load may be another one too.
+/// The shipped sliding scene, as in [`contact_separation`]; `change` may set another load.
 ///
 /// # Errors
 ///
-/// When the shipped scene cannot be read.
+/// If the shipped scene cannot be read.
 pub fn sliding(
     plan: &Plan,
     settle_s: f64,
     change: impl FnOnce(&mut SlidingParameters, &mut Load),
 ) -> Result<Scene, Error> {
-    let mut scene = shaken("sliding.toml", plan, settle_s)?;
+    let mut scene = shipped("sliding.toml", plan, settle_s)?;
     if let Model::Sliding(model) = &mut scene.model {
         model.initial.velocity_m_per_s = Some(f64::from(plan.velocity));
         change(&mut model.parameters, &mut scene.load);
@@ -50,20 +50,19 @@ pub fn sliding(
     Ok(scene)
 }
 
-/// The same of the shipped bump-stop scene, with the firmware's numbers of modes and `gap` metres between
-/// beam and rod.
+/// The shipped bump-stop scene, as in [`sliding`], with the firmware's numbers of modes and a gap in m between beam
+/// and rod.
 ///
 /// # Errors
 ///
-/// When the shipped scene cannot be read.
+/// If the shipped scene cannot be read.
 pub fn bump_stop(
-    plan: &modal_run::Plan,
+    plan: &Plan,
     gap: f32,
     settle_s: f64,
     change: impl FnOnce(&mut BumpStop, &mut Load),
 ) -> Result<Scene, Error> {
-    let run = RunSpan { duration_s: plan.seconds(), settle_s };
-    let mut scene = shipped("bump-stop.toml", [plan.amplitude, plan.frequency], run)?;
+    let mut scene = shipped("bump-stop.toml", plan, settle_s)?;
     if let Model::BumpStop(model) = &mut scene.model {
         model.parameters.beam_modes = BEAM_MODES;
         if let Some(stop) = &mut model.stop {
@@ -74,104 +73,69 @@ pub fn bump_stop(
     Ok(scene)
 }
 
-fn shaken(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
-    let run = RunSpan { duration_s: plan.seconds(), settle_s };
-    shipped(name, [plan.amplitude, plan.frequency], run)
-}
-
-/// A shipped scene with the amplitude in m/s² and the frequency in hertz of a firmware's plan.
-fn shipped(name: &str, [amplitude, frequency]: [f32; 2], run: RunSpan) -> Result<Scene, Error> {
+fn shipped(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
     let mut scene = scene_file::read(&file, &[]).map_err(|error| Error::Host(error.to_string()))?;
     scene.excitation = Excitation::Sine(Tone {
-        amplitude_m_per_s2: f64::from(amplitude),
-        frequency_hz: f64::from(frequency),
+        amplitude_m_per_s2: f64::from(plan.amplitude),
+        frequency_hz: f64::from(plan.frequency),
         phase_rad: 0.0,
     });
-    scene.run = run;
+    scene.run = RunSpan { duration_s: plan.seconds(), settle_s };
     Ok(scene)
 }
 
-/// A figure by which a workload is judged.
+/// The mean power of the reference of a scene.
 #[derive(Debug, Clone, Copy)]
-pub struct Yardstick {
-    of: fn(&Workload) -> f64,
-    reference: f64,
+pub struct Reference {
+    /// Mean power from the settling time on, in W.
+    pub(crate) power: f64,
+    /// The settling time in microseconds.
+    pub(crate) settle_us: u64,
 }
 
-impl Yardstick {
-    /// The mean power of the whole run of `scene`.
+impl Reference {
+    /// Runs the reference of `scene`.
     ///
     /// # Errors
     ///
-    /// When the reference run cannot be finished.
-    pub fn mean_power(scene: &Scene) -> Result<Self, Error> {
-        Ok(Self { of: |workload| mean_power(workload, None), reference: reference_power(scene)? })
+    /// If the run fails.
+    pub fn new(scene: &Scene) -> Result<Self, Error> {
+        let outcome = reference::run(scene, &ReferenceOptions::default())
+            .map_err(|failure| Error::Host(failure.to_string()))?;
+        let power = outcome.mean_power_w;
+        let power = power.ok_or_else(|| Error::Host("the reference has no mean power".to_owned()))?;
+        Ok(Self { power, settle_us: (scene.run.settle_s * 1e6).round() as u64 })
     }
 
-    /// The RMS voltage of `scene` from the first sample of a workload on, per root of the load's resistance:
-    /// the root of the mean power.
-    ///
-    /// # Errors
-    ///
-    /// When the reference run cannot be finished.
-    pub fn rms_voltage(scene: &Scene) -> Result<Self, Error> {
-        Ok(Self {
-            of: |workload| mean_power(workload, Some(0)).sqrt(),
-            reference: reference_power(scene)?.sqrt(),
-        })
-    }
-
-    /// The relative error of `workload`, as a table shows it.
+    /// Relative error of the mean power of a workload with these samples; `None` where no power is delivered.
     #[must_use]
-    pub fn error(&self, workload: &Workload) -> String {
-        error((self.of)(workload), self.reference)
+    pub fn power_error(&self, samples: &[Sample]) -> Option<f64> {
+        self.error_of(mean_power(samples, self.settle_us))
+    }
+
+    /// Relative error of a mean power in W; `None` where no power is delivered.
+    #[must_use]
+    pub fn error_of(&self, power: f64) -> Option<f64> {
+        self.ratio(power).map(|ratio| (ratio - 1.0).abs())
+    }
+
+    /// Relative error of the RMS voltage, whose square is the mean power times the load's resistance.
+    #[must_use]
+    pub fn voltage_error(&self, samples: &[Sample]) -> Option<f64> {
+        self.ratio(mean_power(samples, self.settle_us)).map(|ratio| (ratio.sqrt() - 1.0).abs())
+    }
+
+    fn ratio(&self, power: f64) -> Option<f64> {
+        (self.power != 0.0 || power != 0.0).then(|| power / self.power)
     }
 }
 
-/// Mean power of `scene` in watts, of the reference.
-///
-/// # Errors
-///
-/// When the run cannot be finished.
-pub fn reference_power(scene: &Scene) -> Result<f64, Error> {
-    let outcome = reference::run(scene, &ReferenceOptions::default())
-        .map_err(|failure| Error::Host(failure.to_string()))?;
-    outcome.mean_power_w.ok_or_else(|| Error::Host("the reference has no mean power".to_owned()))
-}
-
-/// Mean power of a workload from sample `after` (or the start) to its last sample, in watts.
-#[must_use]
-pub fn mean_power(workload: &Workload, after: Option<usize>) -> f64 {
-    let energy = |index: usize| {
-        let bits = workload.samples.get(index).and_then(|sample| sample.bits.get(ENERGY));
-        bits.map_or(f64::NAN, |&bits| f64::from(f32::from_bits(bits)))
-    };
-    let last = energy(workload.samples.len().wrapping_sub(1));
-    match after {
-        Some(first) => (last - energy(first)) / workload.after(first).seconds,
-        None => last / workload.whole().seconds,
-    }
-}
-
-/// Mean power from the states that the host logs, from sample `after` to the last one, for a plan.
-///
-/// On a core they are the same: each bit is compared.
-#[must_use]
-pub fn native_power(states: &[Vec<u32>], after: usize, plan: &Plan) -> f64 {
-    let energy = |state: Option<&Vec<u32>>| {
-        let bits = state.and_then(|state| state.get(ENERGY));
-        bits.map_or(f64::NAN, |&bits| f64::from(f32::from_bits(bits)))
-    };
-    let seconds = (states.len().saturating_sub(1 + after)) as f64 * f64::from(plan.quarters) * 0.25;
-    (energy(states.last()) - energy(states.get(after))) / seconds
-}
-
-/// Relative error of a power, as a table shows it; nothing where no power is delivered.
-#[must_use]
-pub fn error(power: f64, reference: f64) -> String {
-    if reference == 0.0 && power == 0.0 {
-        return "-".to_owned();
-    }
-    format!("{:.3} %", (power / reference - 1.0).abs() * 100.0)
+/// Mean power in W from the sample at `from_us`, or from the start at 0, to the last sample.
+fn mean_power(samples: &[Sample], from_us: u64) -> f64 {
+    let energy =
+        |sample: &Sample| sample.bits.get(ENERGY).map_or(f64::NAN, |&bits| f64::from(f32::from_bits(bits)));
+    let start = samples.iter().find(|sample| sample.simulated_us == from_us).map_or(0.0, energy);
+    let end = samples.last().map_or((f64::NAN, 0), |sample| (energy(sample), sample.simulated_us));
+    (end.0 - start) / (end.1.saturating_sub(from_us) as f64 * 1e-6)
 }

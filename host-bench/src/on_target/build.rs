@@ -11,15 +11,17 @@ use thiserror::Error;
 pub struct Binary {
     /// Its name.
     pub name: &'static str,
-    /// The feature of the firmware without which it is not built, if there is one.
+    /// What `bench` is to measure: the name of a variant.
+    pub variant: Option<&'static str>,
+    /// The Cargo feature that the binary needs.
     pub feature: Option<&'static str>,
 }
 
 impl Binary {
-    /// One that needs no feature.
+    /// A binary without variants and features.
     #[must_use]
     pub const fn new(name: &'static str) -> Self {
-        Self { name, feature: None }
+        Self { name, variant: None, feature: None }
     }
 }
 
@@ -42,7 +44,7 @@ pub enum Error {
     },
 }
 
-/// Builds `binary` for `core`, by itself: the features of host crates must not reach it.
+/// Builds `binary` for `core` in a Cargo run of its own, so that the features of host crates do not reach it.
 ///
 /// # Errors
 ///
@@ -62,6 +64,7 @@ pub fn build(core: Core, binary: Binary) -> Result<PathBuf, Error> {
         .arg("--target-dir")
         .arg(&target_directory)
         .env("HARVESTER_BOARD", hardware.board)
+        .envs(binary.variant.map(|variant| ("HARVESTER_VARIANT", variant)))
         .current_dir(&workspace)
         .status()
         .map_err(io_error)?;
@@ -69,11 +72,11 @@ pub fn build(core: Core, binary: Binary) -> Result<PathBuf, Error> {
         return Err(Error::Cargo(core));
     }
 
-    // Two boards have the same target, and the second would overwrite the first. A directory for
-    // each board to build in would compile `core` and all the macros once for each as well.
+    // A copy for each board and variant, because the next build overwrites this one. A target directory for each
+    // would compile `core` and the dependencies again.
     let built = target_directory.join(hardware.target).join("firmware").join(binary.name);
     let kept = target_directory.join(hardware.board);
     fs::create_dir_all(&kept).map_err(io_error)?;
-    let to = kept.join(binary.name);
+    let to = kept.join(binary.variant.unwrap_or(binary.name).replace("::", "-"));
     fs::copy(built, &to).map(|_| to).map_err(io_error)
 }

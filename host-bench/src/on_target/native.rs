@@ -1,32 +1,71 @@
-//! The firmware's workloads run on the host, and their bits beside the core's.
+//! The firmware's workloads on the host, and the comparison of their bits with a core's.
 
-use firmware_example::workload::{Progress, Workload as Native};
+use firmware_example::variant::Variant;
+use firmware_example::workload::{Progress, Visit, Workload as Native};
 
 use super::core::Core;
+use super::decode::Sample;
 use super::{Error, Workload};
 
-/// Runs a workload to its end, and gives the states in which it was sampled.
+/// Runs a workload to its end and gives its samples. A host's run has no ticks.
 ///
 /// # Errors
 ///
-/// When it fails.
-pub fn run(workload: &mut dyn Native) -> Result<Vec<Vec<u32>>, Error> {
-    let mut samples = Vec::new();
+/// If the model cannot be stepped.
+pub fn run(workload: &mut dyn Native) -> Result<Vec<Sample>, Error> {
+    let mut samples: Vec<Sample> = Vec::new();
     loop {
         match workload.advance() {
-            Progress::Sample { .. } => samples.push(workload.state().to_vec()),
+            Progress::Sample { steps, simulated_us } => {
+                let (time, count) = samples.last().map_or((0, 0), |last| (last.simulated_us, last.steps));
+                samples.push(Sample {
+                    simulated_us: time + u64::from(simulated_us),
+                    steps: count + u64::from(steps),
+                    ticks: 0,
+                    bits: workload.state().to_vec(),
+                });
+            }
             Progress::Finished => return Ok(samples),
             Progress::Failed => return Err(Error::Host(format!("{} cannot go on", workload.name()))),
         }
     }
 }
 
-/// Runs `native` on the host and compares every bit that `measured` has logged.
+/// Runs each of `workloads` and gives the results of `run`, in order.
+///
+/// # Errors
+///
+/// The first error of `run`, or if the parameters of a workload are refused.
+pub fn each<T>(
+    workloads: impl FnOnce(Visit<'_>) -> Option<()>,
+    mut run: impl FnMut(&mut dyn Native) -> Result<T, Error>,
+) -> Result<Vec<T>, Error> {
+    let mut results = Vec::new();
+    workloads(&mut |workload| {
+        if !results.last().is_some_and(Result::is_err) {
+            results.push(run(workload));
+        }
+    })
+    .ok_or_else(|| Error::Host("the parameters of a workload are refused".to_owned()))?;
+    results.into_iter().collect()
+}
+
+/// Runs `variant` on the host and compares every bit that `measured` has logged. Gives the number of workloads of
+/// `variant`; `measured` may have more.
 ///
 /// # Errors
 ///
 /// At the first difference.
-pub fn compare(core: Core, measured: &Workload, native: &mut dyn Native) -> Result<(), Error> {
+pub fn compare(core: Core, measured: &[Workload], variant: &Variant) -> Result<usize, Error> {
+    let mut measured = measured.iter();
+    let compared = each(variant.workloads, |native| match measured.next() {
+        Some(measured) => compare_one(core, measured, native),
+        None => Err(Error::on(core, format!("no workload {}", native.name()))),
+    });
+    Ok(compared?.len())
+}
+
+fn compare_one(core: Core, measured: &Workload, native: &mut dyn Native) -> Result<(), Error> {
     let expected = run(native)?;
     if expected.len() != measured.samples.len() || measured.name != native.name() {
         let what = format!(
@@ -36,41 +75,18 @@ pub fn compare(core: Core, measured: &Workload, native: &mut dyn Native) -> Resu
             native.name(),
             expected.len()
         );
-        return Err(Error::Other { core, what });
+        return Err(Error::on(core, what));
     }
-    for (sample, (found, expected)) in measured.samples.iter().zip(&expected).enumerate() {
-        let numbers = found.bits.len().max(expected.len());
-        for number in 0..numbers {
-            let bits = |words: &[u32]| words.get(number).copied();
-            let (found, expected) = (bits(&found.bits), bits(expected));
-            if found != expected {
-                let workload = measured.name.clone();
-                let (found, expected) = (found.unwrap_or_default(), expected.unwrap_or_default());
-                return Err(Error::Bits { core, workload, sample, number, found, expected });
-            }
+    for (number, (found, expected)) in measured.samples.iter().zip(&expected).enumerate() {
+        if found.bits != expected.bits {
+            let Sample { bits, .. } = found;
+            let name = &measured.name;
+            let what = format!(
+                "{name}: sample {number}: the bits are {bits:08x?}, on the host {:08x?}",
+                expected.bits
+            );
+            return Err(Error::on(core, what));
         }
     }
     Ok(())
-}
-
-/// Compares each of several workloads, in their order.
-///
-/// # Errors
-///
-/// At the first difference.
-pub fn compare_all(core: Core, measured: &[Workload], native: &mut [&mut dyn Native]) -> Result<(), Error> {
-    if measured.len() != native.len() {
-        let what = format!("{} workloads, on the host {}", measured.len(), native.len());
-        return Err(Error::Other { core, what });
-    }
-    measured.iter().zip(native).try_for_each(|(measured, native)| compare(core, measured, *native))
-}
-
-/// The workload, unless the host refuses it, which would be a fault of the workload.
-///
-/// # Errors
-///
-/// When it is refused.
-pub fn accepted<W>(workload: Option<W>) -> Result<W, Error> {
-    workload.ok_or_else(|| Error::Host("the workload's parameters are refused".to_owned()))
 }

@@ -72,14 +72,14 @@ pub fn follow(core: Core, time_limit: Duration) -> Result<(Vec<Report>, Size), E
     let firmware = Firmware::build(core, kind.binary())?;
     let size = firmware.check()?;
     let log = qemu::run(core, &firmware.path, time_limit)?;
-    let found = decode::messages(&firmware.bytes, &log).map_err(|source| Error::Log { core, source })?;
+    let found = decode::messages(&firmware.bytes, &log).map_err(|error| Error::on(core, error))?;
     let (expected, _) = kind.native(SECONDS)?;
     for second in 0..found.len().max(expected.len()) {
         let (found, expected) = (found.get(second), expected.get(second));
         // A number in the log is written with as many digits as tell it from its neighbours.
         if found.cloned() != expected.map(Report::to_string) {
             let what = format!("node: logs {found:?}, on the host {:?}", expected.map(Report::to_string));
-            return Err(Error::Other { core, what });
+            return Err(Error::on(core, what));
         }
     }
     Ok((expected, size))

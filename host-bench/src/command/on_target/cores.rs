@@ -1,203 +1,131 @@
-//! The bench on each core.
+//! The benches of the three scenes on each core.
 
 use std::time::Duration;
 
-use firmware_example::workload::Workload as Native;
-use firmware_example::workload::bump_stop::{parts::GAP, scenes as bump_stop};
-use firmware_example::workload::contact_separation::scenes as contact_separation;
-use firmware_example::workload::sliding::scenes as sliding;
+use firmware_example::variant::{Variant, named};
+use firmware_example::workload::{bump_stop, contact_separation, sliding};
 
-use super::{announce, table};
-use crate::on_target::accuracy::{self, Yardstick};
-use crate::on_target::build::Binary;
+use super::bench;
+use super::output::Output;
+use super::rows::{self, Case, Column, Row, Steps};
 use crate::on_target::core::Core;
-use crate::on_target::{self, Error, Workload, native};
+use crate::on_target::{Error, accuracy};
+
+/// Settling time of the bump-stop runs in seconds: their first sample.
+const SETTLE_S: f64 = 0.5;
+
+const BOARD: Column = ("board in QEMU", |row, _| row.core.hardware().board.to_owned());
+const SCENE: Column = ("scene", |row, _| row.case.name.clone());
+const RUN: Column = ("run", |row, _| row.case.name.clone());
 
 /// Measures the benches on `cores` and prints their tables.
 ///
 /// # Errors
 ///
-/// At the first core whose firmware cannot be built, run, or trusted.
-pub(super) fn report(cores: &[Core], limit: Duration) -> Result<(), Error> {
-    let yardsticks = Yardsticks::new()?;
-    let (mut benches, mut others, mut touching) = (Vec::new(), Vec::new(), Vec::new());
-    let mut samples = 0;
+/// If the firmware does not build or run, or computes other bits than the host.
+pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Result<(), Error> {
+    let (benches, others) = (benches()?, others()?);
+    let (mut bench_rows, mut other_rows) = (Vec::new(), Vec::new());
     for &core in cores {
-        announce(core);
-        let contact = native::accepted(contact_separation::bench())?;
-        let slide = native::accepted(sliding::bench())?;
-        let bump = native::accepted(bump_stop::bench())?;
-        let scenes: [(&str, Box<dyn Native>, &Yardstick); 3] = [
-            ("bench", Box::new(contact), &yardsticks.contact_separation),
-            ("sliding", Box::new(slide), &yardsticks.sliding),
-            ("bump_stop", Box::new(bump), &yardsticks.bump_stop),
-        ];
-        for (binary, mut expected, yardstick) in scenes {
-            let measurement = on_target::measure(core, Binary::new(binary), limit)?;
-            native::compare_all(core, &measurement.workloads, &mut [&mut *expected])?;
-            for workload in &measurement.workloads {
-                let whole = workload.whole();
-                samples += workload.samples.len();
-                benches.push([
-                    core.to_string(),
-                    core.hardware().board.to_owned(),
-                    workload.name.clone(),
-                    format!("{:.0}", whole.instructions_per_step()),
-                    format!("{:.0}", whole.instructions_per_second()),
-                    yardstick.error(workload),
-                    measurement.flash.to_string(),
-                    measurement.size.static_ram.to_string(),
-                    workload.stack.to_string(),
-                ]);
-            }
+        let bench = bench(core, limit)?;
+        for (variant, case) in &benches {
+            bench_rows.extend(rows::measure(&bench, variant, vec![case.clone()])?);
         }
-        let workloads = measure_others(core, limit)?;
-        samples += workloads.iter().map(|workload| workload.samples.len()).sum::<usize>();
-        others.push(other_row(core, &workloads, &yardsticks)?);
-        let workloads = measure_other_gap(core, limit)?;
-        samples += workloads.iter().map(|workload| workload.samples.len()).sum::<usize>();
-        touching.push(other_gap_row(core, &workloads, &yardsticks)?);
+        for (variant, cases) in &others {
+            other_rows.extend(rows::measure(&bench, variant, cases.clone())?);
+        }
     }
-    print_tables(benches, others, touching);
-    print_legend(samples);
+    let samples = |rows: &[Row]| rows.iter().map(|row| row.workload.samples.len()).sum::<usize>();
+    let count = samples(&bench_rows) + samples(&other_rows);
+    let columns = [
+        rows::CORE,
+        BOARD,
+        SCENE,
+        rows::PER_STEP,
+        rows::PER_SECOND,
+        rows::ERROR,
+        rows::FLASH,
+        rows::STATIC_RAM,
+        rows::STACK,
+    ];
+    output.rows(&bench_rows, &columns, 3, &bench_note());
+    let columns = [rows::CORE, RUN, rows::METHOD, rows::PER_STEP, rows::PER_SECOND, rows::ERROR, rows::STACK];
+    output.rows(&other_rows, &columns, 3, &other_note(count));
     Ok(())
 }
 
-/// Prints the tables: the bench on each core, what it leaves out, and bump-stop without a gap.
-fn print_tables(benches: Vec<[String; 9]>, others: Vec<[String; 8]>, touching: Vec<[String; 4]>) {
-    let header = [
-        "core",
-        "board in QEMU",
-        "scene",
-        "instructions per step",
-        "per simulated second",
-        "error",
-        "flash",
-        "static RAM",
-        "stack",
-    ];
-    println!("{}", table(header, benches, 3));
-    println!();
-    let header = [
-        "core",
-        "stick-slip by Runge-Kutta 4",
-        "error",
-        "sliding by TR-BDF2",
-        "error",
-        "stick-slip by TR-BDF2",
-        "error",
-        "build",
-    ];
-    println!("{}", table(header, others, 1));
-    println!();
-    println!("{}", table(["core", "bump-stop without a gap", "error", "build"], touching, 1));
-}
-
-/// Prints what the tables hold.
-fn print_legend(samples: usize) {
-    println!("{samples} sampled states, each bit-identical to the host's f32 run.");
-    println!(
-        "Contact-separation: TR-BDF2 with tolerance {}, 20 Hz, 0.2 g, 3 s from rest, with impacts.",
-        contact_separation::TOLERANCE
-    );
-    println!(
-        "Sliding: Runge-Kutta 4 with a step of {} ms, TR-BDF2 with tolerance {}; 18.373 Hz, 0.36 g,",
-        sliding::STEP * 1e3,
-        sliding::TOLERANCE
-    );
-    println!("3 s from rest; stick-slip at 6 Hz, 0.30 g. The second and third tables have instructions per");
-    println!(
-        "simulated second, and for one build of the coefficients from the parameters, the beam's eigenvalue included."
-    );
-    println!(
-        "Bump-stop: four modes of the beam and one of the rod, steps of {} and {} us, 220 Hz, 20 m/s2, 2 s from",
-        bump_stop::SHORT * 1e6,
-        bump_stop::LONG * 1e6
-    );
-    println!("rest; with a gap of 10 um and, in the third table, without one.");
-    println!("Error: of this run's mean power over the same time, against the independent reference; in");
-    println!(
-        "bump-stop of the RMS voltage from {SETTLED_S} s on, against the reference with the same modes."
-    );
-    println!("Instructions as QEMU executes them, which are not");
-    println!("cycles. Flash: what is added to an empty firmware with the same runtime and logging. Stack:");
-    println!("from the top of RAM. Sizes in bytes.");
-}
-
-/// Where the bump-stop runs count as settled, in seconds: at their first sample.
-const SETTLED_S: f64 = 0.5;
-
-/// What the runs are judged by.
-struct Yardsticks {
-    contact_separation: Yardstick,
-    sliding: Yardstick,
-    stick_slip: Yardstick,
-    bump_stop: Yardstick,
-    touching: Yardstick,
-}
-
-impl Yardsticks {
-    fn new() -> Result<Self, Error> {
-        let contact_separation = accuracy::contact_separation(&contact_separation::IMPACTING, 0.0, |_| {})?;
-        let slide = |plan| Yardstick::mean_power(&accuracy::sliding(plan, 0.0, |_, _| {})?);
-        let bump = |plan, gap| Yardstick::rms_voltage(&accuracy::bump_stop(plan, gap, SETTLED_S, |_, _| {})?);
-        Ok(Self {
-            contact_separation: Yardstick::mean_power(&contact_separation)?,
-            sliding: slide(&sliding::SLIDING)?,
-            stick_slip: slide(&sliding::STICK_SLIP)?,
-            bump_stop: bump(&bump_stop::IMPACTING, GAP)?,
-            touching: bump(&bump_stop::TOUCHING, 0.0)?,
-        })
-    }
-}
-
-/// What the sliding bench leaves out, on one core, with the bits compared.
-fn measure_others(core: Core, limit: Duration) -> Result<Vec<Workload>, Error> {
-    let measurement = on_target::measure(core, Binary::new("sliding_others"), limit)?;
-    sliding::with_others(|native| {
-        native::compare_all(core, &measurement.workloads, native::accepted(native)?)
-    })?;
-    Ok(measurement.workloads)
-}
-
-fn other_row(core: Core, workloads: &[Workload], yardsticks: &Yardsticks) -> Result<[String; 8], Error> {
-    let [explicit, sliding, stick_slip, build] = workloads else {
-        let what = format!("{} workloads beside the sliding bench, not 4", workloads.len());
-        return Err(Error::Other { core, what });
-    };
+/// The bench of each scene.
+fn benches() -> Result<[(Variant, Case); 3], Error> {
+    let contact = accuracy::contact_separation(&contact_separation::IMPACTING, 0.0, |_| {})?;
+    let slide = accuracy::sliding(&sliding::SLIDING, 0.0, |_, _| {})?;
+    let bump = accuracy::bump_stop(&bump_stop::IMPACTING, bump_stop::GAPS[1], SETTLE_S, |_, _| {})?;
+    let tolerance = Steps::Tolerance(contact_separation::TOLERANCE);
+    let steps = Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG]);
     Ok([
-        core.to_string(),
-        per_second(explicit),
-        yardsticks.stick_slip.error(explicit),
-        per_second(sliding),
-        yardsticks.sliding.error(sliding),
-        per_second(stick_slip),
-        yardsticks.stick_slip.error(stick_slip),
-        per_step(build),
+        (
+            const { named("contact_separation::bench") },
+            Case::of_scene("contact-separation", &contact, "TR-BDF2", tolerance)?,
+        ),
+        (
+            const { named("sliding::bench") },
+            Case::of_scene("sliding", &slide, "Runge-Kutta 4", Steps::Fixed(sliding::STEP))?,
+        ),
+        (
+            const { named("bump_stop::bench") },
+            Case::of_scene("bump-stop", &bump, "discrete gradient", steps)?,
+        ),
     ])
 }
 
-/// What the bump-stop bench leaves out, on one core, with the bits compared.
-fn measure_other_gap(core: Core, limit: Duration) -> Result<Vec<Workload>, Error> {
-    let measurement = on_target::measure(core, Binary::new("bump_stop_others"), limit)?;
-    bump_stop::with_others(|native| {
-        native::compare_all(core, &measurement.workloads, native::accepted(native)?)
-    })?;
-    Ok(measurement.workloads)
+/// The runs beside the benches, and the builds of the coefficients.
+fn others() -> Result<[(Variant, Vec<Case>); 2], Error> {
+    let slide = accuracy::sliding(&sliding::SLIDING, 0.0, |_, _| {})?;
+    let stick_slip = accuracy::sliding(&sliding::STICK_SLIP, 0.0, |_, _| {})?;
+    let touching = accuracy::bump_stop(&bump_stop::TOUCHING, 0.0, SETTLE_S, |_, _| {})?;
+    let (step, tolerance) = (Steps::Fixed(sliding::STEP), Steps::Tolerance(sliding::TOLERANCE));
+    let steps = Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG]);
+    Ok([
+        (
+            const { named("sliding::others") },
+            vec![
+                Case::of_scene("stick-slip", &stick_slip, "Runge-Kutta 4", step)?,
+                Case::of_scene("sliding", &slide, "TR-BDF2", tolerance)?,
+                Case::of_scene("stick-slip", &stick_slip, "TR-BDF2", tolerance)?,
+                Case::new("sliding", "sliding", "build"),
+            ],
+        ),
+        (
+            const { named("bump_stop::others") },
+            vec![
+                Case::of_scene("bump-stop without a gap", &touching, "discrete gradient", steps)?,
+                Case::new("bump-stop", "bump-stop", "build"),
+            ],
+        ),
+    ])
 }
 
-fn other_gap_row(core: Core, workloads: &[Workload], yardsticks: &Yardsticks) -> Result<[String; 4], Error> {
-    let [touching, build] = workloads else {
-        let what = format!("{} workloads beside the bump-stop bench, not 2", workloads.len());
-        return Err(Error::Other { core, what });
-    };
-    Ok([core.to_string(), per_second(touching), yardsticks.touching.error(touching), per_step(build)])
+fn bench_note() -> String {
+    format!(
+        "Contact-separation: TR-BDF2 with tolerance {}, 20 Hz, 0.2 g, 3 s from rest, with impacts.
+Sliding: Runge-Kutta 4 with a step of {} ms, 18.373 Hz, 0.36 g, 3 s from rest.
+Bump-stop: four modes of the beam and one of the rod, a gap of 10 um, steps of {} us near contact and {} us
+in free flight, 220 Hz, 20 m/s2, 2 s from rest.
+Error: of the mean power of this run, against the independent reference over the same time; for bump-stop of the
+RMS voltage from {SETTLE_S} s on, against the reference with the same modes.
+Instructions as QEMU executes them, which are not cycles. Flash: what is added to an empty firmware with the same
+runtime and log. Stack: from the top of RAM. Sizes in bytes.",
+        contact_separation::TOLERANCE,
+        sliding::STEP * 1e3,
+        bump_stop::SHORT * 1e6,
+        bump_stop::LONG * 1e6,
+    )
 }
 
-fn per_second(workload: &Workload) -> String {
-    format!("{:.0}", workload.whole().instructions_per_second())
-}
-
-fn per_step(workload: &Workload) -> String {
-    format!("{:.0}", workload.whole().instructions_per_step())
+fn other_note(samples: usize) -> String {
+    format!(
+        "Stick-slip: 6 Hz, 0.30 g. TR-BDF2 with tolerance {}. The other settings are those of the first table.
+Build: the coefficients from the parameters, once; instructions per step are those of one build.
+{samples} sampled states in both tables, each bit-identical to the host's f32 run.",
+        sliding::TOLERANCE,
+    )
 }

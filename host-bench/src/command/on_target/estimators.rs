@@ -1,40 +1,38 @@
-//! What an estimate costs, a sample at a time.
+//! What an estimate costs for each sample, and a closed form for each call.
 
-use std::time::Duration;
+use super::output::Output;
+use super::rows::{self, Case, Column, Steps};
+use crate::on_target::{Bench, Error};
+use firmware_example::variant::named;
+use firmware_example::workload::{bump_stop, contact_separation, sliding};
 
-use firmware_example::workload::estimators::with_all;
+const ESTIMATE: Column = ("estimate", |row, _| row.workload.name.clone());
+const PER_CALL: Column = ("instructions per sample or call", rows::PER_STEP.1);
+const PER_SECOND: Column = ("per second", rows::PER_SECOND.1);
 
-use super::table;
-use crate::on_target::build::Binary;
-use crate::on_target::core::Core;
-use crate::on_target::{self, Error, native};
-
-/// Measures the estimators and the closed forms of all scenes on `core` and prints their cost.
+/// Measures the estimators and the closed forms of all scenes and prints their cost.
 ///
 /// # Errors
 ///
-/// If they cannot be built or run, or come to other bits than the host.
-pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
-    let measurement = on_target::measure(core, Binary::new("estimators"), limit)?;
-    with_all(|native| {
-        let native = native::accepted(native)?;
-        native::compare_all(core, &measurement.workloads, native)
-    })?;
-    let rows = measurement.workloads.iter().map(|workload| {
-        let whole = workload.whole();
-        [
-            core.to_string(),
-            workload.name.clone(),
-            format!("{:.0}", whole.instructions_per_step()),
-            format!("{:.0}", whole.instructions_per_second()),
-            workload.stack.to_string(),
-        ]
-    });
-    let header = ["core", "estimate", "instructions per sample or call", "per second", "stack"];
-    println!("{}", table(header, rows.collect(), 2));
-    println!(
-        "Samples at 400 (contact-separation, strongest line), 367 (sliding) and 3520 a second (bump-stop);"
-    );
-    println!("closed forms by call, one a second. Each estimate has the host's bits.");
+/// If the firmware does not build or run, or computes other bits than the host.
+pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
+    let estimator =
+        |scene, method, steps| Case { steps, by_sample: true, ..Case::new("estimator", scene, method) };
+    let closed_form = |scene| Case::new("closed form", scene, "closed form");
+    let cases = vec![
+        estimator("contact-separation", "TR-BDF2", Steps::Tolerance(contact_separation::TOLERANCE)),
+        estimator("sliding", "Runge-Kutta 4", Steps::Fixed(sliding::STEP)),
+        estimator("bump-stop", "discrete gradient", Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG])),
+        estimator("strongest-line", "tone meter", Steps::None),
+        closed_form("contact-separation"),
+        closed_form("sliding"),
+        closed_form("bump-stop"),
+    ];
+    let found = rows::measure(bench, &const { named("estimators::all") }, cases)?;
+    let columns = [rows::CORE, ESTIMATE, PER_CALL, PER_SECOND, rows::STACK];
+    let note =
+        "Samples at 400 a second (contact-separation, strongest line), 367 (sliding) and 3520 (bump-stop).
+A closed form is called once a second. Each estimate has the host's bits.";
+    output.rows(&found, &columns, 2, note);
     Ok(())
 }

@@ -2,40 +2,65 @@
 
 use std::time::Duration;
 
-use super::table;
+use serde_json::json;
+
+use super::announce;
+use super::output::Output;
 use crate::on_target::core::Core;
 use crate::on_target::node::Kind;
 use crate::on_target::{Error, node};
 
-/// Runs the node and prints what it logged.
+/// Runs the node of each core and prints its log.
 ///
 /// # Errors
 ///
-/// If it cannot be built or run, or the host's run logs anything else.
-pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
+/// If the firmware does not build or run, or the host's run logs anything else.
+pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Result<(), Error> {
+    cores.iter().try_for_each(|&core| report_one(core, limit, output))
+}
+
+fn report_one(core: Core, limit: Duration, output: &mut Output) -> Result<(), Error> {
+    announce(core);
     let (reports, size) = node::follow(core, limit)?;
-    let rows = reports
-        .iter()
-        .map(|report| {
-            let [harvested, stored] = report.microjoules();
-            [
-                report.second.to_string(),
-                report.decision.name().to_owned(),
-                format!("{harvested:.4}"),
-                format!("{stored:.3}"),
-                report.steps.to_string(),
-            ]
-        })
-        .collect();
-    println!("{}", table(["second", "decision", "harvested in uJ", "stored in uJ", "steps"], rows, 2));
-    let how = match Kind::of(core) {
-        Kind::Following => "The harvester's model is stepped along 400 samples a second from flash",
-        Kind::Listening => {
-            "A closed form is asked about the strongest line of 400 samples a second from flash"
+    let rows = reports.iter().map(|report| {
+        let [harvested, stored] = report.microjoules();
+        vec![
+            report.second.to_string(),
+            report.decision.name().to_owned(),
+            format!("{harvested:.4}"),
+            format!("{stored:.3}"),
+            report.steps.to_string(),
+        ]
+    });
+    let (scene, method, how) = match Kind::of(core) {
+        Kind::Following => {
+            ("node", "TR-BDF2", "The model of the harvester follows 400 samples a second from flash.")
         }
+        Kind::Listening => (
+            "node-listening",
+            "closed form",
+            "A closed form is evaluated at the strongest line of 400 samples a second from flash.",
+        ),
     };
-    println!("{core}. {how};");
-    println!("each logged value has the host's bits. The whole firmware, trace and logging included:");
-    println!("{} bytes of flash.", size.flash);
+    let note = format!(
+        "{core}. {how}
+Each logged value has the host's bits. The whole firmware, trace and log included: {} bytes of flash.",
+        size.flash
+    );
+    let header = vec!["second", "decision", "harvested in uJ", "stored in uJ", "steps"];
+    let harvested: f64 = reports.iter().map(|report| f64::from(report.harvested)).sum();
+    output.table(header, rows.collect(), 2, &note);
+    output.object(json!({
+        "core": core.to_string(),
+        "variant": scene,
+        "scene": scene,
+        "load_ohm": null,
+        "method": method,
+        "instructions_per_simulated_second": null,
+        "mean_power_error": null,
+        "flash_bytes": size.flash,
+        "ram_bytes": size.static_ram,
+        "income_w": harvested / reports.len() as f64,
+    }));
     Ok(())
 }

@@ -1,202 +1,167 @@
 //! Error against instructions, on the settled scenes.
 
-use std::time::Duration;
+use firmware_example::variant::named;
+use firmware_example::workload::run::{Plan, REJECTED};
+use firmware_example::workload::{bump_stop, contact_separation, sliding};
 
-use firmware_example::workload::bump_stop::modal_run::REJECTED;
-use firmware_example::workload::bump_stop::scenes as bump_stop;
-use firmware_example::workload::contact_separation::scenes as contact_separation;
-use firmware_example::workload::sliding::scenes as sliding;
-
-use super::table;
+use super::output::Output;
+use super::rows::{self, Case, Column, Steps, percent};
 use crate::embedded;
 use crate::method::{Method, Options, Precision};
-use crate::on_target::accuracy::{self, Yardstick};
-use crate::on_target::build::Binary;
-use crate::on_target::core::Core;
-use crate::on_target::{self, Error, native};
+use crate::on_target::accuracy::{self, Reference};
+use crate::on_target::{Bench, Error, native};
+use crate::scene_file::Scene;
 
-/// The sample at which the measured window starts, and its time in seconds.
-const SETTLED: usize = 1;
-const SETTLED_S: f64 = 10.0;
+/// Settling time of the triboelectric scenes, in seconds.
+const SETTLE_S: f64 = 10.0;
 
 /// Measures the scenes with each setting and prints a table of each.
 ///
 /// # Errors
 ///
-/// If the firmware cannot be built, run, or trusted.
-pub(super) fn report(core: Core, limit: Duration) -> Result<(), Error> {
-    report_contact_separation(core, limit)?;
-    println!();
-    report_sliding(core, limit)?;
-    println!();
-    report_bump_stop(core, limit)
+/// If the firmware does not build or run, or computes other bits than the host.
+pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
+    report_contact_separation(bench, output)?;
+    report_sliding(bench, output)?;
+    report_bump_stop(bench, output)
 }
 
-fn report_contact_separation(core: Core, limit: Duration) -> Result<(), Error> {
-    let scene = accuracy::contact_separation(&contact_separation::SETTLING, SETTLED_S, |_| {})?;
-    let reference = accuracy::reference_power(&scene)?;
-    let measurement = on_target::measure(core, Binary::new("precision"), limit)?;
-    contact_separation::with_precision(|native| {
-        native::compare_all(core, &measurement.workloads, native::accepted(native)?)
-    })?;
-    let settings = settings(
-        &contact_separation::TOLERANCES,
-        &contact_separation::STEPS,
-        &contact_separation::EXPLICIT_STEPS,
-    );
-    let mut rows = Vec::new();
-    for (workload, (method, setting, options)) in measurement.workloads.iter().zip(settings) {
-        let settled = workload.after(SETTLED);
-        let double = embedded::run(&scene, &options).map_err(|error| Error::Host(error.to_string()))?;
-        rows.push([
-            method.to_owned(),
-            setting,
-            format!("{:.0}", settled.steps as f64 / settled.seconds),
-            accuracy::error(accuracy::mean_power(workload, Some(SETTLED)), reference),
-            accuracy::error(double.mean_power_w.unwrap_or(f64::NAN), reference),
-            format!("{:.0}", settled.instructions_per_step()),
-            format!("{:.0}", settled.instructions_per_second()),
-        ]);
+fn report_contact_separation(bench: &Bench, output: &mut Output) -> Result<(), Error> {
+    use contact_separation::{EXPLICIT_STEPS, SETTLING, STEPS, TOLERANCES};
+    let scene = accuracy::contact_separation(&SETTLING, SETTLE_S, |_| {})?;
+    let mut cases = cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
+    for case in &mut cases {
+        let double =
+            embedded::run(&scene, &double_precision(case)).map_err(|error| Error::Host(error.to_string()))?;
+        let power = double.mean_power_w.unwrap_or(f64::NAN);
+        case.host_errors = vec![case.reference.and_then(|reference| reference.error_of(power))];
     }
-    let header = [
-        "method",
-        "setting",
-        "steps per second",
-        "error f32",
-        "error f64",
-        "instructions per step",
-        "per simulated second",
+    let found = rows::measure(bench, &const { named("contact_separation::precision") }, cases)?;
+    let columns = [
+        rows::METHOD,
+        rows::SETTING,
+        rows::STEPS_PER_SECOND,
+        ("error f32", rows::ERROR.1),
+        ("error f64", |row, _| host_error(&row.case, 0)),
+        rows::PER_STEP,
+        rows::PER_SECOND,
     ];
-    println!("{}", table(header, rows, 2));
-    println!(
-        "{core}. Contact-separation, 20 Hz, 0.2 g, from {SETTLED_S} s to {} s. Error: of the mean power",
+    let note = format!(
+        "{}. Contact-separation, 20 Hz, 0.2 g, from {SETTLE_S} s to {} s. Error: of the mean power against the
+independent reference; f32 is this core's run, with the host's bits, f64 the host's. Instructions as QEMU executes
+them, which are not cycles.",
+        bench.core(),
         scene.run.duration_s
     );
-    println!("against the independent reference; f32 is this core's run, with the host's bits, f64 the");
-    println!("host's. Instructions as QEMU executes them, which are not cycles.");
+    output.rows(&found, &columns, 2, &note);
     Ok(())
 }
 
-fn report_sliding(core: Core, limit: Duration) -> Result<(), Error> {
-    let measurement = on_target::measure(core, Binary::new("sliding_precision"), limit)?;
-    sliding::with_precision(|native| {
-        native::compare_all(core, &measurement.workloads, native::accepted(native)?)
-    })?;
-    let settings = settings(&sliding::TOLERANCES, &sliding::STEPS, &sliding::EXPLICIT_STEPS);
-    // Beside the resonance the host runs alone: the bits at resonance are the core's.
-    let mut errors = Vec::new();
-    for plan in [sliding::BELOW, sliding::SETTLING, sliding::ABOVE] {
-        let reference = accuracy::reference_power(&accuracy::sliding(&plan, SETTLED_S, |_, _| {})?)?;
-        errors.push(sliding::with_precision_of(plan, |native| {
-            let runs = native::accepted(native)?.iter_mut().map(|run| native::run(*run));
-            let power = |states: Vec<_>| accuracy::native_power(&states, SETTLED, &plan);
-            runs.map(|states| Ok(accuracy::error(power(states?), reference)))
-                .collect::<Result<Vec<_>, Error>>()
-        })?);
-    }
-    let mut rows = Vec::new();
-    for (index, (workload, (method, setting, _))) in measurement.workloads.iter().zip(settings).enumerate() {
-        let settled = workload.after(SETTLED);
-        let error = |frequency: usize| errors.get(frequency)?.get(index).cloned();
-        rows.push([
-            method.to_owned(),
-            setting,
-            format!("{:.0}", settled.steps as f64 / settled.seconds),
-            error(1).unwrap_or_default(),
-            error(0).unwrap_or_default(),
-            error(2).unwrap_or_default(),
-            format!("{:.0}", settled.instructions_per_step()),
-            format!("{:.0}", settled.instructions_per_second()),
-        ]);
-    }
-    let header = [
-        "method",
-        "setting",
-        "steps per second",
-        "error at 18.373 Hz",
-        "at 18.303 Hz",
-        "at 18.443 Hz",
-        "instructions per step",
-        "per simulated second",
-    ];
-    println!("{}", table(header, rows, 2));
-    println!(
-        "{core}. Sliding, 0.36 g, from {SETTLED_S} s to {} s. Error: of the f32 mean power, with this",
-        sliding::SETTLING.seconds()
-    );
-    println!("core's bits, against the independent reference. Steps and instructions at 18.373 Hz, four");
-    println!("events a period included. Instructions as QEMU executes them, which are not cycles.");
-    Ok(())
-}
-
-fn report_bump_stop(core: Core, limit: Duration) -> Result<(), Error> {
-    let measurement = on_target::measure(core, Binary::new("bump_stop_precision"), limit)?;
-    bump_stop::with_precision(|native| {
-        native::compare_all(core, &measurement.workloads, native::accepted(native)?)
-    })?;
-    let mut workloads = measurement.workloads.iter();
-    let mut rows = Vec::new();
-    for gap in bump_stop::GAPS {
-        let scene = accuracy::bump_stop(&bump_stop::SETTLING, gap, 0.5, |_, _| {})?;
-        let yardstick = Yardstick::rms_voltage(&scene)?;
-        for ([short, long], workload) in bump_stop::STEPS.into_iter().zip(&mut workloads) {
-            let whole = workload.whole();
-            let rejected = workload.samples.last().and_then(|sample| sample.bits.get(REJECTED));
-            rows.push([
-                format!("{}", gap * 1e6),
-                format!("{}", short * 1e6),
-                format!("{}", long * 1e6),
-                format!("{:.0}", whole.steps as f64 / whole.seconds),
-                rejected
-                    .map_or_else(String::new, |&count| format!("{:.0}", f64::from(count) / whole.seconds)),
-                yardstick.error(workload),
-                format!("{:.0}", whole.instructions_per_step()),
-                format!("{:.0}", whole.instructions_per_second()),
-            ]);
+fn report_sliding(bench: &Bench, output: &mut Output) -> Result<(), Error> {
+    use sliding::{ABOVE, BELOW, EXPLICIT_STEPS, SETTLING, STEPS, TOLERANCES};
+    let scene = accuracy::sliding(&SETTLING, SETTLE_S, |_, _| {})?;
+    let mut cases = cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
+    for plan in [BELOW, ABOVE] {
+        for (case, error) in cases.iter_mut().zip(sliding_host_errors(plan)?) {
+            case.host_errors.push(error);
         }
     }
-    let header = [
-        "gap in um",
-        "short step in us",
-        "long step in us",
-        "steps per second",
-        "not taken",
-        "error",
-        "instructions per step",
-        "per simulated second",
+    let found = rows::measure(bench, &const { named("sliding::precision") }, cases)?;
+    let columns = [
+        rows::METHOD,
+        rows::SETTING,
+        rows::STEPS_PER_SECOND,
+        ("error at 18.373 Hz", rows::ERROR.1),
+        ("at 18.303 Hz", |row, _| host_error(&row.case, 0)),
+        ("at 18.443 Hz", |row, _| host_error(&row.case, 1)),
+        rows::PER_STEP,
+        rows::PER_SECOND,
     ];
-    println!("{}", table(header, rows, 0));
-    println!(
-        "{core}. Bump-stop, four modes of the beam and one of the rod, 20 m/s2 at 220 Hz, from rest to {} s.",
-        bump_stop::SETTLING.seconds()
+    let note = format!(
+        "{}. Sliding, 0.36 g, from {SETTLE_S} s to {} s. Error: of the mean power in f32, with this core's bits,
+against the independent reference. Steps and instructions at 18.373 Hz, with four events a period. Instructions as
+QEMU executes them, which are not cycles.",
+        bench.core(),
+        SETTLING.seconds()
     );
-    println!(
-        "Error: of the RMS voltage from 0.5 s on, against the reference with the same modes; the motion"
-    );
-    println!(
-        "is weakly chaotic, and a few per cent are scatter. Not taken: long steps that were tried where"
-    );
-    println!("a contact might have been. Instructions as QEMU executes them, which are not cycles.");
+    output.rows(&found, &columns, 2, &note);
     Ok(())
 }
 
-/// Name, setting, and the options of the same run in double precision, in the firmware's order.
-fn settings(
+fn report_bump_stop(bench: &Bench, output: &mut Output) -> Result<(), Error> {
+    use bump_stop::{GAPS, SETTLING, STEPS};
+    const GAP: Column = ("gap in um", |row, _| row.case.name.clone());
+    const NOT_TAKEN: Column = ("not taken", |row, _| {
+        let rejected = row.workload.samples.last().and_then(|sample| sample.bits.get(REJECTED));
+        rejected.map_or_else(String::new, |&count| format!("{:.0}", f64::from(count) / row.counted().seconds))
+    });
+    let mut cases = Vec::new();
+    for gap in GAPS {
+        let scene = accuracy::bump_stop(&SETTLING, gap, 0.5, |_, _| {})?;
+        let name = format!("{}", gap * 1e6);
+        let case = Case::of_scene(name, &scene, "discrete gradient", Steps::None)?;
+        cases.extend(STEPS.map(|steps| Case { steps: Steps::ShortAndLong(steps), ..case.clone() }));
+    }
+    let found = rows::measure(bench, &const { named("bump_stop::precision") }, cases)?;
+    let columns = [
+        GAP,
+        rows::SETTING,
+        rows::STEPS_PER_SECOND,
+        NOT_TAKEN,
+        rows::ERROR,
+        rows::PER_STEP,
+        rows::PER_SECOND,
+    ];
+    let note = format!(
+        "{}. Bump-stop, four modes of the beam and one of the rod, 20 m/s2 at 220 Hz, from rest to {} s, with steps
+near contact and in free flight. Error: of the RMS voltage from 0.5 s on, against the reference with the same modes;
+the motion is weakly chaotic, and a few per cent are scatter. Not taken: long steps a second that were rejected
+because of a possible contact. Instructions as QEMU executes them, which are not cycles.",
+        bench.core(),
+        SETTLING.seconds()
+    );
+    output.rows(&found, &columns, 2, &note);
+    Ok(())
+}
+
+/// The cases of a scene in the firmware's order, counted from the settling time on.
+fn cases(
+    scene: &Scene,
     tolerances: &[f32],
     steps: &[f32],
     explicit_steps: &[f32],
-) -> Vec<(&'static str, String, Options)> {
-    let double = Options { precision: Some(Precision::F64), ..Options::default() };
-    let tolerances = tolerances.iter().map(|&tolerance| {
-        // The largest tolerance in `f32` is by a rounding more than the largest one in `f64`.
-        let options = Options { tolerance: Some(f64::from(tolerance).min(0.1)), ..double };
-        ("TR-BDF2", format!("tolerance {tolerance}"), options)
-    });
-    let step = |name, method, step: f32| {
-        let options = Options { method, step_s: Some(f64::from(step)), ..double };
-        (name, format!("step {} ms", step * 1e3), options)
+) -> Result<Vec<Case>, Error> {
+    let case = Case {
+        counted_from_us: (SETTLE_S * 1e6) as u64,
+        ..Case::of_scene("settled", scene, "", Steps::None)?
     };
-    let fixed = steps.iter().map(|&length| step("TR-BDF2", Method::TrBdf2, length));
-    let explicit = explicit_steps.iter().map(|&length| step("Runge-Kutta 4", Method::Rk4, length));
-    tolerances.chain(fixed).chain(explicit).collect()
+    let with = |method, steps| Case { method, steps, ..case.clone() };
+    let tolerances = tolerances.iter().map(|&tolerance| with("TR-BDF2", Steps::Tolerance(tolerance)));
+    let fixed = steps.iter().map(|&step| with("TR-BDF2", Steps::Fixed(step)));
+    let explicit = explicit_steps.iter().map(|&step| with("Runge-Kutta 4", Steps::Fixed(step)));
+    Ok(tolerances.chain(fixed).chain(explicit).collect())
+}
+
+/// The options of the same run in double precision on the host.
+fn double_precision(case: &Case) -> Options {
+    let double = Options { precision: Some(Precision::F64), ..Options::default() };
+    let method = if case.method == "TR-BDF2" { Method::TrBdf2 } else { Method::Rk4 };
+    match case.steps {
+        Steps::Tolerance(tolerance) => Options { tolerance: Some(f64::from(tolerance).min(0.1)), ..double },
+        Steps::Fixed(step) => Options { method, step_s: Some(f64::from(step)), ..double },
+        Steps::ShortAndLong(_) | Steps::None => double,
+    }
+}
+
+/// Relative errors of the sliding runs under `plan`, on the host, which computes the core's bits.
+fn sliding_host_errors(plan: Plan) -> Result<Vec<Option<f64>>, Error> {
+    let reference = Reference::new(&accuracy::sliding(&plan, SETTLE_S, |_, _| {})?)?;
+    native::each(
+        |visit| sliding::precision_of(plan, visit),
+        |workload| Ok(reference.power_error(&native::run(workload)?)),
+    )
+}
+
+fn host_error(case: &Case, index: usize) -> String {
+    percent(case.host_errors.get(index).copied().flatten())
 }

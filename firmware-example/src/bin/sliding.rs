@@ -1,5 +1,0 @@
-//! The sliding scene, beside `bench`.
-
-#![cfg_attr(target_os = "none", no_std, no_main)]
-
-firmware_example::measuring_main!(firmware_example::workload::sliding::scenes::bench);

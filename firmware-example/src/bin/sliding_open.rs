@@ -1,5 +1,0 @@
-//! The sliding bench with the load open.
-
-#![cfg_attr(target_os = "none", no_std, no_main)]
-
-firmware_example::measuring_main!(firmware_example::workload::sliding::scenes::open);

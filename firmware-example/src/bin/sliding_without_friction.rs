@@ -1,5 +1,0 @@
-//! The sliding bench without friction.
-
-#![cfg_attr(target_os = "none", no_std, no_main)]
-
-firmware_example::measuring_main!(firmware_example::workload::sliding::scenes::without_friction);

@@ -1,7 +1,0 @@
-//! The bench with one coefficient of restitution for all speeds.
-
-#![cfg_attr(target_os = "none", no_std, no_main)]
-
-firmware_example::measuring_main!(
-    firmware_example::workload::contact_separation::scenes::without_law_of_speed
-);

@@ -1,5 +1,0 @@
-//! The bench without a parasitic capacitance.
-
-#![cfg_attr(target_os = "none", no_std, no_main)]
-
-firmware_example::measuring_main!(firmware_example::workload::contact_separation::scenes::without_parasitic);
