@@ -3,9 +3,7 @@
 //! The true storage is simulated here in `f64`, in steps of a second by its differential equation for the voltage;
 //! the estimator runs in `f32` with one 12-bit reading a minute.
 
-mod common;
-
-use common::Random;
+use crate::common::Random;
 use model_core::energy::{Correction, CorrectionParameters, CorrectionState, Reading, StorageParameters};
 
 const BITS: u32 = 12;

@@ -1,8 +1,6 @@
 //! Common code of these tests: hybrid problems through the public traits, a recording observer, and inputs as
 //! functions of time.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
 pub(crate) mod harvesters;
 
 use core::fmt::Debug;

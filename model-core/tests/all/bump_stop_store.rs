@@ -1,9 +1,7 @@
 //! The bump-stop harvester behind a full bridge: the trajectory of another program through six regimes, the energy
 //! ledger with the storage, bits, and the cost of the step lengths.
 
-mod bridged;
-
-use bridged::{AnyBridge, Bridged, advance, baseline, close, resistor, seconds, shaking, storage};
+use crate::bridged::{AnyBridge, Bridged, advance, baseline, close, resistor, seconds, shaking, storage};
 use model_core::energy::{Ledger, PowerMeter, RunMeter};
 use model_core::excitation::Silence;
 use model_core::observer::{AcceptedStep, Observer, PowerIndex};

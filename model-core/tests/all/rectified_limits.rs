@@ -1,8 +1,6 @@
 //! Both triboelectric scenes behind a full bridge in limiting cases and against closed forms.
 
-mod bridge;
-
-use bridge::{VACUUM_PERMITTIVITY, WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage};
+use crate::bridge::{VACUUM_PERMITTIVITY, WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage};
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, RunMeter};
 use model_core::hybrid::{Automaton, Driver};

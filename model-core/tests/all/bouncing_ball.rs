@@ -9,9 +9,7 @@
 //! accumulation point in a mode of rest; without one the driver returns [`StepFailure::EventStorm`] at the
 //! accumulation point.
 
-mod common;
-
-use common::{Leap, Problem, Run, exact_seconds, precision};
+use crate::common::{Leap, Problem, Run, exact_seconds, precision};
 use model_core::excitation::Silence;
 use model_core::hybrid::StepFailure;
 use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};

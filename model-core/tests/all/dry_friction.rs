@@ -8,9 +8,7 @@
 //!
 //! Asserted: positions, times, modes and number of events, in both precisions, for both methods.
 
-mod common;
-
-use common::{Leap, Problem, Run, precision};
+use crate::common::{Leap, Problem, Run, precision};
 use model_core::excitation::Silence;
 use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::scalar::Scalar;

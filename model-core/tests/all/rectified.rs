@@ -1,8 +1,6 @@
 //! Both triboelectric scenes behind a full bridge: energy ledgers, the three regimes, equal bits.
 
-mod bridge;
-
-use bridge::{WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage};
+use crate::bridge::{WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage};
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Excitation;

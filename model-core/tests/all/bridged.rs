@@ -1,10 +1,5 @@
 //! A bump-stop harvester behind a full bridge, and a run of it.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
-#[path = "../common/harvesters.rs"]
-mod harvesters;
-
 use model_core::clock::Instant;
 use model_core::energy::RunMeter;
 use model_core::excitation::{Excitation, Sine};
@@ -21,7 +16,7 @@ pub(crate) type AnyBridge<S> = FullBridge<S, AnyStorage<S>>;
 pub(crate) type Bridged<S> = AnyChoices<S, AnyBridge<S>>;
 
 /// The baseline, into any load.
-pub(crate) use harvesters::bump_parameters_into as baseline;
+pub(crate) use crate::common::harvesters::bump_parameters_into as baseline;
 
 /// A storage without leakage: farads, volts at the start, what is drawn, volts of each diode.
 pub(crate) fn storage<S: Scalar>(

@@ -1,9 +1,5 @@
 //! The scene of the paper, and a run of it.
 
-#[allow(dead_code, reason = "the other scenes are for other tests")]
-#[path = "../common/harvesters.rs"]
-mod harvesters;
-
 use model_core::clock::Instant;
 use model_core::energy::RunMeter;
 use model_core::excitation::{Excitation, Sine};
@@ -13,7 +9,7 @@ use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{Parts, Start, Stepper};
 
 /// The baseline.
-pub(super) use harvesters::bump_parameters as baseline;
+pub(super) use crate::common::harvesters::bump_parameters as baseline;
 
 pub(super) fn shaking<S: Scalar>() -> Sine<S, S::Build> {
     Sine::new(S::from_f64(20.0), S::from_f64(220.0), S::ZERO).expect("valid")

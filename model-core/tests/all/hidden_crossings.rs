@@ -7,9 +7,7 @@
 //! * A guard that starts at zero after a jump does not fire at once, also with zero rate.
 //! * The bits of a run do not depend on its division by budgets and pauses.
 
-mod common;
-
-use common::{Leap, Log, Machine, Problem, Run, precision};
+use crate::common::{Leap, Log, Machine, Problem, Run, precision};
 use model_core::clock::Instant;
 use model_core::excitation::Silence;
 use model_core::hybrid::{Driver, Ended, HybridState};

@@ -3,11 +3,9 @@
 //! One mode, no stop, with the numbers of the baseline beam: `ω₁`, `γ₁ = 0.04897612 √kg`, `θ₁ = 0.04149795 C/(m
 //! √kg)`, `C_p = 15.93 nF`.
 
-mod bridged;
-
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
-use bridged::{advance, baseline, bus, close, measured, seconds, shaking, storage};
+use crate::bridged::{advance, baseline, bus, close, measured, seconds, shaking, storage};
 use model_core::excitation::Sine;
 use model_core::observer::PowerIndex;
 use model_core::part::draw::AnyDraw;

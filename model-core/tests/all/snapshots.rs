@@ -1,9 +1,7 @@
 //! Power-down and wake-up: a snapshot resumes with the same bits, and any other content of the flash is refused.
 
-mod common;
-
-use common::Random;
-use common::harvesters::{
+use crate::common::Random;
+use crate::common::harvesters::{
     ContactChoices, bump, bump_parameters, contact, contact_parameters, sine_samples, slide,
     sliding_parameters,
 };
@@ -349,7 +347,7 @@ fn states_meters_and_streams_have_images_of_their_own() {
 #[derive(Debug, Clone, Copy)]
 struct Four;
 
-impl common::Problem<f64, 4> for Four {
+impl crate::common::Problem<f64, 4> for Four {
     type Mode = bool;
 
     fn number(&self, mode: bool) -> u8 {
@@ -375,7 +373,7 @@ impl common::Problem<f64, 4> for Four {
 
 #[test]
 fn a_state_of_any_size_has_an_image() {
-    let machine = common::Machine(Four);
+    let machine = crate::common::Machine(Four);
     let control = Adaptive::new(1e-3).expect("in bounds");
     let mut state: HybridState<f64, bool, 4, 1> =
         HybridState::start(&machine, true, [1.0, 0.0, 0.5, 0.0], &Silence, &control);
@@ -386,8 +384,8 @@ fn a_state_of_any_size_has_an_image() {
 
 #[test]
 fn images_in_single_precision_are_a_few_hundred_bytes() {
-    type Contact = Simulation<common::harvesters::Contact<f32>, TrBdf2, Adaptive<f32>, 3, 1>;
-    type Bump = common::harvesters::Bump<f32, 4, 1>;
+    type Contact = Simulation<crate::common::harvesters::Contact<f32>, TrBdf2, Adaptive<f32>, 3, 1>;
+    type Bump = crate::common::harvesters::Bump<f32, 4, 1>;
     // What a firmware reserves; a change of the layout is another version.
     assert_eq!(Estimator::<f32, Contact>::SNAPSHOT_BYTES, 214);
     assert_eq!(Estimator::<f32, Bump>::SNAPSHOT_BYTES, 213);

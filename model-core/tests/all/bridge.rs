@@ -1,10 +1,6 @@
 //! Common code of the bridge tests: both harvesters, a storage, a run.
 
-#![allow(dead_code, reason = "each test file uses its own part")]
-
-#[path = "../common/harvesters.rs"]
-mod harvesters;
-
+use crate::common::harvesters;
 use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
 use model_core::hybrid::{Automaton, Driver, HybridState};

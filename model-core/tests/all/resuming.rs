@@ -5,9 +5,7 @@
 //! many events, rejected steps, and, after each release, a guard that is zero with zero rate, at a position that no
 //! binary fraction represents. There is no reference: the runs are compared with each other.
 
-mod common;
-
-use common::{Given, Leap, Log, Machine, Problem, Random, precision};
+use crate::common::{Given, Leap, Log, Machine, Problem, Random, precision};
 use model_core::clock::Instant;
 use model_core::hybrid::{Driver, Ended, HybridState, LEAST_BUDGET};
 use model_core::integrate::{Adaptive, FixedStep, Method, StepControl, TrBdf2};

@@ -1,9 +1,7 @@
 //! The estimator: the bits of a whole trace, bounded work, gaps and saturation, and its own error figures.
 
-mod common;
-
-use common::Random;
-use common::harvesters::{bump, contact, contact_parameters, sine_samples, slide, sliding_parameters};
+use crate::common::Random;
+use crate::common::harvesters::{bump, contact, contact_parameters, sine_samples, slide, sliding_parameters};
 use model_core::clock::Instant;
 use model_core::energy::estimator::{EstimatorError, Sample, SampleFormat, Settings};
 use model_core::energy::{Estimate, Estimator, PowerMeter};

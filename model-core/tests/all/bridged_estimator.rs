@@ -1,8 +1,6 @@
 //! The estimator for harvesters behind a bridge: its sums, its snapshots, and the refusal of foreign snapshots.
 
-mod common;
-
-use common::harvesters::{Bump, Contact, bump_parameters_into, contact_parameters};
+use crate::common::harvesters::{Bump, Contact, bump_parameters_into, contact_parameters};
 use model_core::energy::estimator::{SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled};
@@ -55,7 +53,7 @@ fn estimator<H: Harvester<f32>>(harvester: H, rate: f32) -> Estimator<f32, H> {
 
 /// Pushes `count` samples of a sine, from sample number `from` on.
 fn feed<H: Harvester<f32>>(estimator: &mut Estimator<f32, H>, sine: [f64; 3], from: u32, count: u32) {
-    for sample in common::harvesters::sine_samples(sine[0], sine[1], sine[2], from + count)
+    for sample in crate::common::harvesters::sine_samples(sine[0], sine[1], sine[2], from + count)
         .into_iter()
         .skip(from as usize)
     {
@@ -73,7 +71,7 @@ fn what_enters_the_store_is_what_a_power_meter_counts_shared_charge_included() {
     feed(&mut estimator, SHAKEN, 0, 1200);
     // The same samples, as a trace, advanced to where the estimator stands.
     let simulation = hybrid(bridge);
-    let samples = common::harvesters::sine_samples::<f32>(SHAKEN[0], SHAKEN[1], SHAKEN[2], 1201);
+    let samples = crate::common::harvesters::sine_samples::<f32>(SHAKEN[0], SHAKEN[1], SHAKEN[2], 1201);
     let trace = Sampled::new(&samples, RATE, AfterLastSample::Silence).expect("valid");
     let mut state = simulation.start(&Start::default(), &trace).expect("in bounds");
     let mut meter = PowerMeter::<f32>::new();
@@ -161,7 +159,7 @@ fn a_modal_harvester_behind_a_bridge_resumes_with_its_bits_and_takes_no_foreign_
     let others = foreign().map(modal);
     resumes(modal(bridge(0.3, 1e-6, draw())), &others, HIT, [5, 700, 1501]);
     // A resistor in its place is another harvester altogether.
-    let plain: Bump<f32, 4, 1> = common::harvesters::bump(bump_stop::AnyContact::ResidualFlexibility);
+    let plain: Bump<f32, 4, 1> = crate::common::harvesters::bump(bump_stop::AnyContact::ResidualFlexibility);
     let mut snapshot = [0; 512];
     estimator(plain, 3520.0).save(&mut snapshot).expect("there is room");
     assert!(estimator(modal(bridge(0.3, 1e-6, draw())), 3520.0).restore(&snapshot).is_err());

@@ -5,9 +5,7 @@
 //! Newton's iteration diverges, a singular iteration matrix, a jump without effect, a quantity that leaves its
 //! domain.
 
-mod common;
-
-use common::{Leap, Log, Machine, Problem, State, exact_seconds, precision};
+use crate::common::{Leap, Log, Machine, Problem, State, exact_seconds, precision};
 use model_core::clock::Instant;
 use model_core::excitation::Silence;
 use model_core::hybrid::{Driver, Ended, HybridState, LEAST_BUDGET, StepError, StepFailure};

@@ -8,9 +8,7 @@
 //!   clock, which gives `dy/ds = (dt/ds) f(y)`. `dt/ds` is a known function of the clock and enters exactly as the
 //!   input.
 
-mod common;
-
-use common::{Given, Leap, Problem, Run, precision, table};
+use crate::common::{Given, Leap, Problem, Run, precision, table};
 use model_core::excitation::Silence;
 use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, TrBdf2};
 use model_core::scalar::Scalar;

@@ -11,9 +11,7 @@
 //!
 //! The coordinate is the penetration `p = x − 1/2`, so that single precision resolves the contact.
 
-mod common;
-
-use common::{Leap, Problem, Run, precision};
+use crate::common::{Leap, Problem, Run, precision};
 use model_core::excitation::Silence;
 use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::scalar::Scalar;

@@ -5,9 +5,7 @@
 //! stiffness, which requires a filtered error estimate (Hosea and Shampine, Appl. Numer. Math. 20, 1996); and
 //! L-stability.
 
-mod common;
-
-use common::{Given, Problem, Run, table};
+use crate::common::{Given, Problem, Run, table};
 use model_core::integrate::{Adaptive, FixedStep, StepControl, TrBdf2};
 use model_core::scalar::Scalar;
 

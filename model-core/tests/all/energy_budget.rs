@@ -5,9 +5,7 @@
 //! `f64`, in twenty steps a minute, each by the exact solution for a constant power; the budget runs in `f32` with
 //! one update a minute.
 
-mod common;
-
-use common::Random;
+use crate::common::Random;
 use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, IncomeParameters, StorageParameters,
 };
@@ -406,7 +404,7 @@ fn no_action_empties_the_store_in_a_hundred_random_days() {
     check_random_days(1, 100);
 }
 
-/// `cargo test --release -p model-core --test energy_budget -- --ignored --nocapture`
+/// `cargo test --release -p model-core energy_budget:: -- --ignored --nocapture`
 #[test]
 #[ignore = "a minute in release"]
 fn no_action_empties_the_store_in_ten_thousand_random_days() {

@@ -1,0 +1,20 @@
+//! The tests that cross crates, in one binary, because each binary links all of the host.
+
+mod bump_stop;
+mod bump_stop_figures;
+mod bump_stop_store;
+mod closed_form;
+mod convergence;
+mod dense_solve;
+mod ledger;
+mod limits;
+mod on_target_bits;
+mod published_rows;
+mod rectified;
+mod sensor_node;
+mod sliding_agreement;
+mod sliding_convergence;
+mod sliding_limits;
+mod sliding_parts;
+mod sliding_rows;
+mod steady_state;
