@@ -20,11 +20,10 @@ use self::controller::Controller;
 use self::income::Income;
 use self::outcome::{ActionOutcome, NodeDay, Sample};
 use self::plant::{ChargedStorage, LoopedStorage, Plant, StorageAccount, energy_at};
-use crate::embedded::with_store_in_loop;
+use crate::embedded::Midnight;
 use crate::method::{Failure, Options, Precision};
 use crate::scene_file::{HOURS, Load, Node, Scene};
 
-/// Seconds in a day.
 const DAY_S: u32 = 86_400;
 
 /// How the last day is simulated.
@@ -32,16 +31,12 @@ const DAY_S: u32 = 86_400;
 pub(crate) struct InLoop<'a> {
     /// The scene, its load a rectified storage.
     pub(crate) scene: &'a Scene,
-    /// How it is run.
     pub(crate) options: &'a Options,
 }
 
 /// Simulates the node for some days with the same income each, and gives the last. The days before it train the
 /// income forecast. With a scene `in_loop`, its harvester and the storage are one trajectory on the last day, and
 /// `income` holds for the days before.
-///
-/// # Errors
-/// [`Failure::Input`] if the core refuses the node, and as a run of the scene.
 pub(crate) fn simulate(
     node: &Node,
     income: &Income,
@@ -79,16 +74,22 @@ impl Days<'_> {
         }
         let Some(InLoop { scene, options }) = in_loop else { return day(node, &mut plant, &mut controller) };
         let Load::RectifiedStore(load) = scene.load else { return day(node, &mut plant, &mut controller) };
-        let (storage, drop) = (&node.storage, load.diode_drop_v);
-        let midnight = (plant.voltage(), plant.is_supplied());
-        with_store_in_loop(scene, drop, storage, midnight, &node.hours, options, |looped| {
-            let mut plant = LoopedStorage::new(looped, storage, node.standing_power_w);
+        let midnight = Midnight {
+            scene,
+            diode_drop_v: load.diode_drop_v,
+            storage: &node.storage,
+            initial_v: plant.voltage(),
+            is_connected: plant.is_supplied(),
+            hours: &node.hours,
+            options,
+        };
+        midnight.with_store_in_loop(|looped| {
+            let mut plant = LoopedStorage::new(looped, &node.storage, node.standing_power_w);
             day(node, &mut plant, &mut controller)
         })
     }
 }
 
-/// Simulates one day.
 fn day<S: Scalar, const SLOTS: usize>(
     node: &Node,
     plant: &mut dyn Plant,

@@ -4,12 +4,12 @@ pub mod map;
 
 use model_core::part::bounds::ParameterError;
 use model_core::scalar::Scalar;
-use model_core::scene::bump_stop::{AnyChoices, BumpStop as Beam};
 use model_core::scene::closed_form::{ClosedForm, Reason, Validity};
-use serde_json::Value;
+use serde_json::json;
 
 use crate::embedded::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
 use crate::method::{Failure, Precision};
+use crate::outcome::{Fields, fields};
 use crate::scene_file::{BumpStop, Draw, Excitation, Load, Model, RectifiedStore, Scene};
 
 /// The closed form of a scene.
@@ -29,30 +29,24 @@ pub struct Estimate {
 
 impl Estimate {
     /// Whether the closed form holds.
-    #[must_use]
     pub fn holds(&self) -> bool {
         self.reason.is_none()
     }
 
     /// Names and values, as the command line prints them.
-    #[must_use]
-    pub fn fields(&self) -> Vec<(String, Value)> {
-        let fields: [(&str, Value); 6] = [
-            ("mean_power_w", self.mean_power_w.into()),
-            ("rms_voltage_v", self.rms_voltage_v.into()),
-            ("amplitude_m", self.amplitude_m.into()),
-            ("holds", self.holds().into()),
-            ("reason", self.reason.into()),
-            ("margin", self.margin.into()),
-        ];
-        fields.map(|(name, value)| (name.to_owned(), value)).to_vec()
+    pub(crate) fn fields(&self) -> Fields {
+        fields(&json!({
+            "mean_power_w": self.mean_power_w,
+            "rms_voltage_v": self.rms_voltage_v,
+            "amplitude_m": self.amplitude_m,
+            "holds": self.holds(),
+            "reason": self.reason,
+            "margin": self.margin,
+        }))
     }
 }
 
 /// The closed form of a scene under one sine, in a precision.
-///
-/// # Errors
-/// [`Failure::Input`] if the scene is not under one sine, or the core refuses it.
 pub fn estimate(scene: &Scene, precision: Precision) -> Result<Estimate, Failure> {
     match precision {
         Precision::F32 => estimate_as::<f32>(scene),
@@ -72,7 +66,7 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
             "load.kind: must be \"resistor\" for a closed form of this scene",
         ));
     }
-    let refused = |error: ParameterError<S>| Failure::of_file(scene, format!("parameters.{error}"));
+    let refused = |error| refused(scene, error);
     let found = match &scene.model {
         Model::ContactSeparation(model) => contact_separation_parameters::<S, S::Build>(model, scene.load)
             .build()
@@ -82,79 +76,53 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
             .build()
             .map_err(refused)?
             .closed_form(amplitude, frequency),
+        // The mode capacities of a run.
         Model::BumpStop(model) => {
-            let load = BeamLoad::of(scene)?;
-            of_bump_stop(scene, model, load, amplitude, frequency).map_err(refused)?
+            match (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)) {
+                (..=4, ..=2) => of_beam::<S, 4, 2>(scene, model, amplitude, frequency)?,
+                (..=10, ..=10) => of_beam::<S, 10, 10>(scene, model, amplitude, frequency)?,
+                _ => of_beam::<S, 20, 20>(scene, model, amplitude, frequency)?,
+            }
         }
     };
     Ok(Estimate::new(&found))
 }
 
-/// The load of a beam, as its closed forms take it.
-#[derive(Debug, Clone, Copy)]
-enum BeamLoad {
-    /// The load of the scene itself.
-    Resistor,
-    /// A bus behind a bridge: voltage of the bus and drop of a diode in V.
-    Bus(f64, f64),
-    /// A storage behind a bridge: drop of a diode in V and resistance across the storage in Ω.
-    Storage(f64, f64),
-}
-
-impl BeamLoad {
-    fn of(scene: &Scene) -> Result<Self, Failure> {
-        match scene.load {
-            Load::Resistor { .. } => Ok(Self::Resistor),
-            Load::DcBus { voltage_v, diode_drop_v } => Ok(Self::Bus(voltage_v, diode_drop_v)),
-            Load::RectifiedStore(RectifiedStore {
-                diode_drop_v,
-                leakage_ohm,
-                draw: Draw::Resistor { resistance_ohm, lockout: None },
-                ..
-            }) => Ok(Self::Storage(diode_drop_v, 1.0 / (1.0 / resistance_ohm + 1.0 / leakage_ohm))),
-            Load::RectifiedStore(_) => Err(Failure::of_file(
-                scene,
-                "load.draw: must be a resistor that is always connected for a closed form",
-            )),
-        }
-    }
-
-    fn closed_form<S: Scalar, const B: usize, const R: usize>(
-        self,
-        beam: &Beam<S, AnyChoices<S>, B, R>,
-        amplitude: S,
-        frequency: S,
-    ) -> ClosedForm<S> {
-        let number = S::from_f64;
-        match self {
-            Self::Resistor => beam.closed_form(amplitude, frequency),
-            Self::Bus(voltage, drop) => {
-                beam.closed_form_into_bus(amplitude, frequency, number(voltage), number(drop))
-            }
-            Self::Storage(drop, resistance) => {
-                beam.closed_form_into_store(amplitude, frequency, number(resistance), number(drop))
-            }
-        }
-    }
-}
-
-/// The closed form of a beam, with the mode capacities of a run.
-fn of_bump_stop<S: Scalar>(
+/// The closed form of a beam with the load of a scene.
+fn of_beam<S: Scalar, const B: usize, const R: usize>(
     scene: &Scene,
     model: &BumpStop,
-    load: BeamLoad,
     amplitude: S,
     frequency: S,
-) -> Result<ClosedForm<S>, ParameterError<S>> {
-    let parameters = bump_stop_parameters::<S>(model, scene.load);
-    let (beam, rod) = (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes));
-    Ok(match (beam, rod) {
-        (..=4, ..=2) => load.closed_form(&parameters.build_first::<4, 2>(beam, rod)?, amplitude, frequency),
-        (..=10, ..=10) => {
-            load.closed_form(&parameters.build_first::<10, 10>(beam, rod)?, amplitude, frequency)
+) -> Result<ClosedForm<S>, Failure> {
+    let rod_modes = model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
+    let beam = bump_stop_parameters::<S>(model, scene.load)
+        .build_first::<B, R>(model.parameters.beam_modes, rod_modes)
+        .map_err(|error| refused(scene, error))?;
+    let number = S::from_f64;
+    match scene.load {
+        Load::Resistor { .. } => Ok(beam.closed_form(amplitude, frequency)),
+        Load::DcBus { voltage_v, diode_drop_v } => {
+            Ok(beam.closed_form_into_bus(amplitude, frequency, number(voltage_v), number(diode_drop_v)))
         }
-        _ => load.closed_form(&parameters.build_first::<20, 20>(beam, rod)?, amplitude, frequency),
-    })
+        Load::RectifiedStore(RectifiedStore {
+            diode_drop_v,
+            leakage_ohm,
+            draw: Draw::Resistor { resistance_ohm, lockout: None },
+            ..
+        }) => {
+            let across = number(1.0 / (1.0 / resistance_ohm + 1.0 / leakage_ohm));
+            Ok(beam.closed_form_into_store(amplitude, frequency, across, number(diode_drop_v)))
+        }
+        Load::RectifiedStore(_) => Err(Failure::of_file(
+            scene,
+            "load.draw: must be a resistor that is always connected for a closed form",
+        )),
+    }
+}
+
+fn refused<S: Scalar>(scene: &Scene, error: ParameterError<S>) -> Failure {
+    Failure::of_file(scene, format!("parameters.{error}"))
 }
 
 fn no_sine(scene: &Scene) -> Failure {

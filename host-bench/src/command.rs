@@ -17,7 +17,7 @@ use std::process::ExitCode;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::method::{Failure, Math, Method, Options, Precision};
+use crate::method::{Failure, Options};
 use crate::outcome::Format;
 use crate::scene_file::Override;
 
@@ -27,24 +27,8 @@ pub struct SceneArguments {
     /// Scene file
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,
-    /// Integration method
-    #[arg(long, value_enum, default_value_t)]
-    pub method: Method,
-    /// Precision of the embedded core
-    #[arg(long, value_enum)]
-    pub precision: Option<Precision>,
-    /// Elementary functions of the embedded core
-    #[arg(long, value_enum)]
-    pub math: Option<Math>,
-    /// Fixed step in seconds
-    #[arg(long, value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
-    pub step: Option<f64>,
-    /// Step in seconds of a bump-stop scene in free flight; --step is then that near contact
-    #[arg(long, value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
-    pub long_step: Option<f64>,
-    /// Relative tolerance of the adaptive step
-    #[arg(long, value_name = "REL", allow_hyphen_values = true)]
-    pub tolerance: Option<f64>,
+    #[command(flatten)]
+    pub options: Options,
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -53,24 +37,7 @@ pub struct SceneArguments {
     pub overrides: Vec<Override>,
 }
 
-impl SceneArguments {
-    /// The options of the run.
-    #[must_use]
-    pub fn options(&self) -> Options {
-        Options {
-            method: self.method,
-            precision: self.precision,
-            math: self.math,
-            step_s: self.step,
-            long_step_s: self.long_step,
-            tolerance: self.tolerance,
-            ..Options::default()
-        }
-    }
-}
-
 /// Prints a failure as one line on standard error, and gives its exit code.
-#[must_use]
 pub fn report(failure: &Failure) -> ExitCode {
     let line: String =
         failure.to_string().chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
@@ -128,9 +95,6 @@ pub(crate) fn report_folder() -> PathBuf {
 }
 
 /// A value as JSON over several lines, line break included.
-///
-/// # Errors
-/// [`Failure::Input`] if it has no form in JSON.
 pub(crate) fn json_text(value: &impl serde::Serialize) -> Result<String, Failure> {
     match serde_json::to_string_pretty(value) {
         Ok(text) => Ok(text + "\n"),
@@ -139,18 +103,12 @@ pub(crate) fn json_text(value: &impl serde::Serialize) -> Result<String, Failure
 }
 
 /// Makes a folder and those above it, where they do not exist.
-///
-/// # Errors
-/// [`Failure::Input`] with the path and the reason.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
         .map_err(|error| Failure::Input(format!("{}: cannot be made: {error}", folder.display())))
 }
 
 /// Refuses a file that could not be written, before the runs are made.
-///
-/// # Errors
-/// [`Failure::Input`] with option and path.
 pub(crate) fn writable(option: &str, file: &Path) -> Result<(), Failure> {
     let folder = folder_of(file);
     let reason = if file.is_dir() || file.file_name().is_none() {
@@ -171,9 +129,6 @@ fn folder_of(file: &Path) -> &Path {
 }
 
 /// Writes a file whole or not at all: to a temporary file beside it, which is then renamed.
-///
-/// # Errors
-/// [`Failure::Input`] with the path and the reason.
 pub(crate) fn write_whole(file: &Path, text: &str) -> Result<(), Failure> {
     let mut name = file.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", std::process::id()));

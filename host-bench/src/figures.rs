@@ -7,7 +7,11 @@ mod sliding;
 
 pub use self::page::page;
 
+use rayon::prelude::*;
+
 use crate::method::Failure;
+use crate::outcome::name;
+use crate::report::plot::{self, Plot};
 use crate::scene_file::{self, Excitation, Scene, Tone};
 
 /// A harvester whose figures are made.
@@ -21,13 +25,18 @@ pub enum Subject {
     BumpStop,
 }
 
-/// One picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// Name of its file without the ending.
     pub name: String,
-    /// The picture.
     pub svg: String,
+}
+
+impl Panel {
+    /// Plots one above the other.
+    fn new(name: impl Into<String>, size: (u32, u32), plots: &[Plot]) -> Result<Self, String> {
+        Ok(Self { name: name.into(), svg: plot::draw(size, plots)? })
+    }
 }
 
 /// One figure, or a table without pictures.
@@ -35,21 +44,17 @@ pub struct Panel {
 pub struct Figure {
     /// Its number in the paper, such as `Figure 8`; a name where the paper has none.
     pub label: &'static str,
-    /// What it is.
     pub title: &'static str,
     /// What it shows, and the values it holds for.
     pub caption: String,
-    /// Its pictures.
     pub panels: Vec<Panel>,
     /// A heading and rows of numbers; empty for a figure without a table.
     pub table: Vec<Vec<String>>,
-    /// Its numbers.
     pub csv: String,
 }
 
 impl Figure {
     /// Name of the file with its numbers, without the ending.
-    #[must_use]
     pub fn stem(&self) -> String {
         self.label.to_lowercase().replace(' ', "-")
     }
@@ -58,30 +63,19 @@ impl Figure {
 /// The figures of one harvester.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chapter {
-    /// Its heading.
     pub title: &'static str,
     /// Text on all of its figures, in HTML paragraphs.
     pub introduction: String,
-    /// The figures.
     pub figures: Vec<Figure>,
 }
 
 impl Subject {
-    /// All of them, in the order of the papers.
-    pub const ALL: [Self; 3] = [Self::Sliding, Self::ContactSeparation, Self::BumpStop];
-
     /// Its name, which is that of its folder.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sliding => "sliding",
-            Self::ContactSeparation => "contact-separation",
-            Self::BumpStop => "bump-stop",
-        }
+    pub(crate) fn name(self) -> String {
+        name(&self)
     }
 
     /// How often [`Subject::build`] calls `done`.
-    #[must_use]
     pub fn runs(self) -> usize {
         match self {
             Self::Sliding => sliding::runs(),
@@ -91,9 +85,6 @@ impl Subject {
     }
 
     /// Makes its figures from the shipped scenes, on all cores; `done` is called after each run.
-    ///
-    /// # Errors
-    /// If a run fails or a picture cannot be drawn.
     pub fn build(self, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
         match self {
             Self::Sliding => sliding::build(&shipped("sliding")?, done),
@@ -101,6 +92,20 @@ impl Subject {
             Self::BumpStop => bump_stop::build(done),
         }
     }
+}
+
+/// Runs each case on all cores; calls `done` after each.
+fn each<C: Sync, R: Send>(
+    cases: &[C],
+    done: &(dyn Fn() + Sync),
+    run: impl Fn(&C) -> Result<R, Failure> + Sync,
+) -> Result<Vec<R>, Failure> {
+    let one = |case| {
+        let found = run(case);
+        done();
+        found
+    };
+    cases.par_iter().map(one).collect()
 }
 
 /// A shipped scene by the name of its file.

@@ -13,7 +13,6 @@ use crate::scene_file::Model;
 use crate::work_precision::Comparison;
 use crate::work_precision::table::resistance;
 
-/// The page.
 pub(crate) fn page(comparisons: &[Comparison]) -> Result<String, String> {
     let mut body = String::new();
     body.push_str("<h1>Vibration energy harvesters: error against run time</h1>\n");

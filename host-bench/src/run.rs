@@ -10,11 +10,6 @@ use crate::scene_file::{Model, Scene};
 /// Most rows of a recorded motion.
 const MOST_ROWS: f64 = 2e7;
 
-/// Runs a scene.
-///
-/// # Errors
-/// [`Failure::Input`] if the options do not fit together or to the scene, [`Failure::Step`] if the
-/// integration cannot go on.
 pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     options.check()?;
     options.check_scene(scene)?;
@@ -37,9 +32,6 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 }
 
 /// As [`run_scene`], with a run that stopped on its way as text.
-///
-/// # Errors
-/// [`Failure::Input`] only.
 pub(crate) fn try_run_scene(scene: &Scene, options: &Options) -> Result<Result<Outcome, String>, Failure> {
     match run_scene(scene, options) {
         Ok(outcome) => Ok(Ok(outcome)),

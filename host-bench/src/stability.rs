@@ -12,8 +12,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::method::Failure;
-use crate::outcome::{csv_line, number};
+use crate::outcome::{cell, csv_line, fields};
 use crate::scene_file::Scene;
 
 /// Which cases.
@@ -30,15 +29,12 @@ pub(crate) enum Grid {
 pub(crate) trait Subject {
     /// What differs from the shipped scene.
     type Setting: Copy + Send + Sync;
-    /// A run that was judged.
     type Finding: Finding;
 
     /// Its heading in the terminal.
     const HEADING: &'static str;
-    /// Its name in scene files.
     const SCENE: &'static str;
 
-    /// The cases of a grid.
     fn settings(grid: Grid) -> Vec<Self::Setting>;
 
     /// Runs a case, made of the shipped scene `base`, in each precision and at each step, and judges the runs.
@@ -48,13 +44,15 @@ pub(crate) trait Subject {
     fn text(findings: &[Self::Finding]) -> String;
 }
 
-/// A run that was judged, as a row of CSV.
+/// A run that was judged, as an object of JSON and a row of CSV.
 pub(crate) trait Finding: Serialize + Send {
-    /// Names and values of the columns that tell the run from all others of its scene.
-    fn case(&self) -> Vec<(&'static str, String)>;
+    /// Columns of CSV that tell the run from all others of its scene.
+    const CASE: &'static [&'static str];
+    /// Columns of CSV that say what became of the run: the first is [`Finding::verdict`].
+    const RESULT: &'static [&'static str];
 
-    /// Names and values of the columns that say what became of the run.
-    fn verdict(&self) -> Vec<(&'static str, String)>;
+    /// The name of what became of the run.
+    fn verdict(&self) -> String;
 
     /// Whether the run is wrong and nothing explains it.
     fn is_failure(&self) -> bool;
@@ -66,7 +64,6 @@ pub(crate) trait Finding: Serialize + Send {
 /// A run and whether it failed.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Run {
-    /// Name of the scene.
     pub(crate) scene: &'static str,
     /// The case: `name=value` of each column of CSV that tells it from the others.
     pub(crate) case: String,
@@ -87,14 +84,7 @@ pub(crate) struct Report {
 }
 
 /// Runs all cases of a grid, made of the shipped scene `base`, on all cores; calls `done` after each case.
-///
-/// # Errors
-/// If a finding has no form in JSON.
-pub(crate) fn examine<K: Subject>(
-    base: &Scene,
-    grid: Grid,
-    done: impl Fn() + Sync,
-) -> Result<Report, Failure> {
+pub(crate) fn examine<K: Subject>(base: &Scene, grid: Grid, done: impl Fn() + Sync) -> Report {
     let findings: Vec<K::Finding> = K::settings(grid)
         .into_par_iter()
         .flat_map_iter(|setting| {
@@ -103,39 +93,47 @@ pub(crate) fn examine<K: Subject>(
             findings
         })
         .collect();
-    let json: serde_json::Result<_> = findings.iter().map(serde_json::to_value).collect();
-    Ok(Report {
+    Report {
         text: format!("{}\n\n{}", K::HEADING, K::text(&findings)),
-        csv_heading: findings.first().map_or_else(String::new, csv_heading),
-        csv_rows: findings.iter().map(csv_row).collect(),
-        json: json.map_err(|error| Failure::Input(format!("--format json: {error}")))?,
-        runs: findings.iter().map(|finding| run::<K>(finding)).collect(),
-    })
+        csv_heading: csv_heading::<K>(),
+        csv_rows: findings.iter().map(csv_row::<K>).collect(),
+        json: findings.iter().map(|finding| fields(finding).into()).collect(),
+        runs: findings.iter().map(run::<K>).collect(),
+    }
 }
 
-fn csv_heading(finding: &impl Finding) -> String {
-    let columns = finding.case().into_iter().chain(finding.verdict());
-    csv_line(columns.map(|(name, _)| name.to_owned()).chain(["options".to_owned()]))
+fn csv_heading<K: Subject>() -> String {
+    let columns = K::Finding::CASE.iter().chain(K::Finding::RESULT).chain(&["options"]);
+    csv_line(columns.map(|&name| name.to_owned()))
 }
 
-fn csv_row(finding: &impl Finding) -> String {
-    let columns = finding.case().into_iter().chain(finding.verdict());
-    csv_line(columns.map(|(_, value)| value).chain([finding.options()]))
+fn csv_row<K: Subject>(finding: &K::Finding) -> String {
+    let (case, result) = (cells::<K>(finding, K::Finding::CASE), cells::<K>(finding, K::Finding::RESULT));
+    csv_line(case.into_iter().chain(result).chain([finding.options()]))
+}
+
+/// The cells of some columns: the values in JSON, empty where the finding has none.
+fn cells<K: Subject>(finding: &K::Finding, columns: &[&str]) -> Vec<String> {
+    let fields = fields(finding);
+    let of = |&column: &&str| match (column, fields.get(column)) {
+        ("scene", _) => K::SCENE.to_owned(),
+        (verdict, _) if verdict == K::Finding::RESULT[0] => finding.verdict(),
+        // JSON has no number for infinity.
+        ("resistance_ohm", Some(Value::Null)) => "inf".to_owned(),
+        (_, value) => value.map_or_else(String::new, cell),
+    };
+    columns.iter().map(of).collect()
 }
 
 fn run<K: Subject>(finding: &K::Finding) -> Run {
-    let columns = finding.case().into_iter().filter(|(name, value)| *name != "scene" && !value.is_empty());
+    let columns = K::Finding::CASE.iter().zip(cells::<K>(finding, K::Finding::CASE));
+    let columns = columns.filter(|(name, value)| **name != "scene" && !value.is_empty());
     Run {
         scene: K::SCENE,
         case: columns.map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" "),
         is_failure: finding.is_failure(),
         options: finding.options(),
     }
-}
-
-/// A resistance in Ω as a cell, infinity included.
-fn ohms(resistance: f64) -> String {
-    if resistance.is_finite() { number(resistance) } else { "inf".to_owned() }
 }
 
 /// `|one − other|` over the larger magnitude. Not-a-number, which agrees with nothing, stays what it is.

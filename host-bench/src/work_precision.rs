@@ -25,7 +25,6 @@ const SAME: f64 = 0.1;
 
 /// What a kind of scene supplies to its table.
 pub(crate) struct Kind {
-    /// The rows to run.
     variants: fn(&Scene, &Extent) -> Vec<Variant>,
     /// The errors of an outcome against the reference.
     errors: fn(&Outcome, &Outcome) -> Errors,
@@ -34,7 +33,6 @@ pub(crate) struct Kind {
     timing: Timing,
     /// Whether the reference has a row of its own.
     lists_reference: bool,
-    /// The columns, in their order.
     columns: &'static [Column],
     /// Columns at the left that hold words.
     pub(crate) words: usize,
@@ -58,7 +56,6 @@ enum Timing {
     ShortestBare,
 }
 
-/// The kind of a scene.
 fn kind(scene: &Scene) -> &'static Kind {
     match scene.model {
         Model::ContactSeparation(_) | Model::Sliding(_) => &triboelectric::KIND,
@@ -98,7 +95,6 @@ fn relative(ours: Option<f64>, theirs: Option<f64>) -> Option<f64> {
     }
 }
 
-/// What a row found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Found {
     /// Errors against the reference.
@@ -119,16 +115,13 @@ pub(crate) struct Found {
     runs: usize,
 }
 
-/// One row of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Row {
-    /// What was run.
     #[serde(flatten)]
     pub(crate) variant: Variant,
     /// What it found; `None` if it failed.
     #[serde(flatten)]
     pub(crate) found: Option<Found>,
-    /// Why it failed.
     pub(crate) failure: Option<String>,
 }
 
@@ -142,9 +135,7 @@ impl Row {
 /// Rows left out because their errors are those of the polynomial row.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 struct Omitted {
-    /// Precision of the rows.
     precision: Precision,
-    /// The backend.
     math: Math,
     /// Number of rows left out.
     rows: usize,
@@ -154,7 +145,6 @@ struct Omitted {
     time_ratio: f64,
 }
 
-/// The table of one scene.
 pub(crate) struct Comparison {
     pub(crate) kind: &'static Kind,
     pub(crate) scene: Scene,
@@ -177,7 +167,6 @@ impl Serialize for Comparison {
 }
 
 impl Comparison {
-    /// Name of the scene file.
     pub(crate) fn file(&self) -> String {
         self.scene.file.display().to_string()
     }

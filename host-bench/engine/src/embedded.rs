@@ -11,7 +11,6 @@ mod recorder;
 mod run;
 mod shooting;
 mod sliding;
-mod steady_state;
 mod store_in_loop;
 mod triboelectric;
 mod whole_day;
@@ -19,25 +18,21 @@ mod whole_day;
 use model_core::scalar::{Libm, Mathematics, Micromath, Polynomial, Scalar};
 
 use self::excitation::with_setting;
-use crate::steady_state::{Resonance, Spent, resonance};
+use crate::steady_state::Resonance;
 use harvester_scene::method::{Failure, Math, Method, Options, Precision};
 use harvester_scene::outcome::Outcome;
-use harvester_scene::scene_file::{Excitation, Model, Scene};
+use harvester_scene::scene_file::{Model, Scene};
 
 pub use bump_stop::{DeflectedShape, deflected_shapes, parameters as bump_stop_parameters};
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use sliding::parameters as sliding_parameters;
-pub use store_in_loop::{StoreInLoop, Stretch, with_store_in_loop};
+pub use store_in_loop::{Midnight, StoreInLoop, Stretch};
 pub use whole_day::{Daily, WholeDay, whole_day};
 
 /// Relative tolerance per radian where neither step nor tolerance is given.
 pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// Runs a scene on the embedded core.
-///
-/// # Errors
-/// [`Failure::Input`] if the options do not fit the method or the core refuses the scene,
-/// [`Failure::Step`] if a step cannot be taken.
 pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     let precision = options.precision.unwrap_or(match options.math {
         Some(Math::Micromath) => Precision::F32,
@@ -57,20 +52,15 @@ pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 
 fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     with_setting::<S, M, _>(scene, options, |setting| match &scene.model {
-        Model::ContactSeparation(model) => contact_separation::run::<S, M>(setting, model),
-        Model::Sliding(model) => sliding::run(setting, model),
+        Model::ContactSeparation(model) => triboelectric::run::<S, M, _>(setting, model),
+        Model::Sliding(model) => triboelectric::run::<S, M, _>(setting, model),
         Model::BumpStop(model) => bump_stop::run(setting, model),
     })
 }
 
 /// The periodic steady state of a scene under one sine, by shooting; the scene's own run where it has no
 /// stable orbit of one period.
-///
-/// # Errors
-/// As [`run`].
 pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
-    options.check()?;
-    options.check_scene(scene)?;
     match options.math {
         Some(Math::Libm) => steady_state_as::<Libm>(scene, options),
         _ => steady_state_as::<Polynomial>(scene, options),
@@ -79,25 +69,19 @@ pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure
 
 fn steady_state_as<M: Mathematics<f64>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     with_setting::<f64, M, _>(scene, options, |setting| match &scene.model {
-        Model::ContactSeparation(model) => {
-            contact_separation::prepared::<f64, M, _>(setting, model, |prepared, start| {
-                prepared.steady_state(start, contact_separation::typical(model, prepared.core))
-            })
-        }
-        Model::Sliding(model) => sliding::prepared(setting, model, |prepared, start| {
-            prepared.steady_state(start, sliding::typical(model, prepared.core))
-        }),
-        Model::BumpStop(_) => Err(no_steady_state(scene)),
+        Model::ContactSeparation(model) => shooting::steady_state::<M, _>(setting, model),
+        Model::Sliding(model) => shooting::steady_state::<M, _>(setting, model),
+        Model::BumpStop(_) => Err(refuse_bump_stop(scene, "for a periodic steady state")),
     })
 }
 
-/// The refusal of a scene whose motion is not sought by shooting.
-fn no_steady_state(scene: &Scene) -> Failure {
-    Failure::Input(format!(
-        "{}: scene = {:?}: must be \"contact-separation\" or \"sliding\" for a periodic steady state",
-        scene.file.display(),
-        scene.name()
-    ))
+/// The refusal of a bump-stop scene where only a triboelectric scene will do.
+fn refuse_bump_stop(scene: &Scene, purpose: &str) -> Failure {
+    let name = scene.name();
+    Failure::of_file(
+        scene,
+        format!("scene = {name:?}: must be \"contact-separation\" or \"sliding\" {purpose}"),
+    )
 }
 
 /// The frequencies of a range in Hz at which the steady state of a scene responds most, by following
@@ -106,9 +90,6 @@ fn no_steady_state(scene: &Scene) -> Failure {
 ///
 /// Where two orbits are stable the one is followed on which the path came. Where it ends, or loses its
 /// stability, the steady state from the scene's start takes its place.
-///
-/// # Errors
-/// As [`run`].
 pub fn resonance_peak(
     scene: &Scene,
     range: [f64; 2],
@@ -130,44 +111,14 @@ fn resonance_peak_as<M: Mathematics<f64>>(
     points: usize,
     options: &Options,
 ) -> Result<(Option<Resonance>, f64), Failure> {
-    let mut spent = Spent::default();
-    let at = |frequency_hz: f64| {
-        let mut scene = scene.clone();
-        if let Excitation::Sine(tone) = &mut scene.excitation {
-            tone.frequency_hz = frequency_hz;
-        }
-        scene
-    };
-    let found = match &scene.model {
-        Model::ContactSeparation(model) => {
-            let mut known = None;
-            resonance(range, points, |frequency_hz| {
-                with_setting::<f64, M, _>(&at(frequency_hz), options, |setting| {
-                    contact_separation::prepared::<f64, M, _>(setting, model, |prepared, start| {
-                        let typical = contact_separation::typical(model, prepared.core);
-                        prepared.response(start, typical, &mut known, &mut spent)
-                    })
-                })
-            })?
-        }
-        Model::Sliding(model) => {
-            let mut known = None;
-            resonance(range, points, |frequency_hz| {
-                with_setting::<f64, M, _>(&at(frequency_hz), options, |setting| {
-                    sliding::prepared(setting, model, |prepared, start| {
-                        let typical = sliding::typical(model, prepared.core);
-                        prepared.response(start, typical, &mut known, &mut spent)
-                    })
-                })
-            })?
-        }
-        Model::BumpStop(_) => return Err(no_steady_state(scene)),
-    };
-    Ok((found, spent.periods))
+    match &scene.model {
+        Model::ContactSeparation(model) => shooting::peaks::<M, _>((scene, model), range, points, options),
+        Model::Sliding(model) => shooting::peaks::<M, _>((scene, model), range, points, options),
+        Model::BumpStop(_) => Err(refuse_bump_stop(scene, "for a periodic steady state")),
+    }
 }
 
 /// The name of a precision, as the command line writes it.
-#[must_use]
 pub fn precision_name<S: Scalar>() -> &'static str {
     if size_of::<S>() == 4 { "f32" } else { "f64" }
 }

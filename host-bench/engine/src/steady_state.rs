@@ -22,6 +22,6 @@ mod period_map;
 mod resonance;
 
 pub use self::newton::{FixedPoint, Linearisation, Map};
-pub use self::orbit::{Orbit, Response, Search, Verdict};
-pub use self::period_map::{ForcedSystem, Spent};
+pub use self::orbit::{Orbit, Response, Verdict};
+pub use self::period_map::{ForcedSystem, Spent, StateOf, Total};
 pub use self::resonance::{DEFAULT_POINTS, Resonance, resonance};

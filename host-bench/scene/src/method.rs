@@ -37,7 +37,6 @@ pub enum Precision {
 
 impl Precision {
     /// Its name on the command line.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::F32 => "f32",
@@ -59,28 +58,38 @@ pub enum Math {
 }
 
 /// How to run a scene. The method chooses what is `None`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, clap::Args)]
 pub struct Options {
-    /// Integration method.
+    /// Integration method
+    #[arg(long, value_enum, default_value_t)]
     pub method: Method,
-    /// Precision of the embedded core.
+    /// Precision of the embedded core
+    #[arg(long, value_enum)]
     pub precision: Option<Precision>,
-    /// Elementary functions of the embedded core.
+    /// Elementary functions of the embedded core
+    #[arg(long, value_enum)]
     pub math: Option<Math>,
-    /// Fixed step in s; of a bump-stop scene, the step near contact.
+    /// Fixed step in seconds
+    #[arg(long = "step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
     pub step_s: Option<f64>,
-    /// Step in s of a bump-stop scene in free flight.
+    /// Step in seconds of a bump-stop scene in free flight; --step is then that near contact
+    #[arg(long = "long-step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
     pub long_step_s: Option<f64>,
-    /// Relative tolerance of an adaptive step.
+    /// Relative tolerance of the adaptive step
+    #[arg(long, value_name = "REL", allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
     /// Distance in s of the rows of the recorded motion.
+    #[arg(skip)]
     pub trace_every_s: Option<f64>,
     /// Whether a bump-stop run on the core keeps no energy ledger and meters the measuring window only, as firmware
     /// would: for measuring its run time.
+    #[arg(skip)]
     pub bare: bool,
     /// Whether shooting for the periodic steady state replaces the run.
+    #[arg(skip)]
     pub steady_state: bool,
     /// Number of attempted steps after which the core's hybrid driver stops with [`Failure::StepLimitExceeded`].
+    #[arg(skip)]
     pub most_attempts: Option<u64>,
 }
 
@@ -110,61 +119,59 @@ impl Failure {
     pub fn of_file(scene: &Scene, reason: impl Display) -> Self {
         Self::Input(format!("{}: {reason}", scene.file.display()))
     }
+
+    /// The failure with the case in front, if the run could not be stepped to its end.
+    pub fn of_case(self, case: &str) -> Self {
+        match self {
+            Self::Step(error) => Self::Step(format!("{case}: {error}")),
+            other => other,
+        }
+    }
 }
 
 impl Options {
     /// Checks what can be checked without a scene.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] that names the option, its value and its bound.
     pub fn check(&self) -> Result<(), Failure> {
         within("--step", self.step_s, [1e-9, 1.0])?;
         within("--long-step", self.long_step_s, [1e-9, 1.0])?;
         within("--tolerance", self.tolerance, [1e-13, 0.1])?;
         within("--trace-every", self.trace_every_s, [1e-9, 1e7])?;
-        let refusal = match (self.math, self.precision) {
-            (Some(Math::Micromath), Some(Precision::F64)) => {
-                Some("--math micromath: must be with --precision f32, it has no double precision")
-            }
-            _ if self.method == Method::Reference => self.refused_by_reference(),
-            _ => None,
-        };
-        let refusal = refusal.or_else(|| self.refused_by_steady_state().filter(|_| self.steady_state));
-        refusal.map_or(Ok(()), |text| Err(Failure::Input(text.to_owned())))
-    }
-
-    /// The first option that the reference does not take.
-    fn refused_by_reference(&self) -> Option<&'static str> {
-        if self.precision == Some(Precision::F32) {
-            Some("--precision f32: the reference must be in f64")
-        } else if self.math.is_some() {
-            Some("--math: must not be given for the reference, which uses that of the host")
-        } else if self.step_s.is_some() {
-            Some("--step: must not be given for the reference, which adapts its step")
-        } else {
-            None
-        }
-    }
-
-    /// The first option that does not go with shooting for a steady state.
-    fn refused_by_steady_state(&self) -> Option<&'static str> {
-        if self.method == Method::Reference {
-            Some("--method reference: must be of the core for a steady state, such as tr-bdf2")
-        } else if self.precision == Some(Precision::F32) {
-            Some("--precision f32: a steady state must be in f64")
-        } else if self.math == Some(Math::Micromath) {
-            Some("--math micromath: a steady state must be in f64, which it does not have")
-        } else if self.trace_every_s.is_some() {
-            Some("--trace-every: must not be given for a steady state")
-        } else {
-            None
-        }
+        let Self { method, precision, math, steady_state, .. } = *self;
+        let reference = method == Method::Reference;
+        let single = precision == Some(Precision::F32);
+        let coarse = math == Some(Math::Micromath);
+        let refusals = [
+            (
+                coarse && precision == Some(Precision::F64),
+                "--math micromath: must be with --precision f32, it has no double precision",
+            ),
+            (reference && single, "--precision f32: the reference must be in f64"),
+            (
+                reference && math.is_some(),
+                "--math: must not be given for the reference, which uses that of the host",
+            ),
+            (
+                reference && self.step_s.is_some(),
+                "--step: must not be given for the reference, which adapts its step",
+            ),
+            (
+                steady_state && reference,
+                "--method reference: must be of the core for a steady state, such as tr-bdf2",
+            ),
+            (steady_state && single, "--precision f32: a steady state must be in f64"),
+            (
+                steady_state && coarse,
+                "--math micromath: a steady state must be in f64, which it does not have",
+            ),
+            (
+                steady_state && self.trace_every_s.is_some(),
+                "--trace-every: must not be given for a steady state",
+            ),
+        ];
+        refuse_first(&refusals)
     }
 
     /// Checks what depends on the kind of the scene.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] that names the file, the key and what it must be.
     pub fn check_scene(&self, scene: &Scene) -> Result<(), Failure> {
         let refuse = |reason: &str| Err(Failure::of_file(scene, reason));
         if self.steady_state && scene.excitation.single_frequency().is_none() {
@@ -182,6 +189,14 @@ impl Options {
             return refuse("load.kind: must be \"resistor\" for this scene by this method");
         }
         Ok(())
+    }
+}
+
+/// Refuses the first of some conditions that holds, with its reason.
+pub fn refuse_first(refusals: &[(bool, &str)]) -> Result<(), Failure> {
+    match refusals.iter().find(|(refused, _)| *refused) {
+        Some((_, reason)) => Err(Failure::Input((*reason).to_owned())),
+        None => Ok(()),
     }
 }
 

@@ -7,7 +7,9 @@ use serde::Serialize;
 
 pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome};
 pub use self::format::Format;
-pub use self::format::{cell, csv_line, number, optional_number, small, text};
+pub use self::format::{
+    Fields, cell, csv, csv_line, csv_sections, fields, name, number, optional_number, rows_csv, small, text,
+};
 
 /// The result of one run.
 ///
@@ -29,23 +31,17 @@ pub struct Outcome {
     pub settle_s: f64,
     /// Mean power delivered to the load over the window in W: `V²/R`, or the power into the storage or bus behind a
     /// bridge.
-    #[serde(serialize_with = "finite")]
     pub mean_power_w: Option<f64>,
     /// Root mean square of the terminal voltage over the window in V.
-    #[serde(serialize_with = "finite")]
     pub rms_voltage_v: Option<f64>,
     /// Largest magnitude of the terminal voltage in the window in V.
-    #[serde(serialize_with = "finite")]
     pub peak_voltage_v: Option<f64>,
     /// Mean of the terminal voltage over the window in V.
-    #[serde(serialize_with = "finite")]
     pub mean_voltage_v: Option<f64>,
     /// Energy delivered to the load in the window in J.
-    #[serde(serialize_with = "finite")]
     pub delivered_energy_j: Option<f64>,
     /// Residual of the energy ledger of the whole run, over the larger of `∫ |base power| dt` and the peak stored
     /// energy.
-    #[serde(serialize_with = "finite")]
     pub energy_residual: Option<f64>,
     /// Accepted steps, whole run.
     pub steps: u64,
@@ -73,25 +69,21 @@ pub struct Outcome {
 
 impl Outcome {
     /// The numbers of a contact-separation scene, if it is one.
-    #[must_use]
     pub fn contact_separation(&self) -> Option<&ContactSeparationOutcome> {
         if let Particular::ContactSeparation(found) = &self.particular { Some(found) } else { None }
     }
 
     /// The numbers of a sliding scene, if it is one.
-    #[must_use]
     pub fn sliding(&self) -> Option<&SlidingOutcome> {
         if let Particular::Sliding(found) = &self.particular { Some(found) } else { None }
     }
 
     /// The numbers of a bump-stop scene, if it is one.
-    #[must_use]
     pub fn bump_stop(&self) -> Option<&BumpStopOutcome> {
         if let Particular::BumpStop(found) = &self.particular { Some(found) } else { None }
     }
 
     /// Whether the numbers are those of a stable orbit that shooting found.
-    #[must_use]
     pub fn is_of_an_orbit(&self) -> bool {
         self.steady_state.as_ref().is_some_and(|found| found.steady_state == STABLE)
     }
@@ -108,7 +100,6 @@ pub struct SteadyState {
     /// stable orbit that the scene's start does not lead to (`stable-period-1-not-reached`), or `none`.
     pub steady_state: &'static str,
     /// Magnitude of the orbit's largest Floquet multiplier; `None` without an orbit.
-    #[serde(serialize_with = "finite")]
     pub largest_multiplier: Option<f64>,
     /// Simulated periods of the whole search, and of the run if there was one.
     pub simulated_periods: f64,
@@ -118,19 +109,14 @@ pub struct SteadyState {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StoreOutcome {
     /// Voltage of the storage or bus in V.
-    #[serde(serialize_with = "finite")]
     pub store_voltage_v: Option<f64>,
     /// Energy in the storage in J; `None` for a bus.
-    #[serde(serialize_with = "finite")]
     pub stored_energy_j: Option<f64>,
     /// Energy lost in the diodes over the whole run in J.
-    #[serde(serialize_with = "finite")]
     pub diode_loss_j: Option<f64>,
     /// Energy that leaked from the storage over the whole run in J.
-    #[serde(serialize_with = "finite")]
     pub leaked_energy_j: Option<f64>,
     /// Energy that the node drew over the whole run in J.
-    #[serde(serialize_with = "finite")]
     pub drawn_energy_j: Option<f64>,
 }
 
@@ -138,11 +124,8 @@ pub struct StoreOutcome {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Particular {
-    /// Of a contact-separation scene.
     ContactSeparation(ContactSeparationOutcome),
-    /// Of a sliding scene.
     Sliding(SlidingOutcome),
-    /// Of a bump-stop scene.
     BumpStop(BumpStopOutcome),
 }
 
@@ -150,24 +133,18 @@ pub enum Particular {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ContactSeparationOutcome {
     /// Largest gap in the window in m.
-    #[serde(serialize_with = "finite")]
     pub peak_gap_m: Option<f64>,
     /// Smallest gap in the window in m.
-    #[serde(serialize_with = "finite")]
     pub min_gap_m: Option<f64>,
     /// Impacts in the window, those that end in sticking included.
     pub impacts: u64,
     /// Impacts over periods in the window; `None` unless the base moves in one sine.
-    #[serde(serialize_with = "finite")]
     pub impacts_per_period: Option<f64>,
     /// Largest impact speed in the window in m/s; `None` without impacts.
-    #[serde(serialize_with = "finite")]
     pub max_impact_speed_m_per_s: Option<f64>,
     /// Time of the first impact of the run in s; `None` without impacts, and for an orbit, which has no start.
-    #[serde(serialize_with = "finite")]
     pub first_impact_s: Option<f64>,
     /// Part of the window during which the mass sticks.
-    #[serde(serialize_with = "finite")]
     pub stuck_fraction: Option<f64>,
 }
 
@@ -179,20 +156,15 @@ pub const CONTACT_SEPARATION_COLUMNS: [&str; 7] =
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlidingOutcome {
     /// Natural frequency in Hz of the undamped beam with its slider, free of friction.
-    #[serde(serialize_with = "finite")]
     pub natural_frequency_hz: Option<f64>,
     /// Largest magnitude of the displacement in the window in m.
-    #[serde(serialize_with = "finite")]
     pub peak_displacement_m: Option<f64>,
     /// Half the distance in m between the largest and the smallest displacement in the window.
-    #[serde(serialize_with = "finite")]
     pub amplitude_m: Option<f64>,
     /// Part of the window during which the slider sticks.
-    #[serde(serialize_with = "finite")]
     pub stick_fraction: Option<f64>,
     /// Entries into stick in the window over the periods in it; `None` unless the base moves in one
     /// sine.
-    #[serde(serialize_with = "finite")]
     pub sticks_per_period: Option<f64>,
 }
 
@@ -208,7 +180,6 @@ pub const SLIDING_COLUMNS: [&str; 7] = [
 ];
 
 /// Columns of a recording behind a bridge: the columns without a bridge, and the voltage of the storage or bus.
-#[must_use]
 pub const fn with_store(columns: [&'static str; 7]) -> [&'static str; 8] {
     let [one, two, three, four, five, six, seven] = columns;
     [one, two, three, four, five, six, seven, "store_voltage_v"]
@@ -221,9 +192,4 @@ pub struct Recording {
     pub columns: &'static [&'static str],
     /// One value for each column.
     pub rows: Vec<Vec<f64>>,
-}
-
-/// Writes `null` for a number that does not exist or is not finite.
-fn finite<S: serde::Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-    value.filter(|value| value.is_finite()).serialize(serializer)
 }

@@ -15,7 +15,6 @@ use crate::scene_file::Node;
 /// Shortfall of a credit that counts as rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// An action and its credit.
 #[derive(Debug)]
 struct Due<S> {
     action: Action<S>,
@@ -24,7 +23,6 @@ struct Due<S> {
     credit: f64,
 }
 
-/// The controller.
 #[derive(Debug)]
 pub(super) struct Controller<'a, S, const SLOTS: usize> {
     node: &'a Node,
@@ -38,9 +36,6 @@ pub(super) struct Controller<'a, S, const SLOTS: usize> {
 
 impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
     /// The controller at midnight, with the measured voltage of the storage in V.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] if the core refuses the node.
     pub(super) fn new(node: &'a Node, voltage: f64) -> Result<Self, Failure> {
         let from = &node.storage;
         let refuse =

@@ -71,9 +71,6 @@ pub(crate) fn options(scene: &Scene, precision: Precision, tolerance: Option<f64
 }
 
 /// The income by level.
-///
-/// # Errors
-/// As a run of the scene.
 pub(crate) fn by_level(scene: &Scene, node: &Node, options: &Options) -> Result<Income, Failure> {
     let mut known: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
     for factor in node.hours {
@@ -122,9 +119,6 @@ fn scaled(excitation: &Excitation, factor: f64) -> Excitation {
 }
 
 /// The income of every step of the day, and the day itself.
-///
-/// # Errors
-/// [`Failure::Input`] if the scene cannot be run for a day, and as a run.
 pub(crate) fn exact(scene: &Scene, node: &Node, options: &Options) -> Result<(Income, WholeDay), Failure> {
     check_trace(scene)?;
     let day = whole_day(scene, &node.hours, node.update_s, options)?;
@@ -143,9 +137,6 @@ fn check_trace(scene: &Scene) -> Result<(), Failure> {
 }
 
 /// Whether the harvester and the storage of a node can be one trajectory: the bridge must charge the storage itself.
-///
-/// # Errors
-/// [`Failure::Input`] if a converter stands between them, or the excitation ends.
 pub(crate) fn check_looped(scene: &Scene, node: &Node) -> Result<(), Failure> {
     check_trace(scene)?;
     let efficiency = node.storage.charging_efficiency;

@@ -1,12 +1,12 @@
 //! The numbers of a simulated day.
 
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::json;
 
 use super::plant::StorageAccount;
-use crate::outcome::{Format, text};
+use crate::outcome::{Fields, Format, fields, text};
 use crate::scene_file::HOURS;
 
-/// The day of a node.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NodeDay {
     /// Where energy came from and went.
@@ -33,20 +33,20 @@ pub(crate) struct NodeDay {
     pub(super) samples: Vec<Sample>,
 }
 
-/// An action over the day.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct ActionOutcome {
-    /// Its name.
     pub(super) name: String,
-    /// How often it was run.
     pub(super) runs: u32,
     /// How often it was to be run.
+    #[serde(rename = "wished_runs")]
     pub(super) wished: f64,
     /// How often, by the budget at the start of the day, it could be run every day.
+    #[serde(rename = "predicted_runs")]
     pub(super) predicted: f64,
     /// Energy that it took at the node in J.
     pub(super) spent_j: f64,
     /// How often it was run in each hour.
+    #[serde(skip)]
     pub(super) by_hour: [u32; HOURS],
 }
 
@@ -64,7 +64,6 @@ pub(crate) struct Sample {
 /// How the income was computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Source {
-    /// Name of the scene.
     pub(crate) scene: &'static str,
     /// Precision of harvester and budget.
     pub(crate) precision: &'static str,
@@ -85,67 +84,51 @@ impl NodeDay {
     }
 
     /// Names and values, without the actions.
-    fn fields(&self, source: &Source) -> Vec<(String, Value)> {
+    fn fields(&self, source: &Source) -> Fields {
         let account = &self.account;
-        let mut fields: Vec<(&str, Value)> = vec![
-            ("scene", source.scene.into()),
-            ("precision", source.precision.into()),
-            ("income", source.income.into()),
-            ("learning_days", source.learning_days.into()),
-            ("harvested_energy_j", account.harvested.into()),
-            ("mean_harvested_power_w", (account.harvested / f64::from(super::DAY_S)).into()),
-            ("income_j", account.income.into()),
-            ("shunted_j", account.shunted.into()),
-            ("leaked_j", account.leaked.into()),
-            ("actions_j", account.actions.into()),
-            ("standing_j", account.standing.into()),
-            ("store_residual", self.storage_residual().into()),
-            ("start_charge", (self.start_j / self.capacity_j).into()),
-            ("end_charge", (self.end_j / self.capacity_j).into()),
-            ("lowest_charge", (self.lowest_j / self.capacity_j).into()),
-            ("lowest_voltage_v", self.lowest_v.into()),
-            ("lockout_s", account.lockout_s.into()),
-            ("lockouts", account.lockouts.into()),
-            ("budget_error", self.budget_error.into()),
-            ("budget_ledger_residual", self.budget_ledger.into()),
-        ];
+        let mut all = fields(&json!({
+            "scene": source.scene,
+            "precision": source.precision,
+            "income": source.income,
+            "learning_days": source.learning_days,
+            "harvested_energy_j": account.harvested,
+            "mean_harvested_power_w": account.harvested / f64::from(super::DAY_S),
+            "income_j": account.income,
+            "shunted_j": account.shunted,
+            "leaked_j": account.leaked,
+            "actions_j": account.actions,
+            "standing_j": account.standing,
+            "store_residual": self.storage_residual(),
+            "start_charge": self.start_j / self.capacity_j,
+            "end_charge": self.end_j / self.capacity_j,
+            "lowest_charge": self.lowest_j / self.capacity_j,
+            "lowest_voltage_v": self.lowest_v,
+            "lockout_s": account.lockout_s,
+            "lockouts": account.lockouts,
+            "budget_error": self.budget_error,
+            "budget_ledger_residual": self.budget_ledger,
+        }));
         if let Some((steps, residual)) = source.whole_day {
-            fields.push(("steps", steps.into()));
-            fields.push(("energy_residual", residual.into()));
+            all.extend(fields(&json!({ "steps": steps, "energy_residual": residual })));
         }
         if account.steps > 0 {
-            fields.push(("steps", account.steps.into()));
-            fields.push(("diode_loss_j", account.diodes.into()));
+            all.extend(fields(&json!({ "steps": account.steps, "diode_loss_j": account.diodes })));
         }
-        fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+        all
     }
 
     /// The whole text, line break at its end included. In JSON the actions are a list of objects; in the other
     /// formats the name of an action is a prefix of the names of its values.
     pub(crate) fn text(&self, source: &Source, format: Format) -> String {
-        let mut fields = self.fields(source);
-        let of_action = |action: &ActionOutcome| {
-            [
-                ("runs", json!(action.runs)),
-                ("wished_runs", json!(action.wished)),
-                ("predicted_runs", json!(action.predicted)),
-                ("spent_j", json!(action.spent_j)),
-            ]
-        };
+        let mut all = self.fields(source);
         if format == Format::Json {
-            let objects = self.actions.iter().map(|action| {
-                let mut object = Map::new();
-                object.insert("name".to_owned(), action.name.as_str().into());
-                object.extend(of_action(action).map(|(name, value)| (name.to_owned(), value)));
-                Value::Object(object)
-            });
-            fields.push(("actions".to_owned(), Value::Array(objects.collect())));
+            all.insert("actions".to_owned(), json!(self.actions));
         } else {
             for action in &self.actions {
-                let values = of_action(action);
-                fields.extend(values.map(|(name, value)| (format!("{}_{name}", action.name), value)));
+                let values = fields(action).into_iter().filter(|(key, _)| key != "name");
+                all.extend(values.map(|(key, value)| (format!("{}_{key}", action.name), value)));
             }
         }
-        text(fields, format)
+        text(&all, format)
     }
 }

@@ -17,9 +17,6 @@ const SIZE: (u32, u32) = (980, 960);
 const COLOURS: [RGBColor; 4] = [GREEN, VERMILION, ORANGE, BLACK];
 
 /// The picture as SVG text.
-///
-/// # Errors
-/// What the drawing library says.
 pub(crate) fn svg(day: &NodeDay) -> Result<String, String> {
     draw(SIZE, &[stored(day), income(day), actions(day)])
 }
@@ -41,25 +38,21 @@ fn up(title: &'static str, values: impl Iterator<Item = f64>) -> Axis {
     Axis::linear(title, [0.0, if highest > 0.0 { 1.06 * highest } else { 1.0 }], 6)
 }
 
-fn curve(name: &str, colour: RGBColor, mark: Mark, points: Vec<(f64, f64)>) -> Curve {
-    Curve { name: name.to_owned(), colour, mark, points }
-}
-
 fn hour(sample: &Sample) -> f64 {
     f64::from(sample.second) / 3600.0
 }
 
 fn stored(day: &NodeDay) -> Plot {
     let level = |energy: f64| vec![(0.0, 1e3 * energy), (HOURS as f64, 1e3 * energy)];
-    let points = day.samples.iter().map(|sample| (hour(sample), 1e3 * sample.stored_j)).collect();
+    let points = day.samples.iter().map(|sample| (hour(sample), 1e3 * sample.stored_j));
     Plot {
         title: "Storage".to_owned(),
         across: across("hour of the day"),
         up: up("stored energy [mJ]", std::iter::once(1e3 * day.capacity_j)),
         curves: vec![
-            curve("stored", BLUE, Mark::Line(2.0), points),
-            curve("full", BLACK, Mark::Dashes(1.0), level(day.capacity_j)),
-            curve("lock-out", VERMILION, Mark::Dashes(1.0), level(day.turn_off_j)),
+            Curve::new("stored", BLUE, Mark::Line(2.0), points),
+            Curve::new("full", BLACK, Mark::Dashes(1.0), level(day.capacity_j)),
+            Curve::new("lock-out", VERMILION, Mark::Dashes(1.0), level(day.turn_off_j)),
         ],
     }
 }
@@ -75,7 +68,7 @@ fn income(day: &NodeDay) -> Plot {
         title: "Harvester".to_owned(),
         across: across("hour of the day"),
         up: up("harvested power [µW]", points.iter().map(|point| point.1)),
-        curves: vec![curve("", BLUE, Mark::Line(2.0), points)],
+        curves: vec![Curve::new("", BLUE, Mark::Line(2.0), points)],
     }
 }
 
@@ -86,7 +79,7 @@ fn actions(day: &NodeDay) -> Plot {
             let (hour, runs) = (hour as f64, f64::from(*runs));
             [(hour, runs), (hour + 1.0, runs)]
         });
-        curve(&action.name, COLOURS[index % COLOURS.len()], Mark::Line(2.0), steps.collect())
+        Curve::new(action.name.as_str(), COLOURS[index % COLOURS.len()], Mark::Line(2.0), steps)
     });
     Plot {
         title: "Actions".to_owned(),

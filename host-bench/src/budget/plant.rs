@@ -26,9 +26,6 @@ pub(super) trait Plant {
     fn spend(&mut self, energy: f64);
 
     /// Advances by some seconds from a second of the day on; gives the energy in J that the harvester delivers in them.
-    ///
-    /// # Errors
-    /// If the trajectory cannot go on.
     fn advance(&mut self, from: u32, seconds: u32) -> Result<f64, Failure>;
 
     /// Where energy came from and went since the account began.
@@ -54,7 +51,6 @@ pub(crate) struct StorageAccount {
     pub(super) income: f64,
     /// Income above the highest voltage.
     pub(super) shunted: f64,
-    /// Leaked.
     pub(super) leaked: f64,
     /// Taken by actions.
     pub(super) actions: f64,

@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use serde_json::Value;
+use serde::Serialize;
+use serde_json::json;
 
 use super::{Estimate, estimate};
 use crate::method::{Failure, Method, Options, Precision};
+use crate::outcome::{Fields, fields};
 use crate::run::try_run_scene;
 use crate::scene_file::{Excitation, Load, Model, RunSpan, Scene, Tone};
 
@@ -14,7 +16,7 @@ use crate::scene_file::{Excitation, Load, Model, RunSpan, Scene, Tone};
 pub const WRONG: f64 = 0.1;
 
 /// Where the map is taken.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Place {
     /// Load resistance in Ω.
     pub resistance_ohm: f64,
@@ -24,12 +26,9 @@ pub struct Place {
     pub frequency_hz: f64,
 }
 
-/// One point of the map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Where it is.
     pub place: Place,
-    /// What the closed form says.
     pub estimate: Estimate,
     /// Mean power of the trajectory in W, or why there is none.
     pub trajectory: Result<f64, String>,
@@ -39,14 +38,12 @@ pub struct Point {
 
 impl Point {
     /// Error of the closed form relative to the trajectory; infinite where there is none.
-    #[must_use]
     pub fn error(&self) -> f64 {
         self.trajectory.as_ref().map_or(f64::INFINITY, |power| relative(self.estimate.mean_power_w, *power))
     }
 }
 
 /// `|found − expected| / expected`; 0 where both are nothing.
-#[must_use]
 pub fn relative(found: f64, expected: f64) -> f64 {
     if found == expected { 0.0 } else { (found / expected - 1.0).abs() }
 }
@@ -124,7 +121,6 @@ fn power(scene: &Scene, options: &Options) -> Result<Result<f64, String>, Failur
 /// Counts and largest errors of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
-    /// Points.
     pub points: usize,
     /// Points at which the closed form is claimed to hold.
     pub holding: usize,
@@ -145,8 +141,6 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Of a map.
-    #[must_use]
     pub fn of(points: &[Point]) -> Self {
         let nothing =
             |point: &&Point| point.estimate.mean_power_w == 0.0 && point.trajectory.as_ref() == Ok(&0.0);
@@ -176,27 +170,22 @@ impl Summary {
     }
 
     /// Names and values, as the command line prints them.
-    #[must_use]
-    pub fn fields(&self) -> Vec<(String, Value)> {
+    pub(crate) fn fields(&self) -> Fields {
         let share = |count: usize| count as f64 / self.points.max(1) as f64;
-        let needing: usize = self.needing.values().sum();
-        let mut fields: Vec<(String, Value)> = [
-            ("points", self.points.into()),
-            ("holding", self.holding.into()),
-            ("holding_without_power", self.without_power.into()),
-            ("share_holding", share(self.holding).into()),
-            ("largest_error", self.largest_error.into()),
-            ("median_error", self.median_error.into()),
-            ("wrongly_holding", self.wrongly_holding.into()),
-            ("share_needing_trajectory", share(needing).into()),
-            ("needing_but_within_10_percent", self.needlessly.into()),
-            ("largest_error_to_reference", self.largest_reference_error.into()),
-        ]
-        .map(|(name, value): (&str, Value)| (name.to_owned(), value))
-        .to_vec();
-        fields.extend(
-            self.needing.iter().map(|(reason, count)| (format!("needing: {reason}"), (*count).into())),
-        );
+        let mut fields = fields(&json!({
+            "points": self.points,
+            "holding": self.holding,
+            "holding_without_power": self.without_power,
+            "share_holding": share(self.holding),
+            "largest_error": self.largest_error,
+            "median_error": self.median_error,
+            "wrongly_holding": self.wrongly_holding,
+            "share_needing_trajectory": share(self.needing.values().sum()),
+            "needing_but_within_10_percent": self.needlessly,
+            "largest_error_to_reference": self.largest_reference_error,
+        }));
+        fields
+            .extend(self.needing.iter().map(|(reason, &count)| (format!("needing: {reason}"), count.into())));
         fields
     }
 }

@@ -12,7 +12,6 @@ use crate::scene_file::{self, Load, Override};
 /// Most days before the day that is shown.
 const MOST_LEARNING_DAYS: u32 = 366;
 
-/// Arguments of `budget`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct BudgetArguments {
     /// Scene file with a table [node]
@@ -42,9 +41,6 @@ pub struct BudgetArguments {
 }
 
 /// Simulates the day, draws it and prints its numbers.
-///
-/// # Errors
-/// Bad input or a step error.
 pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     let learning_days = arguments.learning_days;
     if learning_days > MOST_LEARNING_DAYS {

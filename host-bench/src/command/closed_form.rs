@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use serde_json::{Map, Value};
+use serde_json::json;
 
-use super::sweep::Axis;
 use super::sweep::picture::{self, Quantity};
+use super::sweep::{Axis, points_of, values};
 use super::{make_folder, print, progress, write_whole};
+use crate::closed_form::estimate;
 use crate::closed_form::map::{Means, Place, Point, Summary, map};
-use crate::closed_form::{Estimate, estimate};
 use crate::method::{Failure, Precision};
-use crate::outcome::{Format, cell, csv_line, text};
+use crate::outcome::{Fields, Format, fields, rows_csv, text};
 use crate::scene_file::{self, Excitation, Load, Override, Scene};
 
 /// Most points of a map.
@@ -18,7 +18,6 @@ const MOST: usize = 100_000;
 /// An error below this is drawn as this.
 const SMALLEST: f64 = 1e-6;
 
-/// Arguments of `closed-form`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ClosedFormArguments {
     /// Scene file
@@ -64,16 +63,13 @@ fn axis(key: &'static str) -> impl Fn(&str) -> Result<Axis, String> + Clone + Se
 }
 
 /// Prints the closed form of the scene, or the map of its error.
-///
-/// # Errors
-/// Bad input.
 pub fn run(arguments: &ClosedFormArguments) -> Result<(), Failure> {
     let scene = scene_file::read(&arguments.scene, &arguments.overrides)?;
     let found = estimate(&scene, arguments.precision)?;
     if !arguments.map {
-        let mut fields = vec![("scene".to_owned(), Value::from(scene.name()))];
-        fields.extend(found.fields());
-        return print(&text(fields, arguments.format));
+        let mut named = fields(&json!({ "scene": scene.name() }));
+        named.extend(found.fields());
+        return print(&text(&named, arguments.format));
     }
     let axes = axes(arguments, &scene)?;
     let places = places(&axes)?;
@@ -130,65 +126,43 @@ fn axes(arguments: &ClosedFormArguments, scene: &Scene) -> Result<[Axis; 3], Fai
     ])
 }
 
-fn places([resistance, amplitude, frequency]: &[Axis; 3]) -> Result<Vec<Place>, Failure> {
-    let count = resistance.count().checked_mul(amplitude.count());
-    let count = count.and_then(|count| count.checked_mul(frequency.count()));
-    if count.is_none_or(|count| count > MOST) {
-        return Err(Failure::Input(format!("--map: the map must have at most {MOST} points")));
-    }
-    let mut places = Vec::new();
-    for one in 0..resistance.count() {
-        for two in 0..amplitude.count() {
-            for three in 0..frequency.count() {
-                places.push(Place {
-                    resistance_ohm: resistance.value(one),
-                    amplitude_m_per_s2: amplitude.value(two),
-                    frequency_hz: frequency.value(three),
-                });
-            }
-        }
-    }
-    Ok(places)
+fn places(axes: &[Axis; 3]) -> Result<Vec<Place>, Failure> {
+    let count = points_of(axes).filter(|count| *count <= MOST);
+    let refused = || Failure::Input(format!("--map: the map must have at most {MOST} points"));
+    let place = |index| {
+        let [resistance_ohm, amplitude_m_per_s2, frequency_hz] = values(axes, index)[..] else { return None };
+        Some(Place { resistance_ohm, amplitude_m_per_s2, frequency_hz })
+    };
+    Ok((0..count.ok_or_else(refused)?).filter_map(place).collect())
 }
 
 /// Names and values of a point.
-fn fields(point: &Point) -> Vec<(String, Value)> {
+fn row(point: &Point) -> Fields {
     let power = |found: &Result<f64, String>| found.as_ref().ok().copied();
-    let own: [(&str, Value); 3] = [
-        ("resistance_ohm", point.place.resistance_ohm.into()),
-        ("amplitude_m_per_s2", point.place.amplitude_m_per_s2.into()),
-        ("frequency_hz", point.place.frequency_hz.into()),
-    ];
-    let compared: [(&str, Value); 4] = [
-        ("trajectory_power_w", power(&point.trajectory).into()),
-        ("error", Some(point.error()).filter(|error| error.is_finite()).into()),
-        ("reference_power_w", point.reference.as_ref().and_then(power).into()),
-        ("failure", point.trajectory.as_ref().err().map(String::as_str).into()),
-    ];
-    let named = |(name, value): (&str, Value)| (name.to_owned(), value);
-    let estimate = Estimate::fields(&point.estimate);
-    own.map(named).into_iter().chain(estimate).chain(compared.map(named)).collect()
+    let mut row = fields(&point.place);
+    row.extend(point.estimate.fields());
+    row.extend(fields(&json!({
+        "trajectory_power_w": power(&point.trajectory),
+        "error": point.error(),
+        "reference_power_w": point.reference.as_ref().and_then(power),
+        "failure": point.trajectory.as_ref().err(),
+    })));
+    row
 }
 
 fn csv(points: &[Point]) -> String {
-    let rows: Vec<Vec<(String, Value)>> = points.iter().map(fields).collect();
-    let heading = rows.first().into_iter().flatten().map(|(name, _)| name.clone());
-    let lines = rows.iter().map(|row| csv_line(row.iter().map(|(_, value)| cell(value))));
-    csv_line(heading) + &lines.collect::<String>()
+    let rows: Vec<Fields> = points.iter().map(row).collect();
+    rows_csv(rows.first().into_iter().flat_map(Fields::keys), &rows)
 }
 
 fn json(points: &[Point]) -> String {
-    let object = |fields: Vec<(String, Value)>| Value::Object(fields.into_iter().collect::<Map<_, _>>());
-    let all = [
-        ("summary".to_owned(), object(Summary::of(points).fields())),
-        ("points".to_owned(), points.iter().map(|point| object(fields(point))).collect()),
-    ];
-    format!("{:#}\n", object(all.to_vec()))
+    let rows: Vec<Fields> = points.iter().map(row).collect();
+    format!("{:#}\n", json!({ "summary": Summary::of(points).fields(), "points": rows }))
 }
 
 /// The summary, and the points at which the reference was run.
 fn report(points: &[Point]) -> String {
-    let mut report = text(Summary::of(points).fields(), Format::Table);
+    let mut report = text(&Summary::of(points).fields(), Format::Table);
     for point in points {
         let Some(reference) = &point.reference else { continue };
         let Place { resistance_ohm, amplitude_m_per_s2, frequency_hz } = point.place;

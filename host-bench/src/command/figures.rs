@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use clap::ValueEnum;
 use comfy_table::{Table, presets};
 
 use super::{make_folder, print, progress, report_folder, tell, write_whole};
 use crate::figures::{self, Chapter, Figure, Subject};
 use crate::method::Failure;
 
-/// Arguments of `figures`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct FiguresArguments {
     /// Make the figures of one harvester only; may be repeated [default: all]
@@ -28,7 +28,7 @@ pub struct FiguresArguments {
 pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
     let root = arguments.output.clone().unwrap_or_else(|| report_folder().join("figures"));
     let wanted = |subject: &Subject| arguments.only.is_empty() || arguments.only.contains(subject);
-    let subjects: Vec<Subject> = Subject::ALL.into_iter().filter(wanted).collect();
+    let subjects: Vec<Subject> = Subject::value_variants().iter().copied().filter(wanted).collect();
     // Made before the runs, so that a bad path is refused at once.
     for subject in &subjects {
         make_folder(&root.join(subject.name()))?;

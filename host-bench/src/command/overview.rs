@@ -6,9 +6,6 @@ use crate::report;
 use crate::work_precision::{Extent, table};
 
 /// Runs the short comparison, prints it and writes the report.
-///
-/// # Errors
-/// If a shipped scene cannot be run or the report not written.
 pub fn run() -> Result<(), Failure> {
     let scenes = work_precision::shipped(&[], &Extent::SHORT)?;
     let comparisons = work_precision::compare(&scenes, &Extent::SHORT)?;

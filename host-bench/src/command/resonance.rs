@@ -1,6 +1,6 @@
 //! `resonance`: the frequencies at which the steady state of a scene has its largest amplitude and voltage.
 
-use serde_json::Value;
+use serde_json::json;
 
 use super::{SceneArguments, print};
 use crate::embedded::resonance_peak;
@@ -12,7 +12,6 @@ use crate::steady_state::DEFAULT_POINTS;
 /// Most frequencies of a scan.
 const MOST_POINTS: usize = 100_000;
 
-/// Arguments of `resonance`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ResonanceArguments {
     #[command(flatten)]
@@ -29,9 +28,6 @@ pub struct ResonanceArguments {
 }
 
 /// Follows the steady state over the range and prints its peaks.
-///
-/// # Errors
-/// Bad input, a step error, or a range without a stable orbit.
 pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
     let ResonanceArguments { from, to, points, .. } = *arguments;
     let refuse = |text: String| Err(Failure::Input(text));
@@ -47,25 +43,24 @@ pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
         return refuse(format!("--points {points}: must be from 3 to {MOST_POINTS}"));
     }
     let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
-    let (found, periods) = resonance_peak(&scene, [from, to], points, &arguments.scene.options())?;
+    let (found, periods) = resonance_peak(&scene, [from, to], points, &arguments.scene.options)?;
     let Some(found) = found else {
         return Err(Failure::Step(format!("no stable orbit of one period from {from} to {to} Hz")));
     };
     let without = found.responses.iter().filter(|(_, response)| response.is_none()).count();
-    let fields: [(&str, Value); 12] = [
-        ("scene", scene.name().into()),
-        ("peak_frequency_hz", found.amplitude.frequency_hz.into()),
-        ("peak_amplitude_m", found.amplitude.value.into()),
-        ("peak_within_hz", found.amplitude.within_hz.into()),
-        ("peak_at_edge", found.amplitude.at_edge.into()),
-        ("max_rms_voltage_frequency_hz", found.rms_voltage.frequency_hz.into()),
-        ("max_rms_voltage_v", found.rms_voltage.value.into()),
-        ("max_rms_voltage_within_hz", found.rms_voltage.within_hz.into()),
-        ("max_rms_voltage_at_edge", found.rms_voltage.at_edge.into()),
-        ("frequencies", found.responses.len().into()),
-        ("frequencies_without_stable_orbit", without.into()),
-        ("simulated_periods", periods.into()),
-    ];
-    let fields = fields.map(|(name, value)| (name.to_owned(), value)).to_vec();
-    print(&text(fields, arguments.scene.format))
+    let fields = json!({
+        "scene": scene.name(),
+        "peak_frequency_hz": found.amplitude.frequency_hz,
+        "peak_amplitude_m": found.amplitude.value,
+        "peak_within_hz": found.amplitude.within_hz,
+        "peak_at_edge": found.amplitude.at_edge,
+        "max_rms_voltage_frequency_hz": found.rms_voltage.frequency_hz,
+        "max_rms_voltage_v": found.rms_voltage.value,
+        "max_rms_voltage_within_hz": found.rms_voltage.within_hz,
+        "max_rms_voltage_at_edge": found.rms_voltage.at_edge,
+        "frequencies": found.responses.len(),
+        "frequencies_without_stable_orbit": without,
+        "simulated_periods": periods,
+    });
+    print(&text(&fields, arguments.scene.format))
 }

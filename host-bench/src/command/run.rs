@@ -10,7 +10,6 @@ use crate::scene_file;
 /// Relative residual of the energy ledger above which a run is not to be trusted.
 const UNBALANCED: f64 = 1e-2;
 
-/// Arguments of `run`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct RunArguments {
     #[command(flatten)]
@@ -28,14 +27,11 @@ pub struct RunArguments {
 }
 
 /// Runs the scene, writes the trace and prints the outcome; nothing of either if it fails.
-///
-/// # Errors
-/// Bad input or a step error.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let options = Options {
         trace_every_s: arguments.trace_every,
         steady_state: arguments.steady_state,
-        ..arguments.scene.options()
+        ..arguments.scene.options
     };
     options.check()?;
     if let Some(file) = &arguments.trace {

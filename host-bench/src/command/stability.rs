@@ -4,14 +4,13 @@ use std::path::PathBuf;
 
 use super::{json_text, one_more, print, progress, tell, writable, write_whole};
 use crate::method::Failure;
-use crate::outcome::Format;
+use crate::outcome::{Format, csv_sections};
 use crate::scene_file;
 use crate::stability::bump_stop::BumpStop;
 use crate::stability::known::Known;
 use crate::stability::triboelectric::{ContactSeparationSetting, SlidingSetting};
 use crate::stability::{Grid, Report, Run, Subject, examine};
 
-/// Arguments of `stability`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct StabilityArguments {
     /// Which cases
@@ -42,7 +41,6 @@ enum Kind {
     BumpStop,
 }
 
-/// The names of all scenes.
 const SCENES: [&str; 3] = [ContactSeparationSetting::SCENE, SlidingSetting::SCENE, BumpStop::SCENE];
 
 /// Runs all cases, on all cores, and prints what became of them.
@@ -62,7 +60,9 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
         kinds.into_iter().map(|kind| kind.report(arguments.grid)).collect::<Result<_, _>>()?;
     print(&match arguments.format {
         Format::Table => reports.iter().map(|report| report.text.as_str()).collect::<Vec<_>>().join("\n"),
-        Format::Csv => csv(&reports),
+        Format::Csv => {
+            csv_sections(reports.iter().map(|report| (report.csv_heading.clone(), report.csv_rows.clone())))
+        }
         Format::Json => json_text(&reports.iter().flat_map(|report| &report.json).collect::<Vec<_>>())?,
     })?;
     let runs: Vec<Run> = reports.into_iter().flat_map(|report| report.runs).collect();
@@ -89,22 +89,7 @@ fn report<K: Subject>(grid: Grid) -> Result<Report, Failure> {
     let bar = progress(K::settings(grid).len());
     let report = examine::<K>(&base, grid, || one_more(&bar));
     bar.finish_and_clear();
-    report
-}
-
-/// The rows of all scenes, with a heading where the columns change.
-fn csv(reports: &[Report]) -> String {
-    let mut text = String::new();
-    let mut last = "";
-    for report in reports {
-        if report.csv_heading != last {
-            text.push_str(if text.is_empty() { "" } else { "\n" });
-            text.push_str(&report.csv_heading);
-            last = &report.csv_heading;
-        }
-        text.push_str(&report.csv_rows);
-    }
-    text
+    Ok(report)
 }
 
 /// Refuses runs that differ from the list of known failing cases.
@@ -119,7 +104,6 @@ fn agree(known: &Known, runs: &[Run]) -> Result<(), Failure> {
     }
 }
 
-/// Refuses a failing run.
 fn none_fails(runs: &[Run]) -> Result<(), Failure> {
     let failing: Vec<&Run> = runs.iter().filter(|run| run.is_failure).collect();
     match failing.first() {

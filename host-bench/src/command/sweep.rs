@@ -8,21 +8,20 @@ use std::path::{Path, PathBuf};
 
 use comfy_table::{Table, presets};
 use rayon::prelude::*;
-use serde_json::{Map, Value};
+use serde_json::json;
 
 pub use self::axis::Axis;
 use self::picture::Quantity;
-use self::shooting::{Compared, Costs, compared};
+use self::shooting::{Compared, compared};
 use super::{SceneArguments, make_folder, print, progress, tell, write_whole};
 use crate::method::{Failure, Options};
-use crate::outcome::{Format, Outcome, cell, csv_line, number};
+use crate::outcome::{Fields, Format, Outcome, fields, number, rows_csv};
 use crate::run::try_run_scene;
 use crate::scene_file::{self, Override, Scene, SceneError};
 
 /// Most points of a grid.
 const MOST: usize = 1_000_000;
 
-/// Arguments of `sweep`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct SweepArguments {
     #[command(flatten)]
@@ -54,11 +53,8 @@ struct Point {
 ///
 /// Bad input at any point refuses the whole sweep before it begins. A point that fails on its way is a row with its
 /// error; the other points are written and printed all the same.
-///
-/// # Errors
-/// Bad input, or a step error at one of the points.
 pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
-    let options = Options { steady_state: arguments.steady_state, ..arguments.scene.options() };
+    let options = Options { steady_state: arguments.steady_state, ..arguments.scene.options };
     options.check()?;
     let axes = &arguments.axes;
     let count = check_axes(axes)?;
@@ -82,8 +78,8 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         .collect();
     bar.finish_and_clear();
     let points = points?;
-    if let Some(costs) = Costs::of(points.iter().filter_map(|point| point.compared.as_ref())) {
-        tell(&costs.to_string());
+    if let Some(costs) = shooting::told(points.iter().filter_map(|point| point.compared.as_ref())) {
+        tell(&costs);
     }
     if let Some(folder) = &arguments.output {
         write(arguments, folder, &points)?;
@@ -96,10 +92,14 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     none_failed(axes, &points)
 }
 
+/// The number of points, if it can be counted.
+pub(super) fn points_of(axes: &[Axis]) -> Option<usize> {
+    axes.iter().try_fold(1usize, |count, axis| count.checked_mul(axis.count()))
+}
+
 /// The number of points; each key must be given once.
 fn check_axes(axes: &[Axis]) -> Result<usize, Failure> {
-    let count = axes.iter().try_fold(1usize, |count, axis| count.checked_mul(axis.count()));
-    let count = count
+    let count = points_of(axes)
         .filter(|count| *count <= MOST)
         .ok_or_else(|| Failure::Input(format!("--over: the grid must have at most {MOST} points")))?;
     let is_again = |index: usize, axis: &Axis| axes[..index].iter().any(|other| other.key == axis.key);
@@ -129,14 +129,13 @@ impl Point {
 /// Writes the table, and the picture if there is one.
 fn write(arguments: &SweepArguments, folder: &Path, points: &[Point]) -> Result<(), Failure> {
     let axes = &arguments.axes;
-    let title = format!("{}, {:?}", arguments.scene.scene.display(), arguments.scene.method);
+    let title = format!("{}, {:?}", arguments.scene.scene.display(), arguments.scene.options.method);
     let picture = picture::draw(&title, axes, &quantities(points)).map_err(Failure::Input)?;
     make_folder(folder)?;
     write_whole(&folder.join("sweep.csv"), &csv(axes, points))?;
     picture.map_or(Ok(()), |picture| write_whole(&folder.join("sweep.svg"), &picture))
 }
 
-/// Refuses points that failed.
 fn none_failed(axes: &[Axis], points: &[Point]) -> Result<(), Failure> {
     let mut failed = points.iter().filter_map(|point| Some((point, point.found.as_ref().err()?)));
     let Some((point, error)) = failed.next() else { return Ok(()) };
@@ -149,7 +148,7 @@ fn none_failed(axes: &[Axis], points: &[Point]) -> Result<(), Failure> {
 }
 
 /// The values of the point with the given index; the last axis runs fastest.
-fn values(axes: &[Axis], index: usize) -> Vec<f64> {
+pub(super) fn values(axes: &[Axis], index: usize) -> Vec<f64> {
     let mut rest = index;
     let mut values: Vec<f64> = axes
         .iter()
@@ -175,37 +174,30 @@ fn named<'a>(axes: &'a [Axis], point: &'a Point) -> impl Iterator<Item = (&'a st
     axes.iter().map(|axis| axis.key.as_str()).zip(point.values.iter().copied())
 }
 
-/// Names of an outcome's fields, from the first point that has one.
-fn fields(points: &[Point]) -> Vec<String> {
-    let first = points.iter().find_map(|point| point.found.as_ref().ok());
-    first.map(|outcome| outcome.fields().into_iter().map(|(name, _)| name).collect()).unwrap_or_default()
+/// Names and values of a point: those of its outcome, or its error.
+fn row(axes: &[Axis], point: &Point) -> Fields {
+    let mut row: Fields = named(axes, point).map(|(key, value)| (key.to_owned(), value.into())).collect();
+    match &point.found {
+        Ok(outcome) => row.extend(fields(outcome)),
+        Err(error) => row.extend([("error".to_owned(), error.as_str().into())]),
+    }
+    row
 }
 
 fn csv(axes: &[Axis], points: &[Point]) -> String {
-    let fields = fields(points);
-    let keys = axes.iter().map(|axis| axis.key.clone());
-    let mut text = csv_line(keys.chain(fields.iter().cloned()).chain(["error".to_owned()]));
-    for point in points {
-        let (found, error) = match &point.found {
-            Ok(outcome) => (outcome.fields().iter().map(|(_, value)| cell(value)).collect(), String::new()),
-            Err(error) => (vec![String::new(); fields.len()], error.clone()),
-        };
-        text += &csv_line(point.values.iter().copied().map(number).chain(found).chain([error]));
-    }
-    text
+    let rows: Vec<Fields> = points.iter().map(|point| row(axes, point)).collect();
+    let run = points.iter().position(|point| point.found.is_ok());
+    let mut columns: Vec<String> = match run {
+        Some(run) => rows[run].keys().cloned().collect(),
+        None => axes.iter().map(|axis| axis.key.clone()).collect(),
+    };
+    columns.push("error".to_owned());
+    rows_csv(&columns, &rows)
 }
 
 fn json(axes: &[Axis], points: &[Point]) -> String {
-    let objects = points.iter().map(|point| {
-        let mut object: Map<String, Value> =
-            named(axes, point).map(|(key, value)| (key.to_owned(), Value::from(value))).collect();
-        match &point.found {
-            Ok(outcome) => object.extend(outcome.fields()),
-            Err(error) => object.extend([("error".to_owned(), Value::from(error.as_str()))]),
-        }
-        Value::Object(object)
-    });
-    format!("{:#}\n", Value::Array(objects.collect()))
+    let rows: Vec<Fields> = points.iter().map(|point| row(axes, point)).collect();
+    format!("{:#}\n", json!(rows))
 }
 
 /// The values of each point with its power and voltage, aligned.

@@ -8,7 +8,6 @@ use crate::outcome::Format;
 use crate::scene_file::{self, Model, Override, Scene};
 use crate::work_precision::{self, Comparison, Extent, table};
 
-/// Arguments of `work-precision`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct WorkPrecisionArguments {
     /// Scene files; without any, the shipped scenes at several loads
@@ -50,9 +49,6 @@ const SHIPPED: [(&str, &str, bool); 9] = [
 ];
 
 /// Runs the comparison and prints it.
-///
-/// # Errors
-/// A scene that is refused, or that the reference cannot run.
 pub fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
     let mut scenes = if arguments.scenes.is_empty() {
         shipped(&arguments.overrides, &Extent::WHOLE)?

@@ -9,9 +9,7 @@ mod shapes;
 
 pub use self::motion::{CONTACT_FORCE, Motion, ROD, STOP_POINT, TIP, VOLTAGE};
 
-use rayon::prelude::*;
-
-use super::{Chapter, Figure, Panel, shipped, sine};
+use super::{Chapter, Figure, Panel, each, shipped, sine};
 use crate::method::Failure;
 use crate::scene_file::Scene;
 
@@ -19,27 +17,14 @@ use crate::scene_file::Scene;
 const SCENES: [&str; 3] = ["bump-stop-tip", "bump-stop-mid-span", "bump-stop-none"];
 
 /// Number of runs that [`build`] makes.
-#[must_use]
 pub fn runs() -> usize {
     SCENES.len() + 2 + convergence::runs()
 }
 
 /// Makes the figures on all cores; `done` is called after each run.
-///
-/// # Errors
-/// If a run fails or a picture cannot be drawn.
 pub fn build(done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
-    let scenes: Result<Vec<Scene>, Failure> = SCENES.iter().map(|name| shipped(name)).collect();
-    let scenes = scenes?;
-    let motions: Result<Vec<Motion>, Failure> = scenes
-        .par_iter()
-        .map(|scene| {
-            let motion = Motion::of(scene);
-            done();
-            motion
-        })
-        .collect();
-    let motions = motions?;
+    let scenes = SCENES.iter().map(|name| shipped(name)).collect::<Result<Vec<Scene>, _>>()?;
+    let motions = each(&scenes, done, Motion::of)?;
     let ([tip, mid, none], [tip_scene, mid_scene, _]) = (&motions[..], &scenes[..]) else {
         return Err(Failure::Input("three scenes were run".to_owned()));
     };

@@ -11,7 +11,7 @@ use self::history::FREQUENCIES;
 use self::motion::Grid;
 use self::response::{pairs, sweeps};
 
-use super::{Chapter, Figure, Panel, sine};
+use super::{Chapter, Figure, Panel, each, sine, table};
 use crate::method::Failure;
 use crate::scene_file::{GRAVITY, Scene};
 
@@ -38,7 +38,6 @@ const DIAGRAM: Grid = Grid { from: 1850, to: 2050, step: 1 };
 pub(crate) const STRONG: [f64; 2] = [50.0, 100.0];
 
 /// Number of runs that [`build`] makes.
-#[must_use]
 pub(crate) fn runs() -> usize {
     pairs().len() * RESPONSES.frequencies().count() + DIAGRAM.frequencies().count() + FREQUENCIES.len()
 }

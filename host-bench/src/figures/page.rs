@@ -6,7 +6,6 @@ use super::Chapter;
 use crate::report::html::{document, escaped};
 
 /// The page; pictures are in it, numbers in files beside it.
-#[must_use]
 pub fn page(chapter: &Chapter) -> String {
     let mut body = format!("<h1>{}</h1>\n{}", escaped(chapter.title), chapter.introduction);
     for figure in &chapter.figures {

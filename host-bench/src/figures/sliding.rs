@@ -9,9 +9,7 @@ mod response;
 
 pub(crate) use self::resonance::{Case, Peak};
 
-use rayon::prelude::*;
-
-use super::{Chapter, Figure, Panel, sine};
+use super::{Chapter, Figure, Panel, each, sine};
 use crate::method::Failure;
 use crate::scene_file::{GRAVITY, Scene};
 
@@ -23,7 +21,6 @@ pub(crate) const TOLERANCE: f64 = 1e-5;
 const DENSITIES: [f64; 2] = [20.0, 120.0];
 
 /// Number of resonances that [`build`] follows.
-#[must_use]
 pub(crate) fn runs() -> usize {
     response::cases().len() + resistance::cases().len()
 }
@@ -36,40 +33,23 @@ pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, F
          resistances and acceleration are chosen.",
         sine(base)?.amplitude_m_per_s2 / GRAVITY
     );
-    let curves: Result<Vec<response::Response>, Failure> = response::cases()
-        .par_iter()
-        .map(|case| {
-            let response = response::Response::of(base, case);
-            done();
-            response
-        })
-        .collect();
-    let peaks: Result<Vec<Peak>, Failure> = resistance::cases()
-        .par_iter()
-        .map(|case| {
-            let peak = case.peak(base);
-            done();
-            peak
-        })
-        .collect();
-    let figures = figures(&curves?, &peaks?, natural, &note).map_err(Failure::Input)?;
-    Ok(Chapter { title: "Sliding harvester: figures 3 to 6 rebuilt", introduction: introduction(), figures })
-}
-
-fn figures(
-    curves: &[response::Response],
-    peaks: &[Peak],
-    natural: f64,
-    note: &str,
-) -> Result<Vec<Figure>, String> {
-    Ok(vec![
-        response::three(curves, note)?,
-        response::four(curves, note)?,
-        response::five(curves, note)?,
-        resistance::six(peaks, natural, note)?,
-        resistance::charge_sweep(peaks, natural, note),
-        resistance::resistance_sweep(peaks, natural, note),
-    ])
+    let curves = each(&response::cases(), done, |case| response::Response::of(base, case))?;
+    let peaks = each(&resistance::cases(), done, |case| case.peak(base))?;
+    let figures = || -> Result<Vec<Figure>, String> {
+        Ok(vec![
+            response::three(&curves, &note)?,
+            response::four(&curves, &note)?,
+            response::five(&curves, &note)?,
+            resistance::six(&peaks, natural, &note)?,
+            resistance::charge_sweep(&peaks, natural, &note),
+            resistance::resistance_sweep(&peaks, natural, &note),
+        ])
+    };
+    Ok(Chapter {
+        title: "Sliding harvester: figures 3 to 6 rebuilt",
+        introduction: introduction(),
+        figures: figures().map_err(Failure::Input)?,
+    })
 }
 
 fn introduction() -> String {

@@ -14,8 +14,8 @@ use std::time::Instant;
 use self::meter::Meter;
 use self::method::{Implicit, RungeKutta4, Stepper};
 use self::system::{BaseAcceleration, State, System};
-use crate::method::{Failure, Method, Options, Precision};
-use crate::outcome::{BUMP_STOP_COLUMNS, Outcome, Particular, Recording};
+use crate::method::{Failure, Method, Options, Precision, refuse_first};
+use crate::outcome::{BUMP_STOP_COLUMNS, Outcome, Recording};
 use crate::scene_file::{BumpStop, Contact, Scene};
 
 /// Step of the implicit methods in s where none is given: as the core's method near contact.
@@ -26,10 +26,6 @@ const DEFAULT_STEP_S: f64 = 1e-6;
 const DEFAULT_RADIANS: f64 = 2.0;
 
 /// Runs the scene from its start to its end.
-///
-/// # Errors
-/// [`Failure::Input`] if the options do not fit, [`Failure::Step`] if the motion does not stay finite: the
-/// step was not stable.
 pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<Outcome, Failure> {
     check(scene, model, options)?;
     let system = System::new(model, scene.load);
@@ -45,55 +41,36 @@ pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<
     let mut meter = Meter::new(&system, &march.state);
     march.run(scene, options, &mut meter)?;
     let wall_s = began.elapsed().as_secs_f64();
-    let totals = meter.close(scene, march.has_stop, &march.state);
+    let method = match options.method {
+        Method::Rk4 => "rk4",
+        Method::TrBdf2 => "tr-bdf2",
+        _ => "newmark",
+    };
+    let trace = march.recorder.map(|recorder| Recording { columns: &BUMP_STOP_COLUMNS, rows: recorder.rows });
     Ok(Outcome {
-        scene: scene.name(),
-        method: match options.method {
-            Method::Rk4 => "rk4",
-            Method::TrBdf2 => "tr-bdf2",
-            _ => "newmark",
-        }
-        .to_owned(),
-        precision: "f64",
-        math: "std",
-        duration_s: scene.run.duration_s,
-        settle_s: scene.run.settle_s,
-        mean_power_w: Some(totals.delivered_energy / scene.run.window_s()),
-        rms_voltage_v: Some(totals.rms_voltage),
-        peak_voltage_v: Some(totals.peak_voltage),
-        mean_voltage_v: Some(totals.mean_voltage),
-        delivered_energy_j: Some(totals.delivered_energy),
-        // These methods keep no energy ledger.
-        energy_residual: None,
+        method: method.to_owned(),
         steps: march.steps,
-        rejected_steps: 0,
-        newton_iterations: 0,
-        events: 0,
         wall_s,
-        particular: Particular::BumpStop(totals.particular),
-        store: None,
-        steady_state: None,
-        trace: march.recorder.map(|recorder| Recording { columns: &BUMP_STOP_COLUMNS, rows: recorder.rows }),
+        trace,
+        ..meter.close(scene, march.has_stop, &march.state)
     })
 }
 
 /// Refuses options and contact laws that these methods do not have.
 fn check(scene: &Scene, model: &BumpStop, options: &Options) -> Result<(), Failure> {
-    let refuse = |text: &str| Err(Failure::Input(text.to_owned()));
-    if options.precision == Some(Precision::F32) {
-        return refuse("--precision f32: must be f64 with this method, which is the host's for this scene");
-    }
-    if options.math.is_some() {
-        return refuse(
+    let refusals = [
+        (
+            options.precision == Some(Precision::F32),
+            "--precision f32: must be f64 with this method, which is the host's for this scene",
+        ),
+        (
+            options.math.is_some(),
             "--math: must not be given with this method, which uses that of the host for this scene",
-        );
-    }
-    if options.tolerance.is_some() {
-        return refuse("--tolerance: must not be given for a bump-stop scene; give --step");
-    }
-    if options.long_step_s.is_some() {
-        return refuse("--long-step: must be with --method discrete-gradient");
-    }
+        ),
+        (options.tolerance.is_some(), "--tolerance: must not be given for a bump-stop scene; give --step"),
+        (options.long_step_s.is_some(), "--long-step: must be with --method discrete-gradient"),
+    ];
+    refuse_first(&refusals)?;
     if model.stop.is_some_and(|stop| stop.contact != Contact::ResidualFlexibility) {
         let text = "stop.contact: must be \"residual-flexibility\" with this method, which has no impacts and no \
                     constraints";
@@ -123,7 +100,6 @@ struct Recorder {
     rows: Vec<Vec<f64>>,
 }
 
-/// The state of a run.
 struct March<'a> {
     system: &'a System,
     base: BaseAcceleration<'a>,

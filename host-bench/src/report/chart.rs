@@ -13,7 +13,6 @@ const SIZE: (u32, u32) = (980, 520);
 /// Width of the legend at the right.
 const LEGEND: i32 = 250;
 
-/// One curve.
 struct Series {
     name: String,
     colour: RGBColor,

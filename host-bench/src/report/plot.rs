@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use plotters::prelude::*;
 
-use super::svg::{Area, Drawn, FONT, GRID, power_of_ten, svg, tick};
+use super::svg::{Area, Drawn, FONT, GRID, power_of_ten, range, svg, tick};
 
 /// An axis: its title and its span.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +51,6 @@ impl Axis {
     }
 }
 
-/// How points are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Mark {
     /// A line through them, of this width.
@@ -72,7 +71,35 @@ pub(crate) struct Curve {
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-/// One plot.
+impl Curve {
+    pub(crate) fn new(
+        name: impl Into<String>,
+        colour: RGBColor,
+        mark: Mark,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self { name: name.into(), colour, mark, points: points.into_iter().collect() }
+    }
+
+    /// A line of this width with a dot of this diameter at each point.
+    pub(crate) fn dotted(
+        name: impl Into<String>,
+        colour: RGBColor,
+        [line, dot]: [f64; 2],
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> [Self; 2] {
+        let line = Self::new(name, colour, Mark::Line(line), points);
+        let dots = Self::new("", colour, Mark::Dots(dot), line.points.clone());
+        [line, dots]
+    }
+}
+
+/// The range of the ordinates of some curves, with a margin.
+pub(crate) fn height<'a>(curves: impl IntoIterator<Item = &'a Curve>) -> [f64; 2] {
+    let (low, high) = range(curves.into_iter().flat_map(|curve| &curve.points).map(|point| point.1));
+    [low, high]
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Plot {
     pub(crate) title: String,

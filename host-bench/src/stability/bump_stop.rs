@@ -11,10 +11,10 @@ mod table;
 use serde::Serialize;
 
 pub(crate) use self::grid::Setting;
-use self::grid::{law_name, settings, steps};
-use super::{Finding, Grid, Subject, difference, ohms};
-use crate::method::{Failure, Method, Options, Precision};
-use crate::outcome::{Outcome, Particular, number, optional_number};
+use self::grid::{settings, steps};
+use super::{Finding, Grid, Subject, difference};
+use crate::method::{Method, Options, Precision};
+use crate::outcome::{Outcome, Particular, name};
 use crate::run::run_scene;
 use crate::scene_file::{Contact, Model, Scene};
 
@@ -33,7 +33,6 @@ const ROWS: f64 = 1000.0;
 /// Column of the contact force in a recording.
 const FORCE: usize = 5;
 
-/// The bump-stop scene.
 pub(crate) struct BumpStop;
 
 impl Subject for BumpStop {
@@ -57,18 +56,21 @@ impl Subject for BumpStop {
 }
 
 /// What became of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Verdict {
     /// Within [`AGREEMENT`] of the reference.
     Agrees,
     /// The step does not resolve the contacts: finite, no negative contact force, and the ledger closes.
+    #[value(name = "unresolved step")]
     Unresolved,
     /// As [`Verdict::Unresolved`], and there is no reference for a contact that is a constraint in each step.
+    #[value(name = "no reference")]
     NoReference,
     /// As [`Verdict::Unresolved`], and the reference itself changes when the gap is shifted by a thousandth.
     Sensitive,
     /// Refused, or a named error.
+    #[value(name = "named error")]
     Error,
     /// Finite and far from the reference, and none of the above.
     Off,
@@ -77,82 +79,44 @@ pub(crate) enum Verdict {
 }
 
 impl Verdict {
-    /// All verdicts, in the order of the tables.
-    const ALL: [Self; 7] = [
-        Self::Agrees,
-        Self::Unresolved,
-        Self::NoReference,
-        Self::Sensitive,
-        Self::Error,
-        Self::Off,
-        Self::Broken,
-    ];
-
-    /// Its name.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Agrees => "agrees",
-            Self::Unresolved => "unresolved step",
-            Self::NoReference => "no reference",
-            Self::Sensitive => "sensitive",
-            Self::Error => "named error",
-            Self::Off => "off",
-            Self::Broken => "broken",
-        }
-    }
-
     /// Whether nothing explains it.
     fn is_failure(self) -> bool {
         matches!(self, Self::Off | Self::Broken)
     }
 }
 
-/// One run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct BumpStopFinding {
-    /// The case.
     #[serde(flatten)]
     setting: Setting,
     /// Step in s.
     step_s: f64,
-    /// Precision.
     precision: Precision,
-    /// What became of it.
     verdict: Verdict,
-    /// Why.
     reason: String,
     /// Relative difference of the RMS voltage to the reference.
     voltage_difference: Option<f64>,
-    /// Residual of the energy ledger.
     energy_residual: Option<f64>,
-    /// Contacts of the run.
     contacts: Option<u64>,
 }
 
 impl Finding for BumpStopFinding {
-    fn case(&self) -> Vec<(&'static str, String)> {
-        let setting = &self.setting;
-        vec![
-            ("contact", law_name(setting.contact).to_owned()),
-            ("beam_modes", setting.beam_modes.to_string()),
-            ("rod_modes", setting.rod_modes.to_string()),
-            ("gap_m", number(setting.gap_m)),
-            ("resistance_ohm", ohms(setting.resistance_ohm)),
-            ("rod_young_modulus_pa", number(setting.rod_young_modulus_pa)),
-            ("damping_ratio", number(setting.damping_ratio)),
-            ("precision", self.precision.name().to_owned()),
-            ("step_s", number(self.step_s)),
-        ]
-    }
+    const CASE: &'static [&'static str] = &[
+        "contact",
+        "beam_modes",
+        "rod_modes",
+        "gap_m",
+        "resistance_ohm",
+        "rod_young_modulus_pa",
+        "damping_ratio",
+        "precision",
+        "step_s",
+    ];
+    const RESULT: &'static [&'static str] =
+        &["verdict", "voltage_difference", "energy_residual", "contacts", "reason"];
 
-    fn verdict(&self) -> Vec<(&'static str, String)> {
-        vec![
-            ("verdict", self.verdict.name().to_owned()),
-            ("voltage_difference", optional_number(self.voltage_difference)),
-            ("energy_residual", optional_number(self.energy_residual)),
-            ("contacts", self.contacts.map_or_else(String::new, |contacts| contacts.to_string())),
-            ("reason", self.reason.clone()),
-        ]
+    fn verdict(&self) -> String {
+        name(&self.verdict)
     }
 
     fn is_failure(&self) -> bool {
@@ -230,9 +194,7 @@ fn finding(
         contacts: None,
     };
     match run_scene(scene, &options) {
-        Err(Failure::Input(reason) | Failure::Step(reason) | Failure::StepLimitExceeded(reason)) => {
-            finding.reason = reason
-        }
+        Err(failure) => finding.reason = failure.to_string(),
         Ok(outcome) => {
             finding.energy_residual = outcome.energy_residual;
             if let Particular::BumpStop(found) = &outcome.particular {

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::Run;
 use crate::method::Failure;
-use crate::outcome::csv_line;
+use crate::outcome::csv;
 
 const COLUMNS: [&str; 2] = ["scene", "case"];
 
@@ -52,8 +52,7 @@ impl Known {
 
     /// The list as the text of a file.
     pub(crate) fn text(&self) -> String {
-        let rows = self.0.iter().cloned().map(csv_line);
-        std::iter::once(csv_line(COLUMNS.map(str::to_owned))).chain(rows).collect()
+        csv(&COLUMNS.join(","), self.0.iter().cloned())
     }
 
     /// In what the runs differ from the list, one line each. Listed cases of scenes without a run do not count.

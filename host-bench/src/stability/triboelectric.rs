@@ -10,19 +10,16 @@ use serde::Serialize;
 
 pub(crate) use self::contact_separation::ContactSeparationSetting;
 pub(crate) use self::sliding::SlidingSetting;
-use super::{Grid, Subject, ohms};
+use super::{Grid, Subject};
 use crate::method::Precision;
-use crate::outcome::{number, optional_number};
+use crate::outcome::name;
 use crate::scene_file::{ForceLaw, Scene};
 
 /// One case: what differs from the shipped scene.
 pub(crate) trait Setting: Copy + Send + Sync + Serialize {
-    /// Heading of the table.
     const HEADING: &'static str;
-    /// Name of the scene.
     const SCENE: &'static str;
 
-    /// The cases of a grid.
     fn all(grid: Grid) -> Vec<Self>;
 
     /// The scene of this case, made of the shipped one.
@@ -39,9 +36,6 @@ pub(crate) trait Setting: Copy + Send + Sync + Serialize {
 
     /// The other values, as words for a table.
     fn others(&self) -> String;
-
-    /// The other values, as the cells of [`OTHERS`].
-    fn other_cells(&self) -> [String; OTHERS.len()];
 }
 
 /// What a case of both scenes has.
@@ -52,10 +46,6 @@ pub(crate) struct Common {
     charge_density_c_per_m2: f64,
     force_law: ForceLaw,
 }
-
-/// Columns of which a scene fills its own.
-const OTHERS: [&str; 6] =
-    ["parasitic_capacitance_f", "restitution", "relaxing", "friction", "amplitude_m_per_s2", "frequency_hz"];
 
 impl<T: Setting> Subject for T {
     type Setting = T;
@@ -78,7 +68,7 @@ impl<T: Setting> Subject for T {
 }
 
 /// What became of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Class {
     /// Agrees with the tighter run to [`judge::AGREEMENT`] in mean power and motion.
@@ -91,58 +81,28 @@ pub(crate) enum Class {
     /// precision the difference falls with the tolerance to runs that agree. Grazing amplifies the error.
     Converging,
     /// Does not agree, and its energy ledger does not close.
+    #[value(name = "flagged by ledger")]
     Flagged,
-    /// The parameters are refused.
     Refused,
     /// A step could not be taken, and the error says why.
+    #[value(name = "named error")]
     Error,
     /// Stopped after [`judge::MOST_ATTEMPTS`] attempted steps.
+    #[value(name = "step limit")]
     StepLimitExceeded,
     /// Runs, and its ledger closes, but no run in double precision is there to judge it by.
     Unjudged,
     /// Differs, and neither the ledger nor an error nor a sensitive scene explains it.
+    #[value(name = "unexplained")]
     Silent,
-}
-
-impl Class {
-    /// All classes, in the order of the tables.
-    const ALL: [Self; 9] = [
-        Self::Converged,
-        Self::Chaotic,
-        Self::Converging,
-        Self::Flagged,
-        Self::Refused,
-        Self::Error,
-        Self::StepLimitExceeded,
-        Self::Unjudged,
-        Self::Silent,
-    ];
-
-    /// Its name.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::Chaotic => "chaotic",
-            Self::Converging => "converging",
-            Self::Flagged => "flagged by ledger",
-            Self::Refused => "refused",
-            Self::Error => "named error",
-            Self::StepLimitExceeded => "step limit",
-            Self::Unjudged => "unjudged",
-            Self::Silent => "unexplained",
-        }
-    }
 }
 
 /// One case in one precision.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Finding<T> {
-    /// The case.
     #[serde(flatten)]
     setting: T,
-    /// Precision.
     precision: Precision,
-    /// What became of it.
     class: Class,
     /// Why it is not converged.
     reason: String,
@@ -150,7 +110,6 @@ pub(crate) struct Finding<T> {
     power_difference: Option<f64>,
     /// Relative difference of the peak gap, or of the slider's amplitude, to the tighter run.
     motion_difference: Option<f64>,
-    /// Residual of the energy ledger.
     energy_residual: Option<f64>,
     /// Steps, kept and rejected, per simulated second.
     steps_per_s: Option<f64>,
@@ -159,29 +118,31 @@ pub(crate) struct Finding<T> {
 }
 
 impl<T: Setting> super::Finding for Finding<T> {
-    fn case(&self) -> Vec<(&'static str, String)> {
-        let Common { resistance_ohm, charge_density_c_per_m2, force_law } = self.setting.common();
-        let mut case = vec![
-            ("scene", T::SCENE.to_owned()),
-            ("resistance_ohm", ohms(resistance_ohm)),
-            ("charge_density_c_per_m2", number(charge_density_c_per_m2)),
-            ("force_law", law_name(force_law).to_owned()),
-        ];
-        case.extend(OTHERS.into_iter().zip(self.setting.other_cells()));
-        case.push(("precision", self.precision.name().to_owned()));
-        case
-    }
+    const CASE: &'static [&'static str] = &[
+        "scene",
+        "resistance_ohm",
+        "charge_density_c_per_m2",
+        "force_law",
+        "parasitic_capacitance_f",
+        "restitution",
+        "relaxing",
+        "friction",
+        "amplitude_m_per_s2",
+        "frequency_hz",
+        "precision",
+    ];
+    const RESULT: &'static [&'static str] = &[
+        "class",
+        "power_difference",
+        "motion_difference",
+        "energy_residual",
+        "steps_per_s",
+        "reference_agrees",
+        "reason",
+    ];
 
-    fn verdict(&self) -> Vec<(&'static str, String)> {
-        vec![
-            ("class", self.class.name().to_owned()),
-            ("power_difference", optional_number(self.power_difference)),
-            ("motion_difference", optional_number(self.motion_difference)),
-            ("energy_residual", optional_number(self.energy_residual)),
-            ("steps_per_s", optional_number(self.steps_per_s)),
-            ("reference_agrees", self.reference_agrees.map_or_else(String::new, |agrees| agrees.to_string())),
-            ("reason", self.reason.clone()),
-        ]
+    fn verdict(&self) -> String {
+        name(&self.class)
     }
 
     fn is_failure(&self) -> bool {

@@ -3,11 +3,11 @@
 
 use serde_json::{Value, json};
 
-use super::table::{Cell, Column, grouped, name, reason, shown};
+use super::table::{Cell, Column, grouped, reason, shown};
 use super::variant::microseconds;
 use super::{Comparison, Control, Errors, Extent, Kind, Timing, Variant, relative};
 use crate::method::{Method, Precision};
-use crate::outcome::{BumpStopOutcome, Outcome};
+use crate::outcome::{BumpStopOutcome, Outcome, name};
 use crate::scene_file::{Model, Scene};
 
 /// Steps near contact in s that are tried.

@@ -1,12 +1,10 @@
 //! A table of error against run time as text: the same columns for the terminal, CSV and HTML.
 
-use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets};
 
 use super::{Comparison, Found, Kind, Omitted, Row};
-use crate::outcome::{csv_line, number, optional_number, small};
+use crate::outcome::{csv_line, csv_sections, name, number, optional_number, small};
 
-/// A column of a table.
 pub(crate) struct Column {
     /// Its heading in the terminal and on a page, unit included; empty for a column of CSV only.
     heading: &'static str,
@@ -95,11 +93,6 @@ impl Cell {
     }
 }
 
-/// The name that the command line has for a value.
-pub(super) fn name(value: &impl ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
 /// An integer in groups of three digits.
 pub(super) fn grouped(value: f64) -> String {
     let digits = format!("{value:.0}");
@@ -133,7 +126,6 @@ pub(super) fn reason(failure: &str) -> String {
 }
 
 impl Kind {
-    /// The headings of the table.
     pub(crate) fn headings(&self) -> Vec<&'static str> {
         self.columns.iter().map(|column| column.heading).filter(|heading| !heading.is_empty()).collect()
     }
@@ -203,18 +195,8 @@ pub(crate) fn text(comparisons: &[Comparison]) -> String {
 
 /// All tables as CSV, with a heading where the columns change.
 pub(crate) fn csv(comparisons: &[Comparison]) -> String {
-    let mut text = String::new();
-    let mut last = None;
-    for comparison in comparisons {
-        let heading = comparison.kind.csv_heading();
-        if last.as_ref() != Some(&heading) {
-            text.push_str(if text.is_empty() { "" } else { "\n" });
-            text.push_str(&heading);
-            last = Some(heading);
-        }
-        text.push_str(&comparison.csv_rows());
-    }
-    text
+    let section = |comparison: &Comparison| (comparison.kind.csv_heading(), comparison.csv_rows());
+    csv_sections(comparisons.iter().map(section))
 }
 
 /// A resistance in Ω with its unit.

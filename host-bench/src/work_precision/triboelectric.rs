@@ -5,10 +5,10 @@ use std::f64::consts::{PI, TAU};
 use model_core::part::VACUUM_PERMITTIVITY;
 use serde_json::Value;
 
-use super::table::{Cell, Column, name, resistance, shown};
+use super::table::{Cell, Column, resistance, shown};
 use super::{Comparison, Control, Errors, Extent, Kind, Timing, Variant, relative};
 use crate::method::{Math, Method, Precision};
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, name};
 use crate::scene_file::{Model, Scene};
 
 /// Name of the error by which rows are compared.

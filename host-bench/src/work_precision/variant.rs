@@ -10,7 +10,6 @@ use crate::method::{Math, Method, Options, Precision};
 pub(crate) enum Control {
     /// Fixed, a period of the excitation over this number.
     PerPeriod {
-        /// Steps per period.
         steps: u32,
         /// The period in s.
         period_s: f64,
@@ -58,16 +57,12 @@ impl Serialize for Control {
     }
 }
 
-/// One row to run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Variant {
-    /// Method.
     pub(crate) method: Method,
-    /// Precision.
     pub(crate) precision: Precision,
     /// Elementary functions of the core; `None` for those of the host, and for the core's own choice.
     pub(crate) math: Option<Math>,
-    /// Step or tolerance.
     #[serde(flatten)]
     pub(crate) control: Control,
 }
@@ -78,7 +73,6 @@ impl Variant {
         Self { method: Method::Reference, precision: Precision::F64, math: None, control }
     }
 
-    /// The options of its run.
     pub(super) fn options(&self) -> Options {
         let mut options = Options {
             method: self.method,
@@ -98,7 +92,6 @@ impl Variant {
     }
 }
 
-/// How much is run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Extent {
     /// Most timed runs of each row.
@@ -110,7 +103,6 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// Everything.
     pub(crate) const WHOLE: Self = Self { runs: 5, seconds_per_row: 3.0, whole: true };
     /// What fits in half a minute.
     pub(crate) const SHORT: Self = Self { runs: 3, seconds_per_row: 0.3, whole: false };

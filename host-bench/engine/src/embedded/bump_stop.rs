@@ -29,11 +29,7 @@ const DEFAULT_SHORT_STEP_S: f64 = 1e-6;
 /// Step in free flight where none is given, in s.
 const DEFAULT_LONG_STEP_S: f64 = 2e-5;
 
-/// Columns of a recording behind a bridge.
-const STORAGE_COLUMNS: [&str; 8] = with_store(BUMP_STOP_COLUMNS);
-
 /// The core's parameters of a scene whose load is a resistor; a bridge is taken as it is while it blocks.
-#[must_use]
 pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyChoices<S>> {
     parameters_with(model, resistance(load))
 }
@@ -115,9 +111,9 @@ fn with_load<S: Scalar, L: Circuit<S>>(
     model: &BumpStop,
     load: L,
 ) -> Result<Outcome, Failure> {
-    match (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)) {
-        (..=4, ..=2) => run_with::<S, L, 4, 2>(setting, model, load),
-        (..=10, ..=10) => run_with::<S, L, 10, 10>(setting, model, load),
+    match modes(model) {
+        [..=4, ..=2] => run_with::<S, L, 4, 2>(setting, model, load),
+        [..=10, ..=10] => run_with::<S, L, 10, 10>(setting, model, load),
         _ => run_with::<S, L, 20, 20>(setting, model, load),
     }
 }
@@ -155,9 +151,9 @@ fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     load: L,
 ) -> Result<Prepared<S, AnyChoices<S, L>, B, R>, Failure> {
     let steps = steps(options)?.map(S::from_f64);
-    let rod_modes = model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
+    let [beam_modes, rod_modes] = modes(model);
     let harvester = parameters_with(model, load)
-        .build_first::<B, R>(model.parameters.beam_modes, rod_modes)
+        .build_first::<B, R>(beam_modes, rod_modes)
         .map_err(|error| refuse_parameter(scene, &error))?;
     let initial = &model.initial;
     let mut start = Start { voltage: S::from_f64(initial.voltage_v), ..Start::default() };
@@ -201,19 +197,16 @@ fn to_end<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usi
     start: &Start<S, B, R>,
 ) -> Result<Outcome, Failure> {
     let Setting { scene, excitation, .. } = setting;
-    let report = BumpStopReport(model);
     let state = harvester.start(start, &excitation).map_err(|error| refuse_start(scene, &error))?;
-    Run { setting, harvester, report: &report, method: "discrete-gradient" }.measured(state, &scene.run)
+    Run { setting, harvester, report: model, method: "discrete-gradient" }.measured(state, &scene.run)
 }
 
-/// The report of a bump-stop scene.
-struct BumpStopReport<'a>(&'a BumpStop);
-
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
-    Report<S, Stepper<S, P, B, R, ALL>> for BumpStopReport<'_>
+    Report<S, Stepper<S, P, B, R, ALL>> for BumpStop
 {
     fn columns(&self, with_storage: bool) -> &'static [&'static str] {
-        if with_storage { &STORAGE_COLUMNS } else { &BUMP_STOP_COLUMNS }
+        const ALL_COLUMNS: [&str; 8] = with_store(BUMP_STOP_COLUMNS);
+        if with_storage { &ALL_COLUMNS } else { &BUMP_STOP_COLUMNS }
     }
 
     /// Tip, stop point, rod face, voltage, contact force, base acceleration.
@@ -221,13 +214,13 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
         let place =
             |index: usize| dense(step.start.motions[index], step.end.motions[index], step.step, fraction);
         // Without a stop there is no stop point, no rod and no force.
-        let of_stop = |value: S| if self.0.stop.is_some() { value } else { S::from_f64(f64::NAN) };
+        let of_stop = |value: S| if self.stop.is_some() { value } else { S::from_f64(f64::NAN) };
         let voltage = dense_voltage(step, fraction);
         [place(0), of_stop(place(1)), of_stop(place(2)), voltage, of_stop(step.contact.force), acceleration]
     }
 
     fn residual(&self, residual: &Residual<S>) -> Option<S> {
-        match self.0.parameters.coupling {
+        match self.parameters.coupling {
             Coupling::TwoWay => residual.total(),
             Coupling::OneWay => residual.largest(),
         }
@@ -241,9 +234,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
     ) -> Particular {
         let window = found.window;
         let number = |value: S| Some(value.to_f64());
-        let with_stop = |value: S| self.0.stop.as_ref().map(|_| value.to_f64());
+        let with_stop = |value: S| self.stop.as_ref().map(|_| value.to_f64());
         let contacts = u64::from(window.report().contacts);
-        let modes = self.modes();
+        let modes = modes(self);
         Particular::BumpStop(BumpStopOutcome {
             natural_frequencies_hz: natural_frequencies_hz(harvester.scene(), modes),
             peak_tip_displacement_m: number(window.report().coordinate.magnitude()),
@@ -268,11 +261,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
     }
 }
 
-impl BumpStopReport<'_> {
-    /// Numbers of modes of beam and rod that the scene keeps.
-    fn modes(&self) -> [usize; 2] {
-        [self.0.parameters.beam_modes, self.0.stop.as_ref().map_or(0, |stop| stop.rod_modes)]
-    }
+/// Numbers of modes of beam and rod that the scene keeps.
+fn modes(model: &BumpStop) -> [usize; 2] {
+    [model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)]
 }
 
 /// The state with half the sum of its squares the energy in J of motion and charge.

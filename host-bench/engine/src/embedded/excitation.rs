@@ -25,9 +25,6 @@ pub(super) struct Setting<'a, S> {
 /// Calls `with` with the setting of a scene in the precision `S` with the elementary functions `M`.
 ///
 /// The samples of a trace are converted here and live for the call.
-///
-/// # Errors
-/// [`Failure::Input`] if the core refuses the excitation, and whatever `with` gives.
 pub(super) fn with_setting<S, M, R>(
     scene: &Scene,
     options: &Options,
@@ -37,8 +34,7 @@ where
     S: Scalar,
     M: Mathematics<S>,
 {
-    let refuse =
-        |error: ExcitationError| Failure::Input(format!("{}: excitation: {error}", scene.file.display()));
+    let refuse = |error: ExcitationError| Failure::of_file(scene, format!("excitation: {error}"));
     let with =
         |excitation: HostExcitation<'_, S>| with(Setting { scene, options, excitation, math: M::NAME });
     match &scene.excitation {
@@ -48,11 +44,11 @@ where
             let mut tones = Tones::<S, MOST_TONES, M>::new();
             for tone in list {
                 tones.push(sine(tone).map_err(refuse)?).map_err(|_| {
-                    Failure::Input(format!(
-                        "{}: excitation.tones: {} tones, must be at most {MOST_TONES}",
-                        scene.file.display(),
-                        list.len()
-                    ))
+                    let count = list.len();
+                    Failure::of_file(
+                        scene,
+                        format!("excitation.tones: {count} tones, must be at most {MOST_TONES}"),
+                    )
                 })?;
             }
             with(&tones)

@@ -5,7 +5,7 @@ use std::time::Instant as Stopwatch;
 
 use model_core::clock::{Instant, LONGEST_STEP_S};
 use model_core::energy::{Ledger, Residual, RunMeter};
-use model_core::hybrid::{StepError, Work};
+use model_core::hybrid::StepError;
 use model_core::integrate::{Adaptive, AnyStepControl, FixedStep};
 use model_core::observer::{AcceptedStep, Outputs, PowerIndex};
 use model_core::scalar::Scalar;
@@ -14,6 +14,7 @@ use model_core::scene::Harvester;
 use super::excitation::Setting;
 use super::recorder::Recorder;
 use super::{DEFAULT_TOLERANCE, precision_name};
+use crate::steady_state::Total;
 use harvester_scene::method::{Failure, Method, Options};
 use harvester_scene::outcome::{Outcome, Particular, Recording, StoreOutcome};
 use harvester_scene::scene_file::{RunSpan, Scene};
@@ -32,7 +33,6 @@ pub(super) trait Report<S: Scalar, H: Harvester<S>> {
     /// The numbers that only this kind of scene has.
     fn particular(&self, harvester: &H, found: &Found<'_, S>, end: &H::State) -> Particular;
 
-    /// A state in words.
     fn describe(&self, outputs: &Outputs<'_, S>) -> String;
 }
 
@@ -48,20 +48,19 @@ pub(super) struct Found<'a, S> {
 
 /// The refusal of a parameter by the core.
 pub(super) fn refuse_parameter(scene: &Scene, error: &dyn Display) -> Failure {
-    Failure::Input(format!("{}: parameters.{error}", scene.file.display()))
+    Failure::of_file(scene, format!("parameters.{error}"))
 }
 
 /// The refusal of a start by the core.
 pub(super) fn refuse_start(scene: &Scene, error: &dyn Display) -> Failure {
-    Failure::Input(format!("{}: initial.{error}", scene.file.display()))
+    Failure::of_file(scene, format!("initial.{error}"))
 }
 
 /// The instants from which a run is measured and at which it ends.
 pub(super) fn ends_of(scene: &Scene, span: &RunSpan) -> Result<[Instant; 2], Failure> {
     let instant = |seconds: f64| {
-        Instant::from_seconds(seconds).ok_or_else(|| {
-            Failure::Input(format!("{}: run: {seconds} s, must be below 16777216", scene.file.display()))
-        })
+        Instant::from_seconds(seconds)
+            .ok_or_else(|| Failure::of_file(scene, format!("run: {seconds} s, must be below 16777216")))
     };
     Ok([instant(span.settle_s)?, instant(span.duration_s)?])
 }
@@ -253,30 +252,5 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
     /// The end of a run in a step that cannot be taken.
     pub(super) fn step_failure(&self, error: &StepError<S>, state: &H::State) -> Failure {
         Failure::Step(format!("{error}: {}", self.report.describe(&self.harvester.outputs(state))))
-    }
-}
-
-/// Work of a whole run: a long one has more steps than fit in 32 bits.
-#[derive(Default)]
-pub(super) struct Total {
-    pub(super) steps: u64,
-    pub(super) rejected: u64,
-    pub(super) locating: u64,
-    pub(super) iterations: u64,
-    pub(super) events: u64,
-}
-
-impl Total {
-    /// Steps kept, rejected, and taken to locate events.
-    pub(super) fn attempts(&self) -> u64 {
-        self.steps + self.rejected + self.locating
-    }
-
-    pub(super) fn add(&mut self, work: &Work) {
-        self.steps += u64::from(work.steps);
-        self.rejected += u64::from(work.rejected);
-        self.locating += u64::from(work.locating);
-        self.iterations += u64::from(work.iterations);
-        self.events += u64::from(work.events);
     }
 }

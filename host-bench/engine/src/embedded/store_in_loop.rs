@@ -18,9 +18,10 @@ use model_core::scene::rectified::{ElectricalPort, Mode, Rectified, STATES};
 use model_core::scene::{Harvester, Simulation};
 
 use super::excitation::{HostExcitation, with_setting};
+use super::refuse_bump_stop;
 use super::run::{BUDGET, refuse_start, step_control};
+use super::triboelectric::Triboelectric;
 use super::whole_day::Daily;
-use super::{contact_separation, sliding};
 use harvester_scene::method::{Failure, Options, Precision};
 use harvester_scene::scene_file::{HOURS, Model, Scene, Storage};
 
@@ -35,110 +36,86 @@ pub struct Stretch {
     pub drawn_j: f64,
     /// What the diodes took.
     pub diodes_j: f64,
-    /// Accepted steps.
     pub steps: u64,
 }
 
 /// A harvester with its store, at some time of its day.
 pub trait StoreInLoop {
     /// Goes on to a second of the day, the node drawing so many watts from the store while it is connected.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] if the core refuses the draw, [`Failure::Step`] if a step cannot be taken.
     fn advance(&mut self, until_s: u32, draw_w: f64) -> Result<Stretch, Failure>;
 
     /// Voltage of the store in V.
     fn voltage(&self) -> f64;
 
-    /// Whether the node is connected.
     fn is_connected(&self) -> bool;
 }
 
-/// Calls `with` with the harvester of a triboelectric scene at midnight, its store as `storage` says but at a
-/// voltage of `initial_v` with the node connected or not, and its excitation multiplied hour by hour.
-///
-/// # Errors
-/// [`Failure::Input`] if the scene is another one, as a run, and whatever `with` gives.
-pub fn with_store_in_loop<R>(
-    scene: &Scene,
-    diode_drop_v: f64,
-    storage: &Storage,
-    (initial_v, is_connected): (f64, bool),
-    hours: &[f64; HOURS],
-    options: &Options,
-    with: impl FnOnce(&mut dyn StoreInLoop) -> Result<R, Failure>,
-) -> Result<R, Failure> {
-    options.check()?;
-    options.check_scene(scene)?;
-    let setting = Setting { scene, diode_drop_v, storage, initial_v, is_connected, hours, options };
-    let (mut with, mut found) = (Some(with), None);
-    setting.run(&mut |looped| {
-        found = with.take().map(|with| with(looped));
-        Ok(())
-    })?;
-    found.unwrap_or_else(|| unreachable!("a run that began calls once"))
-}
-
-/// What is called with the harvester, behind a reference: the run is compiled in this crate and not in the caller's.
+/// The caller's function, behind a reference: the run is compiled in this crate and not in the caller's.
 type With<'a> = &'a mut dyn FnMut(&mut dyn StoreInLoop) -> Result<(), Failure>;
 
-struct Setting<'a> {
-    scene: &'a Scene,
-    diode_drop_v: f64,
-    storage: &'a Storage,
-    initial_v: f64,
-    is_connected: bool,
-    hours: &'a [f64; HOURS],
-    options: &'a Options,
+/// A triboelectric scene at midnight.
+#[derive(Debug)]
+pub struct Midnight<'a> {
+    pub scene: &'a Scene,
+    pub diode_drop_v: f64,
+    /// The store, but for its voltage and whether the node is connected.
+    pub storage: &'a Storage,
+    /// Voltage of the store in V.
+    pub initial_v: f64,
+    pub is_connected: bool,
+    /// Factor of the excitation in each hour of the day.
+    pub hours: &'a [f64; HOURS],
+    pub options: &'a Options,
 }
 
-impl Setting<'_> {
-    fn run(&self, with: With<'_>) -> Result<(), Failure> {
+impl Midnight<'_> {
+    /// Calls `with` with the harvester and its store.
+    pub fn with_store_in_loop<R>(
+        &self,
+        with: impl FnOnce(&mut dyn StoreInLoop) -> Result<R, Failure>,
+    ) -> Result<R, Failure> {
+        self.options.check()?;
+        self.options.check_scene(self.scene)?;
+        let (mut with, mut found) = (Some(with), None);
+        let mut call = |looped: &mut dyn StoreInLoop| {
+            found = with.take().map(|with| with(looped));
+            Ok(())
+        };
         match self.options.precision {
-            Some(Precision::F32) => self.with_precision::<f32>(with),
-            _ => self.with_precision::<f64>(with),
+            Some(Precision::F32) => self.with_precision::<f32>(&mut call)?,
+            _ => self.with_precision::<f64>(&mut call)?,
         }
+        found.unwrap_or_else(|| unreachable!("a run that began calls once"))
     }
 
     fn with_precision<S: Scalar>(&self, with: With<'_>) -> Result<(), Failure> {
         match &self.scene.model {
-            Model::ContactSeparation(model) => {
-                let core = contact_separation::core::<S, S::Build>(self.scene, model)?;
-                self.with_core(core, &contact_separation::start(model), with)
-            }
-            Model::Sliding(model) => {
-                let core = sliding::core::<S>(self.scene, model)?;
-                self.with_core(core, &sliding::start(model), with)
-            }
-            Model::BumpStop(_) => Err(super::whole_day::refuse_bump_stop(self.scene)),
+            Model::ContactSeparation(model) => self.with_model::<S, _>(model, with),
+            Model::Sliding(model) => self.with_model::<S, _>(model, with),
+            Model::BumpStop(_) => Err(refuse_bump_stop(self.scene, "with --exact")),
         }
     }
 
-    fn with_core<S: Scalar, H: ElectricalPort<S>>(
-        &self,
-        harvester: H,
-        start: &H::Start,
-        with: With<'_>,
-    ) -> Result<(), Failure> {
+    fn with_model<S: Scalar, T: Triboelectric>(&self, model: &T, with: With<'_>) -> Result<(), Failure> {
         let Self { scene, storage, .. } = self;
-        let lockout =
-            Lockout { turn_on: S::from_f64(storage.turn_on_v), turn_off: S::from_f64(storage.turn_off_v) };
+        let number = S::from_f64;
+        let lockout = Lockout { turn_on: number(storage.turn_on_v), turn_off: number(storage.turn_off_v) };
         let bridge = FullBridge {
-            diode_drop: S::from_f64(self.diode_drop_v),
+            diode_drop: number(self.diode_drop_v),
             storage: Capacitor {
-                capacitance: S::from_f64(storage.capacitance_f),
-                leakage_resistance: S::from_f64(storage.leakage_ohm),
-                initial_voltage: S::from_f64(self.initial_v),
+                capacitance: number(storage.capacitance_f),
+                leakage_resistance: number(storage.leakage_ohm),
+                initial_voltage: number(self.initial_v),
                 draw: PowerDraw { power: S::ZERO, lockout },
             },
         };
-        let core = connected(scene, harvester, bridge)?;
+        let core = connected(scene, model.core::<S, S::Build>(scene)?, bridge)?;
         // Only an explicit method asks how fast the circuit is.
         let control = step_control(scene, self.options, f64::INFINITY)?;
         with_setting::<S, S::Build, _>(scene, self.options, |setting| {
             let daily = Daily { base: setting.excitation, factors: self.hours.map(S::from_f64) };
             let mut state =
-                core.start(start, &daily, &control).map_err(|error| refuse_start(scene, &error))?;
+                core.start(&model.start(), &daily, &control).map_err(|error| refuse_start(scene, &error))?;
             // Between the thresholds the voltage alone does not tell.
             state.mode.connected = self.is_connected;
             with(&mut Loop { scene, core, daily, control, state })
@@ -154,8 +131,7 @@ fn connected<S: Scalar, H: ElectricalPort<S>>(
     harvester: H,
     bridge: FullBridge<S, Capacitor<S, PowerDraw<S>>>,
 ) -> Result<Core<S, H>, Failure> {
-    Rectified::new(harvester, bridge)
-        .map_err(|error| Failure::Input(format!("{}: node.{error}", scene.file.display())))
+    Rectified::new(harvester, bridge).map_err(|error| Failure::of_file(scene, format!("node.{error}")))
 }
 
 struct Loop<'a, S: Scalar, H: ElectricalPort<S>> {

@@ -1,59 +1,146 @@
 //! A run of a triboelectric scene, bare or behind a bridge: the method is chosen at run time.
 
-use model_core::integrate::Cubic;
-use model_core::integrate::{AnyStepControl, Method as Integrator, RungeKutta4, TrBdf2};
+use model_core::energy::Residual;
+use model_core::hybrid::HybridState;
+use model_core::integrate::{AnyStepControl, Cubic, Method as Integrator, RungeKutta4, TrBdf2};
 use model_core::observer::{ALL_POWERS, AcceptedStep, Motion, Outputs};
-use model_core::part::rectifier::FullBridge;
-use model_core::part::storage::AnyStorage;
-use model_core::scalar::Scalar;
-use model_core::scene::rectified::{self, ElectricalPort, Rectified};
-use model_core::scene::{Scene as CoreScene, Simulation};
+use model_core::scalar::{Mathematics, Scalar};
+use model_core::scene::rectified::{ElectricalPort, Rectified};
+use model_core::scene::{Harvester, Scene as CoreScene, Simulation};
 
+use super::bridge::bridge;
 use super::excitation::Setting;
 use super::method_name;
 use super::recorder::{dense, dense_voltage};
-use super::run::{Report, Run, refuse_start, step_control};
+use super::run::{Found, Report, Run, refuse_start, step_control};
 use harvester_scene::method::{Failure, Method};
-use harvester_scene::outcome::Outcome;
-use harvester_scene::scene_file::{Draw, Load};
+use harvester_scene::outcome::{Outcome, Particular, with_store};
+use harvester_scene::scene_file::{Draw, Load, Scene};
 
 /// States of a bare triboelectric scene: position in m, velocity in m/s, charge in units of the scene.
 pub(super) const STATES: usize = 3;
 
+/// A triboelectric model of a scene file, for the core.
+pub(super) trait Triboelectric {
+    /// The core's harvester, with the elementary functions `M`.
+    type Core<S: Scalar, M: Mathematics<S>>: ElectricalPort<S>
+        + CoreScene<S, STATES, 0, Start = Self::Start<S>>
+        + CoreScene<S, STATES, ALL_POWERS, Start = Self::Start<S>>;
+    /// The core's initial values.
+    type Start<S: Scalar>;
+    /// Columns of a trace without a storage: the second is the coordinate.
+    const COLUMNS: [&'static str; 7];
+
+    /// The core's harvester of a scene.
+    fn core<S: Scalar, M: Mathematics<S>>(&self, scene: &Scene) -> Result<Self::Core<S, M>, Failure>;
+
+    fn start<S: Scalar>(&self) -> Self::Start<S>;
+
+    /// A step in s at which the explicit method is stable and accurate: see [`explicit_step_into`].
+    fn explicit_step<S: Scalar, M: Mathematics<S>>(&self, core: &Self::Core<S, M>, load: Load) -> f64;
+
+    /// Position, velocity and charge as large as they are in a wide motion, in the units of the state.
+    fn typical<S: Scalar, M: Mathematics<S>>(&self, core: &Self::Core<S, M>) -> [f64; STATES];
+
+    /// The relative residual of the energy ledger that holds for this scene.
+    fn residual<S: Scalar>(&self, residual: &Residual<S>) -> Option<S>;
+
+    /// The numbers that only this kind of scene has.
+    fn particular<S: Scalar>(&self, harvester: &impl Harvester<S>, found: &Found<'_, S>) -> Particular;
+}
+
+impl<S: Scalar, H: Harvester<S>, T: Triboelectric> Report<S, H> for T {
+    fn columns(&self, with_storage: bool) -> &'static [&'static str] {
+        let all = const { &with_store(T::COLUMNS) };
+        if with_storage { all } else { &all[..T::COLUMNS.len()] }
+    }
+
+    fn row(&self, step: &AcceptedStep<'_, S>, fraction: S, acceleration: S) -> [S; 6] {
+        row(step, fraction, acceleration)
+    }
+
+    fn residual(&self, residual: &Residual<S>) -> Option<S> {
+        Triboelectric::residual(self, residual)
+    }
+
+    fn particular(&self, harvester: &H, found: &Found<'_, S>, _end: &H::State) -> Particular {
+        Triboelectric::particular(self, harvester, found)
+    }
+
+    fn describe(&self, outputs: &Outputs<'_, S>) -> String {
+        let motion = outputs.coordinate();
+        format!(
+            "{} {:e}, velocity {:e} m/s, charge {:e} C, mode {}",
+            T::COLUMNS[1],
+            motion.value.to_f64(),
+            motion.rate.to_f64(),
+            outputs.charge.value.to_f64(),
+            outputs.mode
+        )
+    }
+}
+
 /// A scene of the core that is checked, with its excitation and the rule for the length of its steps.
-pub(super) struct Prepared<'a, S: Scalar, A, R> {
+pub(super) struct Prepared<'a, S: Scalar, A, T> {
     pub(super) setting: Setting<'a, S>,
-    pub(super) core: &'a A,
-    pub(super) report: &'a R,
+    pub(super) core: A,
+    pub(super) model: &'a T,
     pub(super) control: AnyStepControl<S>,
 }
 
 /// The simulation of a scene of the core by the method `I`.
 pub(super) type Simulated<S, A, I, const N: usize> = Simulation<A, I, AnyStepControl<S>, N, ALL_POWERS>;
 
-impl<'a, S: Scalar, A: Copy, R> Prepared<'a, S, A, R> {
+/// All that a run of a scene with a resistor needs.
+pub(super) fn prepared<'a, S: Scalar, M: Mathematics<S>, T: Triboelectric>(
+    setting: Setting<'a, S>,
+    model: &'a T,
+) -> Result<Prepared<'a, S, T::Core<S, M>, T>, Failure> {
+    let Setting { scene, options, .. } = setting;
+    let core = model.core::<S, M>(scene)?;
+    let control = step_control(scene, options, model.explicit_step(&core, scene.load))?;
+    Ok(Prepared { setting, core, model, control })
+}
+
+/// Runs the scene from its start to its end.
+pub(super) fn run<S: Scalar, M: Mathematics<S>, T: Triboelectric>(
+    setting: Setting<'_, S>,
+    model: &T,
+) -> Result<Outcome, Failure> {
+    let Setting { scene, options, .. } = setting;
+    let Some(bridge) = bridge(scene.load) else {
+        return prepared::<S, M, T>(setting, model)?.to_end::<STATES>(&model.start());
+    };
+    let inner = model.core::<S, M>(scene)?;
+    let motion_s = model.explicit_step(&inner, scene.load);
+    let core =
+        Rectified::new(inner, bridge).map_err(|error| Failure::of_file(scene, format!("load.{error}")))?;
+    let control = step_control(scene, options, explicit_step(motion_s, scene.load))?;
+    Prepared { setting, core, model, control }.to_end(&model.start())
+}
+
+impl<'a, S: Scalar, A: Copy, T: Triboelectric> Prepared<'a, S, A, T> {
     /// The scene stepped by a method.
     pub(super) fn simulation<I, const N: usize>(&self, method: I) -> Simulated<S, A, I, N> {
-        Simulation::with_all_powers(*self.core, method, self.control)
+        Simulation::with_all_powers(self.core, method, self.control)
     }
 
     /// A run of the simulation.
     pub(super) fn run<'b, I, const N: usize>(
         &'b self,
         simulation: &'b Simulated<S, A, I, N>,
-    ) -> Run<'b, S, Simulated<S, A, I, N>, R>
+    ) -> Run<'b, S, Simulated<S, A, I, N>, T>
     where
         'a: 'b,
     {
-        let Self { setting, report, .. } = *self;
-        Run { setting, harvester: simulation, report, method: method_name(setting.options.method) }
+        let Self { setting, model, .. } = *self;
+        Run { setting, harvester: simulation, report: model, method: method_name(setting.options.method) }
     }
 
     /// Runs from `start` to the end of the scene by the method of the options.
-    pub(super) fn to_end<const N: usize>(&self, start: &A::Start) -> Result<Outcome, Failure>
+    fn to_end<const N: usize>(&self, start: &A::Start) -> Result<Outcome, Failure>
     where
         A: CoreScene<S, N, ALL_POWERS>,
-        R: Report<S, Simulated<S, A, RungeKutta4, N>> + Report<S, Simulated<S, A, TrBdf2, N>>,
     {
         match self.setting.options.method {
             Method::Rk4 => self.with(RungeKutta4, start),
@@ -64,7 +151,6 @@ impl<'a, S: Scalar, A: Copy, R> Prepared<'a, S, A, R> {
     fn with<I: Integrator<S>, const N: usize>(&self, method: I, start: &A::Start) -> Result<Outcome, Failure>
     where
         A: CoreScene<S, N, ALL_POWERS>,
-        R: Report<S, Simulated<S, A, I, N>>,
     {
         let simulation = self.simulation(method);
         let state = self.start(&simulation, start)?;
@@ -76,18 +162,17 @@ impl<'a, S: Scalar, A: Copy, R> Prepared<'a, S, A, R> {
         &self,
         simulation: &Simulated<S, A, I, N>,
         start: &A::Start,
-    ) -> Result<model_core::hybrid::HybridState<S, A::Mode, N, ALL_POWERS>, Failure>
+    ) -> Result<HybridState<S, A::Mode, N, ALL_POWERS>, Failure>
     where
         A: CoreScene<S, N, ALL_POWERS>,
     {
-        use model_core::scene::Harvester;
         let Setting { scene, excitation, .. } = self.setting;
         simulation.start(start, &excitation).map_err(|error| refuse_start(scene, &error))
     }
 }
 
 /// The six columns of a trace: position, velocity, charge, voltage, base acceleration, stick.
-pub(super) fn row<S: Scalar>(step: &AcceptedStep<'_, S>, fraction: S, acceleration: S) -> [S; 6] {
+fn row<S: Scalar>(step: &AcceptedStep<'_, S>, fraction: S, acceleration: S) -> [S; 6] {
     let [start, end] = [step.start.coordinate(), step.end.coordinate()];
     [
         dense(start, end, step.step, fraction),
@@ -108,18 +193,6 @@ fn dense_velocity<S: Scalar>(start: Motion<S>, end: Motion<S>, step: S, fraction
         return start.rate + (end.rate - start.rate) * fraction;
     }
     Cubic::with_mean(start.rate, end.rate, (end.value - start.value) / step).value(fraction)
-}
-
-/// A state in words; `coordinate` is the name of the first coordinate.
-pub(super) fn describe<S: Scalar>(coordinate: &str, outputs: &Outputs<'_, S>) -> String {
-    let motion = outputs.coordinate();
-    format!(
-        "{coordinate} {:e}, velocity {:e} m/s, charge {:e} C, mode {}",
-        motion.value.to_f64(),
-        motion.rate.to_f64(),
-        outputs.charge.value.to_f64(),
-        outputs.mode
-    )
 }
 
 /// A tribo-charge in units of the state. Without charge there is no electrical motion, and any unit serves.
@@ -146,26 +219,4 @@ fn explicit_step(motion_s: f64, load: Load) -> f64 {
         Draw::None | Draw::Current { .. } => f64::INFINITY,
     };
     motion_s.min(2.0 * storage.capacitance_f * storage.leakage_ohm.min(drawn))
-}
-
-/// The outcome of a scene whose harvester is `inner`, behind `bridge`; `motion_s` is the step that the motion alone asks
-/// of an explicit method.
-pub(super) fn behind_bridge<S, H, R>(
-    setting: Setting<'_, S>,
-    (inner, report): (H, &R),
-    start: &H::Start,
-    bridge: FullBridge<S, AnyStorage<S>>,
-    motion_s: f64,
-) -> Result<Outcome, Failure>
-where
-    S: Scalar,
-    H: ElectricalPort<S>,
-    R: Report<S, Simulated<S, Rectified<S, H, AnyStorage<S>>, RungeKutta4, { rectified::STATES }>>
-        + Report<S, Simulated<S, Rectified<S, H, AnyStorage<S>>, TrBdf2, { rectified::STATES }>>,
-{
-    let Setting { scene, options, .. } = setting;
-    let core = Rectified::new(inner, bridge)
-        .map_err(|error| Failure::Input(format!("{}: load.{error}", scene.file.display())))?;
-    let control = step_control(scene, options, explicit_step(motion_s, scene.load))?;
-    Prepared { setting, core: &core, report, control }.to_end(start)
 }

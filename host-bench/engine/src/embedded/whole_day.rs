@@ -4,38 +4,30 @@ use model_core::clock::Instant;
 use model_core::energy::{Ledger, PowerMeter};
 use model_core::excitation::Excitation;
 use model_core::integrate::TrBdf2;
-use model_core::observer::ALL_POWERS;
 use model_core::scalar::Scalar;
-use model_core::scene::{Harvester, Scene as CoreScene};
+use model_core::scene::Harvester;
 
-use super::excitation::with_setting;
-use super::run::{BUDGET, Report};
-use super::triboelectric::{Prepared, STATES, Simulated};
-use super::{contact_separation, sliding};
+use super::excitation::{Setting, with_setting};
+use super::refuse_bump_stop;
+use super::run::BUDGET;
+use super::triboelectric::{STATES, Triboelectric, prepared};
 use harvester_scene::method::{Failure, Options, Precision};
 use harvester_scene::scene_file::{HOURS, Load, Model, Scene};
 
-/// Seconds in a day.
 const DAY_S: u32 = 86_400;
-/// Seconds in an hour.
 const HOUR_S: u32 = 3600;
 
-/// What a day brought.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WholeDay {
     /// Energy delivered to the load in J, in each of the equal intervals of the day.
     pub energies_j: Vec<f64>,
     /// What is left over in the energy ledger of the day, as a run reports it.
     pub energy_residual: Option<f64>,
-    /// Accepted steps.
     pub steps: u64,
 }
 
 /// Runs a triboelectric scene for a day by TR-BDF2, its excitation multiplied hour by hour from midnight, and adds
 /// up what it delivers in intervals of `interval_s` seconds, which divide the day.
-///
-/// # Errors
-/// [`Failure::Input`] if the scene is another one or its load no resistor, and as a run.
 pub fn whole_day(
     scene: &Scene,
     hours: &[f64; HOURS],
@@ -45,10 +37,8 @@ pub fn whole_day(
     options.check()?;
     options.check_scene(scene)?;
     if !matches!(scene.load, Load::Resistor { .. }) {
-        return Err(Failure::Input(format!(
-            "{}: load.kind: must be \"resistor\" or \"rectified-store\" with --exact",
-            scene.file.display()
-        )));
+        let reason = "load.kind: must be \"resistor\" or \"rectified-store\" with --exact";
+        return Err(Failure::of_file(scene, reason));
     }
     match options.precision {
         Some(Precision::F32) => whole_day_as::<f32>(scene, hours, interval_s, options),
@@ -63,40 +53,23 @@ fn whole_day_as<S: Scalar>(
     options: &Options,
 ) -> Result<WholeDay, Failure> {
     with_setting::<S, S::Build, _>(scene, options, |setting| match &scene.model {
-        Model::ContactSeparation(model) => {
-            contact_separation::prepared::<S, S::Build, _>(setting, model, |prepared, start| {
-                day(prepared, start, hours, interval_s)
-            })
-        }
-        Model::Sliding(model) => {
-            sliding::prepared(setting, model, |prepared, start| day(prepared, start, hours, interval_s))
-        }
-        Model::BumpStop(_) => Err(refuse_bump_stop(scene)),
+        Model::ContactSeparation(model) => day(setting, model, hours, interval_s),
+        Model::Sliding(model) => day(setting, model, hours, interval_s),
+        // At 10⁵ steps a second a day would take hours.
+        Model::BumpStop(_) => Err(refuse_bump_stop(scene, "with --exact")),
     })
 }
 
-/// The refusal of a bump-stop scene: at 10⁵ steps a second a day would take hours.
-pub(super) fn refuse_bump_stop(scene: &Scene) -> Failure {
-    Failure::Input(format!(
-        "{}: scene = {:?}: must be \"contact-separation\" or \"sliding\" with --exact",
-        scene.file.display(),
-        scene.name()
-    ))
-}
-
-fn day<S: Scalar, A, R>(
-    prepared: &Prepared<'_, S, A, R>,
-    start: &A::Start,
+fn day<S: Scalar, T: Triboelectric>(
+    setting: Setting<'_, S>,
+    model: &T,
     hours: &[f64; HOURS],
     interval_s: u32,
-) -> Result<WholeDay, Failure>
-where
-    A: CoreScene<S, STATES, ALL_POWERS> + Copy,
-    R: Report<S, Simulated<S, A, TrBdf2, STATES>>,
-{
-    let daily = Daily { base: prepared.setting.excitation, factors: hours.map(S::from_f64) };
-    let simulation = prepared.simulation(TrBdf2);
-    let mut state = prepared.start(&simulation, start)?;
+) -> Result<WholeDay, Failure> {
+    let prepared = prepared::<S, S::Build, T>(setting, model)?;
+    let daily = Daily { base: setting.excitation, factors: hours.map(S::from_f64) };
+    let simulation = prepared.simulation::<_, STATES>(TrBdf2);
+    let mut state = prepared.start(&simulation, &model.start())?;
     let mut ledger = Ledger::open(&simulation.outputs(&state));
     let mut energies_j = Vec::new();
     let mut steps = 0;
@@ -112,7 +85,7 @@ where
         }
         energies_j.push(meter.delivered_energy().to_f64());
     }
-    let energy_residual = prepared.report.residual(&ledger.residual()).map(S::to_f64);
+    let energy_residual = model.residual(&ledger.residual()).map(S::to_f64);
     Ok(WholeDay { energies_j, energy_residual, steps })
 }
 

@@ -68,10 +68,8 @@ impl Linearisation {
     }
 }
 
-/// A fixed point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedPoint<const N: usize> {
-    /// The point.
     pub point: [f64; N],
     /// The map there.
     pub linearisation: Linearisation,

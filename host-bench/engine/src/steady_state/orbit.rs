@@ -1,7 +1,5 @@
 //! Motions of one period of the excitation: found after a transient, or from an orbit at a frequency close by.
 
-use std::fmt::Debug;
-
 use model_core::clock::Instant;
 use model_core::energy::RunMeter;
 use model_core::excitation::Excitation;
@@ -10,7 +8,7 @@ use model_core::integrate::Method;
 use nalgebra::Complex;
 
 use super::newton::{Linearisation, Map};
-use super::period_map::{ForcedSystem, Spent, Watch};
+use super::period_map::{ForcedSystem, Spent, StateOf, Watch};
 
 /// Change of the state, in units of the size of the motion, below which an orbit counts as found.
 const ACCURACY: f64 = 1e-7;
@@ -22,29 +20,15 @@ const WATCHED: u32 = 3;
 /// Largest difference of the transient from the prediction by the orbit's multipliers, as a part of its first distance.
 const MISPREDICTED: f64 = 0.2;
 
-/// How an orbit is sought.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Search<const N: usize> {
-    /// Typical size of each state, in its own unit. A thousandth of it counts as a small motion.
-    pub typical: [f64; N],
-    /// Periods of transient before the first attempt, and from one attempt to the next.
-    pub patience: u32,
-    /// Attempts after which the search ends.
-    pub attempts: u32,
-}
-
-impl<const N: usize> Search<N> {
-    /// The search by default.
-    ///
-    /// Within twenty periods the amplitude of a lightly damped start has overshot. Measured on 568 points of the
-    /// contact-separation scene, after 10 periods the impacts of the later motion are missed at 7 points, most at the upper
-    /// edge of the band, and after 20 periods at none. With five attempts, at four points a run of 300 periods ends on
-    /// another motion than the orbit that was found.
-    #[must_use]
-    pub const fn new(typical: [f64; N]) -> Self {
-        Self { typical, patience: 20, attempts: 5 }
-    }
-}
+/// Periods of transient before the first attempt, and from one attempt to the next.
+///
+/// Within twenty periods the amplitude of a lightly damped start has overshot. Measured on 568 points of the
+/// contact-separation scene, after 10 periods the impacts of the later motion are missed at 7 points, most at the upper
+/// edge of the band, and after 20 periods at none.
+const PATIENCE: u32 = 20;
+/// Attempts after which the search ends. At four of those points a run of 300 periods ends on another motion than the
+/// orbit that was found.
+const ATTEMPTS: u32 = 5;
 
 /// A motion of one period of the excitation.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,34 +46,28 @@ pub struct Orbit<Mode, const N: usize, const P: usize> {
 
 impl<Mode, const N: usize, const P: usize> Orbit<Mode, N, P> {
     /// Magnitude of the largest multiplier; 0 if there is none.
-    #[must_use]
     pub fn largest_multiplier(&self) -> f64 {
         self.multipliers.first().map_or(0.0, |value| value.norm())
     }
 
     /// Whether small disturbances die out.
-    #[must_use]
     pub fn is_stable(&self) -> bool {
         self.largest_multiplier() < 1.0
     }
 }
 
-/// The result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict<Mode, const N: usize, const P: usize> {
     /// A stable orbit that the transient approaches.
     StablePeriodOne(Orbit<Mode, N, P>),
     /// A stable orbit that the transient does not approach.
     NotReached(Orbit<Mode, N, P>),
-    /// An unstable orbit.
     UnstablePeriodOne(Orbit<Mode, N, P>),
-    /// No orbit.
     NotFound,
 }
 
 impl<Mode, const N: usize, const P: usize> Verdict<Mode, N, P> {
     /// Its name in reports.
-    #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
             Self::StablePeriodOne(_) => harvester_scene::outcome::STABLE,
@@ -100,7 +78,6 @@ impl<Mode, const N: usize, const P: usize> Verdict<Mode, N, P> {
     }
 
     /// The orbit, if there is one.
-    #[must_use]
     pub fn orbit(&self) -> Option<&Orbit<Mode, N, P>> {
         match self {
             Self::StablePeriodOne(orbit) | Self::NotReached(orbit) | Self::UnstablePeriodOne(orbit) => {
@@ -120,28 +97,25 @@ pub struct Response {
     pub rms_voltage_v: f64,
 }
 
-impl<A, E, I> ForcedSystem<'_, A, E, I> {
-    /// The steady state of the motion from `start`, at time zero.
-    ///
-    /// # Errors
-    /// If the transient meets a step that cannot be taken.
-    pub fn steady_state<Mode, const N: usize, const P: usize>(
+impl<A, E, I, const N: usize, const P: usize> ForcedSystem<'_, A, E, I, N, P>
+where
+    A: Automaton<f64, N, P>,
+    E: Excitation<f64>,
+    I: Method<f64>,
+{
+    /// The steady state of the motion from `start`, at time zero; `typical` is the size of each state in its own unit, of
+    /// which a thousandth counts as a small motion.
+    pub fn steady_state(
         &self,
-        start: HybridState<f64, Mode, N, P>,
-        search: &Search<N>,
+        start: StateOf<A, N, P>,
+        typical: &[f64; N],
         spent: &mut Spent,
-    ) -> Result<Verdict<Mode, N, P>, StepError<f64>>
-    where
-        Mode: Copy + Debug + PartialEq,
-        A: Automaton<f64, N, P, Mode = Mode>,
-        E: Excitation<f64>,
-        I: Method<f64>,
-    {
+    ) -> Result<Verdict<A::Mode, N, P>, StepError<f64>> {
         let mut state = start;
         let mut periods = 0;
         let mut verdict = Verdict::NotFound;
-        for _ in 0..search.attempts {
-            periods += search.patience;
+        for _ in 0..ATTEMPTS {
+            periods += PATIENCE;
             self.advance(&mut state, self.instant(f64::from(periods - 1)), &mut (), spent)?;
             let mut watch = Watch::<N>::new();
             self.advance(&mut state, self.instant(f64::from(periods)), &mut watch, spent)?;
@@ -152,7 +126,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
             let mut pattern = state;
             pattern.clock = Instant::from_ticks(phase);
             let phase = pattern.clock.seconds::<f64>() * self.frequency_hz;
-            match self.orbit(&pattern, phase, watch.scale(&search.typical), None, spent) {
+            match self.orbit(&pattern, phase, watch.scale(typical), None, spent) {
                 Some(orbit) if orbit.is_stable() => {
                     if self.goes_to(&orbit, &pattern, spent) {
                         return Ok(Verdict::StablePeriodOne(orbit));
@@ -167,17 +141,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     }
 
     /// The orbit at this frequency that continues `other`, an orbit at a frequency close by.
-    pub fn continued<Mode, const N: usize, const P: usize>(
-        &self,
-        other: &Orbit<Mode, N, P>,
-        spent: &mut Spent,
-    ) -> Option<Orbit<Mode, N, P>>
-    where
-        Mode: Copy + Debug + PartialEq,
-        A: Automaton<f64, N, P, Mode = Mode>,
-        E: Excitation<f64>,
-        I: Method<f64>,
-    {
+    pub fn continued(&self, other: &Orbit<A::Mode, N, P>, spent: &mut Spent) -> Option<Orbit<A::Mode, N, P>> {
         let mut pattern = other.start;
         pattern.clock = self.instant(other.phase);
         self.orbit(&pattern, other.phase, other.scale, Some(other.linearisation.clone()), spent)
@@ -185,26 +149,17 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
 
     /// The response of the stable orbit that continues `known` at this frequency, or else of the steady state of the
     /// motion from `start`. The orbit of the response replaces `known`.
-    ///
-    /// # Errors
-    /// If the transient meets a step that cannot be taken.
-    pub fn followed<Mode, const N: usize, const P: usize>(
+    pub fn followed(
         &self,
-        known: &mut Option<Orbit<Mode, N, P>>,
-        start: HybridState<f64, Mode, N, P>,
-        search: &Search<N>,
+        known: &mut Option<Orbit<A::Mode, N, P>>,
+        start: StateOf<A, N, P>,
+        typical: &[f64; N],
         spent: &mut Spent,
-    ) -> Result<Option<Response>, StepError<f64>>
-    where
-        Mode: Copy + Debug + PartialEq,
-        A: Automaton<f64, N, P, Mode = Mode>,
-        E: Excitation<f64>,
-        I: Method<f64>,
-    {
+    ) -> Result<Option<Response>, StepError<f64>> {
         let continued = known.as_ref().and_then(|orbit| self.continued(orbit, spent));
         *known = match continued.filter(Orbit::is_stable) {
             Some(orbit) => Some(orbit),
-            None => match self.steady_state(start, search, spent)? {
+            None => match self.steady_state(start, typical, spent)? {
                 Verdict::StablePeriodOne(orbit) => Some(orbit),
                 Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound => None,
             },
@@ -213,17 +168,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     }
 
     /// The response of one period of an orbit by the meters; `None` if a step cannot be taken.
-    pub fn response<Mode, const N: usize, const P: usize>(
-        &self,
-        orbit: &Orbit<Mode, N, P>,
-        spent: &mut Spent,
-    ) -> Option<Response>
-    where
-        Mode: Copy + Debug + PartialEq,
-        A: Automaton<f64, N, P, Mode = Mode>,
-        E: Excitation<f64>,
-        I: Method<f64>,
-    {
+    pub fn response(&self, orbit: &Orbit<A::Mode, N, P>, spent: &mut Spent) -> Option<Response> {
         let mut meter = RunMeter::new();
         self.period(&orbit.start, &orbit.start.point.state, &mut meter, spent)?;
         let coordinate = meter.report().coordinate;
@@ -234,20 +179,14 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     }
 
     /// The orbit that Newton's iteration finds from the state `pattern`.
-    fn orbit<Mode, const N: usize, const P: usize>(
+    fn orbit(
         &self,
-        pattern: &HybridState<f64, Mode, N, P>,
+        pattern: &StateOf<A, N, P>,
         phase: f64,
         scale: [f64; N],
         known: Option<Linearisation>,
         spent: &mut Spent,
-    ) -> Option<Orbit<Mode, N, P>>
-    where
-        Mode: Copy + Debug + PartialEq,
-        A: Automaton<f64, N, P, Mode = Mode>,
-        E: Excitation<f64>,
-        I: Method<f64>,
-    {
+    ) -> Option<Orbit<A::Mode, N, P>> {
         let mut apply = |vector: &[f64; N]| self.period(pattern, vector, &mut (), spent);
         let mut map = Map { apply: &mut apply, scale, accuracy: ACCURACY };
         let found = map.fixed_point(pattern.point.state, known)?;
@@ -261,18 +200,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     }
 
     /// Whether the motion from `state` approaches the orbit as its linearisation predicts.
-    fn goes_to<Mode, const N: usize, const P: usize>(
-        &self,
-        orbit: &Orbit<Mode, N, P>,
-        state: &HybridState<f64, Mode, N, P>,
-        spent: &mut Spent,
-    ) -> bool
-    where
-        Mode: Copy + Debug + PartialEq,
-        A: Automaton<f64, N, P, Mode = Mode>,
-        E: Excitation<f64>,
-        I: Method<f64>,
-    {
+    fn goes_to(&self, orbit: &Orbit<A::Mode, N, P>, state: &StateOf<A, N, P>, spent: &mut Spent) -> bool {
         let from_orbit = |vector: &[f64; N]| -> [f64; N] {
             std::array::from_fn(|index| (vector[index] - orbit.start.point.state[index]) / orbit.scale[index])
         };

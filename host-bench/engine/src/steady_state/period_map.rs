@@ -1,7 +1,5 @@
 //! The period map: a state at one phase of the excitation, and the state one period later.
 
-use std::fmt::Debug;
-
 use model_core::clock::Instant;
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, HybridState, StepError, Work};
@@ -13,8 +11,7 @@ const BUDGET: u32 = 1 << 24;
 
 /// A harvester under one sine.
 #[derive(Debug)]
-pub struct ForcedSystem<'a, A, E, I> {
-    /// The harvester.
+pub struct ForcedSystem<'a, A, E, I, const N: usize, const P: usize> {
     pub harvester: &'a A,
     /// The base acceleration: one sine.
     pub excitation: &'a E,
@@ -24,65 +21,68 @@ pub struct ForcedSystem<'a, A, E, I> {
     pub driver: &'a Driver<I, AnyStepControl<f64>>,
 }
 
-// Not derived: the types behind the references need not be `Copy`.
-impl<A, E, I> Clone for ForcedSystem<'_, A, E, I> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
+/// A state of a harvester of the core.
+pub type StateOf<A, const N: usize, const P: usize> =
+    HybridState<f64, <A as Automaton<f64, N, P>>::Mode, N, P>;
 
-impl<A, E, I> Copy for ForcedSystem<'_, A, E, I> {}
-
-/// Work done so far.
+/// Work of a whole run: a long one has more steps than fit in 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Spent {
-    /// Simulated periods of the excitation, parts included.
-    pub periods: f64,
-    /// Accepted steps.
+pub struct Total {
     pub steps: u64,
-    /// Rejected steps.
     pub rejected: u64,
+    /// Steps taken to locate events.
+    pub locating: u64,
     /// Newton iterations within steps.
     pub iterations: u64,
-    /// Events.
     pub events: u64,
 }
 
-impl Spent {
-    fn add(&mut self, work: &Work) {
+impl Total {
+    /// Steps kept, rejected, and taken to locate events.
+    pub fn attempts(&self) -> u64 {
+        self.steps + self.rejected + self.locating
+    }
+
+    pub(crate) fn add(&mut self, work: &Work) {
         self.steps += u64::from(work.steps);
         self.rejected += u64::from(work.rejected);
+        self.locating += u64::from(work.locating);
         self.iterations += u64::from(work.iterations);
         self.events += u64::from(work.events);
     }
 }
 
-impl<A, E, I> ForcedSystem<'_, A, E, I> {
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spent {
+    /// Simulated periods of the excitation, parts included.
+    pub periods: f64,
+    pub work: Total,
+}
+
+impl<A, E, I, const N: usize, const P: usize> ForcedSystem<'_, A, E, I, N, P>
+where
+    A: Automaton<f64, N, P>,
+    E: Excitation<f64>,
+    I: Method<f64>,
+{
     /// The instant `periods` periods after the start, at most the last instant of the clock.
     pub(super) fn instant(&self, periods: f64) -> Instant {
         Instant::from_seconds(periods / self.frequency_hz).unwrap_or(Instant::from_ticks(u64::MAX))
     }
 
     /// Advances `state` to `until`.
-    pub(super) fn advance<Mode, O, const N: usize, const P: usize>(
+    pub(super) fn advance<O: Observer<f64>>(
         &self,
-        state: &mut HybridState<f64, Mode, N, P>,
+        state: &mut StateOf<A, N, P>,
         until: Instant,
         observer: &mut O,
         spent: &mut Spent,
-    ) -> Result<(), StepError<f64>>
-    where
-        Mode: Copy + Debug + PartialEq,
-        A: Automaton<f64, N, P, Mode = Mode>,
-        E: Excitation<f64>,
-        I: Method<f64>,
-        O: Observer<f64>,
-    {
+    ) -> Result<(), StepError<f64>> {
         let from = state.clock;
         while state.clock < until {
             let advance =
                 self.driver.advance(self.harvester, state, self.excitation, until, BUDGET, observer)?;
-            spent.add(&advance.work);
+            spent.work.add(&advance.work);
         }
         let ticks = state.clock.ticks().saturating_sub(from.ticks());
         spent.periods += Instant::from_ticks(ticks).seconds::<f64>() * self.frequency_hz;
@@ -90,16 +90,7 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
     }
 
     /// `pattern` at another state vector, with its clock, mode and memory.
-    pub(super) fn at<Mode, const N: usize, const P: usize>(
-        &self,
-        pattern: &HybridState<f64, Mode, N, P>,
-        vector: &[f64; N],
-    ) -> HybridState<f64, Mode, N, P>
-    where
-        Mode: Copy + Debug + PartialEq,
-        A: Automaton<f64, N, P, Mode = Mode>,
-        E: Excitation<f64>,
-    {
+    pub(super) fn at(&self, pattern: &StateOf<A, N, P>, vector: &[f64; N]) -> StateOf<A, N, P> {
         let input = self.excitation.acceleration(pattern.clock);
         let mut state = *pattern;
         state.point = Point::at(&self.harvester.flow(pattern.mode), *vector, input);
@@ -108,20 +99,13 @@ impl<A, E, I> ForcedSystem<'_, A, E, I> {
 
     /// The state vector one period after `vector`, which has the clock and the mode of `pattern`; `None` if the mode then
     /// is another, or a step cannot be taken.
-    pub(super) fn period<Mode, O, const N: usize, const P: usize>(
+    pub(super) fn period<O: Observer<f64>>(
         &self,
-        pattern: &HybridState<f64, Mode, N, P>,
+        pattern: &StateOf<A, N, P>,
         vector: &[f64; N],
         observer: &mut O,
         spent: &mut Spent,
-    ) -> Option<[f64; N]>
-    where
-        Mode: Copy + Debug + PartialEq,
-        A: Automaton<f64, N, P, Mode = Mode>,
-        E: Excitation<f64>,
-        I: Method<f64>,
-        O: Observer<f64>,
-    {
+    ) -> Option<[f64; N]> {
         let mut state = self.at(pattern, vector);
         let until = Instant::from_ticks(state.clock.ticks().saturating_add(self.instant(1.0).ticks()));
         self.advance(&mut state, until, observer, spent).ok()?;

@@ -41,9 +41,6 @@ pub struct Resonance {
 ///
 /// `respond` gives the response at a frequency. Frequencies follow each other closely, so that `respond` can follow an
 /// orbit. The result is `None` if no frequency of the scan has a response.
-///
-/// # Errors
-/// Those of `respond`.
 pub fn resonance<F>(
     [from, to]: [f64; 2],
     points: usize,

@@ -2,8 +2,6 @@
 
 use serde::Serialize;
 
-use super::finite;
-
 /// The numbers of a bump-stop run only.
 ///
 /// Without a stop there are no contacts, and the numbers of the stop are `None`.
@@ -13,28 +11,21 @@ pub struct BumpStopOutcome {
     /// rising, then those of the rod, rising.
     pub natural_frequencies_hz: Vec<f64>,
     /// Largest magnitude in the window of the displacement of the beam's tip relative to the base, in m.
-    #[serde(serialize_with = "finite")]
     pub peak_tip_displacement_m: Option<f64>,
     /// Largest magnitude in the window of the displacement in m of the beam at the stop; `None` without a stop.
-    #[serde(serialize_with = "finite")]
     pub peak_stop_point_displacement_m: Option<f64>,
     /// Contacts that begin in the window: intervals with a force, and rigid impacts.
     pub contacts: u64,
     /// Contacts over periods in the window; `None` unless the base moves in one sine.
-    #[serde(serialize_with = "finite")]
     pub contacts_per_period: Option<f64>,
     /// Part of the window during which beam and stop are in contact.
-    #[serde(serialize_with = "finite")]
     pub contact_fraction: Option<f64>,
     /// Time of the first contact of the run in s; `None` without contacts.
-    #[serde(serialize_with = "finite")]
     pub first_contact_s: Option<f64>,
     /// Largest contact force in the window in N, without rigid impacts, which have none; `None` without a stop.
-    #[serde(serialize_with = "finite")]
     pub peak_force_n: Option<f64>,
     /// Mean contact force over the window in N, the momentum of impacts included; `None` without a
     /// stop.
-    #[serde(serialize_with = "finite")]
     pub mean_force_n: Option<f64>,
     /// State at the end of the run, scaled so that half the sum of squares is the energy in J of motion and
     /// charge: `ω r` and `r'` of each mode, the beam's first, and `√C v`. Not part of the JSON object.

@@ -1,6 +1,8 @@
 //! An outcome as text: a table for people, JSON and CSV for programs.
 
-use serde_json::Value;
+use clap::ValueEnum;
+use serde::Serialize;
+use serde_json::{Map, Value};
 
 use super::{Outcome, Recording};
 
@@ -17,48 +19,68 @@ pub enum Format {
 }
 
 impl Outcome {
-    /// Names and values in the order of the JSON object.
-    #[must_use]
-    pub fn fields(&self) -> Vec<(String, Value)> {
-        match serde_json::to_value(self) {
-            Ok(Value::Object(fields)) => fields.into_iter().collect(),
-            // An outcome is a struct, which is always an object.
-            _ => Vec::new(),
-        }
-    }
-
     /// The outcome as text, line break at its end included.
-    #[must_use]
     pub fn text(&self, format: Format) -> String {
-        text(self.fields(), format)
+        text(self, format)
+    }
+}
+
+/// Names and values in the order of JSON.
+pub type Fields = Map<String, Value>;
+
+/// Names and values of a struct or a map, none of anything else.
+pub fn fields(of: &impl Serialize) -> Fields {
+    match serde_json::to_value(of) {
+        Ok(Value::Object(fields)) => fields,
+        _ => Fields::new(),
     }
 }
 
 /// Names and values as text, line break at its end included.
-pub fn text(fields: Vec<(String, Value)>, format: Format) -> String {
+pub fn text(of: &impl Serialize, format: Format) -> String {
+    let fields = fields(of);
     match format {
-        Format::Json => {
-            let object: serde_json::Map<_, _> = fields.into_iter().collect();
-            format!("{:#}\n", Value::Object(object))
-        }
-        Format::Csv => {
-            let (names, values): (Vec<String>, Vec<Value>) = fields.into_iter().unzip();
-            csv_line(names) + &csv_line(values.iter().map(cell))
-        }
+        Format::Json => format!("{:#}\n", Value::Object(fields)),
+        Format::Csv => rows_csv(fields.keys(), std::slice::from_ref(&fields)),
         Format::Table => {
-            let width = fields.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
-            let line = |(name, value): &(String, Value)| format!("{name:<width$}  {}\n", shown(value));
+            let width = fields.keys().map(String::len).max().unwrap_or(0);
+            let line = |(name, value): (&String, &Value)| format!("{name:<width$}  {}\n", shown(value));
             fields.iter().map(line).collect()
         }
     }
 }
 
+/// Some columns of rows as CSV; a cell is empty where its row has no such field.
+pub fn rows_csv<'a>(columns: impl IntoIterator<Item = &'a String>, rows: &[Fields]) -> String {
+    let columns: Vec<&String> = columns.into_iter().collect();
+    let line =
+        |row: &Fields| csv_line(columns.iter().map(|column| row.get(*column).map(cell).unwrap_or_default()));
+    rows.iter().fold(csv_line(columns.iter().map(|&name| name.clone())), |text, row| text + &line(row))
+}
+
+/// Tables of CSV, each with its heading and its rows; a heading stands where the columns change.
+pub fn csv_sections(sections: impl Iterator<Item = (String, String)>) -> String {
+    let (mut text, mut last) = (String::new(), String::new());
+    for (heading, rows) in sections {
+        if heading != last {
+            text.push_str(if text.is_empty() { "" } else { "\n" });
+            text.push_str(&heading);
+            last = heading;
+        }
+        text.push_str(&rows);
+    }
+    text
+}
+
+/// The name that the command line has for a value.
+pub fn name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
 impl Recording {
     /// The rows as CSV, heading first.
-    #[must_use]
     pub fn csv(&self) -> String {
-        let heading = csv_line(self.columns.iter().map(|&name| name.to_owned()));
-        heading + &self.rows.iter().map(|row| csv_line(row.iter().copied().map(number))).collect::<String>()
+        csv(&self.columns.join(","), self.rows.iter().map(|row| row.iter().copied().map(number)))
     }
 }
 
@@ -75,6 +97,11 @@ pub fn optional_number(value: Option<f64>) -> String {
 /// A number in two digits, a dash for none.
 pub fn small(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1e}"))
+}
+
+/// Rows of CSV below a heading.
+pub fn csv<R: IntoIterator<Item = String>>(heading: &str, rows: impl IntoIterator<Item = R>) -> String {
+    rows.into_iter().fold(format!("{heading}\n"), |text, row| text + &csv_line(row))
 }
 
 /// A line of CSV, line break included. A cell with a comma, a quotation mark or a line break is quoted.

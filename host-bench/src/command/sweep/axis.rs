@@ -19,13 +19,11 @@ pub struct Axis {
 
 impl Axis {
     /// Number of values.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.count
     }
 
     /// The value with the given index; the first and the last are exactly FROM and TO.
-    #[must_use]
     pub fn value(&self, index: usize) -> f64 {
         if index == 0 {
             return self.from;

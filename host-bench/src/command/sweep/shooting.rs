@@ -1,7 +1,5 @@
 //! The cost of a sweep of steady states against that of runs of the same scenes.
 
-use std::fmt;
-
 use super::SweepArguments;
 use crate::method::{Failure, Options};
 use crate::outcome::Outcome;
@@ -29,7 +27,7 @@ pub(super) fn compared(
         return Ok(None);
     };
     let seconds = if arguments.compare {
-        let options = Options { steady_state: false, ..arguments.scene.options() };
+        let options = Options { steady_state: false, ..arguments.scene.options };
         // A run that fails leaves nothing to compare with.
         try_run_scene(scene, &options)?.ok().map(|run| [outcome.wall_s, run.wall_s])
     } else {
@@ -42,54 +40,25 @@ pub(super) fn compared(
     }))
 }
 
-/// All points together.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Costs {
-    points: usize,
-    stable: usize,
-    /// Of the points with a stable orbit.
-    stable_periods: [f64; 2],
-    periods: [f64; 2],
-    seconds: Option<[f64; 2]>,
-}
-
-impl Costs {
-    /// The sums; `None` over no points.
-    pub(super) fn of<'a>(points: impl Iterator<Item = &'a Compared>) -> Option<Self> {
-        let mut costs =
-            Self { points: 0, stable: 0, stable_periods: [0.0; 2], periods: [0.0; 2], seconds: None };
-        let add = |one: [f64; 2], other: [f64; 2]| [one[0] + other[0], one[1] + other[1]];
-        for point in points {
-            costs.points += 1;
-            costs.periods = add(costs.periods, point.periods);
-            if point.is_stable {
-                costs.stable += 1;
-                costs.stable_periods = add(costs.stable_periods, point.periods);
-            }
-            if let Some(seconds) = point.seconds {
-                costs.seconds = Some(add(costs.seconds.unwrap_or_default(), seconds));
-            }
-        }
-        (costs.points > 0).then_some(costs)
-    }
-}
-
-impl fmt::Display for Costs {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ratio = |[steady, run]: [f64; 2]| run / steady;
-        write!(
-            f,
-            "steady state at {} of {} points: {:.0} simulated periods each, the run has {:.1} times as many; \
-             at all points, the run included where there is none, {:.1} times as many",
-            self.stable,
-            self.points,
-            self.stable_periods[0] / self.stable.max(1) as f64,
-            ratio(self.stable_periods),
-            ratio(self.periods),
-        )?;
-        match self.seconds {
-            Some(seconds) => write!(f, "; the runs took {:.1} times as long", ratio(seconds)),
-            None => Ok(()),
-        }
-    }
+/// The costs of all points together in words; `None` over no points.
+pub(super) fn told<'a>(points: impl Iterator<Item = &'a Compared>) -> Option<String> {
+    let points: Vec<&Compared> = points.collect();
+    let stable: Vec<&Compared> = points.iter().copied().filter(|point| point.is_stable).collect();
+    let sum = |points: &[&Compared]| {
+        points.iter().fold([0.0; 2], |[a, b], point| [a + point.periods[0], b + point.periods[1]])
+    };
+    let ratio = |[steady, run]: [f64; 2]| run / steady;
+    let of_stable = sum(&stable);
+    let text = format!(
+        "steady state at {} of {} points: {:.0} simulated periods each, the run has {:.1} times as many; \
+         at all points, the run included where there is none, {:.1} times as many",
+        stable.len(),
+        points.len(),
+        of_stable[0] / stable.len().max(1) as f64,
+        ratio(of_stable),
+        ratio(sum(&points)),
+    );
+    let seconds = points.iter().filter_map(|point| point.seconds).reduce(|[a, b], [c, d]| [a + c, b + d]);
+    let slower = seconds.map(|seconds| format!("; the runs took {:.1} times as long", ratio(seconds)));
+    (!points.is_empty()).then(|| text + &slower.unwrap_or_default())
 }

@@ -1,12 +1,10 @@
 //! Figure 7: one cluster of contacts, larger.
 
-use std::fmt::Write;
-
 use super::motion::{CONTACT_FORCE, Motion, ROD, STOP_POINT};
 use super::{Figure, Panel};
-use crate::outcome::number;
-use crate::report::plot::{self, Axis, Curve, Mark, Plot};
-use crate::report::svg::{BLUE, ORANGE, VERMILION, range};
+use crate::outcome::{csv, number};
+use crate::report::plot::{Axis, Curve, Mark, Plot, height};
+use crate::report::svg::{BLUE, ORANGE, VERMILION};
 
 const SIZE: (u32, u32) = (900, 560);
 /// Time in s that is shown before the first contact and after the last.
@@ -18,37 +16,30 @@ const LOWEST: f64 = -0.15;
 pub(super) fn seven(tip: &Motion, note: &str) -> Result<Figure, String> {
     let [first, last] = tip.longest_cluster().ok_or("no contact with the stop at the tip")?;
     let span = [first - BESIDE_S, last + BESIDE_S];
-    let points = |column, scale| tip.within(span, column, scale);
-    let (beam, rod, force) = (points(STOP_POINT, 1e6), points(ROD, 1e6), points(CONTACT_FORCE, 1.0));
-    let contacts = force.windows(2).filter(|pair| pair[0].1 == 0.0 && pair[1].1 > 0.0).count();
-    let across = || Axis::linear("time [µs]", [0.0, 1e6 * (span[1] - span[0])], 12);
-    let (_, high) = range(beam.iter().chain(&rod).map(|point| point.1));
-    let (_, most) = range(force.iter().map(|point| point.1));
-    let curve = |name: &str, colour, width, points: &[(f64, f64)]| Curve {
-        name: name.to_owned(),
-        colour,
-        mark: Mark::Line(width),
-        points: points.to_vec(),
+    let curve = |name, colour, width, column, scale| {
+        Curve::new(name, colour, Mark::Line(width), tip.within(span, column, scale))
+    };
+    let places =
+        vec![curve("rod", ORANGE, 2.6, ROD, 1e6), curve("tip of the beam", BLUE, 1.2, STOP_POINT, 1e6)];
+    let force = curve("", VERMILION, 1.2, CONTACT_FORCE, 1.0);
+    let contacts = force.points.windows(2).filter(|pair| pair[0].1 == 0.0 && pair[1].1 > 0.0).count();
+    let rows = places[1].points.iter().zip(&places[0].points).zip(&force.points);
+    let csv = csv(
+        "time_s,stop_point_displacement_m,rod_tip_displacement_m,contact_force_n",
+        rows.map(|((beam, rod), force)| {
+            [span[0] + 1e-6 * beam.0, 1e-6 * beam.1, 1e-6 * rod.1, force.1].map(number)
+        }),
+    );
+    let plot = |title: &str, up, lowest, ticks, curves: Vec<Curve>| Plot {
+        title: title.to_owned(),
+        across: Axis::linear("time [µs]", [0.0, 1e6 * (span[1] - span[0])], 12),
+        up: Axis::linear(up, [lowest, height(&curves)[1]], ticks),
+        curves,
     };
     let plots = [
-        Plot {
-            title: "Figure 7: displacement".to_owned(),
-            across: across(),
-            up: Axis::linear("displacement [µm]", [LOWEST, high], 7),
-            curves: vec![curve("rod", ORANGE, 2.6, &rod), curve("tip of the beam", BLUE, 1.2, &beam)],
-        },
-        Plot {
-            title: "Contact force".to_owned(),
-            across: across(),
-            up: Axis::linear("contact force [N]", [0.0, most], 6),
-            curves: vec![curve("", VERMILION, 1.2, &force)],
-        },
+        plot("Figure 7: displacement", "displacement [µm]", LOWEST, 7, places),
+        plot("Contact force", "contact force [N]", 0.0, 6, vec![force]),
     ];
-    let mut csv = String::from("time_s,stop_point_displacement_m,rod_tip_displacement_m,contact_force_n\n");
-    for ((beam, rod), force) in beam.iter().zip(&rod).zip(&force) {
-        let cells = [span[0] + 1e-6 * beam.0, 1e-6 * beam.1, 1e-6 * rod.1, force.1].map(number);
-        let _ = writeln!(csv, "{}", cells.join(","));
-    }
     Ok(Figure {
         label: "Figure 7",
         title: "Chattering impact between the beam and the stop",
@@ -61,7 +52,7 @@ pub(super) fn seven(tip: &Motion, note: &str) -> Result<Figure, String> {
              the paper shows the displacements. {note}",
             1e6 * (last - first)
         ),
-        panels: vec![Panel { name: "figure-7".to_owned(), svg: plot::draw(SIZE, &plots)? }],
+        panels: vec![Panel::new("figure-7", SIZE, &plots)?],
         table: Vec::new(),
         csv,
     })

@@ -1,14 +1,11 @@
 //! Convergence in the number of modes and in the step.
 
-use std::fmt::Write;
-
 use plotters::style::RGBColor;
-use rayon::prelude::*;
 
-use super::{Figure, Panel};
+use super::{Figure, Panel, each};
 use crate::method::{Failure, Options};
-use crate::outcome::number;
-use crate::report::plot::{self, Axis, Curve, Mark, Plot};
+use crate::outcome::{csv, number};
+use crate::report::plot::{Axis, Curve, Plot};
 use crate::report::svg::{BLACK, BLUE, ORANGE, VERMILION, range, tick};
 use crate::run::run_scene;
 use crate::scene_file::{BumpStopStart, Contact, Model, RunSpan, Scene};
@@ -41,7 +38,7 @@ pub(super) fn runs() -> usize {
 
 /// The numbers of a run, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Found {
+pub(super) struct Found {
     rms_voltage: f64,
     peak_force: f64,
     mean_force: f64,
@@ -76,106 +73,90 @@ fn found(
     })
 }
 
-/// Numbers of a run with `beam` and `rod` modes; `place` is 0 for the stop at the tip and 1 for mid-span.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct ModesPoint {
-    place: usize,
-    beam: usize,
-    rod: usize,
-    found: Found,
+impl Found {
+    /// As the last columns of CSV.
+    fn cells(&self) -> [String; 4] {
+        [self.rms_voltage, self.mean_force, self.peak_force, self.contacts_per_period].map(number)
+    }
+
+    /// As printed: RMS voltage in V, mean force in mN, peak force in N, contacts per period.
+    fn printed(&self) -> [String; 4] {
+        [
+            format!("{:.4}", self.rms_voltage),
+            format!("{:.2}", 1e3 * self.mean_force),
+            format!("{:.2}", self.peak_force),
+            format!("{:.1}", self.contacts_per_period),
+        ]
+    }
 }
+
+/// Place of the stop (0 at the tip, 1 at mid-span), modes of the rod and modes of the beam, and the numbers of the run.
+pub(super) type ModesPoint = ([usize; 3], Found);
 
 /// All counts of modes, with the stop at the tip and at mid-span.
 pub(super) fn in_modes(scenes: [&Scene; 2], done: &(dyn Fn() + Sync)) -> Result<Vec<ModesPoint>, Failure> {
     let mut cases = Vec::new();
     // The longest runs first, so that all cores end at about the same time.
     for beam in BEAM.into_iter().rev() {
-        cases.extend(ROD.into_iter().rev().flat_map(|rod| [(0, beam, rod), (1, beam, rod)]));
+        cases.extend(ROD.into_iter().rev().flat_map(|rod| [[0, rod, beam], [1, rod, beam]]));
     }
     let options = Options::default();
-    let point = |&(place, beam, rod): &(usize, usize, usize)| {
-        let scene = scenes.get(place).copied().unwrap_or(scenes[0]);
-        let found = found(scene, (beam, rod), Contact::ResidualFlexibility, MODES_RUN, &options);
-        done();
-        Ok(ModesPoint { place, beam, rod, found: found? })
-    };
-    let mut points: Vec<ModesPoint> = cases.par_iter().map(point).collect::<Result<_, Failure>>()?;
-    points.sort_by_key(|point| (point.place, point.rod, point.beam));
+    let mut points = each(&cases, done, |&[place, rod, beam]| {
+        let contact = Contact::ResidualFlexibility;
+        Ok(([place, rod, beam], found(scenes[place], (beam, rod), contact, MODES_RUN, &options)?))
+    })?;
+    points.sort_by_key(|(case, _)| *case);
     Ok(points)
 }
 
-/// Numbers of a run with a step; `law` is a place in the list of laws.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct StepPoint {
-    law: usize,
-    step_s: f64,
-    found: Found,
-}
+/// Place in the list of laws and step near contact in s, and the numbers of the run.
+pub(super) type StepPoint = ((usize, f64), Found);
 
 /// All steps under both laws, with the stop at the tip.
 pub(super) fn in_step(scene: &Scene, done: &(dyn Fn() + Sync)) -> Result<Vec<StepPoint>, Failure> {
     let cases: Vec<(usize, f64)> =
         STEPS.into_iter().flat_map(|step_s| (0..LAWS.len()).map(move |law| (law, step_s))).collect();
-    let point = |&(law, step_s): &(usize, f64)| {
-        let options = Options {
-            step_s: Some(step_s),
-            long_step_s: Some(LONG_STEP_S.max(step_s)),
-            ..Options::default()
-        };
-        let found = found(scene, STEP_MODES, LAWS[law].0, STEP_RUN, &options);
-        done();
-        Ok(StepPoint { law, step_s, found: found? })
-    };
-    cases.par_iter().map(point).collect()
+    each(&cases, done, |&(law, step_s)| {
+        let long_step_s = Some(LONG_STEP_S.max(step_s));
+        let options = Options { step_s: Some(step_s), long_step_s, ..Options::default() };
+        Ok(((law, step_s), found(scene, STEP_MODES, LAWS[law].0, STEP_RUN, &options)?))
+    })
 }
 
-/// A line through points, with a dot at each.
-fn dotted(name: String, colour: RGBColor, points: Vec<(f64, f64)>) -> [Curve; 2] {
-    [
-        Curve { name, colour, mark: Mark::Line(1.6), points: points.clone() },
-        Curve { name: String::new(), colour, mark: Mark::Dots(6.0), points },
-    ]
-}
+/// Width of the lines and diameter of the dots.
+const STROKES: [f64; 2] = [1.6, 6.0];
 
 /// RMS voltage over the number of beam modes.
 pub(super) fn modes_figure(points: &[ModesPoint], note: &str) -> Result<Figure, String> {
     let places = ["tip", "mid-span"];
     let panel = |(index, (letter, place)): (usize, (char, &str))| {
-        let curves = ROD.iter().zip(ROD_COLOURS).flat_map(|(&rod, colour)| {
-            let of = points.iter().filter(|point| point.place == index && point.rod == rod);
-            let points = of.map(|point| (point.beam as f64, point.found.rms_voltage)).collect();
-            dotted(format!("{rod} of the rod"), colour, points)
+        let here = || points.iter().filter(move |([place, ..], _)| *place == index);
+        let curves = ROD.into_iter().zip(ROD_COLOURS).flat_map(|(wanted, colour)| {
+            let of = here().filter(|([_, rod, _], _)| *rod == wanted);
+            let points = of.map(|([.., beam], found)| (*beam as f64, found.rms_voltage));
+            Curve::dotted(format!("{wanted} of the rod"), colour, STROKES, points)
         });
-        let highest = points.iter().filter(|point| point.place == index).map(|point| point.found.rms_voltage);
+        let highest = here().map(|(_, found)| found.rms_voltage).fold(0.0, f64::max);
         let plot = Plot {
             title: format!("Convergence in modes ({letter}): stop at the {place}"),
             across: Axis::linear("modes of the beam", [0.0, 21.0], 11),
-            up: Axis::linear("RMS voltage [V]", [0.0, 1.1 * highest.fold(0.0, f64::max)], 8),
+            up: Axis::linear("RMS voltage [V]", [0.0, 1.1 * highest], 8),
             curves: curves.collect(),
         };
-        Ok::<_, String>(Panel {
-            name: format!("convergence-in-modes-{letter}"),
-            svg: plot::draw(SIZE, &[plot])?,
-        })
+        Panel::new(format!("convergence-in-modes-{letter}"), SIZE, &[plot])
     };
     let panels: Result<Vec<Panel>, String> =
         ['a', 'b'].into_iter().zip(places).enumerate().map(panel).collect();
-    let mut csv = String::from(
-        "stop,beam_modes,rod_modes,rms_voltage_v,mean_force_n,peak_force_n,contacts_per_period\n",
+    let case =
+        |[place, rod, beam]: &[usize; 3]| [places[*place].to_owned(), beam.to_string(), rod.to_string()];
+    let csv = csv(
+        "stop,beam_modes,rod_modes,rms_voltage_v,mean_force_n,peak_force_n,contacts_per_period",
+        points.iter().map(|(modes, found)| case(modes).into_iter().chain(found.cells())),
     );
-    for ModesPoint { place, beam, rod, found } in points {
-        let _ = writeln!(csv, "{},{beam},{rod},{}", places[*place], cells(found));
-    }
-    let row = |point: &ModesPoint| {
-        let found = &point.found;
-        [
-            places[point.place].to_owned(),
-            point.beam.to_string(),
-            point.rod.to_string(),
-            format!("{:.4}", found.rms_voltage),
-            format!("{:.2}", 1e3 * found.mean_force),
-            format!("{:.2}", found.peak_force),
-        ]
+    let row = |(modes, found): &ModesPoint| {
+        let [place, beam, rod] = case(modes);
+        let [voltage, mean, peak, _] = found.printed();
+        [place, beam, rod, voltage, mean, peak]
     };
     Ok(Figure {
         label: "Convergence in modes",
@@ -198,23 +179,11 @@ pub(super) fn modes_figure(points: &[ModesPoint], note: &str) -> Result<Figure, 
     })
 }
 
-fn cells(found: &Found) -> String {
-    let cells = [found.rms_voltage, found.mean_force, found.peak_force, found.contacts_per_period];
-    cells.map(number).join(",")
-}
-
 /// RMS voltage and peak force over the step.
 pub(super) fn step_figure(points: &[StepPoint], note: &str) -> Result<Figure, String> {
-    let row = |point: &StepPoint| {
-        let found = &point.found;
-        [
-            LAWS[point.law].1.to_owned(),
-            tick(1e6 * point.step_s),
-            format!("{:.4}", found.rms_voltage),
-            format!("{:.2}", 1e3 * found.mean_force),
-            format!("{:.2}", found.peak_force),
-            format!("{:.1}", found.contacts_per_period),
-        ]
+    let row = |((law, step_s), found): &StepPoint| {
+        let [voltage, mean, peak, contacts] = found.printed();
+        [LAWS[*law].1.to_owned(), tick(1e6 * step_s), voltage, mean, peak, contacts]
     };
     let headings = [
         "contact",
@@ -224,11 +193,12 @@ pub(super) fn step_figure(points: &[StepPoint], note: &str) -> Result<Figure, St
         "peak force [N]",
         "contacts per period",
     ];
-    let mut csv =
-        String::from("contact,step_s,rms_voltage_v,mean_force_n,peak_force_n,contacts_per_period\n");
-    for StepPoint { law, step_s, found } in points {
-        let _ = writeln!(csv, "{},{},{}", LAWS[*law].1, number(*step_s), cells(found));
-    }
+    let csv = csv(
+        "contact,step_s,rms_voltage_v,mean_force_n,peak_force_n,contacts_per_period",
+        points.iter().map(|((law, step_s), found)| {
+            [LAWS[*law].1.to_owned(), number(*step_s)].into_iter().chain(found.cells())
+        }),
+    );
     let (beam, rod) = STEP_MODES;
     Ok(Figure {
         label: "Convergence in step",
@@ -251,11 +221,11 @@ pub(super) fn step_figure(points: &[StepPoint], note: &str) -> Result<Figure, St
 fn step_panels(points: &[StepPoint]) -> Result<Vec<Panel>, String> {
     let across = Axis::logarithmic("step near contact [s]", [0.9 * STEPS[0], 1.1 * STEPS[STEPS.len() - 1]]);
     let curves = |value: fn(&Found) -> f64| -> Vec<Curve> {
-        let of = |index: usize| points.iter().filter(move |point| point.law == index);
         let laws = LAWS.iter().enumerate();
         laws.flat_map(|(index, (_, name, colour))| {
-            let points = of(index).map(|point| (point.step_s, value(&point.found))).collect();
-            dotted((*name).to_owned(), *colour, points)
+            let of = points.iter().filter(|((law, _), _)| *law == index);
+            let points = of.map(|((_, step_s), found)| (*step_s, value(found)));
+            Curve::dotted(*name, *colour, STROKES, points)
         })
         .collect()
     };
@@ -277,8 +247,6 @@ fn step_panels(points: &[StepPoint]) -> Result<Vec<Panel>, String> {
             curves: forces,
         },
     ];
-    let panel = |(letter, plot)| {
-        Ok(Panel { name: format!("convergence-in-step-{letter}"), svg: plot::draw(SIZE, &[plot])? })
-    };
+    let panel = |(letter, plot)| Panel::new(format!("convergence-in-step-{letter}"), SIZE, &[plot]);
     ['a', 'b'].into_iter().zip(plots).map(panel).collect()
 }

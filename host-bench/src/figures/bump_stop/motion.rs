@@ -32,7 +32,6 @@ const PAUSE_S: f64 = 2e-4;
 pub struct Motion {
     /// Frequency of the base in Hz.
     pub frequency: f64,
-    /// The rows.
     pub rows: Vec<Vec<f64>>,
 }
 
@@ -56,9 +55,6 @@ pub(super) fn spanned(scene: &Scene) -> Result<(Scene, f64), Failure> {
 
 impl Motion {
     /// The last periods of a run from rest.
-    ///
-    /// # Errors
-    /// If the scene cannot be run.
     pub fn of(scene: &Scene) -> Result<Self, Failure> {
         let (scene, frequency) = spanned(scene)?;
         let outcome = run_scene(&scene, &Options { trace_every_s: Some(STEP_S), ..options() })?;
@@ -68,21 +64,18 @@ impl Motion {
     }
 
     /// A column over time in periods since the start, `scale` times as large; every so many rows.
-    #[must_use]
     pub fn over_periods(&self, column: usize, scale: f64, every: usize) -> Vec<(f64, f64)> {
         let point = |row: &Vec<f64>| Some((row.get(TIME)? * self.frequency, row.get(column)? * scale));
         self.rows.iter().step_by(every).filter_map(point).collect()
     }
 
     /// A column over time in µs since `from` in s, `scale` times as large, within two instants in s.
-    #[must_use]
     pub fn within(&self, [from, to]: [f64; 2], column: usize, scale: f64) -> Vec<(f64, f64)> {
         let rows = self.rows.iter().filter(|row| (from..=to).contains(&row[TIME]));
         rows.filter_map(|row| Some((1e6 * (row[TIME] - from), row.get(column)? * scale))).collect()
     }
 
     /// First and last instant in s of the longest cluster of contacts that is shown.
-    #[must_use]
     pub fn longest_cluster(&self) -> Option<[f64; 2]> {
         let mut clusters: Vec<[f64; 2]> = Vec::new();
         let touching =

@@ -1,17 +1,14 @@
 //! Figure 10: the deflected beam during contact.
 
-use std::fmt::Write;
-
 use plotters::style::RGBColor;
-use rayon::prelude::*;
 
 use super::motion::{Motion, options, spanned};
-use super::{Figure, Panel};
+use super::{Figure, Panel, each};
 use crate::embedded::{DeflectedShape, deflected_shapes};
 use crate::method::Failure;
-use crate::outcome::number;
-use crate::report::plot::{self, Axis, Curve, Mark, Plot};
-use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION, range};
+use crate::outcome::{csv, number};
+use crate::report::plot::{Axis, Curve, Mark, Plot, height};
+use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION};
 use crate::scene_file::Scene;
 
 const SIZE: (u32, u32) = (560, 430);
@@ -30,16 +27,13 @@ pub(super) struct Cluster {
 
 /// With the stop at the tip and at mid-span.
 pub(super) fn of(motions: [(&Scene, &Motion); 2], done: &(dyn Fn() + Sync)) -> Result<Vec<Cluster>, Failure> {
-    let cluster = |&(scene, motion): &(&Scene, &Motion)| {
+    each(&motions, done, |&(scene, motion)| {
         let [first, last] =
             motion.longest_cluster().ok_or_else(|| Failure::of_file(scene, "there must be a contact"))?;
         let instants = PARTS.map(|part| first + part * (last - first));
         let (scene, _) = spanned(scene)?;
-        let shapes = deflected_shapes(&scene, &options(), &instants, STATIONS);
-        done();
-        Ok(Cluster { first, last, shapes: shapes? })
-    };
-    motions.par_iter().map(cluster).collect()
+        Ok(Cluster { first, last, shapes: deflected_shapes(&scene, &options(), &instants, STATIONS)? })
+    })
 }
 
 /// Figure 10.
@@ -49,22 +43,20 @@ pub(super) fn ten(clusters: &[Cluster], note: &str) -> Result<Figure, String> {
             .shapes
             .iter()
             .zip(COLOURS)
-            .map(|(shape, colour)| Curve {
-                name: format!("{:.0} µs", 1e6 * (shape.time_s - cluster.first)),
-                colour,
-                mark: Mark::Line(1.6),
-                points: shape.points.iter().map(|[place, height]| (1e3 * place, 1e6 * height)).collect(),
+            .map(|(shape, colour)| {
+                let name = format!("{:.0} µs", 1e6 * (shape.time_s - cluster.first));
+                let points = shape.points.iter().map(|[place, height]| (1e3 * place, 1e6 * height));
+                Curve::new(name, colour, Mark::Line(1.6), points)
             })
             .collect();
-        let (low, high) = range(curves.iter().flat_map(|curve| &curve.points).map(|point| point.1));
         let length = curves.first().and_then(|curve| curve.points.last()).map_or(1.0, |point| point.0);
         let plot = Plot {
             title: format!("Figure 10 ({letter}): stop at {place}"),
             across: Axis::linear("distance from the clamp [mm]", [0.0, length], 6),
-            up: Axis::linear("displacement towards the stop [µm]", [low, high], 8),
+            up: Axis::linear("displacement towards the stop [µm]", height(&curves), 8),
             curves,
         };
-        Ok::<_, String>(Panel { name: format!("figure-10{letter}"), svg: plot::draw(SIZE, &[plot])? })
+        Panel::new(format!("figure-10{letter}"), SIZE, &[plot])
     };
     let places = [('a', "the tip"), ('b', "mid-span")];
     let panels: Result<Vec<Panel>, String> =
@@ -83,19 +75,16 @@ pub(super) fn ten(clusters: &[Cluster], note: &str) -> Result<Figure, String> {
         ),
         panels: panels?,
         table: Vec::new(),
-        csv: csv(places.map(|(_, place)| place), clusters),
+        csv: numbers(places.map(|(_, place)| place), clusters),
     })
 }
 
-fn csv(places: [&str; 2], clusters: &[Cluster]) -> String {
-    let mut text = String::from("stop,time_s,distance_m,displacement_m\n");
-    for (place, cluster) in places.iter().zip(clusters) {
-        for shape in &cluster.shapes {
-            for point in &shape.points {
-                let cells = [shape.time_s, point[0], point[1]].map(number);
-                let _ = writeln!(text, "{place},{}", cells.join(","));
-            }
-        }
-    }
-    text
+fn numbers(places: [&str; 2], clusters: &[Cluster]) -> String {
+    let rows = places.iter().zip(clusters).flat_map(|(place, cluster)| {
+        cluster.shapes.iter().flat_map(move |shape| {
+            let cells = move |&[x, y]: &[f64; 2]| [shape.time_s, x, y].map(number);
+            shape.points.iter().map(move |point| std::iter::once((*place).to_owned()).chain(cells(point)))
+        })
+    });
+    csv("stop,time_s,distance_m,displacement_m", rows)
 }

@@ -1,15 +1,11 @@
 //! Figure 10: the bifurcation diagram.
 
-use std::fmt::Write;
-
-use rayon::prelude::*;
-
 use super::motion::{Case, Grid, WINDOW};
 use super::response::frequency_axis;
-use super::{DIAGRAM_SETTLE, Figure, Panel};
+use super::{DIAGRAM_SETTLE, Figure, Panel, each};
 use crate::method::Failure;
-use crate::outcome::number;
-use crate::report::plot::{self, Axis, Curve, Mark, Plot};
+use crate::outcome::{csv, number};
+use crate::report::plot::{Axis, Curve, Mark, Plot};
 use crate::report::svg::BLUE;
 use crate::scene_file::Scene;
 
@@ -24,13 +20,10 @@ pub(crate) fn diagram(
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<(f64, Vec<f64>)>, Failure> {
     let frequencies: Vec<f64> = grid.frequencies().collect();
-    let point = |&frequency: &f64| {
-        let gaps = Case { charge_density, resistance, frequency, settle: DIAGRAM_SETTLE }
-            .stroboscopic(base, tolerance);
-        done();
-        Ok((frequency, gaps?))
-    };
-    frequencies.par_iter().map(point).collect()
+    each(&frequencies, done, |&frequency| {
+        let case = Case { charge_density, resistance, frequency, settle: DIAGRAM_SETTLE };
+        Ok((frequency, case.stroboscopic(base, tolerance)?))
+    })
 }
 
 /// Figure 10 from the diagram.
@@ -52,12 +45,7 @@ pub(super) fn ten(
             [(10.0 * low - 0.5).floor() / 10.0, (10.0 * high + 0.5).ceil() / 10.0],
             9,
         ),
-        curves: vec![Curve {
-            name: String::new(),
-            colour: BLUE,
-            mark: Mark::Dots(2.0),
-            points: all().collect(),
-        }],
+        curves: vec![Curve::new("", BLUE, Mark::Dots(2.0), all())],
     };
     Ok(Figure {
         label: "Figure 10",
@@ -70,18 +58,14 @@ pub(super) fn ten(
              there beside a motion of three periods, until impacts end. The dots come after {DIAGRAM_SETTLE} \
              periods: just below the first impact, what is left of the start fades slowly. {start}"
         ),
-        panels: vec![Panel { name: "figure-10".to_owned(), svg: plot::draw(SIZE, &[plot])? }],
+        panels: vec![Panel::new("figure-10", SIZE, &[plot])?],
         table: Vec::new(),
-        csv: csv(diagram),
+        csv: csv(
+            "frequency_hz,period,gap_m",
+            diagram.iter().flat_map(|(frequency, gaps)| {
+                let row = |(period, gap): (u32, &f64)| [number(*frequency), period.to_string(), number(*gap)];
+                (DIAGRAM_SETTLE..).zip(gaps).map(row)
+            }),
+        ),
     })
-}
-
-fn csv(diagram: &[(f64, Vec<f64>)]) -> String {
-    let mut text = String::from("frequency_hz,period,gap_m\n");
-    for (frequency, gaps) in diagram {
-        for (period, gap) in (DIAGRAM_SETTLE..).zip(gaps) {
-            let _ = writeln!(text, "{},{period},{}", number(*frequency), number(*gap));
-        }
-    }
-    text
 }

@@ -1,15 +1,12 @@
 //! Figure 9: the gap over time, on both sides of where impacts begin and end.
 
-use std::fmt::Write;
-
 use plotters::style::RGBColor;
-use rayon::prelude::*;
 
 use super::motion::{Case, Motion, WINDOW};
-use super::{Figure, Panel, SETTLE};
+use super::{Figure, Panel, SETTLE, each};
 use crate::method::Failure;
-use crate::outcome::number;
-use crate::report::plot::{self, Axis, Curve, Mark, Plot};
+use crate::outcome::{csv, number};
+use crate::report::plot::{Axis, Curve, Mark, Plot};
 use crate::report::svg::{BLUE, VERMILION};
 use crate::scene_file::Scene;
 
@@ -58,16 +55,10 @@ pub(super) fn nine(
     for pair in &PAIRS {
         strips.extend(pair.strips.map(|(frequency, _)| (frequency, END - pair.periods)));
     }
-    let histories: Result<Vec<Motion>, Failure> = strips
-        .par_iter()
-        .map(|&(frequency, from)| {
-            let case = Case { charge_density, resistance, frequency, settle: SETTLE };
-            let motion = case.motion(base, tolerance, PER_PERIOD, from);
-            done();
-            motion
-        })
-        .collect();
-    let histories = histories?;
+    let histories = each(&strips, done, |&(frequency, from)| {
+        let case = Case { charge_density, resistance, frequency, settle: SETTLE };
+        case.motion(base, tolerance, PER_PERIOD, from)
+    })?;
     let panels: Result<Vec<Panel>, String> =
         PAIRS.iter().zip(histories.chunks(2)).map(|(pair, histories)| panel(pair, histories)).collect();
     let [onset, after, edge, beyond] = FREQUENCIES;
@@ -83,7 +74,14 @@ pub(super) fn nine(
         ),
         panels: panels.map_err(Failure::Input)?,
         table: Vec::new(),
-        csv: csv(&histories),
+        csv: csv(
+            "frequency_hz,period,time_s,gap_m",
+            histories.iter().flat_map(|motion| {
+                let row =
+                    |&(period, gap)| [motion.frequency, period, period / motion.frequency, gap].map(number);
+                motion.gaps.iter().map(row)
+            }),
+        ),
     })
 }
 
@@ -99,25 +97,12 @@ fn panel(pair: &Pair, histories: &[Motion]) -> Result<Panel, String> {
             13,
         ),
         up: Axis::linear("gap [mm]", [0.0, 6.0], 7),
-        curves: vec![Curve {
-            name: String::new(),
+        curves: vec![Curve::new(
+            "",
             colour,
-            mark: Mark::Line(1.5),
-            points: motion.gaps.iter().map(|&(period, gap)| (period, 1e3 * gap)).collect(),
-        }],
+            Mark::Line(1.5),
+            motion.gaps.iter().map(|&(period, gap)| (period, 1e3 * gap)),
+        )],
     });
-    let svg = plot::draw(SIZE, &plots.collect::<Vec<_>>())?;
-    Ok(Panel { name: format!("figure-9{}", pair.letter), svg })
-}
-
-fn csv(histories: &[Motion]) -> String {
-    let mut text = String::from("frequency_hz,period,time_s,gap_m\n");
-    for motion in histories {
-        for (period, gap) in &motion.gaps {
-            let time = period / motion.frequency;
-            let cells = [motion.frequency, *period, time, *gap].map(number);
-            let _ = writeln!(text, "{}", cells.join(","));
-        }
-    }
-    text
+    Panel::new(format!("figure-9{}", pair.letter), SIZE, &plots.collect::<Vec<_>>())
 }

@@ -2,7 +2,7 @@
 
 use crate::figures::sine;
 use crate::method::{Failure, Options, Precision};
-use crate::outcome::{ContactSeparationOutcome, Outcome};
+use crate::outcome::{ContactSeparationOutcome, Outcome, Particular};
 use crate::run::run_scene;
 use crate::scene_file::{Excitation, Load, RunSpan, Scene, Tone};
 
@@ -22,23 +22,13 @@ pub(crate) struct Case {
     pub settle: u32,
 }
 
-/// The numbers of a contact-separation run of `base`.
-fn found<'a>(base: &Scene, outcome: &'a Outcome) -> Result<&'a ContactSeparationOutcome, Failure> {
-    base.contact_separation()?;
-    outcome.contact_separation().ok_or_else(|| Failure::Input("another scene was run".to_owned()))
-}
-
 impl Case {
     /// Periods of the excitation from the start to the end.
-    #[must_use]
     pub(crate) fn end(&self) -> u32 {
         self.settle + WINDOW
     }
 
     /// The scene of this case, at rest at the initial gap as in the scene file.
-    ///
-    /// # Errors
-    /// If the scene is another one or its excitation is no sine.
     fn scene(&self, base: &Scene) -> Result<Scene, Failure> {
         let mut scene = base.clone();
         scene.contact_separation_mut()?.parameters.charge_density_c_per_m2 = self.charge_density * 1e-6;
@@ -51,35 +41,34 @@ impl Case {
         Ok(scene)
     }
 
-    fn run(&self, base: &Scene, tolerance: f64, trace_every_s: Option<f64>) -> Result<Outcome, Failure> {
+    /// The outcome of the run, over the measuring window, and its numbers of this scene only.
+    fn run(
+        &self,
+        base: &Scene,
+        tolerance: f64,
+        trace_every_s: Option<f64>,
+    ) -> Result<(Outcome, ContactSeparationOutcome), Failure> {
         let options = Options {
             precision: Some(Precision::F64),
             tolerance: Some(tolerance),
             trace_every_s,
             ..Options::default()
         };
-        run_scene(&self.scene(base)?, &options).map_err(|failure| match failure {
-            Failure::Step(error) => Failure::Step(format!(
-                "{} uC/m^2, {} megohm, {} Hz: {error}",
-                self.charge_density, self.resistance, self.frequency
-            )),
-            other => other,
-        })
+        let outcome = run_scene(&self.scene(base)?, &options).map_err(|failure| {
+            let Self { charge_density, resistance, frequency, .. } = self;
+            failure.of_case(&format!("{charge_density} uC/m^2, {resistance} megohm, {frequency} Hz"))
+        })?;
+        match outcome.particular.clone() {
+            Particular::ContactSeparation(found) => Ok((outcome, found)),
+            _ => Err(Failure::Input("another scene was run".to_owned())),
+        }
     }
 
     /// The run's numbers over the measuring window.
     pub(crate) fn response(&self, base: &Scene, tolerance: f64) -> Result<Response, Failure> {
-        let outcome = self.run(base, tolerance, None)?;
-        let found = found(base, &outcome)?;
-        Ok(Response {
-            frequency: self.frequency,
-            peak_gap_m: found.peak_gap_m,
-            min_gap_m: found.min_gap_m,
-            impacts: found.impacts,
-            impacts_per_period: found.impacts_per_period,
-            rms_voltage_v: outcome.rms_voltage_v,
-            mean_power_w: outcome.mean_power_w,
-        })
+        let (outcome, found) = self.run(base, tolerance, None)?;
+        let Outcome { rms_voltage_v, mean_power_w, .. } = outcome;
+        Ok(Response { frequency: self.frequency, found, rms_voltage_v, mean_power_w })
     }
 
     /// The gap over time, `per_period` times a period, from period `from` on.
@@ -91,8 +80,7 @@ impl Case {
         from: u32,
     ) -> Result<Motion, Failure> {
         let every = 1.0 / (self.frequency * f64::from(per_period));
-        let outcome = self.run(base, tolerance, Some(every))?;
-        let found = found(base, &outcome)?;
+        let (outcome, found) = self.run(base, tolerance, Some(every))?;
         let rows = outcome.trace.as_ref().map(|trace| trace.rows.as_slice()).unwrap_or_default();
         // The time of a row is its number times the distance of the rows. Rounding of the time may drop the last row.
         let periods = (0..self.end() * per_period).map(|row| f64::from(row) / f64::from(per_period));
@@ -126,14 +114,7 @@ pub(crate) struct Motion {
 pub(crate) struct Response {
     /// Frequency of the excitation in Hz.
     pub frequency: f64,
-    /// Largest gap in m.
-    pub peak_gap_m: Option<f64>,
-    /// Smallest gap in m.
-    pub min_gap_m: Option<f64>,
-    /// Number of impacts.
-    pub impacts: u64,
-    /// Impacts over periods.
-    pub impacts_per_period: Option<f64>,
+    pub found: ContactSeparationOutcome,
     /// Root mean square of the voltage in V.
     pub rms_voltage_v: Option<f64>,
     /// Mean power in W.
@@ -160,7 +141,6 @@ impl Grid {
     }
 
     /// First and last frequency in Hz.
-    #[must_use]
     pub(crate) fn span(self) -> [f64; 2] {
         [self.from, self.to].map(|hundredths| f64::from(hundredths) / 100.0)
     }

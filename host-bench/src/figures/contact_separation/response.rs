@@ -1,15 +1,12 @@
 //! Figures 8 and 11: the largest gap over frequency.
 
-use std::fmt::Write;
-
 use plotters::style::RGBColor;
-use rayon::prelude::*;
 
 use super::motion::{Case, Grid, Response, WINDOW};
-use super::{Figure, Panel, SETTLE};
+use super::{Figure, Panel, SETTLE, each, table};
 use crate::method::Failure;
-use crate::outcome::number;
-use crate::report::plot::{self, Axis, Curve, Mark, Plot};
+use crate::outcome::{csv, number, optional_number};
+use crate::report::plot::{Axis, Curve, Mark, Plot};
 use crate::report::svg::{BLACK, BLUE, ORANGE, VERMILION};
 use crate::scene_file::Scene;
 
@@ -40,21 +37,19 @@ pub(crate) struct Sweep {
 impl Sweep {
     /// Frequency in Hz, largest gap in mm.
     fn points(&self) -> Vec<(f64, f64)> {
-        let point = |response: &Response| Some((response.frequency, 1e3 * response.peak_gap_m?));
+        let point = |response: &Response| Some((response.frequency, 1e3 * response.found.peak_gap_m?));
         self.responses.iter().filter_map(point).collect()
     }
 
     /// First and last frequency in Hz at which the mass hits the dielectric.
-    #[must_use]
     pub(crate) fn band(&self) -> Option<[f64; 2]> {
-        let mut hit = self.responses.iter().filter(|response| response.impacts > 0);
+        let mut hit = self.responses.iter().filter(|response| response.found.impacts > 0);
         let first = hit.next()?;
         Some([first.frequency, hit.next_back().unwrap_or(first).frequency])
     }
 }
 
 /// The charge densities and loads that both figures need.
-#[must_use]
 pub(crate) fn pairs() -> Vec<(f64, f64)> {
     let all = RESISTANCES.into_iter().flat_map(|load| CHARGE_DENSITIES.map(|density| (density, load)));
     all.filter(|&(density, load)| in_eight(load) || in_eleven(density)).collect()
@@ -76,37 +71,21 @@ pub(crate) fn sweeps(
     tolerance: f64,
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<Sweep>, Failure> {
-    let frequencies: Vec<f64> = grid.frequencies().collect();
     let cases: Vec<Case> = pairs
         .iter()
         .flat_map(|&(charge_density, resistance)| {
-            frequencies.iter().map(move |&frequency| Case {
-                charge_density,
-                resistance,
-                frequency,
-                settle: SETTLE,
-            })
+            let case = move |frequency| Case { charge_density, resistance, frequency, settle: SETTLE };
+            grid.frequencies().map(case)
         })
         .collect();
-    let responses: Result<Vec<Response>, Failure> = cases
-        .par_iter()
-        .map(|case| {
-            let response = case.response(base, tolerance);
-            done();
-            response
-        })
-        .collect();
-    let responses = responses?;
-    let parts = responses.chunks(frequencies.len().max(1));
-    Ok(pairs
-        .iter()
-        .zip(parts)
-        .map(|(&(charge_density, resistance), responses)| Sweep {
-            charge_density,
-            resistance,
-            responses: responses.to_vec(),
-        })
-        .collect())
+    let responses = each(&cases, done, |case| case.response(base, tolerance))?;
+    let parts = responses.chunks(grid.frequencies().count().max(1));
+    let sweep = |(&(charge_density, resistance), responses): (&(f64, f64), &[Response])| Sweep {
+        charge_density,
+        resistance,
+        responses: responses.to_vec(),
+    };
+    Ok(pairs.iter().zip(parts).map(sweep).collect())
 }
 
 /// Figure 8 from the sweeps.
@@ -115,11 +94,9 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure,
     let up = gap_axis(&wanted);
     let panel = |letter: char, resistance: f64| {
         let sweeps = wanted.iter().filter(|sweep| sweep.resistance == resistance);
-        let curves = sweeps.zip(COLOURS).map(|(sweep, colour)| Curve {
-            name: format!("{} µC/m²", sweep.charge_density),
-            colour,
-            mark: Mark::Line(1.8),
-            points: sweep.points(),
+        let curves = sweeps.zip(COLOURS).map(|(sweep, colour)| {
+            let name = format!("{} µC/m²", sweep.charge_density);
+            Curve::new(name, colour, Mark::Line(1.8), sweep.points())
         });
         let title = format!("Figure 8 ({letter}): load {resistance} MΩ");
         drawn(8, letter, title, frequency_axis(grid.span(), 9), up.clone(), curves.collect())
@@ -137,7 +114,7 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure,
         ),
         table: bands(&wanted),
         panels: vec![panel('a', RESISTANCES[0])?, panel('b', RESISTANCES[2])?],
-        csv: csv(&wanted),
+        csv: numbers(&wanted),
     })
 }
 
@@ -148,11 +125,8 @@ pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure
     let up = gap_axis(&wanted);
     let panel = |letter: char, density: f64, title: String, span: [f64; 2], up: Axis| {
         let sweeps = wanted.iter().filter(|sweep| sweep.charge_density == density);
-        let curves = sweeps.zip(NESTED).map(|(sweep, (colour, mark))| Curve {
-            name: format!("{} MΩ", sweep.resistance),
-            colour,
-            mark,
-            points: sweep.points(),
+        let curves = sweeps.zip(NESTED).map(|(sweep, (colour, mark))| {
+            Curve::new(format!("{} MΩ", sweep.resistance), colour, mark, sweep.points())
         });
         drawn(11, letter, title, frequency_axis(span, 9), up, curves.collect())
     };
@@ -173,7 +147,7 @@ pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure
             panel('b', many, format!("Figure 11 (b): charge density {many} µC/m²"), grid.span(), up)?,
             panel('c', many, format!("Figure 11 (c): {many} µC/m², local view"), LOCAL[0], near)?,
         ],
-        csv: csv(&wanted),
+        csv: numbers(&wanted),
     })
 }
 
@@ -182,16 +156,15 @@ const LOCAL: [[f64; 2]; 2] = [[18.6, 20.4], [4.6, 5.6]];
 
 /// First and last frequency with impacts of each sweep.
 fn bands(sweeps: &[&Sweep]) -> Vec<Vec<String>> {
-    let heading = ["charge density [µC/m²]", "load [MΩ]", "impacts from [Hz]", "to [Hz]", "largest gap [mm]"];
     let rows = sweeps.iter().map(|sweep| {
-        let [from, to] = match sweep.band() {
-            Some(band) => band.map(|frequency| format!("{frequency:.2}")),
-            None => ["-".to_owned(), "-".to_owned()],
-        };
+        let band = sweep.band().map(|band| band.map(|frequency| format!("{frequency:.2}")));
+        let [from, to] = band.unwrap_or_else(|| ["-".to_owned(), "-".to_owned()]);
         let gap = sweep.points().iter().map(|point| point.1).fold(0.0, f64::max);
-        vec![sweep.charge_density.to_string(), sweep.resistance.to_string(), from, to, format!("{gap:.3}")]
+        [sweep.charge_density.to_string(), sweep.resistance.to_string(), from, to, format!("{gap:.3}")]
     });
-    std::iter::once(heading.map(str::to_owned).to_vec()).chain(rows).collect()
+    let headings =
+        ["charge density [µC/m²]", "load [MΩ]", "impacts from [Hz]", "to [Hz]", "largest gap [mm]"];
+    table(headings, rows)
 }
 
 fn drawn(
@@ -202,8 +175,7 @@ fn drawn(
     up: Axis,
     curves: Vec<Curve>,
 ) -> Result<Panel, String> {
-    let svg = plot::draw(SIZE, &[Plot { title, across, up, curves }])?;
-    Ok(Panel { name: format!("figure-{number}{letter}"), svg })
+    Panel::new(format!("figure-{number}{letter}"), SIZE, &[Plot { title, across, up, curves }])
 }
 
 pub(super) fn frequency_axis(span: [f64; 2], ticks: usize) -> Axis {
@@ -219,28 +191,25 @@ fn gap_axis(sweeps: &[&Sweep]) -> Axis {
     Axis::linear("largest gap [mm]", span, 8)
 }
 
-fn csv(sweeps: &[&Sweep]) -> String {
-    let mut text = String::from(
-        "load_resistance_ohm,charge_density_c_per_m2,frequency_hz,peak_gap_m,min_gap_m,impacts,\
-         impacts_per_period,rms_voltage_v,mean_power_w\n",
-    );
-    let shown = |value: Option<f64>| value.map(number).unwrap_or_default();
-    for sweep in sweeps {
-        for response in &sweep.responses {
-            let _ = writeln!(
-                text,
-                "{},{},{},{},{},{},{},{},{}",
+fn numbers(sweeps: &[&Sweep]) -> String {
+    let rows = sweeps.iter().flat_map(|sweep| {
+        sweep.responses.iter().map(|Response { frequency, found, rms_voltage_v, mean_power_w }| {
+            [
                 number(sweep.resistance * 1e6),
                 number(sweep.charge_density / 1e6),
-                number(response.frequency),
-                shown(response.peak_gap_m),
-                shown(response.min_gap_m),
-                response.impacts,
-                shown(response.impacts_per_period),
-                shown(response.rms_voltage_v),
-                shown(response.mean_power_w),
-            );
-        }
-    }
-    text
+                number(*frequency),
+                optional_number(found.peak_gap_m),
+                optional_number(found.min_gap_m),
+                found.impacts.to_string(),
+                optional_number(found.impacts_per_period),
+                optional_number(*rms_voltage_v),
+                optional_number(*mean_power_w),
+            ]
+        })
+    });
+    csv(
+        "load_resistance_ohm,charge_density_c_per_m2,frequency_hz,peak_gap_m,min_gap_m,impacts,\
+         impacts_per_period,rms_voltage_v,mean_power_w",
+        rows,
+    )
 }

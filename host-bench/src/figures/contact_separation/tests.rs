@@ -41,7 +41,8 @@ fn more_charge_moves_the_band_to_the_left_and_less_gap() {
             (from - first).abs() < 0.11 && (to - last).abs() < 0.11,
             "{from} to {to}, not {first} to {last}"
         );
-        let largest = sweep.responses.iter().filter_map(|response| response.peak_gap_m).fold(0.0, f64::max);
+        let largest =
+            sweep.responses.iter().filter_map(|response| response.found.peak_gap_m).fold(0.0, f64::max);
         assert!((1e3 * largest / gap - 1.0).abs() < 5e-3, "{largest}, not {gap} mm");
     }
     let width = |sweep: &Sweep| sweep.band().map_or(0.0, |[from, to]| to - from);
@@ -53,7 +54,7 @@ fn more_charge_moves_the_band_to_the_left_and_less_gap() {
 fn impacts_begin_and_end_within_a_hundredth_and_a_twentieth_of_a_hertz() {
     let impacts = FREQUENCIES.map(|frequency| {
         let response = strong(frequency).response(&base(), MOTION_TOLERANCE).expect("it can be run");
-        response.impacts_per_period.expect("one sine")
+        response.found.impacts_per_period.expect("one sine")
     });
     let [before, after, edge, beyond] = impacts;
     assert_eq!((before, beyond), (0.0, 0.0));

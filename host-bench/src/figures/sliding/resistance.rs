@@ -1,13 +1,9 @@
 //! Figure 6: the peak over the load resistance, and both sweeps as tables.
 
-use std::fmt::Write;
-
-use plotters::style::RGBColor;
-
 use super::response::{COLOURS, RESISTANCES};
 use super::{Case, DENSITIES, Figure, Panel, Peak, ohms};
-use crate::outcome::number;
-use crate::report::plot::{self, Axis, Curve, Mark, Plot};
+use crate::outcome::{csv, number};
+use crate::report::plot::{Axis, Curve, Mark, Plot, height};
 use crate::report::svg::{BLACK, BLUE, VERMILION, range};
 
 /// Resistances within a decade, and the decades in Ω.
@@ -22,8 +18,6 @@ const LOADS: [f64; 2] = [1e7, 1e8];
 /// Resistances of the printed sweep, in Ω.
 const ROWS: [f64; 12] = [0.0, 1e5, 1e6, 5e6, 1e7, 2e7, 5e7, 1e8, 2e8, 5e8, 1e9, 1e10];
 
-/// Colours of the small and the large charge density.
-const PAIR: [RGBColor; 2] = [BLUE, VERMILION];
 const SIZE: (u32, u32) = (560, 430);
 const TALL: (u32, u32) = (560, 620);
 
@@ -86,7 +80,7 @@ pub(super) fn six(peaks: &[Peak], natural: f64, note: &str) -> Result<Figure, St
             rise(peaks)?,
         ],
         table: Vec::new(),
-        csv: csv(DENSITIES.iter().flat_map(|&density| along(peaks, density)), natural),
+        csv: numbers(DENSITIES.iter().flat_map(|&density| along(peaks, density)), natural),
     })
 }
 
@@ -96,27 +90,32 @@ fn looping(
     shift: impl Fn(&Peak) -> f64,
     amplitude: impl Fn(&Peak) -> f64,
 ) -> Result<Panel, String> {
-    let points: Vec<(f64, f64)> = peaks.iter().map(|peak| (shift(peak), amplitude(peak))).collect();
-    let (left, right) = range(points.iter().map(|point| point.0));
-    let (low, high) = range(points.iter().map(|point| point.1));
-    let line = Curve { name: String::new(), colour: BLUE, mark: Mark::Line(1.2), points };
-    let marks = RESISTANCES.iter().zip(COLOURS).map(|(resistance, colour)| Curve {
-        name: ohms(*resistance),
-        colour,
-        mark: Mark::Dots(9.0),
-        points: peaks
-            .iter()
-            .filter(|peak| peak.case.resistance == *resistance)
-            .map(|peak| (shift(peak), amplitude(peak)))
-            .collect(),
+    let place = |peak: &&Peak| (shift(peak), amplitude(peak));
+    let line = Curve::new("", BLUE, Mark::Line(1.2), peaks.iter().map(place));
+    let marks = RESISTANCES.iter().zip(COLOURS).map(|(resistance, colour)| {
+        let there = peaks.iter().filter(|peak| peak.case.resistance == *resistance);
+        Curve::new(ohms(*resistance), colour, Mark::Dots(9.0), there.map(place))
     });
+    let (left, right) = range(line.points.iter().map(|point| point.0));
     let plot = Plot {
         title: format!("Figure 6 (a): {} µC/m², loads from 0 Ω to {}", DENSITIES[1], ohms(SPAN[1])),
         across: Axis::linear("shift of the peak from the natural frequency [mHz]", [left, right], 6),
-        up: Axis::linear("amplitude of the peak [mm]", [low, high], 8),
+        up: Axis::linear("amplitude of the peak [mm]", height([&line]), 8),
         curves: std::iter::once(line).chain(marks).collect(),
     };
-    Ok(Panel { name: "figure-6a".to_owned(), svg: plot::draw(SIZE, &[plot])? })
+    Panel::new("figure-6a", SIZE, &[plot])
+}
+
+/// A value at each resistance above 0.
+fn above_short(peaks: &[Peak], density: f64, name: &str, value: impl Fn(&Peak) -> f64) -> [Curve; 2] {
+    let above = along(peaks, density).into_iter().filter(|peak| peak.case.resistance > 0.0);
+    let colour = if density == DENSITIES[0] { BLUE } else { VERMILION };
+    Curve::dotted(name, colour, [1.6, 4.5], above.map(|peak| (peak.case.resistance, value(peak))))
+}
+
+/// The dashed line of a value at all resistances.
+fn level(value: f64) -> Curve {
+    Curve::new("", BLACK, Mark::Dashes(1.0), SPAN.map(|resistance| (resistance, value)))
 }
 
 /// Both charge densities, one above the other.
@@ -126,58 +125,37 @@ fn over_resistance(
     peaks: &[Peak],
     value: impl Fn(&Peak) -> f64,
 ) -> Result<Panel, String> {
-    let plots = DENSITIES.iter().zip(PAIR).map(|(&density, colour)| {
-        let along = along(peaks, density);
-        let shorted = along.iter().filter(|peak| peak.case.resistance == 0.0).map(|peak| value(peak));
-        let level: Vec<(f64, f64)> =
-            shorted.flat_map(|value| SPAN.map(|resistance| (resistance, value))).collect();
-        let points: Vec<(f64, f64)> = along
-            .iter()
-            .filter(|peak| peak.case.resistance > 0.0)
-            .map(|peak| (peak.case.resistance, value(peak)))
-            .collect();
-        let (low, high) = range(points.iter().chain(&level).map(|point| point.1));
-        Plot {
+    let plots = DENSITIES.into_iter().filter_map(|density| {
+        let [line, dots] = above_short(peaks, density, "", &value);
+        let curves = [level(value(of(peaks, density, 0.0)?)), line, dots];
+        Some(Plot {
             title: format!("Figure 6 ({letter}): {density} µC/m²"),
             across: Axis::logarithmic("load resistance [Ω]", SPAN),
-            up: Axis::linear(title, [low, high], 6),
-            curves: vec![
-                Curve { name: String::new(), colour: BLACK, mark: Mark::Dashes(1.0), points: level },
-                Curve { name: String::new(), colour, mark: Mark::Line(1.6), points: points.clone() },
-                Curve { name: String::new(), colour, mark: Mark::Dots(4.5), points },
-            ],
-        }
+            up: Axis::linear(title, height(&curves), 6),
+            curves: curves.into(),
+        })
     });
-    let svg = plot::draw(TALL, &plots.collect::<Vec<_>>())?;
-    Ok(Panel { name: format!("figure-6{letter}"), svg })
+    Panel::new(format!("figure-6{letter}"), TALL, &plots.collect::<Vec<_>>())
 }
 
 /// The rise of the amplitude before its fall, in parts of the amplitude of the short circuit.
 fn rise(peaks: &[Peak]) -> Result<Panel, String> {
-    let mut curves = Vec::new();
-    for (density, colour) in DENSITIES.into_iter().zip(PAIR) {
-        let Some(shorted) = of(peaks, density, 0.0) else { continue };
-        let above = along(peaks, density).into_iter().filter(|peak| peak.case.resistance > 0.0);
-        let points: Vec<(f64, f64)> = above
-            .map(|peak| (peak.case.resistance, 1e2 * (peak.amplitude_m / shorted.amplitude_m - 1.0)))
-            .collect();
-        let name = format!("{density} µC/m²");
-        curves.push(Curve { name, colour, mark: Mark::Line(1.6), points: points.clone() });
-        curves.push(Curve { name: String::new(), colour, mark: Mark::Dots(4.5), points });
-    }
-    let level = SPAN.map(|resistance| (resistance, 0.0)).to_vec();
-    curves.push(Curve { name: String::new(), colour: BLACK, mark: Mark::Dashes(1.0), points: level });
+    let curves = DENSITIES.into_iter().filter_map(|density| {
+        let shorted = of(peaks, density, 0.0)?.amplitude_m;
+        let value = |peak: &Peak| 1e2 * (peak.amplitude_m / shorted - 1.0);
+        Some(above_short(peaks, density, &format!("{density} µC/m²"), value))
+    });
     let plot = Plot {
         title: "Figure 6 (d): the rise of the amplitude".to_owned(),
         across: Axis::logarithmic("load resistance [Ω]", [SPAN[0], 1e8]),
         up: Axis::linear("amplitude against 0 Ω [%]", [-0.04, 0.04], 8),
-        curves,
+        curves: curves.flatten().chain([level(0.0)]).collect(),
     };
-    Ok(Panel { name: "figure-6d".to_owned(), svg: plot::draw(SIZE, &[plot])? })
+    Panel::new("figure-6d", SIZE, &[plot])
 }
 
 /// Shift in Hz, amplitude in mm, RMS voltage in V, as they are printed.
-fn cells(peaks: &[Peak], charge_density: f64, resistance: f64, natural: f64) -> [String; 3] {
+fn cells(peaks: &[Peak], (charge_density, resistance): (f64, f64), natural: f64) -> [String; 3] {
     let Some(peak) = of(peaks, charge_density, resistance) else { return [(); 3].map(|()| "-".to_owned()) };
     [
         format!("{:+.5}", peak.frequency_hz - natural),
@@ -190,70 +168,69 @@ fn cells(peaks: &[Peak], charge_density: f64, resistance: f64, natural: f64) -> 
 pub(super) fn charge_sweep(peaks: &[Peak], natural: f64, note: &str) -> Figure {
     let headings =
         ["charge [µC/m²]", "10 MΩ: shift [Hz]", "[mm]", "[V]", "100 MΩ: shift [Hz]", "[mm]", "[V]"];
-    let rows = CHARGES.iter().map(|&density| {
-        let [one, other] = LOADS.map(|load| cells(peaks, density, load, natural));
-        let ([a, b, c], [d, e, f]) = (one, other);
-        [density.to_string(), a, b, c, d, e, f]
-    });
+    let cases = LOADS.map(|load| CHARGES.map(|density| (density, load)));
     Figure {
         label: "Charge sweep",
         title: "The peak over the charge density",
-        caption: format!(
-            "Shift of the peak of the amplitude from the natural frequency, its height, and the largest RMS voltage \
-             over frequency, at two loads. {note}"
-        ),
-        panels: Vec::new(),
-        table: crate::figures::table(headings, rows),
-        csv: csv(
-            LOADS
-                .iter()
-                .flat_map(|&load| CHARGES.iter().filter_map(move |&density| of(peaks, density, load))),
-            natural,
-        ),
+        ..sweep(peaks, natural, headings, &cases, |(density, _)| density.to_string(), ("at two loads", note))
     }
 }
 
 /// The peaks over the resistance.
 pub(super) fn resistance_sweep(peaks: &[Peak], natural: f64, note: &str) -> Figure {
     let headings = ["load", "20 µC/m²: shift [Hz]", "[mm]", "[V]", "120 µC/m²: shift [Hz]", "[mm]", "[V]"];
-    let rows = ROWS.iter().map(|&resistance| {
-        let [one, other] = DENSITIES.map(|density| cells(peaks, density, resistance, natural));
-        let ([a, b, c], [d, e, f]) = (one, other);
-        [ohms(resistance), a, b, c, d, e, f]
-    });
+    let cases = DENSITIES.map(|density| ROWS.map(|load| (density, load)));
+    let at = "at a small and a large charge density";
     Figure {
         label: "Resistance sweep",
         title: "The peak over the load resistance",
-        caption: format!(
-            "Shift of the peak of the amplitude from the natural frequency, its height, and the largest RMS voltage \
-             over frequency, at a small and a large charge density. {note}"
-        ),
-        panels: Vec::new(),
-        table: crate::figures::table(headings, rows),
-        csv: csv(
-            DENSITIES
-                .iter()
-                .flat_map(|&density| ROWS.iter().filter_map(move |&load| of(peaks, density, load))),
-            natural,
-        ),
+        ..sweep(peaks, natural, headings, &cases, |(_, load)| ohms(load), (at, note))
     }
 }
 
-fn csv<'a>(peaks: impl Iterator<Item = &'a Peak>, natural: f64) -> String {
-    let mut text = String::from(
-        "charge_density_c_per_m2,load_resistance_ohm,peak_frequency_hz,peak_shift_hz,peak_amplitude_m,\
-         max_rms_voltage_v\n",
-    );
-    for peak in peaks {
-        let cells = [
+/// A table with both columns of `cases` beside each other; each case is a charge density and a resistance.
+fn sweep<const N: usize>(
+    peaks: &[Peak],
+    natural: f64,
+    headings: [&str; 7],
+    cases: &[[(f64, f64); N]; 2],
+    name: impl Fn((f64, f64)) -> String,
+    (at, note): (&str, &str),
+) -> Figure {
+    let [one, other] = cases;
+    let rows = one.iter().zip(other).map(|(&one, &other)| {
+        let [[a, b, c], [d, e, f]] = [one, other].map(|case| cells(peaks, case, natural));
+        [name(one), a, b, c, d, e, f]
+    });
+    let found = cases.iter().flatten().filter_map(|&(density, resistance)| of(peaks, density, resistance));
+    Figure {
+        label: "",
+        title: "",
+        caption: format!(
+            "Shift of the peak of the amplitude from the natural frequency, its height, and the largest RMS voltage \
+             over frequency, {at}. {note}"
+        ),
+        panels: Vec::new(),
+        table: crate::figures::table(headings, rows),
+        csv: numbers(found, natural),
+    }
+}
+
+fn numbers<'a>(peaks: impl Iterator<Item = &'a Peak>, natural: f64) -> String {
+    let row = |peak: &Peak| {
+        [
             1e-6 * peak.case.charge_density,
             peak.case.resistance,
             peak.frequency_hz,
             peak.frequency_hz - natural,
             peak.amplitude_m,
             peak.rms_voltage_v,
-        ];
-        let _ = writeln!(text, "{}", cells.map(number).join(","));
-    }
-    text
+        ]
+        .map(number)
+    };
+    csv(
+        "charge_density_c_per_m2,load_resistance_ohm,peak_frequency_hz,peak_shift_hz,peak_amplitude_m,\
+         max_rms_voltage_v",
+        peaks.map(row),
+    )
 }

@@ -23,7 +23,6 @@ pub(crate) struct Case {
 /// The peak of the steady state over frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Peak {
-    /// The case.
     pub case: Case,
     /// Frequency in Hz at which the amplitude is largest.
     pub frequency_hz: f64,
@@ -63,10 +62,7 @@ impl Case {
         let options = Options { tolerance: Some(TOLERANCE), ..Options::default() };
         let at = format!("{} uC/m^2, {} ohm", self.charge_density, self.resistance);
         let (found, _) =
-            resonance_peak(&scene, range, points, &options).map_err(|failure| match failure {
-                Failure::Step(error) => Failure::Step(format!("{at}: {error}")),
-                other => other,
-            })?;
+            resonance_peak(&scene, range, points, &options).map_err(|failure| failure.of_case(&at))?;
         found.ok_or_else(|| {
             Failure::Step(format!("{at}: no stable orbit of one period from {} to {} Hz", range[0], range[1]))
         })

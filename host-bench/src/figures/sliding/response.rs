@@ -1,13 +1,11 @@
 //! Figures 3 to 5: amplitude and RMS voltage over frequency.
 
-use std::fmt::Write;
-
 use plotters::style::RGBColor;
 
 use super::{Case, DENSITIES, Figure, Panel, ohms};
 use crate::method::Failure;
-use crate::outcome::number;
-use crate::report::plot::{self, Axis, Curve, Mark, Plot};
+use crate::outcome::{csv, number};
+use crate::report::plot::{Axis, Curve, Mark, Plot};
 use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION, range};
 use crate::scene_file::Scene;
 use crate::steady_state;
@@ -72,35 +70,16 @@ impl Response {
     }
 }
 
-/// What a panel shows.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Shown {
-    Amplitude,
-    Voltage,
-}
-
-impl Shown {
-    fn axis(self) -> &'static str {
-        match self {
-            Self::Amplitude => "amplitude of the tip [mm]",
-            Self::Voltage => "RMS voltage [V]",
-        }
-    }
-
-    fn points(self, response: &Response) -> Vec<(f64, f64)> {
-        let value = |point: &[f64; 3]| match self {
-            Self::Amplitude => 1e3 * point[1],
-            Self::Voltage => point[2],
-        };
-        response.points.iter().map(|point| (point[0], value(point))).collect()
-    }
-}
+/// What a panel shows: the title of its ordinate, and the value at a point.
+type Shown = (&'static str, fn(&[f64; 3]) -> f64);
+const AMPLITUDE: Shown = ("amplitude of the tip [mm]", |[_, amplitude, _]| 1e3 * amplitude);
+const VOLTAGE: Shown = ("RMS voltage [V]", |[.., voltage]| *voltage);
 
 /// A panel over a range of frequencies; its ordinate begins at 0 unless it is a local view.
 fn panel(
     name: &str,
     title: String,
-    shown: Shown,
+    (ordinate, value): Shown,
     [span, local]: [Option<[f64; 2]>; 2],
     curves: &[(String, &Response)],
 ) -> Result<Panel, String> {
@@ -108,11 +87,13 @@ fn panel(
     let curves: Vec<Curve> = curves
         .iter()
         .zip(COLOURS)
-        .map(|((name, response), colour)| Curve {
-            name: name.clone(),
-            colour,
-            mark: Mark::Line(1.6),
-            points: shown.points(response),
+        .map(|((name, response), colour)| {
+            Curve::new(
+                name.as_str(),
+                colour,
+                Mark::Line(1.6),
+                response.points.iter().map(|point| (point[0], value(point))),
+            )
         })
         .collect();
     let peaks = curves.iter().map(|curve| curve.points.iter().map(|point| point.1).fold(0.0, f64::max));
@@ -122,22 +103,16 @@ fn panel(
     let plot = Plot {
         title,
         across: Axis::linear("excitation frequency [Hz]", across, 7),
-        up: Axis::linear(shown.axis(), [low, high], 8),
+        up: Axis::linear(ordinate, [low, high], 8),
         curves,
     };
-    Ok(Panel { name: name.to_owned(), svg: plot::draw(SIZE, &[plot])? })
+    Panel::new(name, SIZE, &[plot])
 }
 
 /// Figure 3.
 pub(super) fn three(all: &[Response], note: &str) -> Result<Figure, String> {
-    let wanted: Vec<(String, &Response)> = FIGURE_THREE
-        .iter()
-        .filter_map(|&charge_density| {
-            let case = Case { charge_density, resistance: LOAD };
-            let response = all.iter().find(|response| response.case == case)?;
-            Some((charge_density.to_string(), response))
-        })
-        .collect();
+    let case = |charge_density| (f64::to_string(&charge_density), Case { charge_density, resistance: LOAD });
+    let wanted = of(all, FIGURE_THREE.map(case));
     let load = ohms(LOAD);
     let drawn = |letter: char, shown| {
         let title = format!("Figure 3 ({letter}): charge density in µC/m², {load}");
@@ -152,20 +127,21 @@ pub(super) fn three(all: &[Response], note: &str) -> Result<Figure, String> {
              more, the amplitude falls and the peak moves a little to the left, while the voltage still \
              grows. {note}"
         ),
-        panels: vec![drawn('a', Shown::Amplitude)?, drawn('b', Shown::Voltage)?],
+        panels: vec![drawn('a', AMPLITUDE)?, drawn('b', VOLTAGE)?],
         table: Vec::new(),
-        csv: csv(wanted.iter().map(|(_, response)| *response)),
+        csv: numbers(wanted.iter().map(|(_, response)| *response)),
     })
 }
 
+/// The responses to named cases.
+fn of(all: &[Response], cases: [(String, Case); 5]) -> Vec<(String, &Response)> {
+    let found = |(name, case)| Some((name, all.iter().find(|response| response.case == case)?));
+    cases.into_iter().filter_map(found).collect()
+}
+
 /// The responses at one charge density for all resistances.
-fn at_density(all: &[Response], density: f64) -> Vec<(String, &Response)> {
-    let of = |resistance: &f64| {
-        let case = Case { charge_density: density, resistance: *resistance };
-        let response = all.iter().find(|response| response.case == case)?;
-        Some((ohms(*resistance), response))
-    };
-    RESISTANCES.iter().filter_map(of).collect()
+fn at_density(all: &[Response], charge_density: f64) -> Vec<(String, &Response)> {
+    of(all, RESISTANCES.map(|resistance| (ohms(resistance), Case { charge_density, resistance })))
 }
 
 /// Amplitude, local view of it, and voltage at one charge density.
@@ -174,9 +150,9 @@ fn panels(number: u32, which: usize, wanted: &[(String, &Response)]) -> Result<V
         |letter: char, what: &str| format!("Figure {number} ({letter}): {} µC/m², {what}", DENSITIES[which]);
     let name = |letter: char| format!("figure-{number}{letter}");
     Ok(vec![
-        panel(&name('a'), title('a', "amplitude"), Shown::Amplitude, [Some(WIDE.0), None], wanted)?,
-        panel(&name('b'), title('b', "local view"), Shown::Amplitude, [None, Some(NEAR[which])], wanted)?,
-        panel(&name('c'), title('c', "RMS voltage"), Shown::Voltage, [Some(WIDE.0), None], wanted)?,
+        panel(&name('a'), title('a', "amplitude"), AMPLITUDE, [Some(WIDE.0), None], wanted)?,
+        panel(&name('b'), title('b', "local view"), AMPLITUDE, [None, Some(NEAR[which])], wanted)?,
+        panel(&name('c'), title('c', "RMS voltage"), VOLTAGE, [Some(WIDE.0), None], wanted)?,
     ])
 }
 
@@ -194,7 +170,7 @@ pub(super) fn four(all: &[Response], note: &str) -> Result<Figure, String> {
         ),
         panels: panels(4, 0, &wanted)?,
         table: Vec::new(),
-        csv: csv(wanted.iter().map(|(_, response)| *response)),
+        csv: numbers(wanted.iter().map(|(_, response)| *response)),
     })
 }
 
@@ -212,18 +188,15 @@ pub(super) fn five(all: &[Response], note: &str) -> Result<Figure, String> {
         ),
         panels: panels(5, 1, &wanted)?,
         table: Vec::new(),
-        csv: csv(wanted.iter().map(|(_, response)| *response)),
+        csv: numbers(wanted.iter().map(|(_, response)| *response)),
     })
 }
 
-fn csv<'a>(responses: impl Iterator<Item = &'a Response>) -> String {
-    let mut text =
-        String::from("charge_density_c_per_m2,load_resistance_ohm,frequency_hz,amplitude_m,rms_voltage_v\n");
-    for Response { case, points } in responses {
-        for [frequency, amplitude, voltage] in points {
-            let cells = [1e-6 * case.charge_density, case.resistance, *frequency, *amplitude, *voltage];
-            let _ = writeln!(text, "{}", cells.map(number).join(","));
-        }
-    }
-    text
+fn numbers<'a>(responses: impl Iterator<Item = &'a Response>) -> String {
+    let rows = responses.flat_map(|Response { case, points }| {
+        points.iter().map(|&[frequency, amplitude, voltage]| {
+            [1e-6 * case.charge_density, case.resistance, frequency, amplitude, voltage].map(number)
+        })
+    });
+    csv("charge_density_c_per_m2,load_resistance_ohm,frequency_hz,amplitude_m,rms_voltage_v", rows)
 }

@@ -3,10 +3,9 @@
 use model_core::integrate::Cubic;
 
 use super::system::{State, System};
-use crate::outcome::BumpStopOutcome;
+use crate::outcome::{BumpStopOutcome, Outcome, Particular};
 use crate::scene_file::Scene;
 
-/// The quantities at an instant.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     /// Voltage, displacement of the tip and of the beam at the stop, with their rates.
@@ -110,17 +109,32 @@ impl<'a> Meter<'a> {
         self.contact_time += 0.5 * step * f64::from(ends_in_contact);
     }
 
-    /// The totals at the end of the run.
-    pub(super) fn close(self, scene: &Scene, has_stop: bool, end: &State) -> Totals {
+    /// The outcome at the end of the run, but for the method, its work and its trace.
+    pub(super) fn close(self, scene: &Scene, has_stop: bool, end: &State) -> Outcome {
         let length = scene.run.window_s();
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * length);
         let frequencies = self.system.modes.iter().map(|mode| mode.stiffness.sqrt() / std::f64::consts::TAU);
-        Totals {
-            delivered_energy: self.voltage_squared * self.system.conductance,
-            rms_voltage: (self.voltage_squared.max(0.0) / length).sqrt(),
-            mean_voltage: self.voltage / length,
-            peak_voltage: self.peaks[VOLTAGE],
-            particular: BumpStopOutcome {
+        let delivered_energy = self.voltage_squared * self.system.conductance;
+        Outcome {
+            scene: scene.name(),
+            method: String::new(),
+            precision: "f64",
+            math: "std",
+            duration_s: scene.run.duration_s,
+            settle_s: scene.run.settle_s,
+            mean_power_w: Some(delivered_energy / length),
+            rms_voltage_v: Some((self.voltage_squared.max(0.0) / length).sqrt()),
+            peak_voltage_v: Some(self.peaks[VOLTAGE]),
+            mean_voltage_v: Some(self.voltage / length),
+            delivered_energy_j: Some(delivered_energy),
+            // These methods keep no energy ledger.
+            energy_residual: None,
+            steps: 0,
+            rejected_steps: 0,
+            newton_iterations: 0,
+            events: 0,
+            wall_s: 0.0,
+            particular: Particular::BumpStop(BumpStopOutcome {
                 natural_frequencies_hz: frequencies.collect(),
                 peak_tip_displacement_m: Some(self.peaks[TIP]),
                 peak_stop_point_displacement_m: has_stop.then_some(self.peaks[STOP_POINT]),
@@ -131,17 +145,10 @@ impl<'a> Meter<'a> {
                 peak_force_n: has_stop.then_some(self.peak_force),
                 mean_force_n: has_stop.then_some(self.impulse / length),
                 end_state: self.system.scaled(end),
-            },
+            }),
+            store: None,
+            steady_state: None,
+            trace: None,
         }
     }
-}
-
-/// The sums at the end of a run, in SI units.
-#[derive(Debug)]
-pub(super) struct Totals {
-    pub(super) delivered_energy: f64,
-    pub(super) rms_voltage: f64,
-    pub(super) mean_voltage: f64,
-    pub(super) peak_voltage: f64,
-    pub(super) particular: BumpStopOutcome,
 }

@@ -16,7 +16,6 @@ const GAPS: [f64; 6] = [0.0, 1e-7, 1e-6, 3e-5, 1e-4, 1e-2];
 const RESISTANCES: [f64; 5] = [0.0, 1.0, 1e3, 1e6, f64::INFINITY];
 /// Young's moduli of the rod in Pa, over six decades.
 const MODULI: [f64; 7] = [7e7, 7e8, 7e9, 7e10, 7e11, 7e12, 7e13];
-/// Damping ratios.
 const DAMPINGS: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, 0.3, 0.5];
 /// Steps in s.
 const STEPS: [f64; 6] = [1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3];
@@ -28,9 +27,7 @@ const RESTITUTION: f64 = 0.5;
 /// One case: what differs from the shipped scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Setting {
-    /// Modes of the beam.
     pub(super) beam_modes: usize,
-    /// Modes of the rod.
     pub(super) rod_modes: usize,
     /// Gap in m.
     pub(super) gap_m: f64,
@@ -38,9 +35,7 @@ pub(crate) struct Setting {
     pub(super) resistance_ohm: f64,
     /// Young's modulus of the rod in Pa.
     pub(super) rod_young_modulus_pa: f64,
-    /// Damping ratio.
     pub(super) damping_ratio: f64,
-    /// Contact law.
     #[serde(serialize_with = "law")]
     pub(super) contact: Contact,
 }
@@ -58,7 +53,6 @@ pub(super) fn law_name(contact: Contact) -> &'static str {
     }
 }
 
-/// All contact laws.
 pub(super) const LAWS: [Contact; 3] =
     [Contact::ResidualFlexibility, Contact::Restitution, Contact::DisplacementConstraint];
 

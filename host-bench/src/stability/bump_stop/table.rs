@@ -1,9 +1,9 @@
 //! The findings as a table.
 
 use super::grid::{LAWS, law_name};
-use super::{AGREEMENT, BumpStopFinding, LEDGER, RESOLVING_STEP, Verdict};
+use super::{AGREEMENT, BumpStopFinding, LEDGER, RESOLVING_STEP};
 use crate::method::Precision;
-use crate::outcome::small;
+use crate::outcome::{name, small};
 use crate::stability::Finding;
 use crate::stability::table::{Largest, counts};
 
@@ -20,7 +20,7 @@ pub(super) fn text(findings: &[BumpStopFinding]) -> String {
     for finding in findings.iter().filter(|finding| finding.verdict.is_failure()) {
         text.push_str(&format!(
             "{}: {}, RMS voltage off by {}, ledger {}: {}\n",
-            finding.verdict.name(),
+            name(&finding.verdict),
             finding.reason,
             small(finding.voltage_difference),
             small(finding.energy_residual),
@@ -48,16 +48,8 @@ fn counted(findings: &[BumpStopFinding]) -> String {
             }
         }
     }
-    let residual = Largest {
-        heading: "worst ledger residual",
-        of: |finding: &BumpStopFinding| finding.energy_residual,
-        shown: small,
-    };
-    let voltage = Largest {
-        heading: "worst RMS V",
-        of: |finding: &BumpStopFinding| finding.voltage_difference,
-        shown: small,
-    };
-    let verdicts = (Verdict::ALL, (|finding| finding.verdict) as fn(&BumpStopFinding) -> Verdict);
-    counts(["contact", "precision", "step [s]"], groups, verdicts, Verdict::name, [residual, voltage])
+    let residual: Largest<BumpStopFinding> =
+        ("worst ledger residual", |finding| finding.energy_residual, small);
+    let voltage: Largest<BumpStopFinding> = ("worst RMS V", |finding| finding.voltage_difference, small);
+    counts(["contact", "precision", "step [s]"], groups, |finding| finding.verdict, [residual, voltage])
 }

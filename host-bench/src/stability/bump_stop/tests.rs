@@ -22,8 +22,8 @@ fn under_each_law_long_steps_stay_finite_and_resolving_ones_agree() {
         assert!(table.contains(grid::law_name(contact)), "{table}");
         let csv: String = findings
             .iter()
-            .map(super::super::csv_row)
-            .chain([super::super::csv_heading(&findings[0])])
+            .map(super::super::csv_row::<BumpStop>)
+            .chain([super::super::csv_heading::<BumpStop>()])
             .collect();
         assert_eq!(csv.lines().count(), 5);
     }

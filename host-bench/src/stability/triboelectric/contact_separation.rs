@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::{Common, Setting, law, law_name};
-use crate::outcome::number;
 use crate::scene_file::{ForceLaw, Load, Model, Restitution, RunSpan, Scene};
 use crate::stability::Grid;
 
@@ -16,7 +15,6 @@ const SETTLED: f64 = 40.0;
 const DENSITIES: [f64; 8] = [0.0, 5e-6, 20e-6, 50e-6, 80e-6, 100e-6, 150e-6, 300e-6];
 /// Parasitic capacitances in F.
 const PARASITICS: [f64; 3] = [0.0, 1e-12, 1e-9];
-/// Coefficients of restitution.
 const RESTITUTIONS: [f64; 4] = [0.0, 0.5, 0.9, 0.99];
 /// Exponents of ten of the load resistance in Ω.
 const DECADES: std::ops::RangeInclusive<i32> = -3..=15;
@@ -28,7 +26,6 @@ pub(crate) struct ContactSeparationSetting {
     pub(super) resistance_ohm: f64,
     /// Tribo-charge density in C/m².
     pub(super) charge_density_c_per_m2: f64,
-    /// Force law.
     #[serde(serialize_with = "law")]
     pub(super) force_law: ForceLaw,
     /// Parasitic capacitance in F.
@@ -106,10 +103,5 @@ impl Setting for ContactSeparationSetting {
 
     fn others(&self) -> String {
         format!("Cp = {:e} F, e = {}", self.parasitic_capacitance_f, self.restitution)
-    }
-
-    fn other_cells(&self) -> [String; 6] {
-        let none = String::new;
-        [number(self.parasitic_capacitance_f), number(self.restitution), none(), none(), none(), none()]
     }
 }

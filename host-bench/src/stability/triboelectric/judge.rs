@@ -41,7 +41,6 @@ const SHIFTS: [[f64; 2]; 10] = [
 /// Number of standard deviations of the shifted runs by which a run of a sensitive scene may differ from their mean. By
 /// Student's distribution one run in a hundred differs by more.
 const DEVIATIONS: f64 = 4.0;
-/// Relative tolerance of the reference.
 const REFERENCE_TOLERANCE: f64 = 1e-8;
 /// Attempted steps after which a run is stopped: ten seconds of computing.
 pub(super) const MOST_ATTEMPTS: u64 = 20_000_000;
@@ -164,10 +163,13 @@ impl<'a> Judge<'a> {
             reference_agrees,
         };
         match outcome {
-            Err(Failure::Input(reason)) => (finding.class, finding.reason) = (Class::Refused, reason),
-            Err(Failure::Step(reason)) => (finding.class, finding.reason) = (Class::Error, reason),
-            Err(Failure::StepLimitExceeded(reason)) => {
-                (finding.class, finding.reason) = (Class::StepLimitExceeded, reason)
+            Err(failure) => {
+                finding.reason = failure.to_string();
+                finding.class = match failure {
+                    Failure::Input(_) => Class::Refused,
+                    Failure::Step(_) => Class::Error,
+                    Failure::StepLimitExceeded(_) => Class::StepLimitExceeded,
+                };
             }
             Ok(outcome) => {
                 let steps = outcome.steps + outcome.rejected_steps;

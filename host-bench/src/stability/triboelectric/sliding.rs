@@ -3,7 +3,6 @@
 use serde::{Serialize, Serializer};
 
 use super::{Common, Setting, law, law_name};
-use crate::outcome::number;
 use crate::scene_file::{Excitation, ForceLaw, GRAVITY, Load, Model, RunSpan, Scene, StickCharge, Tone};
 use crate::stability::Grid;
 
@@ -30,7 +29,6 @@ pub(crate) struct SlidingSetting {
     pub(super) resistance_ohm: f64,
     /// Tribo-charge density in C/m².
     pub(super) charge_density_c_per_m2: f64,
-    /// Force law.
     #[serde(serialize_with = "law")]
     pub(super) force_law: ForceLaw,
     /// Whether the charge relaxes in a stick.
@@ -160,17 +158,5 @@ impl Setting for SlidingSetting {
             self.frequency_hz,
             if self.relaxing { "relaxing" } else { "frozen" }
         )
-    }
-
-    fn other_cells(&self) -> [String; 6] {
-        let [parasitic_capacitance, restitution] = [String::new(), String::new()];
-        [
-            parasitic_capacitance,
-            restitution,
-            self.relaxing.to_string(),
-            number(self.friction),
-            number(self.amplitude_m_per_s2),
-            number(self.frequency_hz),
-        ]
     }
 }

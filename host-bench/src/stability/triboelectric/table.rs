@@ -5,7 +5,7 @@ use comfy_table::{Table, presets};
 use super::judge::{AGREEMENT, LEDGER, MOST_ATTEMPTS, TIGHT, TOLERANCE};
 use super::{Class, Finding, Setting, law_name};
 use crate::method::Precision;
-use crate::outcome::small;
+use crate::outcome::{name, small};
 use crate::stability::table::{Largest, counts};
 use crate::work_precision::table::resistance;
 
@@ -37,18 +37,10 @@ fn counted<T: Setting>(findings: &[Finding<T>]) -> String {
             groups.push(([name, precision.name().to_owned()], these.collect()));
         }
     }
-    let residual = Largest {
-        heading: "worst ledger residual",
-        of: |finding: &Finding<T>| finding.energy_residual,
-        shown: small,
-    };
-    let steps = Largest {
-        heading: "most steps per simulated s",
-        of: |finding: &Finding<T>| finding.steps_per_s,
-        shown: |steps| steps.map_or_else(|| "-".to_owned(), |steps| format!("{steps:.0}")),
-    };
-    let classes = (Class::ALL, (|finding| finding.class) as fn(&Finding<T>) -> Class);
-    counts(["resistance", "precision"], groups, classes, Class::name, [residual, steps])
+    let whole = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.0}"));
+    let residual: Largest<Finding<T>> = ("worst ledger residual", |finding| finding.energy_residual, small);
+    let steps: Largest<Finding<T>> = ("most steps per simulated s", |finding| finding.steps_per_s, whole);
+    counts(["resistance", "precision"], groups, |finding| finding.class, [residual, steps])
 }
 
 fn notes<T>(findings: &[Finding<T>]) -> Vec<String> {
@@ -91,7 +83,7 @@ fn list<T: Setting>(mut findings: Vec<&Finding<T>>) -> String {
     for finding in findings {
         let common = finding.setting.common();
         table.add_row([
-            finding.class.name().to_owned(),
+            name(&finding.class),
             finding.precision.name().to_owned(),
             resistance(common.resistance_ohm),
             format!("{}", (common.charge_density_c_per_m2 * 1e9).round() / 1e3),

@@ -8,9 +8,7 @@ use model_core::scalar::Polynomial;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{AnyChoices, Circuit, Stepper};
 
-use super::{
-    BumpStopReport, Prepared, Report, bridge, parameters, prepared, refuse_start, refuse_step, resistance,
-};
+use super::{Prepared, Report, bridge, parameters, prepared, refuse_start, refuse_step, resistance};
 use crate::embedded::excitation::with_setting;
 use harvester_scene::method::{Failure, Options};
 use harvester_scene::scene_file::{BumpStop, Model, Scene};
@@ -26,9 +24,6 @@ pub struct DeflectedShape {
 
 /// The beam at each of the `instants`, in s and rising, at `stations` places besides the clamp, by the sum
 /// of its modes, on the embedded core in double precision.
-///
-/// # Errors
-/// If the scene is another one, the core refuses it, or a step cannot be taken.
 pub fn deflected_shapes(
     scene: &Scene,
     options: &Options,
@@ -36,11 +31,10 @@ pub fn deflected_shapes(
     stations: usize,
 ) -> Result<Vec<DeflectedShape>, Failure> {
     let Model::BumpStop(model) = &scene.model else {
-        return Err(Failure::Input(format!(
-            "{}: scene = {:?}: must be \"bump-stop\" here",
-            scene.file.display(),
-            scene.name()
-        )));
+        return Err(Failure::of_file(
+            scene,
+            format!("scene = {:?}: must be \"bump-stop\" here", scene.name()),
+        ));
     };
     let core = parameters::<f64>(model, scene.load);
     let section = Monomorph::new(
@@ -82,20 +76,18 @@ impl Shapes<'_> {
         let Prepared { scene: harvester, start, steps: [short, long] } =
             prepared::<f64, L, 20, 20>(what, load)?;
         let stepper = Stepper::new(harvester, short, long).map_err(refuse_step)?;
-        let report = BumpStopReport(what.1);
         with_setting::<f64, Polynomial, _>(scene, what.2, |setting| {
             let excitation = setting.excitation;
             let mut state =
                 stepper.start(&start, &excitation).map_err(|error| refuse_start(scene, &error))?;
             let last = instants.last().copied().unwrap_or(0.0);
-            let end = Instant::from_seconds(last.max(scene.run.duration_s)).ok_or_else(|| {
-                Failure::Input(format!("{}: run: {last} s, must be below 16777216", scene.file.display()))
-            })?;
+            let end = Instant::from_seconds(last.max(scene.run.duration_s))
+                .ok_or_else(|| Failure::of_file(scene, format!("run: {last} s, must be below 16777216")))?;
             // To the end of the last step that is wanted, and no step is cut short for it.
             while state.clock < end && self.found.len() < instants.len() {
                 stepper.advance(&mut state, &excitation, end, 1 << 12, self).map_err(|error| {
                     let described = Report::<f64, Stepper<f64, AnyChoices<f64, L>, 20, 20>>::describe(
-                        &report,
+                        what.1,
                         &stepper.outputs(&state),
                     );
                     Failure::Step(format!("{error}: {described}"))
