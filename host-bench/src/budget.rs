@@ -26,13 +26,8 @@ use crate::scene_file::{HOURS, Load, Node, Scene};
 
 const DAY_S: u32 = 86_400;
 
-/// How the last day is simulated.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct InLoop<'a> {
-    /// The scene, its load a rectified storage.
-    pub(crate) scene: &'a Scene,
-    pub(crate) options: &'a Options,
-}
+/// The scene whose storage is simulated with its harvester on the last day, if any, and how.
+type InLoop<'a> = Option<(&'a Scene, &'a Options)>;
 
 /// Simulates the node for some days with the same income each, and gives the last. The days before it train the
 /// income forecast. With a scene `in_loop`, its harvester and the storage are one trajectory on the last day, and
@@ -42,7 +37,7 @@ pub(crate) fn simulate(
     income: &Income,
     learning_days: u32,
     precision: Precision,
-    in_loop: Option<InLoop<'_>>,
+    in_loop: InLoop<'_>,
 ) -> Result<NodeDay, Failure> {
     let days = Days { node, income, learning_days, in_loop };
     match (precision, node.slots_per_day) {
@@ -61,7 +56,7 @@ struct Days<'a> {
     node: &'a Node,
     income: &'a Income,
     learning_days: u32,
-    in_loop: Option<InLoop<'a>>,
+    in_loop: InLoop<'a>,
 }
 
 impl Days<'_> {
@@ -72,7 +67,7 @@ impl Days<'_> {
         for _ in 0..learning_days {
             day(node, &mut plant, &mut controller)?;
         }
-        let Some(InLoop { scene, options }) = in_loop else { return day(node, &mut plant, &mut controller) };
+        let Some((scene, options)) = in_loop else { return day(node, &mut plant, &mut controller) };
         let Load::RectifiedStore(load) = scene.load else { return day(node, &mut plant, &mut controller) };
         let midnight = Midnight {
             scene,

@@ -8,7 +8,8 @@ use serde::Serialize;
 pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome};
 pub use self::format::Format;
 pub use self::format::{
-    Fields, cell, csv, csv_line, csv_sections, fields, name, number, optional_number, rows_csv, small, text,
+    Fields, cell, csv, csv_line, csv_sections, fields, name, number, optional_number, rows_csv, small, table,
+    text,
 };
 
 /// The result of one run.

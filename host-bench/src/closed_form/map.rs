@@ -48,16 +48,8 @@ pub fn relative(found: f64, expected: f64) -> f64 {
     if found == expected { 0.0 } else { (found / expected - 1.0).abs() }
 }
 
-/// How the map is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Means {
-    /// Precision of the closed form; the trajectory is in double precision.
-    pub precision: Precision,
-    /// Points at which the reference is run too, of those at which the closed form is claimed to hold.
-    pub references: usize,
-}
-
-/// The map over some places; calls `done` after each.
+/// The map over some places; calls `done` after each. The closed form is in the given precision, the trajectory in double
+/// precision. The reference is run too at `references` points of those at which the closed form is claimed to hold.
 ///
 /// The trajectory is that of the core: the periodic steady state that the motion from the scene's start reaches, by
 /// shooting. Without a steady state, and for a bump-stop scene, it is the scene's own run in whole periods.
@@ -67,14 +59,15 @@ pub struct Means {
 pub fn map(
     scene: &Scene,
     places: &[Place],
-    means: Means,
+    precision: Precision,
+    references: usize,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Point>, Failure> {
     let mut points = places
         .par_iter()
         .map(|&place| {
             let scene = at(scene, place);
-            let estimate = estimate(&scene, means.precision)?;
+            let estimate = estimate(&scene, precision)?;
             let steady_state = !matches!(scene.model, Model::BumpStop(_));
             let trajectory = power(&scene, &Options { steady_state, ..Options::default() })?;
             done();
@@ -84,7 +77,7 @@ pub fn map(
     let holding: Vec<usize> = (0..points.len())
         .filter(|&index| points[index].estimate.holds() && points[index].estimate.mean_power_w > 0.0)
         .collect();
-    let count = means.references.min(holding.len());
+    let count = references.min(holding.len());
     // Evenly among these points, without both ends.
     let chosen: Vec<usize> = (0..count).map(|k| holding[(2 * k + 1) * holding.len() / (2 * count)]).collect();
     let found = chosen.par_iter().map(|&index| {

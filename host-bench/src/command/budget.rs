@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{make_folder, print, report_folder, writable, write_whole};
 use crate::budget::outcome::Source;
-use crate::budget::{InLoop, income, picture, simulate};
+use crate::budget::{income, picture, simulate};
 use crate::method::{Failure, Precision};
 use crate::outcome::Format;
 use crate::scene_file::{self, Load, Override};
@@ -62,7 +62,7 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     };
     let in_loop = if arguments.exact && bridged {
         income::check_looped(&scene, &node)?;
-        Some(InLoop { scene: &scene, options: &options })
+        Some((&scene, &options))
     } else {
         None
     };

@@ -8,7 +8,7 @@ use super::sweep::picture::{self, Quantity};
 use super::sweep::{Axis, points_of, values};
 use super::{make_folder, print, progress, write_whole};
 use crate::closed_form::estimate;
-use crate::closed_form::map::{Means, Place, Point, Summary, map};
+use crate::closed_form::map::{Place, Point, Summary, map};
 use crate::method::{Failure, Precision};
 use crate::outcome::{Fields, Format, fields, rows_csv, text};
 use crate::scene_file::{self, Excitation, Load, Override, Scene};
@@ -74,8 +74,7 @@ pub fn run(arguments: &ClosedFormArguments) -> Result<(), Failure> {
     let axes = axes(arguments, &scene)?;
     let places = places(&axes)?;
     let bar = progress(places.len());
-    let means = Means { precision: arguments.precision, references: arguments.references };
-    let points = map(&scene, &places, means, || bar.inc(1))?;
+    let points = map(&scene, &places, arguments.precision, arguments.references, || bar.inc(1))?;
     bar.finish_and_clear();
     if let Some(folder) = &arguments.output {
         make_folder(folder)?;
@@ -98,31 +97,19 @@ fn axes(arguments: &ClosedFormArguments, scene: &Scene) -> Result<[Axis; 3], Fai
     };
     let around =
         |given: &Option<Axis>, option: &str, key, middle: f64, [low, high]: [f64; 2], count: &str| {
-            let default = || {
-                let refused =
-                    |reason| Failure::of_file(scene, format!("{key} = {middle}: {reason}; give {option}"));
-                axis(key)(&format!("{}:{}:{count}", low * middle, high * middle)).map_err(refused)
-            };
-            given.clone().map_or_else(default, Ok)
+            let refused =
+                |reason| Failure::of_file(scene, format!("{key} = {middle}: {reason}; give {option}"));
+            match given {
+                Some(axis) => Ok(axis.clone()),
+                None => axis(key)(&format!("{}:{}:{count}", low * middle, high * middle)).map_err(refused),
+            }
         };
+    let ClosedFormArguments { resistance, amplitude, frequency, .. } = arguments;
+    let (acceleration, hertz) = (tone.amplitude_m_per_s2, tone.frequency_hz);
     Ok([
-        around(
-            &arguments.resistance,
-            "--resistance",
-            "resistance_ohm",
-            resistance_ohm,
-            [0.01, 10.0],
-            "4:log",
-        )?,
-        around(
-            &arguments.amplitude,
-            "--amplitude",
-            "amplitude_m_per_s2",
-            tone.amplitude_m_per_s2,
-            [0.125, 2.0],
-            "9:log",
-        )?,
-        around(&arguments.frequency, "--frequency", "frequency_hz", tone.frequency_hz, [0.85, 1.15], "31")?,
+        around(resistance, "--resistance", "resistance_ohm", resistance_ohm, [0.01, 10.0], "4:log")?,
+        around(amplitude, "--amplitude", "amplitude_m_per_s2", acceleration, [0.125, 2.0], "9:log")?,
+        around(frequency, "--frequency", "frequency_hz", hertz, [0.85, 1.15], "31")?,
     ])
 }
 

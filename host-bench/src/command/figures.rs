@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use comfy_table::{Table, presets};
+use comfy_table::presets;
 
 use super::{make_folder, print, progress, report_folder, tell, write_whole};
 use crate::figures::{self, Chapter, Figure, Subject};
 use crate::method::Failure;
+use crate::outcome::table;
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct FiguresArguments {
@@ -61,12 +62,7 @@ fn tables(chapter: &Chapter) -> String {
 }
 
 fn aligned(figure: &Figure) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    let mut rows = figure.table.iter();
-    if let Some(heading) = rows.next() {
-        table.set_header(heading);
-    }
-    table.add_rows(rows);
-    format!("\n{}. {}\n{}\n", figure.label, figure.title, table.trim_fmt())
+    let Some((headings, rows)) = figure.table.split_first() else { return String::new() };
+    let table = table(presets::NOTHING, headings, rows, headings.len());
+    format!("\n{}. {}\n{table}", figure.label, figure.title)
 }

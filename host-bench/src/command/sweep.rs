@@ -6,7 +6,7 @@ mod shooting;
 
 use std::path::{Path, PathBuf};
 
-use comfy_table::{Table, presets};
+use comfy_table::presets;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -15,7 +15,7 @@ use self::picture::Quantity;
 use self::shooting::{Compared, compared};
 use super::{SceneArguments, make_folder, print, progress, tell, write_whole};
 use crate::method::{Failure, Options};
-use crate::outcome::{Fields, Format, Outcome, fields, number, rows_csv};
+use crate::outcome::{self, Fields, Format, Outcome, fields, number, rows_csv};
 use crate::run::try_run_scene;
 use crate::scene_file::{self, Override, Scene, SceneError};
 
@@ -203,14 +203,11 @@ fn json(axes: &[Axis], points: &[Point]) -> String {
 /// The values of each point with its power and voltage, aligned.
 fn table(axes: &[Axis], points: &[Point]) -> String {
     let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5e}"));
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
     let keys = axes.iter().map(|axis| axis.key.as_str());
     let steady = points.iter().any(|point| point.compared.is_some());
     let names = ["mean_power_w", "rms_voltage_v", "steps"].into_iter();
-    let verdict = steady.then_some("steady_state");
-    table.set_header(keys.chain(names).chain(verdict).chain(["error"]));
-    for point in points {
+    let headings = keys.chain(names).chain(steady.then_some("steady_state")).chain(["error"]);
+    let rows = points.iter().map(|point| {
         let values = point.values.iter().map(|value| shown(Some(*value)));
         let (found, error) = match &point.found {
             Ok(outcome) => (
@@ -223,9 +220,11 @@ fn table(axes: &[Axis], points: &[Point]) -> String {
             Ok(Some(found)) => found.steady_state.to_owned(),
             _ => shown(None),
         });
-        table.add_row(values.chain(found).chain(verdict).chain([error]));
-    }
-    table.trim_fmt() + "\n"
+        values.chain(found).chain(verdict).chain([error]).collect::<Vec<_>>()
+    });
+    let headings: Vec<&str> = headings.collect();
+    let words = headings.len();
+    outcome::table(presets::NOTHING, headings, rows, words)
 }
 
 fn quantities(points: &[Point]) -> Vec<Quantity> {

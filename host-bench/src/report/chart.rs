@@ -74,8 +74,7 @@ fn colour(method: &str) -> RGBColor {
 
 /// The whole decades that hold the values.
 fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) =
-        values.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = svg::extremes(values);
     if !(high > 0.0) {
         return (0.97e-1, 1.03);
     }

@@ -45,10 +45,14 @@ pub(crate) fn tick(value: f64) -> String {
     }
 }
 
+/// The least and the largest of the values; infinite without any.
+pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+}
+
 /// The range of the values, with a margin.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = extremes(values);
     let margin = if high > low { 0.05 * (high - low) } else { low.abs().max(1e-300) };
     (low - margin, high + margin)
 }

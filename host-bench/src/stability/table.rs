@@ -1,9 +1,9 @@
 //! Counts of classes by group, as a table for a terminal.
 
 use clap::ValueEnum;
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::presets;
 
-use crate::outcome::name;
+use crate::outcome::{name, table};
 
 /// A quantity of which the largest value in a group is printed: its heading, its value and how it is printed.
 pub(super) type Largest<F> = (&'static str, fn(&F) -> Option<f64>, fn(Option<f64>) -> String);
@@ -16,21 +16,16 @@ pub(super) fn counts<F, C: ValueEnum + PartialEq, const W: usize>(
     class: fn(&F) -> C,
     largest: [Largest<F>; 2],
 ) -> String {
-    let mut table = Table::new();
     let classes = C::value_variants();
-    let words = words.into_iter().map(str::to_owned);
-    let largest_headings = largest.iter().map(|(heading, ..)| (*heading).to_owned());
-    table.load_style(presets::ASCII_MARKDOWN);
-    table.set_header(words.chain(classes.iter().map(name)).chain(largest_headings));
-    for (words, findings) in groups {
+    let headings = words.into_iter().map(str::to_owned).chain(classes.iter().map(name));
+    let headings: Vec<String> =
+        headings.chain(largest.iter().map(|(heading, ..)| (*heading).to_owned())).collect();
+    let rows = groups.into_iter().map(|(words, findings)| {
         let of = |wanted: &C| findings.iter().filter(|finding| class(finding) == *wanted).count().to_string();
         let largest = largest
             .iter()
             .map(|(_, of, shown)| shown(findings.iter().filter_map(|finding| of(finding)).reduce(f64::max)));
-        table.add_row(words.into_iter().chain(classes.iter().map(of)).chain(largest));
-    }
-    for column in table.column_iter_mut().skip(2) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table.trim_fmt() + "\n"
+        words.into_iter().chain(classes.iter().map(of)).chain(largest).collect::<Vec<String>>()
+    });
+    table(presets::ASCII_MARKDOWN, headings, rows, 2)
 }

@@ -1,9 +1,9 @@
 //! A table of error against run time as text: the same columns for the terminal, CSV and HTML.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::presets;
 
 use super::{Comparison, Found, Kind, Omitted, Row};
-use crate::outcome::{csv_line, csv_sections, name, number, optional_number, small};
+use crate::outcome::{csv_line, csv_sections, name, number, optional_number, small, table};
 
 pub(crate) struct Column {
     /// Its heading in the terminal and on a page, unit included; empty for a column of CSV only.
@@ -171,13 +171,9 @@ impl Comparison {
 
     /// Title, table and notes for a terminal.
     pub(crate) fn text(&self) -> String {
-        let mut table = Table::new();
-        table.load_style(presets::ASCII_MARKDOWN).set_header(self.kind.headings());
-        table.add_rows(self.rows.iter().map(|row| self.cells(row)));
-        for column in table.column_iter_mut().skip(self.kind.words) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-        format!("{}\n\n{}\n\n{}\n", self.title(), table.trim_fmt(), self.notes().join("\n"))
+        let cells = self.rows.iter().map(|row| self.cells(row));
+        let table = table(presets::ASCII_MARKDOWN, self.kind.headings(), cells, self.kind.words);
+        format!("{}\n\n{table}\n{}\n", self.title(), self.notes().join("\n"))
     }
 
     /// One line of CSV for each row.

@@ -138,18 +138,14 @@ fn steps(options: &Options) -> Result<[f64; 2], Failure> {
     Ok([short, long])
 }
 
-/// A harvester of the core with its initial values.
-struct Prepared<S: Scalar, P: Parts<S>, const B: usize, const R: usize> {
-    scene: Harvester<S, P, B, R>,
-    start: Start<S, B, R>,
-    /// Lengths of step near contact and in free flight in s.
-    steps: [S; 2],
-}
+/// A harvester of the core, its initial values, and its lengths of step near contact and in free flight in s.
+type Prepared<S, L, const B: usize, const R: usize> =
+    (Harvester<S, AnyChoices<S, L>, B, R>, Start<S, B, R>, [S; 2]);
 
 fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     (scene, model, options): (&Scene, &BumpStop, &Options),
     load: L,
-) -> Result<Prepared<S, AnyChoices<S, L>, B, R>, Failure> {
+) -> Result<Prepared<S, L, B, R>, Failure> {
     let steps = steps(options)?.map(S::from_f64);
     let [beam_modes, rod_modes] = modes(model);
     let harvester = parameters_with(model, load)
@@ -166,7 +162,7 @@ fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     };
     put(&mut start.beam, &initial.modal_displacement, &initial.modal_velocity);
     put(&mut start.rod, &initial.rod_modal_displacement, &initial.rod_modal_velocity);
-    Ok(Prepared { scene: harvester, start, steps })
+    Ok((harvester, start, steps))
 }
 
 fn run_with<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
@@ -175,8 +171,7 @@ fn run_with<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     load: L,
 ) -> Result<Outcome, Failure> {
     let options = setting.options;
-    let Prepared { scene, start, steps: [short, long] } =
-        prepared::<S, L, B, R>((setting.scene, model, options), load)?;
+    let (scene, start, [short, long]) = prepared::<S, L, B, R>((setting.scene, model, options), load)?;
     if options.bare {
         to_end(setting, model, &Stepper::new(scene, short, long).map_err(refuse_step)?, &start)
     } else {

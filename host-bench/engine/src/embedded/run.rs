@@ -15,7 +15,7 @@ use super::excitation::Setting;
 use super::recorder::Recorder;
 use super::{DEFAULT_TOLERANCE, precision_name};
 use crate::steady_state::Total;
-use harvester_scene::method::{Failure, Method, Options};
+use harvester_scene::method::{Failure, Method, Options, refuse_first};
 use harvester_scene::outcome::{Outcome, Particular, Recording, StoreOutcome};
 use harvester_scene::scene_file::{RunSpan, Scene};
 
@@ -82,17 +82,15 @@ pub(super) fn step_control<S: Scalar>(
     options: &Options,
     explicit: f64,
 ) -> Result<AnyStepControl<S>, Failure> {
+    refuse_first(&[
+        (
+            options.method == Method::DiscreteGradient,
+            "--method discrete-gradient: must be with a bump-stop scene",
+        ),
+        (options.method == Method::Newmark, "--method newmark: must be with a bump-stop scene"),
+        (options.long_step_s.is_some(), "--long-step: must be with a bump-stop scene"),
+    ])?;
     let refuse = |text: String| Err(Failure::Input(text));
-    match options.method {
-        Method::DiscreteGradient => {
-            return refuse("--method discrete-gradient: must be with a bump-stop scene".to_owned());
-        }
-        Method::Newmark => return refuse("--method newmark: must be with a bump-stop scene".to_owned()),
-        Method::Auto | Method::TrBdf2 | Method::Rk4 | Method::Reference => {}
-    }
-    if options.long_step_s.is_some() {
-        return refuse("--long-step: must be with a bump-stop scene".to_owned());
-    }
     match (options.step_s, options.tolerance, options.method) {
         (Some(step), _, _) if step > LONGEST_STEP_S => {
             refuse(format!("--step {step}: must be at most {LONGEST_STEP_S:.6} s"))

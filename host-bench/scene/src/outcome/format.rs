@@ -1,6 +1,7 @@
 //! An outcome as text: a table for people, JSON and CSV for programs.
 
 use clap::ValueEnum;
+use comfy_table::{CellAlignment, Row, Table, TableStyle};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -70,6 +71,21 @@ pub fn csv_sections(sections: impl Iterator<Item = (String, String)>) -> String 
         text.push_str(&rows);
     }
     text
+}
+
+/// A table for a terminal, line break included: the columns beyond the first `words` stand at the right.
+pub fn table<R: Into<Row>>(
+    style: TableStyle,
+    headings: impl Into<Row>,
+    rows: impl IntoIterator<Item = R>,
+    words: usize,
+) -> String {
+    let mut table = Table::new();
+    table.load_style(style).set_header(headings).add_rows(rows);
+    for column in table.column_iter_mut().skip(words) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.trim_fmt() + "\n"
 }
 
 /// The name that the command line has for a value.

@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 
 use super::axis::Axis;
-use crate::report::svg::{Area, Drawn, FONT, range, svg, tick};
+use crate::report::svg::{Area, Drawn, FONT, extremes, range, svg, tick};
 
 /// Width and height of the picture.
 const SIZE: (u32, u32) = (900, 640);
@@ -97,9 +97,8 @@ fn cell(axis: &Axis, index: usize) -> (f64, f64) {
 }
 
 fn map(area: &Area<'_>, across: &Axis, up: &Axis, quantity: &Quantity) -> Drawn {
-    let values = || quantity.values.iter().flatten().copied().filter(|value| value.is_finite());
-    let (low, high) = values()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let values = quantity.values.iter().flatten().copied();
+    let (low, high) = extremes(values.filter(|value| value.is_finite()));
     let (body, scale) = area.split_horizontally(i32::try_from(SIZE.0).unwrap_or(0) - 130);
     let span = |axis: &Axis| cell(axis, 0).0..cell(axis, axis.count() - 1).1;
     let mut chart = ChartBuilder::on(&body)

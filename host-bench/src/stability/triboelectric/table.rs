@@ -1,11 +1,11 @@
 //! The findings as tables.
 
-use comfy_table::{Table, presets};
+use comfy_table::presets;
 
 use super::judge::{AGREEMENT, LEDGER, MOST_ATTEMPTS, TIGHT, TOLERANCE};
 use super::{Class, Finding, Setting, law_name};
 use crate::method::Precision;
-use crate::outcome::{name, small};
+use crate::outcome::{name, small, table};
 use crate::stability::table::{Largest, counts};
 use crate::work_precision::table::resistance;
 
@@ -66,8 +66,7 @@ fn notes<T>(findings: &[Finding<T>]) -> Vec<String> {
 }
 
 fn list<T: Setting>(mut findings: Vec<&Finding<T>>) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header([
+    let headings = [
         "class",
         "precision",
         "R",
@@ -78,11 +77,11 @@ fn list<T: Setting>(mut findings: Vec<&Finding<T>>) -> String {
         "motion off by",
         "ledger",
         "reason",
-    ]);
+    ];
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.class));
-    for finding in findings {
+    let rows = findings.iter().map(|finding| {
         let common = finding.setting.common();
-        table.add_row([
+        [
             name(&finding.class),
             finding.precision.name().to_owned(),
             resistance(common.resistance_ohm),
@@ -93,7 +92,7 @@ fn list<T: Setting>(mut findings: Vec<&Finding<T>>) -> String {
             small(finding.motion_difference),
             small(finding.energy_residual),
             finding.reason.clone(),
-        ]);
-    }
-    table.trim_fmt() + "\n"
+        ]
+    });
+    table(presets::NOTHING, headings, rows, headings.len())
 }

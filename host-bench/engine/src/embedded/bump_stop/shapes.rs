@@ -8,7 +8,7 @@ use model_core::scalar::Polynomial;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{AnyChoices, Circuit, Stepper};
 
-use super::{Prepared, Report, bridge, parameters, prepared, refuse_start, refuse_step, resistance};
+use super::{Report, bridge, parameters, prepared, refuse_start, refuse_step, resistance};
 use crate::embedded::excitation::with_setting;
 use harvester_scene::method::{Failure, Options};
 use harvester_scene::scene_file::{BumpStop, Model, Scene};
@@ -73,8 +73,7 @@ impl Shapes<'_> {
     /// Runs the scene until all are taken.
     fn take<L: Circuit<f64>>(&mut self, what: (&Scene, &BumpStop, &Options), load: L) -> Result<(), Failure> {
         let (scene, instants) = (what.0, self.instants);
-        let Prepared { scene: harvester, start, steps: [short, long] } =
-            prepared::<f64, L, 20, 20>(what, load)?;
+        let (harvester, start, [short, long]) = prepared::<f64, L, 20, 20>(what, load)?;
         let stepper = Stepper::new(harvester, short, long).map_err(refuse_step)?;
         with_setting::<f64, Polynomial, _>(scene, what.2, |setting| {
             let excitation = setting.excitation;
