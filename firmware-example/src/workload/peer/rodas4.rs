@@ -139,7 +139,7 @@ impl Model {
 
 /// A run of the smooth scene.
 #[derive(Debug)]
-pub struct Rodas4 {
+pub(super) struct Rodas4 {
     model: Model,
     tolerance: f32,
     done: bool,
@@ -149,7 +149,7 @@ pub struct Rodas4 {
 impl Rodas4 {
     /// With `tolerance` as its relative and its absolute tolerance.
     #[must_use]
-    pub fn new(tolerance: f32) -> Self {
+    pub(super) fn new(tolerance: f32) -> Self {
         let plan = Plan { name: "numeris-rodas4", ..SMOOTH };
         Self { model: core::hint::black_box(Model::new(plan)), tolerance, done: false, bits: [0; 5] }
     }

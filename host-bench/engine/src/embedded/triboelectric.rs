@@ -91,11 +91,14 @@ pub(super) struct Prepared<'a, S: Scalar, A, T> {
 /// The simulation of a scene of the core by the method `I`.
 pub(super) type Simulated<S, A, I, const N: usize> = Simulation<A, I, AnyStepControl<S>, N, ALL_POWERS>;
 
+/// A scene of the core, not behind a bridge.
+type Bare<'a, S, M, T> = Prepared<'a, S, <T as Triboelectric>::Core<S, M>, T>;
+
 /// All that a run of a scene with a resistor needs.
 pub(super) fn prepared<'a, S: Scalar, M: Mathematics<S>, T: Triboelectric>(
     setting: Setting<'a, S>,
     model: &'a T,
-) -> Result<Prepared<'a, S, T::Core<S, M>, T>, Failure> {
+) -> Result<Bare<'a, S, M, T>, Failure> {
     let Setting { scene, options, .. } = setting;
     let core = model.core::<S, M>(scene)?;
     let control = step_control(scene, options, model.explicit_step(&core, scene.load))?;

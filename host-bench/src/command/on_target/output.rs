@@ -1,10 +1,11 @@
 //! The reports on standard output: tables with notes, or one JSON array of rows.
 
 use clap::ValueEnum;
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::presets;
 use serde_json::Value;
 
 use super::rows::{Column, Row};
+use crate::outcome;
 
 /// How to print a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -42,13 +43,7 @@ impl Output {
         if self.format == Format::Json {
             return;
         }
-        let mut table = Table::new();
-        table.load_style(presets::ASCII_MARKDOWN).set_header(header);
-        table.add_rows(rows);
-        for column in table.column_iter_mut().skip(text) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-        println!("{table}\n{note}\n");
+        println!("{}{note}\n", outcome::table(presets::ASCII_MARKDOWN, header, rows, text));
     }
 
     /// A row of the JSON array.

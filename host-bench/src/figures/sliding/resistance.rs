@@ -109,7 +109,7 @@ fn looping(
 /// A value at each resistance above 0.
 fn above_short(peaks: &[Peak], density: f64, name: &str, value: impl Fn(&Peak) -> f64) -> [Curve; 2] {
     let above = along(peaks, density).into_iter().filter(|peak| peak.case.resistance > 0.0);
-    let colour = if density == DENSITIES[0] { BLUE } else { VERMILION };
+    let colour = if density < DENSITIES[1] { BLUE } else { VERMILION };
     Curve::dotted(name, colour, [1.6, 4.5], above.map(|peak| (peak.case.resistance, value(peak))))
 }
 
