@@ -66,7 +66,7 @@ pub const SECONDS: u32 = 64;
 /// Samples per second.
 pub const RATE_HZ: u32 = 400;
 /// Metres per second squared in a raw count: a range of 2 g in 16 bits.
-pub const SCALE: f32 = 9.81 / 16384.0;
+pub const SCALE: f32 = model_core::part::GRAVITY as f32 / 16384.0;
 /// How well the converter reads the storage's voltage, in volts: half a step of 12 bits over 5 V, and noise.
 pub const VOLTAGE_ERROR: f32 = 2e-3;
 

@@ -9,8 +9,7 @@ use host_bench::scene_file::{
     self, ContactSeparation, Excitation, Load, Model, RunSpan, Scene, Sliding, SlidingParameters, Tone,
 };
 
-/// Standard gravity of the papers, in m/s².
-pub const GRAVITY: f64 = 9.81;
+pub use model_core::part::GRAVITY;
 
 /// The shipped contact-separation scene (Table 2 of the paper), changed by `change`.
 #[must_use]

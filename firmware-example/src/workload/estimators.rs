@@ -19,7 +19,7 @@ use super::bump_stop::{BEAM_MODES, LONG, ROD_MODES, SHORT};
 use super::{Progress, Visit, Workload, bump_stop, contact_separation, show, sliding};
 
 /// Metres per second squared in a raw count: a range of 4 g in 16 bits.
-const SCALE: f32 = 9.81 / 8192.0;
+const SCALE: f32 = model_core::part::GRAVITY as f32 / 8192.0;
 /// Most samples in a period of the sine.
 const LONGEST: usize = 32;
 

@@ -25,9 +25,8 @@ use self::document::Document;
 pub use self::document::{Override, SceneError};
 pub use self::scene::*;
 use self::section::Section;
-
-/// Standard gravity of the papers in m/s²: what `amplitude_g` multiplies.
-pub const GRAVITY: f64 = 9.81;
+/// Acceleration of gravity in m/s²: the factor of `amplitude_g`.
+pub use model_core::part::GRAVITY;
 
 /// The scenes that there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

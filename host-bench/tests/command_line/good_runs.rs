@@ -99,7 +99,7 @@ fn the_start_may_be_chosen() {
     let found = outcome(SHIPPED, &[start, "run.duration_s=0.001", "run.settle_s=0"]);
     assert_eq!(number(&found, "min_gap_m"), 0.0);
     // q = 1e-8 C at closed gap: V = −q d_e / (ε0 S), and it falls from there.
-    let voltage = 1e-8 * 25e-6 / (8.854_187_812_8e-12 * 4e-4);
+    let voltage = 1e-8 * 25e-6 / (model_core::part::VACUUM_PERMITTIVITY * 4e-4);
     assert!((number(&found, "peak_voltage_v") / voltage - 1.0).abs() < 1e-9);
     let start = "initial={gap_m=1e-3,velocity_m_per_s=-1.0}";
     let found = outcome(SHIPPED, &[start, "run.duration_s=0.02", "run.settle_s=0"]);

@@ -59,7 +59,7 @@ pub fn shipped<S: Scalar, M: Mathematics<S>>(resistance_ohm: f64) -> ContactSepa
 
 /// Its excitation.
 pub fn excitation<S: Scalar, M: Mathematics<S>>() -> Sine<S, M> {
-    Sine::new(S::from_f64(0.2 * 9.81), S::from_f64(20.0), S::ZERO).expect("a sine")
+    Sine::new(S::from_f64(0.2 * model_core::part::GRAVITY), S::from_f64(20.0), S::ZERO).expect("a sine")
 }
 
 /// An adaptive run of the scene with a meter of the delivered energy.

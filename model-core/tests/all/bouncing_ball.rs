@@ -13,9 +13,9 @@ use crate::common::{Leap, Problem, Run, exact_seconds, precision};
 use model_core::excitation::Silence;
 use model_core::hybrid::StepFailure;
 use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::part::GRAVITY;
 use model_core::scalar::Scalar;
 
-const GRAVITY: f64 = 9.81;
 const RESTITUTION: f64 = 0.8;
 const HEIGHT: f64 = 10.0;
 const ZENO: f64 = 12.850_588_106_343_581;

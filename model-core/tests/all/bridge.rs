@@ -18,8 +18,7 @@ use model_core::scene::{contact_separation as contact, sliding};
 
 /// Number of all powers.
 pub(crate) const WHOLE: usize = PowerIndex::ContactForce as usize + 1;
-pub(crate) const GRAVITY: f64 = 9.81;
-pub(crate) const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
+pub(crate) use model_core::part::{GRAVITY, VACUUM_PERMITTIVITY};
 
 pub(crate) type Contact<S> = contact::ContactSeparation<S, contact::AnyChoices<S>>;
 pub(crate) type Slider<S> = sliding::Sliding<S, sliding::AnyChoices<S>>;

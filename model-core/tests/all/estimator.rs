@@ -8,6 +8,7 @@ use model_core::energy::{Estimate, Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled, Stream};
 use model_core::hybrid::{Driver, StepFailure};
 use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::part::GRAVITY;
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{self, AnyContact, Restitution};
 use model_core::scene::sliding::PatchFriction;
@@ -85,7 +86,7 @@ fn same_bits_of_the_hybrid_scenes<S: Scalar>() {
         let samples = sine_samples::<S>(1.962, 20.0, rate, count);
         let adaptive = Adaptive::new(S::from_f64(5e-2)).expect("in bounds");
         same_bits_as_a_trace(contact::<S>(), TrBdf2, adaptive, rate, &samples);
-        let samples = sine_samples::<S>(0.36 * 9.81, 18.373, rate, count);
+        let samples = sine_samples::<S>(0.36 * GRAVITY, 18.373, rate, count);
         same_bits_as_a_trace(slide::<S>(), TrBdf2, adaptive, rate, &samples);
         let fixed = FixedStep::of_seconds(S::from_f64(1e-3)).expect("in bounds");
         same_bits_as_a_trace(slide::<S>(), RungeKutta4, fixed, rate, &samples);
@@ -188,7 +189,7 @@ fn budgets_change_no_bit_and_are_kept() {
 
 #[test]
 fn counts_are_the_accelerations_they_stand_for() {
-    let scale = 9.81_f32 / 16_384.0;
+    let scale = GRAVITY as f32 / 16_384.0;
     let counts: Vec<i16> = sine_samples::<f64>(3277.0, 20.0, 400.0, 800).iter().map(|&a| a as i16).collect();
     let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2).expect("in bounds"));
     let format = SampleFormat::counts(scale, 32_767);
@@ -456,7 +457,7 @@ fn the_figure_for_the_step_is_of_the_size_of_the_actual_error() {
 
         let mut parameters = sliding_parameters::<f64>();
         parameters.choices.load.resistance = resistance;
-        let samples = sine_samples(0.36 * 9.81, 18.373, 400.0, 2000);
+        let samples = sine_samples(0.36 * GRAVITY, 18.373, 400.0, 2000);
         let scene = parameters.build().expect("in bounds");
         let ratios = step_figures(&format!("sliding, {load}"), scene, &samples);
         assert!(ratios.iter().all(|ratio| (1.0..6.0).contains(ratio)), "{ratios:?}");
@@ -480,7 +481,7 @@ fn the_figure_for_rounding_covers_single_precision_in_regular_motion() {
     // Steps of one length: what differs is the rounding, of the step itself too.
     for step in [2e-4, 5e-5] {
         for resistance in [1e8, 1e6] {
-            let (single, double) = both_precisions(0.36 * 9.81, 18.373, 400.0, 1200);
+            let (single, double) = both_precisions(0.36 * GRAVITY, 18.373, 400.0, 1200);
             let (mut of_single, mut of_double) = (sliding_parameters::<f32>(), sliding_parameters::<f64>());
             (of_single.choices.load.resistance, of_double.choices.load.resistance) =
                 (resistance as f32, resistance);

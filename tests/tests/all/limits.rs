@@ -7,8 +7,8 @@ use cross_crate_tests::{
 use host_bench::method::Options;
 use host_bench::run::run_scene;
 use host_bench::scene_file::{Excitation, ForceLaw, Restitution, RunSpan, Scene};
+use model_core::part::VACUUM_PERMITTIVITY;
 
-const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
 const MASS: f64 = 5e-3;
 const STIFFNESS: f64 = 80.0;
 const GAP: f64 = 3e-3;

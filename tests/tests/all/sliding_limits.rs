@@ -9,8 +9,8 @@ use cross_crate_tests::{
 use host_bench::method::{Failure, Options};
 use host_bench::run::run_scene;
 use host_bench::scene_file::{Excitation, ForceLaw, RunSpan, Scene, Sliding, StickCharge};
+use model_core::part::VACUUM_PERMITTIVITY;
 
-const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
 const RADIUS: f64 = 10e-3;
 const PATCH: f64 = PI * RADIUS * RADIUS;
 /// `ε0 ε_r S`.

@@ -71,7 +71,7 @@ fn a_linear_motion_has_its_amplitude_and_its_multipliers() {
         let bottom = (natural * natural - angular * angular).hypot(2.0 * damping * natural * angular);
         let amplitude = 0.5 * (value(motion.peak_gap_m) - value(motion.min_gap_m));
         // The period error of the steps, 2e-7, is enlarged by ω0² / |ω0² − Ω²| / 2 or so: 60 at 20.3 Hz.
-        assert_close("amplitude", amplitude, 0.02 * 9.81 / bottom, 5e-5);
+        assert_close("amplitude", amplitude, 0.02 * model_core::part::GRAVITY / bottom, 5e-5);
         let expected = (-damping * natural / frequency).exp();
         assert_close("multiplier", value(found.largest_multiplier), expected, 1e-6);
     }
@@ -79,7 +79,7 @@ fn a_linear_motion_has_its_amplitude_and_its_multipliers() {
     for resistance in [1e12, 1e13] {
         let scene = scene(1e-6, resistance, 1e-3, 30.0);
         let found = verdict(&scene, &shooting(1e-5));
-        let capacitance = 8.854_187_812_8e-12 * 4e-4 / (3e-3 + 2.5e-5) + 1e-12;
+        let capacitance = model_core::part::VACUUM_PERMITTIVITY * 4e-4 / (3e-3 + 2.5e-5) + 1e-12;
         let expected = (-1.0 / (30.0 * resistance * capacitance)).exp();
         let found = value(found.largest_multiplier);
         assert!(

@@ -18,7 +18,7 @@ use crate::workload::{Progress, Workload};
 const STATES: usize = 5;
 /// Joules in the unit of the energy.
 const ENERGY_UNIT: f32 = 1e-6;
-const VACUUM_PERMITTIVITY: f32 = 8.854_188e-12;
+const VACUUM_PERMITTIVITY: f32 = model_core::part::VACUUM_PERMITTIVITY as f32;
 
 /// Coefficients of the default scene.
 #[derive(Debug, Clone, Copy)]

@@ -240,6 +240,7 @@ mod tests {
     use crate::excitation::Sine;
     use crate::hybrid::{Driver, Ended, HybridState};
     use crate::integrate::{Adaptive, TrBdf2};
+    use crate::part::GRAVITY;
     use crate::part::load::AnyLoad;
     use crate::scene::sliding::{
         AnyChoices, AnyForceLaw, AnyLateralForce, Choices, Parameters, PatchFriction, Start, StickCharge,
@@ -304,7 +305,7 @@ mod tests {
     #[test]
     fn the_driver_locates_releases_where_the_closed_form_has_them() {
         let scene = parameters().build().expect("in bounds");
-        let shaking = [0.30 * 9.81, 6.0];
+        let shaking = [0.30 * GRAVITY, 6.0];
         let sine = Sine::<f64>::new(shaking[0], shaking[1], 0.0).expect("valid");
         let driver =
             Driver { pause_at_events: true, ..Driver::new(TrBdf2, Adaptive::new(1e-6).expect("in bounds")) };
@@ -332,7 +333,7 @@ mod tests {
     fn after_every_event_the_slider_accelerates_the_way_it_goes() {
         for (amplitude, frequency) in [(0.30, 6.0), (0.28, 14.0), (0.36, 18.373), (0.26, 3.0)] {
             let scene = parameters().build().expect("in bounds");
-            let sine = Sine::<f64>::new(amplitude * 9.81, frequency, 0.0).expect("valid");
+            let sine = Sine::<f64>::new(amplitude * GRAVITY, frequency, 0.0).expect("valid");
             let driver = Driver {
                 pause_at_events: true,
                 ..Driver::new(TrBdf2, Adaptive::new(1e-4).expect("in bounds"))
@@ -347,7 +348,7 @@ mod tests {
                     && let Mode::Sliding { forward, .. } = state.mode
                 {
                     let along = if forward { 1.0 } else { -1.0 };
-                    let pull = 0.01 * 9.81;
+                    let pull = 0.01 * GRAVITY;
                     assert!(
                         along * state.point.derivative[VELOCITY] > -1e-9 * pull,
                         "{amplitude} {frequency}"

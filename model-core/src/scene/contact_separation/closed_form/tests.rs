@@ -1,13 +1,12 @@
 //! Against published limits, and against the equations by other means.
 
 use super::*;
+use crate::part::GRAVITY;
 use crate::part::force_law::AnyForceLaw;
 use crate::part::load::AnyLoad;
 use crate::part::parasitic::ParasiticCapacitance;
 use crate::part::restitution::{AnyRestitution, ConstantRestitution};
 use crate::scene::contact_separation::{AnyChoices, Choices, Parameters, StickCharge};
-
-const GRAVITY: f64 = 9.81;
 
 /// Table 2 of the paper, with a charge density in µC/m² and a resistance in Ω.
 fn scene<S: Scalar>(density: f64, resistance: f64) -> ContactSeparation<S, AnyChoices<S, S::Build>> {

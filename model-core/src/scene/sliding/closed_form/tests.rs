@@ -1,12 +1,12 @@
 //! Against published limits, and against the equations by other means.
 
 use super::*;
+use crate::part::GRAVITY;
 use crate::part::load::AnyLoad;
 use crate::scene::sliding::{
     AnyChoices, AnyForceLaw, AnyLateralForce, Choices, Parameters, PatchFriction, StickCharge,
 };
 
-const GRAVITY: f64 = 9.81;
 /// Table 1: static friction on the active and the inert patch, kinetic friction on both.
 const PUBLISHED: [f64; 4] = [0.35, 0.25, 0.3, 0.2];
 
