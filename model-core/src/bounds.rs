@@ -40,12 +40,39 @@ impl<S: Scalar> fmt::Display for ParameterError<S> {
 
 impl<S: Scalar> core::error::Error for ParameterError<S> {}
 
+/// States the bounds of the numbers of a struct: the table `BOUNDS`, and `check_numbers`, which refuses by it.
+///
+/// A row is `"name" = field: lowest, highest;` with the name that the error has. A field of type `Option<S>` is
+/// checked where it is given.
+macro_rules! bounded {
+    ($type:ident<S $(, $parameter:ident)*>: $($name:literal = $($field:ident).+: $lowest:expr, $highest:expr;)+) => {
+        impl<S: crate::scalar::Scalar $(, $parameter)*> $type<S $(, $parameter)*> {
+            /// Name, as in [`ParameterError::field`](crate::bounds::ParameterError::field), and bounds of each number.
+            pub const BOUNDS: &'static [(&'static str, crate::bounds::Bounds<f64>)] =
+                &[$(($name, crate::bounds::Bounds { lowest: $lowest, highest: $highest })),+];
+
+            fn check_numbers(&self) -> Result<(), crate::bounds::ParameterError<S>> {
+                $(if let Some(value) = Option::<S>::from(self.$($field).+) {
+                    crate::bounds::Bounds::new($lowest, $highest).check($name, value)?;
+                })+
+                Ok(())
+            }
+        }
+    };
+}
+pub(crate) use bounded;
+
 impl<S: Scalar> Bounds<S> {
     /// From `lowest` to `highest`, both literals of the source.
     #[must_use]
     #[inline]
     pub(crate) fn new(lowest: f64, highest: f64) -> Self {
         Self { lowest: S::from_f64(lowest), highest: S::from_f64(highest) }
+    }
+
+    /// The bounds of a table in this number type.
+    pub(crate) fn of(table: Bounds<f64>) -> Self {
+        Self::new(table.lowest, table.highest)
     }
 
     /// Refuses a value outside the bounds, and not-a-number.

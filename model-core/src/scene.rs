@@ -27,6 +27,9 @@ pub use crate::part::bounds::{Bounds, ParameterError};
 pub use closed_form::ClosedForm;
 pub use simulation::Simulation;
 
+/// Natural frequencies in Hz, undamped, that a triboelectric harvester may have.
+pub const NATURAL_FREQUENCY: Bounds<f64> = Bounds { lowest: 1e-3, highest: 1e4 };
+
 /// A harvester that is stepped under a base acceleration.
 ///
 /// [`Simulation`] implements it for every [`Scene`], [`bump_stop::Stepper`] for bump-stop.

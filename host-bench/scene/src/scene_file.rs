@@ -24,17 +24,9 @@ use std::path::{Path, PathBuf};
 use self::document::Document;
 pub use self::document::{Override, SceneError};
 pub use self::scene::*;
-use self::section::Section;
+use self::section::{Reader, Section};
 /// Acceleration of gravity in m/s²: the factor of `amplitude_g`.
 pub use model_core::part::GRAVITY;
-
-/// The scenes that there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    ContactSeparation,
-    Sliding,
-    BumpStop,
-}
 
 /// Reads and checks a scene file, with `overrides` put in first, in their order.
 ///
@@ -63,32 +55,12 @@ pub fn shipped(name: &str) -> PathBuf {
 fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>), SceneError> {
     let document = Document::read(file, overrides)?;
     let mut root = Section::root(&document);
-    let model = match root.choice(
-        "scene",
-        &[
-            ("contact-separation", Kind::ContactSeparation),
-            ("sliding", Kind::Sliding),
-            ("bump-stop", Kind::BumpStop),
-        ],
-    )? {
-        Kind::ContactSeparation => {
-            let parameters = contact_separation::parameters(root.table("parameters")?)?;
-            let initial = match root.optional_table("initial")? {
-                Some(section) => contact_separation::start(section)?,
-                None => ContactSeparationStart::default(),
-            };
-            Model::ContactSeparation(ContactSeparation { parameters, initial })
-        }
-        Kind::Sliding => {
-            let parameters = sliding::parameters(root.table("parameters")?)?;
-            let initial = match root.optional_table("initial")? {
-                Some(section) => sliding::start(section, &parameters)?,
-                None => SlidingStart::default(),
-            };
-            Model::Sliding(Sliding { parameters, initial })
-        }
-        Kind::BumpStop => Model::BumpStop(bump_stop::model(&mut root)?),
-    };
+    let scenes: [(&str, Reader<Model>); 3] = [
+        ("contact-separation", contact_separation::model),
+        ("sliding", sliding::model),
+        ("bump-stop", bump_stop::model),
+    ];
+    let model = root.choice("scene", &scenes)?(&mut root)?;
     let (load, part) = load::load(root.table("load")?)?;
     let excitation = excitation::excitation(root.table("excitation")?)?;
     let run = run_span::run_span(root.table("run")?, &excitation)?;

@@ -14,7 +14,7 @@
 //! mean. The expected power of a slot without any observation is the exponentially weighted mean.
 
 use super::storage::Relaxation;
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::bounds::{ParameterError, bounded};
 use crate::scalar::{CompensatedSum, Scalar, add_increment};
 
 /// Seconds in a day.
@@ -56,14 +56,18 @@ pub(super) struct IncomeState<S, const SLOTS: usize> {
     observed: u32,
 }
 
+bounded! { IncomeParameters<S>:
+    "time_constant" = time_constant: 1.0, 1e9;
+    "day_weight" = day_weight: 1e-3, 1.0;
+}
+
 impl<S: Scalar> IncomeParameters<S> {
     /// Checks the parameters.
     ///
     /// # Errors
     /// The first field outside its bounds.
     pub(crate) fn build<const SLOTS: usize>(self) -> Result<Income<S, SLOTS>, ParameterError<S>> {
-        Bounds::new(1.0, 1e9).check("time_constant", self.time_constant)?;
-        Bounds::new(1e-3, 1.0).check("day_weight", self.day_weight)?;
+        self.check_numbers()?;
         Ok(Income { per_time_constant: S::ONE / self.time_constant, day_weight: self.day_weight })
     }
 }

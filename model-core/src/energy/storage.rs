@@ -11,7 +11,7 @@
 //! voltage the load is disconnected until the voltage reaches the turn-on voltage. Converters lose a constant
 //! part of the energy that they convert; their idle power belongs to the load.
 
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::part::preset::Preset;
 use crate::scalar::{Mathematics, Scalar, horner};
 
@@ -34,6 +34,14 @@ pub struct StorageParameters<S> {
     /// Voltage in V at which the load is switched on again, `lock_out_voltage` to `highest_voltage`. The
     /// budget does not depend on it: a running node has passed it.
     pub turn_on_voltage: S,
+}
+
+bounded! { StorageParameters<S>:
+    "capacitance" = capacitance: 1e-9, 1e5;
+    "leakage_resistance" = leakage_resistance: 1.0, f64::INFINITY;
+    "charging_efficiency" = charging_efficiency: 0.01, 1.0;
+    "discharging_efficiency" = discharging_efficiency: 0.01, 1.0;
+    "highest_voltage" = highest_voltage: 0.01, 1e3;
 }
 
 impl<S: Scalar> StorageParameters<S> {
@@ -61,11 +69,7 @@ impl<S: Scalar> StorageParameters<S> {
     /// # Errors
     /// The first field outside its bounds.
     pub fn build(self) -> Result<Storage<S>, ParameterError<S>> {
-        Bounds::new(1e-9, 1e5).check("capacitance", self.capacitance)?;
-        Bounds::new(1.0, f64::INFINITY).check("leakage_resistance", self.leakage_resistance)?;
-        Bounds::new(0.01, 1.0).check("charging_efficiency", self.charging_efficiency)?;
-        Bounds::new(0.01, 1.0).check("discharging_efficiency", self.discharging_efficiency)?;
-        Bounds::new(0.01, 1e3).check("highest_voltage", self.highest_voltage)?;
+        self.check_numbers()?;
         let highest = self.highest_voltage;
         Bounds { lowest: S::ZERO, highest }.check("lock_out_voltage", self.lock_out_voltage)?;
         Bounds { lowest: self.lock_out_voltage, highest }.check("turn_on_voltage", self.turn_on_voltage)?;

@@ -6,7 +6,7 @@
 
 use core::fmt::Debug;
 
-use super::bounds::{Bounds, ParameterError};
+use super::bounds::{Bounds, ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// Largest voltage of a storage in V.
@@ -22,6 +22,8 @@ pub struct Lockout<S> {
     pub turn_off: S,
 }
 
+bounded! { Lockout<S>: "draw.turn_on" = turn_on: 0.0, HIGHEST_VOLTAGE; }
+
 impl<S: Scalar> Lockout<S> {
     /// Whether the draw is connected at the start, with the storage at `voltage` in V: from the turn-on voltage.
     #[inline]
@@ -30,7 +32,7 @@ impl<S: Scalar> Lockout<S> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(0.0, HIGHEST_VOLTAGE).check("draw.turn_on", self.turn_on)?;
+        self.check_numbers()?;
         Bounds { lowest: S::ZERO, highest: self.turn_on * (S::ONE - S::EPSILON) }
             .check("draw.turn_off", self.turn_off)
     }
@@ -99,6 +101,8 @@ pub struct ResistiveDraw<S> {
     pub lockout: Option<Lockout<S>>,
 }
 
+bounded! { ResistiveDraw<S>: "draw.resistance" = resistance: 1e-3, 1e15; }
+
 impl<S: Scalar> Draw<S> for ResistiveDraw<S> {
     const POSSIBLE: bool = true;
 
@@ -118,7 +122,7 @@ impl<S: Scalar> Draw<S> for ResistiveDraw<S> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(1e-3, 1e15).check("draw.resistance", self.resistance)?;
+        self.check_numbers()?;
         self.lockout.map_or(Ok(()), |lockout| lockout.check())
     }
 }
@@ -132,6 +136,8 @@ pub struct CurrentDraw<S> {
     /// The lock-out, required because an empty storage delivers no current.
     pub lockout: Lockout<S>,
 }
+
+bounded! { CurrentDraw<S>: "draw.current" = current: 0.0, 1e3; }
 
 impl<S: Scalar> Draw<S> for CurrentDraw<S> {
     const POSSIBLE: bool = true;
@@ -152,7 +158,7 @@ impl<S: Scalar> Draw<S> for CurrentDraw<S> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(0.0, 1e3).check("draw.current", self.current)?;
+        self.check_numbers()?;
         self.lockout.check()
     }
 }
@@ -167,8 +173,10 @@ pub struct PowerDraw<S> {
     pub lockout: Lockout<S>,
 }
 
-/// Smallest turn-off voltage of a constant-power draw in V.
-const LOWEST_POWER_VOLTAGE: f64 = 1e-3;
+bounded! { PowerDraw<S>:
+    "draw.power" = power: 0.0, 1e3;
+    "draw.turn_off" = lockout.turn_off: 1e-3, HIGHEST_VOLTAGE;
+}
 
 impl<S: Scalar> PowerDraw<S> {
     /// Voltage in V below which the current is constant. A trial step may reach below the turn-off voltage
@@ -198,9 +206,8 @@ impl<S: Scalar> Draw<S> for PowerDraw<S> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(0.0, 1e3).check("draw.power", self.power)?;
         self.lockout.check()?;
-        Bounds::new(LOWEST_POWER_VOLTAGE, HIGHEST_VOLTAGE).check("draw.turn_off", self.lockout.turn_off)
+        self.check_numbers()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use super::bounds::{Bounds, ParameterError};
+use super::bounds::{Bounds, ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// A law of dry friction.
@@ -52,6 +52,11 @@ pub struct PatchFriction<S> {
     pub kinetic_inert: S,
 }
 
+bounded! { PatchFriction<S>:
+    "static_friction_active" = static_active: 0.0, 10.0;
+    "static_friction_inert" = static_inert: 0.0, 10.0;
+}
+
 impl<S: Scalar> Friction<S> for PatchFriction<S> {
     const PRESENT: bool = true;
 
@@ -71,12 +76,10 @@ impl<S: Scalar> Friction<S> for PatchFriction<S> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        let all = Bounds::new(0.0, 10.0);
-        all.check("static_friction_active", self.static_active)?;
-        all.check("static_friction_inert", self.static_inert)?;
-        Bounds { highest: self.static_active, ..all }
-            .check("kinetic_friction_active", self.kinetic_active)?;
-        Bounds { highest: self.static_inert, ..all }.check("kinetic_friction_inert", self.kinetic_inert)
+        self.check_numbers()?;
+        let up_to = |highest: S| Bounds { lowest: S::ZERO, highest };
+        up_to(self.static_active).check("kinetic_friction_active", self.kinetic_active)?;
+        up_to(self.static_inert).check("kinetic_friction_inert", self.kinetic_inert)
     }
 }
 

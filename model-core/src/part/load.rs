@@ -1,6 +1,6 @@
 //! The electrical load at the terminals of the harvester.
 
-use super::bounds::{Bounds, ParameterError};
+use super::bounds::{ParameterError, bounded};
 use crate::scalar::Scalar;
 use crate::snapshot::Fingerprint;
 
@@ -16,10 +16,10 @@ pub enum Resistance<S> {
 }
 
 impl<S: Scalar> Resistance<S> {
-    /// Checks that a finite resistance is from 10⁻⁹ to 10³⁰ Ω.
+    /// Refuses a finite resistance outside the bounds of a [`Resistor`].
     pub(crate) fn check(&self) -> Result<(), ParameterError<S>> {
         match self {
-            Self::Finite(resistance) => Bounds::new(1e-9, 1e30).check("resistance", *resistance),
+            Self::Finite(resistance) => Resistor { resistance: *resistance }.check_numbers(),
             Self::Short | Self::Open => Ok(()),
         }
     }
@@ -51,9 +51,11 @@ pub(crate) trait Load<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Resistor<S> {
-    /// Load resistance in Ω.
+    /// Load resistance in Ω, 10⁻⁹ to 10³⁰.
     pub resistance: S,
 }
+
+bounded! { Resistor<S>: "resistance" = resistance: 1e-9, 1e30; }
 
 impl<S: Scalar> Load<S> for Resistor<S> {
     #[inline]

@@ -1,5 +1,6 @@
 //! The parasitic capacitance of leads and cables, in parallel with the load.
 
+use crate::bounds::{ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// An optional parasitic capacitance.
@@ -13,6 +14,11 @@ pub(crate) trait Parasitic<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
 
     /// Capacitance in F.
     fn capacitance(&self) -> S;
+
+    /// Refuses a capacitance out of its bounds.
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        ParasiticCapacitance { capacitance: self.capacitance() }.check_numbers()
+    }
 }
 
 /// No parasitic capacitance: the equations have no such term, and a step no division for it.
@@ -36,6 +42,8 @@ pub struct ParasiticCapacitance<S> {
     /// Capacitance in F.
     pub capacitance: S,
 }
+
+bounded! { ParasiticCapacitance<S>: "parasitic_capacitance" = capacitance: 0.0, 1e-3; }
 
 impl<S: Scalar> Parasitic<S> for ParasiticCapacitance<S> {
     const PRESENT: bool = true;

@@ -8,7 +8,7 @@
 //! | blocked | within the threshold | 0 | the voltage reaches a threshold |
 //! | forward, backward | `±(V_s + 2 V_D)` | into the storage | the current falls to 0 |
 
-use super::bounds::{Bounds, ParameterError};
+use super::bounds::{ParameterError, bounded};
 use super::storage::StorageElement;
 use crate::scalar::Scalar;
 use crate::snapshot::Fingerprint;
@@ -48,6 +48,8 @@ impl BridgeRegime {
     }
 }
 
+bounded! { FullBridge<S, R>: "diode_drop" = diode_drop: 0.0, 100.0; }
+
 impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
     /// Terminal voltage in V from which the bridge conducts, at a storage voltage in V.
     #[must_use]
@@ -78,7 +80,7 @@ impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
     /// # Errors
     /// The field, its value and its bounds.
     pub(crate) fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(0.0, 100.0).check("diode_drop", self.diode_drop)?;
+        self.check_numbers()?;
         self.storage.check()
     }
 }

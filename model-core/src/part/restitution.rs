@@ -2,8 +2,9 @@
 
 use core::marker::PhantomData;
 
-use crate::part::bounds::Bounds;
+use crate::part::bounds::{ParameterError, bounded};
 use crate::scalar::{Mathematics, Polynomial, Scalar};
+use crate::snapshot::Fingerprint;
 
 /// A law of restitution: the ratio of the speed after an impact to the speed before it.
 #[diagnostic::on_unimplemented(
@@ -14,19 +15,14 @@ pub trait Restitution<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
     /// The coefficient at an impact speed in m/s, at or above zero.
     fn coefficient(&self, speed: S) -> S;
 
-    /// The parameters of the law with names and bounds, for the check at the build.
-    fn parameters(&self) -> [Option<RestitutionParameter<S>>; 3];
-}
+    /// Refuses the first parameter of the law that is out of its bounds.
+    ///
+    /// # Errors
+    /// The parameter, its value and its bounds.
+    fn check(&self) -> Result<(), ParameterError<S>>;
 
-/// A parameter of a law of restitution, for the check at the build.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct RestitutionParameter<S> {
-    /// The name.
-    pub field: &'static str,
-    /// The value.
-    pub value: S,
-    /// The allowed values.
-    pub bounds: Bounds<S>,
+    /// Takes the names and the values of the law's parameters into a fingerprint.
+    fn identify(&self, fingerprint: &mut Fingerprint);
 }
 
 /// Newton's law: one coefficient for every speed.
@@ -37,19 +33,21 @@ pub struct ConstantRestitution<S> {
     pub coefficient: S,
 }
 
+bounded! { ConstantRestitution<S>: "restitution.coefficient" = coefficient: 0.0, 1.0; }
+
 impl<S: Scalar> Restitution<S> for ConstantRestitution<S> {
     #[inline]
     fn coefficient(&self, _speed: S) -> S {
         self.coefficient
     }
 
-    fn parameters(&self) -> [Option<RestitutionParameter<S>>; 3] {
-        let coefficient = RestitutionParameter {
-            field: "restitution.coefficient",
-            value: self.coefficient,
-            bounds: Bounds::new(0.0, 1.0),
-        };
-        [Some(coefficient), None, None]
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        self.check_numbers()
+    }
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name(Self::BOUNDS[0].0);
+        fingerprint.numbers(&[self.coefficient]);
     }
 }
 
@@ -70,19 +68,28 @@ pub struct VelocityDependentRestitution<S, M = Polynomial> {
     pub mathematics: PhantomData<M>,
 }
 
+bounded! { VelocityDependentRestitution<S, M>:
+    "restitution.at_rest" = at_rest: 0.0, 1.0;
+    "restitution.at_speed" = at_speed: 0.0, 1.0;
+    "restitution.reference_speed" = reference_speed: 1e-9, 1e3;
+}
+
 impl<S: Scalar, M: Mathematics<S>> Restitution<S> for VelocityDependentRestitution<S, M> {
     #[inline]
     fn coefficient(&self, speed: S) -> S {
         self.at_speed + (self.at_rest - self.at_speed) * M::exponential(-speed / self.reference_speed)
     }
 
-    fn parameters(&self) -> [Option<RestitutionParameter<S>>; 3] {
-        [
-            ("restitution.at_rest", self.at_rest, Bounds::new(0.0, 1.0)),
-            ("restitution.at_speed", self.at_speed, Bounds::new(0.0, 1.0)),
-            ("restitution.reference_speed", self.reference_speed, Bounds::new(1e-9, 1e3)),
-        ]
-        .map(|(field, value, bounds)| Some(RestitutionParameter { field, value, bounds }))
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        self.check_numbers()
+    }
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        for ((name, _), value) in Self::BOUNDS.iter().zip([self.at_rest, self.at_speed, self.reference_speed])
+        {
+            fingerprint.name(name);
+            fingerprint.numbers(&[value]);
+        }
     }
 }
 
@@ -104,10 +111,17 @@ impl<S: Scalar, M: Mathematics<S>> Restitution<S> for AnyRestitution<S, M> {
         }
     }
 
-    fn parameters(&self) -> [Option<RestitutionParameter<S>>; 3] {
+    fn check(&self) -> Result<(), ParameterError<S>> {
         match self {
-            Self::Constant(law) => law.parameters(),
-            Self::VelocityDependent(law) => law.parameters(),
+            Self::Constant(law) => law.check(),
+            Self::VelocityDependent(law) => law.check(),
+        }
+    }
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        match self {
+            Self::Constant(law) => law.identify(fingerprint),
+            Self::VelocityDependent(law) => law.identify(fingerprint),
         }
     }
 }

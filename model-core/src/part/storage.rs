@@ -8,7 +8,7 @@
 
 use core::fmt::Debug;
 
-use super::bounds::{Bounds, ParameterError};
+use super::bounds::{ParameterError, bounded};
 use super::draw::{AnyDraw, Draw, HIGHEST_VOLTAGE, Lockout};
 use crate::scalar::Scalar;
 
@@ -89,6 +89,12 @@ pub struct Capacitor<S, D> {
     pub draw: D,
 }
 
+bounded! { Capacitor<S, D>:
+    "storage.capacitance" = capacitance: 1e-12, 1e4;
+    "storage.leakage_resistance" = leakage_resistance: 1e-3, f64::INFINITY;
+    "storage.initial_voltage" = initial_voltage: 0.0, HIGHEST_VOLTAGE;
+}
+
 impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
     const CHARGES: bool = true;
     const SWITCHES: bool = D::POSSIBLE;
@@ -134,10 +140,7 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(1e-12, 1e4).check("storage.capacitance", self.capacitance)?;
-        Bounds { lowest: S::from_f64(1e-3), highest: S::INFINITY }
-            .check("storage.leakage_resistance", self.leakage_resistance)?;
-        Bounds::new(0.0, HIGHEST_VOLTAGE).check("storage.initial_voltage", self.initial_voltage)?;
+        self.check_numbers()?;
         self.draw.check()
     }
 }
@@ -149,6 +152,8 @@ pub struct DcBus<S> {
     /// Voltage in V, 0 to 10⁶.
     pub voltage: S,
 }
+
+bounded! { DcBus<S>: "bus.voltage" = voltage: 0.0, HIGHEST_VOLTAGE; }
 
 impl<S: Scalar> StorageElement<S> for DcBus<S> {
     const CHARGES: bool = false;
@@ -195,7 +200,7 @@ impl<S: Scalar> StorageElement<S> for DcBus<S> {
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
-        Bounds::new(0.0, HIGHEST_VOLTAGE).check("bus.voltage", self.voltage)
+        self.check_numbers()
     }
 }
 

@@ -1,12 +1,41 @@
 //! `[node]`, which only the command `budget` uses.
 
+use model_core::energy::{IncomeParameters, StorageParameters};
 use model_core::part::preset::Preset;
 
-use super::bounds;
+use super::bounds::{Table, between};
 use super::document::SceneError;
 use super::preset;
 use super::scene::{Action, Draw, HOURS, Load, Lockout, Node, Storage};
 use super::section::Section;
+
+/// Bounds of `[node]`.
+const NODE: &[Table] = &[
+    IncomeParameters::<f64>::BOUNDS,
+    &[
+        ("update_s", between(1.0, 3600.0)),
+        ("decision_s", between(1.0, 3600.0)),
+        ("slots_per_day", between(24.0, 144.0)),
+        ("standing_power_w", between(0.0, 1e3)),
+    ],
+];
+/// Bounds of `[node.storage]`; the capacitance is also one of the core's capacitor.
+const STORAGE: &[Table] = &[
+    &[
+        ("capacitance_f", between(1e-9, 1e4)),
+        ("initial_v", between(0.0, 1e3)),
+        ("turn_on_v", between(0.0, 1e3)),
+        ("turn_off_v", between(0.0, 1e3)),
+    ],
+    StorageParameters::<f64>::BOUNDS,
+];
+/// Bounds of `[node.day]` and `[[node.actions]]`.
+const DAY_AND_ACTIONS: &[Table] = &[&[
+    ("hours", between(0.0, 1e3)),
+    ("energy_j", between(1e-12, 1e3)),
+    ("duration_s", between(0.0, 86_400.0)),
+    ("every_s", between(1.0, 86_400.0)),
+]];
 
 /// Seconds in a day.
 const DAY: usize = 86_400;
@@ -23,6 +52,7 @@ pub(super) fn node(
     load: Load,
     part: Option<Preset<f64>>,
 ) -> Result<Node, SceneError> {
+    section.bounded_by(NODE);
     let update_s = divisor_of(&mut section, "update_s", DAY)?;
     let decision_s = if section.has("decision_s") {
         let seconds = divisor_of(&mut section, "decision_s", DAY)?;
@@ -33,37 +63,31 @@ pub(super) fn node(
     } else {
         update_s
     };
-    let slots_per_day = section.whole_number("slots_per_day", &bounds::Bound::new(24.0, 144.0))?;
+    let slots_per_day = section.whole_number("slots_per_day")?;
     if !SLOTS.contains(&slots_per_day) {
         return Err(section.refuse("slots_per_day", "must be 24, 48, 96 or 144"));
     }
-    let mut optional = |key, default| section.number_or(key, &bounds::of(key), Some(default));
-    let standing_power_w = optional("standing_power_w", 0.0)?;
-    let time_constant_s = optional("time_constant_s", TIME_CONSTANT_S)?;
-    let day_weight = optional("day_weight", DAY_WEIGHT)?;
-    let storage = storage(&mut section, load, part)?;
-    let hours = match section.optional_table("day")? {
-        Some(table) => hours(table)?,
-        None => [1.0; HOURS],
-    };
-    let actions = actions(&mut section)?;
-    section.finish()?;
-    Ok(Node {
+    let node = Node {
         update_s: update_s as u32,
         decision_s: decision_s as u32,
         slots_per_day,
-        standing_power_w,
-        time_constant_s,
-        day_weight,
-        storage,
-        actions,
-        hours,
-    })
+        standing_power_w: section.optional_number("standing_power_w")?.unwrap_or(0.0),
+        time_constant_s: section.optional_number("time_constant_s")?.unwrap_or(TIME_CONSTANT_S),
+        day_weight: section.optional_number("day_weight")?.unwrap_or(DAY_WEIGHT),
+        storage: storage(&mut section, load, part)?,
+        hours: match section.optional_table("day")? {
+            Some(table) => hours(table)?,
+            None => [1.0; HOURS],
+        },
+        actions: actions(&mut section)?,
+    };
+    section.finish()?;
+    Ok(node)
 }
 
 /// A whole number that divides another.
 fn divisor_of(section: &mut Section<'_>, key: &'static str, whole: usize) -> Result<usize, SceneError> {
-    let value = section.whole_number(key, &bounds::Bound::new(1.0, 3600.0))?;
+    let value = section.whole_number(key)?;
     if !whole.is_multiple_of(value) {
         return Err(section.refuse(key, format!("must divide {whole}, the seconds of a day")));
     }
@@ -85,6 +109,7 @@ fn storage(
         (None, Some(_)) => section.empty("storage"),
         (None, None) => section.table("storage")?,
     };
+    table.bounded_by(STORAGE);
     let own = preset::preset(&mut table)?;
     let part = own.or(part_of_load);
     let lockout = own
@@ -95,33 +120,18 @@ fn storage(
         .map(|part| part.leakage_resistance())
         .or(of_load.map(|store| store.leakage_ohm))
         .or(part.map(|part| part.leakage_resistance()));
-    let mut number =
-        |key: &'static str, bound: &str, other: Option<f64>| table.number_or(key, &bounds::of(bound), other);
+    let highest = part.map(|part| part.highest_voltage).filter(|highest| highest.is_finite());
     let storage = Storage {
-        capacitance_f: number(
-            "capacitance_f",
-            "storage.capacitance_f",
-            of_load.map(|store| store.capacitance_f),
-        )?,
-        leakage_ohm: number("leakage_ohm", "storage.leakage_ohm", leakage_ohm)?,
-        initial_v: number("initial_v", "storage.initial_v", of_load.map(|store| store.initial_v))?,
-        charging_efficiency: number(
-            "charging_efficiency",
-            "charging_efficiency",
-            part.map(|part| part.charging_efficiency),
-        )?,
-        discharging_efficiency: number(
-            "discharging_efficiency",
-            "discharging_efficiency",
-            part.map(|part| part.discharging_efficiency),
-        )?,
-        highest_v: number(
-            "highest_v",
-            "highest_v",
-            part.map(|part| part.highest_voltage).filter(|highest| highest.is_finite()),
-        )?,
-        turn_off_v: number("turn_off_v", "storage.turn_off_v", lockout.map(|lockout| lockout.turn_off_v))?,
-        turn_on_v: number("turn_on_v", "storage.turn_on_v", lockout.map(|lockout| lockout.turn_on_v))?,
+        capacitance_f: table.number_or("capacitance_f", of_load.map(|store| store.capacitance_f))?,
+        leakage_ohm: table.number_or("leakage_ohm", leakage_ohm)?,
+        initial_v: table.number_or("initial_v", of_load.map(|store| store.initial_v))?,
+        charging_efficiency: table
+            .number_or("charging_efficiency", part.map(|part| part.charging_efficiency))?,
+        discharging_efficiency: table
+            .number_or("discharging_efficiency", part.map(|part| part.discharging_efficiency))?,
+        highest_v: table.number_or("highest_v", highest)?,
+        turn_off_v: table.number_or("turn_off_v", lockout.map(|lockout| lockout.turn_off_v))?,
+        turn_on_v: table.number_or("turn_on_v", lockout.map(|lockout| lockout.turn_on_v))?,
         own_power_w: part.map_or(0.0, |part| part.power_at_store(0.0)),
     };
     in_order(&table, &storage)?;
@@ -158,7 +168,8 @@ fn in_order(section: &Section<'_>, storage: &Storage) -> Result<(), SceneError> 
 
 /// Reads `[node.day]`.
 fn hours(mut section: Section<'_>) -> Result<[f64; HOURS], SceneError> {
-    let factors = section.optional_numbers("hours", &bounds::of("hours"), HOURS, "hour from midnight")?;
+    section.bounded_by(DAY_AND_ACTIONS);
+    let factors = section.optional_numbers("hours", HOURS, "hour from midnight")?;
     let Some(factors) = factors.and_then(|factors| <[f64; HOURS]>::try_from(factors).ok()) else {
         return Err(section.refuse("hours", format!("is missing; must be {HOURS} numbers")));
     };
@@ -170,6 +181,7 @@ fn hours(mut section: Section<'_>) -> Result<[f64; HOURS], SceneError> {
 fn actions(section: &mut Section<'_>) -> Result<Vec<Action>, SceneError> {
     let mut actions: Vec<Action> = Vec::new();
     for mut table in section.tables("actions")? {
+        table.bounded_by(DAY_AND_ACTIONS);
         let Some(name) = table.text("name").map(str::to_owned).filter(|name| !name.trim().is_empty()) else {
             let absent = if table.has("name") { "" } else { "is missing; " };
             return Err(table.refuse("name", format!("{absent}must be a text that is not empty")));
@@ -179,9 +191,9 @@ fn actions(section: &mut Section<'_>) -> Result<Vec<Action>, SceneError> {
         }
         actions.push(Action {
             name,
-            energy_j: table.number("energy_j", &bounds::of("energy_j"))?,
-            duration_s: table.number("duration_s", &bounds::of("action.duration_s"))?,
-            every_s: table.number("every_s", &bounds::of("every_s"))?,
+            energy_j: table.number("energy_j")?,
+            duration_s: table.number("duration_s")?,
+            every_s: table.number("every_s")?,
         });
         table.finish()?;
     }

@@ -1,6 +1,6 @@
 //! `[run]`.
 
-use super::bounds::{self, Bound, Short};
+use super::bounds::{Short, Table, between};
 use super::document::SceneError;
 use super::scene::{Excitation, RunSpan};
 use super::section::Section;
@@ -8,30 +8,36 @@ use super::section::Section;
 /// Shortest measuring window in s.
 const SHORTEST_WINDOW: f64 = 1e-9;
 
+/// Bounds of `[run]`.
+const RUN: &[Table] = &[&[
+    ("duration_s", between(1e-6, 1e7)),
+    ("settle_s", between(0.0, 1e7)),
+    ("duration_periods", between(0.0, 1e12)),
+    ("settle_periods", between(0.0, 1e12)),
+]];
+
 /// Reads `[run]`.
 pub(super) fn run_span(mut section: Section<'_>, excitation: &Excitation) -> Result<RunSpan, SceneError> {
+    section.bounded_by(RUN);
     let (duration_key, duration) = span(&mut section, excitation, ["duration_s", "duration_periods"])?;
     let Some(duration_s) = duration else {
-        return Err(section.refuse(duration_key, format!("is missing; must be {}", bounds::of(duration_key))));
+        let bound = section.bound(duration_key);
+        return Err(section.refuse(duration_key, format!("is missing; must be {bound}")));
     };
     let (settle_key, settle) = span(&mut section, excitation, ["settle_s", "settle_periods"])?;
     let settle_s = settle.unwrap_or(0.0);
     if settle_s > duration_s - SHORTEST_WINDOW {
-        return Err(section.refuse(
-            settle_key,
-            format!("{} s must be before the end of the run at {} s", Short(settle_s), Short(duration_s)),
-        ));
+        let (settle, end) = (Short(settle_s), Short(duration_s));
+        let reason = format!("{settle} s must be before the end of the run at {end} s");
+        return Err(section.refuse(settle_key, reason));
     }
     if let Excitation::File(trace) = excitation {
         let length = (trace.samples_m_per_s2.len() - 1) as f64 / trace.rate_hz;
         if !trace.repeat && length < duration_s * (1.0 - 1e-12) {
-            return Err(section.refuse(
-                duration_key,
-                format!(
-                    "the trace is {} s long; must not be longer, or excitation.repeat be true",
-                    Short(length)
-                ),
-            ));
+            let length = Short(length);
+            let reason =
+                format!("the trace is {length} s long; must not be longer, or excitation.repeat be true");
+            return Err(section.refuse(duration_key, reason));
         }
     }
     section.finish()?;
@@ -44,27 +50,22 @@ fn span(
     excitation: &Excitation,
     [seconds_key, periods_key]: [&'static str; 2],
 ) -> Result<(&'static str, Option<f64>), SceneError> {
-    let bound = bounds::of(seconds_key);
-    let seconds = section.optional_number(seconds_key, &bound)?;
-    let Some(periods) = section.optional_number(periods_key, &bounds::of(periods_key))? else {
+    let seconds = section.optional_number(seconds_key)?;
+    let Some(periods) = section.optional_number(periods_key)? else {
         return Ok((seconds_key, seconds));
     };
     if seconds.is_some() {
         return Err(section.refuse(periods_key, format!("must not be given beside {seconds_key}")));
     }
     let Some(frequency) = excitation.single_frequency() else {
-        return Err(section.refuse(
-            periods_key,
-            format!("needs an excitation of one sine with a frequency above 0; give {seconds_key}"),
-        ));
+        let reason = format!("needs an excitation of one sine with a frequency above 0; give {seconds_key}");
+        return Err(section.refuse(periods_key, reason));
     };
     let value = periods / frequency;
-    let Bound { lowest, highest, .. } = bound;
+    let bound = section.bound(seconds_key);
     if !bound.contains(value) {
-        return Err(section.refuse(
-            periods_key,
-            format!("is {} s, must be from {} to {} s", Short(value), Short(lowest), Short(highest)),
-        ));
+        let reason = format!("is {} s, must be {bound} s", Short(value));
+        return Err(section.refuse(periods_key, reason));
     }
     Ok((periods_key, Some(value)))
 }

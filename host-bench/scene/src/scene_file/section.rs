@@ -1,6 +1,6 @@
 //! One table of a scene file, read key by key; what nobody asked for is refused.
 
-use super::bounds::{Bound, Short};
+use super::bounds::{Bound, Short, Table};
 use super::document::{Content, Document, Node, Origin, SceneError};
 use super::scene::{ForceLaw, StickCharge};
 
@@ -12,7 +12,20 @@ pub(super) struct Section<'a> {
     prefix: String,
     entries: &'a [(String, Node)],
     known: Vec<&'static str>,
+    /// The bounds of its numbers.
+    tables: &'static [Table],
 }
+
+/// Reads what a table says with one of the words of a choice.
+pub(super) type Reader<T> = fn(&mut Section<'_>) -> Result<T, SceneError>;
+
+/// A struct of numbers that are read from the keys of their names, and of other fields after a `;`.
+macro_rules! numbers {
+    ($section:ident, $($name:ident)::+ { $($key:ident),+; $($rest:tt)* }) => {
+        $($name)::+ { $($key: $section.number(stringify!($key))?,)+ $($rest)* }
+    };
+}
+pub(super) use numbers;
 
 impl<'a> Section<'a> {
     /// The whole document.
@@ -21,7 +34,7 @@ impl<'a> Section<'a> {
             Content::Table(entries) => entries,
             _ => &[],
         };
-        Self { document, prefix: String::new(), entries, known: Vec::new() }
+        Self { document, prefix: String::new(), entries, known: Vec::new(), tables: &[] }
     }
 
     /// The full name of a key here.
@@ -63,12 +76,19 @@ impl<'a> Section<'a> {
         &self.document.file
     }
 
+    /// The bound of a key.
+    pub(super) fn bound(&self, key: &str) -> Bound {
+        Bound::of(key, self.tables)
+    }
+
+    /// Reads the numbers from here on by these bounds.
+    pub(super) fn bounded_by(&mut self, tables: &'static [Table]) {
+        self.tables = tables;
+    }
+
     /// A number, if the key is there.
-    pub(super) fn optional_number(
-        &mut self,
-        key: &'static str,
-        bound: &Bound,
-    ) -> Result<Option<f64>, SceneError> {
+    pub(super) fn optional_number(&mut self, key: &'static str) -> Result<Option<f64>, SceneError> {
+        let bound = self.bound(key);
         match self.find(key).map(|node| &node.content) {
             None => Ok(None),
             Some(Content::Number(value, _)) if bound.contains(*value) => Ok(Some(*value)),
@@ -77,25 +97,20 @@ impl<'a> Section<'a> {
     }
 
     /// A number that must be there.
-    pub(super) fn number(&mut self, key: &'static str, bound: &Bound) -> Result<f64, SceneError> {
-        self.optional_number(key, bound)?.ok_or_else(|| self.missing(key, &bound.to_string()))
+    pub(super) fn number(&mut self, key: &'static str) -> Result<f64, SceneError> {
+        self.number_or(key, None)
     }
 
     /// A number that must be there unless there is a `default` for it.
-    pub(super) fn number_or(
-        &mut self,
-        key: &'static str,
-        bound: &Bound,
-        default: Option<f64>,
-    ) -> Result<f64, SceneError> {
-        let given = self.optional_number(key, bound)?;
-        given.or(default).ok_or_else(|| self.missing(key, &bound.to_string()))
+    pub(super) fn number_or(&mut self, key: &'static str, default: Option<f64>) -> Result<f64, SceneError> {
+        let given = self.optional_number(key)?;
+        given.or(default).ok_or_else(|| self.missing(key, &self.bound(key).to_string()))
     }
 
     /// A whole number that must be there.
-    pub(super) fn whole_number(&mut self, key: &'static str, bound: &Bound) -> Result<usize, SceneError> {
-        let Bound { lowest, highest, .. } = bound;
-        let wanted = format!("a whole number from {lowest} to {highest}");
+    pub(super) fn whole_number(&mut self, key: &'static str) -> Result<usize, SceneError> {
+        let bound = self.bound(key);
+        let wanted = format!("a whole number from {} to {}", bound.range.lowest, bound.range.highest);
         match self.find(key).map(|node| &node.content) {
             None => Err(self.missing(key, &wanted)),
             Some(Content::Number(value, _)) if bound.contains(*value) && value.fract() == 0.0 => {
@@ -109,33 +124,31 @@ impl<'a> Section<'a> {
     pub(super) fn optional_numbers(
         &mut self,
         key: &'static str,
-        bound: &Bound,
         count: usize,
         each: &str,
     ) -> Result<Option<Vec<f64>>, SceneError> {
-        let Bound { lowest, highest, .. } = *bound;
-        let between = format!("each from {} to {}", Short(lowest), Short(highest));
+        let bound = self.bound(key);
+        let (lowest, highest) = (Short(bound.range.lowest), Short(bound.range.highest));
+        let wanted = format!("{count} numbers, each from {lowest} to {highest}");
         let items = match self.find(key).map(|node| &node.content) {
             None => return Ok(None),
             Some(Content::List(items)) => items,
-            Some(_) => return Err(self.refuse(key, format!("must be a list of {count} numbers, {between}"))),
+            Some(_) => return Err(self.refuse(key, format!("must be a list of {wanted}"))),
         };
         let value = |item: &Node| match &item.content {
             Content::Number(value, _) if bound.contains(*value) => Some(*value),
             _ => None,
         };
         let values: Vec<f64> = items.iter().map_while(value).collect();
-        if values.len() < items.len() {
-            let (at, bad) = (values.len(), &items[values.len()].content);
-            return Err(self.refuse(key, format!("item {at} is {bad}: must be {count} numbers, {between}")));
+        let found = values.len();
+        match items.get(found) {
+            Some(bad) => Err(self.refuse(key, format!("item {found} is {}: must be {wanted}", bad.content))),
+            None if found == count => Ok(Some(values)),
+            None => {
+                let reason = format!("must be {count} numbers, one for each {each}; are {found}");
+                Err(self.refuse(key, reason))
+            }
         }
-        if values.len() != count {
-            let found = values.len();
-            return Err(
-                self.refuse(key, format!("must be {count} numbers, one for each {each}; are {found}"))
-            );
-        }
-        Ok(Some(values))
     }
 
     /// A text, if the value is one.
@@ -226,7 +239,13 @@ impl<'a> Section<'a> {
     }
 
     fn inner(&self, name: &str, entries: &'a [(String, Node)]) -> Section<'a> {
-        Section { document: self.document, prefix: format!("{name}."), entries, known: Vec::new() }
+        Section {
+            document: self.document,
+            prefix: format!("{name}."),
+            entries,
+            known: Vec::new(),
+            tables: &[],
+        }
     }
 
     /// Refuses what nobody asked for.

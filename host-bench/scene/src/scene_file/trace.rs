@@ -3,8 +3,9 @@
 mod table;
 mod wave;
 
-use super::bounds::{self, Bound};
+use super::bounds::Bound;
 use super::document::SceneError;
+use super::excitation::HIGHEST_ACCELERATION;
 use super::scene::Trace;
 use super::section::Section;
 
@@ -41,7 +42,7 @@ impl Column {
         if let Some(name) = section.text(key) {
             return Ok(Some(Self::Name(name.to_owned())));
         }
-        match section.optional_number(key, &Bound::new(1.0, 10_000.0)) {
+        match section.optional_number(key) {
             Ok(Some(number)) if number.fract() == 0.0 => Ok(Some(Self::Number(number as usize))),
             _ => Err(section.refuse(key, format!("must be {}", Self::WANTED))),
         }
@@ -54,27 +55,16 @@ impl Column {
     }
 }
 
-/// What a recorded number is in m/s², and how large that may be.
-#[derive(Debug, Clone, Copy)]
-struct Scale {
-    /// m/s² for each unit of the file.
-    factor: f64,
-    highest: f64,
-}
-
-impl Scale {
-    /// `value` of the file, read at `place`, in m/s².
-    fn apply(&self, value: f64, place: impl FnOnce() -> String) -> Result<f64, TraceFault> {
-        let Self { factor, highest } = *self;
-        let scaled = value * factor;
-        // Not-a-number is refused too.
-        if scaled.abs() <= highest {
-            return Ok(scaled);
-        }
-        let place = place();
-        let text = format!("{place}: {value} times scale_m_per_s2 must be within {highest:e} m/s2");
-        Err(TraceFault::new("path", text))
+/// A number of the file, read at `place`, times `scale`, in m/s².
+fn scaled(value: f64, scale: f64, place: impl FnOnce() -> String) -> Result<f64, TraceFault> {
+    let scaled = value * scale;
+    // Not-a-number is refused too.
+    if scaled.abs() <= HIGHEST_ACCELERATION {
+        return Ok(scaled);
     }
+    let place = place();
+    let text = format!("{place}: {value} times scale_m_per_s2 must be within {HIGHEST_ACCELERATION:e} m/s2");
+    Err(TraceFault::new("path", text))
 }
 
 /// Refuses a trace between whose samples there is nothing, which ends at `place`.
@@ -88,8 +78,7 @@ fn enough(samples: &[f64], place: &str) -> Result<(), TraceFault> {
 
 /// Reads the keys of an excitation from a file, and the file.
 pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
-    let factor = section.number("scale_m_per_s2", &bounds::of("scale_m_per_s2"))?;
-    let scale = Scale { factor, highest: bounds::of("amplitude_m_per_s2").highest };
+    let scale = section.number("scale_m_per_s2")?;
     let repeat = section.flag("repeat", false)?;
     let column = Column::read(section, "column")?;
     let Some(path) = section.text("path") else {
@@ -97,19 +86,15 @@ pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
         return Err(section.refuse("path", format!("{absent}must be the name of a CSV or WAV file")));
     };
     let full = section.file().parent().map_or_else(|| path.into(), |folder| folder.join(path));
-    let refuse = |section: &Section<'_>, fault: TraceFault| {
-        section.refuse(fault.key, format!("{}: {}", full.display(), fault.text))
-    };
     let is_wave = full.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("wav"));
-    let bound = bounds::of("rate_hz");
     let (samples, rate_hz) = if is_wave {
-        let told = section.optional_number("rate_hz", &bound)?;
-        wave::samples(&full, &column, scale, told).map_err(|fault| refuse(section, fault))?
+        let told = section.optional_number("rate_hz")?;
+        wave::samples(&full, &column, scale, told, section.bound("rate_hz"))
     } else {
-        let rate_hz = section.number("rate_hz", &bound)?;
+        let rate_hz = section.number("rate_hz")?;
         let clock = Column::optional(section, "time_column")?;
-        let samples = table::samples(&full, &column, scale, clock.as_ref(), rate_hz);
-        (samples.map_err(|fault| refuse(section, fault))?, rate_hz)
-    };
+        table::samples(&full, &column, scale, clock.as_ref(), rate_hz).map(|samples| (samples, rate_hz))
+    }
+    .map_err(|fault| section.refuse(fault.key, format!("{}: {}", full.display(), fault.text)))?;
     Ok(Trace { samples_m_per_s2: samples.into(), rate_hz, repeat })
 }

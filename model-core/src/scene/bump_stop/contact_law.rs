@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::bounds::{ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// The numerical method of a contact law.
@@ -39,7 +39,9 @@ pub(crate) trait ContactLaw<S: Scalar>: Copy + Debug + PartialEq {
     /// The first parameter outside its bounds.
     fn check(&self) -> Result<(), ParameterError<S>> {
         match self.kind() {
-            ContactKind::Impulsive { restitution } => Bounds::new(0.0, 1.0).check("restitution", restitution),
+            ContactKind::Impulsive { restitution } => {
+                Restitution { coefficient: restitution }.check_numbers()
+            }
             ContactKind::None | ContactKind::Compliant | ContactKind::Constrained => Ok(()),
         }
     }
@@ -88,6 +90,8 @@ pub struct Restitution<S> {
     /// Coefficient of restitution `e`, 0 to 1.
     pub coefficient: S,
 }
+
+bounded! { Restitution<S>: "restitution" = coefficient: 0.0, 1.0; }
 
 impl<S: Scalar> ContactLaw<S> for Restitution<S> {
     const POSSIBLE: bool = true;

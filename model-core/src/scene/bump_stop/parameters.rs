@@ -4,7 +4,7 @@ use super::circuit::Circuit;
 use super::stop::StopChoice;
 use super::{BeamCoefficients, BumpStop, Choices, Parts, RodCoefficients};
 use crate::part::beam::Cantilever;
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::part::monomorph::{Layer, Monomorph};
 use crate::part::rod::Rod;
 use crate::scalar::Scalar;
@@ -34,6 +34,20 @@ pub struct Parameters<S, C> {
 fn check_frequency<S: Scalar>(field: &'static str, angular_frequency: S) -> Result<(), ParameterError<S>> {
     let frequency = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
     Bounds::new(1e-3, 1e8).check(field, frequency)
+}
+
+bounded! { Parameters<S, C>:
+    "beam_length" = beam_length: 1e-4, 10.0;
+    "beam_width" = beam_width: 1e-5, 10.0;
+    "substrate_thickness" = substrate.thickness: 1e-7, 1.0;
+    "substrate_young_modulus" = substrate.young_modulus: 1e5, 1e15;
+    "substrate_density" = substrate.density: 1.0, 1e5;
+    "piezo_thickness" = piezo.thickness: 1e-7, 1.0;
+    "piezo_young_modulus" = piezo.young_modulus: 1e5, 1e15;
+    "piezo_density" = piezo.density: 1.0, 1e5;
+    "piezo_d31" = piezo_d31: -1e-8, 1e-8;
+    "piezo_permittivity" = piezo_permittivity: 1e-12, 1e-6;
+    "damping_ratio" = damping_ratio: 0.0, 0.9;
 }
 
 impl<S: Scalar, C> Parameters<S, C> {
@@ -132,22 +146,10 @@ impl<S: Scalar, C> Parameters<S, C> {
     where
         C: Parts<S>,
     {
-        Bounds::new(1e-4, 10.0).check("beam_length", self.beam_length)?;
-        Bounds::new(1e-5, 10.0).check("beam_width", self.beam_width)?;
-        let (thickness, modulus, density) =
-            (Bounds::new(1e-7, 1.0), Bounds::new(1e5, 1e15), Bounds::new(1.0, 1e5));
-        thickness.check("substrate_thickness", self.substrate.thickness)?;
-        modulus.check("substrate_young_modulus", self.substrate.young_modulus)?;
-        density.check("substrate_density", self.substrate.density)?;
-        thickness.check("piezo_thickness", self.piezo.thickness)?;
-        modulus.check("piezo_young_modulus", self.piezo.young_modulus)?;
-        density.check("piezo_density", self.piezo.density)?;
-        Bounds::new(-1e-8, 1e-8).check("piezo_d31", self.piezo_d31)?;
-        Bounds::new(1e-12, 1e-6).check("piezo_permittivity", self.piezo_permittivity)?;
-        Bounds::new(0.0, 0.9).check("damping_ratio", self.damping_ratio)?;
-        let choices = self.choices.choices();
-        choices.load.check()?;
-        choices.stop.stop().map_or(Ok(()), |stop| stop.check(self.beam_length))
+        let Choices { load, stop, .. } = self.choices.choices();
+        self.check_numbers()?;
+        load.check()?;
+        stop.stop().map_or(Ok(()), |stop| stop.check(self.beam_length))
     }
 }
 

@@ -69,6 +69,15 @@ impl<S: Scalar, const B: usize, const R: usize> Default for Start<S, B, R> {
     }
 }
 
+impl<S, const B: usize, const R: usize> Start<S, B, R> {
+    /// Name, as in [`ParameterError::field`], and bounds of a displacement, of a velocity and of the voltage.
+    pub const BOUNDS: &'static [(&'static str, Bounds<f64>); 3] = &[
+        ("modal displacement", Bounds { lowest: -1e3, highest: 1e3 }),
+        ("modal velocity", Bounds { lowest: -1e6, highest: 1e6 }),
+        ("voltage", Bounds { lowest: -1e6, highest: 1e6 }),
+    ];
+}
+
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// The state of this harvester at time zero.
     ///
@@ -79,11 +88,13 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         start: &Start<S, B, R>,
         excitation: &E,
     ) -> Result<StateOf<S, P, B, R>, ParameterError<S>> {
+        let [displacement_bounds, velocity_bounds, voltage_bounds] = *Start::<S, B, R>::BOUNDS;
+        let refuse = |(name, bounds), value| Bounds::<S>::of(bounds).check(name, value);
         for [displacement, velocity] in start.beam.iter().chain(&start.rod) {
-            Bounds::new(-1e3, 1e3).check("modal displacement", *displacement)?;
-            Bounds::new(-1e6, 1e6).check("modal velocity", *velocity)?;
+            refuse(displacement_bounds, *displacement)?;
+            refuse(velocity_bounds, *velocity)?;
         }
-        Bounds::new(-1e6, 1e6).check("voltage", start.voltage)?;
+        refuse(voltage_bounds, start.voltage)?;
         let mut state = State {
             clock: Instant::START,
             beam: start.beam,

@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 use super::contact_law::{ContactLaw, NoStop, ResidualFlexibility};
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::part::rod::Rod;
 use crate::scalar::Scalar;
 
@@ -73,6 +73,15 @@ impl<S: Scalar, C: ContactLaw<S>> StopChoice<S> for Stop<S, C> {
     }
 }
 
+bounded! { Stop<S, C>:
+    "stop.length" = length: 1e-4, 10.0;
+    "stop.section" = section: 1e-12, 1.0;
+    "stop.young_modulus" = young_modulus: 1e5, 1e15;
+    "stop.density" = density: 1.0, 1e5;
+    "stop.gap" = gap: 0.0, 1.0;
+    "stop.contact_compliance" = contact_compliance: 0.0, 1.0;
+}
+
 impl<S: Scalar, C: ContactLaw<S>> Stop<S, C> {
     /// The rod for axial modes.
     pub(super) fn rod(&self) -> Rod<S> {
@@ -86,13 +95,8 @@ impl<S: Scalar, C: ContactLaw<S>> Stop<S, C> {
     /// Checks the stop for a beam of the length `beam_length` in m.
     #[inline(always)]
     pub(super) fn check(&self, beam_length: S) -> Result<(), ParameterError<S>> {
-        Bounds::new(1e-4, 10.0).check("stop.length", self.length)?;
-        Bounds::new(1e-12, 1.0).check("stop.section", self.section)?;
-        Bounds::new(1e5, 1e15).check("stop.young_modulus", self.young_modulus)?;
-        Bounds::new(1.0, 1e5).check("stop.density", self.density)?;
+        self.check_numbers()?;
         Bounds { lowest: S::from_f64(1e-4), highest: beam_length }.check("stop.position", self.position)?;
-        Bounds::new(0.0, 1.0).check("stop.gap", self.gap)?;
-        Bounds::new(0.0, 1.0).check("stop.contact_compliance", self.contact_compliance)?;
         self.contact.check()
     }
 }

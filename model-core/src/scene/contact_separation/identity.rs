@@ -46,10 +46,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for C
             let circuit = self.circuit(self.initial_gap, charge);
             fingerprint.numbers(&[self.force_law.attraction(&circuit, self.tribo_charge)]);
         }
-        for parameter in self.restitution.parameters().iter().flatten() {
-            fingerprint.name(parameter.field);
-            fingerprint.numbers(&[parameter.value]);
-        }
+        self.restitution.identify(fingerprint);
         fingerprint.count(u32::from(P::Sticking::POSSIBLE));
         fingerprint.count(u32::from(self.sticking.relaxes()));
     }

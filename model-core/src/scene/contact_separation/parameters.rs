@@ -2,11 +2,12 @@
 
 use super::{Choices, ContactSeparation, Parts};
 use crate::part::VACUUM_PERMITTIVITY;
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::part::load::{Load, Resistance};
 use crate::part::parasitic::Parasitic;
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
+use crate::scene::NATURAL_FREQUENCY;
 
 /// Parameters of a contact-separation harvester, in SI units. Table 2 of Fu, Ouyang and Davis (2020).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +33,17 @@ pub struct Parameters<S, C> {
     pub choices: C,
 }
 
+bounded! { Parameters<S, C>:
+    "mass" = mass: 1e-12, 1e3;
+    "stiffness" = stiffness: 1e-9, 1e9;
+    "damping_ratio" = damping_ratio: 0.0, 10.0;
+    "initial_gap" = initial_gap: 1e-9, 1.0;
+    "electrode_area" = electrode_area: 1e-12, 10.0;
+    "dielectric_thickness" = dielectric_thickness: 1e-9, 0.1;
+    "relative_permittivity" = relative_permittivity: 1.0, 1e5;
+    "charge_density" = charge_density: 0.0, 1e-2;
+}
+
 impl<S: Scalar, C> Parameters<S, C> {
     /// Checks the parameters and computes the coefficients.
     ///
@@ -49,7 +61,8 @@ impl<S: Scalar, C> Parameters<S, C> {
         let stiffness_per_mass = self.stiffness / self.mass;
         let angular_frequency = stiffness_per_mass.sqrt();
         let frequency = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
-        Bounds::new(1e-3, 1e4).check("natural frequency sqrt(stiffness / mass) / (2 pi)", frequency)?;
+        Bounds::of(NATURAL_FREQUENCY)
+            .check("natural frequency sqrt(stiffness / mass) / (2 pi)", frequency)?;
         let permittivity_area = S::from_f64(VACUUM_PERMITTIVITY) * self.electrode_area;
         let charge_unit = (two * permittivity_area * self.mass).sqrt();
         let tribo_charge = self.charge_density * self.electrode_area / charge_unit;
@@ -107,20 +120,9 @@ impl<S: Scalar, C> Parameters<S, C> {
         C: Parts<S>,
     {
         let Choices { load, restitution, parasitic, .. } = self.choices.choices();
-        Bounds::new(1e-12, 1e3).check("mass", self.mass)?;
-        Bounds::new(1e-9, 1e9).check("stiffness", self.stiffness)?;
-        Bounds::new(0.0, 10.0).check("damping_ratio", self.damping_ratio)?;
-        Bounds::new(1e-9, 1.0).check("initial_gap", self.initial_gap)?;
-        Bounds::new(1e-12, 10.0).check("electrode_area", self.electrode_area)?;
-        Bounds::new(1e-9, 0.1).check("dielectric_thickness", self.dielectric_thickness)?;
-        Bounds::new(1.0, 1e5).check("relative_permittivity", self.relative_permittivity)?;
-        Bounds::new(0.0, 1e-2).check("charge_density", self.charge_density)?;
-        Bounds::new(0.0, 1e-3).check("parasitic_capacitance", parasitic.capacitance())?;
+        self.check_numbers()?;
+        parasitic.check()?;
         load.resistance().check()?;
-        restitution
-            .parameters()
-            .into_iter()
-            .flatten()
-            .try_for_each(|parameter| parameter.bounds.check(parameter.field, parameter.value))
+        restitution.check()
     }
 }

@@ -6,19 +6,25 @@ use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
 use crate::integrate::StepControl;
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::bounds::{ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// Initial values; a `None` is at rest at the initial gap, electrically relaxed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Start<S> {
-    /// Gap in m, 0 to 10; by default the initial gap `d0`.
+    /// Gap in m, 0 to 1; by default the initial gap `d0`.
     pub gap: Option<S>,
     /// Velocity in m/s, at most 10³ in magnitude, positive: opening; by default 0.
     pub velocity: Option<S>,
     /// Transferred charge `q` in C, at most 1 in magnitude; by default the charge at zero voltage.
     pub charge: Option<S>,
+}
+
+bounded! { Start<S>:
+    "gap" = gap: 0.0, 1.0;
+    "velocity" = velocity: -1e3, 1e3;
+    "charge" = charge: -1.0, 1.0;
 }
 
 impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
@@ -38,14 +44,12 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         E: Excitation<S>,
         C: StepControl<S>,
     {
+        start.check_numbers()?;
         let gap = start.gap.unwrap_or(self.initial_gap);
         let velocity = start.velocity.unwrap_or(S::ZERO);
-        Bounds::new(0.0, 10.0).check("gap", gap)?;
-        Bounds::new(-1e3, 1e3).check("velocity", velocity)?;
         let charge = match start.charge {
             None => self.relaxed_charge(gap),
             Some(coulombs) => {
-                Bounds::new(-1.0, 1.0).check("charge", coulombs)?;
                 // Q = q − C_p V with V at the charge q.
                 let transferred = coulombs / self.charge_unit;
                 let voltage = self.tribo_charge * gap - transferred * (gap + self.dielectric);

@@ -3,10 +3,11 @@
 use super::force_law::Surface;
 use super::{Choices, Friction, Parts, Sliding};
 use crate::part::beam::Cantilever;
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::part::load::{Load, Resistance};
 use crate::part::{GRAVITY, VACUUM_PERMITTIVITY};
 use crate::scalar::Scalar;
+use crate::scene::NATURAL_FREQUENCY;
 
 /// Parameters of a sliding harvester, in SI units. Table 1 of Fu, Ouyang and Davis (2020).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,6 +40,20 @@ pub struct Parameters<S, C> {
     pub choices: C,
 }
 
+bounded! { Parameters<S, C>:
+    "beam_length" = beam_length: 1e-4, 10.0;
+    "beam_width" = beam_width: 1e-5, 10.0;
+    "beam_thickness" = beam_thickness: 1e-7, 1.0;
+    "young_modulus" = young_modulus: 1e5, 1e13;
+    "density" = density: 1.0, 1e5;
+    "damping_ratio" = damping_ratio: 0.0, 10.0;
+    "slider_mass" = slider_mass: 1e-12, 1e3;
+    "patch_radius" = patch_radius: 1e-6, 1.0;
+    "dielectric_thickness" = dielectric_thickness: 1e-9, 0.1;
+    "relative_permittivity" = relative_permittivity: 1.0, 1e5;
+    "charge_density" = charge_density: 0.0, 1e-2;
+}
+
 impl<S: Scalar, C> Parameters<S, C> {
     /// Checks the parameters and computes the coefficients.
     ///
@@ -64,7 +79,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         .mode(1);
         let angular_frequency = mode.angular_frequency;
         let frequency = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
-        Bounds::new(1e-3, 1e4).check("natural frequency of the beam with the slider", frequency)?;
+        Bounds::of(NATURAL_FREQUENCY).check("natural frequency of the beam with the slider", frequency)?;
         let tip = mode.shape(S::ONE).value;
         let modal_mass = S::ONE / (tip * tip);
         let area = S::from_f64(core::f64::consts::PI) * self.patch_radius * self.patch_radius;
@@ -123,19 +138,9 @@ impl<S: Scalar, C> Parameters<S, C> {
     where
         C: Parts<S>,
     {
-        let choices = self.choices.choices();
-        Bounds::new(1e-4, 10.0).check("beam_length", self.beam_length)?;
-        Bounds::new(1e-5, 10.0).check("beam_width", self.beam_width)?;
-        Bounds::new(1e-7, 1.0).check("beam_thickness", self.beam_thickness)?;
-        Bounds::new(1e5, 1e13).check("young_modulus", self.young_modulus)?;
-        Bounds::new(1.0, 1e5).check("density", self.density)?;
-        Bounds::new(0.0, 10.0).check("damping_ratio", self.damping_ratio)?;
-        Bounds::new(1e-12, 1e3).check("slider_mass", self.slider_mass)?;
-        Bounds::new(1e-6, 1.0).check("patch_radius", self.patch_radius)?;
-        choices.friction.check()?;
-        Bounds::new(1e-9, 0.1).check("dielectric_thickness", self.dielectric_thickness)?;
-        Bounds::new(1.0, 1e5).check("relative_permittivity", self.relative_permittivity)?;
-        Bounds::new(0.0, 1e-2).check("charge_density", self.charge_density)?;
-        choices.load.resistance().check()
+        let Choices { load, friction, .. } = self.choices.choices();
+        self.check_numbers()?;
+        friction.check()?;
+        load.resistance().check()
     }
 }

@@ -6,7 +6,7 @@ use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
 use crate::integrate::{Point, StepControl};
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// Initial values; a `None` is at rest at the centre, electrically relaxed.
@@ -19,6 +19,11 @@ pub struct Start<S> {
     pub velocity: Option<S>,
     /// Transferred charge `q` in C, at most 1 in magnitude; by default the charge at zero voltage.
     pub charge: Option<S>,
+}
+
+bounded! { Start<S>:
+    "velocity" = velocity: -1e3, 1e3;
+    "charge" = charge: -1.0, 1.0;
 }
 
 impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
@@ -38,18 +43,15 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         E: Excitation<S>,
         C: StepControl<S>,
     {
+        start.check_numbers()?;
         let displacement = start.displacement.unwrap_or(S::ZERO);
         let velocity = start.velocity.unwrap_or(S::ZERO);
         // The largest number below 2r.
         let highest = self.diameter * (S::ONE - S::EPSILON);
         Bounds { lowest: -highest, highest }.check("displacement", displacement)?;
-        Bounds::new(-1e3, 1e3).check("velocity", velocity)?;
         let charge = match start.charge {
             None => self.relaxed_charge(displacement),
-            Some(coulombs) => {
-                Bounds::new(-1.0, 1.0).check("charge", coulombs)?;
-                coulombs / self.charge_unit
-            }
+            Some(coulombs) => coulombs / self.charge_unit,
         };
         let state = [displacement, velocity, charge];
         let acceleration = excitation.acceleration(Instant::START);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use csv::{Position, ReaderBuilder, StringRecord, Trim};
 
-use super::{Column, Scale, TraceFault, enough};
+use super::{Column, TraceFault, enough, scaled};
 
 /// Intervals between two samples by which a time may be off: the rounding of a printed time, and no more.
 const UNEVEN: f64 = 0.25;
@@ -56,7 +56,7 @@ fn plain(cell: &str) -> &str {
 pub(super) fn samples(
     path: &Path,
     column: &Column,
-    scale: Scale,
+    scale: f64,
     clock: Option<&Column>,
     rate_hz: f64,
 ) -> Result<Vec<f64>, TraceFault> {
@@ -103,7 +103,7 @@ pub(super) fn samples(
                 return Err(TraceFault::new("time_column", text));
             }
         }
-        samples.push(scale.apply(value, || format!("line {line}"))?);
+        samples.push(scaled(value, scale, || format!("line {line}"))?);
     }
     enough(&samples, &format!("line {}", reader.position().line()))?;
     Ok(samples)

@@ -4,15 +4,16 @@ use std::path::Path;
 
 use hound::{SampleFormat, WavReader};
 
-use super::{Column, Scale, TraceFault, bounds, enough};
+use super::{Bound, Column, TraceFault, enough, scaled};
 
-/// The samples of one channel in m/s² and their rate in Hz, which must be `told` if that is given. Integers are
+/// The samples of one channel in m/s² and their rate in Hz, within `bound`, which must be `told` if that is given. Integers are
 /// taken as parts of full scale, `2^(bits − 1)`.
 pub(super) fn samples(
     path: &Path,
     channel: &Column,
-    scale: Scale,
+    scale: f64,
     told: Option<f64>,
+    bound: Bound,
 ) -> Result<(Vec<f64>, f64), TraceFault> {
     let fault = |error: hound::Error| TraceFault::new("path", error.to_string().replace(['\n', '\r'], " "));
     let mut reader = WavReader::open(path).map_err(fault)?;
@@ -26,7 +27,6 @@ pub(super) fn samples(
         }
     };
     let rate_hz = f64::from(spec.sample_rate);
-    let bound = bounds::of("rate_hz");
     if !bound.contains(rate_hz) {
         return Err(TraceFault::new("path", format!("has {rate_hz} samples per second: must be {bound}")));
     }
@@ -41,7 +41,7 @@ pub(super) fn samples(
     let mut keep = |place: usize, value: f64| {
         let frame = place / channels;
         if place % channels == channel {
-            samples.push(scale.apply(value, || format!("frame {frame}"))?);
+            samples.push(scaled(value, scale, || format!("frame {frame}"))?);
         }
         Ok(())
     };
