@@ -110,12 +110,6 @@ impl<S: Scalar, const SLOTS: usize> BudgetState<S, SLOTS> {
         self.energy
     }
 
-    /// Upper bound in J of [`BudgetState::energy`] less the actual stored energy.
-    #[must_use]
-    pub fn uncertainty(&self) -> S {
-        self.uncertainty
-    }
-
     /// Certain stored energy in J: at the last update, less the energy spent since.
     #[must_use]
     pub fn certain_energy(&self) -> S {
@@ -356,8 +350,8 @@ mod tests {
                 println!(
                     "{capacity:.4} J, {interval} s: {:.1e} of the capacity off, {:.1e} and {:.1e} uncertain",
                     off(single.energy(), double.energy()),
-                    f64::from(single.uncertainty()) / capacity,
-                    double.uncertainty() / capacity,
+                    f64::from(single.uncertainty) / capacity,
+                    double.uncertainty / capacity,
                 );
                 assert!(off(single.energy(), double.energy()) < 3e-7, "{capacity} J, {interval} s");
             }

@@ -77,7 +77,7 @@ impl Fingerprint {
     }
 
     /// Includes a count or a choice.
-    pub fn count(&mut self, count: u32) {
+    pub(crate) fn count(&mut self, count: u32) {
         self.0.include(&count.to_le_bytes());
     }
 
