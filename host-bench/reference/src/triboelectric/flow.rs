@@ -87,7 +87,7 @@ impl<H: Harvester> Flow<'_, H> {
         last: &mut Sample,
         watch: &mut dyn FnMut(&Step<'_>) -> Result<(), DiffsolError>,
     ) -> Result<FlowEnd<H>, Reason> {
-        let problem = self.problem()?;
+        let problem = problem(self.harvester, self.base, self.start, self.tolerance, self.sizes())?;
         let mut solver = problem.bdf::<NalgebraLU<f64>>()?;
         // The first step after an impact on a tiny load is tiny.
         solver.config_mut().minimum_timestep = 1e-30;
@@ -124,53 +124,6 @@ impl<H: Harvester> Flow<'_, H> {
         }
     }
 
-    /// The equations of motion and the integrands for the integrator.
-    fn problem(
-        &self,
-    ) -> Result<
-        OdeSolverProblem<
-            impl OdeEquationsImplicit<M = NalgebraMat<f64>, V = NalgebraVec<f64>, T = f64, C = NalgebraContext>,
-        >,
-        DiffsolError,
-    > {
-        let (harvester, base, start) = (self.harvester, self.base, self.start);
-        let (states, integrals) = self.sizes();
-        let (states_count, integrals_count) = (states.len(), integrals.len());
-        let absolute = |sizes: Vec<f64>| -> Vec<f64> {
-            sizes.into_iter().map(|size| ABSOLUTE * self.tolerance * size).collect()
-        };
-        OdeBuilder::<NalgebraMat<f64>>::new()
-            .rtol(self.tolerance)
-            .atol(absolute(states))
-            .out_rtol(self.tolerance)
-            .out_atol(absolute(integrals))
-            .rhs_implicit(
-                move |x: &[f64], _: &[f64], t: f64, rates: &mut [f64]| {
-                    let all = harvester.rates(&start.with(x), base.at(t));
-                    rates.copy_from_slice(&all[..states_count]);
-                },
-                move |x: &[f64], _: &[f64], _: f64, change: &[f64], rates: &mut [f64]| {
-                    let all = harvester.rates_along(&start.with(x), &start.with(change));
-                    rates.copy_from_slice(&all[..states_count]);
-                },
-            )
-            .init(
-                move |_: &[f64], _: f64, x: &mut [f64]| x.copy_from_slice(&start.states()[..states_count]),
-                states_count,
-            )
-            .out_implicit(
-                move |x: &[f64], _: &[f64], t: f64, powers: &mut [f64]| {
-                    let all = harvester.integrands(&start.with(x), base.at(t));
-                    powers.copy_from_slice(&all[..integrals_count]);
-                },
-                // Only sensitivities need the derivative of the integrands.
-                |_: &[f64], _: &[f64], _: f64, _: &[f64], change: &mut [f64]| change.fill(0.0),
-                integrals_count,
-            )
-            .integrate_out(true)
-            .build()
-    }
-
     /// Sizes of the states and of the integrals.
     fn sizes(&self) -> (Vec<f64>, Vec<f64>) {
         let Scales { position, velocity, voltage, time, energy, surface_energy, charge } = *self.scales;
@@ -184,6 +137,80 @@ impl<H: Harvester> Flow<'_, H> {
         }
         (states, integrals)
     }
+}
+
+/// The equations of a harvester behind a reference, so that the integrator is compiled once for all harvesters.
+trait Equations {
+    /// [`Harvester::rates`].
+    fn rates(&self, motion: &Motion, base: f64) -> [f64; Motion::STATES];
+
+    /// [`Harvester::rates_along`].
+    fn rates_along(&self, motion: &Motion, change: &Motion) -> [f64; Motion::STATES];
+
+    /// [`Harvester::integrands`].
+    fn integrands(&self, motion: &Motion, base: f64) -> Integrals;
+}
+
+impl<H: Harvester> Equations for H {
+    fn rates(&self, motion: &Motion, base: f64) -> [f64; Motion::STATES] {
+        Harvester::rates(self, motion, base)
+    }
+
+    fn rates_along(&self, motion: &Motion, change: &Motion) -> [f64; Motion::STATES] {
+        Harvester::rates_along(self, motion, change)
+    }
+
+    fn integrands(&self, motion: &Motion, base: f64) -> Integrals {
+        Harvester::integrands(self, motion, base)
+    }
+}
+
+/// The equations of motion and the integrands for the integrator; `sizes` are those of the states and of the integrals.
+fn problem<'a>(
+    harvester: &'a dyn Equations,
+    base: &'a LocalBase,
+    start: Motion,
+    tolerance: f64,
+    (states, integrals): (Vec<f64>, Vec<f64>),
+) -> Result<
+    OdeSolverProblem<
+        impl OdeEquationsImplicit<M = NalgebraMat<f64>, V = NalgebraVec<f64>, T = f64, C = NalgebraContext> + 'a,
+    >,
+    DiffsolError,
+> {
+    let (states_count, integrals_count) = (states.len(), integrals.len());
+    let absolute =
+        |sizes: Vec<f64>| -> Vec<f64> { sizes.into_iter().map(|size| ABSOLUTE * tolerance * size).collect() };
+    OdeBuilder::<NalgebraMat<f64>>::new()
+        .rtol(tolerance)
+        .atol(absolute(states))
+        .out_rtol(tolerance)
+        .out_atol(absolute(integrals))
+        .rhs_implicit(
+            move |x: &[f64], _: &[f64], t: f64, rates: &mut [f64]| {
+                let all = harvester.rates(&start.with(x), base.at(t));
+                rates.copy_from_slice(&all[..states_count]);
+            },
+            move |x: &[f64], _: &[f64], _: f64, change: &[f64], rates: &mut [f64]| {
+                let all = harvester.rates_along(&start.with(x), &start.with(change));
+                rates.copy_from_slice(&all[..states_count]);
+            },
+        )
+        .init(
+            move |_: &[f64], _: f64, x: &mut [f64]| x.copy_from_slice(&start.states()[..states_count]),
+            states_count,
+        )
+        .out_implicit(
+            move |x: &[f64], _: &[f64], t: f64, powers: &mut [f64]| {
+                let all = harvester.integrands(&start.with(x), base.at(t));
+                powers.copy_from_slice(&all[..integrals_count]);
+            },
+            // Only sensitivities need the derivative of the integrands.
+            |_: &[f64], _: &[f64], _: f64, _: &[f64], change: &mut [f64]| change.fill(0.0),
+            integrals_count,
+        )
+        .integrate_out(true)
+        .build()
 }
 
 /// The integrals of which the first are given; those of a bridge are zero without one.
