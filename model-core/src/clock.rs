@@ -58,7 +58,6 @@ impl Instant {
     }
 
     /// Ticks from this instant until `later`, at most `limit`; 0 if `later` has passed.
-    #[must_use]
     #[inline]
     pub(crate) fn ticks_until(self, later: Self, limit: u32) -> u32 {
         u32::try_from(later.0.saturating_sub(self.0)).unwrap_or(u32::MAX).min(limit)
@@ -90,7 +89,6 @@ fn scale_to_integer(mantissa: u64, exponent: i32) -> Option<u128> {
 }
 
 /// The length of `ticks` ticks in seconds.
-#[must_use]
 #[inline]
 pub(crate) fn seconds_of_ticks<S: Scalar>(ticks: u32) -> S {
     S::from_u32(ticks) * S::power_of_two(-TICKS_PER_SECOND_LOG2)
@@ -130,7 +128,6 @@ impl Frequency {
     pub(crate) const HIGHEST_HZ: f64 = 1e6;
 
     /// A frequency given in Hz; `None` if negative, not finite, or above [`Frequency::HIGHEST_HZ`].
-    #[must_use]
     pub(crate) fn from_hertz<S: Scalar>(hertz: S) -> Option<Self> {
         let parts = hertz.decompose()?;
         if parts.negative || hertz > S::from_f64(Self::HIGHEST_HZ) {
@@ -141,7 +138,6 @@ impl Frequency {
     }
 
     /// Fraction of the present cycle at `at`, in units of 2⁻⁶⁴.
-    #[must_use]
     #[inline]
     pub(crate) fn phase(self, at: Instant) -> u64 {
         let ticks = at.0;
@@ -169,7 +165,6 @@ impl Frequency {
     }
 
     /// Cycles from the start of simulated time to `at`.
-    #[must_use]
     pub(crate) fn cycles(self, at: Instant) -> Cycles {
         let upper = u128::from(self.upper) * u128::from(at.0);
         let total = upper + ((u128::from(self.lower) * u128::from(at.0)) >> 32);

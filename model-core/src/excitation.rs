@@ -12,6 +12,7 @@ mod stream;
 mod tone_meter;
 mod tones;
 
+use crate::any::forward;
 use crate::clock::Instant;
 use crate::scalar::Scalar;
 
@@ -59,29 +60,13 @@ pub trait Excitation<S: Scalar> {
 
 /// A reference to an excitation of a known type or a trait object.
 impl<S: Scalar, E: Excitation<S> + ?Sized> Excitation<S> for &E {
-    #[inline]
-    fn acceleration(&self, at: Instant) -> S {
-        (**self).acceleration(at)
-    }
-
-    #[inline]
-    fn jerk(&self, at: Instant) -> S {
-        (**self).jerk(at)
-    }
-
-    #[inline]
-    fn resolved_ticks(&self) -> u32 {
-        (**self).resolved_ticks()
-    }
-
-    #[inline]
-    fn angular_frequency(&self) -> S {
-        (**self).angular_frequency()
-    }
-
-    #[inline]
-    fn smooth_ticks(&self, at: Instant) -> u32 {
-        (**self).smooth_ticks(at)
+    forward! {
+        match { excitation => (**excitation) }
+        #[inline] fn acceleration(&self, at: Instant) -> S;
+        #[inline] fn jerk(&self, at: Instant) -> S;
+        #[inline] fn resolved_ticks(&self) -> u32;
+        #[inline] fn angular_frequency(&self) -> S;
+        #[inline] fn smooth_ticks(&self, at: Instant) -> u32;
     }
 }
 

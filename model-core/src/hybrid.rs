@@ -14,8 +14,8 @@ use core::fmt::Debug;
 use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::integrate::Cubic;
-use crate::integrate::step_control::{ControlMemory, ErrorScale};
-use crate::integrate::{Point, StepControl, System};
+use crate::integrate::control_memory::ControlMemory;
+use crate::integrate::{ErrorScale, Point, StepControl, System};
 use crate::observer::Outputs;
 use crate::scalar::Scalar;
 use crate::snapshot::{Snapshot, snapshot_fields};
@@ -244,7 +244,6 @@ impl<S: Scalar, Mode: Copy, const N: usize, const P: usize> HybridState<S, Mode,
 
     /// This state with its guards unwatched until [`Automaton::rearms`] returns true: for a start at which a
     /// guard is zero with zero rate.
-    #[must_use]
     pub(crate) fn disarmed(self) -> Self {
         Self { armed: false, ..self }
     }

@@ -7,8 +7,8 @@
 //!
 //! The length of a step is a whole number of clock ticks of 2⁻⁴⁰ s. A method requests the input `u` at a
 //! number of ticks into the step. This module contains no absolute time, no events and no physics.
-//! number of ticks into the step. Absolute time, events and physics are unknown to this module.
 
+pub(crate) mod control_memory;
 pub(crate) mod cubic;
 pub(crate) mod discrete_gradient;
 mod linear;

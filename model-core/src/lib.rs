@@ -65,6 +65,7 @@
 //! [`scene::ParameterError`] names the field, the value and the bounds of a refused parameter. A failed step
 //! returns a [`hybrid::StepError`], and the state is then the last good one. No function panics.
 
+mod any;
 pub mod bounds;
 pub mod clock;
 pub mod energy;

@@ -9,6 +9,7 @@ pub mod closed_form;
 pub mod contact_separation;
 mod coupled;
 mod electrical_port;
+mod parts;
 pub mod rectified;
 mod simulation;
 pub mod sliding;

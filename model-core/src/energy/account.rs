@@ -31,7 +31,7 @@ pub struct Account<S> {
 }
 
 /// Compensated sums of an [`Account`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct AccountSums<S> {
     income: CompensatedSum<S>,
@@ -44,16 +44,6 @@ pub(super) struct AccountSums<S> {
 }
 
 impl<S: Scalar> AccountSums<S> {
-    pub(super) const EMPTY: Self = Self {
-        income: CompensatedSum::ZERO,
-        drawn: CompensatedSum::ZERO,
-        leaked: CompensatedSum::ZERO,
-        shunted: CompensatedSum::ZERO,
-        unserved: CompensatedSum::ZERO,
-        corrected: CompensatedSum::ZERO,
-        refused: 0,
-    };
-
     /// The rounded sums.
     pub(super) fn read(&self) -> Account<S> {
         let mut balance = self.corrected;

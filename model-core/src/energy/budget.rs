@@ -176,7 +176,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
             energy_low: S::ZERO,
             uncertainty: S::ZERO,
             pending: S::ZERO,
-            account: AccountSums::EMPTY,
+            account: AccountSums::default(),
         }
     }
 

@@ -82,8 +82,7 @@ use crate::snapshot::{self, Fingerprint, SnapshotError};
 
 pub use accumulator::{EnergyAccumulator, Estimate, Uncertainty};
 pub use sample::{Sample, SampleFormat};
-use state::State;
-use state::{Phase, Queue};
+use state::{Phase, Queue, State};
 
 /// The samples and the treatment of missing samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -181,8 +180,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
             harvester: harvester
                 .restart(None, &stream, stream.known_until())
                 .map_err(EstimatorError::Parameter)?,
-            accumulator: EnergyAccumulator::EMPTY,
-            queue: Queue::EMPTY,
+            accumulator: EnergyAccumulator::default(),
+            queue: Queue::default(),
             phase: Phase::Waiting,
             pending: false,
             uncertain: 0,
@@ -363,7 +362,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// Sets energy, time and all counts to zero, to begin a new mean; the harvester continues.
     pub fn clear(&mut self) {
         let state = &mut self.state;
-        state.accumulator = EnergyAccumulator::EMPTY;
+        state.accumulator = EnergyAccumulator::default();
         (state.missing_samples, state.saturated_samples) = (0, 0);
         (state.uncertain_intervals, state.unknown_intervals) = (0, 0);
     }

@@ -74,7 +74,6 @@ impl<S: Scalar> IncomeParameters<S> {
 
 impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
     /// The state before any income at a time in whole seconds since a midnight.
-    #[must_use]
     pub(crate) fn at(second: u32) -> Self {
         const { assert!(SLOTS >= 1 && SLOTS <= 1440, "from 1 to 1440 slots") };
         Self {
@@ -88,27 +87,23 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
     }
 
     /// The present time in whole seconds since a midnight; wraps after 136 years.
-    #[must_use]
     pub(super) fn second(&self) -> u32 {
         self.second
     }
 
     /// Seconds from the present time to a later one; 0 for a time up to 68 years in the past.
-    #[must_use]
     pub(crate) fn seconds_until(&self, second: u32) -> u32 {
         let ahead = second.wrapping_sub(self.second);
         if ahead > u32::MAX / 2 { 0 } else { ahead }
     }
 
     /// Exponentially weighted mean of the harvested power in W; 0 before any income.
-    #[must_use]
     pub(super) fn mean_power(&self) -> S {
         self.mean[0]
     }
 
     /// Expected mean power of a slot in W: the mean of that slot, or the exponentially weighted mean for a
     /// slot without an observation.
-    #[must_use]
     pub(crate) fn expected_power(&self, slot: usize) -> S {
         match self.slots.get(slot) {
             Some(&learnt) if learnt >= S::ZERO => learnt,
@@ -117,7 +112,6 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
     }
 
     /// The present slot.
-    #[must_use]
     pub(crate) fn slot(&self) -> usize {
         slot_at::<SLOTS>(self.second % DAY_SECONDS)
     }
@@ -162,7 +156,7 @@ impl<S: Scalar, const SLOTS: usize> Income<S, SLOTS> {
     }
 
     fn remember(&self, state: &mut IncomeState<S, SLOTS>, seconds: S, power: S) {
-        let new = Relaxation::of_ratio(seconds * self.per_time_constant).lost();
+        let new = Relaxation::new(seconds * self.per_time_constant).lost();
         // Divided by the sum of the weights, so that the mean is not biased towards zero at the start.
         state.weight = moved(state.weight, (S::ONE - state.weight[0]) * new);
         state.mean = moved(state.mean, (power - state.mean[0]) * (new / state.weight[0]));

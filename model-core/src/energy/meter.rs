@@ -52,14 +52,13 @@ impl<S: Scalar> Integrals<S> {
     }
 
     /// Elapsed time in s.
-    #[must_use]
     pub(crate) fn seconds(&self) -> S {
         Instant::from_ticks(self.ticks).seconds()
     }
 }
 
 /// The meter of a sensor node: energy delivered to the load, and mean power.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PowerMeter<S> {
     delivered: CompensatedSum<S>,
     ticks: u64,
@@ -88,12 +87,6 @@ impl<S: Scalar> PowerMeter<S> {
     #[must_use]
     pub fn seconds(&self) -> S {
         Instant::from_ticks(self.ticks).seconds()
-    }
-}
-
-impl<S: Scalar> Default for PowerMeter<S> {
-    fn default() -> Self {
-        Self::new()
     }
 }
 

@@ -221,7 +221,8 @@ const SECOND: [f64; 14] = {
 };
 
 impl<S: Scalar> Relaxation<S> {
-    fn new(ratio: S) -> Self {
+    /// Over an interval of `ratio` times the time constant.
+    pub(super) fn new(ratio: S) -> Self {
         if ratio < S::from_f64(SERIES_RATIO) {
             let second = horner(&SECOND.map(S::from_f64), ratio);
             let of_income = S::ONE - ratio * second;
@@ -258,14 +259,6 @@ impl<S: Scalar> Relaxation<S> {
     #[inline]
     pub(crate) fn lost_by_early_income(&self) -> S {
         self.ratio * (self.of_income - self.second)
-    }
-}
-
-impl<S: Scalar> Relaxation<S> {
-    /// For an exponential mean: `x` is the interval over the time constant.
-    #[inline]
-    pub(super) fn of_ratio(ratio: S) -> Self {
-        Self::new(ratio)
     }
 }
 

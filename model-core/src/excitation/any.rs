@@ -1,6 +1,7 @@
 //! An excitation chosen at run time, for hosts that read scene files.
 
 use super::{Excitation, Sampled, Silence, Sine, Tones};
+use crate::any::forward;
 use crate::clock::Instant;
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 
@@ -18,30 +19,16 @@ pub enum AnyExcitation<'a, S, const TONES: usize, M = Polynomial> {
 }
 
 impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExcitation<'_, S, TONES, M> {
-    fn acceleration(&self, at: Instant) -> S {
-        match self {
-            Self::Silence => Silence.acceleration(at),
-            Self::Sine(sine) => sine.acceleration(at),
-            Self::Tones(tones) => tones.acceleration(at),
-            Self::Sampled(trace) => trace.acceleration(at),
+    forward! {
+        match {
+            Self::Silence => Silence,
+            Self::Sine(sine) => sine,
+            Self::Tones(tones) => tones,
+            Self::Sampled(trace) => trace,
         }
-    }
-
-    fn jerk(&self, at: Instant) -> S {
-        match self {
-            Self::Silence => Silence.jerk(at),
-            Self::Sine(sine) => sine.jerk(at),
-            Self::Tones(tones) => tones.jerk(at),
-            Self::Sampled(trace) => trace.jerk(at),
-        }
-    }
-
-    fn angular_frequency(&self) -> S {
-        match self {
-            Self::Sine(sine) => sine.angular_frequency(),
-            Self::Tones(tones) => tones.angular_frequency(),
-            Self::Silence | Self::Sampled(_) => S::ZERO,
-        }
+        fn acceleration(&self, at: Instant) -> S;
+        fn jerk(&self, at: Instant) -> S;
+        fn angular_frequency(&self) -> S;
     }
 
     fn resolved_ticks(&self) -> u32 {

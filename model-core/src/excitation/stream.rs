@@ -141,20 +141,17 @@ impl<S: Scalar> Stream<S> {
     }
 
     /// The newest sample in m/s².
-    #[must_use]
     pub(crate) fn newest_sample(&self) -> S {
         let [_, _, last] = self.samples;
         last
     }
 
     /// Samples per second.
-    #[must_use]
     pub(crate) fn rate(&self) -> S {
         self.grid.samples_per_second
     }
 
     /// Ticks from one sample to the next, rounded down.
-    #[must_use]
     pub(crate) fn ticks_per_sample(&self) -> u64 {
         self.interval
     }

@@ -43,7 +43,7 @@ pub struct ToneMeter<S> {
 }
 
 /// The state of a [`ToneMeter`] between two samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ToneMeterState<S> {
     /// Number of samples of this window so far.
     count: u32,
@@ -98,23 +98,7 @@ impl<S: Scalar> ToneMeter<S> {
     /// The state before the first sample.
     #[must_use]
     pub fn start(&self) -> ToneMeterState<S> {
-        ToneMeterState {
-            count: 0,
-            offset: S::ZERO,
-            sum: S::ZERO,
-            squares: S::ZERO,
-            hysteresis: S::ZERO,
-            armed: false,
-            last: S::ZERO,
-            first_crossing: S::ZERO,
-            last_crossing: S::ZERO,
-            crossings: 0,
-            frequency: S::ZERO,
-            per_sample: [S::ZERO; 2],
-            sums: [S::ZERO; 2],
-            before: [S::ZERO; 2],
-            offset_known: false,
-        }
+        ToneMeterState::default()
     }
 
     /// Takes a sample in m/s². From the third window on, the last sample of a window returns the strongest

@@ -71,7 +71,6 @@ impl Work {
     }
 
     /// The sum of two counts, saturating.
-    #[must_use]
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
             steps: self.steps.saturating_add(other.steps),
@@ -230,21 +229,18 @@ impl<M, C> Driver<M, C> {
 
     /// Attempts a step; `None` if it was rejected and the control memory holds a shorter one.
     #[inline(always)]
-    fn next_step<S, A, E, const N: usize, const P: usize>(
+    fn next_step<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
         &self,
         automaton: &A,
         state: &mut HybridState<S, A::Mode, N, P>,
-        excitation: &E,
+        excitation: &impl Excitation<S>,
         until: Instant,
         scale: &ErrorScale<S>,
         work: &mut Work,
     ) -> Result<Option<Kept<S, N, P>>, StepFailure<S>>
     where
-        S: Scalar,
         M: Method<S>,
         C: StepControl<S>,
-        A: Automaton<S, N, P>,
-        E: Excitation<S>,
     {
         let proposed = state.control.ticks;
         let resolved = excitation.smooth_ticks(state.clock).min(excitation.resolved_ticks());
@@ -308,18 +304,12 @@ impl<M, C> Driver<M, C> {
 /// The search repeats after each located guard, because another guard may fall earlier: the dense output of a
 /// long step can order two falls wrongly, or show a graze that the shorter step does not have.
 #[inline(always)]
-fn first_event<S, A, E, M, const N: usize, const P: usize>(
-    attempts: &Attempts<'_, S, A, E, M, N, P>,
+fn first_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
+    attempts: &Attempts<'_, S, A, impl Excitation<S>, impl Method<S>, N, P>,
     mut kept: Kept<S, N, P>,
     guards: usize,
     work: &mut Work,
-) -> Result<Kept<S, N, P>, NotConverged>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
-    E: Excitation<S>,
-    M: Method<S>,
-{
+) -> Result<Kept<S, N, P>, NotConverged> {
     // One bit for each guard located in this step. Each guard is located at most once.
     let mut done = 0_u32;
     let mut attempts_left = MOST_ATTEMPTS;
@@ -342,16 +332,11 @@ where
 
 /// The accepted step as an observer sees it.
 #[inline(always)]
-fn accepted_step<'a, O, S, A, const N: usize, const P: usize>(
+fn accepted_step<'a, O: Observer<S>, S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     automaton: &A,
     state: &'a HybridState<S, A::Mode, N, P>,
     kept: &'a Kept<S, N, P>,
-) -> AcceptedStep<'a, S>
-where
-    O: Observer<S>,
-    S: Scalar,
-    A: Automaton<S, N, P>,
-{
+) -> AcceptedStep<'a, S> {
     let Kept { trial, ticks, .. } = kept;
     let step = seconds_of_ticks(*ticks);
     let outputs = |point: &'a Point<S, N, P>| {
@@ -374,16 +359,11 @@ where
 
 /// A guard whose event is due at the present state.
 #[inline(always)]
-fn due_event<S, A, E, const N: usize, const P: usize>(
+fn due_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     automaton: &A,
     state: &HybridState<S, A::Mode, N, P>,
-    excitation: &E,
-) -> Option<usize>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
-    E: Excitation<S>,
-{
+    excitation: &impl Excitation<S>,
+) -> Option<usize> {
     let input = InputAt::new(excitation, state.clock);
     (0..automaton.guards(state.mode).min(MOST_GUARDS))
         .find(|&index| automaton.guard(state.mode, index, state.armed, &state.point, &input).is_due())
@@ -392,19 +372,13 @@ where
 /// Carries out the jump of guard number `guard`.
 #[cold]
 #[inline(never)]
-fn take_jump<S, A, E, O, const N: usize, const P: usize>(
+fn take_jump<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     automaton: &A,
     state: &mut HybridState<S, A::Mode, N, P>,
-    excitation: &E,
+    excitation: &impl Excitation<S>,
     guard: usize,
-    observer: &mut O,
-) -> Result<(), StepError<S>>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
-    E: Excitation<S>,
-    O: Observer<S>,
-{
+    observer: &mut impl Observer<S>,
+) -> Result<(), StepError<S>> {
     let crowded = state.since_event < CROWDED_TICKS;
     let crowded_events = if crowded { state.crowded_events + 1 } else { 0 };
     if crowded_events > MOST_CROWDED_EVENTS {

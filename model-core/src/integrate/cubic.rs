@@ -44,7 +44,6 @@ impl<S: Scalar> Cubic<S> {
     }
 
     /// The slope with respect to θ at `theta`.
-    #[must_use]
     fn slope(&self, theta: S) -> S {
         let [linear, quadratic, cubic] = self.powers();
         linear + theta * (S::from_f64(2.0) * quadratic + theta * S::from_f64(3.0) * cubic)
@@ -113,7 +112,6 @@ impl<S: Scalar> Cubic<S> {
     /// zero, or at zero without rising.
     ///
     /// `None`, the common case, costs four multiplications: a cubic with positive Bernstein coefficients has no zero.
-    #[must_use]
     #[inline(always)]
     pub(crate) fn first_fall(&self) -> Option<S> {
         let [one, two] = self.inner_hull();

@@ -27,7 +27,6 @@ pub(crate) struct ContactStep<S> {
 /// The step from the gap coordinate `gap` in m, which would end at `predicted` in m without a force.
 ///
 /// `flexibility` is `H > 0` in m/N, and `stiffness` is `k` in N/m.
-#[must_use]
 #[inline(always)]
 pub(crate) fn contact_step<S: Scalar>(gap: S, predicted: S, flexibility: S, stiffness: S) -> ContactStep<S> {
     if gap <= S::ZERO {

@@ -45,7 +45,6 @@ const SERIES_TERMS: u32 = 18;
 impl<S: Scalar> ModalStep<S> {
     /// The coefficients for an angular frequency `ω > 0` in rad/s, a damping ratio `0 ≤ ζ < 1` and a step `h
     /// > 0` in seconds.
-    #[must_use]
     pub(crate) fn new(angular_frequency: S, damping_ratio: S, step: S) -> Self {
         let square = angular_frequency * angular_frequency;
         let twice_damping = S::from_f64(2.0) * damping_ratio * angular_frequency;

@@ -9,90 +9,11 @@
 //! (K. Gustafsson, ACM Trans. Math. Softw. 17, 1991). An attempt with `r > 1` is rejected and repeated with
 //! `0.9 h r^(−1/2)`.
 
+use super::control_memory::{ControlMemory, LEAST_REMEMBERED};
+use crate::any::forward;
 use crate::bounds::{Bounds, ParameterError};
 use crate::clock::{LONGEST_STEP_S, seconds_of_ticks, ticks_of_seconds};
 use crate::scalar::Scalar;
-use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
-
-/// The state of a step control between two steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) struct ControlMemory<S> {
-    /// Length of the next step in ticks.
-    pub(crate) ticks: u32,
-    /// Binary logarithm of the last accepted error over the allowed one, in units of 2⁻²³, at most 0.
-    previous: i32,
-    /// Number of attempts rejected since the last accepted step.
-    rejections: u8,
-    /// Error over the allowed one of the last rejected attempt.
-    rejected_ratio: f32,
-    /// Length in ticks of the first attempt rejected since the last accepted step.
-    rejected_ticks: u32,
-    /// Energy delivered per radian in joules, averaged over the last few periods: the scale of the energy error.
-    recent_energy: S,
-}
-
-impl<S: Scalar> ControlMemory<S> {
-    /// The state before a first step of `ticks`.
-    const fn starting_with(ticks: u32) -> Self {
-        Self {
-            ticks,
-            previous: 0,
-            rejections: 0,
-            rejected_ratio: 0.0,
-            rejected_ticks: 0,
-            recent_energy: S::ZERO,
-        }
-    }
-
-    /// Restores the proposal from before a step that the end of the run or a kink of the excitation
-    /// shortened: the small error of such a step does not predict that of a whole step.
-    #[inline]
-    pub(crate) fn keep_proposal(&mut self, before: &Self) {
-        (self.ticks, self.previous, self.rejections) = (before.ticks, before.previous, before.rejections);
-    }
-
-    /// Records an attempt of `ticks` with an error of `ratio` times the allowed one, and the length `next` of
-    /// the next attempt.
-    #[inline]
-    fn reject(&mut self, ticks: u32, ratio: f32, next: u32) {
-        if self.rejections == 0 {
-            self.rejected_ticks = ticks;
-        }
-        self.ticks = next;
-        self.rejections = self.rejections.saturating_add(1);
-        self.rejected_ratio = ratio;
-    }
-}
-
-impl<S: Scalar> Snapshot for ControlMemory<S> {
-    const BYTES: usize = 4 * u32::BYTES + u8::BYTES + S::BYTES;
-
-    fn write(&self, out: &mut Writer<'_>) {
-        self.ticks.write(out);
-        self.previous.write(out);
-        self.rejections.write(out);
-        // As bits: the ratio is infinite after an attempt that did not converge.
-        self.rejected_ratio.to_bits().write(out);
-        self.rejected_ticks.write(out);
-        self.recent_energy.write(out);
-    }
-
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        let memory = Self {
-            ticks: Snapshot::read(from)?,
-            previous: Snapshot::read(from)?,
-            rejections: Snapshot::read(from)?,
-            rejected_ratio: f32::from_bits(Snapshot::read(from)?),
-            rejected_ticks: Snapshot::read(from)?,
-            recent_energy: Snapshot::read(from)?,
-        };
-        let sound = memory.ticks > 0
-            && memory.rejected_ratio >= 0.0
-            && (LEAST_REMEMBERED..=0).contains(&memory.previous);
-        if sound { Ok(memory) } else { Err(SnapshotError::NoState) }
-    }
-}
 
 /// The errors of an attempted step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -256,8 +177,6 @@ const SAFETY_AFTER_REJECTION: i32 = -1_275_068;
 const LARGEST_CHANGE: i32 = 2 << 23;
 /// log₂ of the smallest ratio of two successive steps, 1/5, in units of 2⁻²³.
 const SMALLEST_CHANGE: i32 = -19_477_731;
-/// log₂ of the smallest previous error ratio that the controller uses, 1/16, in units of 2⁻²³.
-const LEAST_REMEMBERED: i32 = -(4 << 23);
 
 /// The errors of a step relative to what is allowed.
 struct RelativeErrors<S> {
@@ -321,7 +240,7 @@ impl<S: Scalar> Adaptive<S> {
     fn is_inherited(&self, memory: &ControlMemory<S>, ticks: u32, relative: &RelativeErrors<S>) -> bool {
         let ratio = relative.ratio;
         let small = relative.largest <= self.tolerance.max(S::from_f64(WAIVED));
-        let futile = memory.rejections >= FUTILE_REJECTIONS && ratio > 0.5 * memory.rejected_ratio;
+        let futile = memory.rejections >= FUTILE_REJECTIONS && ratio > 0.5 * memory.rejected_ratio();
         let shortest = ticks <= SHORTEST_CONTROLLED_TICKS && ratio < f32::INFINITY;
         ratio > 1.0 && (small && futile || shortest)
     }
@@ -405,31 +324,17 @@ pub enum AnyStepControl<S> {
 }
 
 impl<S: Scalar> StepControl<S> for AnyStepControl<S> {
-    fn start(&self, scale: &ErrorScale<S>) -> ControlMemory<S> {
-        match self {
-            Self::Fixed(control) => control.start(scale),
-            Self::Adaptive(control) => control.start(scale),
-        }
-    }
-
-    fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S {
-        match self {
-            Self::Fixed(control) => control.accuracy(ticks, scale),
-            Self::Adaptive(control) => control.accuracy(ticks, scale),
-        }
-    }
-
-    fn judge(
-        &self,
-        memory: &mut ControlMemory<S>,
-        errors: &StepErrors<S>,
-        scale: &ErrorScale<S>,
-        rounding: impl FnOnce() -> S,
-    ) -> Verdict {
-        match self {
-            Self::Fixed(control) => control.judge(memory, errors, scale, rounding),
-            Self::Adaptive(control) => control.judge(memory, errors, scale, rounding),
-        }
+    forward! {
+        match { Self::Fixed(control) => control, Self::Adaptive(control) => control }
+        fn start(&self, scale: &ErrorScale<S>) -> ControlMemory<S>;
+        fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S;
+        fn judge(
+            &self,
+            memory: &mut ControlMemory<S>,
+            errors: &StepErrors<S>,
+            scale: &ErrorScale<S>,
+            rounding: impl FnOnce() -> S,
+        ) -> Verdict;
     }
 }
 

@@ -77,6 +77,9 @@ const ASYMPTOTIC: u32 = 12;
 /// Most bisections from the initial bracket of a root to two neighbouring numbers.
 const MOST_HALVINGS: u32 = 120;
 
+/// Number of modes after the kept ones that the residual compliance sums one by one.
+const SUMMED: u32 = 200;
+
 impl<S: Scalar> Cantilever<S> {
     /// Mode `number`, from 1, in order of frequency.
     #[must_use]
@@ -107,18 +110,12 @@ impl<S: Scalar> Cantilever<S> {
             ..unscaled
         }
     }
-}
 
-/// Number of modes after the kept ones that the residual compliance sums one by one.
-const SUMMED: u32 = 200;
-
-impl<S: Scalar> Cantilever<S> {
     /// Static compliance in m/N, at the position `s = z/L` above 0, of all modes after the first `kept`: `Σ
     /// φ_i(s)²/ω_i²`, of the modes without tip mass.
     ///
     /// All modes together have `(s L)³/3EI`. The omitted modes are summed directly, because the difference of
     /// the total and the kept modes cancels: with ten modes in `f32` it has an error of 10⁻³.
-    #[must_use]
     pub(crate) fn residual_compliance(&self, place: S, kept: u32) -> S {
         let free = Self { tip_mass: S::ZERO, ..*self };
         let last = kept + SUMMED;

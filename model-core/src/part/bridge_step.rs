@@ -95,7 +95,6 @@ impl<S: Scalar> Approach<S> {
 
 impl<S: Scalar> BridgeStep<S> {
     /// For a capacitance in F above 0, the storage behind the bridge, and a step in s above 0.
-    #[must_use]
     pub(crate) fn new<R: StorageElement<S>>(capacitance: S, storage: &R, step: S) -> Self {
         let (own, storage) = (S::ONE / capacitance, storage.elastance());
         let share = own / (own + storage);
@@ -122,7 +121,6 @@ impl<S: Scalar> BridgeStep<S> {
     /// conducts; `None` if the bridge blocks.
     ///
     /// `voltage` in V at the start of the step is within `±threshold`.
-    #[must_use]
     #[inline]
     pub(crate) fn tangent(&self, threshold: S, voltage: S, charge: S) -> Option<[S; 2]> {
         let at = self.approach(threshold, voltage, charge);

@@ -26,7 +26,6 @@ const SERIES_RATIO: f64 = 0.5;
 
 impl<S: Scalar> CircuitStep<S> {
     /// For a capacitance in F above 0, a load, and a step in s above 0.
-    #[must_use]
     pub(crate) fn new(capacitance: S, resistance: Resistance<S>, step: S) -> Self {
         match resistance {
             Resistance::Short => Self {

@@ -85,7 +85,6 @@ impl<S: Scalar> DiscOverlap<S> {
     ///
     /// `xi` is `x/2r` on the side in question, −0.8 to 1. Beyond 1, where the discs are separate, `s1` has
     /// the smallest value that is a valid divisor.
-    #[must_use]
     #[inline]
     pub(crate) fn at(xi: S) -> Self {
         // Constant in each precision: the other branch is not compiled.
@@ -114,7 +113,6 @@ impl<S: Scalar> DiscOverlap<S> {
     }
 
     /// The exact overlap, to a few roundings of both parts, in about a hundred operations. `xi` is clamped to 0 … 1.
-    #[must_use]
     #[cfg(test)]
     pub(crate) fn exact(xi: S) -> Self {
         let xi = xi.max(S::ZERO).min(S::ONE);
@@ -145,7 +143,6 @@ impl<S: Scalar> DiscOverlap<S> {
     }
 
     /// `ds1/dξ = −(4/π) √(1 − ξ²)` on the side in question; 0 for separate discs.
-    #[must_use]
     #[inline]
     pub(crate) fn active_by_xi(xi: S) -> S {
         S::from_f64(-2.0 * core::f64::consts::FRAC_2_PI) * ((S::ONE - xi) * (S::ONE + xi)).sqrt()

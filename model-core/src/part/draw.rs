@@ -7,6 +7,7 @@
 use core::fmt::Debug;
 
 use super::bounds::{Bounds, ParameterError, bounded};
+use crate::any::forward;
 use crate::scalar::Scalar;
 
 /// Largest voltage of a storage in V.
@@ -38,7 +39,7 @@ impl<S: Scalar> Lockout<S> {
     }
 }
 
-/// The current that a node draws from a storage.
+/// The current that a node draws from a storage; the provided methods are those of no draw.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no draw on a storage",
     note = "a draw is `NoDraw`, a `ResistiveDraw`, a `CurrentDraw`, a `PowerDraw` or an `AnyDraw`"
@@ -48,13 +49,22 @@ pub(crate) trait Draw<S: Scalar>: Copy + Debug + PartialEq {
     const POSSIBLE: bool;
 
     /// Current in A at a storage voltage in V, while connected.
-    fn current(&self, voltage: S) -> S;
+    #[inline]
+    fn current(&self, _voltage: S) -> S {
+        S::ZERO
+    }
 
     /// Derivative of the current by the voltage, in A/V.
-    fn current_by_voltage(&self, voltage: S) -> S;
+    #[inline]
+    fn current_by_voltage(&self, _voltage: S) -> S {
+        S::ZERO
+    }
 
     /// The lock-out; `None` for a draw that is always connected.
-    fn lockout(&self) -> Option<Lockout<S>>;
+    #[inline]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        None
+    }
 
     /// Checks the parameters of the draw.
     ///
@@ -70,21 +80,6 @@ pub struct NoDraw;
 
 impl<S: Scalar> Draw<S> for NoDraw {
     const POSSIBLE: bool = false;
-
-    #[inline]
-    fn current(&self, _voltage: S) -> S {
-        S::ZERO
-    }
-
-    #[inline]
-    fn current_by_voltage(&self, _voltage: S) -> S {
-        S::ZERO
-    }
-
-    #[inline]
-    fn lockout(&self) -> Option<Lockout<S>> {
-        None
-    }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
         Ok(())
@@ -145,11 +140,6 @@ impl<S: Scalar> Draw<S> for CurrentDraw<S> {
     #[inline]
     fn current(&self, _voltage: S) -> S {
         self.current
-    }
-
-    #[inline]
-    fn current_by_voltage(&self, _voltage: S) -> S {
-        S::ZERO
     }
 
     #[inline]
@@ -228,34 +218,16 @@ pub enum AnyDraw<S> {
 impl<S: Scalar> Draw<S> for AnyDraw<S> {
     const POSSIBLE: bool = true;
 
-    #[inline]
-    fn current(&self, voltage: S) -> S {
-        match self {
-            Self::None => S::ZERO,
-            Self::Resistor(draw) => draw.current(voltage),
-            Self::Current(draw) => draw.current(voltage),
-            Self::Power(draw) => draw.current(voltage),
+    forward! {
+        match {
+            Self::None => NoDraw,
+            Self::Resistor(draw) => draw,
+            Self::Current(draw) => draw,
+            Self::Power(draw) => draw,
         }
-    }
-
-    #[inline]
-    fn current_by_voltage(&self, voltage: S) -> S {
-        match self {
-            Self::None => S::ZERO,
-            Self::Resistor(draw) => draw.current_by_voltage(voltage),
-            Self::Current(draw) => draw.current_by_voltage(voltage),
-            Self::Power(draw) => draw.current_by_voltage(voltage),
-        }
-    }
-
-    #[inline]
-    fn lockout(&self) -> Option<Lockout<S>> {
-        match self {
-            Self::None => None,
-            Self::Resistor(draw) => draw.lockout(),
-            Self::Current(draw) => draw.lockout(),
-            Self::Power(draw) => draw.lockout(),
-        }
+        #[inline] fn current(&self, voltage: S) -> S;
+        #[inline] fn current_by_voltage(&self, voltage: S) -> S;
+        #[inline] fn lockout(&self) -> Option<Lockout<S>>;
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {

@@ -5,7 +5,7 @@ use core::fmt::Debug;
 use super::bounds::{Bounds, ParameterError, bounded};
 use crate::scalar::Scalar;
 
-/// A law of dry friction.
+/// A law of dry friction; the provided methods are those without friction.
 ///
 /// A part `active` (0 to 1) of the slider's face rests on the active patch and the remainder on the inert
 /// patch. Each patch has its own coefficients; the friction coefficient of the pair is their mean, weighted
@@ -19,13 +19,22 @@ pub(crate) trait Friction<S: Scalar>: Copy + Debug + PartialEq {
     const PRESENT: bool;
 
     /// Coefficient of static friction with the part `active` on the active patch.
-    fn static_coefficient(&self, active: S) -> S;
+    #[inline]
+    fn static_coefficient(&self, _active: S) -> S {
+        S::ZERO
+    }
 
     /// Coefficient of kinetic friction with the part `active` on the active patch.
-    fn kinetic_coefficient(&self, active: S) -> S;
+    #[inline]
+    fn kinetic_coefficient(&self, _active: S) -> S {
+        S::ZERO
+    }
 
     /// Derivative of the kinetic coefficient by the part on the active patch.
-    fn kinetic_by_share(&self) -> S;
+    #[inline]
+    fn kinetic_by_share(&self) -> S {
+        S::ZERO
+    }
 
     /// Checks the parameters of the law.
     ///
@@ -90,21 +99,6 @@ pub struct Frictionless;
 
 impl<S: Scalar> Friction<S> for Frictionless {
     const PRESENT: bool = false;
-
-    #[inline]
-    fn static_coefficient(&self, _active: S) -> S {
-        S::ZERO
-    }
-
-    #[inline]
-    fn kinetic_coefficient(&self, _active: S) -> S {
-        S::ZERO
-    }
-
-    #[inline]
-    fn kinetic_by_share(&self) -> S {
-        S::ZERO
-    }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
         Ok(())

@@ -3,7 +3,7 @@
 use crate::bounds::{ParameterError, bounded};
 use crate::scalar::Scalar;
 
-/// An optional parasitic capacitance.
+/// An optional parasitic capacitance; the provided method is that of none.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no parasitic capacitance",
     note = "write `.parasitic(ParasiticCapacitance {{ .. }})`, or leave `.parasitic(..)` out"
@@ -13,7 +13,10 @@ pub(crate) trait Parasitic<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
     const PRESENT: bool;
 
     /// Capacitance in F.
-    fn capacitance(&self) -> S;
+    #[inline]
+    fn capacitance(&self) -> S {
+        S::ZERO
+    }
 
     /// Refuses a capacitance out of its bounds.
     fn check(&self) -> Result<(), ParameterError<S>> {
@@ -28,11 +31,6 @@ pub struct NoParasitic;
 
 impl<S: Scalar> Parasitic<S> for NoParasitic {
     const PRESENT: bool = false;
-
-    #[inline]
-    fn capacitance(&self) -> S {
-        S::ZERO
-    }
 }
 
 /// A capacitance in parallel with the load; zero is allowed and gives the bits of [`NoParasitic`].

@@ -52,7 +52,6 @@ bounded! { FullBridge<S, R>: "diode_drop" = diode_drop: 0.0, 100.0; }
 
 impl<S: Scalar, R: StorageElement<S>> FullBridge<S, R> {
     /// Terminal voltage in V from which the bridge conducts, at a storage voltage in V.
-    #[must_use]
     #[inline]
     pub(crate) fn threshold(&self, storage_voltage: S) -> S {
         storage_voltage + self.diode_drop + self.diode_drop

@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 
+use crate::any::forward;
 use crate::part::bounds::{ParameterError, bounded};
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 use crate::snapshot::Fingerprint;
@@ -104,25 +105,11 @@ pub enum AnyRestitution<S, M = Polynomial> {
 }
 
 impl<S: Scalar, M: Mathematics<S>> Restitution<S> for AnyRestitution<S, M> {
-    fn coefficient(&self, speed: S) -> S {
-        match self {
-            Self::Constant(law) => law.coefficient(speed),
-            Self::VelocityDependent(law) => law.coefficient(speed),
-        }
-    }
-
-    fn check(&self) -> Result<(), ParameterError<S>> {
-        match self {
-            Self::Constant(law) => law.check(),
-            Self::VelocityDependent(law) => law.check(),
-        }
-    }
-
-    fn identify(&self, fingerprint: &mut Fingerprint) {
-        match self {
-            Self::Constant(law) => law.identify(fingerprint),
-            Self::VelocityDependent(law) => law.identify(fingerprint),
-        }
+    forward! {
+        match { Self::Constant(law) => law, Self::VelocityDependent(law) => law }
+        fn coefficient(&self, speed: S) -> S;
+        fn check(&self) -> Result<(), ParameterError<S>>;
+        fn identify(&self, fingerprint: &mut Fingerprint);
     }
 }
 

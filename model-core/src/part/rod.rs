@@ -34,7 +34,6 @@ const SUMMED: u32 = 30;
 
 impl<S: Scalar> Rod<S> {
     /// Mode `number`, from 1, in order of frequency.
-    #[must_use]
     pub(crate) fn mode(&self, number: u32) -> RodMode<S> {
         let two = S::from_f64(2.0);
         let number = number.max(1);
@@ -53,7 +52,6 @@ impl<S: Scalar> Rod<S> {
     /// (L/EA) Σ 1/(2j − 1)²`. For `kept` = 0 it is that of the massless rod, `L/EA`.
     ///
     /// The omitted modes are summed directly, because the difference of the total and the kept modes cancels.
-    #[must_use]
     pub(crate) fn residual_compliance(&self, kept: u32) -> S {
         let compliance = self.length / self.axial_stiffness;
         if kept == 0 {

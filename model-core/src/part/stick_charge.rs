@@ -11,8 +11,11 @@ pub(crate) trait Sticking: Copy + Debug + PartialEq {
     /// Whether the moving part can stick at all. If not, the code for stick is not compiled.
     const POSSIBLE: bool;
 
-    /// Whether the charge keeps flowing in stick.
-    fn relaxes(&self) -> bool;
+    /// Whether the charge keeps flowing in stick; by default not.
+    #[inline]
+    fn relaxes(&self) -> bool {
+        false
+    }
 }
 
 /// The behaviour of the charge in stick.
@@ -46,9 +49,4 @@ pub struct NeverSticks;
 
 impl Sticking for NeverSticks {
     const POSSIBLE: bool = false;
-
-    #[inline]
-    fn relaxes(&self) -> bool {
-        false
-    }
 }

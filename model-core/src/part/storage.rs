@@ -10,9 +10,10 @@ use core::fmt::Debug;
 
 use super::bounds::{ParameterError, bounded};
 use super::draw::{AnyDraw, Draw, HIGHEST_VOLTAGE, Lockout};
+use crate::any::forward;
 use crate::scalar::Scalar;
 
-/// The storage behind a rectifier.
+/// The storage behind a rectifier; the provided methods are those of a DC bus.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no storage element",
     label = "cannot be charged",
@@ -26,28 +27,49 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     const SWITCHES: bool;
 
     /// `1/C` in 1/F; 0 for a DC bus.
-    fn elastance(&self) -> S;
+    #[inline]
+    fn elastance(&self) -> S {
+        S::ZERO
+    }
 
     /// Capacitance in F; infinite for a DC bus.
-    fn capacitance(&self) -> S;
+    #[inline]
+    fn capacitance(&self) -> S {
+        S::INFINITY
+    }
 
     /// Voltage in V before the first step.
     fn initial_voltage(&self) -> S;
 
     /// Leakage current in A at a voltage in V.
-    fn leakage(&self, voltage: S) -> S;
+    #[inline]
+    fn leakage(&self, _voltage: S) -> S {
+        S::ZERO
+    }
 
     /// Current in A into the connected draw, at a voltage in V.
-    fn drawn(&self, voltage: S) -> S;
+    #[inline]
+    fn drawn(&self, _voltage: S) -> S {
+        S::ZERO
+    }
 
     /// Derivatives of leakage and draw by the voltage, in A/V.
-    fn by_voltage(&self, voltage: S) -> [S; 2];
+    #[inline]
+    fn by_voltage(&self, _voltage: S) -> [S; 2] {
+        [S::ZERO; 2]
+    }
 
     /// The lock-out of the draw; `None` if the draw is always connected or absent.
-    fn lockout(&self) -> Option<Lockout<S>>;
+    #[inline]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        None
+    }
 
     /// Stored energy in J at a voltage in V; 0 for a DC bus, which has no energy balance.
-    fn stored_energy(&self, voltage: S) -> S;
+    #[inline]
+    fn stored_energy(&self, _voltage: S) -> S {
+        S::ZERO
+    }
 
     /// Checks the parameters of the storage and its draw.
     ///
@@ -160,43 +182,8 @@ impl<S: Scalar> StorageElement<S> for DcBus<S> {
     const SWITCHES: bool = false;
 
     #[inline]
-    fn elastance(&self) -> S {
-        S::ZERO
-    }
-
-    #[inline]
-    fn capacitance(&self) -> S {
-        S::INFINITY
-    }
-
-    #[inline]
     fn initial_voltage(&self) -> S {
         self.voltage
-    }
-
-    #[inline]
-    fn leakage(&self, _voltage: S) -> S {
-        S::ZERO
-    }
-
-    #[inline]
-    fn drawn(&self, _voltage: S) -> S {
-        S::ZERO
-    }
-
-    #[inline]
-    fn by_voltage(&self, _voltage: S) -> [S; 2] {
-        [S::ZERO; 2]
-    }
-
-    #[inline]
-    fn lockout(&self) -> Option<Lockout<S>> {
-        None
-    }
-
-    #[inline]
-    fn stored_energy(&self, _voltage: S) -> S {
-        S::ZERO
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
@@ -218,68 +205,16 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
     const CHARGES: bool = true;
     const SWITCHES: bool = true;
 
-    #[inline]
-    fn elastance(&self) -> S {
-        match self {
-            Self::Capacitor(storage) => storage.elastance(),
-            Self::DcBus(bus) => bus.elastance(),
-        }
-    }
-
-    #[inline]
-    fn capacitance(&self) -> S {
-        match self {
-            Self::Capacitor(capacitor) => capacitor.capacitance(),
-            Self::DcBus(bus) => bus.capacitance(),
-        }
-    }
-
-    #[inline]
-    fn initial_voltage(&self) -> S {
-        match self {
-            Self::Capacitor(storage) => storage.initial_voltage(),
-            Self::DcBus(bus) => bus.initial_voltage(),
-        }
-    }
-
-    #[inline]
-    fn leakage(&self, voltage: S) -> S {
-        match self {
-            Self::Capacitor(storage) => storage.leakage(voltage),
-            Self::DcBus(bus) => bus.leakage(voltage),
-        }
-    }
-
-    #[inline]
-    fn drawn(&self, voltage: S) -> S {
-        match self {
-            Self::Capacitor(storage) => storage.drawn(voltage),
-            Self::DcBus(bus) => bus.drawn(voltage),
-        }
-    }
-
-    #[inline]
-    fn by_voltage(&self, voltage: S) -> [S; 2] {
-        match self {
-            Self::Capacitor(storage) => storage.by_voltage(voltage),
-            Self::DcBus(bus) => bus.by_voltage(voltage),
-        }
-    }
-
-    #[inline]
-    fn lockout(&self) -> Option<Lockout<S>> {
-        match self {
-            Self::Capacitor(storage) => storage.lockout(),
-            Self::DcBus(bus) => bus.lockout(),
-        }
-    }
-
-    #[inline]
-    fn stored_energy(&self, voltage: S) -> S {
-        match self {
-            Self::Capacitor(storage) => storage.stored_energy(voltage),
-            Self::DcBus(bus) => bus.stored_energy(voltage),
-        }
+    forward! {
+        match { Self::Capacitor(capacitor) => capacitor, Self::DcBus(bus) => bus }
+        #[inline] fn elastance(&self) -> S;
+        #[inline] fn capacitance(&self) -> S;
+        #[inline] fn initial_voltage(&self) -> S;
+        #[inline] fn leakage(&self, voltage: S) -> S;
+        #[inline] fn drawn(&self, voltage: S) -> S;
+        #[inline] fn by_voltage(&self, voltage: S) -> [S; 2];
+        #[inline] fn lockout(&self) -> Option<Lockout<S>>;
+        #[inline] fn stored_energy(&self, voltage: S) -> S;
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {

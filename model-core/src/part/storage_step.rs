@@ -47,7 +47,6 @@ pub struct StorageAccount<S> {
 
 impl<S: Scalar> StorageState<S> {
     /// The state before the first step.
-    #[must_use]
     pub(crate) fn of<R: StorageElement<S>>(storage: &R) -> Self {
         Self { voltage: storage.initial_voltage(), remainder: S::ZERO, connected: storage.starts_connected() }
     }

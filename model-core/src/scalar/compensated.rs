@@ -8,7 +8,7 @@ use crate::snapshot::snapshot_fields;
 ///
 /// A term may be larger than the sum so far. Each addition includes the correction of the previous one, so
 /// the correction never exceeds a rounding of the sum.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct CompensatedSum<S> {
     sum: S,
@@ -33,16 +33,9 @@ impl<S: Scalar> CompensatedSum<S> {
     }
 
     /// The sum, rounded once.
-    #[must_use]
     #[inline]
     pub(crate) fn value(&self) -> S {
         self.sum + self.correction
-    }
-}
-
-impl<S: Scalar> Default for CompensatedSum<S> {
-    fn default() -> Self {
-        Self::ZERO
     }
 }
 

@@ -2,192 +2,123 @@
 
 use super::{Decomposed, Polynomial, Scalar, Sealed};
 
-impl Scalar for f32 {
-    type Build = Polynomial;
+/// Implements [`Scalar`] for `$float` with the bits of a `$bits`.
+///
+/// The square root takes `$iterations` of Newton's iteration from an estimate within 6 %: the bits of the number, shifted
+/// to halve the biased exponent, plus `$offset`.
+macro_rules! impl_scalar {
+    ($float:ident, $bits:ident, $from_fraction:expr, $offset:literal, $iterations:literal) => {
+        #[allow(clippy::cast_lossless, clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+        impl Scalar for $float {
+            type Build = Polynomial;
 
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    const EPSILON: Self = f32::EPSILON;
-    const TINY: Self = f32::MIN_POSITIVE;
-    const INFINITY: Self = f32::INFINITY;
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const EPSILON: Self = $float::EPSILON;
+            const TINY: Self = $float::MIN_POSITIVE;
+            const INFINITY: Self = $float::INFINITY;
 
-    #[inline]
-    #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-    fn from_f64(value: f64) -> Self {
-        value as f32
-    }
+            #[inline]
+            fn from_f64(value: f64) -> Self {
+                value as $float
+            }
 
-    #[inline]
-    fn from_u32(value: u32) -> Self {
-        value as f32
-    }
+            #[inline]
+            fn from_u32(value: u32) -> Self {
+                value as $float
+            }
 
-    #[inline]
-    fn from_i32(value: i32) -> Self {
-        value as f32
-    }
+            #[inline]
+            fn from_i32(value: i32) -> Self {
+                value as $float
+            }
 
-    #[inline]
-    fn from_fraction(value: i64) -> Self {
-        // The upper word holds more bits than the mantissa, and a 32-bit core converts it in one instruction.
-        (value >> 32) as i32 as f32 * (1.0 / 2_147_483_648.0)
-    }
+            #[inline]
+            fn from_fraction(value: i64) -> Self {
+                ($from_fraction)(value)
+            }
 
-    #[inline]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, as documented")]
-    fn to_u32(self) -> u32 {
-        self as u32
-    }
+            #[inline]
+            #[expect(clippy::cast_sign_loss, reason = "saturates, as documented")]
+            fn to_u32(self) -> u32 {
+                self as u32
+            }
 
-    #[inline]
-    fn to_f32(self) -> f32 {
-        self
-    }
+            #[inline]
+            fn to_f32(self) -> f32 {
+                self as f32
+            }
 
-    fn to_f64(self) -> f64 {
-        f64::from(self)
-    }
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
 
-    #[inline]
-    fn from_f32(value: f32) -> Self {
-        value
-    }
+            #[inline]
+            fn from_f32(value: f32) -> Self {
+                value as $float
+            }
 
-    #[inline]
-    fn abs(self) -> Self {
-        f32::from_bits(self.to_bits() & 0x7fff_ffff)
-    }
+            #[inline]
+            fn abs(self) -> Self {
+                $float::from_bits(self.to_bits() & ($bits::MAX >> 1))
+            }
 
-    #[inline]
-    fn is_finite(self) -> bool {
-        f32::is_finite(self)
-    }
+            #[inline]
+            fn is_finite(self) -> bool {
+                $float::is_finite(self)
+            }
 
-    #[inline]
-    fn power_of_two(power: i32) -> Self {
-        f32::from_bits((power.clamp(-126, 127) + 127).cast_unsigned() << 23)
-    }
+            #[inline]
+            fn power_of_two(power: i32) -> Self {
+                const BIAS: i32 = $float::MAX_EXP - 1;
+                let biased = (power.clamp($float::MIN_EXP - 1, BIAS) + BIAS).cast_unsigned();
+                $float::from_bits($bits::from(biased) << ($float::MANTISSA_DIGITS - 1))
+            }
 
-    fn sqrt(self) -> Self {
-        // `!(self > 0.0)` also gives 0 for not-a-number.
-        if !(self > 0.0 && f32::is_finite(self)) {
-            return if self > 0.0 { self } else { 0.0 };
+            fn sqrt(self) -> Self {
+                // `!(self > 0.0)` also gives 0 for not-a-number.
+                if !(self > 0.0 && $float::is_finite(self)) {
+                    return if self > 0.0 { self } else { 0.0 };
+                }
+                let mut root = $float::from_bits((self.to_bits() >> 1) + $offset);
+                for _ in 0..$iterations {
+                    root = 0.5 * (root + self / root);
+                }
+                root
+            }
         }
-        // Halving the biased exponent gives a first estimate within 6 %.
-        let mut root = f32::from_bits((self.to_bits() >> 1) + 0x1fbb_67ae);
-        for _ in 0..4 {
-            root = 0.5 * (root + self / root);
+
+        impl Sealed for $float {
+            fn decompose(self) -> Option<Decomposed> {
+                const FRACTION_BITS: u32 = $float::MANTISSA_DIGITS - 1;
+                /// Exponent of the last bit of the smallest normal number.
+                const LEAST: i32 = $float::MIN_EXP - $float::MANTISSA_DIGITS.cast_signed();
+                if !$float::is_finite(self) {
+                    return None;
+                }
+                let magnitude = Scalar::abs(self).to_bits();
+                let (biased, fraction) = (magnitude >> FRACTION_BITS, magnitude & ((1 << FRACTION_BITS) - 1));
+                let (mantissa, exponent) = if biased == 0 {
+                    (fraction, LEAST)
+                } else {
+                    // The biased exponent has at most eleven bits: the cast is exact.
+                    (fraction | (1 << FRACTION_BITS), LEAST - 1 + biased as i32)
+                };
+                Some(Decomposed { mantissa: u64::from(mantissa), exponent, negative: self < 0.0 })
+            }
         }
-        root
-    }
+    };
 }
 
-impl Sealed for f32 {
-    fn decompose(self) -> Option<Decomposed> {
-        if !f32::is_finite(self) {
-            return None;
-        }
-        let bits = self.to_bits();
-        let (biased, fraction) = ((bits >> 23) & 0xff, bits & 0x007f_ffff);
-        let (mantissa, exponent) =
-            if biased == 0 { (fraction, -149) } else { (fraction | 0x0080_0000, biased.cast_signed() - 150) };
-        Some(Decomposed { mantissa: u64::from(mantissa), exponent, negative: self < 0.0 })
-    }
-}
-
-impl Scalar for f64 {
-    type Build = Polynomial;
-
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    const EPSILON: Self = f64::EPSILON;
-    const TINY: Self = f64::MIN_POSITIVE;
-    const INFINITY: Self = f64::INFINITY;
-
-    #[inline]
-    fn from_f64(value: f64) -> Self {
-        value
-    }
-
-    #[inline]
-    fn from_u32(value: u32) -> Self {
-        f64::from(value)
-    }
-
-    #[inline]
-    fn from_i32(value: i32) -> Self {
-        f64::from(value)
-    }
-
-    #[inline]
-    fn from_fraction(value: i64) -> Self {
-        value as f64 * (1.0 / 9_223_372_036_854_775_808.0)
-    }
-
-    #[inline]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates, as documented")]
-    fn to_u32(self) -> u32 {
-        self as u32
-    }
-
-    #[inline]
-    #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-    fn to_f32(self) -> f32 {
-        self as f32
-    }
-
-    fn to_f64(self) -> f64 {
-        self
-    }
-
-    #[inline]
-    fn from_f32(value: f32) -> Self {
-        f64::from(value)
-    }
-
-    #[inline]
-    fn abs(self) -> Self {
-        f64::from_bits(self.to_bits() & 0x7fff_ffff_ffff_ffff)
-    }
-
-    #[inline]
-    fn is_finite(self) -> bool {
-        f64::is_finite(self)
-    }
-
-    #[inline]
-    fn power_of_two(power: i32) -> Self {
-        f64::from_bits(u64::from((power.clamp(-1022, 1023) + 1023).cast_unsigned()) << 52)
-    }
-
-    fn sqrt(self) -> Self {
-        if !(self > 0.0 && f64::is_finite(self)) {
-            return if self > 0.0 { self } else { 0.0 };
-        }
-        let mut root = f64::from_bits((self.to_bits() >> 1) + 0x1ff7_6cf5_d0b0_9955);
-        for _ in 0..5 {
-            root = 0.5 * (root + self / root);
-        }
-        root
-    }
-}
-
-impl Sealed for f64 {
-    fn decompose(self) -> Option<Decomposed> {
-        if !f64::is_finite(self) {
-            return None;
-        }
-        let bits = self.to_bits();
-        let (biased, fraction) = ((bits >> 52) & 0x7ff, bits & 0x000f_ffff_ffff_ffff);
-        let (mantissa, exponent) = if biased == 0 {
-            (fraction, -1074)
-        } else {
-            // The biased exponent has eleven bits: the cast is exact.
-            (fraction | 0x0010_0000_0000_0000, (biased as u32).cast_signed() - 1075)
-        };
-        Some(Decomposed { mantissa, exponent, negative: self < 0.0 })
-    }
-}
+// The upper word holds more bits than the mantissa, and a 32-bit core converts it in one instruction.
+impl_scalar!(f32, u32, |value: i64| (value >> 32) as i32 as f32 * (1.0 / 2_147_483_648.0), 0x1fbb_67ae, 4);
+impl_scalar!(
+    f64,
+    u64,
+    |value: i64| value as f64 * (1.0 / 9_223_372_036_854_775_808.0),
+    0x1ff7_6cf5_d0b0_9955,
+    5
+);
 
 #[cfg(test)]
 mod tests {

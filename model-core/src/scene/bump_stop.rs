@@ -137,26 +137,18 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 
     /// Displacement of the beam's tip towards the stop in m, and its rate in m/s.
-    #[must_use]
     pub(crate) fn tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
-        self.along_beam(state, |mode| mode.tip)
+        weighted_sum(self.beam.iter().map(|mode| mode.tip), &state.beam)
     }
 
     /// Displacement of the beam at the stop in m, and its rate in m/s.
-    #[must_use]
     pub(crate) fn stop_point<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
-        self.along_beam(state, |mode| mode.contact)
+        weighted_sum(self.beam.iter().map(|mode| mode.contact), &state.beam)
     }
 
     /// Displacement of the rod's face in m, and its rate in m/s.
-    #[must_use]
     pub(crate) fn rod_tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
-        let mut sums = [S::ZERO; 2];
-        for (mode, coordinate) in self.rod.iter().zip(&state.rod) {
-            sums[0] += mode.contact * coordinate[0];
-            sums[1] += mode.contact * coordinate[1];
-        }
-        sums
+        weighted_sum(self.rod.iter().map(|mode| mode.contact), &state.rod)
     }
 
     /// Voltage at the terminals in V.
@@ -164,13 +156,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     pub fn voltage<C>(&self, state: &State<S, B, R, C>) -> S {
         (state.strain_charge - state.moved_charge) * self.elastance
     }
+}
 
-    fn along_beam<C>(&self, state: &State<S, B, R, C>, weight: impl Fn(&BeamCoefficients<S>) -> S) -> [S; 2] {
-        let mut sums = [S::ZERO; 2];
-        for (mode, coordinate) in self.beam.iter().zip(&state.beam) {
-            sums[0] += weight(mode) * coordinate[0];
-            sums[1] += weight(mode) * coordinate[1];
-        }
-        sums
-    }
+/// Displacement and velocity of the modes, summed with a weight for each mode.
+fn weighted_sum<S: Scalar>(weights: impl Iterator<Item = S>, coordinates: &[[S; 2]]) -> [S; 2] {
+    weights.zip(coordinates).fold([S::ZERO; 2], |[displacement, velocity], (weight, coordinate)| {
+        [displacement + weight * coordinate[0], velocity + weight * coordinate[1]]
+    })
 }

@@ -49,8 +49,7 @@ mod mode;
 mod parameters;
 mod start;
 
-pub use crate::scene::coupled::ModeFactor;
-pub use crate::scene::coupled::{CHARGE, POSITION as GAP, STATES, VELOCITY};
+pub use crate::scene::coupled::{CHARGE, ModeFactor, POSITION as GAP, STATES, VELOCITY};
 pub use choices::{AnyChoices, Choices, Parts};
 pub use flow::Flow;
 pub use mode::Mode;
@@ -120,7 +119,6 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     }
 
     /// Total charge in charge units at which the voltage vanishes at `gap`: `σ S g / (g + d_e)`.
-    #[must_use]
     #[inline]
     fn relaxed_charge(&self, gap: S) -> S {
         // A trial step may end far below contact, near the pole of this formula. The impact then cuts the step; the

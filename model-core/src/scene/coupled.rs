@@ -8,7 +8,6 @@
 //! which leaves two equations for velocity and charge. The position is linear in the velocity, and the charge
 //! equation is linear in the charge at a given position, so Newton iterates on the velocity alone.
 
-use crate::integrate::System;
 use crate::scalar::Scalar;
 
 /// Number of states: position in m, velocity in m/s, charge in units of the scene.
@@ -95,33 +94,56 @@ impl<S: Scalar> ModeFactor<S> {
     }
 }
 
-/// One Newton iteration on the velocity alone for a stage of `system`. [`System::condense`] solves the other two
-/// rows: the position is linear in the velocity, the charge equation linear in the charge.
+/// The items of [`System`] that the flows of both scenes have in common, by their `is_stick`, `derivatives` and
+/// `all_powers`.
 ///
-/// With a fixed position (`held`) no iteration is needed.
-#[inline(always)]
-pub(crate) fn iterate<S: Scalar, Y, const POWERS: usize>(
-    system: &Y,
-    held: bool,
-    factor: &ModeFactor<S>,
-    base: &[S; STATES],
-    increment: &mut [S; STATES],
-    input: S,
-    weight: S,
-) -> [S; STATES]
-where
-    Y: System<S, STATES, POWERS>,
-{
-    system.condense(base, increment, weight);
-    if held {
-        return [S::ZERO; STATES];
-    }
-    let state = core::array::from_fn(|i| base[i] + increment[i]);
-    let [_, rate, _] = system.flow(&state, input);
-    let correction = factor.correction(weight * rate - increment[VELOCITY]);
-    increment[VELOCITY] += correction[VELOCITY];
-    correction
+/// Newton iterates on the velocity alone. [`System::condense`] solves the other two rows. With a fixed position no
+/// iteration is needed.
+macro_rules! flow_items {
+    () => {
+        type Factor = ModeFactor<S>;
+
+        #[inline(always)]
+        fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
+            let derivatives = self.derivatives(state);
+            if self.is_stick() {
+                return Some(ModeFactor::held(weight, derivatives.current_by_charge));
+            }
+            ModeFactor::moving(weight, &derivatives)
+        }
+
+        #[inline(always)]
+        fn solve(&self, factor: &ModeFactor<S>, right: [S; STATES]) -> [S; STATES] {
+            factor.solve(right)
+        }
+
+        #[inline(always)]
+        fn iterate(
+            &self,
+            factor: &ModeFactor<S>,
+            base: &[S; STATES],
+            increment: &mut [S; STATES],
+            acceleration: S,
+            weight: S,
+        ) -> [S; STATES] {
+            System::<S, STATES, POWERS>::condense(self, base, increment, weight);
+            if self.is_stick() {
+                return [S::ZERO; STATES];
+            }
+            let state = core::array::from_fn(|i| base[i] + increment[i]);
+            let [_, rate, _] = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
+            let correction = factor.correction(weight * rate - increment[VELOCITY]);
+            increment[VELOCITY] += correction[VELOCITY];
+            correction
+        }
+
+        #[inline(always)]
+        fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
+            first_powers(&self.all_powers(state, rate, acceleration))
+        }
+    };
 }
+pub(crate) use flow_items;
 
 /// The norm of a change of state: motion relative to the present amplitude, at least `least`; charge relative to
 /// `1/per_charge`.

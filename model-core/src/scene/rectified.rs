@@ -177,16 +177,12 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     ///
     /// # Errors
     /// A start that the harvester refuses.
-    pub fn start<E, C, const POWERS: usize>(
+    pub fn start<E: Excitation<S>, C: StepControl<S>, const POWERS: usize>(
         &self,
         start: &H::Start,
         excitation: &E,
         control: &C,
-    ) -> Result<HybridState<S, Mode<H::Mode>, STATES, POWERS>, ParameterError<S>>
-    where
-        E: Excitation<S>,
-        C: StepControl<S>,
-    {
+    ) -> Result<HybridState<S, Mode<H::Mode>, STATES, POWERS>, ParameterError<S>> {
         let alone = Scene::start(&self.harvester, start, excitation, control)?;
         let storage = &self.bridge.storage;
         let mode =

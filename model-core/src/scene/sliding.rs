@@ -150,7 +150,6 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// Charge in charge units at which the voltage vanishes at a displacement: `σ S2`.
-    #[must_use]
     #[inline]
     fn relaxed_charge(&self, displacement: S) -> S {
         self.surface.tribo_charge * self.overlap(displacement >= S::ZERO, displacement).inert

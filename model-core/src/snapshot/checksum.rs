@@ -56,7 +56,6 @@ pub struct Fingerprint(Checksum);
 
 impl Fingerprint {
     /// The fingerprint before any input.
-    #[must_use]
     pub(crate) const fn new() -> Self {
         Self(Checksum::START)
     }
@@ -82,7 +81,6 @@ impl Fingerprint {
     }
 
     /// The number.
-    #[must_use]
     pub(crate) fn value(self) -> u32 {
         self.0.value()
     }

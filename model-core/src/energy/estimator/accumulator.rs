@@ -15,7 +15,7 @@ const ENERGY_ROUNDINGS: f64 = 32.0;
 const SUM_ROUNDINGS: f64 = 2.0;
 
 /// Delivered energy and its errors, summed over steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnergyAccumulator<S> {
     /// Energy delivered to the load, in J.
     energy: CompensatedSum<S>,
@@ -27,14 +27,6 @@ pub struct EnergyAccumulator<S> {
 }
 
 impl<S: Scalar> EnergyAccumulator<S> {
-    /// The sums at zero.
-    pub(super) const EMPTY: Self = Self {
-        energy: CompensatedSum::ZERO,
-        energy_error: CompensatedSum::ZERO,
-        state_error: CompensatedSum::ZERO,
-        ticks: 0,
-    };
-
     #[inline]
     fn add(&mut self, energy: S, ticks: u32) {
         self.energy.add(energy);

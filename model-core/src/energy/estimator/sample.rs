@@ -45,7 +45,6 @@ impl<S: Scalar> SampleFormat<S> {
     }
 
     /// The sample of a raw count.
-    #[must_use]
     #[inline]
     pub(crate) fn of_count(&self, count: i16) -> Sample<S> {
         let (count, limit) = (i32::from(count), i32::from(self.count_limit));
@@ -58,7 +57,6 @@ impl<S: Scalar> SampleFormat<S> {
     }
 
     /// The sample of a reading in m/s²; a reading that is not finite is missing.
-    #[must_use]
     #[inline]
     pub(crate) fn of_acceleration(&self, acceleration: S) -> Sample<S> {
         if !acceleration.is_finite() {

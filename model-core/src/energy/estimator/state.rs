@@ -17,7 +17,7 @@ pub(super) enum Phase {
 }
 
 /// Samples that the stream has yet to take: one sample, preceded by lost samples interpolated linearly.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Queue<S> {
     /// The previous sample in m/s².
     pub(super) from: S,
@@ -32,9 +32,6 @@ pub(super) struct Queue<S> {
 }
 
 impl<S: Scalar> Queue<S> {
-    pub(super) const EMPTY: Self =
-        Self { from: S::ZERO, target: S::ZERO, saturated: false, restarts: false, length: 0, left: 0 };
-
     /// Removes the next sample and tells whether its value is uncertain; `None` for an empty queue.
     #[inline]
     pub(super) fn next(&mut self) -> Option<(S, bool)> {

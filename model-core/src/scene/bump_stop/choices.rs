@@ -8,6 +8,7 @@ use super::stop::{Stop, StopChoice};
 use crate::part::load::AnyLoad;
 use crate::part::rectifier::FullBridge;
 use crate::scalar::Scalar;
+use crate::scene::parts::parts;
 
 /// Whether the voltage acts back on the beam.
 #[diagnostic::on_unimplemented(
@@ -127,26 +128,11 @@ impl<L, T, K> Choices<L, T, K> {
 /// The contact law of beam and rod, by the choice of the stop.
 pub(super) type ContactOf<S, P> = <<P as Parts<S>>::Stop as StopChoice<S>>::Contact;
 
-/// The component types of [`Choices`].
-pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
+parts! { S:
     /// The circuit at the terminals.
-    type Load: Circuit<S>;
+    L = Load: Circuit<S>,
     /// The stop.
-    type Stop: StopChoice<S>;
+    T = Stop: StopChoice<S>,
     /// Whether the voltage acts back on the beam.
-    type Coupling: Coupling;
-
-    /// The choices themselves.
-    fn choices(&self) -> &Choices<Self::Load, Self::Stop, Self::Coupling>;
-}
-
-impl<S: Scalar, L: Circuit<S>, T: StopChoice<S>, K: Coupling> Parts<S> for Choices<L, T, K> {
-    type Load = L;
-    type Stop = T;
-    type Coupling = K;
-
-    #[inline(always)]
-    fn choices(&self) -> &Self {
-        self
-    }
+    K = Coupling: Coupling,
 }

@@ -28,7 +28,7 @@ pub(crate) enum ContactKind<S> {
 )]
 pub(crate) trait ContactLaw<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether there is a stop; if not, its code is not compiled.
-    const POSSIBLE: bool;
+    const POSSIBLE: bool = true;
 
     /// The numerical method.
     fn kind(&self) -> ContactKind<S>;
@@ -71,8 +71,6 @@ impl<S: Scalar> ContactLaw<S> for NoStop {
 pub struct ResidualFlexibility;
 
 impl<S: Scalar> ContactLaw<S> for ResidualFlexibility {
-    const POSSIBLE: bool = true;
-
     #[inline]
     fn kind(&self) -> ContactKind<S> {
         ContactKind::Compliant
@@ -94,8 +92,6 @@ pub struct Restitution<S> {
 bounded! { Restitution<S>: "restitution" = coefficient: 0.0, 1.0; }
 
 impl<S: Scalar> ContactLaw<S> for Restitution<S> {
-    const POSSIBLE: bool = true;
-
     #[inline]
     fn kind(&self) -> ContactKind<S> {
         ContactKind::Impulsive { restitution: self.coefficient }
@@ -112,8 +108,6 @@ impl<S: Scalar> ContactLaw<S> for Restitution<S> {
 pub struct DisplacementConstraint;
 
 impl<S: Scalar> ContactLaw<S> for DisplacementConstraint {
-    const POSSIBLE: bool = true;
-
     #[inline]
     fn kind(&self) -> ContactKind<S> {
         ContactKind::Constrained
@@ -135,8 +129,6 @@ pub enum AnyContact<S> {
 }
 
 impl<S: Scalar> ContactLaw<S> for AnyContact<S> {
-    const POSSIBLE: bool = true;
-
     fn kind(&self) -> ContactKind<S> {
         match self {
             Self::NoStop => ContactKind::None,

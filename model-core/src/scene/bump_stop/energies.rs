@@ -128,12 +128,6 @@ impl<S: Scalar, const B: usize, const R: usize> GramianSet<S, B, R> {
     }
 }
 
-/// Works of one step, in J.
-struct Works<S> {
-    base: S,
-    damping: S,
-}
-
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Integrals of all powers over a step of `step` in s, in the order of [`PowerIndex`].
     pub(super) fn energies(
@@ -143,7 +137,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         trial: &TrialOf<S, P, B, R>,
         step: S,
     ) -> [S; ALL_POWERS] {
-        let Works { base, damping } = self.works(gramians, start, trial, step);
+        let [base, damping] = self.works(gramians, start, trial, step);
         let field = trial.mean_voltage * (trial.end.strain_charge - start.strain_charge);
         let account = &trial.account;
         let mut energies = [S::ZERO; ALL_POWERS];
@@ -164,25 +158,25 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         energies
     }
 
-    /// Work of the base and of the damping on all modes.
+    /// Work in J of the base on all modes, and of all modes on the damping.
     fn works(
         &self,
         gramians: &GramianSet<S, B, R>,
         start: &StateOf<S, P, B, R>,
         trial: &TrialOf<S, P, B, R>,
         step: S,
-    ) -> Works<S> {
+    ) -> [S; 2] {
         let voltage = if self.coupling.is_two_way() { trial.mean_voltage } else { S::ZERO };
         let acceleration = start.acceleration;
         let rise = trial.end.acceleration - acceleration;
         let damping_ratio = self.damping_ratio;
-        let mut works = Works { base: S::ZERO, damping: S::ZERO };
+        let (mut of_base, mut of_damping) = (S::ZERO, S::ZERO);
         let mut add = |angular_frequency, gramian: &Gramian<S>, start, base: S, constant: S| {
             let force = [constant - base * acceleration, -base * rise];
             let oscillator = Oscillator { angular_frequency, damping_ratio, start, force };
             let (loss, [moved, moment]) = oscillator.integrals(gramian, step);
-            works.damping += loss;
-            works.base -= base * (acceleration * moved + rise * moment / step);
+            of_damping += loss;
+            of_base -= base * (acceleration * moved + rise * moment / step);
         };
         for ((mode, gramian), start) in self.beam.iter().zip(&gramians.beam).zip(&start.beam) {
             let constant = -mode.contact * trial.force - mode.voltage * voltage;
@@ -191,7 +185,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         for ((mode, gramian), start) in self.rod.iter().zip(&gramians.rod).zip(&start.rod) {
             add(mode.angular_frequency, gramian, *start, mode.base, mode.contact * trial.force);
         }
-        works
+        [of_base, of_damping]
     }
 
     /// The contact within a step.

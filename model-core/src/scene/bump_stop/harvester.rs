@@ -32,10 +32,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 }
 
-impl<S, P, const B: usize, const R: usize, const ALL: usize> Harvester<S> for Stepper<S, P, B, R, ALL>
-where
-    S: Scalar,
-    P: Parts<S>,
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> Harvester<S>
+    for Stepper<S, P, B, R, ALL>
 {
     type State = StateOf<S, P, B, R>;
     type Start = Start<S, B, R>;

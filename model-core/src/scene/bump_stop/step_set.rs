@@ -84,7 +84,6 @@ pub(crate) type StepSetOf<S, P, const B: usize, const R: usize> =
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// The coefficients of a step of `ticks` clock ticks, at least 1.
-    #[must_use]
     pub(crate) fn step_set(&self, ticks: u32) -> StepSetOf<S, P, B, R> {
         let ticks = ticks.max(1);
         let step = seconds_of_ticks::<S>(ticks);

@@ -9,6 +9,7 @@ use crate::part::parasitic::{NoParasitic, Parasitic, ParasiticCapacitance};
 use crate::part::restitution::{AnyRestitution, Restitution};
 use crate::part::stick_charge::{StickCharge, Sticking};
 use crate::scalar::{Polynomial, Scalar};
+use crate::scene::parts::parts;
 
 /// The components of a contact-separation harvester, each by its type: firmware contains only the chosen ones.
 ///
@@ -95,49 +96,15 @@ impl<L, R, F, C, K> Choices<L, R, F, C, K> {
     }
 }
 
-/// The component types of [`Choices`].
-pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
+parts! { S:
     /// The load.
-    type Load: Load<S>;
+    L = Load: Load<S>,
     /// The coefficient of restitution.
-    type Restitution: Restitution<S>;
+    R = Restitution: Restitution<S>,
     /// The electrostatic force law.
-    type ForceLaw: ForceLaw<S>;
+    F = ForceLaw: ForceLaw<S>,
     /// The parasitic capacitance.
-    type Parasitic: Parasitic<S>;
+    C = Parasitic: Parasitic<S>,
     /// The behaviour on the dielectric.
-    type Sticking: Sticking;
-
-    /// The choices themselves.
-    fn choices(&self) -> &ChoicesOf<S, Self>;
-}
-
-/// The choices of given component types.
-type ChoicesOf<S, P> = Choices<
-    <P as Parts<S>>::Load,
-    <P as Parts<S>>::Restitution,
-    <P as Parts<S>>::ForceLaw,
-    <P as Parts<S>>::Parasitic,
-    <P as Parts<S>>::Sticking,
->;
-
-impl<S, L, R, F, C, K> Parts<S> for Choices<L, R, F, C, K>
-where
-    S: Scalar,
-    L: Load<S>,
-    R: Restitution<S>,
-    F: ForceLaw<S>,
-    C: Parasitic<S>,
-    K: Sticking,
-{
-    type Load = L;
-    type Restitution = R;
-    type ForceLaw = F;
-    type Parasitic = C;
-    type Sticking = K;
-
-    #[inline(always)]
-    fn choices(&self) -> &Self {
-        self
-    }
+    K = Sticking: Sticking,
 }

@@ -48,10 +48,16 @@ pub struct Flow<'a, S: Scalar, P: Parts<S>> {
 }
 
 impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
+    /// Whether the mass sticks.
+    #[inline]
+    fn is_stick(&self) -> bool {
+        self.mode == Mode::Stick
+    }
+
     /// Rate of the charge per voltage in units of the circuit; 0 unless a resistor carries current in this mode.
     #[inline]
     fn circuit_rate(&self) -> S {
-        let frozen = self.mode == Mode::Stick && !self.scene.sticking.relaxes();
+        let frozen = self.is_stick() && !self.scene.sticking.relaxes();
         match self.scene.load.resistance() {
             Resistance::Finite(_) if !frozen => self.scene.circuit_rate,
             _ => S::ZERO,
@@ -108,7 +114,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
 }
 
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for Flow<'_, S, P> {
-    type Factor = ModeFactor<S>;
+    coupled::flow_items!();
 
     #[inline(always)]
     fn flow(&self, state: &[S; STATES], acceleration: S) -> [S; STATES] {
@@ -127,40 +133,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     }
 
     #[inline(always)]
-    fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
-        let derivatives = self.derivatives(state);
-        if self.mode == Mode::Stick {
-            return Some(ModeFactor::held(weight, derivatives.current_by_charge));
-        }
-        ModeFactor::moving(weight, &derivatives)
-    }
-
-    #[inline]
-    fn solve(&self, factor: &ModeFactor<S>, right: [S; STATES]) -> [S; STATES] {
-        factor.solve(right)
-    }
-
-    #[inline(always)]
-    fn iterate(
-        &self,
-        factor: &ModeFactor<S>,
-        base: &[S; STATES],
-        increment: &mut [S; STATES],
-        acceleration: S,
-        weight: S,
-    ) -> [S; STATES] {
-        coupled::iterate::<S, Self, POWERS>(
-            self,
-            self.mode == Mode::Stick,
-            factor,
-            base,
-            increment,
-            acceleration,
-            weight,
-        )
-    }
-
-    #[inline(always)]
     fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
         if self.mode == Mode::Free {
             increment[GAP] = weight * (base[VELOCITY] + increment[VELOCITY]);
@@ -168,11 +140,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let circuit = self.scene.circuit(base[GAP] + increment[GAP], base[CHARGE]);
         let rate = weight * self.circuit_rate();
         increment[CHARGE] = rate * circuit.voltage / (S::ONE - rate * circuit.voltage_by_charge);
-    }
-
-    #[inline]
-    fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
-        first_powers(&self.all_powers(state, rate, acceleration))
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least a thousandth of the initial

@@ -3,6 +3,7 @@
 use core::fmt::Debug;
 
 use super::circuit::Circuit;
+use crate::any::forward;
 use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
 use crate::scalar::Scalar;
 
@@ -63,19 +64,9 @@ impl<S: Scalar> ForceLaw<S> for GapField {
 }
 
 impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
-    #[inline]
-    fn attraction(&self, circuit: &Circuit<S>, tribo_charge: S) -> S {
-        match self {
-            Self::TransferredCharge => TransferredCharge.attraction(circuit, tribo_charge),
-            Self::GapField => GapField.attraction(circuit, tribo_charge),
-        }
-    }
-
-    #[inline]
-    fn derivatives(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 2] {
-        match self {
-            Self::TransferredCharge => TransferredCharge.derivatives(circuit, tribo_charge),
-            Self::GapField => GapField.derivatives(circuit, tribo_charge),
-        }
+    forward! {
+        match { Self::TransferredCharge => TransferredCharge, Self::GapField => GapField }
+        #[inline] fn attraction(&self, circuit: &Circuit<S>, tribo_charge: S) -> S;
+        #[inline] fn derivatives(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 2];
     }
 }

@@ -34,16 +34,12 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     ///
     /// # Errors
     /// A gap below zero, or another value outside its bounds.
-    pub fn start<E, C, const POWERS: usize>(
+    pub fn start<E: Excitation<S>, C: StepControl<S>, const POWERS: usize>(
         &self,
         start: &Start<S>,
         excitation: &E,
         control: &C,
-    ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>>
-    where
-        E: Excitation<S>,
-        C: StepControl<S>,
-    {
+    ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>> {
         start.check_numbers()?;
         let gap = start.gap.unwrap_or(self.initial_gap);
         let velocity = start.velocity.unwrap_or(S::ZERO);

@@ -5,8 +5,7 @@ use super::flow::Flow;
 use super::{BridgeRegime, CHARGE, ElectricalPort, POSITION, Rectified, STATES, STORAGE, VELOCITY};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};
-use crate::integrate::ErrorScale;
-use crate::integrate::{Point, System};
+use crate::integrate::{ErrorScale, Point, System};
 use crate::observer::{ALL_POWERS, Outputs, PowerIndex, StorageOutput, first_powers};
 use crate::part::storage::StorageElement;
 use crate::scalar::{Scalar, add_increment};
@@ -176,11 +175,8 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     }
 }
 
-impl<S, H, R, const POWERS: usize> Automaton<S, STATES, POWERS> for Rectified<S, H, R>
-where
-    S: Scalar,
-    H: ElectricalPort<S>,
-    R: StorageElement<S>,
+impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize> Automaton<S, STATES, POWERS>
+    for Rectified<S, H, R>
 {
     type Mode = Mode<H::Mode>;
     type Flow<'a>

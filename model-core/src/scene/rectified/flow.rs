@@ -56,11 +56,8 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Flow<'_, S, H, R, H:
     }
 }
 
-impl<S, H, R, const POWERS: usize> System<S, STATES, POWERS> for Flow<'_, S, H, R, H::Mode>
-where
-    S: Scalar,
-    H: ElectricalPort<S>,
-    R: StorageElement<S>,
+impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize> System<S, STATES, POWERS>
+    for Flow<'_, S, H, R, H::Mode>
 {
     type Factor = ModeFactor<S>;
 

@@ -12,11 +12,8 @@ use crate::snapshot::{Fingerprint, Snapshot, snapshot_fields, snapshot_variants}
 /// The mode of a rectified harvester.
 type ModeOf<S, H> = Mode<<H as Automaton<S, { coupled::STATES }, 0>>::Mode>;
 
-impl<S, H, R, const POWERS: usize> Scene<S, STATES, POWERS> for Rectified<S, H, R>
-where
-    S: Scalar,
-    H: ElectricalPort<S>,
-    R: StorageElement<S>,
+impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize> Scene<S, STATES, POWERS>
+    for Rectified<S, H, R>
 {
     type Start = H::Start;
 

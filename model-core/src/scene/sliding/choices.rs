@@ -9,8 +9,10 @@ use crate::part::friction::{Friction, PatchFriction};
 use crate::part::load::{AnyLoad, Load};
 use crate::part::stick_charge::{StickCharge, Sticking};
 use crate::scalar::Scalar;
+use crate::scene::parts::parts;
 
 /// The components of a sliding harvester, each by its type: firmware contains only the chosen ones.
+///
 /// ```
 /// use model_core::part::load::Resistor;
 /// use model_core::scene::sliding::{Choices, PatchFriction, TransferredCharge};
@@ -75,49 +77,15 @@ impl<L, R, F, K, T> Choices<L, R, F, K, T> {
     }
 }
 
-/// The component types of [`Choices`].
-pub trait Parts<S: Scalar>: Copy + Debug + PartialEq {
+parts! { S:
     /// The load.
-    type Load: Load<S>;
+    L = Load: Load<S>,
     /// The friction.
-    type Friction: Friction<S>;
+    R = Friction: Friction<S>,
     /// The electrostatic force law.
-    type ForceLaw: ForceLaw<S>;
+    F = ForceLaw: ForceLaw<S>,
     /// The behaviour of the slider at rest.
-    type Sticking: Sticking;
+    K = Sticking: Sticking,
     /// The lateral force of the field.
-    type LateralForce: LateralForce;
-
-    /// The choices themselves.
-    fn choices(&self) -> &ChoicesOf<S, Self>;
-}
-
-/// The choices of given component types.
-type ChoicesOf<S, P> = Choices<
-    <P as Parts<S>>::Load,
-    <P as Parts<S>>::Friction,
-    <P as Parts<S>>::ForceLaw,
-    <P as Parts<S>>::Sticking,
-    <P as Parts<S>>::LateralForce,
->;
-
-impl<S, L, R, F, K, T> Parts<S> for Choices<L, R, F, K, T>
-where
-    S: Scalar,
-    L: Load<S>,
-    R: Friction<S>,
-    F: ForceLaw<S>,
-    K: Sticking,
-    T: LateralForce,
-{
-    type Load = L;
-    type Friction = R;
-    type ForceLaw = F;
-    type Sticking = K;
-    type LateralForce = T;
-
-    #[inline(always)]
-    fn choices(&self) -> &Self {
-        self
-    }
+    T = LateralForce: LateralForce,
 }

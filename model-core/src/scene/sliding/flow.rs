@@ -215,14 +215,14 @@ pub struct Flow<'a, S: Scalar, P: Parts<S>> {
 impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
     /// Whether the slider sticks; if it never does, the compiler removes the code of the stick.
     #[inline(always)]
-    fn is_stuck(&self) -> bool {
+    fn is_stick(&self) -> bool {
         Sliding::<S, P>::STICKS && self.mode == Mode::Stick
     }
 
     /// Rate of the charge per unit of voltage: 0 unless a resistor carries current in this mode.
     #[inline(always)]
     fn circuit_rate(&self) -> S {
-        let frozen = self.is_stuck() && !self.scene.sticking.relaxes();
+        let frozen = self.is_stick() && !self.scene.sticking.relaxes();
         match self.scene.load.resistance() {
             Resistance::Finite(_) if !frozen => self.scene.circuit_rate,
             _ => S::ZERO,
@@ -303,7 +303,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
 }
 
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for Flow<'_, S, P> {
-    type Factor = ModeFactor<S>;
+    coupled::flow_items!();
 
     #[inline(always)]
     fn flow(&self, state: &[S; STATES], acceleration: S) -> [S; STATES] {
@@ -312,7 +312,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let ahead = self.mode.is_ahead(displacement);
         let circuit = scene.circuit(ahead, displacement, charge);
         let charge_rate = self.circuit_rate() * circuit.voltage;
-        if self.is_stuck() {
+        if self.is_stick() {
             return [S::ZERO, S::ZERO, charge_rate];
         }
         let mut force = scene.damping_per_mass * velocity + scene.stiffness_per_mass * displacement;
@@ -326,42 +326,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     }
 
     #[inline(always)]
-    fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
-        let derivatives = self.derivatives(state);
-        if self.is_stuck() {
-            return Some(ModeFactor::held(weight, derivatives.current_by_charge));
-        }
-        ModeFactor::moving(weight, &derivatives)
-    }
-
-    #[inline(always)]
-    fn solve(&self, factor: &ModeFactor<S>, right: [S; STATES]) -> [S; STATES] {
-        factor.solve(right)
-    }
-
-    #[inline(always)]
-    fn iterate(
-        &self,
-        factor: &ModeFactor<S>,
-        base: &[S; STATES],
-        increment: &mut [S; STATES],
-        acceleration: S,
-        weight: S,
-    ) -> [S; STATES] {
-        coupled::iterate::<S, Self, POWERS>(
-            self,
-            self.is_stuck(),
-            factor,
-            base,
-            increment,
-            acceleration,
-            weight,
-        )
-    }
-
-    #[inline(always)]
     fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
-        if !self.is_stuck() {
+        if !self.is_stick() {
             increment[DISPLACEMENT] = weight * (base[VELOCITY] + increment[VELOCITY]);
         }
         let displacement = base[DISPLACEMENT] + increment[DISPLACEMENT];
@@ -370,11 +336,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let excess = self.scene.surface.tribo_charge * overlap.inert - base[CHARGE];
         let rate = weight * self.circuit_rate();
         increment[CHARGE] = rate * excess / (overlap.active + rate);
-    }
-
-    #[inline(always)]
-    fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
-        first_powers(&self.all_powers(state, rate, acceleration))
     }
 
     /// The charge `q` follows `t s2(x)` with the weight `Λ h/(s1 + Λ h)` of their difference. A rounding `δ` of `q`

@@ -2,6 +2,7 @@
 
 use core::fmt::Debug;
 
+use crate::any::forward;
 use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
 use crate::scalar::Scalar;
 
@@ -50,11 +51,8 @@ impl<S: Scalar> ForceLaw<S> for GapField {
 }
 
 impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
-    #[inline]
-    fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2] {
-        match self {
-            Self::TransferredCharge => TransferredCharge.acting_charge(transferred, surface),
-            Self::GapField => GapField.acting_charge(transferred, surface),
-        }
+    forward! {
+        match { Self::TransferredCharge => TransferredCharge, Self::GapField => GapField }
+        #[inline] fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2];
     }
 }

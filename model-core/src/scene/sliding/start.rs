@@ -33,16 +33,12 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     ///
     /// # Errors
     /// A displacement at which slider and active patch are separate, or another value outside its bounds.
-    pub fn start<E, C, const POWERS: usize>(
+    pub fn start<E: Excitation<S>, C: StepControl<S>, const POWERS: usize>(
         &self,
         start: &Start<S>,
         excitation: &E,
         control: &C,
-    ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>>
-    where
-        E: Excitation<S>,
-        C: StepControl<S>,
-    {
+    ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>> {
         start.check_numbers()?;
         let displacement = start.displacement.unwrap_or(S::ZERO);
         let velocity = start.velocity.unwrap_or(S::ZERO);
