@@ -24,3 +24,5 @@ pub use income::IncomeParameters;
 pub use ledger::{Ledger, Residual};
 pub use meter::{Integrals, Peak, PowerMeter, RunMeter, RunReport};
 pub use storage::{Storage, StorageParameters};
+
+pub use crate::part::storage::Capacitor;

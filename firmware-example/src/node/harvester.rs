@@ -4,7 +4,7 @@ use model_core::integrate::{Adaptive, TrBdf2};
 use model_core::part::draw::NoDraw;
 use model_core::part::load::OpenCircuit;
 use model_core::part::monomorph::Layer;
-use model_core::part::storage::Capacitor;
+use model_core::part::storage::{Capacitor, StorageCapacitor};
 use model_core::scene::bump_stop::{self, BumpStop, Choices, NoStop, OneWay, Resistive};
 use model_core::scene::rectified::{FullBridge, Rectified};
 use model_core::scene::{Harvester, Simulation};
@@ -27,9 +27,11 @@ pub fn following() -> Result<impl Harvester<f32>, NodeError> {
     // The bridge is what is at the terminals.
     let choices = parts::without_parasitic(OpenCircuit, LAW_OF_SPEED).parasitic(PARASITIC);
     let parameters = parts::parameters(choices);
-    let storage = Capacitor {
-        capacitance: STORAGE.capacitance,
-        leakage_resistance: f32::INFINITY,
+    let storage = StorageCapacitor {
+        capacitor: Capacitor {
+            capacitance: STORAGE.capacitor.capacitance,
+            leakage_resistance: f32::INFINITY,
+        },
         initial_voltage: STORAGE.lock_out_voltage,
         draw: NoDraw,
     };

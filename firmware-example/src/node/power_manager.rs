@@ -1,7 +1,7 @@
 //! What the node may spend: its storage, its actions, and when it takes them.
 
 use model_core::energy::{
-    Action, Budget, BudgetParameters, BudgetState, IncomeParameters, StorageParameters,
+    Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
 };
 
 use super::{Decision, NodeError, VOLTAGE_ERROR};
@@ -16,8 +16,7 @@ const TRANSMIT_EVERY: u32 = 60;
 /// A ceramic capacitor behind the bridge, and a node that runs straight from it: 22 µF, used from 1.9 V up to
 /// 4.2 V.
 pub(super) const STORAGE: StorageParameters<f32> = StorageParameters {
-    capacitance: 22e-6,
-    leakage_resistance: 100e6,
+    capacitor: Capacitor { capacitance: 22e-6, leakage_resistance: 100e6 },
     // The diodes' loss is in the harvester's model.
     charging_efficiency: 1.0,
     discharging_efficiency: 1.0,

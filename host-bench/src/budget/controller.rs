@@ -5,7 +5,7 @@
 //! the budget allows it now.
 
 use model_core::energy::{
-    Action, Budget, BudgetParameters, BudgetState, IncomeParameters, StorageParameters,
+    Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
 };
 use model_core::scalar::Scalar;
 
@@ -42,8 +42,10 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
             |error: model_core::part::bounds::ParameterError<S>| Failure::Input(format!("node: {error}"));
         let parameters = BudgetParameters {
             storage: StorageParameters {
-                capacitance: S::from_f64(from.capacitance_f),
-                leakage_resistance: S::from_f64(from.leakage_ohm),
+                capacitor: Capacitor {
+                    capacitance: S::from_f64(from.capacitance_f),
+                    leakage_resistance: S::from_f64(from.leakage_ohm),
+                },
                 charging_efficiency: S::from_f64(from.charging_efficiency),
                 discharging_efficiency: S::from_f64(from.discharging_efficiency),
                 highest_voltage: S::from_f64(from.highest_v),

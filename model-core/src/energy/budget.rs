@@ -35,13 +35,12 @@ pub struct BudgetParameters<S> {
 /// [`BudgetState::uncertainty`] bounds how much less the storage may hold; a measured voltage replaces both.
 ///
 /// ```
-/// use model_core::energy::{Action, BudgetParameters, IncomeParameters, StorageParameters};
+/// use model_core::energy::{Action, BudgetParameters, Capacitor, IncomeParameters, StorageParameters};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let budget = BudgetParameters::<f32> {
 ///     storage: StorageParameters {
-///         capacitance: 470e-6,
-///         leakage_resistance: 20e6,
+///         capacitor: Capacitor { capacitance: 470e-6, leakage_resistance: 20e6 },
 ///         charging_efficiency: 0.8,
 ///         discharging_efficiency: 0.9,
 ///         highest_voltage: 4.5,
@@ -304,6 +303,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
 mod tests {
     use super::super::storage::tests::example;
     use super::*;
+    use crate::part::storage::Capacitor;
 
     fn budget<S: Scalar>() -> Budget<S, 48> {
         with(example())
@@ -318,8 +318,7 @@ mod tests {
     /// Capacities of ten times the income of a day, and of a fiftieth of it.
     fn storages<S: Scalar>() -> [StorageParameters<S>; 2] {
         let large = StorageParameters {
-            capacitance: S::from_f64(1.0),
-            leakage_resistance: S::from_f64(1e6),
+            capacitor: Capacitor { capacitance: S::from_f64(1.0), leakage_resistance: S::from_f64(1e6) },
             ..example()
         };
         [large, example()]
@@ -367,7 +366,7 @@ mod tests {
             let off = (account.balance - state.energy()).abs() / turned_over;
             println!(
                 "{} F, {interval} s: {off:.1e} of what came in is not accounted for",
-                storage.capacitance
+                storage.capacitor.capacitance
             );
             assert!(off < 1e-6 && account.leaked > 0.0, "{interval}: {account:?}");
         }
@@ -404,7 +403,10 @@ mod tests {
 
     #[test]
     fn the_lower_end_is_that_of_all_income_first_and_all_expenditure_last() {
-        let storage = StorageParameters { leakage_resistance: 500e3, ..example::<f64>() };
+        let storage = StorageParameters {
+            capacitor: Capacitor { leakage_resistance: 500e3, ..example::<f64>().capacitor },
+            ..example::<f64>()
+        };
         let budget = with(storage);
         let kept = (-2.0 * 60.0 / (500e3 * 220e-6_f64)).exp();
         let capacity = budget.storage().capacity();

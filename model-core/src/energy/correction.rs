@@ -59,12 +59,11 @@ pub struct CorrectionParameters<S> {
 /// error excludes them.
 ///
 /// ```
-/// use model_core::energy::{BudgetParameters, CorrectionParameters, IncomeParameters, StorageParameters};
+/// use model_core::energy::{BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, StorageParameters};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let storage = StorageParameters::<f32> {
-///     capacitance: 100e-6,
-///     leakage_resistance: f32::INFINITY,
+///     capacitor: Capacitor { capacitance: 100e-6, leakage_resistance: f32::INFINITY },
 ///     charging_efficiency: 0.8,
 ///     discharging_efficiency: 0.9,
 ///     highest_voltage: 4.9,

@@ -67,6 +67,7 @@ mod tests {
     use super::super::income::IncomeParameters;
     use super::super::storage::{StorageParameters, tests::example};
     use super::*;
+    use crate::part::storage::Capacitor;
 
     const SLOTS: usize = 48;
 
@@ -77,7 +78,10 @@ mod tests {
 
     /// Without leakage, so that sums are closed forms.
     fn tight() -> StorageParameters<f64> {
-        StorageParameters { leakage_resistance: f64::INFINITY, ..example() }
+        StorageParameters {
+            capacitor: Capacitor { leakage_resistance: f64::INFINITY, ..example().capacitor },
+            ..example()
+        }
     }
 
     /// Power in watts in a half hour of the day: 40 µW from 6 to 18 h.
@@ -109,8 +113,8 @@ mod tests {
         days: u32,
         [action, period]: [f64; 2],
     ) -> f64 {
-        let rate = 2.0 / (storage.capacitance * storage.leakage_resistance);
-        let capacity = 0.5 * storage.capacitance * storage.highest_voltage.powi(2);
+        let rate = 2.0 / (storage.capacitor.capacitance * storage.capacitor.leakage_resistance);
+        let capacity = 0.5 * storage.capacitor.capacitance * storage.highest_voltage.powi(2);
         let (step, mut energy, mut lowest, mut next) = (10.0, energy, energy, 0.0);
         for k in 0..days * DAY_SECONDS / 10 {
             let time = f64::from(k) * step;
@@ -130,11 +134,41 @@ mod tests {
 
     #[test]
     fn sustainable_rate_can_go_on_and_hardly_more_can() {
-        let large = StorageParameters { capacitance: 0.5, leakage_resistance: 1e6, ..example() };
+        let large = StorageParameters {
+            capacitor: Capacitor { capacitance: 0.5, leakage_resistance: 1e6 },
+            ..example()
+        };
         for (storage, hour, voltage, standing, energy) in [
-            (StorageParameters { capacitance: 0.5, ..tight() }, 5, 2.5, 1e-6, 2e-3),
-            (StorageParameters { capacitance: 20e-3, ..tight() }, 18, 4.4, 0.5e-6, 1e-4),
-            (StorageParameters { capacitance: 20e-3, ..tight() }, 9, 1.9, 0.2e-6, 1e-4),
+            (
+                StorageParameters {
+                    capacitor: Capacitor { capacitance: 0.5, ..tight().capacitor },
+                    ..tight()
+                },
+                5,
+                2.5,
+                1e-6,
+                2e-3,
+            ),
+            (
+                StorageParameters {
+                    capacitor: Capacitor { capacitance: 20e-3, ..tight().capacitor },
+                    ..tight()
+                },
+                18,
+                4.4,
+                0.5e-6,
+                1e-4,
+            ),
+            (
+                StorageParameters {
+                    capacitor: Capacitor { capacitance: 20e-3, ..tight().capacitor },
+                    ..tight()
+                },
+                9,
+                1.9,
+                0.2e-6,
+                1e-4,
+            ),
             (large, 22, 3.0, 1e-6, 1e-3),
         ] {
             let budget = budget(storage, standing);
@@ -152,7 +186,8 @@ mod tests {
 
     #[test]
     fn without_losses_the_sustainable_rate_is_the_mean_income() {
-        let storage = StorageParameters { capacitance: 1.0, ..tight() };
+        let storage =
+            StorageParameters { capacitor: Capacitor { capacitance: 1.0, ..tight().capacitor }, ..tight() };
         let budget = budget(storage, 3e-6);
         let state = knowing(&budget, daylight, 0, 3.0);
         let action = Action::new("measure", 1e-3, 0.01).expect("finite");
@@ -168,7 +203,8 @@ mod tests {
     #[test]
     fn what_the_night_will_take_is_kept() {
         // 20 mF hold 0.17 J above the lock-out; a night takes 2 µW for 12 h, 0.0864 J.
-        let storage = StorageParameters { capacitance: 20e-3, ..tight() };
+        let storage =
+            StorageParameters { capacitor: Capacitor { capacitance: 20e-3, ..tight().capacitor }, ..tight() };
         let budget = budget(storage, 1.8e-6);
         let action = Action::new("transmit", 20e-3, 0.1).expect("finite");
         let full = knowing(&budget, daylight, 18, 4.5);

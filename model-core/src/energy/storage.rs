@@ -13,16 +13,15 @@
 
 use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::part::preset::Preset;
+use crate::part::storage::Capacitor;
 use crate::scalar::{Mathematics, Scalar, horner};
 
 /// Parameters of a storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StorageParameters<S> {
-    /// Capacitance in F, 10⁻⁹ to 10⁵.
-    pub capacitance: S,
-    /// Leakage resistance in Ω, 1 or more; infinity for no leakage.
-    pub leakage_resistance: S,
+    /// Capacitance, 10⁻⁹ to 10⁵ F, and leakage resistance, 1 Ω or more.
+    pub capacitor: Capacitor<S>,
     /// Part of the harvested energy that reaches the storage, 0.01 to 1.
     pub charging_efficiency: S,
     /// Part of the energy taken from the storage that reaches the load, 0.01 to 1.
@@ -37,8 +36,8 @@ pub struct StorageParameters<S> {
 }
 
 bounded! { StorageParameters<S>:
-    "capacitance" = capacitance: 1e-9, 1e5;
-    "leakage_resistance" = leakage_resistance: 1.0, f64::INFINITY;
+    "capacitance" = capacitor.capacitance: 1e-9, 1e5;
+    "leakage_resistance" = capacitor.leakage_resistance: 1.0, f64::INFINITY;
     "charging_efficiency" = charging_efficiency: 0.01, 1.0;
     "discharging_efficiency" = discharging_efficiency: 0.01, 1.0;
     "highest_voltage" = highest_voltage: 0.01, 1e3;
@@ -54,8 +53,7 @@ impl<S: Scalar> StorageParameters<S> {
     pub fn behind(part: &Preset<S>, capacitance: S) -> Option<Self> {
         let lockout = part.lockout.filter(|_| part.highest_voltage < S::INFINITY)?;
         Some(Self {
-            capacitance,
-            leakage_resistance: part.leakage_resistance(),
+            capacitor: Capacitor { capacitance, leakage_resistance: part.leakage_resistance() },
             charging_efficiency: part.charging_efficiency,
             discharging_efficiency: part.discharging_efficiency,
             highest_voltage: part.highest_voltage,
@@ -73,10 +71,10 @@ impl<S: Scalar> StorageParameters<S> {
         let highest = self.highest_voltage;
         Bounds { lowest: S::ZERO, highest }.check("lock_out_voltage", self.lock_out_voltage)?;
         Bounds { lowest: self.lock_out_voltage, highest }.check("turn_on_voltage", self.turn_on_voltage)?;
-        let half_capacitance = S::from_f64(0.5) * self.capacitance;
+        let half_capacitance = S::from_f64(0.5) * self.capacitor.capacitance;
         let energy = |voltage: S| half_capacitance * voltage * voltage;
         Ok(Storage {
-            leakage_rate: S::ONE / (half_capacitance * self.leakage_resistance),
+            leakage_rate: S::ONE / (half_capacitance * self.capacitor.leakage_resistance),
             drawn_per_used: S::ONE / self.discharging_efficiency,
             capacity: energy(highest),
             lock_out: energy(self.lock_out_voltage),
@@ -108,13 +106,13 @@ impl<S: Scalar> Storage<S> {
     /// Stored energy in J at a voltage in V, without the limit of the highest voltage.
     #[must_use]
     pub fn energy(&self, voltage: S) -> S {
-        S::from_f64(0.5) * self.parameters.capacitance * voltage * voltage
+        S::from_f64(0.5) * self.parameters.capacitor.capacitance * voltage * voltage
     }
 
     /// Voltage in V at a stored energy in J; 0 for an energy at or below 0. One square root.
     #[must_use]
     pub fn voltage(&self, energy: S) -> S {
-        (S::from_f64(2.0) * energy / self.parameters.capacitance).sqrt()
+        (S::from_f64(2.0) * energy / self.parameters.capacitor.capacitance).sqrt()
     }
 
     /// Energy in J at the highest voltage.
@@ -269,8 +267,7 @@ pub(super) mod tests {
     /// 220 µF with 10 MΩ across it, efficiencies 0.8 and 0.9, from 1.8 V to 4.5 V, turned on at 2.4 V.
     pub(crate) fn example<S: Scalar>() -> StorageParameters<S> {
         StorageParameters {
-            capacitance: S::from_f64(220e-6),
-            leakage_resistance: S::from_f64(10e6),
+            capacitor: Capacitor { capacitance: S::from_f64(220e-6), leakage_resistance: S::from_f64(10e6) },
             charging_efficiency: S::from_f64(0.8),
             discharging_efficiency: S::from_f64(0.9),
             highest_voltage: S::from_f64(4.5),
@@ -313,7 +310,7 @@ pub(super) mod tests {
         for resistance in [f64::INFINITY, 1e9, 10e6, 1.2e6, 1e5, 3e3] {
             // With a lock-out, the storages with more leakage would reach it.
             let parameters = StorageParameters {
-                leakage_resistance: resistance,
+                capacitor: Capacitor { leakage_resistance: resistance, ..example::<f64>().capacitor },
                 lock_out_voltage: 0.0,
                 ..example::<f64>()
             };
@@ -338,7 +335,7 @@ pub(super) mod tests {
             assert!((step.end / energy - 1.0).abs() < 1e-11, "{resistance}: {} {energy}", step.end);
             assert!((step.leaked - leaked).abs() < 1e-11 * start, "{resistance}");
             let single = StorageParameters {
-                leakage_resistance: resistance as f32,
+                capacitor: Capacitor { leakage_resistance: resistance as f32, ..example::<f32>().capacitor },
                 lock_out_voltage: 0.0,
                 ..example::<f32>()
             };
@@ -390,8 +387,8 @@ pub(super) mod tests {
             change(&mut parameters);
             parameters.build().expect_err("out of bounds").field
         };
-        assert_eq!(refused(|p| p.capacitance = 0.0), "capacitance");
-        assert_eq!(refused(|p| p.leakage_resistance = f32::NAN), "leakage_resistance");
+        assert_eq!(refused(|p| p.capacitor.capacitance = 0.0), "capacitance");
+        assert_eq!(refused(|p| p.capacitor.leakage_resistance = f32::NAN), "leakage_resistance");
         assert_eq!(refused(|p| p.charging_efficiency = 1.1), "charging_efficiency");
         assert_eq!(refused(|p| p.discharging_efficiency = 0.0), "discharging_efficiency");
         assert_eq!(refused(|p| p.highest_voltage = -1.0), "highest_voltage");

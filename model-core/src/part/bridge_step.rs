@@ -216,15 +216,14 @@ impl<S: Scalar> BridgeStep<S> {
 mod tests {
     use super::*;
     use crate::part::draw::NoDraw;
-    use crate::part::storage::{Capacitor, DcBus};
+    use crate::part::storage::{Capacitor, DcBus, StorageCapacitor};
 
     const CAPACITANCE: f64 = 16e-9;
     const STEP: f64 = 1e-5;
 
-    fn bridge(capacitance: f64, voltage: f64) -> FullBridge<f64, Capacitor<f64, NoDraw>> {
-        let storage = Capacitor {
-            capacitance,
-            leakage_resistance: f64::INFINITY,
+    fn bridge(capacitance: f64, voltage: f64) -> FullBridge<f64, StorageCapacitor<f64, NoDraw>> {
+        let storage = StorageCapacitor {
+            capacitor: Capacitor { capacitance, leakage_resistance: f64::INFINITY },
             initial_voltage: voltage,
             draw: NoDraw,
         };

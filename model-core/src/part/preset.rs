@@ -26,7 +26,7 @@
 
 use super::draw::{Lockout, PowerDraw};
 use super::rectifier::FullBridge;
-use super::storage::Capacitor;
+use super::storage::{Capacitor, StorageCapacitor};
 use crate::scalar::Scalar;
 
 /// A part between a harvester and a node, or a diode bridge alone. Voltages in V, currents in A, efficiencies 0 to 1.
@@ -200,9 +200,17 @@ impl<S: Scalar> Preset<S> {
 
     /// The part's bridge into a storage of `capacitance` in F at `initial_voltage` in V, with `draw` at the storage.
     #[must_use]
-    pub fn bridge<D>(&self, capacitance: S, initial_voltage: S, draw: D) -> FullBridge<S, Capacitor<S, D>> {
-        let storage =
-            Capacitor { capacitance, leakage_resistance: self.leakage_resistance(), initial_voltage, draw };
+    pub fn bridge<D>(
+        &self,
+        capacitance: S,
+        initial_voltage: S,
+        draw: D,
+    ) -> FullBridge<S, StorageCapacitor<S, D>> {
+        let storage = StorageCapacitor {
+            capacitor: Capacitor { capacitance, leakage_resistance: self.leakage_resistance() },
+            initial_voltage,
+            draw,
+        };
         FullBridge { diode_drop: self.diode_drop, storage }
     }
 

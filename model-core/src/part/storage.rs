@@ -17,8 +17,8 @@ use crate::scalar::Scalar;
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no storage element",
     label = "cannot be charged",
-    note = "a bridge charges a `Capacitor`, a `DcBus` or an `AnyStorage`",
-    note = "a resistor across the storage is a draw: `Capacitor {{ draw: ResistiveDraw {{ .. }}, .. }}`"
+    note = "a bridge charges a `StorageCapacitor`, a `DcBus` or an `AnyStorage`",
+    note = "a resistor across the storage is a draw: `StorageCapacitor {{ draw: ResistiveDraw {{ .. }}, .. }}`"
 )]
 pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether the voltage changes.
@@ -97,38 +97,46 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     }
 }
 
-/// A storage capacitor with leakage and a draw.
+/// A capacitor with leakage: the storage element of a bridge and of an energy budget.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Capacitor<S, D> {
-    /// Capacitance in F, 10⁻¹² to 10⁴.
+pub struct Capacitor<S> {
+    /// Capacitance in F; 10⁻¹² to 10⁴ behind a bridge, 10⁻⁹ to 10⁵ in a budget.
     pub capacitance: S,
-    /// Leakage resistance in Ω, 10⁻³ or more; infinity for no leakage.
+    /// Leakage resistance in Ω, infinity for no leakage; 10⁻³ or more behind a bridge, 1 or more in a budget.
     pub leakage_resistance: S,
+}
+
+/// A storage capacitor behind a bridge, with the draw of the node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct StorageCapacitor<S, D> {
+    /// The capacitor.
+    pub capacitor: Capacitor<S>,
     /// Voltage in V at the start, 0 to 10⁶.
     pub initial_voltage: S,
     /// The draw of the node.
     pub draw: D,
 }
 
-bounded! { Capacitor<S, D>:
-    "storage.capacitance" = capacitance: 1e-12, 1e4;
-    "storage.leakage_resistance" = leakage_resistance: 1e-3, f64::INFINITY;
+bounded! { StorageCapacitor<S, D>:
+    "storage.capacitance" = capacitor.capacitance: 1e-12, 1e4;
+    "storage.leakage_resistance" = capacitor.leakage_resistance: 1e-3, f64::INFINITY;
     "storage.initial_voltage" = initial_voltage: 0.0, HIGHEST_VOLTAGE;
 }
 
-impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
+impl<S: Scalar, D: Draw<S>> StorageElement<S> for StorageCapacitor<S, D> {
     const CHARGES: bool = true;
     const SWITCHES: bool = D::POSSIBLE;
 
     #[inline]
     fn elastance(&self) -> S {
-        S::ONE / self.capacitance
+        S::ONE / self.capacitor.capacitance
     }
 
     #[inline]
     fn capacitance(&self) -> S {
-        self.capacitance
+        self.capacitor.capacitance
     }
 
     #[inline]
@@ -138,7 +146,7 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
 
     #[inline]
     fn leakage(&self, voltage: S) -> S {
-        voltage / self.leakage_resistance
+        voltage / self.capacitor.leakage_resistance
     }
 
     #[inline]
@@ -148,7 +156,7 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
 
     #[inline]
     fn by_voltage(&self, voltage: S) -> [S; 2] {
-        [S::ONE / self.leakage_resistance, self.draw.current_by_voltage(voltage)]
+        [S::ONE / self.capacitor.leakage_resistance, self.draw.current_by_voltage(voltage)]
     }
 
     #[inline]
@@ -158,7 +166,7 @@ impl<S: Scalar, D: Draw<S>> StorageElement<S> for Capacitor<S, D> {
 
     #[inline]
     fn stored_energy(&self, voltage: S) -> S {
-        S::from_f64(0.5) * self.capacitance * voltage * voltage
+        S::from_f64(0.5) * self.capacitor.capacitance * voltage * voltage
     }
 
     fn check(&self) -> Result<(), ParameterError<S>> {
@@ -196,7 +204,7 @@ impl<S: Scalar> StorageElement<S> for DcBus<S> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AnyStorage<S> {
     /// As [`Capacitor`].
-    Capacitor(Capacitor<S, AnyDraw<S>>),
+    Capacitor(StorageCapacitor<S, AnyDraw<S>>),
     /// As [`DcBus`].
     DcBus(DcBus<S>),
 }
@@ -233,35 +241,65 @@ mod tests {
     #[test]
     fn what_leaves_is_leakage_and_what_is_connected() {
         let draw = PowerDraw { power: 6e-6_f64, lockout: Lockout { turn_on: 3.0, turn_off: 2.0 } };
-        let storage = Capacitor { capacitance: 1e-6, leakage_resistance: 1e6, initial_voltage: 2.5, draw };
+        let storage = StorageCapacitor {
+            capacitor: Capacitor { capacitance: 1e-6, leakage_resistance: 1e6 },
+            initial_voltage: 2.5,
+            draw,
+        };
         assert!(!storage.starts_connected());
         assert!((storage.outflow(2.0, false) - 2e-6).abs() < 1e-18);
         assert!((storage.outflow(2.0, true) - 5e-6).abs() < 1e-18);
         assert!((storage.outflow_by_voltage(2.0, true) + 0.5e-6).abs() < 1e-18);
-        let sealed =
-            Capacitor { leakage_resistance: f64::INFINITY, draw: NoDraw, ..store_without_draw(&storage) };
+        let sealed = StorageCapacitor {
+            capacitor: Capacitor {
+                leakage_resistance: f64::INFINITY,
+                ..store_without_draw(&storage).capacitor
+            },
+            draw: NoDraw,
+            ..store_without_draw(&storage)
+        };
         assert_eq!((sealed.outflow(2.0, true), sealed.outflow_by_voltage(2.0, true)), (0.0, 0.0));
         assert!(sealed.starts_connected());
         assert_eq!(DcBus { voltage: 3.0 }.outflow(3.0, true), 0.0);
     }
 
-    fn store_without_draw(storage: &Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f64, NoDraw> {
-        let Capacitor { capacitance, leakage_resistance, initial_voltage, draw: _ } = *storage;
-        Capacitor { capacitance, leakage_resistance, initial_voltage, draw: NoDraw }
+    fn store_without_draw(storage: &StorageCapacitor<f64, PowerDraw<f64>>) -> StorageCapacitor<f64, NoDraw> {
+        let StorageCapacitor {
+            capacitor: Capacitor { capacitance, leakage_resistance },
+            initial_voltage,
+            draw: _,
+        } = *storage;
+        StorageCapacitor {
+            capacitor: Capacitor { capacitance, leakage_resistance },
+            initial_voltage,
+            draw: NoDraw,
+        }
     }
 
     #[test]
     fn parameters_out_of_bounds_are_named() {
-        let good =
-            Capacitor { capacitance: 1e-6, leakage_resistance: 1e9, initial_voltage: 0.0, draw: NoDraw };
-        let field = |storage: Capacitor<f64, NoDraw>| storage.check().err().map(|error| error.field);
+        let good = StorageCapacitor {
+            capacitor: Capacitor { capacitance: 1e-6, leakage_resistance: 1e9 },
+            initial_voltage: 0.0,
+            draw: NoDraw,
+        };
+        let field = |storage: StorageCapacitor<f64, NoDraw>| storage.check().err().map(|error| error.field);
         assert_eq!(field(good), None);
-        assert_eq!(field(Capacitor { capacitance: 0.0, ..good }), Some("storage.capacitance"));
         assert_eq!(
-            field(Capacitor { leakage_resistance: f64::NAN, ..good }),
+            field(StorageCapacitor { capacitor: Capacitor { capacitance: 0.0, ..good.capacitor }, ..good }),
+            Some("storage.capacitance")
+        );
+        assert_eq!(
+            field(StorageCapacitor {
+                capacitor: Capacitor { leakage_resistance: f64::NAN, ..good.capacitor },
+                ..good
+            }),
             Some("storage.leakage_resistance")
         );
-        assert_eq!(field(Capacitor { initial_voltage: -1.0, ..good }), Some("storage.initial_voltage"));
+        assert_eq!(
+            field(StorageCapacitor { initial_voltage: -1.0, ..good }),
+            Some("storage.initial_voltage")
+        );
         assert_eq!(
             DcBus { voltage: f64::INFINITY }.check().err().map(|error| error.field),
             Some("bus.voltage")

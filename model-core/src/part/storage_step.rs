@@ -140,16 +140,24 @@ fn far_growth<S: Scalar>(z: S) -> S {
 mod tests {
     use super::*;
     use crate::part::draw::{AnyDraw, CurrentDraw, Lockout, NoDraw, PowerDraw, ResistiveDraw};
-    use crate::part::storage::{Capacitor, DcBus};
+    use crate::part::storage::{Capacitor, DcBus, StorageCapacitor};
 
     const LOCKOUT: Lockout<f64> = Lockout { turn_on: 3.0, turn_off: 1.0 };
 
-    fn storage(leakage_resistance: f64, draw: AnyDraw<f64>) -> Capacitor<f64, AnyDraw<f64>> {
-        Capacitor { capacitance: 1e-6, leakage_resistance, initial_voltage: 3.5, draw }
+    fn storage(leakage_resistance: f64, draw: AnyDraw<f64>) -> StorageCapacitor<f64, AnyDraw<f64>> {
+        StorageCapacitor {
+            capacitor: Capacitor { capacitance: 1e-6, leakage_resistance },
+            initial_voltage: 3.5,
+            draw,
+        }
     }
 
     /// Voltage after `seconds` in `count` steps, and the energies of these steps.
-    fn after(storage: &Capacitor<f64, AnyDraw<f64>>, seconds: f64, count: u32) -> (f64, StorageAccount<f64>) {
+    fn after(
+        storage: &StorageCapacitor<f64, AnyDraw<f64>>,
+        seconds: f64,
+        count: u32,
+    ) -> (f64, StorageAccount<f64>) {
         let (mut state, mut account) = (StorageState::of(storage), StorageAccount::default());
         for _ in 0..count {
             state.drain(storage, 1e6, seconds / f64::from(count), &mut account);
@@ -211,9 +219,8 @@ mod tests {
         let bus = DcBus { voltage: 2.0 };
         let mut state = StorageState::of(&bus);
         state.drain(&bus, 0.0, 1.0, &mut account);
-        let sealed = Capacitor {
-            capacitance: 1e-6,
-            leakage_resistance: f64::INFINITY,
+        let sealed = StorageCapacitor {
+            capacitor: Capacitor { capacitance: 1e-6, leakage_resistance: f64::INFINITY },
             initial_voltage: 2.0,
             draw: NoDraw,
         };
@@ -235,7 +242,11 @@ mod tests {
         // The exponential of the growth of the current overflows single precision.
         let lockout = Lockout { turn_on: 0.9_f32, turn_off: 0.5 };
         let draw = AnyDraw::Power(PowerDraw { power: 5e-3, lockout });
-        let storage = Capacitor { capacitance: 1e-7, leakage_resistance: 1e9, initial_voltage: 1.0, draw };
+        let storage = StorageCapacitor {
+            capacitor: Capacitor { capacitance: 1e-7, leakage_resistance: 1e9 },
+            initial_voltage: 1.0,
+            draw,
+        };
         let (mut state, mut account) = (StorageState::of(&storage), StorageAccount::<f32>::default());
         state.drain(&storage, storage.elastance(), 3.9e-3, &mut account);
         assert_eq!(state.voltage, 0.0);

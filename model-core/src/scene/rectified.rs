@@ -70,7 +70,7 @@
 //! use model_core::part::load::OpenCircuit;
 //! use model_core::part::rectifier::FullBridge;
 //! use model_core::part::restitution::ConstantRestitution;
-//! use model_core::part::storage::Capacitor;
+//! use model_core::part::storage::{Capacitor, StorageCapacitor};
 //! use model_core::scene::contact_separation::{Choices, Parameters, Start};
 //! use model_core::scene::rectified::Rectified;
 //! use model_core::scene::{Harvester, Simulation};
@@ -91,7 +91,7 @@
 //! .build()?;
 //! // A 1 µF storage behind diodes of 0.3 V; its node draws 2 µW from 4.5 V on and down to 3 V.
 //! let draw = PowerDraw { power: 2e-6, lockout: Lockout { turn_on: 4.5, turn_off: 3.0 } };
-//! let storage = Capacitor { capacitance: 1e-6, leakage_resistance: 1e9, initial_voltage: 0.0, draw };
+//! let storage = StorageCapacitor { capacitor: Capacitor { capacitance: 1e-6, leakage_resistance: 1e9 }, initial_voltage: 0.0, draw };
 //! let scene = Rectified::new(harvester, FullBridge { diode_drop: 0.3, storage })?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
 //! let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(1e-3)?);

@@ -11,7 +11,7 @@ use model_core::part::force_law::AnyForceLaw;
 use model_core::part::load::AnyLoad;
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
-use model_core::part::storage::{Capacitor, StorageElement};
+use model_core::part::storage::{Capacitor, StorageCapacitor, StorageElement};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::rectified::{ElectricalPort, FullBridge, Mode, Rectified, STATES};
 use model_core::scene::{contact_separation as contact, sliding};
@@ -58,10 +58,9 @@ pub(crate) fn slider<S: Scalar>(resistance: f64) -> Slider<S> {
     parameters.build().expect("in bounds")
 }
 
-pub(crate) fn storage<S: Scalar>(capacitance: f64, voltage: f64) -> Capacitor<S, AnyDraw<S>> {
-    Capacitor {
-        capacitance: S::from_f64(capacitance),
-        leakage_resistance: S::from_f64(1e9),
+pub(crate) fn storage<S: Scalar>(capacitance: f64, voltage: f64) -> StorageCapacitor<S, AnyDraw<S>> {
+    StorageCapacitor {
+        capacitor: Capacitor { capacitance: S::from_f64(capacitance), leakage_resistance: S::from_f64(1e9) },
         initial_voltage: S::from_f64(voltage),
         draw: AnyDraw::None,
     }

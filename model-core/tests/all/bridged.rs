@@ -5,7 +5,7 @@ use model_core::energy::RunMeter;
 use model_core::excitation::{Excitation, Sine};
 use model_core::part::draw::{AnyDraw, ResistiveDraw};
 use model_core::part::rectifier::FullBridge;
-use model_core::part::storage::{AnyStorage, Capacitor, DcBus, StorageElement};
+use model_core::part::storage::{AnyStorage, Capacitor, DcBus, StorageCapacitor, StorageElement};
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{AnyChoices, Parts, StateOf, Stepper};
@@ -26,9 +26,8 @@ pub(crate) fn storage<S: Scalar>(
     drop: f64,
 ) -> AnyBridge<S> {
     let number = S::from_f64;
-    let storage = AnyStorage::Capacitor(Capacitor {
-        capacitance: number(capacitance),
-        leakage_resistance: S::INFINITY,
+    let storage = AnyStorage::Capacitor(StorageCapacitor {
+        capacitor: Capacitor { capacitance: number(capacitance), leakage_resistance: S::INFINITY },
         initial_voltage: number(voltage),
         draw,
     });

@@ -7,7 +7,7 @@ use model_core::excitation::{AfterLastSample, Sampled};
 use model_core::integrate::{Adaptive, TrBdf2};
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw};
 use model_core::part::load::AnyLoad;
-use model_core::part::storage::{AnyStorage, Capacitor};
+use model_core::part::storage::{AnyStorage, Capacitor, StorageCapacitor};
 use model_core::scene::bump_stop::{self, AnyChoices, Stepper};
 use model_core::scene::contact_separation::Start;
 use model_core::scene::rectified::{FullBridge, Rectified, STATES};
@@ -24,7 +24,11 @@ fn draw() -> AnyDraw<f32> {
 }
 
 fn bridge(diode_drop: f32, capacitance: f32, draw: AnyDraw<f32>) -> FullBridge<f32, AnyStorage<f32>> {
-    let storage = Capacitor { capacitance, leakage_resistance: 1e12, initial_voltage: 2.4, draw };
+    let storage = StorageCapacitor {
+        capacitor: Capacitor { capacitance, leakage_resistance: 1e12 },
+        initial_voltage: 2.4,
+        draw,
+    };
     FullBridge { diode_drop, storage: AnyStorage::Capacitor(storage) }
 }
 

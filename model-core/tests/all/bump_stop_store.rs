@@ -8,7 +8,7 @@ use model_core::observer::{AcceptedStep, Observer, PowerIndex};
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, NoDraw, PowerDraw, ResistiveDraw};
 use model_core::part::load::OpenCircuit;
 use model_core::part::rectifier::FullBridge;
-use model_core::part::storage::{AnyStorage, Capacitor, DcBus};
+use model_core::part::storage::{AnyStorage, Capacitor, DcBus, StorageCapacitor};
 use model_core::part::storage_step::StorageState;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
@@ -121,7 +121,7 @@ fn the_ledger_of_harvester_and_store_closes() {
         ] {
             let mut bridge = storage(0.2e-6, 0.2, draw, 0.05);
             if let AnyStorage::Capacitor(storage) = &mut bridge.storage {
-                storage.leakage_resistance = 5e6;
+                storage.capacitor.leakage_resistance = 5e6;
             }
             let mut parameters = baseline(bridge);
             parameters.choices.coupling = coupling;
@@ -203,9 +203,8 @@ fn behind_a_bus_out_of_reach_the_terminals_are_open_to_the_bit() {
 fn a_store_chosen_when_compiling_has_the_bits_of_one_chosen_when_running() {
     let fixed = FullBridge {
         diode_drop: 0.3,
-        storage: Capacitor {
-            capacitance: 1e-6,
-            leakage_resistance: f64::INFINITY,
+        storage: StorageCapacitor {
+            capacitor: Capacitor { capacitance: 1e-6, leakage_resistance: f64::INFINITY },
             initial_voltage: 0.5,
             draw: NoDraw,
         },

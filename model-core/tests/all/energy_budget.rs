@@ -7,7 +7,7 @@
 
 use crate::common::Random;
 use model_core::energy::{
-    Action, Budget, BudgetParameters, BudgetState, IncomeParameters, StorageParameters,
+    Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
 };
 
 const SLOTS: usize = 24;
@@ -111,8 +111,10 @@ fn storage(random: &mut Random, kind: Kind) -> StorageParameters<f32> {
     let constant = random.between_logarithmic(if kind == Kind::Average { 1e6 } else { 100.0 }, 1e8);
     let leaks = kind == Kind::Average || !random.next().is_multiple_of(4);
     StorageParameters {
-        capacitance: capacitance as f32,
-        leakage_resistance: if leaks { (constant / capacitance) as f32 } else { f32::INFINITY },
+        capacitor: Capacitor {
+            capacitance: capacitance as f32,
+            leakage_resistance: if leaks { (constant / capacitance) as f32 } else { f32::INFINITY },
+        },
         charging_efficiency: random.between(0.5, 1.0) as f32,
         discharging_efficiency: random.between(0.5, 1.0) as f32,
         highest_voltage: highest as f32,
@@ -176,7 +178,8 @@ impl Day {
     fn new(random: &mut Random, kind: Kind) -> Self {
         let parameters = storage(random, kind);
         // What the budget was told, to the bit: single precision is exact in double.
-        let energy = |voltage: f32| 0.5 * f64::from(parameters.capacitance) * f64::from(voltage).powi(2);
+        let energy =
+            |voltage: f32| 0.5 * f64::from(parameters.capacitor.capacitance) * f64::from(voltage).powi(2);
         let (capacity, lock_out) = (energy(parameters.highest_voltage), energy(parameters.lock_out_voltage));
         let (charging, discharging) =
             (f64::from(parameters.charging_efficiency), f64::from(parameters.discharging_efficiency));
@@ -187,7 +190,8 @@ impl Day {
             lock_out,
             turn_on: energy(parameters.turn_on_voltage),
             leakage_rate: 2.0
-                / (f64::from(parameters.capacitance) * f64::from(parameters.leakage_resistance)),
+                / (f64::from(parameters.capacitor.capacitance)
+                    * f64::from(parameters.capacitor.leakage_resistance)),
             charging,
             discharging,
             on: true,

@@ -4,7 +4,9 @@
 //! the estimator runs in `f32` with one 12-bit reading a minute.
 
 use crate::common::Random;
-use model_core::energy::{Correction, CorrectionParameters, CorrectionState, Reading, StorageParameters};
+use model_core::energy::{
+    Capacitor, Correction, CorrectionParameters, CorrectionState, Reading, StorageParameters,
+};
 
 const BITS: u32 = 12;
 const FULL_SCALE: f64 = 5.0;
@@ -50,8 +52,10 @@ fn estimator(hour: &Hour) -> Correction<f32> {
 
 fn drifting(hour: &Hour, gain_drift: f32) -> Correction<f32> {
     let storage = StorageParameters {
-        capacitance: hour.capacitance as f32,
-        leakage_resistance: hour.leakage_resistance as f32,
+        capacitor: Capacitor {
+            capacitance: hour.capacitance as f32,
+            leakage_resistance: hour.leakage_resistance as f32,
+        },
         charging_efficiency: CHARGING as f32,
         discharging_efficiency: DISCHARGING as f32,
         highest_voltage: 4.9,

@@ -8,7 +8,7 @@ use model_core::hybrid::{Automaton, Driver, HybridState};
 use model_core::integrate::{AnyStepControl, Method, TrBdf2};
 use model_core::observer::{AcceptedStep, Event, Observer, Outputs};
 use model_core::part::force_law::AnyForceLaw;
-use model_core::part::storage::{Capacitor, DcBus, StorageElement};
+use model_core::part::storage::{Capacitor, DcBus, StorageCapacitor, StorageElement};
 use model_core::scalar::Scalar;
 use model_core::scene::rectified::{BridgeRegime, ElectricalPort, FullBridge, Mode, Rectified, STATES};
 use model_core::scene::{Scene, contact_separation as contact, sliding};
@@ -169,7 +169,10 @@ impl<H: ElectricalPort<f64>, R: StorageElement<f64>> Observer<f64> for Regimes<'
 
 #[test]
 fn each_regime_is_what_it_says() {
-    let tight = || Capacitor { leakage_resistance: f64::INFINITY, ..storage(1e-8, 1.0) };
+    let tight = || StorageCapacitor {
+        capacitor: Capacitor { leakage_resistance: f64::INFINITY, ..storage(1e-8, 1.0).capacitor },
+        ..storage(1e-8, 1.0)
+    };
     let driver = Driver::new(TrBdf2, adaptive(1e-4));
     let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::TransferredCharge), tight(), 0.3);
     let mut regimes = Regimes::of(&scene, contact_mode);

@@ -8,7 +8,7 @@ use model_core::integrate::{RungeKutta4, TrBdf2};
 use model_core::observer::PowerIndex;
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
 use model_core::part::force_law::AnyForceLaw;
-use model_core::part::storage::{Capacitor, DcBus};
+use model_core::part::storage::{Capacitor, DcBus, StorageCapacitor};
 use model_core::scene::rectified::STATES;
 use model_core::scene::{contact_separation as contact, sliding};
 
@@ -154,7 +154,13 @@ fn an_explicit_method_finds_the_same_of_the_slider() {
 #[test]
 fn a_charge_beyond_the_threshold_is_shared_at_once() {
     let (voltage, storage_capacitance, gap) = (10.0, 1e-11, 3e-3);
-    let storage = Capacitor { leakage_resistance: f64::INFINITY, ..storage(storage_capacitance, 1.0) };
+    let storage = StorageCapacitor {
+        capacitor: Capacitor {
+            leakage_resistance: f64::INFINITY,
+            ..storage(storage_capacitance, 1.0).capacitor
+        },
+        ..storage(storage_capacitance, 1.0)
+    };
     let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage, 0.3);
     let distance = gap + 5e-5 / 2.0;
     let capacitance = VACUUM_PERMITTIVITY * 4e-4 / distance;
@@ -200,8 +206,11 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
     let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive(1e-6)) };
     let still = sine::<f64>(0.0, 20.0);
     for (draw, seconds) in draws {
-        let storage =
-            Capacitor { capacitance, leakage_resistance: f64::INFINITY, initial_voltage: full, draw };
+        let storage = StorageCapacitor {
+            capacitor: Capacitor { capacitance, leakage_resistance: f64::INFINITY },
+            initial_voltage: full,
+            draw,
+        };
         let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage, 0.3);
         let mut state = scene
             .start::<_, _, WHOLE>(&contact::Start::default(), &still, &driver.control)
@@ -221,8 +230,11 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
     }
     // Charged from below: connected at each rise to the upper voltage, and not before.
     let draw = PowerDraw { power: 2e-4, lockout };
-    let storage =
-        Capacitor { capacitance: 2e-8, leakage_resistance: f64::INFINITY, initial_voltage: 2.5, draw };
+    let storage = StorageCapacitor {
+        capacitor: Capacitor { capacitance: 2e-8, leakage_resistance: f64::INFINITY },
+        initial_voltage: 2.5,
+        draw,
+    };
     let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::TransferredCharge), single(storage), 0.3);
     let shaking = sine::<f32>(0.2, 20.0);
     let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive::<f32>(1e-4)) };
@@ -245,11 +257,13 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
     assert!(toggles > 10);
 }
 
-fn single(storage: Capacitor<f64, PowerDraw<f64>>) -> Capacitor<f32, PowerDraw<f32>> {
+fn single(storage: StorageCapacitor<f64, PowerDraw<f64>>) -> StorageCapacitor<f32, PowerDraw<f32>> {
     let Lockout { turn_on, turn_off } = storage.draw.lockout;
-    Capacitor {
-        capacitance: storage.capacitance as f32,
-        leakage_resistance: f32::INFINITY,
+    StorageCapacitor {
+        capacitor: Capacitor {
+            capacitance: storage.capacitor.capacitance as f32,
+            leakage_resistance: f32::INFINITY,
+        },
         initial_voltage: storage.initial_voltage as f32,
         draw: PowerDraw {
             power: storage.draw.power as f32,

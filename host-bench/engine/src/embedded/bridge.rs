@@ -2,7 +2,7 @@
 
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
 use model_core::part::rectifier::FullBridge;
-use model_core::part::storage::{AnyStorage, Capacitor, DcBus};
+use model_core::part::storage::{AnyStorage, Capacitor, DcBus, StorageCapacitor};
 use model_core::scalar::Scalar;
 
 use harvester_scene::scene_file::{self, Draw, Load};
@@ -14,9 +14,11 @@ pub(super) fn bridge<S: Scalar>(load: Load) -> Option<FullBridge<S, AnyStorage<S
         Load::Resistor { .. } => None,
         Load::RectifiedStore(store) => Some(FullBridge {
             diode_drop: number(store.diode_drop_v),
-            storage: AnyStorage::Capacitor(Capacitor {
-                capacitance: number(store.capacitance_f),
-                leakage_resistance: number(store.leakage_ohm),
+            storage: AnyStorage::Capacitor(StorageCapacitor {
+                capacitor: Capacitor {
+                    capacitance: number(store.capacitance_f),
+                    leakage_resistance: number(store.leakage_ohm),
+                },
                 initial_voltage: number(store.initial_v),
                 draw: draw(store.draw),
             }),

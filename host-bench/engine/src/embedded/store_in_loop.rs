@@ -12,7 +12,7 @@ use model_core::integrate::{AnyStepControl, TrBdf2};
 use model_core::observer::{ALL_POWERS, PowerIndex};
 use model_core::part::draw::{Lockout, PowerDraw};
 use model_core::part::rectifier::FullBridge;
-use model_core::part::storage::Capacitor;
+use model_core::part::storage::{Capacitor, StorageCapacitor};
 use model_core::scalar::Scalar;
 use model_core::scene::rectified::{ElectricalPort, Mode, Rectified, STATES};
 use model_core::scene::{Harvester, Simulation};
@@ -102,9 +102,11 @@ impl Midnight<'_> {
         let lockout = Lockout { turn_on: number(storage.turn_on_v), turn_off: number(storage.turn_off_v) };
         let bridge = FullBridge {
             diode_drop: number(self.diode_drop_v),
-            storage: Capacitor {
-                capacitance: number(storage.capacitance_f),
-                leakage_resistance: number(storage.leakage_ohm),
+            storage: StorageCapacitor {
+                capacitor: Capacitor {
+                    capacitance: number(storage.capacitance_f),
+                    leakage_resistance: number(storage.leakage_ohm),
+                },
                 initial_voltage: number(self.initial_v),
                 draw: PowerDraw { power: S::ZERO, lockout },
             },
@@ -124,12 +126,12 @@ impl Midnight<'_> {
 }
 
 /// A harvester of the core behind a bridge into a store that a node draws constant power from.
-type Core<S, H> = Rectified<S, H, Capacitor<S, PowerDraw<S>>>;
+type Core<S, H> = Rectified<S, H, StorageCapacitor<S, PowerDraw<S>>>;
 
 fn connected<S: Scalar, H: ElectricalPort<S>>(
     scene: &Scene,
     harvester: H,
-    bridge: FullBridge<S, Capacitor<S, PowerDraw<S>>>,
+    bridge: FullBridge<S, StorageCapacitor<S, PowerDraw<S>>>,
 ) -> Result<Core<S, H>, Failure> {
     Rectified::new(harvester, bridge).map_err(|error| Failure::of_file(scene, format!("node.{error}")))
 }

@@ -8,7 +8,7 @@ use model_core::part::draw::{CurrentDraw, Lockout as CoreLockout, PowerDraw, Res
 use model_core::part::load::Resistor;
 use model_core::part::preset::Preset;
 use model_core::part::rectifier::FullBridge;
-use model_core::part::storage::{Capacitor, DcBus};
+use model_core::part::storage::{DcBus, StorageCapacitor};
 
 use super::bounds::{Short, Table};
 use super::document::SceneError;
@@ -20,7 +20,7 @@ use super::section::{Reader, Section};
 const LOAD: &[Table] = &[
     Resistor::<f64>::BOUNDS,
     FullBridge::<f64, ()>::BOUNDS,
-    Capacitor::<f64, ()>::BOUNDS,
+    StorageCapacitor::<f64, ()>::BOUNDS,
     DcBus::<f64>::BOUNDS,
 ];
 
