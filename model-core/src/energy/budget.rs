@@ -1,13 +1,8 @@
 //! A node's energy budget: the stored energy, its uncertainty, and whether the node can afford an action.
 //!
-//! The state of charge is two numbers. The stored energy assumes that income and expenditure are spread
-//! evenly over each interval. The uncertainty bounds how much less the storage may hold. In the worst case
-//! all income of an interval comes first, to leak or to find the storage full, and all energy is spent at the
-//! end. The uncertainty covers this case and the rounding of the arithmetic. The caller raises it by the
-//! uncertainty of income and expenditure. A measured voltage replaces both numbers.
-//!
-//! In `f32`, with an update every minute or every second, a simulated day ends within 3·10⁻⁷ of the capacity of the
-//! result in `f64`, and the account of the energies agrees with the stored energy to 10⁻⁶ of the income.
+//! The uncertainty bounds how much less the storage may hold than the stored energy. In the worst case all income of an
+//! interval comes first, to leak or to find the storage full, and all energy is spent at the end. The uncertainty covers
+//! this case and the rounding of the arithmetic. The caller raises it by the uncertainty of income and expenditure.
 
 use super::account::{Account, AccountSums};
 use super::action::Action;

@@ -50,9 +50,7 @@ pub struct CorrectionParameters<S> {
 /// `0.15/n` with a noise of up to a fifth of a cell, `0.24/n` with half a cell and `0.43/n` with a whole
 /// cell. The income estimate is within 5 % in 95 of 100 cases from 4, 10 and 20 cells on.
 ///
-/// With 12 bits over 5 V and the storage at 3 V, a cell is 0.17 µJ for 47 µF, 3.7 µJ for 1 mF and 3.7 mJ for
-/// 1 F. Twenty cells in an hour are then an income into the storage of 1 nW, 20 nW and 20 µW. With less
-/// income, [`CorrectionEstimate::income_error`] states a larger error.
+/// With less income, [`CorrectionEstimate::income_error`] states a larger error.
 ///
 /// A full storage carries no information about the gain, because its income is shunted. The filter assumes
 /// exact capacitance, leakage, efficiencies and expenditure: their errors enter the gain, and the stated

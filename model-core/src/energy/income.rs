@@ -115,6 +115,11 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
     pub(crate) fn slot(&self) -> usize {
         slot_at::<SLOTS>(self.second % DAY_SECONDS)
     }
+
+    fn observe(&mut self, seconds: u32, energy: S) {
+        self.energy.add(energy);
+        self.observed += seconds;
+    }
 }
 
 impl<S: Scalar, const SLOTS: usize> Income<S, SLOTS> {
@@ -175,32 +180,20 @@ impl<S: Scalar, const SLOTS: usize> Income<S, SLOTS> {
     }
 }
 
-impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
-    fn observe(&mut self, seconds: u32, energy: S) {
-        self.energy.add(energy);
-        self.observed += seconds;
-    }
-}
-
 /// A number and the part that rounding removed, after a small increment.
 fn moved<S: Scalar>([high, low]: [S; 2], increment: S) -> [S; 2] {
     let (high, low) = add_increment(high, low, increment);
     [high, low]
 }
 
-/// `SLOTS` as `u32`.
-const fn count<const SLOTS: usize>() -> u32 {
-    const { SLOTS as u32 }
-}
-
 /// The slot of a second of the day.
 pub(super) fn slot_at<const SLOTS: usize>(second_of_day: u32) -> usize {
-    (second_of_day * count::<SLOTS>() / DAY_SECONDS) as usize
+    (second_of_day * const { SLOTS as u32 } / DAY_SECONDS) as usize
 }
 
 /// The first second of a slot.
 pub(super) fn start_of<const SLOTS: usize>(slot: usize) -> u32 {
-    let slots = count::<SLOTS>();
+    let slots = const { SLOTS as u32 };
     (slot as u32 * DAY_SECONDS + (slots - 1)).checked_div(slots).unwrap_or(0)
 }
 

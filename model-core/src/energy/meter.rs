@@ -6,7 +6,7 @@
 
 use crate::clock::Instant;
 use crate::integrate::Cubic;
-use crate::observer::{ALL_POWERS, AcceptedStep, Event, Motion, Observer, Outputs, PowerIndex};
+use crate::observer::{ALL_POWERS, AcceptedStep, Event, Observer, Outputs, PowerIndex};
 use crate::scalar::{CompensatedSum, Scalar};
 use crate::snapshot::snapshot_fields;
 
@@ -130,11 +130,6 @@ impl<S: Scalar> Peak<S> {
     fn include(&mut self, cubic: &Cubic<S>) {
         self.lowest = cubic.smallest().min(self.lowest);
         self.highest = cubic.largest().max(self.highest);
-    }
-
-    /// Includes the motion of a coordinate over a step of `step` seconds.
-    fn include_motion(&mut self, start: Motion<S>, end: Motion<S>, step: S) {
-        self.include(&Cubic::new(start.value, start.rate, end.value, end.rate, step));
     }
 
     /// Largest magnitude; 0 before the first step.
@@ -280,7 +275,7 @@ impl<S: Scalar> Observer<S> for RunMeter<S> {
         self.integrals.add(step.energies, step.ticks);
         let ends = step.start.motions.iter().zip(&step.end.motions);
         for (peak, (start, end)) in self.motions.iter_mut().zip(ends) {
-            peak.include_motion(*start, *end, step.step);
+            peak.include(&Cubic::new(start.value, start.rate, end.value, end.rate, step.step));
         }
         // A parabola through the mean is more accurate than a cubic of the rates: the rate of the voltage of
         // a stiff circuit is a small difference.

@@ -116,13 +116,11 @@ impl<S: Scalar> Storage<S> {
     }
 
     /// Energy in J at the highest voltage.
-    #[must_use]
     pub(crate) fn capacity(&self) -> S {
         self.capacity
     }
 
     /// Energy in J at the lock-out voltage, not available to the load.
-    #[must_use]
     pub(crate) fn lock_out(&self) -> S {
         self.lock_out
     }
@@ -135,14 +133,12 @@ impl<S: Scalar> Storage<S> {
     }
 
     /// Energy in J from the storage for an energy in J used by the load.
-    #[must_use]
     #[inline]
     pub(crate) fn drawn(&self, used: S) -> S {
         used * self.drawn_per_used
     }
 
     /// The relaxation of the storage over an interval in s, at or above 0. At most one exponential.
-    #[must_use]
     pub(crate) fn relaxation(&self, seconds: S) -> Relaxation<S> {
         Relaxation::new(self.leakage_rate * seconds)
     }
@@ -153,7 +149,6 @@ impl<S: Scalar> Storage<S> {
     /// The load can discharge the storage to its lock-out, and only leakage goes below. The energy at the end
     /// is exact. For a full storage the leakage is computed as if nothing were shunted before the end, so
     /// that up to `x/2` of the shunted energy may be counted as leakage.
-    #[must_use]
     pub(crate) fn step(&self, energy: S, relaxation: &Relaxation<S>, income: S, outgo: S) -> StorageStep<S> {
         let net = income - outgo;
         let leaked = relaxation.leaked(energy, net);
@@ -176,7 +171,6 @@ impl<S: Scalar> Storage<S> {
 
 /// The result of an interval, in J at the storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct StorageStep<S> {
     /// Energy at the end.
     pub end: S,
@@ -193,7 +187,6 @@ pub(crate) struct StorageStep<S> {
 
 /// The closed forms of an interval of ratio `x = λ h`; `x = 0` without leakage.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Relaxation<S> {
     ratio: S,
     /// `e^(−x)`: remaining part of the initial energy.
@@ -239,21 +232,18 @@ impl<S: Scalar> Relaxation<S> {
     }
 
     /// `1 − e^(−x)`: leaked part of the initial energy.
-    #[must_use]
     #[inline]
     pub(crate) fn lost(&self) -> S {
         self.ratio * self.of_income
     }
 
     /// Leaked part of an even income.
-    #[must_use]
     #[inline]
     pub(crate) fn lost_of_income(&self) -> S {
         self.ratio * self.second
     }
 
     /// Remaining part of an even income less that of an income at the start.
-    #[must_use]
     #[inline]
     pub(crate) fn lost_by_early_income(&self) -> S {
         self.ratio * (self.of_income - self.second)

@@ -146,11 +146,6 @@ impl<S: Scalar> Stream<S> {
         last
     }
 
-    /// Samples per second.
-    pub(crate) fn rate(&self) -> S {
-        self.grid.samples_per_second
-    }
-
     /// Ticks from one sample to the next, rounded down.
     pub(crate) fn ticks_per_sample(&self) -> u64 {
         self.interval
@@ -222,7 +217,7 @@ impl<S: Scalar> Snapshot for Stream<S> {
     const BYTES: usize = 4 * S::BYTES + 2 * u64::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
-        self.rate().write(out);
+        self.grid.samples_per_second.write(out);
         self.newest.write(out);
         self.samples.write(out);
         self.known_until.write(out);

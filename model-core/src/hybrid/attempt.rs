@@ -10,11 +10,7 @@ use crate::scalar::Scalar;
 pub(super) const MOST_GUARDS: usize = 32;
 
 /// The data common to all attempts of one step.
-pub(super) struct Attempts<'a, S, A, E, M, const N: usize, const P: usize>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
-{
+pub(super) struct Attempts<'a, S: Scalar, A: Automaton<S, N, P>, E, M, const N: usize, const P: usize> {
     pub(super) automaton: &'a A,
     pub(super) mode: A::Mode,
     pub(super) armed: bool,
@@ -25,29 +21,21 @@ where
     pub(super) accuracy: S,
 }
 
-impl<S, A, E, M, const N: usize, const P: usize> Clone for Attempts<'_, S, A, E, M, N, P>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
+impl<S: Scalar, A: Automaton<S, N, P>, E, M, const N: usize, const P: usize> Clone
+    for Attempts<'_, S, A, E, M, N, P>
 {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<S, A, E, M, const N: usize, const P: usize> Copy for Attempts<'_, S, A, E, M, N, P>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
+impl<S: Scalar, A: Automaton<S, N, P>, E, M, const N: usize, const P: usize> Copy
+    for Attempts<'_, S, A, E, M, N, P>
 {
 }
 
-impl<S, A, E, M, const N: usize, const P: usize> Attempts<'_, S, A, E, M, N, P>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
-    E: Excitation<S>,
-    M: Method<S>,
+impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: usize, const P: usize>
+    Attempts<'_, S, A, E, M, N, P>
 {
     /// Attempts a step of `ticks`.
     #[inline(always)]

@@ -19,12 +19,8 @@ pub(super) struct Located<S, const N: usize, const P: usize> {
     pub(super) fell: bool,
 }
 
-impl<S, A, E, M, const N: usize, const P: usize> Attempts<'_, S, A, E, M, N, P>
-where
-    S: Scalar,
-    A: Automaton<S, N, P>,
-    E: Excitation<S>,
-    M: Method<S>,
+impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: usize, const P: usize>
+    Attempts<'_, S, A, E, M, N, P>
 {
     /// Steps from the start to the tick at which guard `index` falls through zero, by bracketed Newton iteration with
     /// a new step per iterate. The result is the first tick with a guard at or below zero, to within rounding.

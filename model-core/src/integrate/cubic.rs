@@ -96,16 +96,8 @@ impl<S: Scalar> Cubic<S> {
     /// The smallest value on the step.
     #[must_use]
     pub fn smallest(&self) -> S {
-        -self.negated().largest()
-    }
-
-    fn negated(&self) -> Self {
-        Self {
-            start: -self.start,
-            start_slope: -self.start_slope,
-            end: -self.end,
-            end_slope: -self.end_slope,
-        }
+        let Self { start, start_slope, end, end_slope } = *self;
+        -Self { start: -start, start_slope: -start_slope, end: -end, end_slope: -end_slope }.largest()
     }
 
     /// The smallest θ at which the cubic falls to zero, or touches zero. 0 for a cubic that starts below

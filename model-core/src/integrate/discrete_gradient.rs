@@ -16,7 +16,6 @@ use crate::scalar::Scalar;
 
 /// The contact force and the gap of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct ContactStep<S> {
     /// Constant force over the step in N, compressive, never negative.
     pub(crate) force: S,

@@ -19,7 +19,6 @@ use crate::scalar::{Mathematics, Scalar, turns_of_radians};
 ///
 /// The coefficients give increments of the state, which a short step in `f32` does not round away.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct ModalStep<S> {
     /// `a11 − 1`.
     pub(crate) displacement_by_displacement: S,

@@ -25,8 +25,6 @@
 //! Newton's iteration for a scalar equation in `m` starts from the blocked line, which is the tangent at `x =
 //! 0`: the iterates converge quadratically from one side.
 //!
-//! The mean of the two end voltages would omit the triangle between the polyline and its chord and so create energy.
-//!
 //! # Limits
 //!
 //! In a step that reverses the current, `x` is the difference of the charges in the two directions, and the

@@ -8,7 +8,7 @@ use super::load::Resistance;
 use crate::scalar::{Mathematics, Scalar};
 
 /// The coefficients for one step length.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CircuitStep<S> {
     /// `e0/v`: weight of the start voltage in the mean.
@@ -28,12 +28,7 @@ impl<S: Scalar> CircuitStep<S> {
     /// For a capacitance in F above 0, a load, and a step in s above 0.
     pub(crate) fn new(capacitance: S, resistance: Resistance<S>, step: S) -> Self {
         match resistance {
-            Resistance::Short => Self {
-                mean_by_voltage: S::ZERO,
-                mean_by_charge: S::ZERO,
-                square_by_change: S::ZERO,
-                charge_by_mean: S::ZERO,
-            },
+            Resistance::Short => Self::default(),
             Resistance::Open => Self::of_ratio(S::ZERO, capacitance, S::ZERO),
             Resistance::Finite(resistance) => {
                 let conductance = step / resistance;

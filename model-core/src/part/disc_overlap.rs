@@ -17,7 +17,6 @@ use crate::scalar::{Scalar, horner};
 
 /// Parts of a disc's face over the active disc and beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct DiscOverlap<S> {
     /// `s1 = S1/(π r²)`, over the active disc: 1 for coinciding discs, 0 for separate discs.
     pub active: S,

@@ -70,7 +70,9 @@ pub(crate) trait Draw<S: Scalar>: Copy + Debug + PartialEq {
     ///
     /// # Errors
     /// The field, its value and its bounds.
-    fn check(&self) -> Result<(), ParameterError<S>>;
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Ok(())
+    }
 }
 
 /// No draw.
@@ -80,10 +82,6 @@ pub struct NoDraw;
 
 impl<S: Scalar> Draw<S> for NoDraw {
     const POSSIBLE: bool = false;
-
-    fn check(&self) -> Result<(), ParameterError<S>> {
-        Ok(())
-    }
 }
 
 /// A resistor across the storage.
@@ -228,15 +226,7 @@ impl<S: Scalar> Draw<S> for AnyDraw<S> {
         #[inline] fn current(&self, voltage: S) -> S;
         #[inline] fn current_by_voltage(&self, voltage: S) -> S;
         #[inline] fn lockout(&self) -> Option<Lockout<S>>;
-    }
-
-    fn check(&self) -> Result<(), ParameterError<S>> {
-        match self {
-            Self::None => Ok(()),
-            Self::Resistor(draw) => draw.check(),
-            Self::Current(draw) => draw.check(),
-            Self::Power(draw) => draw.check(),
-        }
+        fn check(&self) -> Result<(), ParameterError<S>>;
     }
 }
 

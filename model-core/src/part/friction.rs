@@ -40,7 +40,9 @@ pub(crate) trait Friction<S: Scalar>: Copy + Debug + PartialEq {
     ///
     /// # Errors
     /// The first parameter outside its bounds.
-    fn check(&self) -> Result<(), ParameterError<S>>;
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        Ok(())
+    }
 }
 
 /// Coulomb friction with static and kinetic coefficients on an active patch (the charged electrode) and an
@@ -99,10 +101,6 @@ pub struct Frictionless;
 
 impl<S: Scalar> Friction<S> for Frictionless {
     const PRESENT: bool = false;
-
-    fn check(&self) -> Result<(), ParameterError<S>> {
-        Ok(())
-    }
 }
 
 #[cfg(test)]

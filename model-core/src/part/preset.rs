@@ -1,12 +1,5 @@
 //! Commercial parts between a harvester and a sensor node, as data.
 //!
-//! | part | thresholds | quiescent | highest | efficiency | cold start |
-//! | --- | --- | --- | --- | --- | --- |
-//! | [`diodes`](Preset::diodes) | none | none | none | 1 | |
-//! | [`bq25504`](Preset::bq25504) | 2.80 V / 2.44 V | 330 nA, 570 nA | 3.15 V | 0.80 in, 1 out | 0.6 V |
-//! | [`ltc3588_1`](Preset::ltc3588_1) | 4.04 V / 2.87 V to 5.05 V / 4.02 V | 450 nA, 950 nA | 20 V | 1 in, 0.85 out | |
-//! | [`ltc3588_2`](Preset::ltc3588_2) | 16 V / 14 V | 830 nA, 1500 nA | 20 V | 1 in, 0.85 out | |
-//!
 //! All are typical values at 25 °C. The constructor of each part states its source; check the values that are
 //! marked *not confirmed* against the data sheet before you rely on them.
 //!

@@ -1,12 +1,8 @@
 //! A full bridge of diodes between a harvester and its storage.
 //!
 //! A diode conducts with a constant drop or blocks, and two diodes conduct at a time. The bridge blocks while the
-//! harvester's voltage is within `±(V_s + 2 V_D)`, and clamps the voltage to one of these limits while it conducts:
-//!
-//! | regime | terminal voltage | current | end of the regime |
-//! | --- | --- | --- | --- |
-//! | blocked | within the threshold | 0 | the voltage reaches a threshold |
-//! | forward, backward | `±(V_s + 2 V_D)` | into the storage | the current falls to 0 |
+//! harvester's voltage is within `±(V_s + 2 V_D)`, and clamps the voltage to one of these limits while it conducts, until
+//! the current falls to 0.
 
 use super::bounds::{ParameterError, bounded};
 use super::storage::StorageElement;

@@ -7,7 +7,6 @@ use crate::scalar::Scalar;
 
 /// A uniform rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Rod<S> {
     /// Length `L` in m.
     pub length: S,
@@ -19,7 +18,6 @@ pub(crate) struct Rod<S> {
 
 /// One mode of a [`Rod`], normalised to a modal mass of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct RodMode<S> {
     /// Undamped angular frequency `Ω` in rad/s.
     pub angular_frequency: S,

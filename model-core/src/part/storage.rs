@@ -22,9 +22,9 @@ use crate::scalar::Scalar;
 )]
 pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether the voltage changes.
-    const CHARGES: bool;
+    const CHARGES: bool = false;
     /// Whether a lock-out can connect and disconnect the draw.
-    const SWITCHES: bool;
+    const SWITCHES: bool = false;
 
     /// `1/C` in 1/F; 0 for a DC bus.
     #[inline]
@@ -186,9 +186,6 @@ pub struct DcBus<S> {
 bounded! { DcBus<S>: "bus.voltage" = voltage: 0.0, HIGHEST_VOLTAGE; }
 
 impl<S: Scalar> StorageElement<S> for DcBus<S> {
-    const CHARGES: bool = false;
-    const SWITCHES: bool = false;
-
     #[inline]
     fn initial_voltage(&self) -> S {
         self.voltage
@@ -223,13 +220,7 @@ impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
         #[inline] fn by_voltage(&self, voltage: S) -> [S; 2];
         #[inline] fn lockout(&self) -> Option<Lockout<S>>;
         #[inline] fn stored_energy(&self, voltage: S) -> S;
-    }
-
-    fn check(&self) -> Result<(), ParameterError<S>> {
-        match self {
-            Self::Capacitor(storage) => storage.check(),
-            Self::DcBus(bus) => bus.check(),
-        }
+        fn check(&self) -> Result<(), ParameterError<S>>;
     }
 }
 

@@ -62,3 +62,35 @@ pub trait ElectricalPort<S: Scalar>: Scene<S, 3, 0> + Copy + Debug + PartialEq {
     /// All powers with open terminals; see [`crate::observer::PowerIndex`].
     fn all_powers(&self, mode: Self::Mode, state: &[S; STATES], acceleration: S) -> [S; ALL_POWERS];
 }
+
+/// The items of [`ElectricalPort`] that both scenes have in common.
+macro_rules! port_items {
+    () => {
+        #[inline]
+        fn resistance(&self) -> $crate::part::load::Resistance<S> {
+            self.load.resistance()
+        }
+
+        #[inline]
+        fn coulombs(&self) -> S {
+            self.charge_unit
+        }
+
+        #[inline]
+        fn derivatives(&self, mode: Mode, state: &[S; STATES]) -> $crate::scene::coupled::Derivatives<S> {
+            Flow { scene: self, mode }.derivatives(state)
+        }
+
+        #[inline]
+        fn all_powers(
+            &self,
+            mode: Mode,
+            state: &[S; STATES],
+            acceleration: S,
+        ) -> [S; $crate::observer::ALL_POWERS] {
+            // Of the rates, only the current in a resistor enters the powers.
+            Flow { scene: self, mode }.all_powers(state, &[S::ZERO; STATES], acceleration)
+        }
+    };
+}
+pub(super) use port_items;

@@ -26,24 +26,18 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         let longest = u32::from(self.settings.longest_gap);
         let state = &mut self.state;
         state.missing_samples = state.missing_samples.saturating_add(count);
-        match state.phase {
-            Phase::Waiting => state.unknown_intervals = state.unknown_intervals.wrapping_add(count.into()),
-            Phase::Lost => {
-                state.missing = state.missing.saturating_add(count);
-                state.unknown_intervals = state.unknown_intervals.wrapping_add(count.into());
-            }
-            Phase::Following => {
-                state.missing = state.missing.saturating_add(count);
-                if state.missing > longest {
-                    state.unknown_intervals = state.unknown_intervals.wrapping_add(state.missing.into());
-                    // The newest sample replaces its successor, so that the interval up to the newest sample
-                    // can be integrated.
-                    state.missing -= 1;
-                    state.phase = Phase::Lost;
-                    let newest = state.stream.newest_sample();
-                    self.feed(newest, false);
-                }
-            }
+        if state.phase != Phase::Waiting {
+            state.missing = state.missing.saturating_add(count);
+        }
+        if state.phase != Phase::Following {
+            state.unknown_intervals = state.unknown_intervals.wrapping_add(count.into());
+        } else if state.missing > longest {
+            state.unknown_intervals = state.unknown_intervals.wrapping_add(state.missing.into());
+            // The newest sample replaces its successor, so that the interval up to the newest sample can be integrated.
+            state.missing -= 1;
+            state.phase = Phase::Lost;
+            let newest = state.stream.newest_sample();
+            self.feed(newest, false);
         }
     }
 

@@ -113,15 +113,13 @@ impl<L, T, K> Choices<L, T, K> {
     /// With a stop.
     #[must_use]
     pub fn stop<Other>(self, stop: Other) -> Choices<L, Other, K> {
-        let Self { load, coupling, .. } = self;
-        Choices { load, stop, coupling }
+        Choices { load: self.load, stop, coupling: self.coupling }
     }
 
     /// With another coupling.
     #[must_use]
     pub fn coupling<Other>(self, coupling: Other) -> Choices<L, T, Other> {
-        let Self { load, stop, .. } = self;
-        Choices { load, stop, coupling }
+        Choices { load: self.load, stop: self.stop, coupling }
     }
 }
 

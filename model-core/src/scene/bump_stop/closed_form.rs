@@ -77,9 +77,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             validity: Validity::of(self.clearance(&response, amplitude, voltage)),
         }
     }
-}
 
-impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// The requirements of the gap for a motion with the terminal voltage `voltage`.
     pub(super) fn clearance(
         &self,

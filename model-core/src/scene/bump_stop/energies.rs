@@ -68,40 +68,25 @@ impl<S: Scalar> Gramian<S> {
         let [aa, ab, bb, a, b, ta, tb] = sums.map(|sum| sum.value());
         Self { squares: [aa, ab, bb], means: [a, b], moments: [ta, tb] }
     }
-}
 
-/// The Gramians of all modes for one step length.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct GramianSet<S, const B: usize, const R: usize> {
-    ticks: u32,
-    beam: [Gramian<S>; B],
-    rod: [Gramian<S>; R],
-}
-
-/// One oscillator in one step.
-struct Oscillator<S> {
-    angular_frequency: S,
-    damping_ratio: S,
-    /// Displacement and velocity at the start.
-    start: [S; 2],
-    /// Modal force at the start and its rise over the step.
-    force: [S; 2],
-}
-
-impl<S: Scalar> Oscillator<S> {
-    /// `∫ 2ζω ẇ² dt`, and `∫ ẇ dt` and `∫ t ẇ dt`, of the velocity `w`.
-    fn integrals(&self, gramian: &Gramian<S>, step: S) -> (S, [S; 2]) {
-        let omega = self.angular_frequency;
-        let damping = S::from_f64(2.0) * self.damping_ratio * omega;
-        let [displacement, velocity] = self.start;
+    /// `∫ 2ζω w² dt`, and `∫ w dt` and `∫ t w dt`, of the velocity `w` of a mode of the angular frequency `omega` from
+    /// its displacement and velocity at the start, under a modal force at the start with its rise over the step.
+    fn integrals(
+        &self,
+        [omega, damping_ratio]: [S; 2],
+        [displacement, velocity]: [S; 2],
+        force: [S; 2],
+        step: S,
+    ) -> (S, [S; 2]) {
+        let damping = S::from_f64(2.0) * damping_ratio * omega;
         // w'' + 2ζω w' + ω² w = p': w tends to w∞ = p'/ω² from w(0) and w'(0).
-        let settled = self.force[1] / (step * omega * omega);
+        let settled = force[1] / (step * omega * omega);
         let start = velocity - settled;
-        let rate = self.force[0] - damping * velocity - omega * omega * displacement;
+        let rate = force[0] - damping * velocity - omega * omega * displacement;
         let two = S::from_f64(2.0);
-        let [aa, ab, bb] = gramian.squares;
-        let mean = gramian.means[0] * start + gramian.means[1] * rate;
-        let moment = gramian.moments[0] * start + gramian.moments[1] * rate;
+        let [aa, ab, bb] = self.squares;
+        let mean = self.means[0] * start + self.means[1] * rate;
+        let moment = self.moments[0] * start + self.moments[1] * rate;
         let square = settled * (settled * step + two * mean)
             + aa * start * start
             + two * ab * start * rate
@@ -109,6 +94,15 @@ impl<S: Scalar> Oscillator<S> {
         let half_square = S::from_f64(0.5) * step * step;
         (damping * square, [settled * step + mean, settled * half_square + moment])
     }
+}
+
+/// The Gramians of all modes for one step length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct GramianSet<S, const B: usize, const R: usize> {
+    /// Length of the step.
+    pub(super) ticks: u32,
+    beam: [Gramian<S>; B],
+    rod: [Gramian<S>; R],
 }
 
 impl<S: Scalar, const B: usize, const R: usize> GramianSet<S, B, R> {
@@ -120,11 +114,6 @@ impl<S: Scalar, const B: usize, const R: usize> GramianSet<S, B, R> {
             beam: scene.beam.map(|mode| of(mode.angular_frequency)),
             rod: scene.rod.map(|mode| of(mode.angular_frequency)),
         }
-    }
-
-    /// Length of the step in ticks.
-    pub(super) fn ticks(&self) -> u32 {
-        self.ticks
     }
 }
 
@@ -173,8 +162,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let (mut of_base, mut of_damping) = (S::ZERO, S::ZERO);
         let mut add = |angular_frequency, gramian: &Gramian<S>, start, base: S, constant: S| {
             let force = [constant - base * acceleration, -base * rise];
-            let oscillator = Oscillator { angular_frequency, damping_ratio, start, force };
-            let (loss, [moved, moment]) = oscillator.integrals(gramian, step);
+            let (loss, [moved, moment]) =
+                gramian.integrals([angular_frequency, damping_ratio], start, force, step);
             of_damping += loss;
             of_base -= base * (acceleration * moved + rise * moment / step);
         };

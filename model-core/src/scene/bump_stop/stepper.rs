@@ -130,18 +130,14 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     /// are cheaper. The base acceleration is linear over each step, so kinks of a sampled excitation within a long
     /// step are smoothed.
     #[inline]
-    pub(super) fn run<const CUT: bool, E, O>(
+    pub(super) fn run<const CUT: bool, E: Excitation<S>, O: Observer<S>>(
         &self,
         state: &mut StateOf<S, P, B, R>,
         excitation: &E,
         until: Instant,
         budget: u32,
         observer: &mut O,
-    ) -> Result<Advance, StepError<S>>
-    where
-        E: Excitation<S>,
-        O: Observer<S>,
-    {
+    ) -> Result<Advance, StepError<S>> {
         let mut work = Work::default();
         let budget = budget.max(LEAST_BUDGET);
         let long_is_of_use = self.long.ticks > self.short.ticks;
@@ -270,7 +266,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             }
             Some(known) => {
                 let made;
-                let gramians = match known.iter().find(|known| known.ticks() == ticks) {
+                let gramians = match known.iter().find(|known| known.ticks == ticks) {
                     Some(known) => known,
                     None => {
                         made = GramianSet::new(&self.scene, ticks);

@@ -54,14 +54,6 @@ struct Attraction<S> {
     second: Complex<S>,
 }
 
-/// The base acceleration that the balance of the first harmonic requires.
-struct Demand<S> {
-    /// Amplitude of the base acceleration, in m/s².
-    acceleration: S,
-    /// Whether the motion is in phase with the base, as below resonance.
-    follows: bool,
-}
-
 /// The plate at rest, and its motion at small amplitudes.
 struct Equilibrium<S> {
     /// Gap in m.
@@ -147,12 +139,12 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             let square = motion.amplitude * motion.amplitude;
             motion.mean = rest.gap + drift * square;
             let force = self.force(&motion, omega);
-            let demand = self.demand(&motion, &force, omega);
-            follows = demand.follows;
+            let demanded;
+            (demanded, follows) = self.demand(&motion, &force, omega);
             motion.second = -(force.second * flexibility);
             let residual = self.stiffness_per_mass * (motion.mean - self.initial_gap) + force.mean;
             drift -= residual / (rest.stiffness * square);
-            let short = demand.acceleration - acceleration;
+            let short = demanded - acceleration;
             left = short.abs() / acceleration.max(S::TINY)
                 + residual.abs() / (self.stiffness_per_mass * rest.gap);
             // At the largest amplitude the required acceleration is still too small: the plate touches.
@@ -165,8 +157,8 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             if left <= S::from_f64(TOLERANCE) {
                 break;
             }
-            let rise = (demand.acceleration - before.1) / (motion.amplitude - before.0);
-            before = (motion.amplitude, demand.acceleration);
+            let rise = (demanded - before.1) / (motion.amplitude - before.0);
+            before = (motion.amplitude, demanded);
             // A falling demand doubles the amplitude, and so does not-a-number.
             let secant = motion.amplitude - short / rise;
             next = if rise > S::ZERO { secant } else { motion.amplitude + motion.amplitude };
@@ -174,13 +166,13 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         (motion, follows, left)
     }
 
-    /// The base acceleration that a motion requires.
-    fn demand(&self, motion: &Motion<S>, force: &Attraction<S>, omega: S) -> Demand<S> {
+    /// Amplitude in m/s² of the base acceleration that a motion requires, and whether the motion is in phase with the
+    /// base, as below resonance.
+    fn demand(&self, motion: &Motion<S>, force: &Attraction<S>, omega: S) -> (S, bool) {
         let detuning = (self.angular_frequency - omega) * (self.angular_frequency + omega);
         let along = detuning * motion.amplitude + force.first.re;
         let across = self.damping_per_mass * omega * motion.amplitude + force.first.im;
-        let acceleration = Complex::new(along, across).magnitude();
-        Demand { acceleration, follows: along >= S::ZERO }
+        (Complex::new(along, across).magnitude(), along >= S::ZERO)
     }
 
     /// The attraction along an orbit.

@@ -3,22 +3,12 @@
 use super::flow::Flow;
 use super::mode::Mode;
 use super::{ContactSeparation, GAP, Parts, STATES, Sticking};
-use crate::observer::ALL_POWERS;
-use crate::part::load::{Load, Resistance};
+use crate::part::load::Load;
 use crate::scalar::Scalar;
-use crate::scene::coupled::Derivatives;
-use crate::scene::electrical_port::{ElectricalPort, PortVoltage};
+use crate::scene::electrical_port::{ElectricalPort, PortVoltage, port_items};
 
 impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for ContactSeparation<S, P> {
-    #[inline]
-    fn resistance(&self) -> Resistance<S> {
-        self.load.resistance()
-    }
-
-    #[inline]
-    fn coulombs(&self) -> S {
-        self.charge_unit
-    }
+    port_items!();
 
     fn typical_voltage(&self) -> S {
         self.field * self.tribo_charge * self.initial_gap
@@ -49,16 +39,5 @@ impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for ContactSeparation<S, P> {
     #[inline]
     fn is_clear(&self, mode: Mode, state: &[S; STATES]) -> bool {
         mode == Mode::Stick || state[GAP] > self.release_margin()
-    }
-
-    #[inline]
-    fn derivatives(&self, mode: Mode, state: &[S; STATES]) -> Derivatives<S> {
-        Flow { scene: self, mode }.derivatives(state)
-    }
-
-    #[inline]
-    fn all_powers(&self, mode: Mode, state: &[S; STATES], acceleration: S) -> [S; ALL_POWERS] {
-        // Of the rates, only the current in a resistor enters the powers.
-        Flow { scene: self, mode }.all_powers(state, &[S::ZERO; STATES], acceleration)
     }
 }

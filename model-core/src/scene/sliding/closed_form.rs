@@ -112,11 +112,10 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         let at_rest = self.circuit(true, S::ZERO, S::ZERO);
         let held = ratio(drive, self.static_friction(&at_rest)[0]);
         if held <= S::ONE {
-            let nothing = S::ZERO;
             return ClosedForm {
-                mean_power: nothing,
-                rms_voltage: nothing,
-                amplitude: nothing,
+                mean_power: S::ZERO,
+                rms_voltage: S::ZERO,
+                amplitude: S::ZERO,
                 validity: Validity::Holds { margin: held },
             };
         }

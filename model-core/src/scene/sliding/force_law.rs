@@ -8,7 +8,6 @@ use crate::scalar::Scalar;
 
 /// The charged surface, in the units of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Surface<S> {
     /// Tribo-charge `σS` in charge units.
     pub tribo_charge: S,
