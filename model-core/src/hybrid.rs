@@ -13,7 +13,6 @@ use core::fmt::Debug;
 
 use crate::clock::Instant;
 use crate::excitation::Excitation;
-use crate::integrate::Cubic;
 use crate::integrate::control_memory::ControlMemory;
 use crate::integrate::{ErrorScale, Point, StepControl, System};
 use crate::observer::Outputs;
@@ -38,12 +37,6 @@ impl<S: Scalar> Guard<S> {
     #[inline(always)]
     fn is_due(&self) -> bool {
         self.value < S::ZERO || self.value == S::ZERO && self.rate < S::ZERO
-    }
-
-    /// The interpolant of the guard over a step of `step` seconds from here to `end`.
-    #[inline(always)]
-    fn until(&self, end: &Self, step: S) -> Cubic<S> {
-        Cubic::new(self.value, self.rate, end.value, end.rate, step)
     }
 }
 

@@ -39,7 +39,7 @@ pub(super) struct AccountSums<S> {
     leaked: CompensatedSum<S>,
     shunted: CompensatedSum<S>,
     unserved: CompensatedSum<S>,
-    corrected: CompensatedSum<S>,
+    pub(super) corrected: CompensatedSum<S>,
     refused: u32,
 }
 
@@ -85,10 +85,5 @@ impl<S: Scalar> AccountSums<S> {
         self.leaked.add(step.leaked);
         self.shunted.add(step.shunted);
         self.unserved.add(step.unserved);
-    }
-
-    /// Enters a correction in J.
-    pub(super) fn correct(&mut self, change: S) {
-        self.corrected.add(change);
     }
 }

@@ -337,7 +337,8 @@ impl<S: Scalar> Correction<S> {
         let least = S::from_f64(LEAST_DEVIATION) * state.gain;
         state.gain_variance = (state.gain_variance - learnt).max(least * least);
         state.covariance *= left;
-        state.energy_variance = (state.energy_variance * left).max(self.least_energy_variance());
+        let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
+        state.energy_variance = (state.energy_variance * left).max(rounding * rounding);
         // A correlation of at most 1.
         let bound = (state.gain_variance * state.energy_variance).sqrt();
         state.covariance = state.covariance.min(bound).max(-bound);
@@ -381,11 +382,5 @@ impl<S: Scalar> Correction<S> {
     fn forget(&self, state: &mut CorrectionState<S>) {
         self.forget_energy(state);
         state.gain_variance = state.gain_variance.max(self.gain_variance);
-    }
-
-    /// Variance of a few roundings of the stored energy, in J².
-    fn least_energy_variance(&self) -> S {
-        let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
-        rounding * rounding
     }
 }

@@ -26,12 +26,6 @@ pub struct Lockout<S> {
 bounded! { Lockout<S>: "draw.turn_on" = turn_on: 0.0, HIGHEST_VOLTAGE; }
 
 impl<S: Scalar> Lockout<S> {
-    /// Whether the draw is connected at the start, with the storage at `voltage` in V: from the turn-on voltage.
-    #[inline]
-    pub(crate) fn starts_connected(&self, voltage: S) -> bool {
-        voltage >= self.turn_on
-    }
-
     fn check(&self) -> Result<(), ParameterError<S>> {
         self.check_numbers()?;
         Bounds { lowest: S::ZERO, highest: self.turn_on * (S::ONE - S::EPSILON) }

@@ -90,10 +90,10 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
         if connected { leakage + drawn } else { leakage }
     }
 
-    /// Whether the draw is connected before the first step.
+    /// Whether the draw is connected before the first step: from the turn-on voltage.
     #[inline]
     fn starts_connected(&self) -> bool {
-        self.lockout().is_none_or(|lockout| lockout.starts_connected(self.initial_voltage()))
+        self.lockout().is_none_or(|lockout| self.initial_voltage() >= lockout.turn_on)
     }
 }
 

@@ -51,11 +51,6 @@ impl<S: Scalar> StorageState<S> {
         Self { voltage: storage.initial_voltage(), remainder: S::ZERO, connected: storage.starts_connected() }
     }
 
-    /// Sets the voltage in V, for an external change.
-    pub(crate) fn put(&mut self, voltage: S) {
-        (self.voltage, self.remainder) = (voltage, S::ZERO);
-    }
-
     /// Raises the voltage in V.
     #[inline]
     pub(crate) fn rise(&mut self, increase: S) {

@@ -255,7 +255,7 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
     }
 
     fn set_storage_voltage(state: &mut StorageState<S>, voltage: S) {
-        state.put(voltage);
+        (state.voltage, state.remainder) = (voltage, S::ZERO);
     }
 
     fn identify(&self, fingerprint: &mut Fingerprint) {
