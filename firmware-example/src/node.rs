@@ -6,7 +6,7 @@
 //! | node | for | harvested power by |
 //! | --- | --- | --- |
 //! | [`Following`] | a core that can afford it, such as a Cortex-M4F | stepping the harvester's model along the samples |
-//! | [`Listening`] | any core, such as a Cortex-M0 | the strongest line of the samples and a closed form |
+//! | [`Listening`] | any core, such as a Cortex-M0 | the strongest sine of the samples and a closed form |
 //!
 //! What a developer replaces is [`Board`], and the parts in `harvester.rs`. The ecosystem has no traits for this seam
 //! that fit: `embedded-hal` has none for a converter or an accelerometer, and the crate `accelerometer` one for three

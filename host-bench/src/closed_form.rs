@@ -2,7 +2,7 @@
 
 pub mod map;
 
-use model_core::part::bounds::ParameterError;
+use model_core::bounds::ParameterError;
 use model_core::scalar::Scalar;
 use model_core::scene::closed_form::{ClosedForm, Reason, Validity};
 use serde_json::json;

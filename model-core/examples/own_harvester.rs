@@ -107,6 +107,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     harvester.advance(&mut state, &shaking, end, 1_000_000, &mut (&mut meter, &mut ledger))?;
     let residual = ledger.residual().largest();
     println!("{:.3e} W, {} impacts, ledger {residual:?}", meter.mean_power(), meter.report().impacts);
+    assert!(residual.is_some_and(|residual| residual < 1e-3), "the energy ledger closes");
     let format = SampleFormat::accelerations(100.0);
     let settings = Settings { rate: 1000.0, format, longest_gap: 0, settling_seconds: 0.0 };
     let mut estimator = Estimator::new(harvester, settings)?;

@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let end = Instant::from_whole_seconds(10);
     harvester.advance(&mut state, &shaking, end, u32::MAX, &mut (&mut meter, &mut ledger))?;
     let report = meter.report();
-    println!("{:.3e} W, {:.3} V RMS", meter.mean_power(), report.rms_voltage);
+    println!("{:.3e} W, {:.3} V RMS", meter.mean_power(), report.rms_voltage.ok_or("not integrated")?);
     println!("{} times stuck, {:.1} % of the time", report.sticks, 100.0 * report.stick_fraction);
     println!("energy residual {:.1e}", ledger.residual().total().unwrap_or(0.0));
     Ok(())

@@ -13,6 +13,7 @@ use core::fmt::Debug;
 
 use crate::clock::Instant;
 use crate::excitation::Excitation;
+use crate::integrate::Cubic;
 use crate::integrate::control_memory::ControlMemory;
 use crate::integrate::{ErrorScale, Point, StepControl, System};
 use crate::observer::Outputs;
@@ -37,6 +38,12 @@ impl<S: Scalar> Guard<S> {
     #[inline(always)]
     fn is_due(&self) -> bool {
         self.value < S::ZERO || self.value == S::ZERO && self.rate < S::ZERO
+    }
+
+    /// The interpolant of the guard over a step of `step` seconds from here to `end`.
+    #[inline(always)]
+    fn until(&self, end: &Self, step: S) -> Cubic<S> {
+        Cubic::new(self.value, self.rate, end.value, end.rate, step)
     }
 }
 
@@ -165,12 +172,6 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     #[inline]
     fn outputs<'a>(&self, _mode: Self::Mode, point: &'a Point<S, N, P>) -> Outputs<'a, S> {
         Outputs::of_state(&point.state)
-    }
-
-    /// Whether the moving part sticks in `mode`.
-    #[inline]
-    fn is_stick(&self, _mode: Self::Mode) -> bool {
-        false
     }
 
     /// Whether guard number `index` of `mode` is an impact.

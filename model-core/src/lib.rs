@@ -53,12 +53,14 @@
 //! | [`energy`] | meters, the energy ledger, the event log; a node's energy budget |
 //! | [`scene`] | the harvesters: parameters, checked once, and pure functions |
 //! | [`part`] | the components of harvesters: loads, restitution |
+//! | [`observer`] | the accepted step and the event of every harvester |
 //! | [`hybrid`] | the driver: step, event location, jump |
 //! | [`integrate`] | TR-BDF2 and RK4, step control, dense output |
 //! | [`excitation`] | the acceleration of the base |
 //! | [`clock`] | time in integer ticks, phase without drift |
 //! | [`scalar`] | the floating-point number and its elementary functions |
 //! | [`snapshot`] | states as bytes, for a power-down |
+//! | [`bounds`] | bounds of parameters, and the error of a parameter outside them |
 //!
 //! # Errors
 //!

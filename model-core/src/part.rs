@@ -5,7 +5,6 @@
 //! give the same bits.
 
 pub mod beam;
-pub use crate::bounds;
 pub(crate) mod bridge_step;
 pub(crate) mod circuit;
 pub(crate) mod disc_overlap;

@@ -24,7 +24,7 @@ use crate::observer::{Observer, Outputs};
 use crate::scalar::Scalar;
 use crate::snapshot::{Fingerprint, Snapshot};
 
-pub use crate::part::bounds::{Bounds, ParameterError};
+pub use crate::bounds::{Bounds, ParameterError};
 pub use closed_form::ClosedForm;
 pub use simulation::Simulation;
 
@@ -129,6 +129,13 @@ pub trait Harvester<S: Scalar> {
 
     /// Includes all parameters and choices that determine the meaning of a state in a fingerprint.
     fn identify(&self, fingerprint: &mut Fingerprint);
+
+    /// Fingerprint of the harvester, for [`crate::snapshot::save`] and [`crate::snapshot::restore`].
+    fn fingerprint(&self) -> u32 {
+        let mut fingerprint = Fingerprint::new();
+        self.identify(&mut fingerprint);
+        fingerprint.value()
+    }
 }
 
 /// A harvester as a hybrid automaton of `N` states with `P` powers.

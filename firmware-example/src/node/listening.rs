@@ -1,4 +1,4 @@
-//! The node that asks a closed form about the strongest line of the samples.
+//! The node that asks a closed form about the strongest sine of the samples.
 
 use model_core::excitation::{ToneMeter, ToneMeterState};
 use model_core::scalar::Polynomial;

@@ -31,8 +31,8 @@ const SLIDING: Tone = Tone { name: "sliding", amplitude: 3.5316, frequency: 18.3
 /// The bump-stop scene at 20 m/s² and 220 Hz; 3520 samples a second.
 const BUMP_STOP: Tone =
     Tone { name: "bump-stop", amplitude: 20.0, frequency: 220.0, period: 16, periods: 22 };
-/// The input of a closed form: the strongest line of the samples.
-const LINE: Tone = Tone { name: "strongest-line", periods: 20, ..CONTACT };
+/// The input of a closed form: the strongest sine of the samples.
+const LINE: Tone = Tone { name: "strongest-sine", periods: 20, ..CONTACT };
 /// Entries of each estimator in the log.
 const ENTRIES: u32 = 4;
 

@@ -38,8 +38,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
     /// The controller at midnight, with the measured voltage of the storage in V.
     pub(super) fn new(node: &'a Node, voltage: f64) -> Result<Self, Failure> {
         let from = &node.storage;
-        let refuse =
-            |error: model_core::part::bounds::ParameterError<S>| Failure::Input(format!("node: {error}"));
+        let refuse = |error: model_core::bounds::ParameterError<S>| Failure::Input(format!("node: {error}"));
         let parameters = BudgetParameters {
             storage: StorageParameters {
                 capacitor: Capacitor {

@@ -16,12 +16,12 @@ use super::{Error, Firmware, decode, qemu};
 pub enum Kind {
     /// It steps the harvester's model along the samples.
     Following,
-    /// It asks a closed form about the strongest line.
+    /// It asks a closed form about the strongest sine.
     Listening,
 }
 
 impl Kind {
-    /// The one for `core`: without floating point in hardware a trajectory is too dear.
+    /// The one for `core`: without floating point in hardware a trajectory costs too much.
     #[must_use]
     pub fn of(core: Core) -> Self {
         match core {

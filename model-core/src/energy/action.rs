@@ -1,6 +1,6 @@
 //! An action of a node with upper bounds of its energy and duration.
 
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 
 /// An action of a node on top of its standing load, such as a measurement or a transmission.

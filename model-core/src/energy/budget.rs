@@ -8,7 +8,7 @@ use super::account::{Account, AccountSums};
 use super::action::Action;
 use super::income::{Income, IncomeParameters, IncomeState};
 use super::storage::{Storage, StorageParameters};
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::{Scalar, add_increment};
 
 /// Parameters of a [`Budget`].
@@ -27,7 +27,7 @@ pub struct BudgetParameters<S> {
 /// The energy budget of a node, with the day divided into `SLOTS` slots.
 ///
 /// The stored energy in [`BudgetState`] assumes that income and expenditure are spread evenly over each interval.
-/// [`BudgetState::uncertainty`] bounds how much less the storage may hold; a measured voltage replaces both.
+/// The uncertainty of the state bounds how much less the storage may hold; a measured voltage replaces both.
 ///
 /// ```
 /// use model_core::energy::{Action, BudgetParameters, Capacitor, IncomeParameters, StorageParameters};

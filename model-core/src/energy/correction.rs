@@ -20,7 +20,7 @@
 
 use super::storage::Storage;
 use super::truncated_normal::moments_within;
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::{Scalar, add_increment};
 
 /// Parameters of a [`Correction`]: of the readings, and of the error of the model.

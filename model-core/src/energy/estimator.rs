@@ -72,10 +72,10 @@ mod gaps;
 mod sample;
 mod state;
 
+use crate::bounds::{Bounds, ParameterError};
 use crate::clock::Instant;
 use crate::excitation::{Excitation, Stream};
 use crate::hybrid::{Ended, StepError, Work};
-use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 use crate::scene::Harvester;
 use crate::snapshot::{self, Fingerprint, SnapshotError};

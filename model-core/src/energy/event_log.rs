@@ -55,6 +55,8 @@ impl<S, const CAPACITY: usize> Default for EventLog<S, CAPACITY> {
 }
 
 impl<S: Scalar, const CAPACITY: usize> Observer<S> for EventLog<S, CAPACITY> {
+    const READS_OUTPUTS: bool = false;
+
     #[inline]
     fn step(&mut self, _step: &AcceptedStep<'_, S>) {}
 

@@ -14,7 +14,7 @@
 //! mean. The expected power of a slot without any observation is the exponentially weighted mean.
 
 use super::storage::Relaxation;
-use crate::part::bounds::{ParameterError, bounded};
+use crate::bounds::{ParameterError, bounded};
 use crate::scalar::{CompensatedSum, Scalar, add_increment};
 
 /// Seconds in a day.

@@ -26,13 +26,14 @@ pub struct Residual<S> {
     pub electrical: S,
     /// Residual of the balance of the storage behind a rectifier; 0 without one.
     pub storage: S,
-    /// The larger of `∫ |base power| dt` and the peak of the stored energy, in J.
+    /// The larger of `∫ |base power| dt` and the peak of the stored energy, in J; 0 for a run that does not integrate all
+    /// powers, whose residuals mean nothing.
     pub scale: S,
 }
 
 impl<S: Scalar> Residual<S> {
     /// The larger of two residuals relative to the scale: that of the sum of the mechanical and the
-    /// electrical balance, and that of the storage. `None` if the scale is 0.
+    /// electrical balance, and that of the storage. `None` if the scale is 0, as for a run that does not integrate all powers.
     ///
     /// The sum closes only if the force law is derived from the field.
     #[must_use]
@@ -40,7 +41,7 @@ impl<S: Scalar> Residual<S> {
         self.relative((self.mechanical + self.electrical).abs().max(self.storage.abs()))
     }
 
-    /// The largest residual of the balances, relative to the scale; `None` if the scale is 0.
+    /// The largest residual of the balances, relative to the scale; `None` if the scale is 0, as for a run that does not integrate all powers.
     #[must_use]
     pub fn largest(&self) -> Option<S> {
         let harvester = self.mechanical.abs().max(self.electrical.abs());
@@ -100,7 +101,11 @@ impl<S: Scalar> Ledger<S> {
             electrical: (now.electrical - start.electrical)
                 - (integral(PowerIndex::FieldWork) - delivered - integral(PowerIndex::Diodes)),
             storage: self.stored().map_or(S::ZERO, |stored| stored - left),
-            scale: integral(PowerIndex::BaseMagnitude).max(self.peak),
+            scale: if self.integrals.is_complete() {
+                integral(PowerIndex::BaseMagnitude).max(self.peak)
+            } else {
+                S::ZERO
+            },
         }
     }
 

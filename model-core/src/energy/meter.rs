@@ -15,10 +15,12 @@ use crate::snapshot::snapshot_fields;
 pub struct Integrals<S> {
     sums: [CompensatedSum<S>; ALL_POWERS],
     ticks: u64,
+    /// Whether every step integrated all powers.
+    complete: bool,
 }
 
 impl<S: Scalar> Integrals<S> {
-    pub(crate) const ZERO: Self = Self { sums: [CompensatedSum::ZERO; ALL_POWERS], ticks: 0 };
+    pub(crate) const ZERO: Self = Self { sums: [CompensatedSum::ZERO; ALL_POWERS], ticks: 0, complete: true };
 
     /// Adds the integrals over one step.
     #[inline]
@@ -27,6 +29,12 @@ impl<S: Scalar> Integrals<S> {
             sum.add(energy);
         }
         self.ticks = self.ticks.wrapping_add(u64::from(ticks));
+        self.complete &= energies.len() >= ALL_POWERS;
+    }
+
+    /// Whether the run integrates all powers: `with_all_powers`, not `new`.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.complete
     }
 
     /// Adds the instantaneous part of each integral.
@@ -143,8 +151,8 @@ impl<S: Scalar> Peak<S> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct RunReport<S> {
-    /// Root mean square of the terminal voltage in V.
-    pub rms_voltage: S,
+    /// Root mean square of the terminal voltage in V; `None` if the run does not integrate all powers.
+    pub rms_voltage: Option<S>,
     /// Extremes of the terminal voltage in V.
     pub voltage: Peak<S>,
     /// Extremes of the harvester's first coordinate (a gap, a displacement) in m.
@@ -236,7 +244,8 @@ impl<S: Scalar> RunMeter<S> {
     pub fn report(&self) -> RunReport<S> {
         let [coordinate, stop_point, _] = self.motions;
         RunReport {
-            rms_voltage: self.integrals.mean(PowerIndex::VoltageSquared).sqrt(),
+            rms_voltage: (self.integrals.is_complete())
+                .then(|| self.integrals.mean(PowerIndex::VoltageSquared).sqrt()),
             voltage: self.voltage,
             coordinate,
             stop_point,

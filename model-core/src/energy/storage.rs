@@ -11,7 +11,7 @@
 //! voltage the load is disconnected until the voltage reaches the turn-on voltage. Converters lose a constant
 //! part of the energy that they convert; their idle power belongs to the load.
 
-use crate::part::bounds::{Bounds, ParameterError, bounded};
+use crate::bounds::{Bounds, ParameterError, bounded};
 use crate::part::preset::Preset;
 use crate::part::storage::Capacitor;
 use crate::scalar::{Mathematics, Scalar, horner};

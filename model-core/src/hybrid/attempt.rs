@@ -3,7 +3,7 @@
 use super::{Automaton, Guard, InputAt};
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
-use crate::integrate::{Cubic, Method, NotConverged, Point, Trial};
+use crate::integrate::{Method, NotConverged, Point, Trial};
 use crate::scalar::Scalar;
 
 /// Largest number of guards of a mode: each has a bit in the set of guards located in a step.
@@ -59,9 +59,8 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         let mut first = None;
         for index in 0..self.automaton.guards(self.mode).min(MOST_GUARDS) {
             let (start, end) = (self.guard(index, self.start, 0), self.guard(index, &trial.end, ticks));
-            let guard = Cubic::new(start.value, start.rate, end.value, end.rate, seconds_of_ticks(ticks));
             if done & (1 << index) == 0
-                && let Some(theta) = guard.first_fall()
+                && let Some(theta) = start.until(&end, seconds_of_ticks(ticks)).first_fall()
                 && first.is_none_or(|(_, earliest)| theta < earliest)
             {
                 first = Some((index, theta));

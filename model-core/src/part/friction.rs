@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use super::bounds::{Bounds, ParameterError, bounded};
+use crate::bounds::{Bounds, ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// A law of dry friction; the provided methods are those without friction.

@@ -1,6 +1,6 @@
 //! The electrical load at the terminals of the harvester.
 
-use super::bounds::{ParameterError, bounded};
+use crate::bounds::{ParameterError, bounded};
 use crate::scalar::Scalar;
 use crate::snapshot::Fingerprint;
 

@@ -4,8 +4,8 @@
 //! harvester's voltage is within `±(V_s + 2 V_D)`, and clamps the voltage to one of these limits while it conducts, until
 //! the current falls to 0.
 
-use super::bounds::{ParameterError, bounded};
 use super::storage::StorageElement;
+use crate::bounds::{ParameterError, bounded};
 use crate::scalar::Scalar;
 use crate::snapshot::Fingerprint;
 

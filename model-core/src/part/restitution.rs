@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use crate::any::forward;
-use crate::part::bounds::{ParameterError, bounded};
+use crate::bounds::{ParameterError, bounded};
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 use crate::snapshot::Fingerprint;
 

@@ -8,9 +8,9 @@
 
 use core::fmt::Debug;
 
-use super::bounds::{ParameterError, bounded};
 use super::draw::{AnyDraw, Draw, HIGHEST_VOLTAGE, Lockout};
 use crate::any::forward;
+use crate::bounds::{ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// The storage behind a rectifier; the provided methods are those of a DC bus.
@@ -22,54 +22,33 @@ use crate::scalar::Scalar;
 )]
 pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether the voltage changes.
-    const CHARGES: bool = false;
+    const CHARGES: bool;
     /// Whether a lock-out can connect and disconnect the draw.
-    const SWITCHES: bool = false;
+    const SWITCHES: bool;
 
     /// `1/C` in 1/F; 0 for a DC bus.
-    #[inline]
-    fn elastance(&self) -> S {
-        S::ZERO
-    }
+    fn elastance(&self) -> S;
 
     /// Capacitance in F; infinite for a DC bus.
-    #[inline]
-    fn capacitance(&self) -> S {
-        S::INFINITY
-    }
+    fn capacitance(&self) -> S;
 
     /// Voltage in V before the first step.
     fn initial_voltage(&self) -> S;
 
     /// Leakage current in A at a voltage in V.
-    #[inline]
-    fn leakage(&self, _voltage: S) -> S {
-        S::ZERO
-    }
+    fn leakage(&self, voltage: S) -> S;
 
     /// Current in A into the connected draw, at a voltage in V.
-    #[inline]
-    fn drawn(&self, _voltage: S) -> S {
-        S::ZERO
-    }
+    fn drawn(&self, voltage: S) -> S;
 
     /// Derivatives of leakage and draw by the voltage, in A/V.
-    #[inline]
-    fn by_voltage(&self, _voltage: S) -> [S; 2] {
-        [S::ZERO; 2]
-    }
+    fn by_voltage(&self, voltage: S) -> [S; 2];
 
     /// The lock-out of the draw; `None` if the draw is always connected or absent.
-    #[inline]
-    fn lockout(&self) -> Option<Lockout<S>> {
-        None
-    }
+    fn lockout(&self) -> Option<Lockout<S>>;
 
     /// Stored energy in J at a voltage in V; 0 for a DC bus, which has no energy balance.
-    #[inline]
-    fn stored_energy(&self, _voltage: S) -> S {
-        S::ZERO
-    }
+    fn stored_energy(&self, voltage: S) -> S;
 
     /// Checks the parameters of the storage and its draw.
     ///
@@ -186,6 +165,44 @@ pub struct DcBus<S> {
 bounded! { DcBus<S>: "bus.voltage" = voltage: 0.0, HIGHEST_VOLTAGE; }
 
 impl<S: Scalar> StorageElement<S> for DcBus<S> {
+    const CHARGES: bool = false;
+    const SWITCHES: bool = false;
+
+    #[inline]
+    fn elastance(&self) -> S {
+        S::ZERO
+    }
+
+    #[inline]
+    fn capacitance(&self) -> S {
+        S::INFINITY
+    }
+
+    #[inline]
+    fn leakage(&self, _voltage: S) -> S {
+        S::ZERO
+    }
+
+    #[inline]
+    fn drawn(&self, _voltage: S) -> S {
+        S::ZERO
+    }
+
+    #[inline]
+    fn by_voltage(&self, _voltage: S) -> [S; 2] {
+        [S::ZERO; 2]
+    }
+
+    #[inline]
+    fn lockout(&self) -> Option<Lockout<S>> {
+        None
+    }
+
+    #[inline]
+    fn stored_energy(&self, _voltage: S) -> S {
+        S::ZERO
+    }
+
     #[inline]
     fn initial_voltage(&self) -> S {
         self.voltage
@@ -200,7 +217,7 @@ impl<S: Scalar> StorageElement<S> for DcBus<S> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AnyStorage<S> {
-    /// As [`Capacitor`].
+    /// As [`StorageCapacitor`].
     Capacitor(StorageCapacitor<S, AnyDraw<S>>),
     /// As [`DcBus`].
     DcBus(DcBus<S>),

@@ -50,6 +50,9 @@ pub trait ElectricalPort<S: Scalar>: Scene<S, 3, 0> + Copy + Debug + PartialEq {
     /// The voltage at the terminals.
     fn port_voltage(&self, mode: Self::Mode, position: S, charge: S) -> PortVoltage<S>;
 
+    /// Whether the moving part sticks in `mode`.
+    fn is_stick(&self, mode: Self::Mode) -> bool;
+
     /// Whether the charge is frozen in `mode`; the terminals then count as open, with zero voltage.
     fn charge_is_frozen(&self, mode: Self::Mode) -> bool;
 
@@ -69,6 +72,11 @@ macro_rules! port_items {
         #[inline]
         fn resistance(&self) -> $crate::part::load::Resistance<S> {
             self.load.resistance()
+        }
+
+        #[inline]
+        fn is_stick(&self, mode: Mode) -> bool {
+            mode == Mode::Stick
         }
 
         #[inline]

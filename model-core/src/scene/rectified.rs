@@ -118,10 +118,10 @@ pub use flow::Flow;
 pub use crate::part::rectifier::{BridgeRegime, FullBridge};
 pub use crate::scene::electrical_port::{ElectricalPort, PortVoltage};
 
+use crate::bounds::{Bounds, ParameterError};
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
 use crate::integrate::StepControl;
-use crate::part::bounds::{Bounds, ParameterError};
 use crate::part::load::Resistance;
 use crate::part::storage::StorageElement;
 use crate::scalar::Scalar;

@@ -61,7 +61,7 @@ impl Fingerprint {
     }
 
     /// Includes the name of a type or of a version.
-    pub(crate) fn name(&mut self, name: &str) {
+    pub fn name(&mut self, name: &str) {
         self.0.include(name.as_bytes());
     }
 

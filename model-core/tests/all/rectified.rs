@@ -43,6 +43,36 @@ fn order(errors: &[f64]) -> f64 {
     (first / last).log2() / (errors.len() - 1) as f64
 }
 
+/// Largest difference within a step between the mean current by the charge and by the rates, and the largest current.
+#[derive(Default)]
+struct Currents {
+    off: f64,
+    largest: f64,
+}
+
+impl Observer<f64> for Currents {
+    fn step(&mut self, step: &AcceptedStep<'_, f64>) {
+        let (start, end) = (step.start.charge, step.end.charge);
+        let mean = (end.value - start.value) / step.step;
+        self.off = self.off.max((mean - 0.5 * (start.rate + end.rate)).abs());
+        self.largest = self.largest.max(mean.abs());
+    }
+}
+
+#[test]
+fn the_current_of_the_outputs_is_the_rate_of_their_charge() {
+    let pad = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage(1e-7, 1.0), 0.3);
+    let slider = behind(slider::<f64>(f64::INFINITY), storage(1e-7, 1.0), 0.3);
+    let driver = Driver::new(TrBdf2, fixed(1e-5));
+    let [mut of_pad, mut of_slider] = [Currents::default(), Currents::default()];
+    run(&pad, &contact::Start::default(), &sine(0.2, 20.5), &driver, 0.3, &mut of_pad);
+    run(&slider, &sliding::Start::default(), &sine(0.36, 18.373), &driver, 0.3, &mut of_slider);
+    for (name, found) in [("contact", of_pad), ("sliding", of_slider)] {
+        println!("{name}: {:e} A of {:e} A", found.off, found.largest);
+        assert!(found.largest > 1e-9 && found.off < 1e-2 * found.largest, "{name}");
+    }
+}
+
 #[test]
 fn ledgers_close_at_second_order() {
     let pad = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage(1e-7, 1.0), 0.3);

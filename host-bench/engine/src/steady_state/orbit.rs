@@ -1,7 +1,7 @@
 //! Motions of one period of the excitation: found after a transient, or from an orbit at a frequency close by.
 
 use model_core::clock::Instant;
-use model_core::energy::RunMeter;
+use model_core::energy::{RunMeter, RunReport};
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, HybridState, StepError};
 use model_core::integrate::Method;
@@ -171,10 +171,10 @@ where
     pub fn response(&self, orbit: &Orbit<A::Mode, N, P>, spent: &mut Spent) -> Option<Response> {
         let mut meter = RunMeter::new();
         self.period(&orbit.start, &orbit.start.point.state, &mut meter, spent)?;
-        let coordinate = meter.report().coordinate;
+        let RunReport { coordinate, rms_voltage, .. } = meter.report();
         Some(Response {
             amplitude_m: 0.5 * (coordinate.highest - coordinate.lowest),
-            rms_voltage_v: meter.report().rms_voltage,
+            rms_voltage_v: rms_voltage?,
         })
     }
 

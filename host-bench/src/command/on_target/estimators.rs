@@ -23,7 +23,7 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
         estimator("contact-separation", "TR-BDF2", Steps::Tolerance(contact_separation::TOLERANCE)),
         estimator("sliding", "Runge-Kutta 4", Steps::Fixed(sliding::STEP)),
         estimator("bump-stop", "discrete gradient", Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG])),
-        estimator("strongest-line", "tone meter", Steps::None),
+        estimator("strongest-sine", "tone meter", Steps::None),
         closed_form("contact-separation"),
         closed_form("sliding"),
         closed_form("bump-stop"),
@@ -31,7 +31,7 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     let found = rows::measure(bench, &const { named("estimators::all") }, cases)?;
     let columns = [rows::CORE, ESTIMATE, PER_CALL, PER_SECOND, rows::STACK];
     let note =
-        "Samples at 400 a second (contact-separation, strongest line), 367 (sliding) and 3520 (bump-stop).
+        "Samples at 400 a second (contact-separation, strongest sine), 367 (sliding) and 3520 (bump-stop).
 A closed form is called once a second. Each estimate has the host's bits.";
     output.rows(&found, &columns, 2, note);
     Ok(())

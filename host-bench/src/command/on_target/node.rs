@@ -39,7 +39,7 @@ fn report_one(core: Core, limit: Duration, output: &mut Output) -> Result<(), Er
         Kind::Listening => (
             "node-listening",
             "closed form",
-            "A closed form is evaluated at the strongest line of 400 samples a second from flash.",
+            "A closed form is evaluated at the strongest sine of 400 samples a second from flash.",
         ),
     };
     let note = format!(

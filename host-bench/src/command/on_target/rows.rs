@@ -148,7 +148,7 @@ impl Row {
         }))
     }
 
-    /// The row as a JSON object; what was not measured is not there.
+    /// The row as a JSON object; `null` stands for what was not measured.
     pub(super) fn json(&self) -> Value {
         let Self { case, core, workload, .. } = self;
         let mut fields = Map::new();

@@ -1,6 +1,6 @@
 //! The reading of an accelerometer: a value, a lower bound of its magnitude, or no value.
 
-use crate::part::bounds::{Bounds, ParameterError};
+use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 use crate::snapshot::Fingerprint;
 

@@ -2,8 +2,8 @@
 
 use core::fmt::Debug;
 
+use crate::bounds::ParameterError;
 use crate::observer::StorageOutput;
-use crate::part::bounds::ParameterError;
 use crate::part::bridge_step::{BridgeStep, Passed};
 use crate::part::circuit::CircuitStep;
 use crate::part::load::{Load, Resistance};

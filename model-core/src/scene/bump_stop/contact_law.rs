@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use crate::part::bounds::{ParameterError, bounded};
+use crate::bounds::{ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// The numerical method of a contact law.

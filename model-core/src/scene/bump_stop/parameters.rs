@@ -3,8 +3,8 @@
 use super::circuit::Circuit;
 use super::stop::StopChoice;
 use super::{BeamCoefficients, BumpStop, Choices, Parts, RodCoefficients};
+use crate::bounds::{Bounds, ParameterError, bounded};
 use crate::part::beam::Cantilever;
-use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::part::monomorph::{Layer, Monomorph};
 use crate::part::rod::Rod;
 use crate::scalar::Scalar;
@@ -66,7 +66,7 @@ impl<S: Scalar, C> Parameters<S, C> {
     /// Further modes have zero coefficients and stay at rest; the bits are those of a type with exactly these modes.
     ///
     /// # Errors
-    /// As [`Parameters::build`]. As [`Parameters::build`].
+    /// As [`Parameters::build`].
     pub fn build_first<const B: usize, const R: usize>(
         &self,
         beam: usize,

@@ -4,9 +4,9 @@ use super::choices::ContactOf;
 use super::circuit::Circuit;
 use super::contact_law::ContactLaw;
 use super::{BumpStop, Parts};
+use crate::bounds::{Bounds, ParameterError};
 use crate::clock::Instant;
 use crate::excitation::Excitation;
-use crate::part::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 
 /// The complete state of a simulation. A copy, or a state restored from a snapshot, resumes with the same bits.

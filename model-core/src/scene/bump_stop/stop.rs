@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 use super::contact_law::{ContactLaw, NoStop, ResidualFlexibility};
-use crate::part::bounds::{Bounds, ParameterError, bounded};
+use crate::bounds::{Bounds, ParameterError, bounded};
 use crate::part::rod::Rod;
 use crate::scalar::Scalar;
 

@@ -183,11 +183,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
     }
 
     #[inline]
-    fn is_stick(&self, mode: Mode) -> bool {
-        mode == Mode::Stick
-    }
-
-    #[inline]
     fn is_impact(&self, mode: Mode, _guard: usize) -> bool {
         mode == Mode::Free
     }

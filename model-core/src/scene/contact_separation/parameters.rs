@@ -1,8 +1,8 @@
 //! Parameters, and the coefficients derived from them.
 
 use super::{Choices, ContactSeparation, Parts};
+use crate::bounds::{Bounds, ParameterError, bounded};
 use crate::part::VACUUM_PERMITTIVITY;
-use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::part::load::{Load, Resistance};
 use crate::part::parasitic::Parasitic;
 use crate::part::restitution::Restitution;

@@ -2,11 +2,11 @@
 
 use super::mode::Mode;
 use super::{CHARGE, ContactSeparation, Parts, STATES, Sticking};
+use crate::bounds::{ParameterError, bounded};
 use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
 use crate::integrate::StepControl;
-use crate::part::bounds::{ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// Initial values; a `None` is at rest at the initial gap, electrically relaxed.

@@ -287,11 +287,6 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
     }
 
     #[inline]
-    fn is_stick(&self, mode: Self::Mode) -> bool {
-        self.harvester.is_stick(mode.inner)
-    }
-
-    #[inline]
     fn is_impact(&self, mode: Self::Mode, guard: usize) -> bool {
         match self.guard_kind(mode, guard) {
             GuardKind::Harvester(index) => self.harvester.is_impact(mode.inner, index),

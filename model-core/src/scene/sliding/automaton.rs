@@ -206,11 +206,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
     }
 
     #[inline(always)]
-    fn is_stick(&self, mode: Mode) -> bool {
-        mode == Mode::Stick
-    }
-
-    #[inline(always)]
     fn outputs<'a>(&self, mode: Mode, point: &'a Point<S, STATES, POWERS>) -> Outputs<'a, S> {
         let [displacement, velocity, charge] = point.state;
         let mut outputs = Outputs::of_state(&point.state);

@@ -188,7 +188,11 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             Resistance::Short => {
                 (S::ZERO, self.charge_unit * self.following_current(ahead, displacement, velocity))
             }
-            Resistance::Open => (self.field * self.circuit(ahead, displacement, charge).voltage, S::ZERO),
+            // Behind a bridge the charge of an open harvester moves.
+            Resistance::Open => {
+                let voltage = self.field * self.circuit(ahead, displacement, charge).voltage;
+                (voltage, self.charge_unit * rate[CHARGE])
+            }
         }
     }
 

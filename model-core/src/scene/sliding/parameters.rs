@@ -2,8 +2,8 @@
 
 use super::force_law::Surface;
 use super::{Choices, Friction, Parts, Sliding};
+use crate::bounds::{Bounds, ParameterError, bounded};
 use crate::part::beam::Cantilever;
-use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::part::load::{Load, Resistance};
 use crate::part::{GRAVITY, VACUUM_PERMITTIVITY};
 use crate::scalar::Scalar;

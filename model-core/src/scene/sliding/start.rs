@@ -2,11 +2,11 @@
 
 use super::mode::Mode;
 use super::{CHARGE, Parts, STATES, Sliding};
+use crate::bounds::{Bounds, ParameterError, bounded};
 use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
 use crate::integrate::{Point, StepControl};
-use crate::part::bounds::{Bounds, ParameterError, bounded};
 use crate::scalar::Scalar;
 
 /// Initial values; a `None` is at rest at the centre, electrically relaxed.

@@ -6,8 +6,8 @@ use hound::{SampleFormat, WavReader};
 
 use super::{Bound, Column, TraceFault, enough, scaled};
 
-/// The samples of one channel in m/s² and their rate in Hz, within `bound`, which must be `told` if that is given. Integers are
-/// taken as parts of full scale, `2^(bits − 1)`.
+/// The samples of one channel in m/s² and their rate in Hz, within `bound`, which must be `told` if that is given.
+/// Integers are taken as parts of full scale, `2^(bits − 1)`.
 pub(super) fn samples(
     path: &Path,
     channel: &Column,
