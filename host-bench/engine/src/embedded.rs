@@ -8,6 +8,7 @@ mod bump_stop;
 mod contact_separation;
 mod excitation;
 mod recorder;
+mod report;
 mod run;
 mod shooting;
 mod sliding;

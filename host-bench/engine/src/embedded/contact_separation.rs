@@ -13,7 +13,8 @@ use model_core::scene::contact_separation::{
     self, AnyChoices, AnyForceLaw, Choices, ContactSeparation as Harvester, Parameters, Start,
 };
 
-use super::run::{Found, refuse_parameter};
+use super::report::Found;
+use super::run::refuse_parameter;
 use super::triboelectric::{STATES, Triboelectric, explicit_step_into, unit_of_charge};
 use harvester_scene::method::Failure;
 use harvester_scene::outcome::{CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Particular};

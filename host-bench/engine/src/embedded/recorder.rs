@@ -9,7 +9,7 @@ use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
 use super::excitation::HostExcitation;
-use super::run::Report;
+use super::report::Report;
 
 /// Collects the rows of a run: the columns of [`Report::columns`].
 pub(super) struct Recorder<'a, S: Scalar, H, R> {

@@ -4,47 +4,21 @@ use std::fmt::Display;
 use std::time::Instant as Stopwatch;
 
 use model_core::clock::{Instant, LONGEST_STEP_S};
-use model_core::energy::{Ledger, Residual, RunMeter};
+use model_core::energy::{Ledger, RunMeter};
 use model_core::hybrid::StepError;
 use model_core::integrate::{Adaptive, AnyStepControl, FixedStep};
-use model_core::observer::{AcceptedStep, Outputs, PowerIndex};
+use model_core::observer::PowerIndex;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
 use super::excitation::Setting;
 use super::recorder::Recorder;
+use super::report::{Found, Report};
 use super::{DEFAULT_TOLERANCE, precision_name};
 use crate::steady_state::Total;
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
-use harvester_scene::outcome::{Outcome, Particular, Recording, StoreOutcome};
+use harvester_scene::outcome::{Outcome, Recording, StoreOutcome};
 use harvester_scene::scene_file::{RunSpan, Scene};
-
-/// What the report of one kind of scene adds to the numbers that every run has.
-pub(super) trait Report<S: Scalar, H: Harvester<S>> {
-    /// Columns of a trace: time first, the voltage of a storage last.
-    fn columns(&self, with_storage: bool) -> &'static [&'static str];
-
-    /// The columns between these two at a fraction of a step, under a base acceleration in m/s².
-    fn row(&self, step: &AcceptedStep<'_, S>, fraction: S, acceleration: S) -> [S; 6];
-
-    /// The relative residual of the energy ledger that holds for this scene.
-    fn residual(&self, residual: &Residual<S>) -> Option<S>;
-
-    /// The numbers that only this kind of scene has.
-    fn particular(&self, harvester: &H, found: &Found<'_, S>, end: &H::State) -> Particular;
-
-    fn describe(&self, outputs: &Outputs<'_, S>) -> String;
-}
-
-/// What a run found, for the scene to make its own numbers of.
-pub(super) struct Found<'a, S> {
-    /// The measuring window.
-    pub(super) window: &'a RunMeter<S>,
-    /// Time of the first contact or impact of the whole run.
-    pub(super) first_contact: Option<Instant>,
-    /// Periods of the base in the window, where it moves in one sine.
-    pub(super) periods: Option<f64>,
-}
 
 /// The refusal of a parameter by the core.
 pub(super) fn refuse_parameter(scene: &Scene, error: &dyn Display) -> Failure {

@@ -9,7 +9,8 @@ use model_core::scene::sliding::{
 };
 
 use super::contact_separation::{force_law, sticking};
-use super::run::{Found, refuse_parameter};
+use super::report::Found;
+use super::run::refuse_parameter;
 use super::triboelectric::{STATES, Triboelectric, explicit_step_into, unit_of_charge};
 use harvester_scene::method::Failure;
 use harvester_scene::outcome::{Particular, SLIDING_COLUMNS, SlidingOutcome};

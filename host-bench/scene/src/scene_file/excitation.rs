@@ -6,6 +6,7 @@ use super::document::SceneError;
 use super::scene::{Excitation, Tone};
 use super::section::{Reader, Section};
 use super::trace;
+use super::trace::HIGHEST_ACCELERATION;
 
 /// Bounds of `[excitation]`; a column of a file may have a number.
 const EXCITATION: &[Table] = &[&[
@@ -18,9 +19,6 @@ const EXCITATION: &[Table] = &[&[
     ("column", between(1.0, 10_000.0)),
     ("time_column", between(1.0, 10_000.0)),
 ]];
-
-/// Largest acceleration of the base in m/s².
-pub(super) const HIGHEST_ACCELERATION: f64 = 1e5;
 
 /// Reads `[excitation]`, and the trace it names.
 pub(super) fn excitation(mut section: Section<'_>) -> Result<Excitation, SceneError> {

@@ -5,9 +5,11 @@ mod wave;
 
 use super::bounds::Bound;
 use super::document::SceneError;
-use super::excitation::HIGHEST_ACCELERATION;
 use super::scene::Trace;
 use super::section::Section;
+
+/// Largest acceleration of the base in m/s².
+pub(super) const HIGHEST_ACCELERATION: f64 = 1e5;
 
 /// Which column of a table, or channel of a recording.
 #[derive(Debug, Clone, PartialEq)]
