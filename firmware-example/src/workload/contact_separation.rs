@@ -26,9 +26,9 @@ pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..
 /// 0.2 g at 22 Hz, above the natural frequency: the mass never reaches the dielectric.
 pub const SMOOTH: Plan = Plan { name: "smooth", frequency: 22.0, quarters: 12, samples: 1, ..IMPACTING };
 
-/// Relative tolerance per radian of [`bench`] and of the variants without a part.
+/// Relative tolerance per radian of [`bench()`] and of the variants without a part.
 pub const TOLERANCE: f32 = 5e-2;
-/// Step in seconds of the variants without error control: as many steps as [`bench`] takes.
+/// Step in seconds of the variants without error control: as many steps as [`bench()`] takes.
 pub const FIXED_STEP: f32 = 1.25e-3;
 /// Tolerances of [`precision`].
 pub const TOLERANCES: [f32; 4] = [1e-1, 5e-2, 2e-2, 1e-2];

@@ -36,7 +36,7 @@ pub const BELOW: Plan = Plan { name: "below", frequency: 18.303, ..SETTLING };
 /// [`SETTLING`] a little above the resonance.
 pub const ABOVE: Plan = Plan { name: "above", frequency: 18.443, ..SETTLING };
 
-/// Step of [`bench`] in seconds: some 27 in a period.
+/// Step of [`bench()`] in seconds: some 27 in a period.
 pub const STEP: f32 = 2e-3;
 /// Relative tolerance per radian of [`with_error_control`].
 pub const TOLERANCE: f32 = 5e-3;
