@@ -65,7 +65,8 @@
 //! # Errors
 //!
 //! [`scene::ParameterError`] names the field, the value and the bounds of a refused parameter. A failed step
-//! returns a [`hybrid::StepError`], and the state is then the last good one. No function panics.
+//! returns a [`hybrid::StepError`], and the state is then the last good one. An excitation returns an
+//! [`excitation::ExcitationError`], an estimator an [`energy::estimator::EstimatorError`]. No function panics.
 
 mod any;
 pub mod bounds;

@@ -82,7 +82,7 @@ impl Coupling for AnyCoupling {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Choices<L, T = NoStop, K = TwoWay> {
-    /// The circuit at the terminals: a [`Resistive`] load, or a [`FullBridge`] with its storage.
+    /// The circuit at the terminals: a [`Resistive`] load, or, by [`Choices::behind`], a [`FullBridge`].
     pub load: L,
     /// The stop.
     pub stop: T,
