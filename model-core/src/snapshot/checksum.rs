@@ -86,12 +86,6 @@ impl Fingerprint {
     }
 }
 
-impl Default for Fingerprint {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! Common code of the bridge tests: both harvesters, a storage, a run.
 
-use crate::common::harvesters;
+use crate::common::harvesters::{self, Contact, Slide};
 use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
 use model_core::hybrid::{Automaton, Driver, HybridState};
@@ -8,50 +8,28 @@ use model_core::integrate::{Adaptive, AnyStepControl, FixedStep, Method};
 use model_core::observer::{Observer, PowerIndex};
 use model_core::part::draw::AnyDraw;
 use model_core::part::force_law::AnyForceLaw;
-use model_core::part::load::AnyLoad;
-use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::part::storage::{Capacitor, StorageCapacitor, StorageElement};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::rectified::{ElectricalPort, FullBridge, Mode, Rectified, STATES};
-use model_core::scene::{contact_separation as contact, sliding};
+use model_core::scene::sliding;
 
 /// Number of all powers.
 pub(crate) const WHOLE: usize = PowerIndex::ContactForce as usize + 1;
 pub(crate) use model_core::part::{GRAVITY, VACUUM_PERMITTIVITY};
 
-pub(crate) type Contact<S> = contact::ContactSeparation<S, contact::AnyChoices<S>>;
-pub(crate) type Slider<S> = sliding::Sliding<S, sliding::AnyChoices<S>>;
-
 /// The mass over a dielectric of Table 2.
-pub(crate) fn pad<S: Scalar>(resistance: f64, force_law: AnyForceLaw) -> Contact<S>
-where
-    Polynomial: Mathematics<S>,
-{
-    let number = S::from_f64;
-    contact::Parameters {
-        mass: number(5e-3),
-        stiffness: number(80.0),
-        damping_ratio: number(0.005),
-        initial_gap: number(3e-3),
-        electrode_area: number(4e-4),
-        dielectric_thickness: number(5e-5),
-        relative_permittivity: number(2.0),
-        charge_density: number(50e-6),
-        choices: contact::Choices {
-            load: AnyLoad { resistance: number(resistance) },
-            restitution: AnyRestitution::Constant(ConstantRestitution { coefficient: number(0.7) }),
-            force_law,
-            parasitic: ParasiticCapacitance { capacitance: number(1e-12) },
-            sticking: contact::StickCharge::Frozen,
-        },
-    }
-    .build()
-    .expect("in bounds")
+pub(crate) fn pad<S: Scalar>(resistance: f64, force_law: AnyForceLaw) -> Contact<S> {
+    let mut parameters = harvesters::contact_parameters();
+    parameters.choices.load.resistance = S::from_f64(resistance);
+    parameters.choices.restitution =
+        AnyRestitution::Constant(ConstantRestitution { coefficient: S::from_f64(0.7) });
+    parameters.choices.force_law = force_law;
+    parameters.build().expect("in bounds")
 }
 
 /// The slider of Table 1, with the field's lateral force so that the ledger closes as a whole.
-pub(crate) fn slider<S: Scalar>(resistance: f64) -> Slider<S> {
+pub(crate) fn slider<S: Scalar>(resistance: f64) -> Slide<S> {
     let mut parameters = harvesters::sliding_parameters();
     parameters.choices.load.resistance = S::from_f64(resistance);
     parameters.choices.lateral_force = sliding::AnyLateralForce::Field;

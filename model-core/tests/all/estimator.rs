@@ -1,7 +1,9 @@
-//! The estimator: the bits of a whole trace, bounded work, gaps and saturation, and its own error figures.
+//! The estimator: the bits of a whole trace, bounded work, gaps and saturation.
+
+mod uncertainty;
 
 use crate::common::Random;
-use crate::common::harvesters::{bump, contact, contact_parameters, sine_samples, slide, sliding_parameters};
+use crate::common::harvesters::{bump, contact, sine_samples, slide, sliding_parameters};
 use model_core::clock::Instant;
 use model_core::energy::estimator::{EstimatorError, Sample, SampleFormat, Settings};
 use model_core::energy::{Estimate, Estimator, PowerMeter};
@@ -419,96 +421,4 @@ fn settings_out_of_bounds_are_named() {
     assert_eq!(refused(Settings { settling_seconds: -1.0, ..settings(400.0) }), Some("settling_seconds"));
     let format = SampleFormat::counts(0.0, 1);
     assert_eq!(refused(Settings { format, ..settings(400.0) }), Some("magnitude of scale"));
-}
-
-/// One run from rest: the energy in joules, and the figures for its error by step and by rounding.
-fn measured<S: Scalar, A: Scene<S, 3, 1>, C: StepControl<S>>(
-    scene: A,
-    control: C,
-    samples: &[S],
-) -> [f64; 3] {
-    let mut estimator = Estimator::new(hybrid(scene, TrBdf2, control), settings(400.0)).expect("valid");
-    let Estimate { energy, uncertainty, .. } = follow(&mut estimator, samples);
-    [energy, uncertainty.step.expect("an estimate"), uncertainty.rounding].map(S::to_f64)
-}
-
-/// The figure for the error by the step over the actual error, for each tolerance of a scene.
-fn step_figures<A: Scene<f64, 3, 1> + Copy>(name: &str, scene: A, samples: &[f64]) -> Vec<f64> {
-    let [exact, ..] = measured(scene, Adaptive::new(1e-6).expect("in bounds"), samples);
-    let mut ratios = Vec::new();
-    for tolerance in [1e-1, 5e-2, 1e-2, 1e-3, 1e-4] {
-        let [energy, step, _] = measured(scene, Adaptive::new(tolerance).expect("in bounds"), samples);
-        let (actual, figure) = ((energy / exact - 1.0).abs(), step / energy);
-        println!("| {name} | {tolerance:.0e} | {actual:.1e} | {figure:.1e} | {:.1} |", figure / actual);
-        ratios.push(figure / actual);
-    }
-    ratios
-}
-
-#[test]
-fn the_figure_for_the_step_is_of_the_size_of_the_actual_error() {
-    for (resistance, load) in [(1e8, "100 MΩ"), (1e6, "1 MΩ")] {
-        let mut parameters = contact_parameters::<f64>();
-        parameters.choices.load.resistance = resistance;
-        let samples = sine_samples(1.962, 20.0, 400.0, 2000);
-        let scene = parameters.build().expect("in bounds");
-        let ratios = step_figures(&format!("contact-separation, {load}"), scene, &samples);
-        assert!(ratios.iter().all(|ratio| (1.0..25.0).contains(ratio)), "{ratios:?}");
-
-        let mut parameters = sliding_parameters::<f64>();
-        parameters.choices.load.resistance = resistance;
-        let samples = sine_samples(0.36 * GRAVITY, 18.373, 400.0, 2000);
-        let scene = parameters.build().expect("in bounds");
-        let ratios = step_figures(&format!("sliding, {load}"), scene, &samples);
-        assert!(ratios.iter().all(|ratio| (1.0..6.0).contains(ratio)), "{ratios:?}");
-    }
-}
-
-/// Samples in single precision, and the same numbers in double.
-fn both_precisions(amplitude: f64, frequency: f64, rate: f64, count: u32) -> (Vec<f32>, Vec<f64>) {
-    let single = sine_samples::<f32>(amplitude, frequency, rate, count);
-    let double = single.iter().map(|&sample| f64::from(sample)).collect();
-    (single, double)
-}
-
-#[test]
-fn the_figure_for_rounding_covers_single_precision_in_regular_motion() {
-    let covers = |exact: f64, single: f64, figure: f64| {
-        let (actual, figure) = ((single / exact - 1.0).abs(), figure / single);
-        println!("actual {actual:.1e}, figure {figure:.1e}");
-        assert!(actual < figure && figure < 1e-5, "{actual} {figure}");
-    };
-    // Steps of one length: what differs is the rounding, of the step itself too.
-    for step in [2e-4, 5e-5] {
-        for resistance in [1e8, 1e6] {
-            let (single, double) = both_precisions(0.36 * GRAVITY, 18.373, 400.0, 1200);
-            let (mut of_single, mut of_double) = (sliding_parameters::<f32>(), sliding_parameters::<f64>());
-            (of_single.choices.load.resistance, of_double.choices.load.resistance) =
-                (resistance as f32, resistance);
-            let scene = of_double.build().expect("in bounds");
-            let [exact, ..] = measured(scene, FixedStep::of_seconds(step).expect("in bounds"), &double);
-            let scene = of_single.build().expect("in bounds");
-            let [energy, _, figure] =
-                measured(scene, FixedStep::of_seconds(step).expect("in bounds"), &single);
-            covers(exact, energy, figure);
-
-            let (single, double) = both_precisions(1.962, 20.0, 400.0, 1200);
-            let (mut of_single, mut of_double) = (contact_parameters::<f32>(), contact_parameters::<f64>());
-            (of_single.choices.load.resistance, of_double.choices.load.resistance) =
-                (resistance as f32, resistance);
-            let scene = of_double.build().expect("in bounds");
-            let [exact, ..] = measured(scene, FixedStep::of_seconds(step).expect("in bounds"), &double);
-            let scene = of_single.build().expect("in bounds");
-            let [energy, _, figure] =
-                measured(scene, FixedStep::of_seconds(step).expect("in bounds"), &single);
-            covers(exact, energy, figure);
-        }
-    }
-    // Bump-stop that is not shaken enough to touch: with contact it is chaotic.
-    let (single, double) = both_precisions(2.0, 220.0, 3200.0, 6400);
-    let of_double = bump::<f64, 4, 1>(AnyContact::ResidualFlexibility);
-    let exact = follow(&mut Estimator::new(of_double, settings(3200.0)).expect("valid"), &double);
-    let of_single = bump::<f32, 4, 1>(AnyContact::ResidualFlexibility);
-    let rounded = follow(&mut Estimator::new(of_single, settings(3200.0)).expect("valid"), &single);
-    covers(exact.energy, rounded.energy.into(), rounded.uncertainty.rounding.into());
 }

@@ -7,7 +7,7 @@ mod storage;
 use crate::ReferenceOptions;
 use crate::test_support::{close, contact_separation, number};
 use crate::triboelectric::VACUUM_PERMITTIVITY;
-use crate::triboelectric::tests::run;
+use crate::triboelectric::tests::{run, with_resistor};
 use harvester_scene::outcome::{ContactSeparationOutcome, Outcome};
 use harvester_scene::scene_file::{
     ContactSeparation, ContactSeparationParameters, ContactSeparationStart, Excitation, ForceLaw, GRAVITY,
@@ -30,15 +30,14 @@ fn scene(
     initial: ContactSeparationStart,
     resistance_ohm: f64,
     excitation: Excitation,
-    [settle_s, duration_s]: [f64; 2],
+    span: [f64; 2],
 ) -> Scene {
-    Scene {
-        file: "test".into(),
-        model: Model::ContactSeparation(ContactSeparation { parameters, initial }),
-        load: Load::Resistor { resistance_ohm },
+    with_resistor(
+        Model::ContactSeparation(ContactSeparation { parameters, initial }),
+        resistance_ohm,
         excitation,
-        run: RunSpan { duration_s, settle_s },
-    }
+        span,
+    )
 }
 
 /// The shipped scene: 50 µC/m², 0.2 g, 20 Hz, 15 s settled 10 s.

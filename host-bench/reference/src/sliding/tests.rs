@@ -9,12 +9,12 @@ mod storage;
 use crate::ReferenceOptions;
 use crate::test_support::{close, number, sliding};
 use crate::triboelectric::VACUUM_PERMITTIVITY;
-use crate::triboelectric::tests::run;
+use crate::triboelectric::tests::{run, with_resistor};
 use harvester_scene::outcome::{Outcome, SlidingOutcome};
 use harvester_scene::scene_file::modes::Cantilever;
 use harvester_scene::scene_file::{
-    Excitation, ForceLaw, GRAVITY, Load, Model, RunSpan, Scene, Sliding, SlidingParameters, SlidingStart,
-    StickCharge, Tone,
+    Excitation, ForceLaw, GRAVITY, Load, Model, Scene, Sliding, SlidingParameters, SlidingStart, StickCharge,
+    Tone,
 };
 
 /// Natural frequency of Table 1 in Hz.
@@ -59,15 +59,9 @@ fn scene(
     initial: SlidingStart,
     resistance_ohm: f64,
     excitation: Excitation,
-    [settle_s, duration_s]: [f64; 2],
+    span: [f64; 2],
 ) -> Scene {
-    Scene {
-        file: "test".into(),
-        model: Model::Sliding(Sliding { parameters, initial }),
-        load: Load::Resistor { resistance_ohm },
-        excitation,
-        run: RunSpan { duration_s, settle_s },
-    }
+    with_resistor(Model::Sliding(Sliding { parameters, initial }), resistance_ohm, excitation, span)
 }
 
 fn particular(outcome: &Outcome) -> &SlidingOutcome {

@@ -1,9 +1,49 @@
 //! What the tests of contact-separation and sliding share.
 
+use super::harvester::Harvester;
+use super::motion::Motion;
 use crate::ReferenceOptions;
 use crate::test_support::number;
 use harvester_scene::outcome::Outcome;
-use harvester_scene::scene_file::{Draw, Load, Lockout, RectifiedStore, Scene};
+use harvester_scene::scene_file::{Draw, Excitation, Load, Lockout, Model, RectifiedStore, RunSpan, Scene};
+
+/// A scene with a resistor, measured between two times in s.
+pub(crate) fn with_resistor(
+    model: Model,
+    resistance_ohm: f64,
+    excitation: Excitation,
+    [settle_s, duration_s]: [f64; 2],
+) -> Scene {
+    let (load, run) = (Load::Resistor { resistance_ohm }, RunSpan { duration_s, settle_s });
+    Scene { file: "test".into(), model, load, excitation, run }
+}
+
+/// Asserts that [`Harvester::rates_along`] is the derivative of [`Harvester::rates`], by central differences.
+#[track_caller]
+pub(crate) fn check_jacobian(harvester: &impl Harvester, at: &Motion, case: &str) {
+    for (position, velocity, voltage) in [(1e-7, 0.0, 0.0), (0.0, 1e-5, 0.0), (0.0, 0.0, 1e-3)] {
+        let shifted = |sign: f64| {
+            let motion = Motion {
+                position: at.position + sign * position,
+                velocity: at.velocity + sign * velocity,
+                voltage: at.voltage + sign * voltage,
+                ..*at
+            };
+            harvester.rates(&motion, 0.0)
+        };
+        let (ahead, behind) = (shifted(1.0), shifted(-1.0));
+        let along = harvester.rates_along(at, &Motion { position, velocity, voltage, ..*at });
+        for row in 0..3 {
+            let difference = 0.5 * (ahead[row] - behind[row]);
+            let scale = along.iter().fold(1e-12, |m: f64, x| m.max(x.abs()));
+            assert!(
+                (difference - along[row]).abs() < 1e-5 * difference.abs() + 1e-9 * scale,
+                "{case} row {row}: {difference} {}",
+                along[row]
+            );
+        }
+    }
+}
 
 /// Runs a scene with the default options.
 pub(crate) fn run(scene: &Scene) -> Outcome {

@@ -1,6 +1,7 @@
 //! The equations against another form of themselves, and their derivative against differences.
 
 use super::*;
+use crate::triboelectric::tests::check_jacobian;
 
 fn physics(force_law: ForceLaw, resistance_ohm: f64, charge_c: Option<f64>) -> (Physics, Motion) {
     let parameters = crate::contact_separation::tests::table_2(50e-6, force_law);
@@ -32,30 +33,7 @@ fn the_jacobian_is_the_derivative_of_the_rates() {
             let (physics, start) = physics(force_law, resistance, None);
             let voltage = if start.voltage == 0.0 { 0.0 } else { 11.0 };
             let at = Motion { position: 0.2e-3, velocity: -0.03, voltage, ..start };
-            for (position, velocity, voltage) in [(1e-7, 0.0, 0.0), (0.0, 1e-5, 0.0), (0.0, 0.0, 1e-3)] {
-                let shifted = |sign: f64| {
-                    physics.rates(
-                        &Motion {
-                            position: at.position + sign * position,
-                            velocity: at.velocity + sign * velocity,
-                            voltage: at.voltage + sign * voltage,
-                            ..at
-                        },
-                        0.0,
-                    )
-                };
-                let (ahead, behind) = (shifted(1.0), shifted(-1.0));
-                let along = physics.rates_along(&at, &Motion { position, velocity, voltage, ..at });
-                for row in 0..3 {
-                    let difference = 0.5 * (ahead[row] - behind[row]);
-                    let scale = along.iter().fold(1e-12, |m: f64, x| m.max(x.abs()));
-                    assert!(
-                        (difference - along[row]).abs() < 1e-5 * difference.abs() + 1e-9 * scale,
-                        "{force_law:?} {resistance} row {row}: {difference} {}",
-                        along[row]
-                    );
-                }
-            }
+            check_jacobian(&physics, &at, &format!("{force_law:?} {resistance}"));
         }
     }
 }

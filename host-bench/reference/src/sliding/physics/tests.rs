@@ -1,6 +1,7 @@
 //! The equations against another form of themselves, and their derivatives against differences.
 
 use super::*;
+use crate::triboelectric::tests::check_jacobian;
 
 const LAWS: [ForceLaw; 2] = [ForceLaw::TransferredCharge, ForceLaw::GapField];
 
@@ -45,28 +46,7 @@ fn the_jacobian_is_the_derivative_of_the_rates() {
             let (physics, start) = physics(force_law, resistance, charge);
             let branch = Branch { direction: 1.0, side: -1.0 };
             let at = Motion { position: -6e-3, velocity: 0.3, branch, ..start };
-            for (position, velocity, voltage) in [(1e-7, 0.0, 0.0), (0.0, 1e-5, 0.0), (0.0, 0.0, 1e-3)] {
-                let shifted = |sign: f64| {
-                    let motion = Motion {
-                        position: at.position + sign * position,
-                        velocity: at.velocity + sign * velocity,
-                        voltage: at.voltage + sign * voltage,
-                        ..at
-                    };
-                    physics.rates(&motion, 0.0)
-                };
-                let (ahead, behind) = (shifted(1.0), shifted(-1.0));
-                let along = physics.rates_along(&at, &Motion { position, velocity, voltage, ..at });
-                for row in 0..3 {
-                    let difference = 0.5 * (ahead[row] - behind[row]);
-                    let scale = along.iter().fold(1e-12, |m: f64, x| m.max(x.abs()));
-                    assert!(
-                        (difference - along[row]).abs() < 1e-5 * difference.abs() + 1e-9 * scale,
-                        "{force_law:?} {resistance} row {row}: {difference} {}",
-                        along[row]
-                    );
-                }
-            }
+            check_jacobian(&physics, &at, &format!("{force_law:?} {resistance}"));
         }
     }
 }
