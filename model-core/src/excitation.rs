@@ -14,6 +14,7 @@ mod tones;
 
 use crate::any::forward;
 use crate::clock::Instant;
+use crate::oscillator::{Kernel, Response};
 use crate::scalar::Scalar;
 
 pub use any::AnyExcitation;
@@ -56,6 +57,14 @@ pub trait Excitation<S: Scalar> {
     fn smooth_ticks(&self, _at: Instant) -> u32 {
         u32::MAX
     }
+
+    /// The response of an oscillator over a step of `ticks` from `at`; `kernel` is of this step.
+    ///
+    /// By default that to the parabola through three accelerations. Sines, tones, samples and silence are exact.
+    #[inline]
+    fn response(&self, at: Instant, ticks: u32, kernel: &Kernel<S>) -> Response<S> {
+        kernel.to_parabola([0, ticks / 2, ticks].map(|offset| self.acceleration(at.after(offset))))
+    }
 }
 
 /// A reference to an excitation of a known type or a trait object.
@@ -67,6 +76,7 @@ impl<S: Scalar, E: Excitation<S> + ?Sized> Excitation<S> for &E {
         #[inline] fn resolved_ticks(&self) -> u32;
         #[inline] fn angular_frequency(&self) -> S;
         #[inline] fn smooth_ticks(&self, at: Instant) -> u32;
+        #[inline] fn response(&self, at: Instant, ticks: u32, kernel: &Kernel<S>) -> Response<S>;
     }
 }
 

@@ -8,6 +8,7 @@
 mod attempt;
 mod driver;
 mod locate;
+mod predicted;
 
 use core::fmt::Debug;
 

@@ -11,16 +11,21 @@
 pub(crate) mod control_memory;
 pub(crate) mod cubic;
 pub(crate) mod discrete_gradient;
+mod exponential_radau;
 mod linear;
 pub(crate) mod modal;
 mod runge_kutta;
 pub(crate) mod step_control;
 mod tr_bdf2;
 
+use crate::clock::{Instant, seconds_of_ticks};
+use crate::excitation::Excitation;
+use crate::oscillator::{Kernel, Oscillator, Response};
 use crate::scalar::Scalar;
 use crate::snapshot::snapshot_fields;
 
 pub use cubic::Cubic;
+pub use exponential_radau::ExponentialRadau;
 pub use linear::DenseFactor;
 pub use runge_kutta::RungeKutta4;
 pub use step_control::{Adaptive, AnyStepControl, ErrorScale, FixedStep, StepControl};
@@ -93,8 +98,81 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         S::ZERO
     }
 
+    /// Whether the system states its split form, by the functions below: [`ExponentialRadau`] needs it.
+    ///
+    /// The first two states of a split system are a position and its velocity. The others follow one linear circuit
+    /// equation.
+    const SPLIT: bool = false;
+
+    /// Index of the state that the circuit equation determines.
+    const CIRCUIT: usize = 2;
+
+    /// The linear part of the motion; `None` while the position is fixed.
+    #[inline(always)]
+    fn oscillator(&self) -> Option<Oscillator<S>> {
+        None
+    }
+
+    /// The time derivative along the flow of the force per mass besides the linear part, in m/s³.
+    #[inline(always)]
+    fn force_rate(&self, _state: &[S; N], _derivative: &[S; N]) -> S {
+        S::ZERO
+    }
+
+    /// Circuit and force at a displacement in m from `start` and a velocity in m/s.
+    #[inline(always)]
+    fn stage(&self, _start: &Point<S, N, P>, _displacement: S, _velocity: S) -> Stage<S> {
+        Stage { circuit: None, force: [S::ZERO; 3] }
+    }
+
+    /// The time scale of the circuit at the end of a step over that at its start, above 0.
+    ///
+    /// The step control changes the length of the next step with it.
+    #[inline(always)]
+    fn time_scale_ratio(&self, _start: &[S; N], _end: &[S; N]) -> S {
+        S::ONE
+    }
+
+    /// The derivative at `state` for a step of `step` seconds that begins with a jump: beyond the boundary layer of a
+    /// circuit that is much faster than the step.
+    #[inline(always)]
+    fn beyond_layer(&self, _state: &[S; N], derivative: &[S; N], _step: S) -> [S; N] {
+        *derivative
+    }
+
     /// The norm of a small change of the state, relative to the scale of the state.
     fn error_norm(&self, state: &[S; N], change: &[S; N]) -> S;
+}
+
+/// The equation of a circuit at a given position, `inertia · y' + stiffness · Δy = drive`, with `Δy` the change of the
+/// circuit's state since the start of the step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CircuitEquation<S> {
+    /// Factor of the derivative.
+    pub inertia: S,
+    /// Factor of the change, per second.
+    pub stiffness: S,
+    /// The remainder, in units of the inertia times the state per second. At the start of a step it is the inertia
+    /// times the derivative there, so that no voltage is computed as a difference.
+    pub drive: S,
+}
+
+/// A split system at a given position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stage<S> {
+    /// The circuit; `None` while its state is constant.
+    pub circuit: Option<CircuitEquation<S>>,
+    /// The force per mass in m/s² besides the linear part and the base acceleration: coefficients of 1, `Δy` and `Δy²`.
+    pub force: [S; 3],
+}
+
+impl<S: Scalar> Stage<S> {
+    /// The force per mass in m/s² at a change of the circuit's state.
+    #[inline(always)]
+    fn force_at(&self, change: S) -> S {
+        let [constant, linear, quadratic] = self.force;
+        constant + change * (linear + change * quadratic)
+    }
 }
 
 /// A state, its derivative and its powers: the end of one step and the start of the next.
@@ -153,25 +231,134 @@ pub struct Trial<S, const N: usize, const P: usize> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NotConverged;
 
+/// The input of a system during a step.
+pub trait Input<S: Scalar> {
+    /// The input `ticks` into the step.
+    fn at(&self, ticks: u32) -> S;
+
+    /// The response of an oscillator at rest to the input over a step of `ticks`; `kernel` is of this step.
+    #[inline]
+    fn response(&self, ticks: u32, kernel: &Kernel<S>) -> Response<S> {
+        kernel.to_parabola([0, ticks / 2, ticks].map(|offset| self.at(offset)))
+    }
+}
+
+impl<S: Scalar, F: Fn(u32) -> S> Input<S> for F {
+    #[inline(always)]
+    fn at(&self, ticks: u32) -> S {
+        self(ticks)
+    }
+}
+
+/// An excitation from an instant on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InputFrom<'a, E> {
+    pub(crate) excitation: &'a E,
+    pub(crate) from: Instant,
+}
+
+impl<S: Scalar, E: Excitation<S>> Input<S> for InputFrom<'_, E> {
+    #[inline(always)]
+    fn at(&self, ticks: u32) -> S {
+        self.excitation.acceleration(self.from.after(ticks))
+    }
+
+    #[inline(always)]
+    fn response(&self, ticks: u32, kernel: &Kernel<S>) -> Response<S> {
+        self.excitation.response(self.from, ticks, kernel)
+    }
+}
+
+/// A step to attempt.
+#[derive(Debug)]
+pub struct Attempt<'a, S, I, const N: usize, const P: usize> {
+    /// The start of the step.
+    pub start: &'a Point<S, N, P>,
+    /// The input during the step.
+    pub input: I,
+    /// Length in clock ticks.
+    pub ticks: u32,
+    /// Accuracy to which implicit equations are solved, in the norm [`System::error_norm`].
+    pub accuracy: S,
+    /// Whether the step begins with a jump.
+    pub after_jump: bool,
+}
+
+impl<S: Scalar, I, const N: usize, const P: usize> Attempt<'_, S, I, N, P> {
+    /// The derivative at the start, after a jump beyond the boundary layer.
+    #[inline(always)]
+    fn settled_derivative<Y: System<S, N, P>>(&self, system: &Y) -> [S; N] {
+        let Point { state, derivative, .. } = self.start;
+        if self.after_jump {
+            system.beyond_layer(state, derivative, seconds_of_ticks(self.ticks))
+        } else {
+            *derivative
+        }
+    }
+}
+
 /// A one-step method.
 pub trait Method<S: Scalar> {
     /// Whether the method estimates [`Trial::error`] and [`Trial::energy_error`].
     const ESTIMATES_ERROR: bool;
 
-    /// Takes one step of `ticks` clock ticks from `start`.
-    ///
-    /// `input` returns the input at a number of ticks into the step. Implicit equations are solved to
-    /// `accuracy` in the norm [`System::error_norm`].
+    /// Order in the step of the estimated errors per second.
+    const ESTIMATE_ORDER: i32 = 2;
+
+    /// Longest step under error control, in radians of the motion or of its excitation.
+    const LONGEST_RADIANS: f64 = 0.4;
+
+    /// Whether a derivative is carried from step to step without rounding of the state, and a jump returns the
+    /// derivative inside a boundary layer.
+    const CARRIES_DERIVATIVES: bool = false;
+
+    /// Whether [`Method::predict`] returns a prediction for a moving system.
+    const PREDICTS: bool = false;
+
+    /// What the method computes of a step before its circuit.
+    type Prediction: Copy;
+
+    /// The longest step in seconds of a system, whose angular frequency and that of the input are at most
+    /// `angular_frequency` in rad/s.
+    #[inline(always)]
+    fn longest_step<const N: usize, const P: usize, Y: System<S, N, P>>(
+        &self,
+        _system: &Y,
+        _angular_frequency: S,
+    ) -> S {
+        S::INFINITY
+    }
+
+    /// Predicts the motion, without the circuit; `None` if the method has no prediction that costs less than a step.
+    #[inline(always)]
+    fn predict<const N: usize, const P: usize, Y: System<S, N, P>>(
+        &self,
+        _system: &Y,
+        _attempt: &Attempt<'_, S, impl Input<S>, N, P>,
+    ) -> Option<Self::Prediction> {
+        None
+    }
+
+    /// The end of a step as predicted.
+    #[inline(always)]
+    fn predicted_end<const N: usize, const P: usize, Y: System<S, N, P>>(
+        &self,
+        _system: &Y,
+        attempt: &Attempt<'_, S, impl Input<S>, N, P>,
+        _prediction: &Self::Prediction,
+    ) -> Point<S, N, P> {
+        *attempt.start
+    }
+
+    /// Takes one step; `prediction` is of the same step.
     ///
     /// # Errors
     /// [`NotConverged`]; a shorter step may succeed.
     fn attempt<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
         system: &Y,
-        start: &Point<S, N, P>,
-        input: impl Fn(u32) -> S,
-        ticks: u32,
-        accuracy: S,
+        attempt: &Attempt<'_, S, impl Input<S>, N, P>,
+        prediction: Option<&Self::Prediction>,
     ) -> Result<Trial<S, N, P>, NotConverged>;
 }
 

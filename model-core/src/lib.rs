@@ -55,8 +55,9 @@
 //! | [`part`] | the components of harvesters: loads, restitution |
 //! | [`observer`] | the accepted step and the event of every harvester |
 //! | [`hybrid`] | the driver: step, event location, jump |
-//! | [`integrate`] | TR-BDF2 and RK4, step control, dense output |
+//! | [`integrate`] | exponential Radau, TR-BDF2 and RK4, step control, dense output |
 //! | [`excitation`] | the acceleration of the base |
+//! | [`oscillator`] | the exact motion of a linear oscillator over a step |
 //! | [`clock`] | time in integer ticks, phase without drift |
 //! | [`scalar`] | the floating-point number and its elementary functions |
 //! | [`snapshot`] | states as bytes, for a power-down |
@@ -76,6 +77,7 @@ pub mod excitation;
 pub mod hybrid;
 pub mod integrate;
 pub mod observer;
+pub mod oscillator;
 pub mod part;
 pub mod scalar;
 pub mod scene;

@@ -127,6 +127,7 @@ pub fn precision_name<S: Scalar>() -> &'static str {
 /// The method that runs, as the command line writes it.
 fn method_name(method: Method) -> &'static str {
     match method {
+        Method::ExponentialRadau => "exponential-radau",
         Method::Auto | Method::TrBdf2 => "tr-bdf2",
         Method::Rk4 => "rk4",
         Method::DiscreteGradient => "discrete-gradient",

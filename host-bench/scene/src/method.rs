@@ -13,6 +13,8 @@ pub enum Method {
     /// The embedded core, with the method that suits the scene.
     #[default]
     Auto,
+    /// Exponential Radau: exact motion, Radau IIA for the circuit: the embedded core, triboelectric scenes only.
+    ExponentialRadau,
     /// TR-BDF2, implicit, for stiff circuits: the embedded core; of a bump-stop scene, the host.
     TrBdf2,
     /// The classical Runge-Kutta method of order 4: the embedded core; of a bump-stop scene, the host.

@@ -94,7 +94,7 @@ fn method_name(variant: &Variant) -> &'static str {
         Method::TrBdf2 => "TR-BDF2 (std)",
         Method::Newmark => "Newmark (std)",
         Method::Rk4 => "explicit RK4 (std)",
-        Method::Auto | Method::Reference => "reference",
+        Method::Auto | Method::ExponentialRadau | Method::Reference => "reference",
     }
 }
 

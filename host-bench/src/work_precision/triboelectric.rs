@@ -77,6 +77,7 @@ pub(crate) fn method_name(variant: &Variant) -> &'static str {
     match (variant.method, variant.control) {
         (Method::Auto | Method::TrBdf2, Control::PerPeriod { .. }) => "TR-BDF2, fixed step",
         (Method::Auto | Method::TrBdf2, _) => "TR-BDF2, adaptive",
+        (Method::ExponentialRadau, _) => "exponential Radau",
         (Method::Rk4, _) => "explicit RK4, fixed step",
         (Method::DiscreteGradient, _) => "discrete gradient",
         (Method::Newmark, _) => "Newmark",

@@ -3,6 +3,7 @@
 use super::{Excitation, Sampled, Silence, Sine, Tones};
 use crate::any::forward;
 use crate::clock::Instant;
+use crate::oscillator::{Kernel, Response};
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 
 /// An excitation chosen at run time, with at most `TONES` sines in a sum.
@@ -29,6 +30,7 @@ impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExci
         fn acceleration(&self, at: Instant) -> S;
         fn jerk(&self, at: Instant) -> S;
         fn angular_frequency(&self) -> S;
+        fn response(&self, at: Instant, ticks: u32, kernel: &Kernel<S>) -> Response<S>;
     }
 
     fn resolved_ticks(&self) -> u32 {

@@ -2,6 +2,7 @@
 
 use super::Excitation;
 use crate::clock::Instant;
+use crate::oscillator::{Kernel, Response};
 use crate::scalar::Scalar;
 
 /// A base at rest.
@@ -18,5 +19,10 @@ impl<S: Scalar> Excitation<S> for Silence {
     #[inline]
     fn jerk(&self, _at: Instant) -> S {
         S::ZERO
+    }
+
+    #[inline]
+    fn response(&self, _at: Instant, _ticks: u32, _kernel: &Kernel<S>) -> Response<S> {
+        Response::NONE
     }
 }

@@ -4,6 +4,7 @@ use core::marker::PhantomData;
 
 use super::{Excitation, ExcitationError};
 use crate::clock::{Frequency, Instant, ticks_of_seconds};
+use crate::oscillator::{Kernel, Response};
 use crate::scalar::{Mathematics, Polynomial, Scalar, turns_of_radians};
 
 /// `a(t) = A sin(2π f t + φ)`.
@@ -66,6 +67,14 @@ impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {
     #[inline]
     fn angular_frequency(&self) -> S {
         self.angular_frequency
+    }
+
+    #[inline(always)]
+    fn response(&self, at: Instant, _ticks: u32, kernel: &Kernel<S>) -> Response<S> {
+        let phase = self.phase(at);
+        let start = self.amplitude * M::sine_of_turns(phase);
+        let rate = self.amplitude * self.angular_frequency * M::cosine_of_turns(phase);
+        kernel.to_sine(start, rate, self.angular_frequency)
     }
 }
 

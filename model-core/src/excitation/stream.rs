@@ -3,6 +3,7 @@
 use super::sample_grid::SampleGrid;
 use super::{Excitation, ExcitationError};
 use crate::clock::Instant;
+use crate::oscillator::{Kernel, Response};
 use crate::scalar::Scalar;
 use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 
@@ -210,6 +211,13 @@ impl<S: Scalar> Excitation<S> for Stream<S> {
 
     fn smooth_ticks(&self, at: Instant) -> u32 {
         self.grid.ticks_to_next(at)
+    }
+
+    #[inline(always)]
+    fn response(&self, at: Instant, _ticks: u32, kernel: &Kernel<S>) -> Response<S> {
+        let (left, right, theta) = self.bracket(at);
+        let rise = right - left;
+        kernel.to_line(left + theta * rise, rise * self.grid.samples_per_second)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Excitation, Sine};
 use crate::clock::Instant;
+use crate::oscillator::{Kernel, Response};
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 use heapless::Vec;
 
@@ -52,6 +53,11 @@ impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Excitation<S> for Tone
     #[inline]
     fn angular_frequency(&self) -> S {
         self.tones.iter().fold(S::ZERO, |fastest, tone| fastest.max(tone.angular_frequency()))
+    }
+
+    #[inline]
+    fn response(&self, at: Instant, ticks: u32, kernel: &Kernel<S>) -> Response<S> {
+        self.tones.iter().fold(Response::NONE, |sum, tone| sum.and(tone.response(at, ticks, kernel)))
     }
 }
 

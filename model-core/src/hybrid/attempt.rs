@@ -3,7 +3,7 @@
 use super::{Automaton, Guard, InputAt};
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
-use crate::integrate::{Method, NotConverged, Point, Trial};
+use crate::integrate::{Attempt, InputFrom, Method, NotConverged, Point, Trial};
 use crate::scalar::Scalar;
 
 /// Largest number of guards of a mode: each has a bit in the set of guards located in a step.
@@ -19,6 +19,7 @@ pub(super) struct Attempts<'a, S: Scalar, A: Automaton<S, N, P>, E, M, const N: 
     pub(super) excitation: &'a E,
     pub(super) method: &'a M,
     pub(super) accuracy: S,
+    pub(super) after_jump: bool,
 }
 
 impl<S: Scalar, A: Automaton<S, N, P>, E, M, const N: usize, const P: usize> Clone
@@ -34,15 +35,36 @@ impl<S: Scalar, A: Automaton<S, N, P>, E, M, const N: usize, const P: usize> Cop
 {
 }
 
-impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: usize, const P: usize>
-    Attempts<'_, S, A, E, M, N, P>
+impl<'a, S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: usize, const P: usize>
+    Attempts<'a, S, A, E, M, N, P>
 {
-    /// Attempts a step of `ticks`.
+    /// A step of `ticks`.
     #[inline(always)]
-    pub(super) fn attempt(&self, ticks: u32) -> Result<Trial<S, N, P>, NotConverged> {
-        let flow = self.automaton.flow(self.mode);
-        let input = |offset: u32| self.excitation.acceleration(self.clock.after(offset));
-        self.method.attempt(&flow, self.start, input, ticks, self.accuracy)
+    fn of(&self, ticks: u32) -> Attempt<'a, S, InputFrom<'a, E>, N, P> {
+        let input = InputFrom { excitation: self.excitation, from: self.clock };
+        Attempt { start: self.start, input, ticks, accuracy: self.accuracy, after_jump: self.after_jump }
+    }
+
+    /// Predicts a step of `ticks`.
+    #[inline(always)]
+    pub(super) fn predict(&self, ticks: u32) -> Option<M::Prediction> {
+        self.method.predict(&self.automaton.flow(self.mode), &self.of(ticks))
+    }
+
+    /// The end of a step of `ticks` as predicted.
+    #[inline(always)]
+    pub(super) fn predicted_end(&self, ticks: u32, prediction: &M::Prediction) -> Point<S, N, P> {
+        self.method.predicted_end(&self.automaton.flow(self.mode), &self.of(ticks), prediction)
+    }
+
+    /// Attempts a step of `ticks`, with its prediction.
+    #[inline(always)]
+    pub(super) fn attempt(
+        &self,
+        ticks: u32,
+        prediction: Option<&M::Prediction>,
+    ) -> Result<Trial<S, N, P>, NotConverged> {
+        self.method.attempt(&self.automaton.flow(self.mode), &self.of(ticks), prediction)
     }
 
     /// Guard number `index` at a point `ticks` into the step.
@@ -52,13 +74,34 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         self.automaton.guard(self.mode, index, self.armed, point, &input)
     }
 
-    /// The guard that falls first in the step to `trial`, among those without a bit in `done`, and the
+    /// A guard below zero at the end of a step.
+    #[inline(always)]
+    pub(super) fn fallen(&self, end: &Point<S, N, P>, ticks: u32) -> Option<usize> {
+        self.each_guard(|index| self.guard(index, end, ticks).value < S::ZERO)
+    }
+
+    /// Calls `check` with the number of each guard of the mode, until it returns `true`. Returns that number.
+    ///
+    /// Unrolled for two guards: the numbers are then constants, and the compiler removes the other guards' code.
+    #[inline(always)]
+    pub(super) fn each_guard(&self, mut check: impl FnMut(usize) -> bool) -> Option<usize> {
+        let guards = self.automaton.guards(self.mode).min(MOST_GUARDS);
+        if guards > 0 && check(0) {
+            return Some(0);
+        }
+        if guards > 1 && check(1) {
+            return Some(1);
+        }
+        (2..guards).find(|&index| check(index))
+    }
+
+    /// The guard that falls first in the step to `end`, among those without a bit in `done`, and the
     /// fraction of the step at which the dense output falls through zero.
     #[inline(always)]
-    pub(super) fn first_fall(&self, trial: &Trial<S, N, P>, ticks: u32, done: u32) -> Option<(usize, S)> {
+    pub(super) fn first_fall(&self, end: &Point<S, N, P>, ticks: u32, done: u32) -> Option<(usize, S)> {
         let mut first = None;
         for index in 0..self.automaton.guards(self.mode).min(MOST_GUARDS) {
-            let (start, end) = (self.guard(index, self.start, 0), self.guard(index, &trial.end, ticks));
+            let (start, end) = (self.guard(index, self.start, 0), self.guard(index, end, ticks));
             if done & (1 << index) == 0
                 && let Some(theta) = start.until(&end, seconds_of_ticks(ticks)).first_fall()
                 && first.is_none_or(|(_, earliest)| theta < earliest)

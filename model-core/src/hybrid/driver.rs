@@ -2,9 +2,11 @@
 
 use super::attempt::{Attempts, MOST_GUARDS};
 use super::locate::MOST_ATTEMPTS;
+use super::predicted::Search;
 use super::{Automaton, HybridState, InputAt};
-use crate::clock::{Instant, seconds_of_ticks};
+use crate::clock::{Instant, seconds_of_ticks, ticks_of_seconds};
 use crate::excitation::Excitation;
+use crate::integrate::control_memory::ControlMemory;
 use crate::integrate::step_control::{ErrorScale, StepErrors, Verdict};
 use crate::integrate::{Method, NotConverged, Point, StepControl, System, Trial};
 use crate::observer::{AcceptedStep, Contact, Event, Observer, Outputs, PowerIndex};
@@ -184,6 +186,12 @@ impl<M, C> Driver<M, C> {
         // An event can be due at the first step of a call and after a jump. After an ordinary step the search
         // for a falling guard has excluded it.
         let mut may_be_due = true;
+        // It depends on the mode.
+        let longest_in = |mode| {
+            let seconds = self.method.longest_step(&automaton.flow(mode), scale.angular_frequency);
+            ticks_of_seconds(seconds).min(excitation.resolved_ticks())
+        };
+        let mut longest = longest_in(state.mode);
         while state.clock < until {
             if work.attempts() + work.events > 0 && budget.saturating_sub(work.attempts()) < LEAST_BUDGET {
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
@@ -195,8 +203,10 @@ impl<M, C> Driver<M, C> {
             let event = match due {
                 Some(event) => Some(event),
                 None => {
+                    let resolved = excitation.smooth_ticks(at).min(longest);
+                    let limit = at.ticks_until(until, resolved);
                     let Some(kept) = self
-                        .next_step(automaton, state, excitation, until, &scale, &mut work)
+                        .next_step(automaton, state, excitation, limit, &scale, &mut work)
                         .map_err(fail)?
                     else {
                         // Rejected: the control memory holds a shorter step.
@@ -216,9 +226,10 @@ impl<M, C> Driver<M, C> {
                 }
             };
             if let Some(guard) = event {
-                take_jump(automaton, state, excitation, guard, observer)?;
+                self.take_jump(automaton, state, excitation, guard, observer)?;
                 work.events += 1;
                 may_be_due = true;
+                longest = longest_in(state.mode);
                 if self.pause_at_events {
                     return Ok(Advance { ended: Ended::Event, work });
                 }
@@ -227,14 +238,14 @@ impl<M, C> Driver<M, C> {
         Ok(Advance { ended: Ended::Finished, work })
     }
 
-    /// Attempts a step; `None` if it was rejected and the control memory holds a shorter one.
+    /// Attempts a step of at most `limit` ticks; `None` if it was rejected and the control memory holds a shorter one.
     #[inline(always)]
     fn next_step<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
         &self,
         automaton: &A,
         state: &mut HybridState<S, A::Mode, N, P>,
         excitation: &impl Excitation<S>,
-        until: Instant,
+        limit: u32,
         scale: &ErrorScale<S>,
         work: &mut Work,
     ) -> Result<Option<Kept<S, N, P>>, StepFailure<S>>
@@ -243,9 +254,8 @@ impl<M, C> Driver<M, C> {
         C: StepControl<S>,
     {
         let proposed = state.control.ticks;
-        let resolved = excitation.smooth_ticks(state.clock).min(excitation.resolved_ticks());
-        let limit = state.clock.ticks_until(until, resolved);
-        let ticks = proposed.min(limit);
+        let flow = automaton.flow(state.mode);
+        let planned = proposed.min(limit);
         let attempts = Attempts {
             automaton,
             mode: state.mode,
@@ -254,48 +264,132 @@ impl<M, C> Driver<M, C> {
             clock: state.clock,
             excitation,
             method: &self.method,
-            accuracy: self.control.accuracy(ticks, scale),
+            accuracy: self.control.accuracy(planned, scale),
+            after_jump: M::PREDICTS && state.since_event == 0,
         };
         let shorten = |memory: &mut _, work: &mut Work| {
             work.rejected += 1;
-            if ticks < SHORTEST_TICKS {
+            if planned < SHORTEST_TICKS {
                 return Err(StepFailure::StepVanished);
             }
-            self.control.shorten(memory, ticks);
+            self.control.shorten(memory, planned);
             Ok(None)
         };
-        let Ok(trial) = attempts.attempt(ticks) else {
-            return shorten(&mut state.control, work);
+        let mut search = Search::within(planned, scale.angular_frequency);
+        let (mut kept, mut control) = loop {
+            let attempted = if M::PREDICTS {
+                attempts.attempt_to_event(&mut search)
+            } else {
+                attempts.attempt(planned, None)
+            };
+            let Ok(mut trial) = attempted else {
+                return shorten(&mut state.control, work);
+            };
+            work.iterations = work.iterations.saturating_add(trial.iterations);
+            let mut control = state.control;
+            if self.judge(&flow, &mut control, &state.point, &trial, search.ticks, scale) == Verdict::Reject {
+                work.rejected += 1;
+                if search.ticks < SHORTEST_TICKS {
+                    return Err(StepFailure::StepVanished);
+                }
+                state.control = control;
+                return Ok(None);
+            }
+            if M::PREDICTS && attempts.must_repeat(&mut trial, &mut search) {
+                work.locating += 1;
+                continue;
+            }
+            let Search { ticks, event, .. } = search;
+            break (Kept { trial, ticks, event, searched: event.is_some() }, control);
         };
-        work.iterations = work.iterations.saturating_add(trial.iterations);
+        if kept.ticks < proposed {
+            control.keep_proposal(&state.control);
+        }
+        if !M::PREDICTS && first_event(&attempts, &mut kept, automaton.guards(state.mode), work).is_err() {
+            return shorten(&mut state.control, work);
+        }
+        state.control = control;
+        Ok(Some(kept))
+    }
+
+    /// Judges an attempt of `ticks` and updates the memory of the step control.
+    #[inline(always)]
+    fn judge<S: Scalar, Y: System<S, N, P>, const N: usize, const P: usize>(
+        &self,
+        flow: &Y,
+        control: &mut ControlMemory<S>,
+        start: &Point<S, N, P>,
+        trial: &Trial<S, N, P>,
+        ticks: u32,
+        scale: &ErrorScale<S>,
+    ) -> Verdict
+    where
+        M: Method<S>,
+        C: StepControl<S>,
+    {
+        let end = &trial.end;
         let errors = StepErrors {
             ticks,
+            order: M::ESTIMATE_ORDER,
+            longest_radians: M::LONGEST_RADIANS,
+            time_scale_ratio: flow.time_scale_ratio(&start.state, &end.state),
             state: trial.error,
             energy: trial.energy_error.abs(),
             delivered: trial.energies.first().copied().unwrap_or(S::ZERO),
         };
-        let mut control = state.control;
         let rounding = || {
-            let end = &trial.end;
-            automaton.flow(state.mode).rounding_energy(&end.state, &end.derivative, seconds_of_ticks(ticks))
-        };
-        if self.control.judge(&mut control, &errors, scale, rounding) == Verdict::Reject {
-            work.rejected += 1;
-            if ticks < SHORTEST_TICKS {
-                return Err(StepFailure::StepVanished);
+            if M::CARRIES_DERIVATIVES {
+                return S::ZERO;
             }
-            state.control = control;
-            return Ok(None);
-        }
-        if ticks < proposed {
-            control.keep_proposal(&state.control);
-        }
-        let whole = Kept { trial, ticks, event: None, searched: false };
-        let Ok(kept) = first_event(&attempts, whole, automaton.guards(state.mode), work) else {
-            return shorten(&mut state.control, work);
+            flow.rounding_energy(&end.state, &end.derivative, seconds_of_ticks(ticks))
         };
-        state.control = control;
-        Ok(Some(kept))
+        self.control.judge(control, &errors, scale, rounding)
+    }
+
+    /// Carries out the jump of guard number `guard`.
+    #[cold]
+    #[inline(never)]
+    fn take_jump<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
+        &self,
+        automaton: &A,
+        state: &mut HybridState<S, A::Mode, N, P>,
+        excitation: &impl Excitation<S>,
+        guard: usize,
+        observer: &mut impl Observer<S>,
+    ) -> Result<(), StepError<S>>
+    where
+        M: Method<S>,
+    {
+        let crowded = state.since_event < CROWDED_TICKS;
+        let crowded_events = if crowded { state.crowded_events + 1 } else { 0 };
+        if crowded_events > MOST_CROWDED_EVENTS {
+            return Err(StepError { failure: StepFailure::EventStorm, at: state.clock });
+        }
+        let input_at = InputAt::new(excitation, state.clock);
+        // A method that carries derivatives passes the boundary layer itself.
+        let step = if M::CARRIES_DERIVATIVES { S::ZERO } else { seconds_of_ticks(state.control.ticks) };
+        let jump = automaton.jump(state.mode, guard, &state.point, &input_at, step);
+        let energies = automaton.jump_energies(state.mode, guard, &state.point, &jump);
+        let input = input_at.acceleration();
+        let mut left = Point::with_derivative(&automaton.flow(jump.mode), jump.state, jump.derivative, input);
+        left.remainder = jump.remainder;
+        let before = automaton.outputs(state.mode, &state.point);
+        let is_impact = automaton.is_impact(state.mode, guard);
+        observer.event(&Event {
+            at: state.clock,
+            guard,
+            impact_speed: is_impact.then(|| before.coordinate().rate.abs()),
+            before,
+            after: automaton.outputs(jump.mode, &left),
+            loss: jump.loss,
+            energies: &energies,
+        });
+        state.mode = jump.mode;
+        state.point = left;
+        state.armed = jump.armed;
+        state.since_event = 0;
+        state.crowded_events = crowded_events;
+        Ok(())
     }
 }
 
@@ -306,15 +400,15 @@ impl<M, C> Driver<M, C> {
 #[inline(always)]
 fn first_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     attempts: &Attempts<'_, S, A, impl Excitation<S>, impl Method<S>, N, P>,
-    mut kept: Kept<S, N, P>,
+    kept: &mut Kept<S, N, P>,
     guards: usize,
     work: &mut Work,
-) -> Result<Kept<S, N, P>, NotConverged> {
+) -> Result<(), NotConverged> {
     // One bit for each guard located in this step. Each guard is located at most once.
     let mut done = 0_u32;
     let mut attempts_left = MOST_ATTEMPTS;
     for _ in 0..=guards.min(MOST_GUARDS) {
-        let Some((guard, theta)) = attempts.first_fall(&kept.trial, kept.ticks, done) else { break };
+        let Some((guard, theta)) = attempts.first_fall(&kept.trial.end, kept.ticks, done) else { break };
         kept.searched = true;
         if attempts_left == 0 {
             break;
@@ -327,7 +421,7 @@ fn first_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>
         kept.event = located.fell.then_some(guard);
         done |= 1 << guard;
     }
-    Ok(kept)
+    Ok(())
 }
 
 /// The accepted step as an observer sees it.
@@ -367,45 +461,4 @@ fn due_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     let input = InputAt::new(excitation, state.clock);
     (0..automaton.guards(state.mode).min(MOST_GUARDS))
         .find(|&index| automaton.guard(state.mode, index, state.armed, &state.point, &input).is_due())
-}
-
-/// Carries out the jump of guard number `guard`.
-#[cold]
-#[inline(never)]
-fn take_jump<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
-    automaton: &A,
-    state: &mut HybridState<S, A::Mode, N, P>,
-    excitation: &impl Excitation<S>,
-    guard: usize,
-    observer: &mut impl Observer<S>,
-) -> Result<(), StepError<S>> {
-    let crowded = state.since_event < CROWDED_TICKS;
-    let crowded_events = if crowded { state.crowded_events + 1 } else { 0 };
-    if crowded_events > MOST_CROWDED_EVENTS {
-        return Err(StepError { failure: StepFailure::EventStorm, at: state.clock });
-    }
-    let input_at = InputAt::new(excitation, state.clock);
-    let step = seconds_of_ticks(state.control.ticks);
-    let jump = automaton.jump(state.mode, guard, &state.point, &input_at, step);
-    let energies = automaton.jump_energies(state.mode, guard, &state.point, &jump);
-    let input = input_at.acceleration();
-    let mut left = Point::with_derivative(&automaton.flow(jump.mode), jump.state, jump.derivative, input);
-    left.remainder = jump.remainder;
-    let before = automaton.outputs(state.mode, &state.point);
-    let is_impact = automaton.is_impact(state.mode, guard);
-    observer.event(&Event {
-        at: state.clock,
-        guard,
-        impact_speed: is_impact.then(|| before.coordinate().rate.abs()),
-        before,
-        after: automaton.outputs(jump.mode, &left),
-        loss: jump.loss,
-        energies: &energies,
-    });
-    state.mode = jump.mode;
-    state.point = left;
-    state.armed = jump.armed;
-    state.since_event = 0;
-    state.crowded_events = crowded_events;
-    Ok(())
 }

@@ -53,7 +53,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             ticks = ticks.max(short + 1).min(far - 1);
             attempts += 1;
             work.locating += 1;
-            let trial = self.attempt(ticks)?;
+            let trial = self.attempt(ticks, None)?;
             work.iterations = work.iterations.saturating_add(trial.iterations);
             let guard = self.guard(index, &trial.end, ticks);
             let fallen = guard.value <= S::ZERO;

@@ -15,6 +15,8 @@ pub struct Cubic<S> {
     end_slope: S,
 }
 
+/// Newton iterations of a guess that is improved elsewhere.
+const GUESS_ITERATIONS: usize = 3;
 /// Most iterations of the bracketed root search. Bisection alone then resolves 2⁻⁴⁰.
 const ROOT_ITERATIONS: usize = 40;
 
@@ -112,6 +114,24 @@ impl<S: Scalar> Cubic<S> {
         } else {
             self.search_fall()
         }
+    }
+
+    /// A guess of the θ at which a cubic that starts above zero falls through zero, or the θ of a minimum at or below
+    /// `margin`.
+    #[cold]
+    pub(crate) fn approximate_fall(&self, margin: S) -> Option<S> {
+        if self.end > S::ZERO {
+            return self.extrema().into_iter().flatten().find(|&theta| self.value(theta) <= margin);
+        }
+        let half = S::from_f64(0.5);
+        // A cubic that starts at zero falls later.
+        let secant = self.start / (self.start - self.end);
+        let mut theta = if self.start > S::ZERO { secant } else { half };
+        for _ in 0..GUESS_ITERATIONS {
+            let next = theta - self.value(theta) / self.slope(theta);
+            theta = if next > S::ZERO && next <= S::ONE { next } else { half * theta };
+        }
+        Some(theta)
     }
 
     #[cold]

@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 ///
 /// ```
 /// use model_core::clock::ticks_of_seconds;
-/// use model_core::integrate::{DenseFactor, Method, Point, System, TrBdf2};
+/// use model_core::integrate::{Attempt, DenseFactor, Method, Point, System, TrBdf2};
 ///
 /// /// `x'' = −ω² x + u`, with the state `[x, x']` in m and m/s and the input `u` in m/s².
 /// struct Oscillator {
@@ -50,7 +50,9 @@ use crate::scalar::Scalar;
 ///
 /// let system = Oscillator { angular_frequency: 10.0 };
 /// let start = Point::at(&system, [1.0, 0.0], 0.0);
-/// let trial = TrBdf2.attempt(&system, &start, |_ticks| 0.0, ticks_of_seconds(1e-3), 1e-12);
+/// let ticks = ticks_of_seconds(1e-3);
+/// let step = Attempt { start: &start, input: |_ticks| 0.0, ticks, accuracy: 1e-12, after_jump: false };
+/// let trial = TrBdf2.attempt(&system, &step, None);
 /// let end = trial.expect("the stages converge").end;
 /// assert!((end.state[0] - 0.01_f64.cos()).abs() < 1e-7);
 /// ```

@@ -1,6 +1,6 @@
 //! The classical explicit Runge–Kutta method of fourth order (Kutta 1901).
 
-use super::{Method, NotConverged, Point, System, Trial, add_scaled};
+use super::{Attempt, Input, Method, NotConverged, System, Trial, add_scaled};
 use crate::clock::seconds_of_ticks;
 use crate::scalar::{Scalar, add_increment};
 
@@ -15,18 +15,19 @@ pub struct RungeKutta4;
 impl<S: Scalar> Method<S> for RungeKutta4 {
     const ESTIMATES_ERROR: bool = false;
 
+    type Prediction = ();
+
     #[inline]
     fn attempt<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
         system: &Y,
-        start: &Point<S, N, P>,
-        input: impl Fn(u32) -> S,
-        ticks: u32,
-        _accuracy: S,
+        attempt: &Attempt<'_, S, impl Input<S>, N, P>,
+        _prediction: Option<&()>,
     ) -> Result<Trial<S, N, P>, NotConverged> {
+        let Attempt { start, ref input, ticks, .. } = *attempt;
         let step = seconds_of_ticks::<S>(ticks);
         let half = step * S::from_f64(0.5);
-        let (middle_input, end_input) = (input(ticks / 2), input(ticks));
+        let (middle_input, end_input) = (input.at(ticks / 2), input.at(ticks));
 
         let k1 = start.derivative;
         let y2 = add_scaled(&start.state, half, &k1);

@@ -3,11 +3,11 @@
 //! After a step of length `h_n` whose local error is `r_n` times the allowed one, the controller proposes
 //!
 //! ```text
-//! h_{n+1} = 0.97 h_n r_n^(−0.35) r_{n−1}^(0.2)
+//! h_{n+1} = 0.97 h_n r_n^(−0.7/k) r_{n−1}^(0.4/k)
 //! ```
 //!
-//! (K. Gustafsson, ACM Trans. Math. Softw. 17, 1991). An attempt with `r > 1` is rejected and repeated with
-//! `0.9 h r^(−1/2)`.
+//! with `k` the order of `r` in the step (K. Gustafsson, ACM Trans. Math. Softw. 17, 1991). An attempt with `r > 1` is
+//! rejected and repeated with `0.9 h r^(−1/k)`.
 
 use super::control_memory::{ControlMemory, LEAST_REMEMBERED};
 use crate::any::forward;
@@ -20,6 +20,12 @@ use crate::scalar::Scalar;
 pub(crate) struct StepErrors<S> {
     /// Length of the step in ticks.
     pub(crate) ticks: u32,
+    /// [`Method::ESTIMATE_ORDER`](super::Method::ESTIMATE_ORDER).
+    pub(crate) order: i32,
+    /// [`Method::LONGEST_RADIANS`](super::Method::LONGEST_RADIANS).
+    pub(crate) longest_radians: f64,
+    /// [`System::time_scale_ratio`](super::System::time_scale_ratio).
+    pub(crate) time_scale_ratio: S,
     /// Estimated relative local error of the state.
     pub(crate) state: S,
     /// Estimated local error of the delivered energy in joules.
@@ -142,8 +148,6 @@ pub struct Adaptive<S> {
     tolerance: S,
 }
 
-/// Longest step in radians of the slow motion: a sixteenth of a period.
-const LONGEST_RADIANS: f64 = 0.4;
 /// First step in radians: short enough to be accepted.
 const FIRST_RADIANS: f64 = 1.0 / 128.0;
 /// Roundings of the state that a step is allowed beside its tolerance.
@@ -165,10 +169,10 @@ const SHORTEST_CONTROLLED_TICKS: u32 = 4096;
 const WAIVED: f64 = 1e-3;
 /// Number of rejections of one step after which a step with an unreduced error is accepted.
 const FUTILE_REJECTIONS: u8 = 3;
-/// Exponents of the present and the previous error, in units of 2⁻⁸: 0.35 and 0.2, half of Gustafsson's 0.7
-/// and 0.4, because the error over the allowed one is of second order in the step.
-const PRESENT_EXPONENT: i32 = 90;
-const PREVIOUS_EXPONENT: i32 = 51;
+/// Exponents of the present and the previous error, Gustafsson's 0.7 and 0.4, in units of 2⁻⁸. They are divided by the
+/// order in the step of the error over the allowed one.
+const PRESENT_EXPONENT: i32 = 180;
+const PREVIOUS_EXPONENT: i32 = 102;
 /// log₂ of the safety factor 0.97, in units of 2⁻²³: the controller settles at 0.8 of the allowed error.
 const SAFETY: i32 = -368_600;
 /// log₂ of the safety factor after a rejection, 0.9, in units of 2⁻²³.
@@ -253,6 +257,16 @@ fn log2(ratio: f32) -> i32 {
     ratio.to_bits().cast_signed().wrapping_sub(0x3f80_0000)
 }
 
+/// log₂ of the change of the step with a ratio of two successive time scales, in units of 2⁻²³.
+///
+/// A shorter time scale shortens the step by its power 3/4, a longer one lengthens it by its power 1/2. With the
+/// contact-separation scene these powers take the fewest steps; without them every step before an impact is rejected.
+#[inline(always)]
+fn change_with<S: Scalar>(time_scale_ratio: S) -> i32 {
+    let ratio = log2(time_scale_ratio.to_f32());
+    if ratio > 0 { ratio >> 1 } else { (ratio >> 2) * 3 }
+}
+
 /// `ticks · 2^change` by the inverse of [`log2`], with `change` in units of 2⁻²³.
 #[inline(always)]
 fn scaled(ticks: u32, change: i32) -> u32 {
@@ -285,8 +299,7 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         let inherited = self.is_inherited(memory, errors.ticks, &relative);
         // `!(ratio <= 1.0)` also rejects not-a-number.
         if !(ratio <= 1.0) && !inherited {
-            // Half the logarithm: the error over the allowed one is of second order in the step.
-            let change = SAFETY_AFTER_REJECTION - present / 2;
+            let change = SAFETY_AFTER_REJECTION - present / errors.order;
             let next = scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, LARGEST_CHANGE));
             memory.reject(errors.ticks, ratio, next);
             return Verdict::Reject;
@@ -298,13 +311,16 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
             rejected.max(errors.ticks.saturating_mul(4))
         } else {
             // No overflow: a logarithm is at most 2⁷ in units of 2⁻²³.
-            let change =
-                SAFETY + (memory.previous >> 8) * PREVIOUS_EXPONENT - (present >> 8) * PRESENT_EXPONENT;
+            let change = SAFETY
+                + change_with(errors.time_scale_ratio)
+                + (memory.previous >> 8) * (PREVIOUS_EXPONENT / errors.order)
+                - (present >> 8) * (PRESENT_EXPONENT / errors.order);
             // No growth after a rejection.
             let largest = if memory.rejections > 0 { 0 } else { LARGEST_CHANGE };
             scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, largest))
         };
-        memory.ticks = next.min(ticks_of_seconds(S::from_f64(LONGEST_RADIANS) / scale.angular_frequency));
+        memory.ticks =
+            next.min(ticks_of_seconds(S::from_f64(errors.longest_radians) / scale.angular_frequency));
         // Bounded below: after a step without error, the next error would otherwise look like a sudden rise.
         memory.previous = present.clamp(LEAST_REMEMBERED, 0);
         memory.recent_energy = relative.recent_energy;
@@ -367,6 +383,9 @@ mod tests {
             radians = seconds_of_ticks::<f64>(memory.ticks) * 100.0;
             let errors = StepErrors {
                 ticks: memory.ticks,
+                order: 2,
+                longest_radians: 0.4,
+                time_scale_ratio: 1.0,
                 state: 0.04 * radians.powi(3),
                 energy: 0.0,
                 delivered: 0.0,
@@ -383,11 +402,27 @@ mod tests {
         let control = Adaptive::new(1e-4).expect("in bounds");
         let mut memory = control.start(&scale);
         let before = memory.ticks;
-        let bad = StepErrors { ticks: before, state: 1.0, energy: 0.0, delivered: 0.0 };
+        let bad = StepErrors {
+            ticks: before,
+            order: 2,
+            longest_radians: 0.4,
+            time_scale_ratio: 1.0,
+            state: 1.0,
+            energy: 0.0,
+            delivered: 0.0,
+        };
         assert_eq!(control.judge(&mut memory, &bad, &scale, || 0.0), Verdict::Reject);
         assert!(memory.ticks < before);
         let retried = memory.ticks;
-        let good = StepErrors { ticks: retried, state: 0.0, energy: 0.0, delivered: 0.0 };
+        let good = StepErrors {
+            ticks: retried,
+            order: 2,
+            longest_radians: 0.4,
+            time_scale_ratio: 1.0,
+            state: 0.0,
+            energy: 0.0,
+            delivered: 0.0,
+        };
         assert_eq!(control.judge(&mut memory, &good, &scale, || 0.0), Verdict::Accept);
         assert!(memory.ticks <= retried);
     }
@@ -397,7 +432,15 @@ mod tests {
         let scale = ErrorScale { angular_frequency: 100.0_f32, energy_floor: 1e-12 };
         let control = Adaptive::new(1e-4).expect("in bounds");
         let start = control.start(&scale);
-        let noisy = StepErrors { ticks: start.ticks, state: 0.0, energy: 2e-9, delivered: 1e-8 };
+        let noisy = StepErrors {
+            ticks: start.ticks,
+            order: 2,
+            longest_radians: 0.4,
+            time_scale_ratio: 1.0,
+            state: 0.0,
+            energy: 2e-9,
+            delivered: 1e-8,
+        };
         let judge = |errors: &StepErrors<f32>, rounding: f32| {
             control.judge(&mut { start }, errors, &scale, || rounding)
         };

@@ -1,7 +1,7 @@
 //! TR-BDF2: a trapezoidal stage and a backward-differentiation stage with one iteration matrix (Bank and
 //! others 1985).
 
-use super::{Method, NotConverged, Point, System, Trial};
+use super::{Attempt, Input, Method, NotConverged, Point, System, Trial};
 use crate::clock::seconds_of_ticks;
 use crate::scalar::{Scalar, add_increment};
 
@@ -95,19 +95,20 @@ impl<S: Scalar, Y, F, const N: usize> Stage<'_, S, Y, F, N> {
 impl<S: Scalar> Method<S> for TrBdf2 {
     const ESTIMATES_ERROR: bool = true;
 
+    type Prediction = ();
+
     #[inline(always)]
     fn attempt<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
         system: &Y,
-        start: &Point<S, N, P>,
-        input: impl Fn(u32) -> S,
-        ticks: u32,
-        accuracy: S,
+        attempt: &Attempt<'_, S, impl Input<S>, N, P>,
+        _prediction: Option<&()>,
     ) -> Result<Trial<S, N, P>, NotConverged> {
+        let Attempt { start, ref input, ticks, accuracy, .. } = *attempt;
         let step = seconds_of_ticks::<S>(ticks);
         let weight = step * S::from_f64(D);
         let middle_ticks = ((u64::from(ticks) * GAMMA_Q32) >> 32) as u32;
-        let (middle_input, end_input) = (input(middle_ticks), input(ticks));
+        let (middle_input, end_input) = (input.at(middle_ticks), input.at(ticks));
 
         let z_start: [S; N] = core::array::from_fn(|i| weight * start.derivative[i]);
         let middle_base: [S; N] = core::array::from_fn(|i| start.state[i] + z_start[i]);

@@ -102,13 +102,20 @@ impl<S: Scalar> DiscOverlap<S> {
         outer: &[f64; O],
     ) -> Self {
         if xi > S::from_f64(joint) {
-            let rest = (S::ONE - xi).max(S::EPSILON);
-            let active = rest * rest.sqrt() * horner(&outer.map(S::from_f64), rest);
-            Self { active, inert: S::ONE - active }
+            Self::outer_piece(xi, outer)
         } else {
             let inert = xi * horner(&inner.map(S::from_f64), xi * xi);
             Self { active: S::ONE - inert, inert }
         }
+    }
+
+    /// Outlined: a wide motion is rare, and the compiler would otherwise evaluate this square root for every motion.
+    #[cold]
+    #[inline(never)]
+    fn outer_piece<const O: usize>(xi: S, outer: &[f64; O]) -> Self {
+        let rest = (S::ONE - xi).max(S::EPSILON);
+        let active = rest * rest.sqrt() * horner(&outer.map(S::from_f64), rest);
+        Self { active, inert: S::ONE - active }
     }
 
     /// The exact overlap, to a few roundings of both parts, in about a hundred operations. `xi` is clamped to 0 … 1.
@@ -139,6 +146,14 @@ impl<S: Scalar> DiscOverlap<S> {
         };
         let active = half * two_over_pi * difference;
         Self { active, inert: S::ONE - active }
+    }
+
+    /// [`DiscOverlap::active_by_xi`] by three terms of its series: without a square root, to 4 % up to `ξ = 0.8`.
+    #[inline]
+    pub(crate) fn rough_active_by_xi(xi: S) -> S {
+        let square = xi * xi;
+        let root = S::ONE - square * (S::from_f64(0.5) + S::from_f64(0.125) * square);
+        S::from_f64(-2.0 * core::f64::consts::FRAC_2_PI) * root
     }
 
     /// `ds1/dξ = −(4/π) √(1 − ξ²)` on the side in question; 0 for separate discs.

@@ -76,7 +76,7 @@ macro_rules! port_items {
 
         #[inline]
         fn is_stick(&self, mode: Mode) -> bool {
-            mode == Mode::Stick
+            matches!(mode, Mode::Stick)
         }
 
         #[inline]
@@ -86,7 +86,7 @@ macro_rules! port_items {
 
         #[inline]
         fn derivatives(&self, mode: Mode, state: &[S; STATES]) -> $crate::scene::coupled::Derivatives<S> {
-            Flow { scene: self, mode }.derivatives(state)
+            Flow::new(self, mode).derivatives(state)
         }
 
         #[inline]
@@ -97,7 +97,7 @@ macro_rules! port_items {
             acceleration: S,
         ) -> [S; $crate::observer::ALL_POWERS] {
             // Of the rates, only the current in a resistor enters the powers.
-            Flow { scene: self, mode }.all_powers(state, &[S::ZERO; STATES], acceleration)
+            Flow::new(self, mode).all_powers(state, &[S::ZERO; STATES], acceleration)
         }
     };
 }

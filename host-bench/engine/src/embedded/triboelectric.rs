@@ -2,7 +2,9 @@
 
 use model_core::energy::Residual;
 use model_core::hybrid::HybridState;
-use model_core::integrate::{AnyStepControl, Cubic, Method as Integrator, RungeKutta4, TrBdf2};
+use model_core::integrate::{
+    AnyStepControl, Cubic, ExponentialRadau, Method as Integrator, RungeKutta4, TrBdf2,
+};
 use model_core::observer::{ALL_POWERS, AcceptedStep, Motion, Outputs};
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::rectified::{ElectricalPort, Rectified};
@@ -148,6 +150,7 @@ impl<'a, S: Scalar, A: Copy, T: Triboelectric> Prepared<'a, S, A, T> {
     {
         match self.setting.options.method {
             Method::Rk4 => self.with(RungeKutta4, start),
+            Method::ExponentialRadau => self.with(ExponentialRadau, start),
             _ => self.with(TrBdf2, start),
         }
     }

@@ -9,10 +9,8 @@ use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};
 use crate::integrate::{ErrorScale, Point, System};
 use crate::observer::{Motion, Outputs, StoredEnergy};
-use crate::part::load::{Load, Resistance};
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
-use crate::scene::coupled;
 
 /// Margin in roundings of the initial gap within which a released mass still counts as in contact.
 const RELEASE_ROUNDINGS: f64 = 64.0;
@@ -45,20 +43,16 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
 
     /// The contact force per mass in stick, and its rate.
     ///
-    /// Outlined: the compiler would otherwise evaluate the excitation for it in flight too.
+    /// Outlined: the compiler would otherwise evaluate the excitation for it in flight too. Its arguments are values, so
+    /// that the points of a flight need not be in memory.
     #[cold]
     #[inline(never)]
-    fn release_guard<E: Excitation<S>, const POWERS: usize>(
-        &self,
-        point: &Point<S, STATES, POWERS>,
-        input: &InputAt<'_, E>,
-    ) -> Guard<S> {
-        let charge = point.state[CHARGE];
+    fn release_guard<E: Excitation<S>>(&self, charge: S, charge_rate: S, input: &InputAt<'_, E>) -> Guard<S> {
         let circuit = self.circuit(S::ZERO, charge);
         let [_, by_charge] = self.force_law.derivatives(&circuit, self.tribo_charge);
         Guard {
             value: self.contact_force_per_mass(charge, input.acceleration()),
-            rate: input.jerk() + by_charge * point.derivative[CHARGE],
+            rate: input.jerk() + by_charge * charge_rate,
         }
     }
 
@@ -79,7 +73,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         loss: S,
     ) -> Jump<S, Mode, STATES> {
         let state = [S::ZERO, speed, point.state[CHARGE]];
-        let flow = Flow { scene: self, mode };
+        let flow = Flow::new(self, mode);
         let derivative = System::<S, STATES, POWERS>::flow(&flow, &state, acceleration);
         Jump {
             mode,
@@ -89,22 +83,6 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             loss,
             armed: mode == Mode::Stick || speed > S::ZERO,
         }
-    }
-
-    /// The rate of the charge just after an impact, for a step of length `step` in s.
-    ///
-    /// The rate itself is continuous, since it depends on gap and charge only, and the value of the previous stage is
-    /// more accurate than the flow's difference. But the rate `∂Q_eq/∂g · v` of a charge that follows the gap changes
-    /// its sign with the velocity.
-    #[inline]
-    fn charge_rate_after_impact(&self, before: S, speed: S, charge: S, step: S) -> S {
-        if !matches!(self.load.resistance(), Resistance::Finite(_)) {
-            return before;
-        }
-        let circuit = self.circuit(S::ZERO, charge);
-        let relaxation = -self.circuit_rate * circuit.voltage_by_charge;
-        let following = -circuit.voltage_by_gap / circuit.voltage_by_charge * speed;
-        coupled::beyond_boundary_layer(before, following, relaxation, step)
     }
 }
 
@@ -117,8 +95,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
 
     #[inline]
     fn flow(&self, mode: Mode) -> Flow<'_, S, P> {
-        // If the mass never sticks, the compiler knows the mode and removes the other one.
-        Flow { scene: self, mode: if P::Sticking::POSSIBLE { mode } else { Mode::Free } }
+        Flow::new(self, mode)
     }
 
     #[inline]
@@ -136,7 +113,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         input: &InputAt<'_, E>,
     ) -> Guard<S> {
         if P::Sticking::POSSIBLE && mode == Mode::Stick {
-            return self.release_guard(point, input);
+            return self.release_guard(point.state[CHARGE], point.derivative[CHARGE], input);
         }
         // After a release the gap starts at zero with zero rate: the guard is lowered by the margin.
         let lowered = if armed { S::ZERO } else { self.release_margin() };
@@ -170,9 +147,14 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         let half_mass = S::from_f64(0.5) * self.mass;
         let loss = half_mass * (impact_speed - speed) * (impact_speed + speed);
         let mut jump = self.leave_contact(mode, speed, point, acceleration, loss);
-        if mode == Mode::Free || self.sticking.relaxes() {
-            jump.derivative[CHARGE] =
-                self.charge_rate_after_impact(point.derivative[CHARGE], speed, charge, step);
+        if step > S::ZERO && (mode == Mode::Free || self.sticking.relaxes()) {
+            // The rate is continuous, since it depends on gap and charge only, and the value of the previous stage is
+            // more accurate than the flow's difference. But the rate `∂Q_eq/∂g · v` of a charge that follows the gap
+            // changes its sign with the velocity.
+            jump.derivative[CHARGE] = point.derivative[CHARGE];
+            let flow = Flow::new(self, mode);
+            jump.derivative =
+                System::<S, STATES, POWERS>::beyond_layer(&flow, &jump.state, &jump.derivative, step);
         }
         jump
     }

@@ -4,9 +4,11 @@ use super::circuit::Circuit;
 use super::force_law::ForceLaw;
 use super::mode::Mode;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
-use crate::integrate::System;
+use crate::integrate::{CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
+use crate::oscillator::Oscillator;
 use crate::part::load::{Load, Resistance};
+use crate::part::parasitic::Parasitic;
 use crate::scalar::Scalar;
 use crate::scene::coupled::{self, Derivatives, ModeFactor};
 
@@ -43,25 +45,29 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
 /// The flow of one mode.
 #[derive(Debug, Clone, Copy)]
 pub struct Flow<'a, S: Scalar, P: Parts<S>> {
-    pub(super) scene: &'a ContactSeparation<S, P>,
-    pub(super) mode: Mode,
+    scene: &'a ContactSeparation<S, P>,
+    mode: Mode,
+    /// Rate of the charge per voltage in units of the circuit; 0 unless a resistor carries current in this mode.
+    circuit_rate: S,
 }
 
-impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
+impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
+    #[inline(always)]
+    pub(super) fn new(scene: &'a ContactSeparation<S, P>, mode: Mode) -> Self {
+        // If the mass never sticks, the compiler knows the mode and removes the other one.
+        let mode = if P::Sticking::POSSIBLE { mode } else { Mode::Free };
+        let frozen = mode == Mode::Stick && !scene.sticking.relaxes();
+        let circuit_rate = match scene.load.resistance() {
+            Resistance::Finite(_) if !frozen => scene.circuit_rate,
+            _ => S::ZERO,
+        };
+        Self { scene, mode, circuit_rate }
+    }
+
     /// Whether the mass sticks.
     #[inline]
     fn is_stick(&self) -> bool {
         self.mode == Mode::Stick
-    }
-
-    /// Rate of the charge per voltage in units of the circuit; 0 unless a resistor carries current in this mode.
-    #[inline]
-    fn circuit_rate(&self) -> S {
-        let frozen = self.is_stick() && !self.scene.sticking.relaxes();
-        match self.scene.load.resistance() {
-            Resistance::Finite(_) if !frozen => self.scene.circuit_rate,
-            _ => S::ZERO,
-        }
     }
 
     /// Derivatives of force and current in flight.
@@ -69,7 +75,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
     pub(super) fn derivatives(&self, state: &[S; STATES]) -> Derivatives<S> {
         let scene = self.scene;
         let circuit = scene.circuit(state[GAP], state[CHARGE]);
-        let rate = self.circuit_rate();
+        let rate = self.circuit_rate;
         let [by_gap, force_by_charge] = scene.force_law.derivatives(&circuit, scene.tribo_charge);
         Derivatives {
             stiffness: scene.stiffness_per_mass + by_gap,
@@ -121,7 +127,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let scene = self.scene;
         let [gap, velocity, charge] = *state;
         let circuit = scene.circuit(gap, charge);
-        let charge_rate = self.circuit_rate() * circuit.voltage;
+        let charge_rate = self.circuit_rate * circuit.voltage;
         match self.mode {
             Mode::Free => {
                 let restoring = scene.stiffness_per_mass * (gap - scene.initial_gap);
@@ -138,8 +144,76 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
             increment[GAP] = weight * (base[VELOCITY] + increment[VELOCITY]);
         }
         let circuit = self.scene.circuit(base[GAP] + increment[GAP], base[CHARGE]);
-        let rate = weight * self.circuit_rate();
+        let rate = weight * self.circuit_rate;
         increment[CHARGE] = rate * circuit.voltage / (S::ONE - rate * circuit.voltage_by_charge);
+    }
+
+    const SPLIT: bool = true;
+
+    #[inline(always)]
+    fn oscillator(&self) -> Option<Oscillator<S>> {
+        let scene = self.scene;
+        (!self.is_stick()).then_some(Oscillator {
+            stiffness: scene.stiffness_per_mass,
+            damping: scene.damping_per_mass,
+            rest: scene.initial_gap,
+            base_coupling: S::ONE,
+        })
+    }
+
+    #[inline(always)]
+    fn force_rate(&self, state: &[S; STATES], rate: &[S; STATES]) -> S {
+        let scene = self.scene;
+        let circuit = scene.circuit(state[GAP], state[CHARGE]);
+        let [by_gap, by_charge] = scene.force_law.derivatives(&circuit, scene.tribo_charge);
+        -(by_gap * state[VELOCITY] + by_charge * rate[CHARGE])
+    }
+
+    /// `(1 + c D) Q' = Λ (σ S g − Q D)` with `D = g + d_e`. The voltage at the start is that of the carried rate.
+    #[inline(always)]
+    fn stage(&self, start: &Point<S, STATES, POWERS>, displacement: S, _velocity: S) -> Stage<S> {
+        let scene = self.scene;
+        let [gap, _, charge] = start.state;
+        let at = scene.circuit(gap + displacement, charge);
+        let force = scene.force_law.expansion(&at, scene.tribo_charge);
+        let rate = self.circuit_rate;
+        if !(rate > S::ZERO) {
+            return Stage { circuit: None, force };
+        }
+        let distance = gap + scene.dielectric;
+        let inertia = |distance: S| {
+            if <P::Parasitic as Parasitic<S>>::PRESENT { S::ONE + scene.parasitic * distance } else { S::ONE }
+        };
+        // By the small opposite charge: the rounding of the total charge would add up.
+        let opposite = (scene.tribo_charge - charge) - start.remainder[CHARGE];
+        let reached = distance + displacement;
+        let circuit = CircuitEquation {
+            inertia: inertia(reached),
+            stiffness: rate * reached,
+            drive: inertia(distance) * start.derivative[CHARGE] + rate * opposite * displacement,
+        };
+        Stage { circuit: Some(circuit), force }
+    }
+
+    /// Voltage and current change with the relative distance of the electrodes.
+    #[inline(always)]
+    fn time_scale_ratio(&self, start: &[S; STATES], end: &[S; STATES]) -> S {
+        let distance = |gap: S| gap.max(S::ZERO) + self.scene.dielectric;
+        distance(end[GAP]) / distance(start[GAP])
+    }
+
+    #[inline]
+    fn beyond_layer(&self, state: &[S; STATES], rate: &[S; STATES], step: S) -> [S; STATES] {
+        let [gap, velocity, charge] = *state;
+        if !matches!(self.scene.load.resistance(), Resistance::Finite(_)) {
+            return *rate;
+        }
+        let circuit = self.scene.circuit(gap, charge);
+        let relaxation = -self.circuit_rate * circuit.voltage_by_charge;
+        let following = -circuit.voltage_by_gap / circuit.voltage_by_charge * velocity;
+        let mut settled = *rate;
+        settled[CHARGE] = coupled::beyond_boundary_layer(rate[CHARGE], following, relaxation, step);
+        settled
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least a thousandth of the initial

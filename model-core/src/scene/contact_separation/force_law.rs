@@ -20,6 +20,16 @@ pub(crate) trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
 
     /// Derivatives of the attraction per mass by the gap and by the total charge.
     fn derivatives(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 2];
+
+    /// The force per mass in m/s², minus the attraction: coefficients of 1, `ΔQ` and `ΔQ²`.
+    fn expansion(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 3];
+}
+
+/// `−(constant + slope ΔQ)²`.
+#[inline]
+fn minus_square<S: Scalar>(constant: S, slope: S) -> [S; 3] {
+    let product = constant * slope;
+    [-(constant * constant), -(product + product), -(slope * slope)]
 }
 
 /// `F_e = q² / (2 ε0 S) · (C / (C + C_p))²`, from `W = q² / (2 (C + C_p))` at fixed charge: equations (26) to (28) as
@@ -44,6 +54,12 @@ impl<S: Scalar> ForceLaw<S> for TransferredCharge {
         let by_gap = circuit.sharing * (circuit.transferred_by_gap - circuit.parasitic * shared);
         [twice * by_gap, twice * circuit.sharing * circuit.transferred_by_charge]
     }
+
+    #[inline]
+    fn expansion(&self, circuit: &Circuit<S>, _tribo_charge: S) -> [S; 3] {
+        let Circuit { transferred, transferred_by_charge, sharing, .. } = *circuit;
+        minus_square(transferred * sharing, transferred_by_charge * sharing)
+    }
 }
 
 /// `F_e = (σS − q)² / (2 ε0 S)`: the field in the gap, energy-consistent electrostatics. With this law the total
@@ -61,6 +77,11 @@ impl<S: Scalar> ForceLaw<S> for GapField {
         let twice = -(opposite + opposite);
         [twice * circuit.transferred_by_gap, twice * circuit.transferred_by_charge]
     }
+
+    #[inline]
+    fn expansion(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 3] {
+        minus_square(tribo_charge - circuit.transferred, -circuit.transferred_by_charge)
+    }
 }
 
 impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
@@ -68,5 +89,6 @@ impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
         match { Self::TransferredCharge => TransferredCharge, Self::GapField => GapField }
         #[inline] fn attraction(&self, circuit: &Circuit<S>, tribo_charge: S) -> S;
         #[inline] fn derivatives(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 2];
+        #[inline] fn expansion(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 3];
     }
 }

@@ -2,8 +2,9 @@
 
 use super::electrics::Electrics;
 use super::{BridgeRegime, ElectricalPort, Mode, POSITION, Rectified, STATES, STORAGE, VELOCITY};
-use crate::integrate::System;
+use crate::integrate::{CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
+use crate::oscillator::Oscillator;
 use crate::part::storage::StorageElement;
 use crate::scalar::Scalar;
 use crate::scene::coupled::{Derivatives, ModeFactor};
@@ -156,6 +157,54 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
                 *entry = energy;
             }
         }
+    }
+
+    const SPLIT: bool = true;
+    const CIRCUIT: usize = STORAGE;
+
+    #[inline]
+    fn oscillator(&self) -> Option<Oscillator<S>> {
+        System::<S, 3, 0>::oscillator(&self.scene.harvester.flow(self.mode.inner))
+    }
+
+    #[inline]
+    fn force_rate(&self, state: &[S; STATES], rate: &[S; STATES]) -> S {
+        let (at, own) = self.parts(state);
+        let sign: S = self.mode.regime.sign();
+        let current = sign * at.rectified(sign, state[VELOCITY]);
+        let rate = [state[VELOCITY], rate[VELOCITY], current];
+        System::<S, 3, 0>::force_rate(&self.scene.harvester.flow(self.mode.inner), &own, &rate)
+    }
+
+    /// `B' = −i_out(V_s)/C_s`, linearised about `B` at the start of the step.
+    #[inline]
+    fn stage(&self, start: &Point<S, STATES, POWERS>, displacement: S, velocity: S) -> Stage<S> {
+        let scene = self.scene;
+        let mut state = start.state;
+        state[POSITION] += displacement;
+        let at = scene.electrics(self.mode, &state);
+        let mut own =
+            Point { state: [S::ZERO; 3], remainder: [S::ZERO; 3], derivative: [S::ZERO; 3], powers: [] };
+        own.state = [start.state[POSITION], start.state[VELOCITY], at.charge];
+        let flow = scene.harvester.flow(self.mode.inner);
+        let open = System::<S, 3, 0>::stage(&flow, &own, displacement, velocity);
+        if !R::CHARGES {
+            return Stage { circuit: None, ..open };
+        }
+        let [constant, linear, quadratic] = open.force;
+        let charge_by_base = -self.mode.regime.sign::<S>() * at.charge_by_voltage;
+        let force = [constant, linear * charge_by_base, quadratic * charge_by_base * charge_by_base];
+        let stiffness = scene.fall_by_voltage(self.mode, &at) * at.share;
+        let circuit = CircuitEquation { inertia: S::ONE, stiffness, drive: -at.fall };
+        Stage { circuit: Some(circuit), force }
+    }
+
+    /// That of the harvester.
+    #[inline]
+    fn time_scale_ratio(&self, start: &[S; STATES], end: &[S; STATES]) -> S {
+        let flow = self.scene.harvester.flow(self.mode.inner);
+        let [start, end] = [start, end].map(|state| [state[POSITION], state[VELOCITY], state[super::CHARGE]]);
+        System::<S, 3, 0>::time_scale_ratio(&flow, &start, &end)
     }
 
     /// The harvester's own norm; the storage voltage relative to the threshold.

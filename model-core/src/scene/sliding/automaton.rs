@@ -25,18 +25,18 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// The load on a slider at rest per modal mass, `ω² x + κ a − F_lat/M`, and the limit of static friction, both in
     /// m/s² with their derivatives by the charge.
     #[inline(never)]
-    fn balance(&self, [displacement, _, charge]: &[S; STATES], acceleration: S) -> [[S; 2]; 2] {
-        let ahead = *displacement >= S::ZERO;
-        let circuit = self.circuit(ahead, *displacement, *charge);
-        let [lateral, lateral_by_charge] = self.lateral(ahead, *displacement, &circuit);
-        let pull = self.stiffness_per_mass * *displacement + self.base_coupling * acceleration - lateral;
+    fn balance(&self, displacement: S, charge: S, acceleration: S) -> [[S; 2]; 2] {
+        let ahead = displacement >= S::ZERO;
+        let circuit = self.circuit(ahead, displacement, charge);
+        let [lateral, lateral_by_charge] = self.lateral(ahead, displacement, &circuit);
+        let pull = self.stiffness_per_mass * displacement + self.base_coupling * acceleration - lateral;
         [[pull, -lateral_by_charge], self.static_friction(&circuit)]
     }
 
     /// The mode of a slider at rest: stick if static friction suffices, otherwise sliding against the load.
     #[inline(always)]
     pub(super) fn mode_from_rest(&self, state: &[S; STATES], acceleration: S) -> Mode {
-        let [[pull, _], [hold, _]] = self.balance(state, acceleration);
+        let [[pull, _], [hold, _]] = self.balance(state[DISPLACEMENT], state[CHARGE], acceleration);
         if Self::STICKS && pull.abs() <= hold {
             Mode::Stick
         } else {
@@ -49,15 +49,15 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// Outlined: the compiler would otherwise evaluate the excitation for it in a slide too.
     #[cold]
     #[inline(never)]
-    fn release_guard<E: Excitation<S>, const POWERS: usize>(
+    fn release_guard<E: Excitation<S>>(
         &self,
         index: usize,
-        point: &Point<S, STATES, POWERS>,
+        displacement: S,
+        [charge, charge_rate]: [S; 2],
         input: &InputAt<'_, E>,
     ) -> Guard<S> {
-        let charge_rate = point.derivative[CHARGE];
         let [[pull, pull_by_charge], [hold, hold_by_charge]] =
-            self.balance(&point.state, input.acceleration());
+            self.balance(displacement, charge, input.acceleration());
         let pull_rate = self.base_coupling * input.jerk() + pull_by_charge * charge_rate;
         let hold_rate = hold_by_charge * charge_rate;
         if index == BACKWARD {
@@ -79,7 +79,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     ) -> Jump<S, Mode, STATES> {
         let [displacement, reached, charge] = point.state;
         let state = [displacement, velocity, charge];
-        let flow = Flow { scene: self, mode };
+        let flow = Flow::new(self, mode);
         let mut derivative = System::<S, STATES, POWERS>::flow(&flow, &state, acceleration);
         derivative[CHARGE] = charge_rate;
         let half_mass = S::from_f64(0.5) * self.modal_mass;
@@ -90,13 +90,13 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             remainder: [S::ZERO; STATES],
             derivative,
             loss,
-            armed: velocity != S::ZERO || mode == Mode::Stick,
+            armed: velocity != S::ZERO || matches!(mode, Mode::Stick),
         }
     }
 
     /// The rate of the charge after an event, for a step of length `step` in s, from the rate `before` the event.
     #[inline(never)]
-    fn charge_rate_from(&self, before: S, mode: Mode, state: &[S; STATES], step: S) -> S {
+    pub(super) fn charge_rate_from(&self, before: S, mode: Mode, state: &[S; STATES], step: S) -> S {
         if !matches!(self.load.resistance(), Resistance::Finite(_)) {
             return S::ZERO;
         }
@@ -117,7 +117,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
 
     #[inline(always)]
     fn flow(&self, mode: Mode) -> Flow<'_, S, P> {
-        Flow { scene: self, mode }
+        Flow::new(self, mode)
     }
 
     #[inline(always)]
@@ -136,7 +136,10 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
     ) -> Guard<S> {
         let (forward, ahead) = match mode {
             Mode::Sliding { forward, ahead } => (forward, ahead),
-            Mode::Stick if Self::STICKS => return self.release_guard(index, point, input),
+            Mode::Stick if Self::STICKS => {
+                let [displacement, _, charge] = point.state;
+                return self.release_guard(index, displacement, [charge, point.derivative[CHARGE]], input);
+            }
             Mode::Stick => (true, true),
         };
         let [displacement, velocity, _] = point.state;
@@ -188,12 +191,19 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
             }
             Mode::Sliding { forward, ahead } if index == CORNER => {
                 let mode = Mode::Sliding { forward, ahead: !ahead };
-                let after = self.charge_rate_from(rate, mode, &point.state, step);
-                self.jump_to(mode, velocity, after, point, acceleration)
+                // At the corner nothing cancels in the voltage of the charge.
+                let circuit = self.circuit(!ahead, displacement, charge);
+                let flowing = self.circuit_rate * circuit.voltage;
+                let before = if step > S::ZERO { rate } else { flowing };
+                let after = self.charge_rate_from(before, mode, &point.state, step);
+                let mut jump = self.jump_to(mode, velocity, after, point, acceleration);
+                // On the far side of the corner the guard then rises from zero.
+                jump.state[DISPLACEMENT] = S::ZERO;
+                jump
             }
             Mode::Sliding { .. } | Mode::Stick => {
                 let mode = self.mode_from_rest(&rest, acceleration);
-                let frozen = mode == Mode::Stick && !self.sticking.relaxes();
+                let frozen = matches!(mode, Mode::Stick) && !self.sticking.relaxes();
                 let after = if frozen { S::ZERO } else { self.charge_rate_from(rate, mode, &rest, step) };
                 self.jump_to(mode, S::ZERO, after, point, acceleration)
             }
@@ -215,7 +225,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         outputs.voltage = voltage;
         let [mechanical, electrical] = self.energies(mode, point.state);
         outputs.stored = StoredEnergy { mechanical, electrical };
-        outputs.stick = mode == Mode::Stick;
+        outputs.stick = matches!(mode, Mode::Stick);
         outputs.mode = mode.number();
         outputs
     }
@@ -282,7 +292,8 @@ mod tests {
         state: &HybridState<f64, Mode, STATES, 1>,
         [amplitude, frequency]: [f64; 2],
     ) -> Option<f64> {
-        let [[constant, _], [hold, _]] = scene.balance(&state.point.state, 0.0);
+        let [[constant, _], [hold, _]] =
+            scene.balance(state.point.state[DISPLACEMENT], state.point.state[CHARGE], 0.0);
         let amplitude = scene.base_coupling * amplitude;
         let phase = (state.clock.seconds::<f64>() * frequency).fract();
         let ahead = |angle: f64| (angle / core::f64::consts::TAU - phase).rem_euclid(1.0);

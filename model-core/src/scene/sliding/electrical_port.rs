@@ -38,11 +38,11 @@ impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
 
     #[inline]
     fn charge_is_frozen(&self, mode: Mode) -> bool {
-        Self::STICKS && mode == Mode::Stick && !self.sticking.relaxes()
+        Self::STICKS && matches!(mode, Mode::Stick) && !self.sticking.relaxes()
     }
 
     #[inline]
     fn is_clear(&self, mode: Mode, state: &[S; STATES]) -> bool {
-        mode == Mode::Stick || state[VELOCITY].abs() > self.velocity_margin
+        matches!(mode, Mode::Stick) || state[VELOCITY].abs() > self.velocity_margin
     }
 }

@@ -4,8 +4,9 @@ use super::force_law::ForceLaw;
 use super::lateral_force::LateralForce;
 use super::mode::Mode;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
-use crate::integrate::System;
+use crate::integrate::{CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
+use crate::oscillator::Oscillator;
 use crate::part::disc_overlap::DiscOverlap;
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
@@ -112,6 +113,18 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         [self.weight_per_mass + acting * per_charge, by_charge]
     }
 
+    /// Normal force per modal mass in m/s²: coefficients of 1, `Δq` and `Δq²`.
+    #[inline(always)]
+    fn normal_expansion(&self, circuit: &Circuit<S>) -> [S; 3] {
+        let [acting, by_charge] = self.force_law.acting_charge(circuit.transferred, &self.surface);
+        let per_charge = acting * circuit.per_active;
+        let constant = self.weight_per_mass + acting * per_charge;
+        if self.is_shorted() {
+            return [constant, S::ZERO, S::ZERO];
+        }
+        [constant, (per_charge + per_charge) * by_charge, by_charge * by_charge * circuit.per_active]
+    }
+
     /// Derivative of the normal force per modal mass by the displacement.
     #[inline(always)]
     fn normal_by_displacement(&self, circuit: &Circuit<S>, slope: &Slope<S>) -> S {
@@ -175,7 +188,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// `V_oc` at a small resistance.
     #[inline(always)]
     pub(super) fn voltage_and_current(&self, mode: Mode, state: &[S; STATES], rate: &[S; STATES]) -> (S, S) {
-        if Self::STICKS && mode == Mode::Stick && !self.sticking.relaxes() {
+        if Self::STICKS && matches!(mode, Mode::Stick) && !self.sticking.relaxes() {
             return (S::ZERO, S::ZERO);
         }
         let [displacement, velocity, charge] = *state;
@@ -212,34 +225,71 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
 /// The flow of one mode.
 #[derive(Debug, Clone, Copy)]
 pub struct Flow<'a, S: Scalar, P: Parts<S>> {
-    pub(super) scene: &'a Sliding<S, P>,
-    pub(super) mode: Mode,
+    scene: &'a Sliding<S, P>,
+    mode: Mode,
+    /// Rate of the charge per unit of voltage: 0 unless a resistor carries current in this mode.
+    circuit_rate: S,
+    /// The sign of the velocity.
+    direction: S,
 }
 
-impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
+impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
+    #[inline(always)]
+    pub(super) fn new(scene: &'a Sliding<S, P>, mode: Mode) -> Self {
+        let frozen = Sliding::<S, P>::STICKS && matches!(mode, Mode::Stick) && !scene.sticking.relaxes();
+        let circuit_rate = match scene.load.resistance() {
+            Resistance::Finite(_) if !frozen => scene.circuit_rate,
+            _ => S::ZERO,
+        };
+        let backward = matches!(mode, Mode::Sliding { forward: false, .. });
+        Self { scene, mode, circuit_rate, direction: if backward { -S::ONE } else { S::ONE } }
+    }
+
     /// Whether the slider sticks; if it never does, the compiler removes the code of the stick.
     #[inline(always)]
     fn is_stick(&self) -> bool {
-        Sliding::<S, P>::STICKS && self.mode == Mode::Stick
+        Sliding::<S, P>::STICKS && matches!(self.mode, Mode::Stick)
     }
 
-    /// Rate of the charge per unit of voltage: 0 unless a resistor carries current in this mode.
+    /// Friction and lateral force per modal mass while the slider slides.
     #[inline(always)]
-    fn circuit_rate(&self) -> S {
-        let frozen = self.is_stick() && !self.scene.sticking.relaxes();
-        match self.scene.load.resistance() {
-            Resistance::Finite(_) if !frozen => self.scene.circuit_rate,
-            _ => S::ZERO,
+    fn force_of(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> S {
+        let scene = self.scene;
+        let [lateral, _] = scene.lateral(ahead, displacement, circuit);
+        if !<P::Friction as Friction<S>>::PRESENT {
+            return lateral;
         }
+        let coefficient = scene.friction.kinetic_coefficient(circuit.overlap.active);
+        let [normal, _] = scene.normal(circuit);
+        lateral - self.direction * coefficient * normal
     }
 
-    /// The sign of the velocity in this mode.
+    /// The force of [`Flow::force_of`]: coefficients of 1, `Δq` and `Δq²`.
     #[inline(always)]
-    fn direction(&self) -> S {
-        match self.mode {
-            Mode::Sliding { forward: false, .. } => -S::ONE,
-            Mode::Sliding { forward: true, .. } | Mode::Stick => S::ONE,
+    fn force_expansion(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> [S; 3] {
+        let scene = self.scene;
+        let mut force = [S::ZERO; 3];
+        if scene.lateral_force.acts() {
+            // d (ds1/dx) V (V + 2t) with V = V₀ − Δq/s1.
+            let weight = scene.dielectric * scene.active_by_displacement(ahead, displacement);
+            let tribo = scene.surface.tribo_charge;
+            let [voltage, slope] = [circuit.voltage, -circuit.per_active];
+            let twice = S::from_f64(2.0) * (voltage + tribo);
+            let slope = if scene.is_shorted() { S::ZERO } else { slope };
+            force = [
+                weight * voltage * (voltage + tribo + tribo),
+                weight * slope * twice,
+                weight * slope * slope,
+            ];
         }
+        if <P::Friction as Friction<S>>::PRESENT {
+            let coefficient = self.direction * scene.friction.kinetic_coefficient(circuit.overlap.active);
+            let [constant, linear, quadratic] = scene.normal_expansion(circuit);
+            force[0] -= coefficient * constant;
+            force[1] -= coefficient * linear;
+            force[2] -= coefficient * quadratic;
+        }
+        force
     }
 
     /// Derivatives of force and current while the slider slides.
@@ -249,10 +299,10 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         let [displacement, _, charge] = *state;
         let ahead = self.mode.is_ahead(displacement);
         let circuit = scene.circuit(ahead, displacement, charge);
-        let rate = self.circuit_rate();
+        let rate = self.circuit_rate;
         let slope = scene.slope(ahead, displacement, &circuit);
-        let coefficient = self.direction() * scene.friction.kinetic_coefficient(circuit.overlap.active);
-        let by_share = self.direction() * scene.friction.kinetic_by_share();
+        let coefficient = self.direction * scene.friction.kinetic_coefficient(circuit.overlap.active);
+        let by_share = self.direction * scene.friction.kinetic_by_share();
         let [normal, normal_by_charge] = scene.normal(&circuit);
         let [_, lateral_by_charge] = scene.lateral(ahead, displacement, &circuit);
         let friction_by_displacement =
@@ -298,7 +348,7 @@ impl<S: Scalar, P: Parts<S>> Flow<'_, S, P> {
         powers[PowerIndex::Base as usize] = base;
         powers[PowerIndex::BaseMagnitude as usize] = base.abs();
         powers[PowerIndex::Dissipation as usize] =
-            momentum * (scene.damping_per_mass * velocity + self.direction() * coefficient * normal);
+            momentum * (scene.damping_per_mass * velocity + self.direction * coefficient * normal);
         powers[PowerIndex::ElectrostaticWork as usize] =
             if scene.lateral_force.acts() { field_work } else { S::ZERO };
         powers[PowerIndex::FieldWork as usize] = field_work;
@@ -315,18 +365,13 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let [displacement, velocity, charge] = *state;
         let ahead = self.mode.is_ahead(displacement);
         let circuit = scene.circuit(ahead, displacement, charge);
-        let charge_rate = self.circuit_rate() * circuit.voltage;
+        let charge_rate = self.circuit_rate * circuit.voltage;
         if self.is_stick() {
             return [S::ZERO, S::ZERO, charge_rate];
         }
-        let mut force = scene.damping_per_mass * velocity + scene.stiffness_per_mass * displacement;
-        if <P::Friction as Friction<S>>::PRESENT {
-            let coefficient = scene.friction.kinetic_coefficient(circuit.overlap.active);
-            let [normal, _] = scene.normal(&circuit);
-            force += self.direction() * coefficient * normal;
-        }
-        let [lateral, _] = scene.lateral(ahead, displacement, &circuit);
-        [velocity, lateral - force - scene.base_coupling * acceleration, charge_rate]
+        let linear = scene.damping_per_mass * velocity + scene.stiffness_per_mass * displacement;
+        let force = self.force_of(ahead, displacement, &circuit) - linear;
+        [velocity, force - scene.base_coupling * acceleration, charge_rate]
     }
 
     #[inline(always)]
@@ -338,7 +383,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let overlap = self.scene.overlap(self.mode.is_ahead(displacement), displacement);
         // (t s2 − q) = s1 V stays finite for separate discs, without 0/0.
         let excess = self.scene.surface.tribo_charge * overlap.inert - base[CHARGE];
-        let rate = weight * self.circuit_rate();
+        let rate = weight * self.circuit_rate;
         increment[CHARGE] = rate * excess / (overlap.active + rate);
     }
 
@@ -350,11 +395,81 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let Resistance::Finite(resistance) = scene.load.resistance() else { return S::ZERO };
         let [displacement, _, charge] = *state;
         let overlap = scene.overlap(self.mode.is_ahead(displacement), displacement);
-        let stiffness = step * self.circuit_rate();
+        let stiffness = step * self.circuit_rate;
         let share = stiffness / (overlap.active + stiffness);
         let rounding = S::EPSILON * S::from_f64(ROUNDINGS) * charge.abs() * share;
         let current = rate[CHARGE].abs();
         resistance * scene.charge_unit * scene.charge_unit * (current + current + rounding / step) * rounding
+    }
+
+    const SPLIT: bool = true;
+
+    #[inline(always)]
+    fn oscillator(&self) -> Option<Oscillator<S>> {
+        let scene = self.scene;
+        (!self.is_stick()).then_some(Oscillator {
+            stiffness: scene.stiffness_per_mass,
+            damping: scene.damping_per_mass,
+            rest: S::ZERO,
+            base_coupling: scene.base_coupling,
+        })
+    }
+
+    /// Of the friction, to a few per cent: it only predicts the force, which is then evaluated. The lateral force is
+    /// small and not predicted.
+    #[inline(always)]
+    fn force_rate(&self, state: &[S; STATES], rate: &[S; STATES]) -> S {
+        let scene = self.scene;
+        if !<P::Friction as Friction<S>>::PRESENT {
+            return S::ZERO;
+        }
+        let [displacement, velocity, charge] = *state;
+        let ahead = self.mode.is_ahead(displacement);
+        let circuit = scene.circuit(ahead, displacement, charge);
+        let by_xi = DiscOverlap::rough_active_by_xi(scene.xi(ahead, displacement)) * scene.per_diameter;
+        let active_rate = if ahead { by_xi } else { -by_xi } * velocity;
+        let coefficient = scene.friction.kinetic_coefficient(circuit.overlap.active);
+        let [acting, by_charge] = scene.force_law.acting_charge(circuit.transferred, &scene.surface);
+        let per_charge = acting * circuit.per_active;
+        // In a short circuit the charge follows: dq/dt = −t ds1/dt.
+        let current =
+            if scene.is_shorted() { -scene.surface.tribo_charge * active_rate } else { rate[CHARGE] };
+        let attraction_rate = per_charge * ((by_charge + by_charge) * current - per_charge * active_rate);
+        let normal = scene.weight_per_mass + acting * per_charge;
+        let by_share = scene.friction.kinetic_by_share() * active_rate;
+        -self.direction * (by_share * normal + coefficient * attraction_rate)
+    }
+
+    /// `s1 q' = Λ (t s2 − q)`. The voltage at the start is that of the carried rate.
+    #[inline(always)]
+    fn stage(&self, start: &Point<S, STATES, POWERS>, displacement: S, _velocity: S) -> Stage<S> {
+        let scene = self.scene;
+        let [from, _, charge] = start.state;
+        let ahead = self.mode.is_ahead(from);
+        let position = from + displacement;
+        let at = scene.circuit(ahead, position, charge);
+        let force = self.force_expansion(ahead, position, &at);
+        let rate = self.circuit_rate;
+        if !(rate > S::ZERO) {
+            return Stage { circuit: None, force };
+        }
+        let (before, reached) = (scene.overlap(ahead, from), &at.overlap);
+        let circuit = CircuitEquation {
+            inertia: reached.active,
+            stiffness: rate,
+            drive: before.active * start.derivative[CHARGE]
+                + rate * scene.surface.tribo_charge * (reached.inert - before.inert),
+        };
+        Stage { circuit: Some(circuit), force }
+    }
+
+    #[inline]
+    fn beyond_layer(&self, state: &[S; STATES], rate: &[S; STATES], step: S) -> [S; STATES] {
+        let mut settled = *rate;
+        if !self.is_stick() {
+            settled[CHARGE] = self.scene.charge_rate_from(rate[CHARGE], self.mode, state, step);
+        }
+        settled
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the patch's

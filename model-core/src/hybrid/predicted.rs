@@ -1,0 +1,224 @@
+//! A step of a method that predicts the motion: its event is located on the prediction, before the circuit is solved.
+
+use super::attempt::Attempts;
+use super::{Automaton, Guard};
+use crate::clock::seconds_of_ticks;
+use crate::excitation::Excitation;
+use crate::integrate::{Method, NotConverged, Point, Trial};
+use crate::scalar::{Scalar, add_increment};
+
+/// Most attempts after the first to reach an event. Each is a Newton step from the attempt before; one or two suffice.
+const MOST_CORRECTIONS: u32 = 8;
+/// Most predictions to locate an event.
+const MOST_PREDICTIONS: u32 = 12;
+/// The least value of a guard along its cubic, relative to its values at both ends, below which the prediction is
+/// evaluated there. The cubic's own error is a hundredth of this.
+const NEAR_ZERO: f64 = 1.0 / 64.0;
+
+impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: usize, const P: usize>
+    Attempts<'_, S, A, E, M, N, P>
+{
+    /// Attempts the step of `search`, or to the first guard that falls along the predicted motion.
+    #[inline(always)]
+    pub(super) fn attempt_to_event(&self, search: &mut Search<S>) -> Result<Trial<S, N, P>, NotConverged> {
+        // One call of `predict` and one of `attempt`, which are long and inlined.
+        loop {
+            let prediction = self.predict(search.ticks);
+            if let Some(predicted) = &prediction
+                && search.left > 0
+                && self.continues(search, predicted)
+            {
+                continue;
+            }
+            search.predicted = prediction.is_some();
+            return self.attempt(search.ticks, prediction.as_ref());
+        }
+    }
+
+    /// Whether an attempted step must be repeated with [`Search::ticks`] to end at the fall of a guard.
+    #[inline(always)]
+    pub(super) fn must_repeat(&self, trial: &mut Trial<S, N, P>, search: &mut Search<S>) -> bool {
+        let fallen = match search.event {
+            None if search.predicted => self.fallen(&trial.end, search.ticks),
+            None => match self.first_fall(&trial.end, search.ticks, 0) {
+                Some((index, theta)) => return search.approach(index, theta),
+                None => None,
+            },
+            event => event,
+        };
+        match fallen {
+            Some(index) => search.reach(&self.guard(index, &trial.end, search.ticks), index, trial),
+            None => false,
+        }
+    }
+
+    /// Whether the search for an event along the predicted motion needs a prediction of [`Search::ticks`].
+    #[inline(always)]
+    fn continues(&self, search: &mut Search<S>, prediction: &M::Prediction) -> bool {
+        let end = self.predicted_end(search.ticks, prediction);
+        match search.event {
+            None => match self.predicted_fall(search.ticks, &end) {
+                Some((index, theta)) => search.approach(index, theta),
+                None => false,
+            },
+            Some(index) => search.advance(&self.guard(index, &end, search.ticks)),
+        }
+    }
+
+    /// The guard that falls first along the predicted motion to `point`, and a guess of the fraction of the step at
+    /// which it falls.
+    #[inline(always)]
+    fn predicted_fall(&self, ticks: u32, point: &Point<S, N, P>) -> Option<(usize, S)> {
+        let mut first: Option<(usize, S)> = None;
+        let step = seconds_of_ticks(ticks);
+        self.each_guard(|index| {
+            let end = self.guard(index, point, ticks);
+            if end.value > S::ZERO && !(end.rate > S::ZERO) {
+                return false;
+            }
+            let start = self.guard(index, self.start, 0);
+            if end.value > S::ZERO && !(start.rate < S::ZERO) {
+                return false;
+            }
+            let margin = S::from_f64(NEAR_ZERO) * (start.value + end.value);
+            if let Some(theta) = start.until(&end, step).approximate_fall(margin)
+                && first.is_none_or(|(_, earliest)| theta < earliest)
+            {
+                first = Some((index, theta));
+            }
+            false
+        });
+        first
+    }
+}
+
+/// The search for the event at the end of a step.
+pub(super) struct Search<S> {
+    /// Length of the step.
+    pub(super) ticks: u32,
+    /// The guard that falls at its end.
+    pub(super) event: Option<usize>,
+    /// Whether the motion is predicted.
+    predicted: bool,
+    /// The bracket along the predicted motion, in ticks: the guard is above zero at `short`.
+    short: u32,
+    far: u32,
+    /// The longest step.
+    most: u32,
+    /// Predictions left.
+    left: u32,
+    /// Attempts left.
+    corrections: u32,
+    /// In rad/s, of the motion.
+    angular_frequency: S,
+}
+
+impl<S: Scalar> Search<S> {
+    /// Of a step of at most `ticks`.
+    pub(super) fn within(ticks: u32, angular_frequency: S) -> Self {
+        Self {
+            ticks,
+            event: None,
+            predicted: false,
+            short: 0,
+            far: ticks,
+            most: ticks,
+            left: MOST_PREDICTIONS,
+            corrections: MOST_CORRECTIONS,
+            angular_frequency,
+        }
+    }
+
+    /// Whether the square of a time in radians of the motion is below a rounding.
+    fn is_near(&self, seconds: S) -> bool {
+        let radians = seconds * self.angular_frequency;
+        radians * radians <= S::EPSILON
+    }
+
+    /// Continues at the fraction `theta` of the step, near which guard `index` falls.
+    #[cold]
+    fn approach(&mut self, index: usize, theta: S) -> bool {
+        self.event = Some(index);
+        self.ticks = (theta * S::from_u32(self.ticks)).to_u32().max(1).min(self.ticks);
+        true
+    }
+
+    /// Takes the guard at the end of a prediction. Returns whether another prediction is needed.
+    #[cold]
+    #[inline(never)]
+    fn advance(&mut self, guard: &Guard<S>) -> bool {
+        let Guard { value, rate } = *guard;
+        let missing = value / -rate;
+        self.left -= 1;
+        if rate < S::ZERO && self.is_near(missing) || self.far - self.short <= 1 {
+            self.left = 0;
+            return false;
+        }
+        if value > S::ZERO && !(rate < S::ZERO) {
+            // The guard has passed a minimum above zero. The step ends here: it is not predicted again.
+            self.event = None;
+            return false;
+        }
+        if value > S::ZERO {
+            self.short = self.ticks;
+        } else {
+            self.far = self.ticks;
+        }
+        let there = ticks_after(self.ticks, missing);
+        let inside = rate < S::ZERO && there > self.short && there < self.far;
+        self.ticks = if inside { there } else { self.short + (self.far - self.short) / 2 };
+        true
+    }
+
+    /// Takes guard `index` at the end of an attempt. Returns whether another attempt is needed.
+    #[cold]
+    #[inline(never)]
+    fn reach<const N: usize, const P: usize>(
+        &mut self,
+        guard: &Guard<S>,
+        index: usize,
+        trial: &mut Trial<S, N, P>,
+    ) -> bool {
+        let missing = guard.value / -guard.rate;
+        let there = ticks_after(self.ticks, missing);
+        self.left = 0;
+        self.event = (guard.value <= S::ZERO).then_some(index);
+        if !(guard.rate < S::ZERO) || there > self.most {
+            // A graze, or an event beyond the end of the step.
+            return false;
+        }
+        if self.is_near(missing) {
+            extend(trial, missing);
+            (self.ticks, self.event) = (there, Some(index));
+            return false;
+        }
+        if self.corrections == 0 {
+            return false;
+        }
+        self.corrections -= 1;
+        (self.ticks, self.event) = (there, Some(index));
+        true
+    }
+}
+
+/// Extends a step by `missing` seconds, which may be negative, along its derivative at the end.
+///
+/// The time is so short that its square, in radians of the motion, is below a rounding.
+#[inline(always)]
+fn extend<S: Scalar, const N: usize, const P: usize>(trial: &mut Trial<S, N, P>, missing: S) {
+    let end = &mut trial.end;
+    for i in 0..N {
+        (end.state[i], end.remainder[i]) =
+            add_increment(end.state[i], end.remainder[i], missing * end.derivative[i]);
+    }
+    for (energy, &power) in trial.energies.iter_mut().zip(&end.powers) {
+        *energy += missing * power;
+    }
+}
+
+/// `ticks` and `missing` seconds, which may be negative, in ticks; at least 1.
+#[inline(always)]
+fn ticks_after<S: Scalar>(ticks: u32, missing: S) -> u32 {
+    let moved = (missing.abs() / seconds_of_ticks(1) + S::from_f64(0.5)).to_u32();
+    if missing < S::ZERO { ticks.saturating_sub(moved).max(1) } else { ticks.saturating_add(moved) }
+}
