@@ -206,7 +206,7 @@ pub struct HybridState<S, Mode, const N: usize, const P: usize> {
     pub point: Point<S, N, P>,
     armed: bool,
     control: ControlMemory<S>,
-    /// Ticks since the last event, saturating.
+    /// Ticks since the start or the last event, saturating.
     since_event: u32,
     /// Number of successive events, each within a nanosecond of the event before.
     crowded_events: u8,
@@ -227,7 +227,7 @@ impl<S: Scalar, Mode: Copy, const N: usize, const P: usize> HybridState<S, Mode,
             point: Point::at(&automaton.flow(mode), state, input),
             armed: true,
             control: control.start(&automaton.error_scale()),
-            since_event: u32::MAX,
+            since_event: 0,
             crowded_events: 0,
         }
     }

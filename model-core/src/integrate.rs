@@ -8,6 +8,7 @@
 //! The length of a step is a whole number of clock ticks of 2⁻⁴⁰ s. A method requests the input `u` at a
 //! number of ticks into the step. This module contains no absolute time, no events and no physics.
 
+mod boundary_layer;
 pub(crate) mod control_memory;
 pub(crate) mod cubic;
 pub(crate) mod discrete_gradient;
@@ -24,6 +25,7 @@ use crate::oscillator::{Kernel, Oscillator, Response};
 use crate::scalar::Scalar;
 use crate::snapshot::snapshot_fields;
 
+pub use boundary_layer::BoundaryLayer;
 pub use cubic::Cubic;
 pub use exponential_radau::ExponentialRadau;
 pub use linear::DenseFactor;
@@ -133,11 +135,17 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         S::ONE
     }
 
-    /// The derivative at `state` for a step of `step` seconds that begins with a jump: beyond the boundary layer of a
-    /// circuit that is much faster than the step.
+    /// The boundary layer of the circuit at `state`, as after a jump; `None` if the circuit has no time constant.
     #[inline(always)]
-    fn beyond_layer(&self, _state: &[S; N], derivative: &[S; N], _step: S) -> [S; N] {
-        *derivative
+    fn boundary_layer(&self, _state: &[S; N]) -> Option<BoundaryLayer<S>> {
+        None
+    }
+
+    /// The integral of each power that is quadratic in the rate of the circuit, for an integral `square` of the squared
+    /// rate.
+    #[inline(always)]
+    fn quadratic_energies(&self, _square: S) -> [S; P] {
+        [S::ZERO; P]
     }
 
     /// The norm of a small change of the state, relative to the scale of the state.
@@ -289,11 +297,14 @@ impl<S: Scalar, I, const N: usize, const P: usize> Attempt<'_, S, I, N, P> {
     #[inline(always)]
     fn settled_derivative<Y: System<S, N, P>>(&self, system: &Y) -> [S; N] {
         let Point { state, derivative, .. } = self.start;
-        if self.after_jump {
-            system.beyond_layer(state, derivative, seconds_of_ticks(self.ticks))
-        } else {
-            *derivative
+        let mut settled = *derivative;
+        if self.after_jump
+            && let Some(layer) = system.boundary_layer(state)
+        {
+            let rate = &mut settled[Y::CIRCUIT];
+            *rate = layer.settled(*rate, seconds_of_ticks(self.ticks));
         }
+        settled
     }
 }
 

@@ -8,6 +8,8 @@
 //! which leaves two equations for velocity and charge. The position is linear in the velocity, and the charge
 //! equation is linear in the charge at a given position, so Newton iterates on the velocity alone.
 
+use crate::observer::{ALL_POWERS, PowerIndex};
+use crate::part::load::Resistance;
 use crate::scalar::Scalar;
 
 /// Number of states: position in m, velocity in m/s, charge in units of the scene.
@@ -162,15 +164,18 @@ pub(crate) fn error_norm<S: Scalar>(
     (motion * per_amplitude).max(change[CHARGE].abs() * per_charge)
 }
 
-/// The rate of a charge just after a disturbance of its circuit, for a step of length `step` in s.
-///
-/// The rate itself is `before`. In a fast circuit the charge follows the position after a boundary layer of the time
-/// constant `1/relaxation`, and a step `h` much longer than that must start with the rate beyond the layer,
-/// `following`. The weight of `following` is of third order in `h · relaxation / 10`, so that both limits are exact.
-#[inline(always)]
-pub(crate) fn beyond_boundary_layer<S: Scalar>(before: S, following: S, relaxation: S, step: S) -> S {
-    let thickness = S::from_f64(0.1) * step * relaxation;
-    let weight = thickness * thickness * thickness;
-    // Above this weight `before` is negligible, and the weight might overflow.
-    if weight > S::from_f64(1e9) { following } else { (before + weight * following) / (S::ONE + weight) }
+/// The energies of [`crate::integrate::System::quadratic_energies`] in a resistor; `charge_unit` in C.
+#[inline]
+pub(crate) fn quadratic_energies<S: Scalar>(
+    resistance: Resistance<S>,
+    charge_unit: S,
+    square: S,
+) -> [S; ALL_POWERS] {
+    let mut energies = [S::ZERO; ALL_POWERS];
+    if let Resistance::Finite(resistance) = resistance {
+        let energy = resistance * charge_unit * charge_unit * square;
+        energies[PowerIndex::Load as usize] = energy;
+        energies[PowerIndex::VoltageSquared as usize] = resistance * energy;
+    }
+    energies
 }

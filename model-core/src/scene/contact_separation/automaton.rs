@@ -151,10 +151,9 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
             // The rate is continuous, since it depends on gap and charge only, and the value of the previous stage is
             // more accurate than the flow's difference. But the rate `∂Q_eq/∂g · v` of a charge that follows the gap
             // changes its sign with the velocity.
-            jump.derivative[CHARGE] = point.derivative[CHARGE];
-            let flow = Flow::new(self, mode);
-            jump.derivative =
-                System::<S, STATES, POWERS>::beyond_layer(&flow, &jump.state, &jump.derivative, step);
+            let layer = System::<S, STATES, POWERS>::boundary_layer(&Flow::new(self, mode), &jump.state);
+            let before = point.derivative[CHARGE];
+            jump.derivative[CHARGE] = layer.map_or(before, |layer| layer.settled(before, step));
         }
         jump
     }

@@ -4,7 +4,7 @@ use super::circuit::Circuit;
 use super::force_law::ForceLaw;
 use super::mode::Mode;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
-use crate::integrate::{CircuitEquation, Point, Stage, System};
+use crate::integrate::{BoundaryLayer, CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
 use crate::oscillator::Oscillator;
 use crate::part::load::{Load, Resistance};
@@ -203,17 +203,19 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     }
 
     #[inline]
-    fn beyond_layer(&self, state: &[S; STATES], rate: &[S; STATES], step: S) -> [S; STATES] {
-        let [gap, velocity, charge] = *state;
+    fn boundary_layer(&self, state: &[S; STATES]) -> Option<BoundaryLayer<S>> {
         if !matches!(self.scene.load.resistance(), Resistance::Finite(_)) {
-            return *rate;
+            return None;
         }
-        let circuit = self.scene.circuit(gap, charge);
-        let relaxation = -self.circuit_rate * circuit.voltage_by_charge;
-        let following = -circuit.voltage_by_gap / circuit.voltage_by_charge * velocity;
-        let mut settled = *rate;
-        settled[CHARGE] = coupled::beyond_boundary_layer(rate[CHARGE], following, relaxation, step);
-        settled
+        let circuit = self.scene.circuit(state[GAP], state[CHARGE]);
+        let following = -circuit.voltage_by_gap / circuit.voltage_by_charge * state[VELOCITY];
+        Some(BoundaryLayer { relaxation: -self.circuit_rate * circuit.voltage_by_charge, following })
+    }
+
+    #[inline]
+    fn quadratic_energies(&self, square: S) -> [S; POWERS] {
+        let scene = self.scene;
+        first_powers(&coupled::quadratic_energies(scene.load.resistance(), scene.charge_unit, square))
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least a thousandth of the initial

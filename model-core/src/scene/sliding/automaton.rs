@@ -5,11 +5,10 @@ use super::mode::Mode;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};
-use crate::integrate::{ErrorScale, Point, System};
+use crate::integrate::{BoundaryLayer, ErrorScale, Point, System};
 use crate::observer::{Motion, Outputs, StoredEnergy};
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
-use crate::scene::coupled;
 
 /// Guard of [`Mode::Sliding`] for the corner of the overlap, zero displacement; the other guard is zero velocity.
 const CORNER: usize = 0;
@@ -94,17 +93,22 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
     }
 
-    /// The rate of the charge after an event, for a step of length `step` in s, from the rate `before` the event.
+    /// The boundary layer of the circuit at a state; `None` without a resistor.
     #[inline(never)]
-    pub(super) fn charge_rate_from(&self, before: S, mode: Mode, state: &[S; STATES], step: S) -> S {
+    pub(super) fn boundary_layer(&self, mode: Mode, state: &[S; STATES]) -> Option<BoundaryLayer<S>> {
         if !matches!(self.load.resistance(), Resistance::Finite(_)) {
-            return S::ZERO;
+            return None;
         }
         let [displacement, velocity, charge] = *state;
         let ahead = mode.is_ahead(displacement);
         let relaxation = self.relaxation(&self.circuit(ahead, displacement, charge));
-        let following = self.following_current(ahead, displacement, velocity);
-        coupled::beyond_boundary_layer(before, following, relaxation, step)
+        Some(BoundaryLayer { relaxation, following: self.following_current(ahead, displacement, velocity) })
+    }
+
+    /// The rate of the charge after an event, for a step of length `step` in s, from the rate `before` the event.
+    #[inline]
+    fn charge_rate_from(&self, before: S, mode: Mode, state: &[S; STATES], step: S) -> S {
+        self.boundary_layer(mode, state).map_or(S::ZERO, |layer| layer.settled(before, step))
     }
 }
 

@@ -4,7 +4,7 @@ use super::force_law::ForceLaw;
 use super::lateral_force::LateralForce;
 use super::mode::Mode;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
-use crate::integrate::{CircuitEquation, Point, Stage, System};
+use crate::integrate::{BoundaryLayer, CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
 use crate::oscillator::Oscillator;
 use crate::part::disc_overlap::DiscOverlap;
@@ -464,12 +464,14 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     }
 
     #[inline]
-    fn beyond_layer(&self, state: &[S; STATES], rate: &[S; STATES], step: S) -> [S; STATES] {
-        let mut settled = *rate;
-        if !self.is_stick() {
-            settled[CHARGE] = self.scene.charge_rate_from(rate[CHARGE], self.mode, state, step);
-        }
-        settled
+    fn boundary_layer(&self, state: &[S; STATES]) -> Option<BoundaryLayer<S>> {
+        if self.is_stick() { None } else { self.scene.boundary_layer(self.mode, state) }
+    }
+
+    #[inline]
+    fn quadratic_energies(&self, square: S) -> [S; POWERS] {
+        let scene = self.scene;
+        first_powers(&coupled::quadratic_energies(scene.load.resistance(), scene.charge_unit, square))
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the patch's
