@@ -3,6 +3,7 @@
 //! Every choice that firmware makes at compile time is made here at run time, by the core's `Any…`
 //! types; precision and elementary functions are type parameters and dispatched below.
 
+mod auto;
 mod bridge;
 mod bump_stop;
 mod contact_separation;
@@ -24,13 +25,14 @@ use harvester_scene::method::{Failure, Math, Method, Options, Precision};
 use harvester_scene::outcome::Outcome;
 use harvester_scene::scene_file::{Model, Scene};
 
+pub use auto::{DEFAULT_ACCURACY, tolerance as tolerance_for};
 pub use bump_stop::{DeflectedShape, deflected_shapes, parameters as bump_stop_parameters};
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use sliding::parameters as sliding_parameters;
 pub use store_in_loop::{Midnight, StoreInLoop, Stretch};
 pub use whole_day::{Daily, WholeDay, whole_day};
 
-/// Relative tolerance per radian where neither step nor tolerance is given.
+/// Relative tolerance per radian of TR-BDF2 where neither step nor tolerance is given.
 pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// Runs a scene on the embedded core.
@@ -124,11 +126,11 @@ pub fn precision_name<S: Scalar>() -> &'static str {
     if size_of::<S>() == 4 { "f32" } else { "f64" }
 }
 
-/// The method that runs, as the command line writes it.
+/// The method that runs a triboelectric scene, as the command line writes it.
 fn method_name(method: Method) -> &'static str {
     match method {
-        Method::ExponentialRadau => "exponential-radau",
-        Method::Auto | Method::TrBdf2 => "tr-bdf2",
+        Method::Auto | Method::ExponentialRadau => "exponential-radau",
+        Method::TrBdf2 => "tr-bdf2",
         Method::Rk4 => "rk4",
         Method::DiscreteGradient => "discrete-gradient",
         Method::Newmark => "newmark",

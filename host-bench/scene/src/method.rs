@@ -10,7 +10,7 @@ use crate::scene_file::{Load, Model, Scene, SceneError};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// The embedded core, with the method that suits the scene.
+    /// The embedded core, with the method that suits the scene: exponential Radau or the discrete gradient.
     #[default]
     Auto,
     /// Exponential Radau: exact motion, Radau IIA for the circuit: the embedded core, triboelectric scenes only.
@@ -77,6 +77,9 @@ pub struct Options {
     /// Step in seconds of a bump-stop scene in free flight; --step is then that near contact
     #[arg(long = "long-step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
     pub long_step_s: Option<f64>,
+    /// Relative error of the mean power that a triboelectric run aims at; --method auto chooses the tolerance
+    #[arg(long, value_name = "REL", conflicts_with_all = ["step_s", "tolerance"], allow_hyphen_values = true)]
+    pub accuracy: Option<f64>,
     /// Relative tolerance of the adaptive step
     #[arg(long, value_name = "REL", allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
@@ -137,6 +140,7 @@ impl Options {
         within("--step", self.step_s, [1e-9, 1.0])?;
         within("--long-step", self.long_step_s, [1e-9, 1.0])?;
         within("--tolerance", self.tolerance, [1e-13, 0.1])?;
+        within("--accuracy", self.accuracy, [1e-12, 0.1])?;
         within("--trace-every", self.trace_every_s, [1e-9, 1e7])?;
         let Self { method, precision, math, steady_state, .. } = *self;
         let reference = method == Method::Reference;
@@ -158,7 +162,7 @@ impl Options {
             ),
             (
                 steady_state && reference,
-                "--method reference: must be of the core for a steady state, such as tr-bdf2",
+                "--method reference: must be of the core for a steady state, such as exponential-radau",
             ),
             (steady_state && single, "--precision f32: a steady state must be in f64"),
             (
@@ -183,6 +187,11 @@ impl Options {
         }
         let bridge = !matches!(scene.load, Load::Resistor { .. });
         // The storage behind a bridge fills: its voltage is not periodic.
+        if self.accuracy.is_some() && matches!(scene.model, Model::BumpStop(_)) {
+            return Err(Failure::Input(
+                "--accuracy: must be with a triboelectric scene; give --step".to_owned(),
+            ));
+        }
         if bridge && self.steady_state {
             return refuse("load.kind: must be \"resistor\" for a periodic steady state");
         }

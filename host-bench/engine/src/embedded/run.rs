@@ -11,6 +11,7 @@ use model_core::observer::PowerIndex;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
+use super::auto::{self, DEFAULT_ACCURACY};
 use super::excitation::Setting;
 use super::recorder::Recorder;
 use super::report::{Found, Report};
@@ -63,6 +64,10 @@ pub(super) fn step_control<S: Scalar>(
         ),
         (options.method == Method::Newmark, "--method newmark: must be with a bump-stop scene"),
         (options.long_step_s.is_some(), "--long-step: must be with a bump-stop scene"),
+        (
+            options.accuracy.is_some() && matches!(options.method, Method::TrBdf2 | Method::Rk4),
+            "--accuracy: must be with --method auto or exponential-radau",
+        ),
     ])?;
     let refuse = |text: String| Err(Failure::Input(text));
     match (options.step_s, options.tolerance, options.method) {
@@ -75,7 +80,7 @@ pub(super) fn step_control<S: Scalar>(
         ),
         (None, None, Method::Rk4) if explicit < SHORTEST_EXPLICIT_STEP_S => refuse(format!(
             "--method rk4: {} needs steps of {explicit:.1e} s to be stable, must be at least \
-             {SHORTEST_EXPLICIT_STEP_S:e} s; use tr-bdf2",
+             {SHORTEST_EXPLICIT_STEP_S:e} s; use exponential-radau",
             scene.file.display()
         )),
         (None, None, Method::Rk4) => fixed("--method rk4", explicit.min(LONGEST_STEP_S)),
@@ -84,9 +89,12 @@ pub(super) fn step_control<S: Scalar>(
             S::EPSILON.to_f64(),
             precision_name::<S>()
         )),
-        (None, tolerance, _) => Adaptive::new(S::from_f64(tolerance.unwrap_or(DEFAULT_TOLERANCE)))
-            .map(AnyStepControl::Adaptive)
-            .map_err(|error| Failure::Input(format!("--tolerance: {error}"))),
+        (None, tolerance, method) => Adaptive::new(S::from_f64(tolerance.unwrap_or_else(|| match method {
+            Method::TrBdf2 => DEFAULT_TOLERANCE,
+            _ => auto::tolerance(options.accuracy.unwrap_or(DEFAULT_ACCURACY)),
+        })))
+        .map(AnyStepControl::Adaptive)
+        .map_err(|error| Failure::Input(format!("--tolerance: {error}"))),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::time::Instant as Stopwatch;
 
 use model_core::hybrid::Automaton;
-use model_core::integrate::{Method as Integrator, RungeKutta4, TrBdf2};
+use model_core::integrate::{ExponentialRadau, Method as Integrator, RungeKutta4, TrBdf2};
 use model_core::observer::ALL_POWERS;
 use model_core::scalar::Mathematics;
 use model_core::scene::Scene as CoreScene;
@@ -27,7 +27,8 @@ pub(super) fn steady_state<M: Mathematics<f64>, T: Triboelectric>(
     let typical = model.typical(&prepared.core);
     match setting.options.method {
         Method::Rk4 => prepared.steady(RungeKutta4, &model.start(), &typical),
-        _ => prepared.steady(TrBdf2, &model.start(), &typical),
+        Method::TrBdf2 => prepared.steady(TrBdf2, &model.start(), &typical),
+        _ => prepared.steady(ExponentialRadau, &model.start(), &typical),
     }
 }
 
@@ -51,7 +52,8 @@ pub(super) fn peaks<M: Mathematics<f64>, T: Triboelectric>(
                 Method::Rk4 => {
                     prepared.followed(RungeKutta4, &model.start(), &typical, &mut known, &mut spent)
                 }
-                _ => prepared.followed(TrBdf2, &model.start(), &typical, &mut known, &mut spent),
+                Method::TrBdf2 => prepared.followed(TrBdf2, &model.start(), &typical, &mut known, &mut spent),
+                _ => prepared.followed(ExponentialRadau, &model.start(), &typical, &mut known, &mut spent),
             }
         })
     })?;

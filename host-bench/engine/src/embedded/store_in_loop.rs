@@ -8,7 +8,7 @@
 use model_core::clock::Instant;
 use model_core::energy::Ledger;
 use model_core::hybrid::{Automaton, HybridState};
-use model_core::integrate::{AnyStepControl, TrBdf2};
+use model_core::integrate::{AnyStepControl, ExponentialRadau};
 use model_core::observer::{ALL_POWERS, PowerIndex};
 use model_core::part::draw::{Lockout, PowerDraw};
 use model_core::part::rectifier::FullBridge;
@@ -149,7 +149,7 @@ impl<S: Scalar, H: ElectricalPort<S>> StoreInLoop for Loop<'_, S, H> {
         let mut bridge = *self.core.bridge();
         bridge.storage.draw.power = S::from_f64(draw_w);
         self.core = connected(self.scene, *self.core.harvester(), bridge)?;
-        let simulation = Simulation::with_all_powers(self.core, TrBdf2, self.control);
+        let simulation = Simulation::with_all_powers(self.core, ExponentialRadau, self.control);
         let until = Instant::from_whole_seconds(until_s);
         let mut ledger = Ledger::open(&simulation.outputs(&self.state));
         let mut steps = 0;

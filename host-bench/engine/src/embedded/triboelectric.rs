@@ -150,8 +150,8 @@ impl<'a, S: Scalar, A: Copy, T: Triboelectric> Prepared<'a, S, A, T> {
     {
         match self.setting.options.method {
             Method::Rk4 => self.with(RungeKutta4, start),
-            Method::ExponentialRadau => self.with(ExponentialRadau, start),
-            _ => self.with(TrBdf2, start),
+            Method::TrBdf2 => self.with(TrBdf2, start),
+            _ => self.with(ExponentialRadau, start),
         }
     }
 

@@ -3,7 +3,7 @@
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, PowerMeter};
 use model_core::excitation::Excitation;
-use model_core::integrate::TrBdf2;
+use model_core::integrate::ExponentialRadau;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
@@ -68,7 +68,7 @@ fn day<S: Scalar, T: Triboelectric>(
 ) -> Result<WholeDay, Failure> {
     let prepared = prepared::<S, S::Build, T>(setting, model)?;
     let daily = Daily { base: setting.excitation, factors: hours.map(S::from_f64) };
-    let simulation = prepared.simulation::<_, STATES>(TrBdf2);
+    let simulation = prepared.simulation::<_, STATES>(ExponentialRadau);
     let mut state = prepared.start(&simulation, &model.start())?;
     let mut ledger = Ledger::open(&simulation.outputs(&state));
     let mut energies_j = Vec::new();
