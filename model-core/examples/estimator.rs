@@ -4,7 +4,7 @@
 
 use model_core::energy::Estimator;
 use model_core::energy::estimator::{SampleFormat, Settings};
-use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::part::load::Resistor;
 use model_core::part::restitution::ConstantRestitution;
 use model_core::scene::Simulation;
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         choices: Choices::new(Resistor { resistance: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
     }
     .build()?;
-    let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(5e-2)?);
+    let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(2e-2)?);
     let settings = Settings {
         rate: 400.0, // samples per second
         format: SampleFormat::counts(9.81 / 16_384.0, 32_767),

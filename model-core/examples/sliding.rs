@@ -5,7 +5,7 @@
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Sine;
-use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::part::load::Resistor;
 use model_core::scene::sliding::{Choices, Parameters, PatchFriction, Start, TransferredCharge};
 use model_core::scene::{Harvester, Simulation};
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         choices: Choices::new(Resistor { resistance: 1e8 }, friction).force_law(TransferredCharge),
     }
     .build()?;
-    let harvester = Simulation::with_all_powers(scene, TrBdf2, Adaptive::new(1e-4)?);
+    let harvester = Simulation::with_all_powers(scene, ExponentialRadau, Adaptive::new(1e-4)?);
     let shaking = Sine::<f64>::new(3.53, 18.373, 0.0)?; // m/s², Hz, rad
     let mut state = harvester.start(&Start::default(), &shaking)?;
     let mut meter = RunMeter::new();

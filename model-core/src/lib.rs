@@ -15,7 +15,7 @@
 //! use model_core::clock::Instant;
 //! use model_core::energy::PowerMeter;
 //! use model_core::excitation::Sine;
-//! use model_core::integrate::{Adaptive, TrBdf2};
+//! use model_core::integrate::{Adaptive, ExponentialRadau};
 //! use model_core::part::load::Resistor;
 //! use model_core::part::restitution::ConstantRestitution;
 //! use model_core::scene::contact_separation::{Choices, Parameters, Start};
@@ -35,7 +35,7 @@
 //! }
 //! .build()?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
-//! let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(5e-2)?);
+//! let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(2e-2)?);
 //! let mut state = harvester.start(&Start::default(), &shaking)?;
 //! let mut meter = PowerMeter::new();
 //! harvester.advance(&mut state, &shaking, Instant::from_whole_seconds(2), 10_000, &mut meter)?;

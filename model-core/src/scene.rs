@@ -36,7 +36,7 @@ pub const NATURAL_FREQUENCY: Bounds<f64> = Bounds { lowest: 1e-3, highest: 1e4 }
 /// [`Simulation`] implements it for every [`Scene`], [`bump_stop::Stepper`] for bump-stop.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a harvester in `{S}`",
-    note = "put a scene with a method and a step control into `Simulation::new(scene, TrBdf2, Adaptive::new(..)?)`",
+    note = "put a scene with a method and a step control into `Simulation::new(scene, ExponentialRadau, Adaptive::new(..)?)`",
     note = "put a bump-stop scene into `bump_stop::Stepper::new(scene, short_step, long_step)`"
 )]
 pub trait Harvester<S: Scalar> {

@@ -1,6 +1,6 @@
 //! What the two nodes harvest with.
 
-use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::part::draw::NoDraw;
 use model_core::part::load::OpenCircuit;
 use model_core::part::monomorph::Layer;
@@ -39,7 +39,7 @@ pub fn following() -> Result<impl Harvester<f32>, NodeError> {
     let alone = core::hint::black_box(parameters).build().map_err(refused)?;
     let scene = Rectified::new(alone, core::hint::black_box(bridge)).map_err(refused)?;
     let tolerance = Adaptive::new(TOLERANCE).map_err(refused)?;
-    Ok(Simulation::new(scene, TrBdf2, tolerance))
+    Ok(Simulation::new(scene, ExponentialRadau, tolerance))
 }
 
 /// Parts of a piezoelectric cantilever with nothing to hit. What the closed form is about stands behind a bridge.

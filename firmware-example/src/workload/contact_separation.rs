@@ -4,7 +4,9 @@ pub mod parts;
 
 use core::hint::black_box;
 
-use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::integrate::{
+    Adaptive, ExponentialRadau, FixedStep, Method, RungeKutta4, StepControl, TrBdf2,
+};
 use model_core::scene::Simulation;
 use model_core::scene::contact_separation::{NeverSticks, Parameters, Parts, Start};
 
@@ -27,10 +29,14 @@ pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..
 pub const SMOOTH: Plan = Plan { name: "smooth", frequency: 22.0, quarters: 12, samples: 1, ..IMPACTING };
 
 /// Relative tolerance per radian of [`bench()`] and of the variants without a part.
-pub const TOLERANCE: f32 = 5e-2;
+pub const TOLERANCE: f32 = 3e-2;
 /// Step in seconds of the variants without error control: as many steps as [`bench()`] takes.
-pub const FIXED_STEP: f32 = 1.25e-3;
-/// Tolerances of [`precision`].
+pub const FIXED_STEP: f32 = 2.75e-3;
+/// Loads in Ω of [`precision`].
+pub const LOADS: [f32; 6] = [1e8, 1e6, 1e5, 1e4, 1e3, 1.0];
+/// Tolerances of [`precision`] for each load.
+pub const LOAD_TOLERANCES: [f32; 3] = [5e-2, TOLERANCE, 1e-2];
+/// Tolerances of [`precision`] for TR-BDF2.
 pub const TOLERANCES: [f32; 4] = [1e-1, 5e-2, 2e-2, 1e-2];
 /// Fixed steps of [`precision`] for TR-BDF2, in seconds.
 pub const STEPS: [f32; 2] = [1e-3, 5e-4];
@@ -64,17 +70,24 @@ pub fn without_law_of_speed(visit: Visit<'_>) -> Option<()> {
 
 /// The default scene without error control.
 pub fn without_error_control(visit: Visit<'_>) -> Option<()> {
-    fixed(visit, IMPACTING, parts::whole(), TrBdf2, FIXED_STEP)
+    fixed(visit, IMPACTING, parts::whole(), ExponentialRadau, FIXED_STEP)
 }
 
 /// The default scene without all of these.
 pub fn without_any(visit: Visit<'_>) -> Option<()> {
     let choices = parts::without_parasitic(LOAD, CONSTANT).sticking(NeverSticks);
-    fixed(visit, IMPACTING, parts::parameters(choices), TrBdf2, FIXED_STEP)
+    fixed(visit, IMPACTING, parts::parameters(choices), ExponentialRadau, FIXED_STEP)
 }
 
-/// [`SETTLING`] with each of [`TOLERANCES`], [`STEPS`] and [`EXPLICIT_STEPS`].
+/// [`SETTLING`] with each of [`LOADS`] and [`LOAD_TOLERANCES`]; with the default load by the other methods with each of
+/// [`TOLERANCES`], [`STEPS`] and [`EXPLICIT_STEPS`].
 pub fn precision(visit: Visit<'_>) -> Option<()> {
+    for resistance in LOADS {
+        for tolerance in LOAD_TOLERANCES {
+            let loaded = parts::loaded(black_box(resistance));
+            show(visit, run(SETTLING, loaded, ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
+        }
+    }
     for tolerance in TOLERANCES {
         show(visit, run(SETTLING, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
     }
@@ -90,14 +103,14 @@ pub fn precision(visit: Visit<'_>) -> Option<()> {
 /// [`SMOOTH`] with each of [`SMOOTH_TOLERANCES`] and with [`SMOOTH_STEP`].
 pub fn smooth(visit: Visit<'_>) -> Option<()> {
     for tolerance in SMOOTH_TOLERANCES {
-        show(visit, run(SMOOTH, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
+        show(visit, run(SMOOTH, parts::whole(), ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
     }
     fixed(visit, SMOOTH, parts::whole(), RungeKutta4, SMOOTH_STEP)
 }
 
 #[inline]
 fn adaptive<P: Parts<f32>>(visit: Visit<'_>, parameters: Parameters<f32, P>) -> Option<()> {
-    show(visit, run(IMPACTING, parameters, TrBdf2, Adaptive::new(TOLERANCE).ok()?))
+    show(visit, run(IMPACTING, parameters, ExponentialRadau, Adaptive::new(TOLERANCE).ok()?))
 }
 
 #[inline]

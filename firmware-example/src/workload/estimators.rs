@@ -9,7 +9,7 @@ use model_core::clock::Instant;
 use model_core::energy::Estimator;
 use model_core::energy::estimator::{SampleFormat, Settings};
 use model_core::excitation::{Excitation, Sine, ToneMeter, ToneMeterState};
-use model_core::integrate::{Adaptive, FixedStep, RungeKutta4, TrBdf2};
+use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::scalar::Polynomial;
 use model_core::scene::bump_stop::{BumpStop, Stepper};
 use model_core::scene::closed_form::ClosedForm;
@@ -44,9 +44,9 @@ pub fn all(visit: Visit<'_>) -> Option<()> {
         black_box(bump_stop::parts::whole(bump_stop::parts::GAP)).build().ok()?;
 
     let control = Adaptive::new(contact_separation::TOLERANCE).ok()?;
-    show(visit, estimator(CONTACT, Simulation::new(contact, TrBdf2, control)))?;
-    let control = FixedStep::of_seconds(black_box(sliding::STEP)).ok()?;
-    show(visit, estimator(SLIDING, Simulation::new(slide, RungeKutta4, control)))?;
+    show(visit, estimator(CONTACT, Simulation::new(contact, ExponentialRadau, control)))?;
+    let control = Adaptive::new(sliding::TOLERANCE).ok()?;
+    show(visit, estimator(SLIDING, Simulation::new(slide, ExponentialRadau, control)))?;
     show(visit, estimator(BUMP_STOP, Stepper::new(bump, black_box(SHORT), black_box(LONG)).ok()?))?;
 
     let meter = ToneMeter::new(black_box(LINE.rate()), LINE.period * LINE.periods).ok()?;

@@ -1,13 +1,14 @@
 //! The sliding scene: its variants.
 //!
-//! The bench runs the classical Runge–Kutta method with a fixed step. Nothing is stiff at 100 MΩ, the corners of the
-//! motion are events, and at equal error TR-BDF2 costs several times as much.
+//! The corners of the motion are events, four in a period.
 
 pub mod parts;
 
 use core::hint::black_box;
 
-use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::integrate::{
+    Adaptive, ExponentialRadau, FixedStep, Method, RungeKutta4, StepControl, TrBdf2,
+};
 use model_core::part::load::{OpenCircuit, ShortCircuit};
 use model_core::scene::Simulation;
 use model_core::scene::sliding::{Choices, Frictionless, NeverSticks, Parameters, Parts, Start};
@@ -36,13 +37,19 @@ pub const BELOW: Plan = Plan { name: "below", frequency: 18.303, ..SETTLING };
 /// [`SETTLING`] a little above the resonance.
 pub const ABOVE: Plan = Plan { name: "above", frequency: 18.443, ..SETTLING };
 
-/// Step of [`bench()`] in seconds: some 27 in a period.
+/// Relative tolerance per radian of [`bench()`].
+pub const TOLERANCE: f32 = 3e-2;
+/// Step in seconds of [`without_error_control`]: as many steps as [`bench()`] takes.
+pub const FIXED_STEP: f32 = 3.4e-3;
+/// Step of [`explicit`] in seconds: some 27 in a period.
 pub const STEP: f32 = 2e-3;
-/// Relative tolerance per radian of [`with_error_control`].
-pub const TOLERANCE: f32 = 5e-3;
+/// Loads in Ω of [`precision`].
+pub const LOADS: [f32; 3] = [1e8, 1e6, 1e4];
+/// Tolerances of [`precision`] for each load.
+pub const LOAD_TOLERANCES: [f32; 2] = [TOLERANCE, 1e-2];
 /// Step of [`implicit`] in seconds.
 pub const IMPLICIT_STEP: f32 = 5e-4;
-/// Tolerances of [`precision`].
+/// Tolerances of [`precision`] for TR-BDF2.
 pub const TOLERANCES: [f32; 4] = [5e-2, 2e-2, 1e-2, 5e-3];
 /// Fixed steps of [`precision`] for TR-BDF2, in seconds.
 pub const STEPS: [f32; 2] = [1e-3, 5e-4];
@@ -51,32 +58,42 @@ pub const EXPLICIT_STEPS: [f32; 4] = [3.8e-3, 2.5e-3, 2e-3, 1e-3];
 
 /// The default scene.
 pub fn bench(visit: Visit<'_>) -> Option<()> {
-    explicit(visit, SLIDING, parts::whole())
+    adaptive(visit, SLIDING, parts::whole())
+}
+
+/// The default scene without error control.
+pub fn without_error_control(visit: Visit<'_>) -> Option<()> {
+    fixed(visit, SLIDING, parts::whole(), ExponentialRadau, FIXED_STEP)
+}
+
+/// The default scene by the classical Runge–Kutta method.
+pub fn explicit(visit: Visit<'_>) -> Option<()> {
+    fixed(visit, SLIDING, parts::whole(), RungeKutta4, STEP)
 }
 
 /// The default scene without friction, under [`GENTLE`].
 pub fn without_friction(visit: Visit<'_>) -> Option<()> {
-    explicit(visit, GENTLE, parts::parameters(choices(LOAD, Frictionless)))
+    adaptive(visit, GENTLE, parts::parameters(choices(LOAD, Frictionless)))
 }
 
 /// The default scene without sticking, under [`MOVING`].
 pub fn without_sticking(visit: Visit<'_>) -> Option<()> {
-    explicit(visit, MOVING, parts::parameters(choices(LOAD, FRICTION).sticking(NeverSticks)))
+    adaptive(visit, MOVING, parts::parameters(choices(LOAD, FRICTION).sticking(NeverSticks)))
 }
 
 /// The default scene with the load open.
 pub fn open(visit: Visit<'_>) -> Option<()> {
-    explicit(visit, SLIDING, parts::parameters(choices(OpenCircuit, FRICTION)))
+    adaptive(visit, SLIDING, parts::parameters(choices(OpenCircuit, FRICTION)))
 }
 
 /// The default scene with the load shorted.
 pub fn shorted(visit: Visit<'_>) -> Option<()> {
-    explicit(visit, SLIDING, parts::parameters(choices(ShortCircuit, FRICTION)))
+    adaptive(visit, SLIDING, parts::parameters(choices(ShortCircuit, FRICTION)))
 }
 
 /// The default scene with the force of the field, under [`STRONG`].
 pub fn gap_field(visit: Visit<'_>) -> Option<()> {
-    explicit(visit, STRONG, parts::parameters(Choices::new(LOAD, FRICTION)))
+    adaptive(visit, STRONG, parts::parameters(Choices::new(LOAD, FRICTION)))
 }
 
 /// The default scene by TR-BDF2 with a fixed step.
@@ -84,17 +101,11 @@ pub fn implicit(visit: Visit<'_>) -> Option<()> {
     fixed(visit, SLIDING, parts::whole(), TrBdf2, IMPLICIT_STEP)
 }
 
-/// The default scene by TR-BDF2 with error control.
-pub fn with_error_control(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, SLIDING, TOLERANCE)
-}
-
-/// [`STICK_SLIP`] as the bench runs it, [`SLIDING`] and [`STICK_SLIP`] by TR-BDF2 with [`TOLERANCE`], and the build
-/// of the coefficients, the beam's eigenvalue included.
+/// [`STICK_SLIP`] as the bench runs it and by the classical Runge–Kutta method, and the build of the coefficients, the
+/// beam's eigenvalue included.
 pub fn others(visit: Visit<'_>) -> Option<()> {
-    explicit(visit, STICK_SLIP, parts::whole())?;
-    adaptive(visit, SLIDING, TOLERANCE)?;
-    adaptive(visit, STICK_SLIP, TOLERANCE)?;
+    adaptive(visit, STICK_SLIP, parts::whole())?;
+    fixed(visit, STICK_SLIP, parts::whole(), RungeKutta4, STEP)?;
     visit(&mut Building::new("sliding-build", || {
         let scene = black_box(black_box(parts::whole()).build().ok()?);
         Some([scene.angular_frequency(), scene.modal_mass(), scene.base_coupling(), scene.charge_unit()])
@@ -102,15 +113,21 @@ pub fn others(visit: Visit<'_>) -> Option<()> {
     Some(())
 }
 
-/// [`SETTLING`] with each of [`TOLERANCES`], [`STEPS`] and [`EXPLICIT_STEPS`].
+/// [`SETTLING`] with each of [`LOADS`] and [`LOAD_TOLERANCES`], and [`precision_of`].
 pub fn precision(visit: Visit<'_>) -> Option<()> {
+    for resistance in LOADS {
+        for tolerance in LOAD_TOLERANCES {
+            let loaded = parts::loaded(black_box(resistance));
+            show(visit, run(SETTLING, loaded, ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
+        }
+    }
     precision_of(SETTLING, visit)
 }
 
-/// The same for any plan.
+/// Any plan by the other methods with each of [`TOLERANCES`], [`STEPS`] and [`EXPLICIT_STEPS`].
 pub fn precision_of(plan: Plan, visit: Visit<'_>) -> Option<()> {
     for tolerance in TOLERANCES {
-        adaptive(visit, plan, tolerance)?;
+        show(visit, run(plan, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
     }
     for step in STEPS {
         fixed(visit, plan, parts::whole(), TrBdf2, step)?;
@@ -122,13 +139,8 @@ pub fn precision_of(plan: Plan, visit: Visit<'_>) -> Option<()> {
 }
 
 #[inline]
-fn explicit<P: Parts<f32>>(visit: Visit<'_>, plan: Plan, parameters: Parameters<f32, P>) -> Option<()> {
-    fixed(visit, plan, parameters, RungeKutta4, STEP)
-}
-
-#[inline]
-fn adaptive(visit: Visit<'_>, plan: Plan, tolerance: f32) -> Option<()> {
-    show(visit, run(plan, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?))
+fn adaptive<P: Parts<f32>>(visit: Visit<'_>, plan: Plan, parameters: Parameters<f32, P>) -> Option<()> {
+    show(visit, run(plan, parameters, ExponentialRadau, Adaptive::new(TOLERANCE).ok()?))
 }
 
 #[inline]

@@ -3,7 +3,7 @@
 //! ```
 //! use model_core::energy::Estimator;
 //! use model_core::energy::estimator::{SampleFormat, Settings};
-//! use model_core::integrate::{Adaptive, TrBdf2};
+//! use model_core::integrate::{Adaptive, ExponentialRadau};
 //! use model_core::scene::Simulation;
 //! # use model_core::part::load::Resistor;
 //! # use model_core::part::restitution::ConstantRestitution;
@@ -22,7 +22,7 @@
 //! #     charge_density: 50e-6,
 //! #     choices: Choices::new(Resistor { resistance: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
 //! # };
-//! let harvester = Simulation::new(parameters.build()?, TrBdf2, Adaptive::new(5e-2)?);
+//! let harvester = Simulation::new(parameters.build()?, ExponentialRadau, Adaptive::new(2e-2)?);
 //! let settings = Settings {
 //!     rate: 400.0,                                           // samples per second
 //!     format: SampleFormat::counts(9.81 / 16_384.0, 32_767), // ± 2 g in 16 bits

@@ -65,7 +65,7 @@
 //! use model_core::clock::Instant;
 //! use model_core::energy::PowerMeter;
 //! use model_core::excitation::Sine;
-//! use model_core::integrate::{Adaptive, TrBdf2};
+//! use model_core::integrate::{Adaptive, ExponentialRadau};
 //! use model_core::part::draw::{Lockout, PowerDraw};
 //! use model_core::part::load::OpenCircuit;
 //! use model_core::part::rectifier::FullBridge;
@@ -94,7 +94,7 @@
 //! let storage = StorageCapacitor { capacitor: Capacitor { capacitance: 1e-6, leakage_resistance: 1e9 }, initial_voltage: 0.0, draw };
 //! let scene = Rectified::new(harvester, FullBridge { diode_drop: 0.3, storage })?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
-//! let harvester = Simulation::new(scene, TrBdf2, Adaptive::new(1e-3)?);
+//! let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(1e-3)?);
 //! let mut state = harvester.start(&Start::default(), &shaking)?;
 //! let mut meter = PowerMeter::new();
 //! harvester.advance(&mut state, &shaking, Instant::from_whole_seconds(2), 100_000, &mut meter)?;

@@ -50,5 +50,11 @@ pub type Whole =
 /// The default scene.
 #[must_use]
 pub fn whole() -> Parameters<f32, Whole> {
-    parameters(without_parasitic(LOAD, LAW_OF_SPEED).parasitic(PARASITIC))
+    loaded(LOAD.resistance)
+}
+
+/// The default scene with another load in Ω.
+#[must_use]
+pub fn loaded(resistance: f32) -> Parameters<f32, Whole> {
+    parameters(without_parasitic(Resistor { resistance }, LAW_OF_SPEED).parasitic(PARASITIC))
 }

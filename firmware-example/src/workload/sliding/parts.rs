@@ -40,5 +40,11 @@ pub type Whole = Choices<Resistor<f32>, PatchFriction<f32>, TransferredCharge>;
 /// The default scene.
 #[must_use]
 pub fn whole() -> Parameters<f32, Whole> {
-    parameters(choices(LOAD, FRICTION))
+    loaded(LOAD.resistance)
+}
+
+/// The default scene with another load in Ω.
+#[must_use]
+pub fn loaded(resistance: f32) -> Parameters<f32, Whole> {
+    parameters(choices(Resistor { resistance }, FRICTION))
 }

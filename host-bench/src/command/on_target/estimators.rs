@@ -1,7 +1,7 @@
 //! What an estimate costs for each sample, and a closed form for each call.
 
 use super::output::Output;
-use super::rows::{self, Case, Column, Steps};
+use super::rows::{self, Case, Column, RADAU, Steps};
 use crate::on_target::{Bench, Error};
 use firmware_example::variant::named;
 use firmware_example::workload::{bump_stop, contact_separation, sliding};
@@ -20,8 +20,8 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
         |scene, method, steps| Case { steps, by_sample: true, ..Case::new("estimator", scene, method) };
     let closed_form = |scene| Case::new("closed form", scene, "closed form");
     let cases = vec![
-        estimator("contact-separation", "TR-BDF2", Steps::Tolerance(contact_separation::TOLERANCE)),
-        estimator("sliding", "Runge-Kutta 4", Steps::Fixed(sliding::STEP)),
+        estimator("contact-separation", RADAU, Steps::Tolerance(contact_separation::TOLERANCE)),
+        estimator("sliding", RADAU, Steps::Tolerance(sliding::TOLERANCE)),
         estimator("bump-stop", "discrete gradient", Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG])),
         estimator("strongest-sine", "tone meter", Steps::None),
         closed_form("contact-separation"),

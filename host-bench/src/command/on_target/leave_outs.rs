@@ -6,7 +6,7 @@ use firmware_example::workload::run::Plan;
 use firmware_example::workload::{bump_stop, contact_separation, sliding};
 
 use super::output::Output;
-use super::rows::{self, Case, Steps};
+use super::rows::{self, Case, RADAU, Steps};
 use crate::on_target::{Bench, Error, accuracy};
 use crate::scene_file::{
     BumpStop, ContactSeparationParameters, Coupling, ForceLaw, Load, Restitution, SlidingParameters,
@@ -56,7 +56,7 @@ fn contact_separation() -> Result<Variants, Error> {
     type Change = fn(&mut ContactSeparationParameters);
     let case = |name, steps, change: Change| {
         let scene = accuracy::contact_separation(&IMPACTING, 0.0, change)?;
-        Case::of_scene(name, &scene, "TR-BDF2", steps)
+        Case::of_scene(name, &scene, RADAU, steps)
     };
     let (adaptive, fixed) = (Steps::Tolerance(TOLERANCE), Steps::Fixed(FIXED_STEP));
     let same: Change = |_| {};
@@ -88,13 +88,13 @@ fn contact_separation() -> Result<Variants, Error> {
 }
 
 fn sliding() -> Result<Variants, Error> {
-    use sliding::{GENTLE, IMPLICIT_STEP, MOVING, SLIDING, STEP, STRONG, TOLERANCE};
+    use sliding::{FIXED_STEP, GENTLE, IMPLICIT_STEP, MOVING, SLIDING, STEP, STRONG, TOLERANCE};
     type Change = fn(&mut SlidingParameters, &mut Load);
     let case = |name, plan: &Plan, method, steps, change: Change| {
         Case::of_scene(name, &accuracy::sliding(plan, 0.0, change)?, method, steps)
     };
-    let explicit = |name, plan: &Plan, change| case(name, plan, "Runge-Kutta 4", Steps::Fixed(STEP), change);
-    let implicit = |name, steps| case(name, &SLIDING, "TR-BDF2", steps, |_, _| {});
+    let adaptive = |name, plan: &Plan, change| case(name, plan, RADAU, Steps::Tolerance(TOLERANCE), change);
+    let fixed = |name, method, step| case(name, &SLIDING, method, Steps::Fixed(step), |_, _| {});
     let frictionless: Change = |parameters, _| {
         parameters.static_friction_active = 0.0;
         parameters.static_friction_inert = 0.0;
@@ -102,28 +102,29 @@ fn sliding() -> Result<Variants, Error> {
         parameters.kinetic_friction_inert = 0.0;
     };
     Ok(vec![
-        (const { named("sliding::bench") }, explicit("whole", &SLIDING, |_, _| {})?),
-        (const { named("sliding::without_friction") }, explicit("without friction", &GENTLE, frictionless)?),
-        (const { named("sliding::without_sticking") }, explicit("without sticking", &MOVING, |_, _| {})?),
+        (const { named("sliding::bench") }, adaptive("whole", &SLIDING, |_, _| {})?),
+        (const { named("sliding::without_friction") }, adaptive("without friction", &GENTLE, frictionless)?),
+        (const { named("sliding::without_sticking") }, adaptive("without sticking", &MOVING, |_, _| {})?),
         (
             const { named("sliding::open") },
-            explicit("load open", &SLIDING, |_, load| *load = resistor(f64::INFINITY))?,
+            adaptive("load open", &SLIDING, |_, load| *load = resistor(f64::INFINITY))?,
         ),
         (
             const { named("sliding::shorted") },
-            explicit("load shorted", &SLIDING, |_, load| *load = resistor(0.0))?,
+            adaptive("load shorted", &SLIDING, |_, load| *load = resistor(0.0))?,
         ),
         (
             const { named("sliding::gap_field") },
-            explicit("force of the field", &STRONG, |parameters, _| {
+            adaptive("force of the field", &STRONG, |parameters, _| {
                 parameters.force_law = ForceLaw::GapField;
             })?,
         ),
-        (const { named("sliding::implicit") }, implicit("TR-BDF2, fixed step", Steps::Fixed(IMPLICIT_STEP))?),
         (
-            const { named("sliding::with_error_control") },
-            implicit("TR-BDF2 with error control", Steps::Tolerance(TOLERANCE))?,
+            const { named("sliding::without_error_control") },
+            fixed("without error control", RADAU, FIXED_STEP)?,
         ),
+        (const { named("sliding::explicit") }, fixed("Runge-Kutta 4, fixed step", "Runge-Kutta 4", STEP)?),
+        (const { named("sliding::implicit") }, fixed("TR-BDF2, fixed step", "TR-BDF2", IMPLICIT_STEP)?),
     ])
 }
 
@@ -158,7 +159,7 @@ fn resistor(resistance_ohm: f64) -> Load {
 
 fn contact_separation_note() -> String {
     format!(
-        "Contact-separation, 0.2 g at 20 Hz, 3 s from rest, with impacts; TR-BDF2 with tolerance {}, without error
+        "Contact-separation, 0.2 g at 20 Hz, 3 s from rest, with impacts; exponential Radau with tolerance {}, without error
 control with a fixed step of {} ms. Error: of the mean power. The restitution is evaluated at impacts only, so its
 law does not change the cost of a step.",
         contact_separation::TOLERANCE,
@@ -170,11 +171,12 @@ fn sliding_note() -> String {
     format!(
         "Sliding, 0.36 g at 18.373 Hz, 3 s from rest; without friction 0.1 g, because 0.36 g would part the discs;
 without sticking in motion from the start; with the force of the field 0.8 g at 16 Hz, because 0.36 g would not move
-the slider. Runge-Kutta 4 with a step of {} ms; TR-BDF2 with a step of {} ms or with tolerance {}. Error: of the
-mean power.",
+the slider. Exponential Radau with tolerance {}, without error control with a step of {} ms; Runge-Kutta 4 with a
+step of {} ms; TR-BDF2 with a step of {} ms. Error: of the mean power.",
+        sliding::TOLERANCE,
+        sliding::FIXED_STEP * 1e3,
         sliding::STEP * 1e3,
         sliding::IMPLICIT_STEP * 1e3,
-        sliding::TOLERANCE,
     )
 }
 

@@ -33,9 +33,11 @@ fn report_one(core: Core, limit: Duration, output: &mut Output) -> Result<(), Er
         ]
     });
     let (scene, method, how) = match Kind::of(core) {
-        Kind::Following => {
-            ("node", "TR-BDF2", "The model of the harvester follows 400 samples a second from flash.")
-        }
+        Kind::Following => (
+            "node",
+            super::rows::RADAU,
+            "The model of the harvester follows 400 samples a second from flash.",
+        ),
         Kind::Listening => (
             "node-listening",
             "closed form",

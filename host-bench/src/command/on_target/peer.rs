@@ -16,7 +16,7 @@ use crate::on_target::{Bench, Error, accuracy};
 pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     let scene = accuracy::contact_separation(&SMOOTH, 0.0, |_| {})?;
     let case = |method, steps| Case::of_scene("smooth", &scene, method, steps);
-    let ours = SMOOTH_TOLERANCES.map(|value| case("model-core, TR-BDF2", Steps::Tolerance(value)));
+    let ours = SMOOTH_TOLERANCES.map(|value| case("model-core, exponential Radau", Steps::Tolerance(value)));
     let explicit = case("model-core, Runge-Kutta 4", Steps::Fixed(SMOOTH_STEP));
     let peer = peer::TOLERANCES.map(|value| case("numeris 0.6, RODAS4", Steps::Tolerance(value)));
     let cases = ours.into_iter().chain([explicit]).chain(peer).collect::<Result<Vec<_>, _>>()?;

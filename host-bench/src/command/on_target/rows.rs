@@ -8,6 +8,9 @@ use crate::on_target::{Bench, Error, Stretch, Workload};
 use crate::scene_file::{Load, Scene};
 use firmware_example::variant::Variant;
 
+/// Name of the method of the triboelectric scenes.
+pub(super) const RADAU: &str = "exponential Radau";
+
 /// The steps of a workload.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Steps {
@@ -195,6 +198,8 @@ pub(super) type Column = (&'static str, fn(&Row, first: &Row) -> String);
 
 pub(super) const CORE: Column = ("core", |row, _| row.core.to_string());
 pub(super) const NAME: Column = ("variant", |row, _| row.case.name.clone());
+pub(super) const LOAD: Column =
+    ("load in ohm", |row, _| row.case.load_ohm.map_or_else(String::new, |load_ohm| format!("{load_ohm:e}")));
 pub(super) const METHOD: Column = ("method", |row, _| row.case.method.to_owned());
 pub(super) const SETTING: Column = ("setting", |row, _| row.case.steps.text());
 pub(super) const STEPS: Column = ("steps", |row, _| row.counted().steps.to_string());

@@ -10,7 +10,7 @@ use crate::embedded;
 use crate::method::{Method, Options, Precision};
 use crate::on_target::accuracy::{self, Reference};
 use crate::on_target::{Bench, Error, native};
-use crate::scene_file::Scene;
+use crate::scene_file::{Load, Scene};
 
 /// Settling time of the triboelectric scenes, in seconds.
 const SETTLE_S: f64 = 10.0;
@@ -27,17 +27,21 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
 }
 
 fn report_contact_separation(bench: &Bench, output: &mut Output) -> Result<(), Error> {
-    use contact_separation::{EXPLICIT_STEPS, SETTLING, STEPS, TOLERANCES};
-    let scene = accuracy::contact_separation(&SETTLING, SETTLE_S, |_| {})?;
-    let mut cases = cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
-    for case in &mut cases {
-        let double =
-            embedded::run(&scene, &double_precision(case)).map_err(|error| Error::Host(error.to_string()))?;
-        let power = double.mean_power_w.unwrap_or(f64::NAN);
-        case.host_errors = vec![case.reference.and_then(|reference| reference.error_of(power))];
+    use contact_separation::{EXPLICIT_STEPS, LOAD_TOLERANCES, LOADS, SETTLING, STEPS, TOLERANCES};
+    let mut scene = accuracy::contact_separation(&SETTLING, SETTLE_S, |_| {})?;
+    let mut others = other_cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
+    others.iter_mut().try_for_each(|case| add_double_precision(case, &scene))?;
+    let mut cases = Vec::new();
+    for resistance in LOADS {
+        scene.load = loaded(resistance);
+        let mut loaded = radau_cases(&scene, &LOAD_TOLERANCES)?;
+        loaded.iter_mut().try_for_each(|case| add_double_precision(case, &scene))?;
+        cases.extend(loaded);
     }
+    cases.extend(others);
     let found = rows::measure(bench, &const { named("contact_separation::precision") }, cases)?;
     let columns = [
+        rows::LOAD,
         rows::METHOD,
         rows::SETTING,
         rows::STEPS_PER_SECOND,
@@ -58,16 +62,23 @@ them, which are not cycles.",
 }
 
 fn report_sliding(bench: &Bench, output: &mut Output) -> Result<(), Error> {
-    use sliding::{ABOVE, BELOW, EXPLICIT_STEPS, SETTLING, STEPS, TOLERANCES};
-    let scene = accuracy::sliding(&SETTLING, SETTLE_S, |_, _| {})?;
-    let mut cases = cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
+    use sliding::{ABOVE, BELOW, EXPLICIT_STEPS, LOAD_TOLERANCES, LOADS, SETTLING, STEPS, TOLERANCES};
+    let mut scene = accuracy::sliding(&SETTLING, SETTLE_S, |_, _| {})?;
+    let mut others = other_cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
     for plan in [BELOW, ABOVE] {
-        for (case, error) in cases.iter_mut().zip(sliding_host_errors(plan)?) {
+        for (case, error) in others.iter_mut().zip(sliding_host_errors(plan)?) {
             case.host_errors.push(error);
         }
     }
+    let mut cases = Vec::new();
+    for resistance in LOADS {
+        scene.load = loaded(resistance);
+        cases.extend(radau_cases(&scene, &LOAD_TOLERANCES)?);
+    }
+    cases.extend(others);
     let found = rows::measure(bench, &const { named("sliding::precision") }, cases)?;
     let columns = [
+        rows::LOAD,
         rows::METHOD,
         rows::SETTING,
         rows::STEPS_PER_SECOND,
@@ -124,17 +135,27 @@ because of a possible contact. Instructions as QEMU executes them, which are not
     Ok(())
 }
 
-/// The cases of a scene in the firmware's order, counted from the settling time on.
-fn cases(
+/// A settled run of a scene, counted from the settling time on.
+fn settled(scene: &Scene) -> Result<Case, Error> {
+    let counted_from_us = (SETTLE_S * 1e6) as u64;
+    Ok(Case { counted_from_us, ..Case::of_scene("settled", scene, rows::RADAU, Steps::None)? })
+}
+
+/// The cases of a scene by exponential Radau.
+fn radau_cases(scene: &Scene, tolerances: &[f32]) -> Result<Vec<Case>, Error> {
+    let case = settled(scene)?;
+    let with = |&tolerance| Case { steps: Steps::Tolerance(tolerance), ..case.clone() };
+    Ok(tolerances.iter().map(with).collect())
+}
+
+/// The cases of a scene by the other methods, in the firmware's order.
+fn other_cases(
     scene: &Scene,
     tolerances: &[f32],
     steps: &[f32],
     explicit_steps: &[f32],
 ) -> Result<Vec<Case>, Error> {
-    let case = Case {
-        counted_from_us: (SETTLE_S * 1e6) as u64,
-        ..Case::of_scene("settled", scene, "", Steps::None)?
-    };
+    let case = settled(scene)?;
     let with = |method, steps| Case { method, steps, ..case.clone() };
     let tolerances = tolerances.iter().map(|&tolerance| with("TR-BDF2", Steps::Tolerance(tolerance)));
     let fixed = steps.iter().map(|&step| with("TR-BDF2", Steps::Fixed(step)));
@@ -142,13 +163,30 @@ fn cases(
     Ok(tolerances.chain(fixed).chain(explicit).collect())
 }
 
+fn loaded(resistance: f32) -> Load {
+    Load::Resistor { resistance_ohm: f64::from(resistance) }
+}
+
+/// Adds the error of the same run in double precision on the host.
+fn add_double_precision(case: &mut Case, scene: &Scene) -> Result<(), Error> {
+    let double =
+        embedded::run(scene, &double_precision(case)).map_err(|error| Error::Host(error.to_string()))?;
+    let power = double.mean_power_w.unwrap_or(f64::NAN);
+    case.host_errors = vec![case.reference.and_then(|reference| reference.error_of(power))];
+    Ok(())
+}
+
 /// The options of the same run in double precision on the host.
 fn double_precision(case: &Case) -> Options {
-    let double = Options { precision: Some(Precision::F64), ..Options::default() };
-    let method = if case.method == "TR-BDF2" { Method::TrBdf2 } else { Method::Rk4 };
+    let method = match case.method {
+        "TR-BDF2" => Method::TrBdf2,
+        rows::RADAU => Method::ExponentialRadau,
+        _ => Method::Rk4,
+    };
+    let double = Options { method, precision: Some(Precision::F64), ..Options::default() };
     match case.steps {
         Steps::Tolerance(tolerance) => Options { tolerance: Some(f64::from(tolerance).min(0.1)), ..double },
-        Steps::Fixed(step) => Options { method, step_s: Some(f64::from(step)), ..double },
+        Steps::Fixed(step) => Options { step_s: Some(f64::from(step)), ..double },
         Steps::ShortAndLong(_) | Steps::None => double,
     }
 }
