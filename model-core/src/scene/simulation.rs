@@ -131,12 +131,13 @@ where
         self.scene.closed_form(amplitude, frequency)
     }
 
-    /// Method and step control are identified by their results on test inputs: the bits of a resumed state depend on
-    /// both.
+    /// The method is identified by its error estimate and the order of it, the step control by its results on test
+    /// inputs: the bits of a resumed state depend on both.
     fn identify(&self, fingerprint: &mut Fingerprint) {
         self.scene.identify(fingerprint);
         fingerprint.count(P as u32);
         fingerprint.count(u32::from(M::ESTIMATES_ERROR));
+        fingerprint.count(M::ESTIMATE_ORDER.unsigned_abs());
         // At this angular frequency the tolerance exceeds the roundings of a step.
         let scale = ErrorScale { angular_frequency: S::from_f64(1e6), energy_floor: S::ONE };
         let control = &self.driver.control;
