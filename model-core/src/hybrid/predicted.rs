@@ -41,7 +41,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         let fallen = match search.event {
             None if search.predicted => self.fallen(&trial.end, search.ticks),
             None => match self.first_fall(&trial.end, search.ticks, 0) {
-                Some((index, theta)) => return search.approach(index, theta),
+                Some((index, theta)) => return search.approach(Fall { index, theta, certain: true }),
                 None => None,
             },
             event => event,
@@ -58,18 +58,17 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         let end = self.predicted_end(search.ticks, prediction);
         match search.event {
             None => match self.predicted_fall(search.ticks, &end) {
-                Some((index, theta)) => search.approach(index, theta),
+                Some(fall) => search.approach(fall),
                 None => false,
             },
             Some(index) => search.advance(&self.guard(index, &end, search.ticks)),
         }
     }
 
-    /// The guard that falls first along the predicted motion to `point`, and a guess of the fraction of the step at
-    /// which it falls.
+    /// The guard that falls first along the predicted motion to `point`.
     #[inline(always)]
-    fn predicted_fall(&self, ticks: u32, point: &Point<S, N, P>) -> Option<(usize, S)> {
-        let mut first: Option<(usize, S)> = None;
+    fn predicted_fall(&self, ticks: u32, point: &Point<S, N, P>) -> Option<Fall<S>> {
+        let mut first: Option<Fall<S>> = None;
         let step = seconds_of_ticks(ticks);
         self.each_guard(|index| {
             let end = self.guard(index, point, ticks);
@@ -82,14 +81,25 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             }
             let margin = S::from_f64(NEAR_ZERO) * (start.value + end.value);
             if let Some(theta) = start.until(&end, step).approximate_fall(margin)
-                && first.is_none_or(|(_, earliest)| theta < earliest)
+                && first.is_none_or(|earliest| theta < earliest.theta)
             {
-                first = Some((index, theta));
+                first = Some(Fall { index, theta, certain: !(end.value > S::ZERO) });
             }
             false
         });
         first
     }
+}
+
+/// The expected fall of a guard.
+#[derive(Debug, Clone, Copy)]
+struct Fall<S> {
+    /// The number of the guard.
+    index: usize,
+    /// A guess of the fraction of the step at which it falls.
+    theta: S,
+    /// Whether the guard is at or below zero at the end of the step; if not, it may only graze.
+    certain: bool,
 }
 
 /// The search for the event at the end of a step.
@@ -103,6 +113,8 @@ pub(super) struct Search<S> {
     /// The bracket along the predicted motion, in ticks: the guard is above zero at `short`.
     short: u32,
     far: u32,
+    /// Whether the guard is known to be at or below zero at `far`.
+    falls: bool,
     /// The longest step.
     most: u32,
     /// Predictions left.
@@ -122,6 +134,7 @@ impl<S: Scalar> Search<S> {
             predicted: false,
             short: 0,
             far: ticks,
+            falls: false,
             most: ticks,
             left: MOST_PREDICTIONS,
             corrections: MOST_CORRECTIONS,
@@ -135,11 +148,12 @@ impl<S: Scalar> Search<S> {
         radians * radians <= S::EPSILON
     }
 
-    /// Continues at the fraction `theta` of the step, near which guard `index` falls.
+    /// Continues near an expected fall.
     #[cold]
-    fn approach(&mut self, index: usize, theta: S) -> bool {
-        self.event = Some(index);
-        self.ticks = (theta * S::from_u32(self.ticks)).to_u32().max(1).min(self.ticks);
+    fn approach(&mut self, fall: Fall<S>) -> bool {
+        self.event = Some(fall.index);
+        self.falls = fall.certain;
+        self.ticks = (fall.theta * S::from_u32(self.ticks)).to_u32().max(1).min(self.ticks);
         true
     }
 
@@ -154,7 +168,7 @@ impl<S: Scalar> Search<S> {
             self.left = 0;
             return false;
         }
-        if value > S::ZERO && !(rate < S::ZERO) {
+        if value > S::ZERO && !(rate < S::ZERO) && !self.falls {
             // The guard has passed a minimum above zero. The step ends here: it is not predicted again.
             self.event = None;
             return false;
@@ -162,7 +176,7 @@ impl<S: Scalar> Search<S> {
         if value > S::ZERO {
             self.short = self.ticks;
         } else {
-            self.far = self.ticks;
+            (self.far, self.falls) = (self.ticks, true);
         }
         let there = ticks_after(self.ticks, missing);
         let inside = rate < S::ZERO && there > self.short && there < self.far;

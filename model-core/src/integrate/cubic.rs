@@ -124,9 +124,14 @@ impl<S: Scalar> Cubic<S> {
             return self.extrema().into_iter().flatten().find(|&theta| self.value(theta) <= margin);
         }
         let half = S::from_f64(0.5);
-        // A cubic that starts at zero falls later.
-        let secant = self.start / (self.start - self.end);
-        let mut theta = if self.start > S::ZERO { secant } else { half };
+        let mut theta = if self.start_slope > S::ZERO {
+            // It falls after its maximum, also if it starts near zero: from the end.
+            S::ONE
+        } else if self.start > S::ZERO {
+            self.start / (self.start - self.end)
+        } else {
+            half
+        };
         for _ in 0..GUESS_ITERATIONS {
             let next = theta - self.value(theta) / self.slope(theta);
             theta = if next > S::ZERO && next <= S::ONE { next } else { half * theta };
@@ -214,6 +219,15 @@ mod tests {
         assert!((returns.first_fall().expect("falls") - 0.7).abs() < 1e-15);
         let sinks = from_function(|t| -t, |_| -1.0);
         assert_eq!(sinks.first_fall(), Some(0.0));
+    }
+
+    #[test]
+    fn a_rise_from_near_zero_is_not_taken_for_a_fall() {
+        for start in [0.0, 1e-16, 1e-3] {
+            let returns = from_function(|t| start + t * (0.7 - t), |t| 0.7 - 2.0 * t);
+            let found = returns.approximate_fall(0.0).expect("falls");
+            assert!((found - 0.7).abs() < 0.02, "{found}");
+        }
     }
 
     #[test]
