@@ -212,6 +212,17 @@ impl<S: Scalar, const N: usize, const P: usize> Point<S, N, P> {
     ) -> Self {
         Self { state, remainder: [S::ZERO; N], derivative, powers: system.powers(&state, &derivative, input) }
     }
+
+    /// The derivative for a step of `step` s that begins here with a jump: beyond the boundary layer of the circuit.
+    #[inline(always)]
+    pub(crate) fn settled_derivative<Y: System<S, N, P>>(&self, system: &Y, step: S) -> [S; N] {
+        let mut settled = self.derivative;
+        if let Some(layer) = system.boundary_layer(&self.state) {
+            let rate = &mut settled[Y::CIRCUIT];
+            *rate = layer.settled(*rate, step);
+        }
+        settled
+    }
 }
 
 snapshot_fields!(impl [S: Scalar, const N: usize, const P: usize] Point<S, N, P> {
@@ -296,15 +307,11 @@ impl<S: Scalar, I, const N: usize, const P: usize> Attempt<'_, S, I, N, P> {
     /// The derivative at the start, after a jump beyond the boundary layer.
     #[inline(always)]
     fn settled_derivative<Y: System<S, N, P>>(&self, system: &Y) -> [S; N] {
-        let Point { state, derivative, .. } = self.start;
-        let mut settled = *derivative;
-        if self.after_jump
-            && let Some(layer) = system.boundary_layer(state)
-        {
-            let rate = &mut settled[Y::CIRCUIT];
-            *rate = layer.settled(*rate, seconds_of_ticks(self.ticks));
+        if self.after_jump {
+            self.start.settled_derivative(system, seconds_of_ticks(self.ticks))
+        } else {
+            self.start.derivative
         }
-        settled
     }
 }
 

@@ -215,7 +215,9 @@ impl<M, C> Driver<M, C> {
                     automaton
                         .check(state.mode, &kept.trial.end.state)
                         .map_err(|(quantity, value)| fail(StepFailure::OutsideDomain { quantity, value }))?;
-                    observer.step(&accepted_step::<O, _, _, N, P>(automaton, state, &kept));
+                    let settled = self.settled_start::<O, _, _, N, P>(automaton, state, kept.ticks);
+                    let start = settled.as_ref().unwrap_or(&state.point);
+                    observer.step(&accepted_step::<O, _, _, N, P>(automaton, state, start, &kept));
                     work.steps += 1;
                     state.clock = state.clock.after(kept.ticks);
                     state.since_event = state.since_event.saturating_add(kept.ticks);
@@ -346,6 +348,27 @@ impl<M, C> Driver<M, C> {
         self.control.judge(control, &errors, scale, rounding)
     }
 
+    /// The start of a step of `ticks` after a jump, beyond the boundary layer of a fast circuit; `None` if it is that of
+    /// the state, or is not read.
+    ///
+    /// A dense output that started inside a layer much shorter than the step would overshoot.
+    #[inline(always)]
+    fn settled_start<O: Observer<S>, S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
+        &self,
+        automaton: &A,
+        state: &HybridState<S, A::Mode, N, P>,
+        ticks: u32,
+    ) -> Option<Point<S, N, P>>
+    where
+        M: Method<S>,
+    {
+        (O::READS_OUTPUTS && M::CARRIES_DERIVATIVES && state.since_event == 0).then(|| {
+            let mut start = state.point;
+            start.derivative = start.settled_derivative(&automaton.flow(state.mode), seconds_of_ticks(ticks));
+            start
+        })
+    }
+
     /// Carries out the jump of guard number `guard`.
     #[cold]
     #[inline(never)]
@@ -429,6 +452,7 @@ fn first_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>
 fn accepted_step<'a, O: Observer<S>, S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     automaton: &A,
     state: &'a HybridState<S, A::Mode, N, P>,
+    start: &'a Point<S, N, P>,
     kept: &'a Kept<S, N, P>,
 ) -> AcceptedStep<'a, S> {
     let Kept { trial, ticks, .. } = kept;
@@ -441,7 +465,7 @@ fn accepted_step<'a, O: Observer<S>, S: Scalar, A: Automaton<S, N, P>, const N: 
         from: state.clock,
         ticks: *ticks,
         step,
-        start: outputs(&state.point),
+        start: outputs(start),
         end: outputs(&trial.end),
         energies: &trial.energies,
         mean_voltage: voltage.map_or(S::ZERO, |&integral| integral / step),
