@@ -289,16 +289,16 @@ impl<S: Scalar> Stages<S> {
 
     /// The error of the corrected motion, as a change of the state.
     ///
-    /// It is a part of the correction, or what a further pass would change: more where the force depends strongly on
-    /// the motion, as near pull-in.
+    /// It is a part of the correction by the bend of the force, or what a further pass would change: more where the force
+    /// depends strongly on the motion, as near pull-in. The slope of the force may be predicted roughly.
     #[inline(always)]
-    fn doubt<const N: usize>(&self, correction: &Change<S>, end_force: S, step: S) -> [S; N] {
+    fn doubt<const N: usize>(&self, bend: &Change<S>, end_force: S, step: S) -> [S; N] {
         let part = S::from_f64(MOTION_ERROR_PART);
         let change = step * (end_force - self.forces[2]).abs();
         let [displacement, velocity] = NEXT_PASS.map(S::from_f64);
         let mut doubt = [S::ZERO; N];
-        doubt[POSITION] = (part * correction.displacement.abs()).max(displacement * step * change);
-        doubt[VELOCITY] = (part * correction.velocity.abs()).max(velocity * change);
+        doubt[POSITION] = (part * bend.displacement.abs()).max(displacement * step * change);
+        doubt[VELOCITY] = (part * bend.velocity.abs()).max(velocity * change);
         doubt
     }
 }
@@ -336,19 +336,24 @@ fn solve<S: Scalar>(equations: &[CircuitEquation<S>; 3], step: S) -> [S; 3] {
 }
 
 impl<S: Scalar> Prediction<S> {
-    /// The change of the motion by the difference between the force at the stages and its prediction.
+    /// The change of the motion by the difference between the force at the stages and its prediction: by its linear part,
+    /// and by the rest.
     #[inline(always)]
-    fn correction(&self, forces: &[S; 3]) -> Change<S> {
+    fn corrections(&self, forces: &[S; 3]) -> [Change<S>; 2] {
         let Kernel { step, ramps: [zeroth, first, second, third], .. } = self.kernel;
         let defect = |stage: usize| forces[stage] - self.force - S::from_f64(NODES[stage]) * self.rise;
         let defects = [defect(0), defect(1), forces[2] - self.force - self.rise];
         let [linear, quadratic, cubic] =
             [weighted(&CUBIC[0], &defects), weighted(&CUBIC[1], &defects), weighted(&CUBIC[2], &defects)];
         let (quadratic, cubic) = (quadratic + quadratic, S::from_f64(6.0) * cubic);
-        Change {
-            displacement: step * step * (first * linear + second * quadratic + third * cubic),
-            velocity: step * (zeroth * linear + first * quadratic + second * cubic),
-        }
+        let square = step * step;
+        [
+            Change { displacement: square * (first * linear), velocity: step * (zeroth * linear) },
+            Change {
+                displacement: square * (second * quadratic + third * cubic),
+                velocity: step * (first * quadratic + second * cubic),
+            },
+        ]
     }
 
     /// The acceleration in m/s² at the end of the step under a force per mass.
@@ -446,10 +451,10 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         };
         let mut stages = Stages::along(system, start, &path, step);
         if let Some(prediction) = prediction {
-            let correction = prediction.correction(&stages.forces);
-            change = prediction.change.and(correction);
+            let [slope, bend] = prediction.corrections(&stages.forces);
+            change = prediction.change.and(slope).and(bend);
             force = stages.close(system, start, &change, step);
-            error = system.error_norm(&start.state, &stages.doubt(&correction, force, step));
+            error = system.error_norm(&start.state, &stages.doubt(&bend, force, step));
         }
 
         let mut increments = [S::ZERO; N];
