@@ -46,8 +46,17 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             },
             event => event,
         };
-        match fallen {
-            Some(index) => search.reach(&self.guard(index, &trial.end, search.ticks), index, trial),
+        let Some(index) = fallen else { return false };
+        if search.reach(&self.guard(index, &trial.end, search.ticks), index, trial) {
+            return true;
+        }
+        if search.predicted || search.event.is_none() {
+            return false;
+        }
+        // Without a prediction only an attempt shows whether another guard falls earlier.
+        let done = search.located(index);
+        match self.first_fall(&trial.end, search.ticks, done) {
+            Some((index, theta)) => search.approach(Fall { index, theta, certain: true }),
             None => false,
         }
     }
@@ -57,22 +66,40 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     fn continues(&self, search: &mut Search<S>, prediction: &M::Prediction) -> bool {
         let end = self.predicted_end(search.ticks, prediction);
         match search.event {
-            None => match self.predicted_fall(search.ticks, &end) {
+            None => match self.predicted_fall(search.ticks, &end, 0) {
                 Some(fall) => search.approach(fall),
                 None => false,
             },
-            Some(index) => search.advance(&self.guard(index, &end, search.ticks)),
+            Some(index) => {
+                search.advance(&self.guard(index, &end, search.ticks)) || self.turns(search, index, &end)
+            }
         }
     }
 
-    /// The guard that falls first along the predicted motion to `point`.
+    /// Whether the search turns to another guard that falls before the located one.
+    ///
+    /// Along the whole step such a fall can be hidden, as a slider's turn just beyond the centre.
+    #[cold]
+    #[inline(never)]
+    fn turns(&self, search: &mut Search<S>, index: usize, end: &Point<S, N, P>) -> bool {
+        if search.event.is_none() {
+            return false;
+        }
+        let done = search.located(index);
+        match self.predicted_fall(search.ticks, end, done) {
+            Some(fall) => search.approach(fall),
+            None => false,
+        }
+    }
+
+    /// The guard that falls first along the predicted motion to `point`, among those without a bit in `done`.
     #[inline(always)]
-    fn predicted_fall(&self, ticks: u32, point: &Point<S, N, P>) -> Option<Fall<S>> {
+    fn predicted_fall(&self, ticks: u32, point: &Point<S, N, P>, done: u32) -> Option<Fall<S>> {
         let mut first: Option<Fall<S>> = None;
         let step = seconds_of_ticks(ticks);
         self.each_guard(|index| {
             let end = self.guard(index, point, ticks);
-            if end.value > S::ZERO && !(end.rate > S::ZERO) {
+            if end.value > S::ZERO && !(end.rate > S::ZERO) || done & (1 << index) != 0 {
                 return false;
             }
             let start = self.guard(index, self.start, 0);
@@ -117,6 +144,8 @@ pub(super) struct Search<S> {
     falls: bool,
     /// The longest step.
     most: u32,
+    /// One bit for each guard that was located: each is located at most once.
+    done: u32,
     /// Predictions left.
     left: u32,
     /// Attempts left.
@@ -136,6 +165,7 @@ impl<S: Scalar> Search<S> {
             far: ticks,
             falls: false,
             most: ticks,
+            done: 0,
             left: MOST_PREDICTIONS,
             corrections: MOST_CORRECTIONS,
             angular_frequency,
@@ -148,11 +178,18 @@ impl<S: Scalar> Search<S> {
         radians * radians <= S::EPSILON
     }
 
-    /// Continues near an expected fall.
+    /// Notes that guard `index` was located. Returns the guards that were.
+    fn located(&mut self, index: usize) -> u32 {
+        self.done |= 1 << index;
+        self.done
+    }
+
+    /// Continues near an expected fall within the present step.
     #[cold]
     fn approach(&mut self, fall: Fall<S>) -> bool {
         self.event = Some(fall.index);
-        self.falls = fall.certain;
+        (self.short, self.far, self.falls) = (0, self.ticks, fall.certain);
+        self.left = MOST_PREDICTIONS;
         self.ticks = (fall.theta * S::from_u32(self.ticks)).to_u32().max(1).min(self.ticks);
         true
     }
