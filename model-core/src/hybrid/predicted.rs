@@ -150,6 +150,8 @@ pub(super) struct Search<S> {
     left: u32,
     /// Attempts left.
     corrections: u32,
+    /// The magnitude in s of the last correction.
+    missing: S,
     /// In rad/s, of the motion.
     angular_frequency: S,
 }
@@ -168,12 +170,22 @@ impl<S: Scalar> Search<S> {
             done: 0,
             left: MOST_PREDICTIONS,
             corrections: MOST_CORRECTIONS,
+            missing: S::INFINITY,
             angular_frequency,
         }
     }
 
-    /// Whether the square of a time in radians of the motion is below a rounding.
+    /// Whether the square of a time is below a rounding, in radians of the motion and as a part of the step, or the time
+    /// is below a tick.
+    ///
+    /// A bounce that is short against a radian must keep its own energy.
     fn is_near(&self, seconds: S) -> bool {
+        let part = seconds / seconds_of_ticks(self.ticks);
+        self.is_brief(seconds) && part * part <= S::EPSILON || seconds.abs() <= seconds_of_ticks(1)
+    }
+
+    /// Whether the square of a time in radians of the motion is below a rounding.
+    fn is_brief(&self, seconds: S) -> bool {
         let radians = seconds * self.angular_frequency;
         radians * radians <= S::EPSILON
     }
@@ -238,7 +250,10 @@ impl<S: Scalar> Search<S> {
             // A graze, or an event beyond the end of the step.
             return false;
         }
-        if self.is_near(missing) {
+        // Where the correction does not shrink, the guard is known no better: its value is a rounding.
+        let stalls = missing.abs() > S::from_f64(0.5) * self.missing;
+        self.missing = missing.abs();
+        if self.is_near(missing) || stalls && self.is_brief(missing) {
             extend(trial, missing);
             (self.ticks, self.event) = (there, Some(index));
             return false;
