@@ -21,6 +21,8 @@ pub const LEAST_BUDGET: u32 = MOST_ATTEMPTS + 2;
 pub(super) const MOST_CROWDED_EVENTS: u8 = 64;
 /// One nanosecond in ticks.
 const CROWDED_TICKS: u32 = 1_100;
+/// Longest step in ticks (61 µs) whose end outside the domain is an error.
+const DOMAIN_TICKS: u32 = 1 << 26;
 /// Shortest step that may be shortened, in ticks (4 ps).
 const SHORTEST_TICKS: u32 = 4;
 
@@ -212,9 +214,15 @@ impl<M, C> Driver<M, C> {
                         // Rejected: the control memory holds a shorter step.
                         continue;
                     };
-                    automaton
-                        .check(state.mode, &kept.trial.end.state)
-                        .map_err(|(quantity, value)| fail(StepFailure::OutsideDomain { quantity, value }))?;
+                    if let Err((quantity, value)) = automaton.check(state.mode, &kept.trial.end.state) {
+                        if kept.ticks > DOMAIN_TICKS {
+                            // A shorter step tells when the domain is left.
+                            work.rejected += 1;
+                            self.control.shorten(&mut state.control, kept.ticks);
+                            continue;
+                        }
+                        return Err(fail(StepFailure::OutsideDomain { quantity, value }));
+                    }
                     let settled = self.settled_start::<O, _, _, N, P>(automaton, state, kept.ticks);
                     let start = settled.as_ref().unwrap_or(&state.point);
                     observer.step(&accepted_step::<O, _, _, N, P>(automaton, state, start, &kept));

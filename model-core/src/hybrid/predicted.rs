@@ -40,8 +40,8 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     pub(super) fn must_repeat(&self, trial: &mut Trial<S, N, P>, search: &mut Search<S>) -> bool {
         let fallen = match search.event {
             None if search.predicted => self.fallen(&trial.end, search.ticks),
-            None => match self.first_fall(&trial.end, search.ticks, 0) {
-                Some((index, theta)) => return search.approach(Fall { index, theta, certain: true }),
+            None => match self.expected_fall(search.ticks, &trial.end, 0) {
+                Some(fall) => return search.approach(fall),
                 None => None,
             },
             event => event,
@@ -55,8 +55,8 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         }
         // Without a prediction only an attempt shows whether another guard falls earlier.
         let done = search.located(index);
-        match self.first_fall(&trial.end, search.ticks, done) {
-            Some((index, theta)) => search.approach(Fall { index, theta, certain: true }),
+        match self.expected_fall(search.ticks, &trial.end, done) {
+            Some(fall) => search.approach(fall),
             None => false,
         }
     }
@@ -66,7 +66,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     fn continues(&self, search: &mut Search<S>, prediction: &M::Prediction) -> bool {
         let end = self.predicted_end(search.ticks, prediction);
         match search.event {
-            None => match self.predicted_fall(search.ticks, &end, 0) {
+            None => match self.expected_fall(search.ticks, &end, 0) {
                 Some(fall) => search.approach(fall),
                 None => false,
             },
@@ -86,15 +86,15 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             return false;
         }
         let done = search.located(index);
-        match self.predicted_fall(search.ticks, end, done) {
+        match self.expected_fall(search.ticks, end, done) {
             Some(fall) => search.approach(fall),
             None => false,
         }
     }
 
-    /// The guard that falls first along the predicted motion to `point`, among those without a bit in `done`.
+    /// The guard that is expected to fall first in the step to `point`, among those without a bit in `done`.
     #[inline(always)]
-    fn predicted_fall(&self, ticks: u32, point: &Point<S, N, P>, done: u32) -> Option<Fall<S>> {
+    fn expected_fall(&self, ticks: u32, point: &Point<S, N, P>, done: u32) -> Option<Fall<S>> {
         let mut first: Option<Fall<S>> = None;
         let step = seconds_of_ticks(ticks);
         self.each_guard(|index| {

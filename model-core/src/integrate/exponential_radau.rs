@@ -19,7 +19,7 @@
 //! The global error is of fourth order. A second pass of steps 2 and 3 makes it of fifth order; at equal cost the single
 //! pass with shorter steps is more accurate.
 
-use super::{Attempt, BoundaryLayer, CircuitEquation, Input, Method, NotConverged, Point, System, Trial};
+use super::{Attempt, CircuitEquation, Input, Method, NotConverged, Point, System, Trial};
 use crate::clock::seconds_of_ticks;
 use crate::oscillator::{self, Kernel, Oscillator, Response};
 use crate::scalar::{Mathematics, Scalar, add_increment};
@@ -242,7 +242,8 @@ fn add_layer<S: Scalar, const N: usize, const P: usize, Y: System<S, N, P>>(
     step: S,
     energies: &mut [S; P],
 ) {
-    let Some(BoundaryLayer { relaxation, following }) = system.boundary_layer(&start.state) else { return };
+    let Some(layer) = system.boundary_layer(&start.state) else { return };
+    let relaxation = layer.relaxation;
     let turns = step * relaxation;
     if !(turns > S::from_f64(RESOLVED)) {
         return;
@@ -251,7 +252,7 @@ fn add_layer<S: Scalar, const N: usize, const P: usize, Y: System<S, N, P>>(
     let squares = solve(&[decay; 3], step).map(|increment| increment * increment);
     let exact = (S::ONE - S::Build::exponential(-(turns + turns))) / (relaxation + relaxation);
     let missing = exact - weighted(&STAGES[2], &squares) / step;
-    let excess = start.derivative[Y::CIRCUIT] - following;
+    let excess = layer.excess(start.derivative[Y::CIRCUIT]);
     for (energy, more) in energies.iter_mut().zip(system.quadratic_energies(excess * excess * missing)) {
         *energy += more;
     }

@@ -7,7 +7,7 @@ use cross_crate_tests::{
     adaptive, assert_close, contact_separation, on_all_cores, periods, reference, resistor, run, sine, value,
 };
 use host_bench::embedded::resonance_peak;
-use host_bench::method::{Failure, Options, Precision};
+use host_bench::method::{Failure, Method, Options, Precision};
 use host_bench::outcome::SteadyState;
 use host_bench::run::run_scene;
 use host_bench::scene_file::{Excitation, Restitution, Scene};
@@ -64,7 +64,8 @@ fn a_linear_motion_has_its_amplitude_and_its_multipliers() {
     let natural = f64::sqrt(stiffness / mass);
     for frequency in [15.0, 19.0, 20.3, 25.0] {
         let scene = scene(0.0, 1e8, 0.02, frequency);
-        let (outcome, motion) = run(&scene, &shooting(1e-5));
+        // With the short steps of TR-BDF2 the cubic of the gap has its extremes.
+        let (outcome, motion) = run(&scene, &Options { method: Method::TrBdf2, ..shooting(1e-5) });
         let found = outcome.steady_state.expect("it was sought");
         assert_eq!(found.steady_state, "stable-period-1");
         let angular = std::f64::consts::TAU * frequency;

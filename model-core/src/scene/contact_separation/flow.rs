@@ -209,7 +209,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         }
         let circuit = self.scene.circuit(state[GAP], state[CHARGE]);
         let following = -circuit.voltage_by_gap / circuit.voltage_by_charge * state[VELOCITY];
-        Some(BoundaryLayer { relaxation: -self.circuit_rate * circuit.voltage_by_charge, following })
+        let relaxation = -self.circuit_rate * circuit.voltage_by_charge;
+        Some(BoundaryLayer { relaxation, following, scale: self.scene.tribo_charge })
     }
 
     #[inline]

@@ -102,7 +102,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         let [displacement, velocity, charge] = *state;
         let ahead = mode.is_ahead(displacement);
         let relaxation = self.relaxation(&self.circuit(ahead, displacement, charge));
-        Some(BoundaryLayer { relaxation, following: self.following_current(ahead, displacement, velocity) })
+        let following = self.following_current(ahead, displacement, velocity);
+        Some(BoundaryLayer { relaxation, following, scale: self.surface.tribo_charge })
     }
 
     /// The rate of the charge after an event, for a step of length `step` in s, from the rate `before` the event.
