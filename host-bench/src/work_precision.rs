@@ -5,6 +5,7 @@
 //! timing and printing are the same for all.
 
 mod bump_stop;
+pub(crate) mod grid;
 pub(crate) mod table;
 pub(crate) mod triboelectric;
 mod variant;

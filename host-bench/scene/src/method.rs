@@ -86,8 +86,8 @@ pub struct Options {
     /// Distance in s of the rows of the recorded motion.
     #[arg(skip)]
     pub trace_every_s: Option<f64>,
-    /// Whether a bump-stop run on the core keeps no energy ledger and meters the measuring window only, as firmware
-    /// would: for measuring its run time.
+    /// Whether a run on the core keeps no energy ledger and meters the measuring window only, as firmware would: for
+    /// measuring its run time.
     #[arg(skip)]
     pub bare: bool,
     /// Whether shooting for the periodic steady state replaces the run.

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::{json_text, print, progress};
+use super::{json_text, one_more, print, progress};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::scene_file::{self, Model, Override, Scene};
+use crate::work_precision::grid::{self, Grid};
 use crate::work_precision::{self, Comparison, Extent, table};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -13,6 +14,9 @@ pub struct WorkPrecisionArguments {
     /// Scene files; without any, the shipped scenes at several loads
     #[arg(value_name = "SCENE.toml")]
     scenes: Vec<PathBuf>,
+    /// What auto chooses, against the cheapest choice that is accurate enough, over loads, force laws and excitations
+    #[arg(long, conflicts_with = "scenes")]
+    grid: bool,
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -50,6 +54,9 @@ const SHIPPED: [(&str, &str, bool); 9] = [
 
 /// Runs the comparison and prints it.
 pub fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
+    if arguments.grid {
+        return run_grid(arguments);
+    }
     let mut scenes = if arguments.scenes.is_empty() {
         shipped(&arguments.overrides, &Extent::WHOLE)?
     } else {
@@ -63,6 +70,24 @@ pub fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
         Format::Table => table::text(&comparisons),
         Format::Csv => table::csv(&comparisons),
         Format::Json => json_text(&comparisons)?,
+    })
+}
+
+/// Runs the grid and prints it.
+fn run_grid(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
+    let cells = grid::cells(&arguments.overrides)?;
+    let bar = progress(cells.len());
+    let mut rows = Vec::new();
+    for cell in &cells {
+        rows.extend(grid::examine(cell)?);
+        one_more(&bar);
+    }
+    bar.finish_and_clear();
+    let grid = Grid::of(rows);
+    print(&match arguments.format {
+        Format::Table => grid::text(&grid),
+        Format::Csv => grid::csv(&grid),
+        Format::Json => json_text(&grid)?,
     })
 }
 

@@ -65,9 +65,11 @@ fn name(variant: &Variant) -> String {
 
 fn colour(method: &str) -> RGBColor {
     match method {
+        "exponential Radau" => svg::BLACK,
+        "exponential Radau, fixed step" => svg::PURPLE,
+        "TR-BDF2" => svg::BLUE,
         "TR-BDF2, fixed step" => svg::ORANGE,
-        "TR-BDF2, adaptive" => svg::BLUE,
-        "explicit RK4, fixed step" => svg::VERMILION,
+        "RK4, fixed step" => svg::VERMILION,
         _ => svg::GREEN,
     }
 }

@@ -17,6 +17,7 @@ pub(crate) const BLACK: RGBColor = RGBColor(0, 0, 0);
 pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
 pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
 pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub(crate) const PURPLE: RGBColor = RGBColor(204, 121, 167);
 pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
 
 /// Lines of the grid.

@@ -108,7 +108,7 @@ pub(super) fn grouped(value: f64) -> String {
 }
 
 /// Three significant digits below a hundred, none after the point above.
-fn ratio(value: Option<f64>) -> String {
+pub(super) fn ratio(value: Option<f64>) -> String {
     value.map_or_else(
         || "-".to_owned(),
         |value| if value < 100.0 { format!("{value:.2}") } else { format!("{value:.0}") },

@@ -31,6 +31,17 @@ fn the_error_falls_with_the_step_and_rows_that_do_not_differ_are_left_out() {
     };
     assert!(power_error(3200) < 0.2 * power_error(800), "{} {}", power_error(3200), power_error(800));
     assert!(power_error(3200) < 1e-3);
+    let radau_error = |control: Control| {
+        let mut rows = comparison.rows.iter().filter(|row| row.variant.method == Method::ExponentialRadau);
+        let row =
+            rows.find(|row| row.variant.control == control && row.variant.math == Some(Math::Polynomial));
+        row.and_then(|row| row.error(MEAN_POWER)).expect("the row is there")
+    };
+    let [coarse, fine] = [6e-2, 6e-4].map(|tolerance| radau_error(Control::Tolerance(tolerance)));
+    assert!(fine < 1e-2 * coarse && fine < 1e-5, "{fine} {coarse}");
+    let period_s = triboelectric::period(&scene);
+    let [coarse, fine] = [32, 128].map(|steps| radau_error(Control::PerPeriod { steps, period_s }));
+    assert!(fine < 0.05 * coarse && fine < 1e-3, "{fine} {coarse}");
     let double = comparison.omitted.iter().find(|entry| entry.precision == Precision::F64);
     let double = double.expect("libm was tried in double precision");
     assert_eq!((double.rows, double.of), (10, 10));

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use model_core::clock::LONGEST_STEP_S;
 use model_core::part::VACUUM_PERMITTIVITY;
 use serde_json::Value;
 
@@ -75,10 +76,13 @@ fn errors(outcome: &Outcome, reference: &Outcome) -> Errors {
 /// The name of the method: the name of the peer where the integrator of the reference runs at another tolerance.
 pub(crate) fn method_name(variant: &Variant) -> &'static str {
     match (variant.method, variant.control) {
-        (Method::Auto | Method::TrBdf2, Control::PerPeriod { .. }) => "TR-BDF2, fixed step",
-        (Method::Auto | Method::TrBdf2, _) => "TR-BDF2, adaptive",
-        (Method::ExponentialRadau, _) => "exponential Radau",
-        (Method::Rk4, _) => "explicit RK4, fixed step",
+        (Method::Auto | Method::ExponentialRadau, Control::PerPeriod { .. }) => {
+            "exponential Radau, fixed step"
+        }
+        (Method::Auto | Method::ExponentialRadau, _) => "exponential Radau",
+        (Method::TrBdf2, Control::PerPeriod { .. }) => "TR-BDF2, fixed step",
+        (Method::TrBdf2, _) => "TR-BDF2",
+        (Method::Rk4, _) => "RK4, fixed step",
         (Method::DiscreteGradient, _) => "discrete gradient",
         (Method::Newmark, _) => "Newmark",
         (Method::Reference, Control::Default) => "reference",
@@ -125,10 +129,14 @@ fn summary(table: &Comparison) -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// Steps per period of the rows of the implicit method.
-const FIXED: [u32; 5] = [200, 400, 800, 1600, 3200];
-/// Tolerances of the adaptive rows.
+/// Steps per period of the rows of TR-BDF2, in the polynomial backend.
+const FIXED: [u32; 3] = [400, 800, 3200];
+/// Tolerances of the rows of TR-BDF2.
 const TOLERANCES: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
+/// Steps per period of the rows of exponential Radau, in the polynomial backend.
+const RADAU_FIXED: [u32; 4] = [16, 32, 64, 128];
+/// Tolerances of the rows of exponential Radau.
+const RADAU_TOLERANCES: [f64; 5] = [6e-2, 2e-2, 6e-3, 2e-3, 6e-4];
 /// Tolerances of the peer.
 const PEER: [f64; 4] = [1e-3, 1e-5, 1e-7, 1e-9];
 /// Precisions and elementary functions of the core.
@@ -145,19 +153,23 @@ pub(super) fn variants(scene: &Scene, extent: &Extent) -> Vec<Variant> {
     let explicit = explicit_steps(scene, period_s);
     let mut variants = Vec::new();
     for (precision, math) in BACKENDS {
-        let mut push = |method, control| {
-            variants.push(Variant { method, precision, math: Some(math), control });
+        let variant = |method, control| Variant { method, precision, math: Some(math), control };
+        let mut fixed = |method, steps: &[u32]| {
+            // A longer step is refused.
+            let steps = steps.iter().filter(|&&steps| period_s / f64::from(steps) <= LONGEST_STEP_S);
+            variants.extend(steps.map(|&steps| variant(method, Control::PerPeriod { steps, period_s })));
         };
-        for steps in FIXED {
-            push(Method::TrBdf2, Control::PerPeriod { steps, period_s });
-        }
-        for tolerance in TOLERANCES {
-            push(Method::TrBdf2, Control::Tolerance(tolerance));
+        if math == Math::Polynomial {
+            fixed(Method::ExponentialRadau, &RADAU_FIXED);
+            fixed(Method::TrBdf2, &FIXED);
         }
         if math == Math::Polynomial || extent.whole {
-            for &steps in &explicit {
-                push(Method::Rk4, Control::PerPeriod { steps, period_s });
-            }
+            fixed(Method::Rk4, &explicit);
+        }
+        for (method, tolerances) in
+            [(Method::ExponentialRadau, &RADAU_TOLERANCES), (Method::TrBdf2, &TOLERANCES)]
+        {
+            variants.extend(tolerances.iter().map(|&value| variant(method, Control::Tolerance(value))));
         }
     }
     let peers = if extent.whole { &PEER[..] } else { &PEER[..2] };
@@ -166,7 +178,7 @@ pub(super) fn variants(scene: &Scene, extent: &Extent) -> Vec<Variant> {
 }
 
 /// The period of the excitation in s, or of the free motion where the excitation has none.
-fn period(scene: &Scene) -> f64 {
+pub(super) fn period(scene: &Scene) -> f64 {
     let natural = match &scene.model {
         Model::ContactSeparation(model) => {
             TAU * (model.parameters.mass_kg / model.parameters.stiffness_n_per_m).sqrt()
@@ -206,14 +218,18 @@ fn least_capacitance(scene: &Scene) -> Option<f64> {
     }
 }
 
-/// Steps per period of the explicit method: two of the implicit method, which show where the explicit one is unstable;
+/// The two of [`FIXED`] that the explicit method is run with too.
+const COARSE: u32 = FIXED[1];
+const FINE: u32 = FIXED[2];
+
+/// Steps per period of the explicit method: two of TR-BDF2, which show where the explicit one is unstable;
 /// and half, once and twice the number with which it is stable at the least capacitance.
 fn explicit_steps(scene: &Scene, period_s: f64) -> Vec<u32> {
     let stable = least_capacitance(scene)
         .map(|capacitance| period_s / (STABLE * scene.load.resistance_ohm() * capacitance))
-        .filter(|stable| (f64::from(FIXED[2])..MOST_EXPLICIT).contains(stable));
+        .filter(|stable| (f64::from(COARSE)..MOST_EXPLICIT).contains(stable));
     let Some(stable) = stable else { return NOT_STIFF.to_vec() };
     let fine = (stable / 1000.0).ceil().max(1.0) * 1000.0;
-    let fine = if fine < MOST_EXPLICIT { fine as u32 } else { FIXED[4] };
-    vec![FIXED[2], FIXED[4], fine / 2, fine, fine * 2]
+    let fine = if fine < MOST_EXPLICIT { fine as u32 } else { FINE };
+    vec![COARSE, FINE, fine / 2, fine, fine * 2]
 }

@@ -1,0 +1,145 @@
+//! What `--method auto` chooses, against the cheapest choice that is accurate enough, over a grid of scenes.
+
+mod cells;
+mod search;
+mod table;
+
+use serde::Serialize;
+
+pub(crate) use self::cells::{Cell, cells};
+use self::search::Search;
+pub(crate) use self::table::{csv, text};
+use crate::embedded::tolerance_for;
+use crate::method::{Failure, Method, Options};
+use crate::run::run_scene;
+
+/// Relative errors of the mean power that are asked for.
+pub(crate) const ACCURACIES: [f64; 3] = [1e-2, 1e-3, 1e-5];
+/// Tolerance of exponential Radau for the mean power that errors are relative to.
+const REFERENCE_TOLERANCE: f64 = 1e-8;
+/// Largest ratio of run times that counts as equal to the cheapest choice.
+const NEAR: f64 = 1.3;
+/// Largest error over the accuracy that counts as met.
+const MET: f64 = 1.5;
+
+/// One cell of the grid at one accuracy.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Row {
+    scene: &'static str,
+    load_ohm: f64,
+    force_law: &'static str,
+    excitation: &'static str,
+    accuracy: f64,
+    auto_tolerance: f64,
+    /// Relative error of the mean power of the run that `auto` makes.
+    auto_error: f64,
+    /// Steps of that run, kept and rejected, per simulated second.
+    auto_attempts_per_s: f64,
+    /// Run time in ns per simulated second.
+    auto_ns_per_s: f64,
+    /// Run time over that of the cheapest choice; `None` if no choice meets the accuracy.
+    auto_over_best: Option<f64>,
+    best_method: Option<&'static str>,
+    best_setting: Option<String>,
+    best_error: Option<f64>,
+    best_attempts_per_s: Option<f64>,
+    /// Relative difference of the mean power of the independent reference from the one errors are relative to.
+    cross_check: f64,
+}
+
+/// What the whole grid says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Summary {
+    /// Rows that have a cheapest choice.
+    compared: usize,
+    /// Rows without.
+    not_compared: usize,
+    largest_auto_over_best: Option<f64>,
+    median_auto_over_best: Option<f64>,
+    /// Rows whose ratio is above 1.3.
+    above: usize,
+    /// Rows whose error is more than 1.5 times the accuracy.
+    missed: usize,
+}
+
+/// The rows of the grid with what they say together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Grid {
+    pub(crate) rows: Vec<Row>,
+    pub(crate) summary: Summary,
+}
+
+impl Grid {
+    pub(crate) fn of(rows: Vec<Row>) -> Self {
+        let mut ratios: Vec<f64> = rows.iter().filter_map(|row| row.auto_over_best).collect();
+        ratios.sort_by(f64::total_cmp);
+        let summary = Summary {
+            compared: ratios.len(),
+            not_compared: rows.len() - ratios.len(),
+            largest_auto_over_best: ratios.last().copied(),
+            median_auto_over_best: (!ratios.is_empty()).then(|| super::median(ratios.clone())),
+            above: ratios.iter().filter(|&&ratio| ratio > NEAR).count(),
+            missed: rows.iter().filter(|row| !(row.auto_error <= MET * row.accuracy)).count(),
+        };
+        Self { rows, summary }
+    }
+}
+
+/// Runs one cell of the grid, on the calling thread: a row for each accuracy.
+///
+/// # Errors
+/// If the scene is refused, or if a reference or a run by `auto` stops on its way.
+pub(crate) fn examine(cell: &Cell) -> Result<Vec<Row>, Failure> {
+    let scene = &cell.scene;
+    let fine = Options {
+        method: Method::ExponentialRadau,
+        tolerance: Some(REFERENCE_TOLERANCE),
+        bare: true,
+        ..Options::default()
+    };
+    let mean_power = |options: &Options| -> Result<f64, Failure> {
+        let power = run_scene(scene, options)?.mean_power_w.filter(|power| *power > 0.0);
+        power.ok_or_else(|| Failure::of_file(scene, "the mean power must be above 0 to be compared"))
+    };
+    let power = mean_power(&fine)?;
+    let independent = mean_power(&Options { method: Method::Reference, ..Options::default() })?;
+    let mut search = Search::new(scene, power);
+    let chosen: Vec<usize> = ACCURACIES
+        .iter()
+        .map(|&accuracy| {
+            let options = Options { accuracy: Some(accuracy), ..Options::default() };
+            search.run("auto", String::new(), options)
+        })
+        .collect::<Result<_, _>>()?;
+    search.climb()?;
+    let candidates: Vec<Vec<usize>> =
+        ACCURACIES.iter().map(|&accuracy| search.candidates(accuracy)).collect();
+    search.time(chosen.iter().chain(candidates.iter().flatten()).copied())?;
+    let rows = ACCURACIES.iter().zip(chosen).zip(&candidates).map(|((&accuracy, chosen), candidates)| {
+        let auto = search.of(chosen);
+        let best = candidates.iter().map(|&place| search.of(place));
+        let best = best.min_by(|one, other| one.seconds.total_cmp(&other.seconds));
+        let per_s = |value: f64| value / scene.run.duration_s;
+        Row {
+            scene: cell.name,
+            load_ohm: scene.load.resistance_ohm(),
+            force_law: cell.force_law,
+            excitation: cell.excitation,
+            accuracy,
+            auto_tolerance: tolerance_for(accuracy),
+            auto_error: auto.error,
+            auto_attempts_per_s: per_s(auto.attempts),
+            auto_ns_per_s: per_s(1e9 * auto.seconds),
+            auto_over_best: best.map(|best| auto.seconds / best.seconds),
+            best_method: best.map(|best| best.method),
+            best_setting: best.map(|best| best.setting.clone()),
+            best_error: best.map(|best| best.error),
+            best_attempts_per_s: best.map(|best| per_s(best.attempts)),
+            cross_check: ((independent - power) / power).abs(),
+        }
+    });
+    Ok(rows.collect())
+}
+
+#[cfg(test)]
+mod tests;
