@@ -39,6 +39,9 @@ enum Command {
     Sweep(sweep::SweepArguments),
     /// Error against run time: methods, steps, tolerances, precisions, math backends
     WorkPrecision(work_precision::WorkPrecisionArguments),
+    #[cfg(feature = "peers")]
+    #[command(hide = true)]
+    WorkPrecisionRow(work_precision::RowArguments),
 }
 
 fn main() -> ExitCode {
@@ -59,6 +62,8 @@ fn main() -> ExitCode {
         Some(Command::Stability(arguments)) => stability::run(arguments),
         Some(Command::Sweep(arguments)) => sweep::run(arguments),
         Some(Command::WorkPrecision(arguments)) => work_precision::run(arguments),
+        #[cfg(feature = "peers")]
+        Some(Command::WorkPrecisionRow(arguments)) => work_precision::run_row(arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

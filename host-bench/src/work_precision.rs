@@ -6,6 +6,8 @@
 
 mod bump_stop;
 pub(crate) mod grid;
+#[cfg(feature = "peers")]
+pub(crate) mod peers;
 pub(crate) mod table;
 pub(crate) mod triboelectric;
 mod variant;

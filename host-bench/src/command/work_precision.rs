@@ -23,6 +23,16 @@ pub struct WorkPrecisionArguments {
     /// Another value for a key of each scene, such as run.duration_s=5; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
+    /// Beside peers: the core alone and general integrators of other crates, on these scenes of a fixed list, or on all;
+    /// needs the feature `peers`
+    #[arg(long, value_name = "NAME", num_args = 0.., conflicts_with_all = ["scenes", "overrides"])]
+    peers: Option<Vec<String>>,
+    /// With --peers: all rows as CSV
+    #[arg(long, value_name = "FILE", requires = "peers")]
+    csv: Option<PathBuf>,
+    /// With --peers: error against cost
+    #[arg(long, value_name = "FILE.svg", requires = "peers")]
+    picture: Option<PathBuf>,
 }
 
 /// The shipped scenes that are compared: name, overrides, and whether the short comparison has it too.
@@ -57,6 +67,9 @@ pub fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
     if arguments.grid {
         return run_grid(arguments);
     }
+    if let Some(names) = &arguments.peers {
+        return beside_peers(arguments, names);
+    }
     let mut scenes = if arguments.scenes.is_empty() {
         shipped(&arguments.overrides, &Extent::WHOLE)?
     } else {
@@ -89,6 +102,66 @@ fn run_grid(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
         Format::Csv => grid::csv(&grid),
         Format::Json => json_text(&grid)?,
     })
+}
+
+/// Refuses the comparison with the peers, which this build does not have.
+#[cfg(not(feature = "peers"))]
+fn beside_peers(_: &WorkPrecisionArguments, _: &[String]) -> Result<(), Failure> {
+    let text = "--peers: must be in a build with the feature peers: cargo run --release --package host-bench --features \
+                peers -- work-precision --peers";
+    Err(Failure::Input(text.to_owned()))
+}
+
+/// Runs the comparison with the peers, prints it and writes its files.
+#[cfg(feature = "peers")]
+fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<(), Failure> {
+    use super::{one_more, tell, writable, write_whole};
+    use crate::work_precision::peers;
+
+    let cases = peers::cases(names)?;
+    for (option, file) in [("--csv", &arguments.csv), ("--picture", &arguments.picture)] {
+        file.as_ref().map_or(Ok(()), |file| writable(option, file))?;
+    }
+    let bar = progress(cases.len());
+    let compared = |case| {
+        let comparison = peers::compare(case, &|line| bar.suspend(|| tell(line)));
+        one_more(&bar);
+        comparison
+    };
+    let comparisons: Vec<_> = cases.into_iter().map(compared).collect::<Result<_, _>>()?;
+    bar.finish_and_clear();
+    if let Some(file) = &arguments.csv {
+        write_whole(file, &peers::csv(&comparisons))?;
+    }
+    if let Some(file) = &arguments.picture {
+        write_whole(file, &peers::draw(&comparisons)?)?;
+    }
+    print(&match arguments.format {
+        Format::Table => peers::text(&comparisons),
+        Format::Csv => peers::csv(&comparisons),
+        Format::Json => {
+            let rows: Vec<_> =
+                comparisons.iter().flat_map(|comparison| comparison.methods.iter().flatten()).collect();
+            json_text(&rows)?
+        }
+    })
+}
+
+/// One run of the comparison with the peers, which valgrind counts.
+#[cfg(feature = "peers")]
+#[derive(Debug, Clone, clap::Args)]
+pub struct RowArguments {
+    scene: String,
+    method: String,
+    setting: f64,
+    duration_s: f64,
+}
+
+/// Makes one run.
+#[cfg(feature = "peers")]
+pub fn run_row(arguments: &RowArguments) -> Result<(), Failure> {
+    let RowArguments { scene, method, setting, duration_s } = arguments;
+    work_precision::peers::run_one(scene, method, *setting, *duration_s)
 }
 
 /// The shipped scenes of an extent.

@@ -57,3 +57,12 @@ fn of_a_run() {
     let left = std::fs::read_dir(&folder).expect("the folder").count();
     assert_eq!(left, 0, "nothing is written");
 }
+
+#[test]
+fn of_the_comparison_with_peers() {
+    let absent =
+        if cfg!(feature = "peers") { "must be all or one of contact-100M" } else { "--features peers" };
+    refused(&["work-precision", "--peers", "contact"], &["--peers", absent]);
+    refused(&["work-precision", "--csv", "rows.csv"], &["--peers"]);
+    refused(&["work-precision", "--peers", "all", "--set", "run.duration_s=1"], &["--peers", "--set"]);
+}

@@ -1,0 +1,113 @@
+//! The methods that are compared, and their settings from loose to tight.
+
+/// A method of the embedded core or of a peer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// The core's TR-BDF2 with step control.
+    TrBdf2,
+    /// The core's explicit Runge-Kutta method with a fixed step.
+    Rk4,
+    /// The core's bump-stop method, with the ratio of its two steps that it has by default.
+    DiscreteGradient,
+    /// The backward differentiation formulas of `diffsol`.
+    DiffsolBdf,
+    /// TR-BDF2 of `diffsol`.
+    DiffsolTrBdf2,
+    /// The ESDIRK method of order 4 of `diffsol`.
+    DiffsolEsdirk34,
+    /// Dormand and Prince's method of order 5 of `differential-equations`.
+    Dopri5,
+    /// Dormand and Prince's method of order 8 of `differential-equations`.
+    Dop853,
+}
+
+/// How the step of a method is chosen, with the loosest and the tightest setting.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Settings {
+    /// A fixed number of steps per period of the base.
+    StepsPerPeriod(f64, f64),
+    /// A tolerance, from one power of ten to another.
+    Tolerance(i32, i32),
+}
+
+/// A line of the list of methods.
+struct Entry {
+    method: Method,
+    name: &'static str,
+    /// The crate, if it is not the embedded core.
+    peer: Option<&'static str>,
+    settings: Settings,
+}
+
+const DIFFSOL: Option<&str> = Some("diffsol");
+const DIFFERENTIAL_EQUATIONS: Option<&str> = Some("differential-equations");
+
+/// A line of the list.
+const fn entry(method: Method, name: &'static str, peer: Option<&'static str>, settings: Settings) -> Entry {
+    Entry { method, name, peer, settings }
+}
+
+use Settings::{StepsPerPeriod, Tolerance};
+
+/// All methods, in the order of the enumeration and of the table.
+const LIST: [Entry; 8] = [
+    entry(Method::TrBdf2, "core TR-BDF2", None, Tolerance(-1, -7)),
+    entry(Method::Rk4, "core RK4", None, StepsPerPeriod(16.0, 16384.0)),
+    entry(Method::DiscreteGradient, "core discrete gradient", None, StepsPerPeriod(250.0, 2e6)),
+    entry(Method::DiffsolBdf, "diffsol BDF", DIFFSOL, Tolerance(-1, -12)),
+    entry(Method::DiffsolTrBdf2, "diffsol TR-BDF2", DIFFSOL, Tolerance(-1, -12)),
+    entry(Method::DiffsolEsdirk34, "diffsol ESDIRK34", DIFFSOL, Tolerance(-1, -12)),
+    entry(Method::Dopri5, "DOPRI5", DIFFERENTIAL_EQUATIONS, Tolerance(-1, -12)),
+    entry(Method::Dop853, "DOP853", DIFFERENTIAL_EQUATIONS, Tolerance(-1, -12)),
+];
+
+impl Method {
+    /// All methods, in the order of the table.
+    pub fn all() -> impl Iterator<Item = Self> {
+        LIST.iter().map(|entry| entry.method)
+    }
+
+    /// The method of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        LIST.iter().find(|entry| entry.name == name).map(|entry| entry.method)
+    }
+
+    fn entry(self) -> &'static Entry {
+        &LIST[self as usize]
+    }
+
+    /// Its name in the table.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.entry().name
+    }
+
+    /// The crate that it is of, if it is not the embedded core.
+    #[must_use]
+    pub fn peer(self) -> Option<&'static str> {
+        self.entry().peer
+    }
+
+    /// Whether a setting is a number of steps per period of the base, and not a tolerance.
+    #[must_use]
+    pub fn is_fixed(self) -> bool {
+        matches!(self.entry().settings, StepsPerPeriod(..))
+    }
+
+    /// The settings from loose to tight: two in each octave of steps, three in each decade of a tolerance.
+    #[must_use]
+    pub fn settings(self) -> Vec<f64> {
+        match self.entry().settings {
+            StepsPerPeriod(first, last) => {
+                let count = (2.0 * (last / first).log2()).round() as i32;
+                (0..=count).map(|k| (first * 2f64.powf(0.5 * f64::from(k))).round()).collect()
+            }
+            Tolerance(first, last) => {
+                // By a division, so that each is the number nearest to its decimals.
+                let tolerances = |power: i32| [10.0, 5.0, 2.0].map(|part| part / 10f64.powi(1 - power));
+                (last..=first).rev().flat_map(tolerances).collect()
+            }
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The comparison as text and as CSV.
+
+use comfy_table::presets;
+
+use super::{Comparison, Row, TARGETS, reaching};
+use crate::outcome::{csv_line, optional_number, small, table};
+
+/// Error of the best row of a method from which it counts as wrong.
+const WRONG: f64 = 1e-2;
+
+/// Three significant digits.
+fn digits(value: f64) -> String {
+    let before = value.abs().log10().floor() as i32 + 1;
+    format!("{value:.*}", usize::try_from(3 - before).unwrap_or(0))
+}
+
+/// What a method that does not reach an error does instead.
+fn instead(rows: &[Row]) -> &'static str {
+    let least = rows.iter().filter_map(|row| row.error).fold(f64::INFINITY, f64::min);
+    let last = rows.last().and_then(|row| row.failure.as_deref());
+    match last {
+        Some(_) if least > WRONG => "fails (1)",
+        _ if least > WRONG => "wrong",
+        _ => "not reached",
+    }
+}
+
+impl Comparison {
+    /// The cost in millions of instructions, or in ms, per simulated second.
+    fn shown(&self, row: &Row) -> String {
+        let scale = if self.by_count { 1e-6 } else { 1e3 };
+        row.cost(self.by_count).map_or_else(|| "-".to_owned(), |cost| digits(scale * cost))
+    }
+
+    /// A line of the table of a scene: for each error the setting, cost, and time in µs.
+    fn line(&self, rows: &[Row]) -> Vec<String> {
+        let name = rows.first().map_or("", |row| row.method);
+        let mut cells = vec![name.to_owned()];
+        for target in TARGETS {
+            match reaching(rows, target) {
+                Some(row) => {
+                    let time = row.seconds_per_simulated_second.map(|seconds| digits(1e6 * seconds));
+                    cells.extend([row.setting(), self.shown(row), time.unwrap_or_default()]);
+                }
+                None => cells.extend([String::new(), instead(rows).to_owned(), String::new()]),
+            }
+        }
+        let least = rows.iter().filter_map(|row| row.error).reduce(f64::min);
+        cells.push(small(least));
+        cells
+    }
+
+    fn unit(&self) -> &'static str {
+        if self.by_count { "M instructions" } else { "ms" }
+    }
+
+    fn text(&self) -> String {
+        let overrides = self.case.overrides.join(" --set ");
+        let mut headings = vec!["method".to_owned()];
+        for target in TARGETS {
+            headings.extend([format!("at {target:.0e}"), self.unit().to_owned(), "us".to_owned()]);
+        }
+        headings.push("least error".to_owned());
+        let lines = self.methods.iter().map(|rows| self.line(rows));
+        let mut text = format!(
+            "{}: {}.toml --set {overrides}; by the reference: mean power {:.6e} W\n\n{}",
+            self.case.name,
+            self.case.file,
+            self.mean_power_w,
+            table(presets::ASCII_MARKDOWN, headings, lines, 1)
+        );
+        for rows in &self.methods {
+            if instead(rows).starts_with("fails")
+                && let Some(Row { method, failure: Some(failure), .. }) = rows.last()
+            {
+                text += &format!("(1) {method}: {failure}.\n");
+            }
+        }
+        text + "\n"
+    }
+
+    /// A line of the table of ratios.
+    fn ratios(&self) -> Vec<String> {
+        let mut cells = vec![self.case.name.to_owned()];
+        for target in TARGETS {
+            let names = [true, false].map(|peer| self.best(peer, target).map_or("-", |row| row.method));
+            cells.push(self.ratio(target).map_or_else(|| "-".to_owned(), digits));
+            cells.push(names.join(" / "));
+        }
+        cells
+    }
+}
+
+/// All tables, and below them the ratios.
+pub(crate) fn text(comparisons: &[Comparison]) -> String {
+    let tables: String = comparisons.iter().map(Comparison::text).collect();
+    let mut headings = vec!["scene".to_owned()];
+    for target in TARGETS {
+        headings.extend([format!("{target:.0e}"), "best peer / best of the core".to_owned()]);
+    }
+    let ratios = table(presets::ASCII_MARKDOWN, headings, comparisons.iter().map(Comparison::ratios), 1);
+    format!(
+        "{tables}Costs are per simulated second, of the loosest setting that meets an error of mean power together with \
+         the next finer one. Instructions are those of the whole run, counted by valgrind, less those of a run of no \
+         duration; times are medians in one process on one thread. The core runs alone, with parts chosen at compile time \
+         and one power.\n\nCost of the best peer over that of the best method of the core\n\n{ratios}"
+    )
+}
+
+/// One line for each row.
+pub(crate) fn csv(comparisons: &[Comparison]) -> String {
+    let heading = "scene,load_ohm,method,crate,peer,tolerance,steps_per_period,error,\
+                   instructions_per_simulated_second,seconds_per_simulated_second,steps_per_simulated_second,failure\n";
+    let line = |row: &Row| {
+        csv_line([
+            row.scene.to_owned(),
+            optional_number(row.load_ohm),
+            row.method.to_owned(),
+            row.package.unwrap_or_default().to_owned(),
+            row.peer.to_string(),
+            optional_number(row.tolerance),
+            optional_number(row.steps_per_period),
+            optional_number(row.error),
+            optional_number(row.instructions_per_simulated_second),
+            optional_number(row.seconds_per_simulated_second),
+            optional_number(row.steps_per_simulated_second),
+            row.failure.clone().unwrap_or_default(),
+        ])
+    };
+    let rows = comparisons.iter().flat_map(|comparison| comparison.methods.iter().flatten());
+    heading.to_owned() + &rows.map(line).collect::<String>()
+}
