@@ -21,6 +21,9 @@ const REFERENCE_TOLERANCE: f64 = 1e-8;
 const NEAR: f64 = 1.3;
 /// Largest error over the accuracy that counts as met.
 const MET: f64 = 1.5;
+/// Largest difference of the two references, over the accuracy, with which a row is compared. Above it the motion is
+/// chaotic, and no two runs have the same mean power.
+const AGREED: f64 = 0.1;
 
 /// One cell of the grid at one accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -37,14 +40,23 @@ pub(crate) struct Row {
     auto_attempts_per_s: f64,
     /// Run time in ns per simulated second.
     auto_ns_per_s: f64,
-    /// Run time over that of the cheapest choice; `None` if no choice meets the accuracy.
+    /// Run time over that of the cheapest choice; `None` if no choice meets the accuracy, or none can.
     auto_over_best: Option<f64>,
     best_method: Option<&'static str>,
     best_setting: Option<String>,
     best_error: Option<f64>,
     best_attempts_per_s: Option<f64>,
+    /// Run time over that of the cheapest choice that meets the accuracy with all finer settings of its ladder: the
+    /// errors of loose settings change their sign, and one of them may be small by chance.
+    auto_over_sure: Option<f64>,
+    sure_setting: Option<String>,
     /// Relative difference of the mean power of the independent reference from the one errors are relative to.
     cross_check: f64,
+}
+
+/// Whether the mean power is known well enough to tell whether a run meets the accuracy.
+fn is_known(cross_check: f64, accuracy: f64) -> bool {
+    cross_check <= AGREED * accuracy
 }
 
 /// What the whole grid says.
@@ -52,10 +64,13 @@ pub(crate) struct Row {
 pub(crate) struct Summary {
     /// Rows that have a cheapest choice.
     compared: usize,
-    /// Rows without.
-    not_compared: usize,
+    /// Rows whose references differ by more than a tenth of the accuracy; they are not in the other counts.
+    chaotic: usize,
+    /// Other rows without a cheapest choice.
+    met_by_none: usize,
     largest_auto_over_best: Option<f64>,
     median_auto_over_best: Option<f64>,
+    largest_auto_over_sure: Option<f64>,
     /// Rows whose ratio is above 1.3.
     above: usize,
     /// Rows whose error is more than 1.5 times the accuracy.
@@ -71,15 +86,18 @@ pub(crate) struct Grid {
 
 impl Grid {
     pub(crate) fn of(rows: Vec<Row>) -> Self {
-        let mut ratios: Vec<f64> = rows.iter().filter_map(|row| row.auto_over_best).collect();
+        let known: Vec<&Row> = rows.iter().filter(|row| is_known(row.cross_check, row.accuracy)).collect();
+        let mut ratios: Vec<f64> = known.iter().filter_map(|row| row.auto_over_best).collect();
         ratios.sort_by(f64::total_cmp);
         let summary = Summary {
             compared: ratios.len(),
-            not_compared: rows.len() - ratios.len(),
+            chaotic: rows.len() - known.len(),
+            met_by_none: known.len() - ratios.len(),
             largest_auto_over_best: ratios.last().copied(),
             median_auto_over_best: (!ratios.is_empty()).then(|| super::median(ratios.clone())),
+            largest_auto_over_sure: known.iter().filter_map(|row| row.auto_over_sure).reduce(f64::max),
             above: ratios.iter().filter(|&&ratio| ratio > NEAR).count(),
-            missed: rows.iter().filter(|row| !(row.auto_error <= MET * row.accuracy)).count(),
+            missed: known.iter().filter(|row| !(row.auto_error <= MET * row.accuracy)).count(),
         };
         Self { rows, summary }
     }
@@ -103,6 +121,7 @@ pub(crate) fn examine(cell: &Cell) -> Result<Vec<Row>, Failure> {
     };
     let power = mean_power(&fine)?;
     let independent = mean_power(&Options { method: Method::Reference, ..Options::default() })?;
+    let cross_check = ((independent - power) / power).abs();
     let mut search = Search::new(scene, power);
     let chosen: Vec<usize> = ACCURACIES
         .iter()
@@ -112,33 +131,51 @@ pub(crate) fn examine(cell: &Cell) -> Result<Vec<Row>, Failure> {
         })
         .collect::<Result<_, _>>()?;
     search.climb()?;
-    let candidates: Vec<Vec<usize>> =
-        ACCURACIES.iter().map(|&accuracy| search.candidates(accuracy)).collect();
-    search.time(chosen.iter().chain(candidates.iter().flatten()).copied())?;
-    let rows = ACCURACIES.iter().zip(chosen).zip(&candidates).map(|((&accuracy, chosen), candidates)| {
-        let auto = search.of(chosen);
-        let best = candidates.iter().map(|&place| search.of(place));
-        let best = best.min_by(|one, other| one.seconds.total_cmp(&other.seconds));
-        let per_s = |value: f64| value / scene.run.duration_s;
-        Row {
-            scene: cell.name,
-            load_ohm: scene.load.resistance_ohm(),
-            force_law: cell.force_law,
-            excitation: cell.excitation,
-            accuracy,
-            auto_tolerance: tolerance_for(accuracy),
-            auto_error: auto.error,
-            auto_attempts_per_s: per_s(auto.attempts),
-            auto_ns_per_s: per_s(1e9 * auto.seconds),
-            auto_over_best: best.map(|best| auto.seconds / best.seconds),
-            best_method: best.map(|best| best.method),
-            best_setting: best.map(|best| best.setting.clone()),
-            best_error: best.map(|best| best.error),
-            best_attempts_per_s: best.map(|best| per_s(best.attempts)),
-            cross_check: ((independent - power) / power).abs(),
-        }
+    let best = ACCURACIES.map(|accuracy| search.candidates(accuracy));
+    let sure = ACCURACIES.map(|accuracy| search.sure_candidates(accuracy));
+    search.time(chosen.iter().chain(best.iter().flatten()).chain(sure.iter().flatten()).copied())?;
+    let rows = ACCURACIES.iter().zip(chosen).zip(best.iter().zip(&sure));
+    let rows = rows.map(|((&accuracy, chosen), (best, sure))| {
+        let known = is_known(cross_check, accuracy);
+        row(cell, &search, [accuracy, cross_check], chosen, [best, sure].map(|all| known.then_some(&**all)))
     });
     Ok(rows.collect())
+}
+
+/// A row: of the run of `auto` at `chosen`, and of the candidates that meet the accuracy, loosely and surely.
+fn row(
+    cell: &Cell,
+    search: &Search<'_>,
+    [accuracy, cross_check]: [f64; 2],
+    chosen: usize,
+    candidates: [Option<&[usize]>; 2],
+) -> Row {
+    let scene = &cell.scene;
+    let auto = search.of(chosen);
+    let [best, sure] = candidates.map(|places| {
+        let choices = places.unwrap_or_default().iter().map(|&place| search.of(place));
+        choices.min_by(|one, other| one.seconds.total_cmp(&other.seconds))
+    });
+    let per_s = |value: f64| value / scene.run.duration_s;
+    Row {
+        scene: cell.name,
+        load_ohm: scene.load.resistance_ohm(),
+        force_law: cell.force_law,
+        excitation: cell.excitation,
+        accuracy,
+        auto_tolerance: tolerance_for(scene, accuracy),
+        auto_error: auto.error,
+        auto_attempts_per_s: per_s(auto.attempts),
+        auto_ns_per_s: per_s(1e9 * auto.seconds),
+        auto_over_best: best.map(|best| auto.seconds / best.seconds),
+        best_method: best.map(|best| best.method),
+        best_setting: best.map(|best| best.setting.clone()),
+        best_error: best.map(|best| best.error),
+        best_attempts_per_s: best.map(|best| per_s(best.attempts)),
+        auto_over_sure: sure.map(|sure| auto.seconds / sure.seconds),
+        sure_setting: sure.map(|sure| format!("{} {}", sure.method, sure.setting)),
+        cross_check,
+    }
 }
 
 #[cfg(test)]

@@ -91,7 +91,7 @@ pub(super) fn step_control<S: Scalar>(
         )),
         (None, tolerance, method) => Adaptive::new(S::from_f64(tolerance.unwrap_or_else(|| match method {
             Method::TrBdf2 => DEFAULT_TOLERANCE,
-            _ => auto::tolerance(options.accuracy.unwrap_or(DEFAULT_ACCURACY)),
+            _ => auto::tolerance(scene, options.accuracy.unwrap_or(DEFAULT_ACCURACY)),
         })))
         .map(AnyStepControl::Adaptive)
         .map_err(|error| Failure::Input(format!("--tolerance: {error}"))),

@@ -15,6 +15,8 @@ const OTHER_LOADS: [f64; 2] = [1e6, 1e8];
 const SLIDING_LOADS: [f64; 4] = [1e4, 1e6, 1e8, 1e9];
 /// Amplitude in g and frequency in Hz under which the slider moves with the law of the gap field.
 const STRONG: [f64; 2] = [0.8, 16.0];
+/// The same under which contact-separation with that law hits once a period; under the shipped sine it is chaotic.
+const STRONG_CONTACT: [f64; 2] = [1.0, 20.0];
 /// Amplitude in g and frequency in Hz under which the slider sticks and slips.
 const STICK_SLIP: [f64; 2] = [0.3, 6.0];
 /// Amplitude in g and frequency in Hz of the two tones.
@@ -37,14 +39,19 @@ pub(crate) struct Cell {
 pub(crate) fn cells(overrides: &[Override]) -> Result<Vec<Cell>, Failure> {
     let mut cells = Vec::new();
     for force_law in FORCE_LAWS {
-        let contact = |load_ohm| cell("contact-separation", force_law, load_ohm, None, overrides);
+        let contact = |load_ohm, sine| cell("contact-separation", force_law, load_ohm, sine, overrides);
         for load_ohm in CONTACT_LOADS {
-            cells.push(contact(load_ohm)?);
+            cells.push(contact(load_ohm, None)?);
+        }
+        if force_law == "gap-field" {
+            for load_ohm in CONTACT_LOADS {
+                cells.push(contact(load_ohm, Some(STRONG_CONTACT))?);
+            }
         }
         for load_ohm in OTHER_LOADS {
             let excitations = [("two tones", two_tones()), ("400 Hz samples", samples())];
             for (excitation, own) in excitations {
-                let mut cell = contact(load_ohm)?;
+                let mut cell = contact(load_ohm, None)?;
                 cell.excitation = excitation;
                 cell.scene.excitation = own;
                 cells.push(cell);
@@ -56,7 +63,7 @@ pub(crate) fn cells(overrides: &[Override]) -> Result<Vec<Cell>, Failure> {
         }
     }
     let mut stick_slip = cell("sliding", "transferred-charge", 1e8, Some(STICK_SLIP), overrides)?;
-    stick_slip.name = "stick-slip";
+    (stick_slip.name, stick_slip.excitation) = ("stick-slip", "slow sine");
     cells.push(stick_slip);
     Ok(cells)
 }
@@ -82,7 +89,8 @@ fn cell(
     let mut scene = scene_file::read(&scene_file::shipped(name), &all)?;
     // The name without the folder in which this crate was built.
     scene.file = PathBuf::from(name).with_extension("toml");
-    Ok(Cell { name, force_law, excitation: "sine", scene })
+    let excitation = if sine.is_some() { "strong sine" } else { "sine" };
+    Ok(Cell { name, force_law, excitation, scene })
 }
 
 fn two_tones() -> Excitation {

@@ -18,8 +18,10 @@ const FEWEST: f64 = 64.0;
 const MOST_ATTEMPTS_PER_S: f64 = 2e5;
 /// A ladder ends with a run that takes longer than this times the slowest choice of exponential Radau.
 const DEARER: f64 = 2.0;
+/// Runs in a row that stop on their way after which a ladder ends.
+const MOST_FAILED: usize = 6;
 /// Timed runs of each candidate.
-const RUNS: usize = 9;
+const RUNS: usize = 25;
 
 /// A run without energy ledger: what it was asked for, and what it found.
 #[derive(Debug, Clone)]
@@ -138,6 +140,16 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
+    /// The coarsest choice of each method that meets the accuracy with all finer ones, of which there is at least one.
+    pub(super) fn sure_candidates(&self, accuracy: f64) -> Vec<usize> {
+        let misses = |place: &usize| !(self.of(*place).error <= accuracy);
+        let coarsest = |ladder: &Vec<usize>| {
+            let first = ladder.iter().rposition(misses).map_or(0, |last| last + 1);
+            ladder.get(first..).filter(|rest| rest.len() > 1)?.first().copied()
+        };
+        self.ladders.iter().filter_map(coarsest).collect()
+    }
+
     /// The coarsest choice of each method that meets the accuracy with the next finer one.
     pub(super) fn candidates(&self, accuracy: f64) -> Vec<usize> {
         let meets = |place: &usize| self.of(*place).error <= accuracy;
@@ -165,6 +177,3 @@ impl<'a> Search<'a> {
         Ok(())
     }
 }
-
-/// Runs in a row that stop on their way after which a ladder ends.
-const MOST_FAILED: usize = 6;

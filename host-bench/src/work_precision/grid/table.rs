@@ -3,10 +3,10 @@
 use comfy_table::presets;
 
 use super::super::table::{grouped, ratio, resistance};
-use super::{Grid, MET, NEAR, Row, Summary};
+use super::{AGREED, Grid, MET, NEAR, Row, Summary, is_known};
 use crate::outcome::{fields, rows_csv, small, table};
 
-const HEADINGS: [&str; 13] = [
+const HEADINGS: [&str; 14] = [
     "scene",
     "load",
     "force law",
@@ -20,6 +20,7 @@ const HEADINGS: [&str; 13] = [
     "best",
     "its error",
     "its attempts per simulated s",
+    "over sure best",
 ];
 /// Columns at the left that hold words.
 const WORDS: usize = 4;
@@ -44,6 +45,7 @@ impl Row {
             best,
             small(self.best_error),
             self.best_attempts_per_s.map_or_else(|| "-".to_owned(), grouped),
+            ratio(self.auto_over_sure),
         ]
     }
 }
@@ -52,14 +54,17 @@ impl Summary {
     fn text(&self) -> String {
         format!(
             "Run time of auto over that of the cheapest choice: at most {}, median {}, above {NEAR} in {} of {} \
-             rows. No choice meets the accuracy in {} rows. The error of auto is more than {MET} times the \
-             accuracy in {} rows.",
+             rows; at most {} over the cheapest that all finer settings confirm. No choice meets the accuracy in {} rows. The error of auto is more than {MET} times the \
+             accuracy in {} rows. In {} rows more the motion is chaotic: the references differ by more than {AGREED} \
+             times the accuracy.",
             ratio(self.largest_auto_over_best),
             ratio(self.median_auto_over_best),
             self.above,
             self.compared,
-            self.not_compared,
+            ratio(self.largest_auto_over_sure),
+            self.met_by_none,
             self.missed,
+            self.chaotic,
         )
     }
 }
@@ -67,10 +72,11 @@ impl Summary {
 /// The table for a terminal, with what it says below.
 pub(crate) fn text(grid: &Grid) -> String {
     let table = table(presets::ASCII_MARKDOWN, HEADINGS.to_vec(), grid.rows.iter().map(Row::cells), WORDS);
-    let largest = grid.rows.iter().map(|row| row.cross_check).fold(0.0, f64::max);
+    let known = grid.rows.iter().filter(|row| is_known(row.cross_check, row.accuracy));
+    let largest = known.map(|row| row.cross_check).fold(0.0, f64::max);
     format!(
         "{table}\n{}\nErrors are of the mean power, relative to exponential Radau in f64 at tolerance {:.0e}, from \
-         which the independent reference differs by at most {largest:.1e}. The cheapest choice is the coarsest \
+         which the independent reference differs by at most {largest:.1e} where it is not chaotic. The cheapest choice is the coarsest \
          setting of a ladder of exponential Radau, TR-BDF2 or RK4 that meets the accuracy with the next finer one. \
          Run times are the shortest of several runs without energy ledger.\n",
         grid.summary.text(),
