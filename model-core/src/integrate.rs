@@ -127,6 +127,17 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         Stage { circuit: None, force: [S::ZERO; 3] }
     }
 
+    /// Whether the circuit equation of a stage holds at any change of the circuit's state. If not,
+    /// [`System::circuit_defect`] completes it.
+    const LINEAR: bool = true;
+
+    /// What the drive of the circuit equation at a displacement lacks at a change of the circuit's state: the equation is
+    /// linearised about no change.
+    #[inline(always)]
+    fn circuit_defect(&self, _start: &Point<S, N, P>, _displacement: S, _change: S) -> S {
+        S::ZERO
+    }
+
     /// The time scale of the circuit at the end of a step over that at its start, above 0.
     ///
     /// The step control changes the length of the next step with it.

@@ -167,6 +167,10 @@ struct Stages<S> {
     increments: [S; 3],
     /// The change of the circuit's state since the start.
     changes: [S; 3],
+    /// What the drive of a nonlinear circuit lacks at the last stage.
+    defect: S,
+    /// Estimated error of the last change due to a nonlinear circuit.
+    circuit_error: S,
     /// Force per mass in m/s².
     forces: [S; 3],
 }
@@ -187,21 +191,58 @@ impl<S: Scalar> Stages<S> {
             system.stage(start, two, second),
             system.stage(start, path.change.displacement, end_velocity),
         ];
-        let mut increments = [S::ZERO; 3];
-        let mut changes = [S::ZERO; 3];
-        let mut active = false;
+        let mut found = Self {
+            velocities: [first, second],
+            displacements: [one, two],
+            active: false,
+            increments: [S::ZERO; 3],
+            changes: [S::ZERO; 3],
+            defect: S::ZERO,
+            circuit_error: S::ZERO,
+            forces: [S::ZERO; 3],
+        };
         if let [Some(one), Some(two), Some(three)] = stages.map(|stage| stage.circuit) {
-            active = true;
-            increments = solve(&[one, two, three], step);
-            changes = [
-                weighted(&STAGES[0], &increments),
-                weighted(&STAGES[1], &increments),
-                weighted(&STAGES[2], &increments),
-            ];
+            found.active = true;
+            found.solve(&[one, two, three], step);
+            if !Y::LINEAR {
+                found.complete(system, start, [one, two, three], path.change.displacement, step);
+            }
         }
         let [a, b, c] = stages;
-        let forces = [a.force_at(changes[0]), b.force_at(changes[1]), c.force_at(changes[2])];
-        Self { velocities: [first, second], displacements: [one, two], active, increments, changes, forces }
+        let changes = found.changes;
+        found.forces = [a.force_at(changes[0]), b.force_at(changes[1]), c.force_at(changes[2])];
+        found
+    }
+
+    /// Solves the circuit equations of the stages.
+    #[inline(always)]
+    fn solve(&mut self, equations: &[CircuitEquation<S>; 3], step: S) {
+        self.increments = solve(equations, step);
+        self.changes = STAGES.map(|weights| weighted(&weights, &self.increments));
+    }
+
+    /// Solves the equations again with what their drives lack at the found changes: a step of Newton's iteration. Its
+    /// error is estimated by its convergence.
+    #[inline(never)]
+    fn complete<const N: usize, const P: usize, Y: System<S, N, P>>(
+        &mut self,
+        system: &Y,
+        start: &Point<S, N, P>,
+        mut equations: [CircuitEquation<S>; 3],
+        displacement: S,
+        step: S,
+    ) {
+        let linear = self.changes[2];
+        let [one, two] = self.displacements;
+        let places = [one, two, displacement].into_iter().zip(self.changes);
+        for (equation, (displacement, change)) in equations.iter_mut().zip(places) {
+            self.defect = system.circuit_defect(start, displacement, change);
+            equation.drive += self.defect;
+        }
+        self.solve(&equations, step);
+        let correction = (self.changes[2] - linear).abs();
+        let convergence = correction / linear.abs().max(S::TINY);
+        self.circuit_error = correction * convergence.min(S::ONE);
     }
 
     /// Solves the last stage again, at a displacement and a velocity. Returns the force per mass there.
@@ -218,8 +259,8 @@ impl<S: Scalar> Stages<S> {
             let weight = S::from_f64(STAGES[2][2]);
             let before = self.changes[2] - weight * self.increments[2];
             let stiffness = step * equation.stiffness;
-            let increment =
-                (step * equation.drive - stiffness * before) / (equation.inertia + stiffness * weight);
+            let drive = if Y::LINEAR { equation.drive } else { equation.drive + self.defect };
+            let increment = (step * drive - stiffness * before) / (equation.inertia + stiffness * weight);
             self.increments[2] = increment;
             self.changes[2] = before + weight * increment;
         }
@@ -288,19 +329,17 @@ impl<S: Scalar> Stages<S> {
         system.powers(&state, &derivative, input.at(part))
     }
 
-    /// The error of the corrected motion, as a change of the state.
+    /// Sets the error of the corrected motion, as a change of the state.
     ///
     /// It is a part of the correction by the bend of the force, or what a further pass would change: more where the force
     /// depends strongly on the motion, as near pull-in. The slope of the force may be predicted roughly.
     #[inline(always)]
-    fn doubt<const N: usize>(&self, bend: &Change<S>, end_force: S, step: S) -> [S; N] {
+    fn doubt<const N: usize>(&self, doubt: &mut [S; N], bend: &Change<S>, end_force: S, step: S) {
         let part = S::from_f64(MOTION_ERROR_PART);
         let change = step * (end_force - self.forces[2]).abs();
         let [displacement, velocity] = NEXT_PASS.map(S::from_f64);
-        let mut doubt = [S::ZERO; N];
         doubt[POSITION] = (part * bend.displacement.abs()).max(displacement * step * change);
         doubt[VELOCITY] = (part * bend.velocity.abs()).max(velocity * change);
-        doubt
     }
 }
 
@@ -442,10 +481,14 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         attempt: &Attempt<'_, S, impl Input<S>, N, P>,
         prediction: Option<&Prediction<S>>,
     ) -> Result<Trial<S, N, P>, NotConverged> {
-        const { assert!(Y::SPLIT, "ExponentialRadau needs a system that states its split form") }
+        const {
+            assert!(Y::SPLIT, "ExponentialRadau needs a system that states its split form");
+            assert!(Y::CIRCUIT < N, "the circuit's state is one of the states");
+        }
         let Attempt { start, ref input, ticks, .. } = *attempt;
         let step = seconds_of_ticks::<S>(ticks);
         let (mut change, mut force, mut error) = (Change::NONE, S::ZERO, S::ZERO);
+        let mut doubt = [S::ZERO; N];
         let path = match prediction {
             Some(prediction) => Path::new(start, prediction.change, step),
             None => Path::fixed(),
@@ -455,7 +498,13 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
             let [slope, bend] = prediction.corrections(&stages.forces);
             change = prediction.change.and(slope).and(bend);
             force = stages.close(system, start, &change, step);
-            error = system.error_norm(&start.state, &stages.doubt(&bend, force, step));
+            stages.doubt(&mut doubt, &bend, force, step);
+        }
+        if !Y::LINEAR {
+            doubt[Y::CIRCUIT] = stages.circuit_error;
+        }
+        if !Y::LINEAR || prediction.is_some() {
+            error = system.error_norm(&start.state, &doubt);
         }
 
         let mut increments = [S::ZERO; N];

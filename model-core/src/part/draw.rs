@@ -42,6 +42,9 @@ pub(crate) trait Draw<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether the draw can differ from zero.
     const POSSIBLE: bool;
 
+    /// Whether the current is linear in the voltage.
+    const LINEAR: bool = true;
+
     /// Current in A at a storage voltage in V, while connected.
     #[inline]
     fn current(&self, _voltage: S) -> S {
@@ -171,6 +174,7 @@ impl<S: Scalar> PowerDraw<S> {
 
 impl<S: Scalar> Draw<S> for PowerDraw<S> {
     const POSSIBLE: bool = true;
+    const LINEAR: bool = false;
 
     #[inline]
     fn current(&self, voltage: S) -> S {
@@ -209,6 +213,7 @@ pub enum AnyDraw<S> {
 
 impl<S: Scalar> Draw<S> for AnyDraw<S> {
     const POSSIBLE: bool = true;
+    const LINEAR: bool = false;
 
     forward! {
         match {

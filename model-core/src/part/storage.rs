@@ -26,6 +26,9 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     /// Whether a lock-out can connect and disconnect the draw.
     const SWITCHES: bool;
 
+    /// Whether the outflow is linear in the voltage.
+    const LINEAR: bool;
+
     /// `1/C` in 1/F; 0 for a DC bus.
     fn elastance(&self) -> S;
 
@@ -107,6 +110,7 @@ bounded! { StorageCapacitor<S, D>:
 impl<S: Scalar, D: Draw<S>> StorageElement<S> for StorageCapacitor<S, D> {
     const CHARGES: bool = true;
     const SWITCHES: bool = D::POSSIBLE;
+    const LINEAR: bool = D::LINEAR;
 
     #[inline]
     fn elastance(&self) -> S {
@@ -167,6 +171,7 @@ bounded! { DcBus<S>: "bus.voltage" = voltage: 0.0, HIGHEST_VOLTAGE; }
 impl<S: Scalar> StorageElement<S> for DcBus<S> {
     const CHARGES: bool = false;
     const SWITCHES: bool = false;
+    const LINEAR: bool = true;
 
     #[inline]
     fn elastance(&self) -> S {
@@ -226,6 +231,7 @@ pub enum AnyStorage<S> {
 impl<S: Scalar> StorageElement<S> for AnyStorage<S> {
     const CHARGES: bool = true;
     const SWITCHES: bool = true;
+    const LINEAR: bool = false;
 
     forward! {
         match { Self::Capacitor(capacitor) => capacitor, Self::DcBus(bus) => bus }

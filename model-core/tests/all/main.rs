@@ -12,6 +12,7 @@ mod dry_friction;
 mod energy_budget;
 mod energy_correction;
 mod estimator;
+mod exponential_radau;
 mod hidden_crossings;
 mod prothero_robinson;
 mod rectified;

@@ -6,6 +6,7 @@ mod bump_stop_store;
 mod closed_form;
 mod convergence;
 mod dense_solve;
+mod exponential_radau;
 mod ledger;
 mod limits;
 mod on_target_bits;

@@ -7,7 +7,9 @@ use host_bench::scene_file::{ForceLaw, Load, SlidingParameters, StickCharge};
 use model_core::clock::Instant;
 use model_core::excitation::Sine;
 use model_core::hybrid::Driver;
-use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::integrate::{
+    Adaptive, ExponentialRadau, FixedStep, Method, RungeKutta4, StepControl, TrBdf2,
+};
 use model_core::part::load::{OpenCircuit, Resistor, ShortCircuit};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::sliding::{
@@ -99,6 +101,9 @@ where
     assert!(states_of_any.iter().any(|state| state[0].abs() > 1e-4));
     assert_eq!(states(&chosen, TrBdf2, adaptive, case).0, states_of_any);
     assert_eq!(states(&chosen, TrBdf2, fixed, case), states(any, TrBdf2, fixed, case));
+    let states_of_any = states(any, ExponentialRadau, adaptive, case);
+    assert_eq!(states_of_any.1, stuck);
+    assert_eq!(states(&chosen, ExponentialRadau, adaptive, case), states_of_any);
     assert_eq!(states(&chosen, RungeKutta4, fixed, case), states(any, RungeKutta4, fixed, case));
 }
 

@@ -199,6 +199,19 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         Stage { circuit: Some(circuit), force }
     }
 
+    const LINEAR: bool = R::LINEAR;
+
+    #[inline]
+    fn circuit_defect(&self, start: &Point<S, STATES, POWERS>, displacement: S, change: S) -> S {
+        let scene = self.scene;
+        let mut state = start.state;
+        state[POSITION] += displacement;
+        let before = scene.electrics(self.mode, &state);
+        state[STORAGE] += change;
+        let after = scene.electrics(self.mode, &state);
+        before.fall + scene.fall_by_voltage(self.mode, &before) * before.share * change - after.fall
+    }
+
     /// That of the harvester.
     #[inline]
     fn time_scale_ratio(&self, start: &[S; STATES], end: &[S; STATES]) -> S {

@@ -1,0 +1,101 @@
+//! Near pull-in, steps longer than the series allows, and long runs in single precision.
+
+use super::{Found, run};
+use crate::bridge::sine;
+use crate::common::harvesters::contact_parameters;
+use model_core::excitation::Sine;
+use model_core::integrate::{Adaptive, ExponentialRadau, FixedStep, TrBdf2};
+use model_core::part::force_law::AnyForceLaw;
+use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
+use model_core::scalar::{Mathematics, Polynomial, Scalar};
+use model_core::scene::contact_separation::Start;
+use model_core::scene::{Harvester, Simulation, contact_separation};
+
+/// A soft spring beside a strong charge: the attraction of the whole charge is `part` of the force that closes the gap.
+fn soft(part: f64, resistance: f64) -> crate::common::harvesters::Contact<f64> {
+    let mut parameters = contact_parameters::<f64>();
+    parameters.stiffness = 10.0;
+    parameters.damping_ratio = 0.05;
+    let area = parameters.electrode_area;
+    let force = part * parameters.stiffness * parameters.initial_gap;
+    parameters.charge_density = (2.0 * crate::bridge::VACUUM_PERMITTIVITY * force / area).sqrt();
+    parameters.choices.force_law = AnyForceLaw::GapField;
+    parameters.choices.load.resistance = resistance;
+    parameters.choices.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: 0.5 });
+    parameters.build().expect("in bounds")
+}
+
+#[test]
+fn near_pull_in_the_run_is_that_of_tr_bdf2() {
+    for part in [0.5, 0.9, 1.5] {
+        for resistance in [1e4, 1e7, 1e9] {
+            let scene = soft(part, resistance);
+            let shaking = sine(0.02, 6.0);
+            let by = |method: &dyn Fn(f64) -> Found, tolerance| method(tolerance);
+            let exact = by(
+                &|tolerance| {
+                    let control = Adaptive::new(tolerance).expect("in bounds");
+                    run(scene, &Start::default(), TrBdf2, control, &shaking, 1.0)
+                },
+                1e-8,
+            );
+            for (tolerance, allowed) in [(1e-3, 1e-2), (1e-6, 2e-5)] {
+                let control = Adaptive::new(tolerance).expect("in bounds");
+                let found = run(scene, &Start::default(), ExponentialRadau, control, &shaking, 1.0);
+                let off = (found.power / exact.power - 1.0).abs();
+                println!(
+                    "{part} of the pull-in force, {resistance:e} Ω, {tolerance:e}: off by {off:.1e}, {} attempts, {} and {} events",
+                    found.attempts, found.events, exact.events
+                );
+                assert!(off < allowed, "{part} {resistance} {tolerance}: {off}");
+            }
+        }
+    }
+}
+
+/// Steps of 3.9 ms are 25 radians of the excitation at 1 kHz, and 4.9 of the damping: they are shortened.
+#[test]
+fn a_fixed_step_longer_than_the_series_allows_is_shortened() {
+    for (ratio, frequency) in [(5.0, 20.0), (0.005, 1000.0), (5.0, 1000.0)] {
+        let mut parameters = contact_parameters::<f64>();
+        parameters.damping_ratio = ratio;
+        let scene = parameters.build().expect("in bounds");
+        let shaking = sine(1.0, frequency);
+        let control = FixedStep::of_seconds(3.9e-3).expect("in bounds");
+        let found = run(scene, &Start::default(), ExponentialRadau, control, &shaking, 0.3);
+        let exact =
+            run(scene, &Start::default(), TrBdf2, Adaptive::new(1e-8).expect("in bounds"), &shaking, 0.3);
+        let off = (found.power / exact.power - 1.0).abs();
+        println!("damping ratio {ratio}, {frequency} Hz: {} attempts, off by {off:.1e}", found.attempts);
+        let fastest = (2.0 * ratio * 126.5).max(core::f64::consts::TAU * frequency);
+        assert!(f64::from(found.attempts) > 0.99 * 0.3 * fastest / 0.5, "{} attempts", found.attempts);
+        assert!(off < 2e-3, "{ratio} {frequency}: {off}");
+    }
+}
+
+/// Mean power of the last five seconds of 200, below impact.
+fn long<S: Scalar>() -> [f64; 2]
+where
+    Polynomial: Mathematics<S>,
+{
+    let number = S::from_f64;
+    let scene = contact_parameters::<S>().build().expect("in bounds");
+    let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(number(0.01)).expect("in bounds"));
+    let shaking = Sine::<S>::new(number(0.2 * 9.81), number(22.0), S::ZERO).expect("in bounds");
+    let mut state = harvester.start(&contact_separation::Start::default(), &shaking).expect("in bounds");
+    [[15, 20], [195, 200]].map(|[from, until]| {
+        let mut meter = model_core::energy::PowerMeter::new();
+        let at = model_core::clock::Instant::from_whole_seconds;
+        harvester.advance(&mut state, &shaking, at(from), u32::MAX, &mut ()).expect("runs");
+        harvester.advance(&mut state, &shaking, at(until), u32::MAX, &mut meter).expect("runs");
+        meter.mean_power().to_f64()
+    })
+}
+
+#[test]
+fn the_power_does_not_drift_in_single_precision() {
+    let [early, late] = long::<f32>();
+    let [exact, _] = long::<f64>();
+    println!("{early:e} W after 15 s, {late:e} W after 195 s, {exact:e} W in double precision");
+    assert!((late / early - 1.0).abs() < 5e-4 && (late / exact - 1.0).abs() < 5e-4);
+}
