@@ -6,7 +6,7 @@ use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
 use model_core::excitation::Sine;
 use model_core::hybrid::Advance;
-use model_core::integrate::{Adaptive, FixedStep, RungeKutta4, TrBdf2};
+use model_core::integrate::{Adaptive, ExponentialRadau, FixedStep, RungeKutta4, TrBdf2};
 use model_core::part::draw::{Lockout, NoDraw, PowerDraw};
 use model_core::part::load::{OpenCircuit, Resistor};
 use model_core::part::rectifier::FullBridge;
@@ -194,6 +194,7 @@ impl Run<'_> {
         let adaptive = || Adaptive::new(self.setting).map_err(refused);
         let fixed = || FixedStep::of_seconds(self.period() / self.setting).map_err(refused);
         match self.method {
+            Method::ExponentialRadau => self.measured(&Simulation::new(core, ExponentialRadau, adaptive()?)),
             Method::TrBdf2 => self.measured(&Simulation::new(core, TrBdf2, adaptive()?)),
             Method::Rk4 => self.measured(&Simulation::new(core, RungeKutta4, fixed()?)),
             _ => refuse("the method must be a triboelectric one"),

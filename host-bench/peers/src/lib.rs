@@ -115,7 +115,7 @@ pub fn run(scene: &Scene, method: Method, setting: f64) -> Result<Found, Stop> {
 pub fn fits(scene: &Scene, method: Method) -> bool {
     match method {
         Method::DiscreteGradient => matches!(scene.model, Model::BumpStop(_)),
-        Method::TrBdf2 | Method::Rk4 => !matches!(scene.model, Model::BumpStop(_)),
+        Method::ExponentialRadau | Method::TrBdf2 | Method::Rk4 => !matches!(scene.model, Model::BumpStop(_)),
         _ => true,
     }
 }

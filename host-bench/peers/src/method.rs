@@ -3,6 +3,8 @@
 /// A method of the embedded core or of a peer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
+    /// The core's exponential Radau with step control.
+    ExponentialRadau,
     /// The core's TR-BDF2 with step control.
     TrBdf2,
     /// The core's explicit Runge-Kutta method with a fixed step.
@@ -50,7 +52,8 @@ const fn entry(method: Method, name: &'static str, peer: Option<&'static str>, s
 use Settings::{StepsPerPeriod, Tolerance};
 
 /// All methods, in the order of the enumeration and of the table.
-const LIST: [Entry; 8] = [
+const LIST: [Entry; 9] = [
+    entry(Method::ExponentialRadau, "core exponential Radau", None, Tolerance(-1, -9)),
     entry(Method::TrBdf2, "core TR-BDF2", None, Tolerance(-1, -7)),
     entry(Method::Rk4, "core RK4", None, StepsPerPeriod(16.0, 16384.0)),
     entry(Method::DiscreteGradient, "core discrete gradient", None, StepsPerPeriod(250.0, 2e6)),
