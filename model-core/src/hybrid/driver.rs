@@ -207,6 +207,7 @@ impl<M, C> Driver<M, C> {
                 None => {
                     let resolved = excitation.smooth_ticks(at).min(longest);
                     let limit = at.ticks_until(until, resolved);
+                    let control = state.control;
                     let Some(kept) = self
                         .next_step(automaton, state, excitation, limit, &scale, &mut work)
                         .map_err(fail)?
@@ -221,6 +222,8 @@ impl<M, C> Driver<M, C> {
                             self.control.shorten(&mut state.control, kept.ticks);
                             continue;
                         }
+                        // A further call fails at the same step.
+                        state.control = control;
                         return Err(fail(StepFailure::OutsideDomain { quantity, value }));
                     }
                     let settled = self.settled_start::<O, _, _, N, P>(automaton, state, kept.ticks);
