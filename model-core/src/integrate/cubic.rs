@@ -125,8 +125,7 @@ impl<S: Scalar> Cubic<S> {
         }
         let half = S::from_f64(0.5);
         let mut theta = if self.start_slope > S::ZERO {
-            // It falls after its maximum, also if it starts near zero: from the end.
-            S::ONE
+            self.return_to_start()
         } else if self.start > S::ZERO {
             self.start / (self.start - self.end)
         } else {
@@ -137,6 +136,16 @@ impl<S: Scalar> Cubic<S> {
             theta = if next > S::ZERO && next <= S::ONE { next } else { half * theta };
         }
         Some(theta)
+    }
+
+    /// The θ at which a cubic that rises at its start returns to the value there; 1 if it does not. A cubic that starts near
+    /// zero falls there, after its maximum.
+    fn return_to_start(&self) -> S {
+        let [linear, quadratic, cubic] = self.powers();
+        let root = (quadratic * quadratic - S::from_f64(4.0) * cubic * linear).sqrt();
+        // Without cancellation.
+        let theta = (linear + linear) / (root - quadratic);
+        if theta > S::ZERO && theta <= S::ONE { theta } else { S::ONE }
     }
 
     #[cold]
@@ -228,6 +237,10 @@ mod tests {
             let found = returns.approximate_fall(0.0).expect("falls");
             assert!((found - 0.7).abs() < 0.02, "{found}");
         }
+        // However soon it falls.
+        let soon = from_function(|t| t * (1e-9 - t), |t| 1e-9 - 2.0 * t);
+        let found = soon.approximate_fall(0.0).expect("falls");
+        assert!((found - 1e-9).abs() < 1e-15, "{found}");
     }
 
     #[test]
