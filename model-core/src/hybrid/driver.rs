@@ -373,9 +373,15 @@ impl<M, C> Driver<M, C> {
     where
         M: Method<S>,
     {
-        (O::READS_OUTPUTS && M::CARRIES_DERIVATIVES && state.since_event == 0).then(|| {
+        if !(O::READS_OUTPUTS && M::CARRIES_DERIVATIVES && state.since_event == 0) {
+            return None;
+        }
+        let (flow, step) = (automaton.flow(state.mode), seconds_of_ticks::<S>(ticks));
+        let layer = flow.boundary_layer(&state.point.state)?;
+        // The parabola resolves a layer that is longer than the step.
+        (layer.relaxation * step > S::ONE).then(|| {
             let mut start = state.point;
-            start.derivative = start.settled_derivative(&automaton.flow(state.mode), seconds_of_ticks(ticks));
+            start.derivative = start.settled_derivative(&flow, step);
             start
         })
     }
