@@ -229,7 +229,9 @@ impl<S: Scalar> Search<S> {
         }
         let there = ticks_after(self.ticks, missing);
         let inside = rate < S::ZERO && there > self.short && there < self.far;
-        self.ticks = if inside { there } else { self.short + (self.far - self.short) / 2 };
+        let next = if inside { there } else { self.short + (self.far - self.short) / 2 };
+        // A fall within the first tick is at its end.
+        self.ticks = next.max(1);
         true
     }
 
