@@ -139,6 +139,18 @@ macro_rules! flow_items {
             correction
         }
 
+        const SPLIT: bool = true;
+
+        #[inline]
+        fn quadratic_energies(&self, square: S) -> [S; POWERS] {
+            let scene = self.scene;
+            first_powers(&$crate::scene::coupled::quadratic_energies(
+                scene.load.resistance(),
+                scene.charge_unit,
+                square,
+            ))
+        }
+
         #[inline(always)]
         fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
             first_powers(&self.all_powers(state, rate, acceleration))

@@ -148,8 +148,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         increment[CHARGE] = rate * circuit.voltage / (S::ONE - rate * circuit.voltage_by_charge);
     }
 
-    const SPLIT: bool = true;
-
     #[inline(always)]
     fn oscillator(&self) -> Option<Oscillator<S>> {
         let scene = self.scene;
@@ -211,12 +209,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let following = -circuit.voltage_by_gap / circuit.voltage_by_charge * state[VELOCITY];
         let relaxation = -self.circuit_rate * circuit.voltage_by_charge;
         Some(BoundaryLayer { relaxation, following, scale: self.scene.tribo_charge })
-    }
-
-    #[inline]
-    fn quadratic_energies(&self, square: S) -> [S; POWERS] {
-        let scene = self.scene;
-        first_powers(&coupled::quadratic_energies(scene.load.resistance(), scene.charge_unit, square))
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least a thousandth of the initial

@@ -147,7 +147,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         let (mut low_tried, mut high_tried) = (false, false);
         // The first guess uses the friction at the centre, the first iteration that of the guess.
         let at_centre = self.circuit(true, S::ZERO, S::ZERO);
-        let [normal, _] = self.normal(&at_centre);
+        let [normal, ..] = self.normal(&at_centre);
         let friction = self.friction.kinetic_coefficient(S::ONE) * normal;
         let orbit = self.between_turns(friction, S::ZERO, omega);
         let least = (drive * drive / orbit.norm - orbit.lagging * orbit.lagging).sqrt() + orbit.drop;
@@ -301,7 +301,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     fn acting(&self, overlap: DiscOverlap<S>, ahead: bool, displacement: S, transferred: S) -> S {
         let circuit: Circuit<S> = self.circuit_of(overlap, transferred);
         let [lateral, _] = self.lateral(ahead, displacement, &circuit);
-        let [normal, _] = self.normal(&circuit);
+        let [normal, ..] = self.normal(&circuit);
         self.friction.kinetic_coefficient(overlap.active) * normal + lateral
     }
 

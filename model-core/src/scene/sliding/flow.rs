@@ -104,18 +104,9 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         self.circuit_rate * circuit.per_active
     }
 
-    /// Normal force per modal mass `(m g + F_e)/M` in m/s², and its derivative by the charge.
+    /// Normal force per modal mass `(m g + F_e)/M` in m/s²: coefficients of 1, `Δq` and `Δq²`.
     #[inline(always)]
-    pub(super) fn normal(&self, circuit: &Circuit<S>) -> [S; 2] {
-        let [acting, by_charge] = self.force_law.acting_charge(circuit.transferred, &self.surface);
-        let per_charge = acting * circuit.per_active;
-        let by_charge = if self.is_shorted() { S::ZERO } else { (per_charge + per_charge) * by_charge };
-        [self.weight_per_mass + acting * per_charge, by_charge]
-    }
-
-    /// Normal force per modal mass in m/s²: coefficients of 1, `Δq` and `Δq²`.
-    #[inline(always)]
-    fn normal_expansion(&self, circuit: &Circuit<S>) -> [S; 3] {
+    pub(super) fn normal(&self, circuit: &Circuit<S>) -> [S; 3] {
         let [acting, by_charge] = self.force_law.acting_charge(circuit.transferred, &self.surface);
         let per_charge = acting * circuit.per_active;
         let constant = self.weight_per_mass + acting * per_charge;
@@ -140,7 +131,8 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     #[inline(always)]
     pub(super) fn static_friction(&self, circuit: &Circuit<S>) -> [S; 2] {
         let coefficient = self.friction.static_coefficient(circuit.overlap.active);
-        self.normal(circuit).map(|normal| coefficient * normal)
+        let [normal, by_charge, _] = self.normal(circuit);
+        [coefficient * normal, coefficient * by_charge]
     }
 
     /// Lateral force of the field per modal mass, `d (ds1/dx) V (V + 2t)` in these units.
@@ -251,40 +243,28 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
         Sliding::<S, P>::STICKS && matches!(self.mode, Mode::Stick)
     }
 
-    /// Friction and lateral force per modal mass while the slider slides.
+    /// Friction and lateral force per modal mass while the slider slides: coefficients of 1, `Δq` and `Δq²`.
     #[inline(always)]
-    fn force_of(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> S {
-        let scene = self.scene;
-        let [lateral, _] = scene.lateral(ahead, displacement, circuit);
-        if !<P::Friction as Friction<S>>::PRESENT {
-            return lateral;
-        }
-        let coefficient = scene.friction.kinetic_coefficient(circuit.overlap.active);
-        let [normal, _] = scene.normal(circuit);
-        lateral - self.direction * coefficient * normal
-    }
-
-    /// The force of [`Flow::force_of`]: coefficients of 1, `Δq` and `Δq²`.
-    #[inline(always)]
-    fn force_expansion(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> [S; 3] {
+    fn force(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> [S; 3] {
         let scene = self.scene;
         let mut force = [S::ZERO; 3];
         if scene.lateral_force.acts() {
             // d (ds1/dx) V (V + 2t) with V = V₀ − Δq/s1.
-            let weight = scene.dielectric * scene.active_by_displacement(ahead, displacement);
+            let active_by_displacement = scene.active_by_displacement(ahead, displacement);
+            let weight = scene.dielectric * active_by_displacement;
             let tribo = scene.surface.tribo_charge;
             let [voltage, slope] = [circuit.voltage, -circuit.per_active];
             let twice = S::from_f64(2.0) * (voltage + tribo);
             let slope = if scene.is_shorted() { S::ZERO } else { slope };
             force = [
-                weight * voltage * (voltage + tribo + tribo),
+                scene.field_force(circuit, active_by_displacement),
                 weight * slope * twice,
                 weight * slope * slope,
             ];
         }
         if <P::Friction as Friction<S>>::PRESENT {
             let coefficient = self.direction * scene.friction.kinetic_coefficient(circuit.overlap.active);
-            let [constant, linear, quadratic] = scene.normal_expansion(circuit);
+            let [constant, linear, quadratic] = scene.normal(circuit);
             force[0] -= coefficient * constant;
             force[1] -= coefficient * linear;
             force[2] -= coefficient * quadratic;
@@ -303,7 +283,7 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
         let slope = scene.slope(ahead, displacement, &circuit);
         let coefficient = self.direction * scene.friction.kinetic_coefficient(circuit.overlap.active);
         let by_share = self.direction * scene.friction.kinetic_by_share();
-        let [normal, normal_by_charge] = scene.normal(&circuit);
+        let [normal, normal_by_charge, _] = scene.normal(&circuit);
         let [_, lateral_by_charge] = scene.lateral(ahead, displacement, &circuit);
         let friction_by_displacement =
             by_share * slope.active * normal + coefficient * scene.normal_by_displacement(&circuit, &slope);
@@ -333,7 +313,7 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
         let ahead = self.mode.is_ahead(displacement);
         let circuit = scene.circuit(ahead, displacement, charge);
         let coefficient = scene.friction.kinetic_coefficient(circuit.overlap.active);
-        let [normal, _] = scene.normal(&circuit);
+        let [normal, ..] = scene.normal(&circuit);
         let slope = scene.active_by_displacement(ahead, displacement);
         let field_work = -scene.field_force(&circuit, slope) * momentum;
         let mut powers = [S::ZERO; ALL_POWERS];
@@ -370,7 +350,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
             return [S::ZERO, S::ZERO, charge_rate];
         }
         let linear = scene.damping_per_mass * velocity + scene.stiffness_per_mass * displacement;
-        let force = self.force_of(ahead, displacement, &circuit) - linear;
+        let [force, ..] = self.force(ahead, displacement, &circuit);
+        let force = force - linear;
         [velocity, force - scene.base_coupling * acceleration, charge_rate]
     }
 
@@ -401,8 +382,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let current = rate[CHARGE].abs();
         resistance * scene.charge_unit * scene.charge_unit * (current + current + rounding / step) * rounding
     }
-
-    const SPLIT: bool = true;
 
     #[inline(always)]
     fn oscillator(&self) -> Option<Oscillator<S>> {
@@ -448,7 +427,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let ahead = self.mode.is_ahead(from);
         let position = from + displacement;
         let at = scene.circuit(ahead, position, charge);
-        let force = self.force_expansion(ahead, position, &at);
+        let force = self.force(ahead, position, &at);
         let rate = self.circuit_rate;
         if !(rate > S::ZERO) {
             return Stage { circuit: None, force };
@@ -466,12 +445,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     #[inline]
     fn boundary_layer(&self, state: &[S; STATES]) -> Option<BoundaryLayer<S>> {
         if self.is_stick() { None } else { self.scene.boundary_layer(self.mode, state) }
-    }
-
-    #[inline]
-    fn quadratic_energies(&self, square: S) -> [S; POWERS] {
-        let scene = self.scene;
-        first_powers(&coupled::quadratic_energies(scene.load.resistance(), scene.charge_unit, square))
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the patch's
