@@ -57,10 +57,10 @@ impl Instant {
         Self(self.0.wrapping_add(ticks as u64))
     }
 
-    /// Ticks from this instant until `later`, at most `limit`; 0 if `later` has passed.
+    /// Ticks from this instant until `later`, which has not passed, at most `limit`.
     #[inline]
     pub(crate) fn ticks_until(self, later: Self, limit: u32) -> u32 {
-        u32::try_from(later.0.saturating_sub(self.0)).unwrap_or(u32::MAX).min(limit)
+        later.0.wrapping_sub(self.0).min(u64::from(limit)) as u32
     }
 
     /// Seconds since the start, rounded. For reports only: a step uses no absolute time.

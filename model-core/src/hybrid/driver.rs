@@ -184,7 +184,8 @@ impl<M, C> Driver<M, C> {
     {
         let mut work = Work::default();
         let scale = automaton.error_scale().of_the_faster(excitation.angular_frequency());
-        let budget = budget.max(LEAST_BUDGET);
+        let most_attempts = budget.max(LEAST_BUDGET) - LEAST_BUDGET;
+        let longest_ticks = scale.ticks_of_radians(M::LONGEST_RADIANS);
         // An event can be due at the first step of a call and after a jump. After an ordinary step the search
         // for a falling guard has excluded it.
         let mut may_be_due = true;
@@ -195,7 +196,7 @@ impl<M, C> Driver<M, C> {
         };
         let mut longest = longest_in(state.mode);
         while state.clock < until {
-            if work.attempts() + work.events > 0 && budget.saturating_sub(work.attempts()) < LEAST_BUDGET {
+            if work.attempts() > most_attempts {
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
             }
             let at = state.clock;
@@ -209,7 +210,7 @@ impl<M, C> Driver<M, C> {
                     let limit = at.ticks_until(until, resolved);
                     let control = state.control;
                     let Some(kept) = self
-                        .next_step(automaton, state, excitation, limit, &scale, &mut work)
+                        .next_step(automaton, state, excitation, [limit, longest_ticks], &scale, &mut work)
                         .map_err(fail)?
                     else {
                         // Rejected: the control memory holds a shorter step.
@@ -258,7 +259,7 @@ impl<M, C> Driver<M, C> {
         automaton: &A,
         state: &mut HybridState<S, A::Mode, N, P>,
         excitation: &impl Excitation<S>,
-        limit: u32,
+        [limit, longest_ticks]: [u32; 2],
         scale: &ErrorScale<S>,
         work: &mut Work,
     ) -> Result<Option<Kept<S, N, P>>, StepFailure<S>>
@@ -300,7 +301,8 @@ impl<M, C> Driver<M, C> {
             };
             work.iterations = work.iterations.saturating_add(trial.iterations);
             let mut control = state.control;
-            if self.judge(&flow, &mut control, &state.point, &trial, search.ticks, scale) == Verdict::Reject {
+            let ticks = [search.ticks, longest_ticks];
+            if self.judge(&flow, &mut control, &state.point, &trial, ticks, scale) == Verdict::Reject {
                 work.rejected += 1;
                 if search.ticks < SHORTEST_TICKS {
                     return Err(StepFailure::StepVanished);
@@ -333,7 +335,7 @@ impl<M, C> Driver<M, C> {
         control: &mut ControlMemory<S>,
         start: &Point<S, N, P>,
         trial: &Trial<S, N, P>,
-        ticks: u32,
+        [ticks, longest_ticks]: [u32; 2],
         scale: &ErrorScale<S>,
     ) -> Verdict
     where
@@ -344,7 +346,7 @@ impl<M, C> Driver<M, C> {
         let errors = StepErrors {
             ticks,
             order: M::ESTIMATE_ORDER,
-            longest_radians: M::LONGEST_RADIANS,
+            longest_ticks,
             time_scale_ratio: flow.time_scale_ratio(&start.state, &end.state),
             state: trial.error,
             energy: trial.energy_error.abs(),
@@ -493,7 +495,10 @@ fn accepted_step<'a, O: Observer<S>, S: Scalar, A: Automaton<S, N, P>, const N: 
 }
 
 /// A guard whose event is due at the present state.
-#[inline(always)]
+///
+/// Outlined: the compiler would otherwise evaluate the guards before every step.
+#[cold]
+#[inline(never)]
 fn due_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     automaton: &A,
     state: &HybridState<S, A::Mode, N, P>,

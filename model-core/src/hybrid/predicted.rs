@@ -47,8 +47,10 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             event => event,
         };
         let Some(index) = fallen else { return false };
-        if search.reach(&self.guard(index, &trial.end, search.ticks), index, trial) {
-            return true;
+        match search.reach(&self.guard(index, &trial.end, search.ticks), index) {
+            Reached::Kept => {}
+            Reached::Near(missing) => extend(trial, missing),
+            Reached::Beyond => return true,
         }
         if search.predicted || search.event.is_none() {
             return false;
@@ -71,7 +73,8 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
                 None => false,
             },
             Some(index) => {
-                search.advance(&self.guard(index, &end, search.ticks)) || self.turns(search, index, &end)
+                // A copy: the end of every prediction would otherwise be written to memory.
+                search.advance(&self.guard(index, &end, search.ticks)) || self.turns(search, index, &{ end })
             }
         }
     }
@@ -127,6 +130,16 @@ struct Fall<S> {
     theta: S,
     /// Whether the guard is at or below zero at the end of the step; if not, it may only graze.
     certain: bool,
+}
+
+/// How an attempt ends that was to reach an event.
+enum Reached<S> {
+    /// It is kept as it is.
+    Kept,
+    /// The event is so many seconds after its end or, below zero, before it.
+    Near(S),
+    /// Another attempt is needed.
+    Beyond,
 }
 
 /// The search for the event at the end of a step.
@@ -235,37 +248,33 @@ impl<S: Scalar> Search<S> {
         true
     }
 
-    /// Takes guard `index` at the end of an attempt. Returns whether another attempt is needed.
+    /// Takes guard `index` at the end of an attempt.
+    ///
+    /// The attempt is no argument: every attempt would then be written to memory.
     #[cold]
     #[inline(never)]
-    fn reach<const N: usize, const P: usize>(
-        &mut self,
-        guard: &Guard<S>,
-        index: usize,
-        trial: &mut Trial<S, N, P>,
-    ) -> bool {
+    fn reach(&mut self, guard: &Guard<S>, index: usize) -> Reached<S> {
         let missing = guard.value / -guard.rate;
         let there = ticks_after(self.ticks, missing);
         self.left = 0;
         self.event = (guard.value <= S::ZERO).then_some(index);
         if !(guard.rate < S::ZERO) || there > self.most {
             // A graze, or an event beyond the end of the step.
-            return false;
+            return Reached::Kept;
         }
         // Where the correction does not shrink, the guard is known no better: its value is a rounding.
         let stalls = missing.abs() > S::from_f64(0.5) * self.missing;
         self.missing = missing.abs();
         if self.is_near(missing) || stalls && self.is_brief(missing) {
-            extend(trial, missing);
             (self.ticks, self.event) = (there, Some(index));
-            return false;
+            return Reached::Near(missing);
         }
         if self.corrections == 0 {
-            return false;
+            return Reached::Kept;
         }
         self.corrections -= 1;
         (self.ticks, self.event) = (there, Some(index));
-        true
+        Reached::Beyond
     }
 }
 

@@ -22,8 +22,8 @@ pub(crate) struct StepErrors<S> {
     pub(crate) ticks: u32,
     /// [`Method::ESTIMATE_ORDER`](super::Method::ESTIMATE_ORDER).
     pub(crate) order: i32,
-    /// [`Method::LONGEST_RADIANS`](super::Method::LONGEST_RADIANS).
-    pub(crate) longest_radians: f64,
+    /// [`Method::LONGEST_RADIANS`](super::Method::LONGEST_RADIANS) in ticks.
+    pub(crate) longest_ticks: u32,
     /// [`System::time_scale_ratio`](super::System::time_scale_ratio).
     pub(crate) time_scale_ratio: S,
     /// Estimated relative local error of the state.
@@ -47,6 +47,11 @@ impl<S: Scalar> ErrorScale<S> {
     /// The scales with the larger of the system's angular frequency and that of the excitation in rad/s.
     pub(crate) fn of_the_faster(self, excitation: S) -> Self {
         Self { angular_frequency: self.angular_frequency.max(excitation), ..self }
+    }
+
+    /// A number of radians in ticks.
+    pub(crate) fn ticks_of_radians(&self, radians: f64) -> u32 {
+        ticks_of_seconds(S::from_f64(radians) / self.angular_frequency)
     }
 }
 
@@ -183,6 +188,7 @@ const LARGEST_CHANGE: i32 = 2 << 23;
 const SMALLEST_CHANGE: i32 = -19_477_731;
 
 /// The errors of a step relative to what is allowed.
+#[derive(Clone, Copy)]
 struct RelativeErrors<S> {
     /// The larger of the errors of state and energy over the allowed ones.
     ratio: f32,
@@ -190,6 +196,14 @@ struct RelativeErrors<S> {
     largest: S,
     /// [`ControlMemory::recent_energy`] after the step.
     recent_energy: S,
+}
+
+impl<S> RelativeErrors<S> {
+    /// The logarithm of the ratio in units of 2⁻²³.
+    #[inline(always)]
+    fn logarithm(&self) -> i32 {
+        log2(Scalar::max(self.ratio, 1e-8))
+    }
 }
 
 impl<S: Scalar> Adaptive<S> {
@@ -248,6 +262,30 @@ impl<S: Scalar> Adaptive<S> {
         let shortest = ticks <= SHORTEST_CONTROLLED_TICKS && ratio < f32::INFINITY;
         ratio > 1.0 && (small && futile || shortest)
     }
+
+    /// The length of the next step after an attempt beyond the tolerance that is accepted, or the memory after its
+    /// rejection.
+    ///
+    /// Outlined, with values as arguments: the memory of the accepted step then need not be at an address.
+    #[cold]
+    #[inline(never)]
+    fn beyond_tolerance(
+        &self,
+        mut memory: ControlMemory<S>,
+        ticks: u32,
+        order: i32,
+        relative: &RelativeErrors<S>,
+    ) -> Result<u32, ControlMemory<S>> {
+        if self.is_inherited(&memory, ticks, relative) {
+            // An inherited error does not predict the next error: return to the length first rejected.
+            // Without a rejection, as after an event, take a longer step.
+            let rejected = if memory.rejections > 0 { memory.rejected_ticks } else { 0 };
+            return Ok(rejected.max(ticks.saturating_mul(4)));
+        }
+        let change = SAFETY_AFTER_REJECTION - relative.logarithm() / order;
+        memory.reject(ticks, relative.ratio, scaled(ticks, change.clamp(SMALLEST_CHANGE, LARGEST_CHANGE)));
+        Err(memory)
+    }
 }
 
 /// Piecewise-linear binary logarithm in units of 2⁻²³: the bits of a float as an integer. Its error is at
@@ -294,21 +332,16 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         rounding: impl FnOnce() -> S,
     ) -> Verdict {
         let relative = self.relative(memory.recent_energy, errors, scale, rounding);
-        let ratio = relative.ratio;
-        let present = log2(Scalar::max(ratio, 1e-8));
-        let inherited = self.is_inherited(memory, errors.ticks, &relative);
+        let present = relative.logarithm();
         // `!(ratio <= 1.0)` also rejects not-a-number.
-        if !(ratio <= 1.0) && !inherited {
-            let change = SAFETY_AFTER_REJECTION - present / errors.order;
-            let next = scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, LARGEST_CHANGE));
-            memory.reject(errors.ticks, ratio, next);
-            return Verdict::Reject;
-        }
-        let next = if inherited {
-            // An inherited error does not predict the next error: return to the length first rejected.
-            // Without a rejection, as after an event, take a longer step.
-            let rejected = if memory.rejections > 0 { memory.rejected_ticks } else { 0 };
-            rejected.max(errors.ticks.saturating_mul(4))
+        let next = if !(relative.ratio <= 1.0) {
+            match self.beyond_tolerance(*memory, errors.ticks, errors.order, &{ relative }) {
+                Ok(next) => next,
+                Err(rejected) => {
+                    *memory = rejected;
+                    return Verdict::Reject;
+                }
+            }
         } else {
             // No overflow: a logarithm is at most 2⁷ in units of 2⁻²³.
             let change = SAFETY
@@ -319,8 +352,7 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
             let largest = if memory.rejections > 0 { 0 } else { LARGEST_CHANGE };
             scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, largest))
         };
-        memory.ticks =
-            next.min(ticks_of_seconds(S::from_f64(errors.longest_radians) / scale.angular_frequency));
+        memory.ticks = next.min(errors.longest_ticks);
         // Bounded below: after a step without error, the next error would otherwise look like a sudden rise.
         memory.previous = present.clamp(LEAST_REMEMBERED, 0);
         memory.recent_energy = relative.recent_energy;
@@ -384,7 +416,7 @@ mod tests {
             let errors = StepErrors {
                 ticks: memory.ticks,
                 order: 2,
-                longest_radians: 0.4,
+                longest_ticks: scale.ticks_of_radians(0.4),
                 time_scale_ratio: 1.0,
                 state: 0.04 * radians.powi(3),
                 energy: 0.0,
@@ -405,7 +437,7 @@ mod tests {
         let bad = StepErrors {
             ticks: before,
             order: 2,
-            longest_radians: 0.4,
+            longest_ticks: scale.ticks_of_radians(0.4),
             time_scale_ratio: 1.0,
             state: 1.0,
             energy: 0.0,
@@ -417,7 +449,7 @@ mod tests {
         let good = StepErrors {
             ticks: retried,
             order: 2,
-            longest_radians: 0.4,
+            longest_ticks: scale.ticks_of_radians(0.4),
             time_scale_ratio: 1.0,
             state: 0.0,
             energy: 0.0,
@@ -435,7 +467,7 @@ mod tests {
         let noisy = StepErrors {
             ticks: start.ticks,
             order: 2,
-            longest_radians: 0.4,
+            longest_ticks: scale.ticks_of_radians(0.4),
             time_scale_ratio: 1.0,
             state: 0.0,
             energy: 2e-9,
