@@ -77,22 +77,21 @@ impl<'a, S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const
     /// A guard below zero at the end of a step.
     #[inline(always)]
     pub(super) fn fallen(&self, end: &Point<S, N, P>, ticks: u32) -> Option<usize> {
-        self.each_guard(|index| self.guard(index, end, ticks).value < S::ZERO)
-    }
-
-    /// Calls `check` with the number of each guard of the mode, until it returns `true`. Returns that number.
-    ///
-    /// Unrolled for two guards: the numbers are then constants, and the compiler removes the other guards' code.
-    #[inline(always)]
-    pub(super) fn each_guard(&self, mut check: impl FnMut(usize) -> bool) -> Option<usize> {
+        // Unrolled for two guards, without a closure: the numbers of the guards are then constants.
         let guards = self.automaton.guards(self.mode).min(MOST_GUARDS);
-        if guards > 0 && check(0) {
+        if guards > 0 && self.is_below(0, end, ticks) {
             return Some(0);
         }
-        if guards > 1 && check(1) {
+        if guards > 1 && self.is_below(1, end, ticks) {
             return Some(1);
         }
-        (2..guards).find(|&index| check(index))
+        (2..guards).find(|&index| self.is_below(index, end, ticks))
+    }
+
+    /// Whether a guard is below zero at a point `ticks` into the step.
+    #[inline(always)]
+    fn is_below(&self, index: usize, point: &Point<S, N, P>, ticks: u32) -> bool {
+        self.guard(index, point, ticks).value < S::ZERO
     }
 
     /// The guard that falls first in the step to `end`, among those without a bit in `done`, and the

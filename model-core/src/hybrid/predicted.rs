@@ -1,6 +1,6 @@
 //! A step of a method that predicts the motion: its event is located on the prediction, before the circuit is solved.
 
-use super::attempt::Attempts;
+use super::attempt::{Attempts, MOST_GUARDS};
 use super::{Automaton, Guard};
 use crate::clock::seconds_of_ticks;
 use crate::excitation::Excitation;
@@ -98,26 +98,47 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     /// The guard that is expected to fall first in the step to `point`, among those without a bit in `done`.
     #[inline(always)]
     fn expected_fall(&self, ticks: u32, point: &Point<S, N, P>, done: u32) -> Option<Fall<S>> {
-        let mut first: Option<Fall<S>> = None;
-        let step = seconds_of_ticks(ticks);
-        self.each_guard(|index| {
-            let end = self.guard(index, point, ticks);
-            if end.value > S::ZERO && !(end.rate > S::ZERO) || done & (1 << index) != 0 {
-                return false;
-            }
-            let start = self.guard(index, self.start, 0);
-            if end.value > S::ZERO && !(start.rate < S::ZERO) {
-                return false;
-            }
-            let margin = S::from_f64(NEAR_ZERO) * (start.value + end.value);
-            if let Some(theta) = start.until(&end, step).approximate_fall(margin)
-                && first.is_none_or(|earliest| theta < earliest.theta)
-            {
-                first = Some(Fall { index, theta, certain: !(end.value > S::ZERO) });
-            }
-            false
-        });
+        // Unrolled for two guards, without a closure: the numbers of the guards are then constants, and the points need
+        // not be in memory.
+        let guards = self.automaton.guards(self.mode).min(MOST_GUARDS);
+        let mut first = None;
+        if guards > 0 {
+            first = self.earlier_fall(0, ticks, point, done, first);
+        }
+        if guards > 1 {
+            first = self.earlier_fall(1, ticks, point, done, first);
+        }
+        for index in 2..guards {
+            first = self.earlier_fall(index, ticks, point, done, first);
+        }
         first
+    }
+
+    /// The earlier of `first` and the expected fall of guard `index`.
+    #[inline(always)]
+    fn earlier_fall(
+        &self,
+        index: usize,
+        ticks: u32,
+        point: &Point<S, N, P>,
+        done: u32,
+        first: Option<Fall<S>>,
+    ) -> Option<Fall<S>> {
+        let end = self.guard(index, point, ticks);
+        if end.value > S::ZERO && !(end.rate > S::ZERO) || done & (1 << index) != 0 {
+            return first;
+        }
+        let start = self.guard(index, self.start, 0);
+        if end.value > S::ZERO && !(start.rate < S::ZERO) {
+            return first;
+        }
+        let margin = S::from_f64(NEAR_ZERO) * (start.value + end.value);
+        match start.until(&end, seconds_of_ticks(ticks)).approximate_fall(margin) {
+            Some(theta) if first.is_none_or(|earliest| theta < earliest.theta) => {
+                Some(Fall { index, theta, certain: !(end.value > S::ZERO) })
+            }
+            _ => first,
+        }
     }
 }
 
