@@ -1,17 +1,20 @@
 //! Represents simulated time as an integer, and the phase of a frequency at a time.
 //!
-//! Time is a count of ticks of 2⁻⁴⁰ s (0.91 ps) in 64 bits, which wraps after half a year (2²⁴ s). Rounding
-//! an event to a tick is less than the `f32` rounding of any step above a few microseconds. A frequency is a
-//! fixed-point number of turns per tick with 96 fractional bits. The phase at a tick is one multiplication
-//! modulo a turn; its error after 24 hours at 10 kHz is below 10⁻⁹ of a turn in either precision.
+//! Time is a count of ticks of 2⁻³⁸ s (3.6 ps) in 64 bits, which wraps after two years (2²⁶ s). Rounding an event to a
+//! tick is less than the `f32` rounding of any step above 31 µs, and a step of 32 bits reaches 15.6 ms: a quarter of a
+//! period at 16 Hz. A frequency is a fixed-point number of turns per tick with 96 fractional bits. The phase at a tick is
+//! one multiplication modulo a turn; its error after 24 hours at 10 kHz is below 10⁻⁹ of a turn in either precision.
 
 use crate::scalar::Scalar;
 use crate::snapshot::snapshot_fields;
 
 /// Number of ticks in a second, as a power of two.
-const TICKS_PER_SECOND_LOG2: i32 = 40;
+const TICKS_PER_SECOND_LOG2: i32 = 38;
 
-/// A point in simulated time, in ticks of 2⁻⁴⁰ s since the start.
+/// Number of ticks in a second.
+pub const TICKS_PER_SECOND: u64 = 1 << TICKS_PER_SECOND_LOG2;
+
+/// A point in simulated time, in ticks of 2⁻³⁸ s since the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Instant(u64);
@@ -20,29 +23,29 @@ impl Instant {
     /// The start of simulated time.
     pub const START: Self = Self(0);
 
-    /// The instant `ticks` ticks of 2⁻⁴⁰ s after the start.
+    /// The instant `ticks` ticks of 2⁻³⁸ s after the start.
     #[must_use]
     pub const fn from_ticks(ticks: u64) -> Self {
         Self(ticks)
     }
 
-    /// Ticks of 2⁻⁴⁰ s since the start.
+    /// Ticks of 2⁻³⁸ s since the start.
     #[must_use]
     pub const fn ticks(self) -> u64 {
         self.0
     }
 
-    /// The instant `seconds` whole seconds after the start; 2²⁴ s and more wrap.
+    /// The instant `seconds` whole seconds after the start; 2²⁶ s and more wrap.
     #[must_use]
     pub const fn from_whole_seconds(seconds: u32) -> Self {
         Self((seconds as u64) << TICKS_PER_SECOND_LOG2)
     }
 
-    /// The tick nearest to `seconds`; `None` if that is negative, not a number or 2²⁴ s or more.
+    /// The tick nearest to `seconds`; `None` if that is negative, not a number or 2²⁶ s or more.
     #[must_use]
     pub fn from_seconds<S: Scalar>(seconds: S) -> Option<Self> {
         let parts = seconds.decompose()?;
-        if parts.negative || seconds >= S::from_f64(16_777_216.0) {
+        if parts.negative || seconds >= S::from_f64(67_108_864.0) {
             return None;
         }
         scale_to_integer(parts.mantissa, parts.exponent + TICKS_PER_SECOND_LOG2)
@@ -66,10 +69,12 @@ impl Instant {
     /// Seconds since the start, rounded. For reports only: a step uses no absolute time.
     #[must_use]
     pub fn seconds<S: Scalar>(self) -> S {
+        const LOW_BITS: i32 = TICKS_PER_SECOND_LOG2 - 32;
         let (whole, fraction) =
             (self.0 >> TICKS_PER_SECOND_LOG2, self.0 & ((1 << TICKS_PER_SECOND_LOG2) - 1));
-        let fraction = S::from_u32((fraction >> 8) as u32) * S::power_of_two(-32)
-            + S::from_u32((fraction & 0xff) as u32) * S::power_of_two(-TICKS_PER_SECOND_LOG2);
+        let fraction = S::from_u32((fraction >> LOW_BITS) as u32) * S::power_of_two(-32)
+            + S::from_u32((fraction & ((1 << LOW_BITS) - 1)) as u32)
+                * S::power_of_two(-TICKS_PER_SECOND_LOG2);
         S::from_u32(whole as u32) + fraction
     }
 }
@@ -101,8 +106,8 @@ pub fn ticks_of_seconds<S: Scalar>(seconds: S) -> u32 {
     (seconds * S::power_of_two(TICKS_PER_SECOND_LOG2) + S::from_f64(0.5)).to_u32().max(1)
 }
 
-/// The longest step in seconds: 2³² − 1 ticks, 3.9 ms.
-pub const LONGEST_STEP_S: f64 = 4_294_967_295.0 / 1_099_511_627_776.0;
+/// The longest step in seconds: 2³² − 1 ticks, 15.6 ms.
+pub const LONGEST_STEP_S: f64 = 4_294_967_295.0 / 274_877_906_944.0;
 
 /// Cycles since the start of simulated time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -181,7 +186,7 @@ mod tests {
 
     /// The phase in turns after `ticks`, by exact integer arithmetic on the number that was given.
     fn exact_phase(hertz_mantissa: u64, hertz_exponent: i32, ticks: u64) -> f64 {
-        // hertz · ticks · 2^-40 modulo 1, with hertz = mantissa · 2^exponent and exponent < 0.
+        // hertz · ticks · 2⁻³⁸ modulo 1, with hertz = mantissa · 2^exponent and exponent < 0.
         let bits = u32::try_from(TICKS_PER_SECOND_LOG2 - hertz_exponent).expect("small");
         let product = u128::from(hertz_mantissa) * u128::from(ticks);
         let remainder = product & ((1u128 << bits) - 1);
@@ -192,7 +197,7 @@ mod tests {
     fn a_sine_loses_no_phase_in_a_simulated_day() {
         let mut hertz = 0.01_f64;
         while hertz <= 10_000.0 {
-            for offset in [0, 1, 12_345_678_901, (1 << 40) - 1] {
+            for offset in [0, 1, 12_345_678_901, (1 << 38) - 1] {
                 let at = Instant::from_ticks(DAY + offset);
                 let single = hertz as f32;
                 for (frequency, parts) in [
@@ -218,16 +223,16 @@ mod tests {
             let cycles = frequency.cycles(at);
             // The two round the lowest of 96 bits differently.
             assert!(cycles.fraction.wrapping_sub(frequency.phase(at)).cast_signed().abs() <= 1);
-            let exact = f64::from(400.3_f32) * ticks as f64 / 2f64.powi(40);
+            let exact = f64::from(400.3_f32) * ticks as f64 / TICKS_PER_SECOND as f64;
             assert!((cycles.whole as f64 - exact).abs() <= 1.0);
         }
     }
 
     #[test]
     fn ticks_per_cycle_are_rounded_down() {
-        // 2⁴⁰ ticks in a second, in integers.
+        // 2³⁸ ticks in a second, in integers.
         for (hertz, ticks) in
-            [(1.0, 1 << 40), (3.0, 366_503_875_925), (400.0, 2_748_779_069), (1e6, 1_099_511), (0.5, 1 << 41)]
+            [(1.0, 1 << 38), (3.0, 91_625_968_981), (400.0, 687_194_767), (1e6, 274_877), (0.5, 1 << 39)]
         {
             let frequency = Frequency::from_hertz::<f64>(hertz).expect("in range");
             assert_eq!(frequency.whole_ticks_per_cycle(), Some(ticks), "{hertz} Hz");
@@ -237,19 +242,19 @@ mod tests {
 
     #[test]
     fn conversions_round_to_the_nearest_tick_and_refuse_the_rest() {
-        assert_eq!(Instant::from_seconds(1.5_f32), Some(Instant(3 << 39)));
-        assert_eq!(Instant::from_seconds(2f64.powi(-41) * 1.01), Some(Instant(1)));
+        assert_eq!(Instant::from_seconds(1.5_f32), Some(Instant(3 << 37)));
+        assert_eq!(Instant::from_seconds(2f64.powi(-39) * 1.01), Some(Instant(1)));
         assert_eq!(Instant::from_seconds(0.0_f64), Some(Instant(0)));
-        for refused in [-1.0, f64::NAN, f64::INFINITY, 1.7e7, 1e300] {
+        for refused in [-1.0, f64::NAN, f64::INFINITY, 6.8e7, 1e300] {
             assert_eq!(Instant::from_seconds(refused), None, "{refused}");
         }
         for refused in [-1.0, f64::NAN, f64::INFINITY, 1.1e6, 1e300] {
             assert_eq!(Frequency::from_hertz(refused), None, "{refused}");
         }
         let at = Instant::from_seconds(12_345.678_9_f64).expect("in range");
-        assert!((at.seconds::<f64>() - 12_345.678_9).abs() < 2e-12);
+        assert!((at.seconds::<f64>() - 12_345.678_9).abs() < 4e-12);
         assert_eq!(ticks_of_seconds(1e9_f32), u32::MAX);
         assert_eq!(ticks_of_seconds(0.0_f32), 1);
-        assert_eq!(ticks_of_seconds(1e-6_f64), 1_099_512);
+        assert_eq!(ticks_of_seconds(1e-6_f64), 274_878);
     }
 }

@@ -36,7 +36,7 @@ pub trait Excitation<S: Scalar> {
     /// sticks by friction.
     fn jerk(&self, at: Instant) -> S;
 
-    /// The longest step, in ticks, that resolves the acceleration: an eighth of the period of the fastest sine.
+    /// The longest step, in ticks, that resolves the acceleration: 0.9 radians of the fastest sine.
     ///
     /// The error estimate of a mass that sticks does not depend on the acceleration and cannot limit the step.
     #[inline]

@@ -5,7 +5,7 @@
 //! [`Method`] takes one step from one [`Point`] to the next and integrates the powers with the weights of its
 //! stages. A [`StepControl`] accepts or rejects the step and proposes the length of the next one.
 //!
-//! The length of a step is a whole number of clock ticks of 2⁻⁴⁰ s. A method requests the input `u` at a
+//! The length of a step is a whole number of clock ticks of 2⁻³⁸ s. A method requests the input `u` at a
 //! number of ticks into the step. This module contains no absolute time, no events and no physics.
 
 mod boundary_layer;

@@ -15,8 +15,8 @@
 
 use crate::scalar::Scalar;
 
-/// Largest product of the step and a rate of the oscillator for which the series have full accuracy.
-pub(crate) const LONGEST_RADIANS: f64 = 0.5;
+/// Largest product of the step and a rate of the oscillator, or of a sine, for which the series have full accuracy.
+pub(crate) const LONGEST_RADIANS: f64 = 0.9;
 
 /// A damped linear oscillator under a base acceleration `a` and a further force per mass `f`:
 /// `x'' = −w (x − x0) − d x' − κ a + f`.
@@ -58,8 +58,8 @@ pub struct Kernel<S> {
 }
 
 /// The reciprocals of the factorials `k!`.
-const RECIPROCAL_FACTORIALS: [f64; 16] = {
-    let mut values = [1.0; 16];
+const RECIPROCAL_FACTORIALS: [f64; 18] = {
+    let mut values = [1.0; 18];
     let mut k = 1;
     while k < values.len() {
         values[k] = values[k - 1] / k as f64;
@@ -97,7 +97,7 @@ impl<S: Scalar> Kernel<S> {
         // Derivatives of S at 0, times powers of the step.
         let (mut present, mut next) = (S::ONE, -damping);
         let (mut second, mut third) = (S::ZERO, S::ZERO);
-        terms!(S, TERM: 1 2 3 4 5 [6 7 8 9 10 11] {
+        terms!(S, TERM: 1 2 3 4 5 6 7 [8 9 10 11 12 13] {
             second += present * reciprocal_factorial!(TERM + 3);
             third += present * reciprocal_factorial!(TERM + 4);
             (present, next) = (next, -damping * next - stiffness * present);
@@ -153,7 +153,7 @@ impl<S: Scalar> Kernel<S> {
         let (mut present, mut next) = (S::ONE, -damping);
         let mut drive = S::ONE;
         let (mut by_rate, mut by_start) = (S::ZERO, S::ZERO);
-        terms!(S, TERM: 3 4 5 6 7 8 9 [10 11 12 13 14 15] {
+        terms!(S, TERM: 3 4 5 6 7 8 9 10 11 [12 13 14 15 16 17] {
             by_rate += present * reciprocal_factorial!(TERM);
             by_start += present * reciprocal_factorial!(TERM - 1);
             // The derivatives of the drive are zero at every other order.
@@ -244,7 +244,7 @@ mod tests {
         }
     }
 
-    /// Steps of half a radian; light and heavy damping.
+    /// Light and heavy damping.
     fn oscillators() -> [Oscillator<f64>; 3] {
         [0.01, 1.0, 3.0].map(|ratio: f64| Oscillator {
             stiffness: 126.0 * 126.0,

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use model_core::clock::Instant;
+use model_core::clock::{Instant, TICKS_PER_SECOND};
 use model_core::energy::PowerMeter;
 use model_core::excitation::Sine;
 use model_core::hybrid::{HybridState, Work};
@@ -37,7 +37,7 @@ impl Plan {
 }
 
 /// A quarter of a simulated second, in ticks of the clock and in microseconds.
-const QUARTER_TICKS: u64 = 1 << 38;
+const QUARTER_TICKS: u64 = TICKS_PER_SECOND / 4;
 const QUARTER_US: u32 = 250_000;
 
 /// A run of a harvester, with `W` logged words.

@@ -149,7 +149,7 @@ pub struct Progress {
 /// Simulates a harvester from the samples of an accelerometer.
 ///
 /// Each sample completes the interval that ends one sample *earlier* (see [`Stream`]): the estimate lags one
-/// sample behind. Time counts from the first sample, for at most half a year ([`Instant`]).
+/// sample behind. Time counts from the first sample, for at most two years ([`Instant`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator<S: Scalar, H: Harvester<S>> {
     harvester: H,

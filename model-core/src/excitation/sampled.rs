@@ -119,7 +119,7 @@ mod tests {
             let double = Sampled::new(&TRACE, rate, AfterLastSample::Repeat).expect("valid");
             let samples = TRACE.map(|sample| sample as f32);
             let single = Sampled::new(&samples, rate as f32, AfterLastSample::Repeat).expect("valid");
-            // A step is at most 3.9 ms long. An interval may need several steps, and one more because the
+            // A step is at most 15.6 ms long. An interval may need several steps, and one more because the
             // first steps past a sample shorten it.
             let steps_per_sample = (1.0 / rate / crate::clock::LONGEST_STEP_S).ceil();
             let walk = |next: &dyn Fn(Instant) -> u32| {

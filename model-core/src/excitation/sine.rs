@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use super::{Excitation, ExcitationError};
 use crate::clock::{Frequency, Instant, ticks_of_seconds};
-use crate::oscillator::{Kernel, Response};
+use crate::oscillator::{Kernel, LONGEST_RADIANS, Response};
 use crate::scalar::{Mathematics, Polynomial, Scalar, turns_of_radians};
 
 /// `a(t) = A sin(2π f t + φ)`.
@@ -37,7 +37,7 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
         let fixed = Frequency::from_hertz(frequency).ok_or(ExcitationError::Frequency)?;
         let start = turns_of_radians(phase).ok_or(ExcitationError::Phase)?;
         let angular_frequency = frequency * S::from_f64(core::f64::consts::TAU);
-        let resolved = ticks_of_seconds(S::from_f64(0.125) / frequency);
+        let resolved = ticks_of_seconds(S::from_f64(LONGEST_RADIANS) / angular_frequency);
         Ok(Self { amplitude, angular_frequency, frequency: fixed, resolved, start, mathematics: PhantomData })
     }
 

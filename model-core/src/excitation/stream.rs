@@ -17,15 +17,15 @@ const LEAPS: u32 = 3;
 /// [`Sampled`](super::Sampled) of the same samples and rate.
 ///
 /// ```
-/// use model_core::clock::Instant;
+/// use model_core::clock::{Instant, TICKS_PER_SECOND};
 /// use model_core::excitation::{Excitation, Stream};
 ///
 /// let mut stream = Stream::<f32>::new(4.0, 0.0)?; // samples per second, first sample in m/s²
 /// stream.push(1.0)?;
 /// assert_eq!(stream.known_until(), Instant::START);
 /// stream.push(-2.0)?;
-/// assert_eq!(stream.known_until(), Instant::from_ticks(1 << 38)); // a quarter of a second
-/// assert_eq!(stream.acceleration(Instant::from_ticks(1 << 37)), 0.5);
+/// assert_eq!(stream.known_until(), Instant::from_ticks(TICKS_PER_SECOND / 4)); // a quarter of a second
+/// assert_eq!(stream.acceleration(Instant::from_ticks(TICKS_PER_SECOND / 8)), 0.5);
 /// # Ok::<(), model_core::excitation::StreamError>(())
 /// ```
 ///
@@ -52,7 +52,7 @@ pub struct Stream<S> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum StreamError {
-    /// The rate is not above zero, not finite, above 1 MHz, or below one sample in half a year.
+    /// The rate is not above zero, not finite, above 1 MHz, or below one sample in two years.
     Rate,
     /// The sample is not finite.
     Sample,

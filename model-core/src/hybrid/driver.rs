@@ -20,10 +20,10 @@ pub const LEAST_BUDGET: u32 = MOST_ATTEMPTS + 2;
 /// [`StepFailure::EventStorm`] is returned.
 pub(super) const MOST_CROWDED_EVENTS: u8 = 64;
 /// One nanosecond in ticks.
-const CROWDED_TICKS: u32 = 1_100;
+const CROWDED_TICKS: u32 = 275;
 /// Longest step in ticks (61 µs) whose end outside the domain is an error.
-const DOMAIN_TICKS: u32 = 1 << 26;
-/// Shortest step that may be shortened, in ticks (4 ps).
+const DOMAIN_TICKS: u32 = 1 << 24;
+/// Shortest step that may be shortened, in ticks (15 ps).
 const SHORTEST_TICKS: u32 = 4;
 
 /// An integration method with a step control.
@@ -102,7 +102,7 @@ pub struct Advance {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum StepFailure<S> {
-    /// The step became shorter than 4 ps: the equations were not solved or the tolerance was not met.
+    /// The step became shorter than 15 ps: the equations were not solved or the tolerance was not met.
     StepVanished,
     /// More than 64 successive events followed within a nanosecond of each other.
     EventStorm,
@@ -289,7 +289,8 @@ impl<M, C> Driver<M, C> {
             self.control.shorten(memory, planned);
             Ok(None)
         };
-        let mut search = Search::within(planned, scale.angular_frequency);
+        let most = state.control.stretched(planned).min(limit);
+        let mut search = Search::within(planned, most, scale.angular_frequency, attempts.after_jump);
         let (mut kept, mut control) = loop {
             let attempted = if M::PREDICTS {
                 attempts.attempt_to_event(&mut search)

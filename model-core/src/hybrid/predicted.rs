@@ -47,9 +47,10 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             event => event,
         };
         let Some(index) = fallen else { return false };
-        match search.reach(&self.guard(index, &trial.end, search.ticks), index) {
+        let ticks = search.ticks;
+        match search.reach(&self.guard(index, &trial.end, ticks), index) {
             Reached::Kept => {}
-            Reached::Near(missing) => extend(trial, missing),
+            Reached::Near(missing) => self.extend(trial, ticks, missing),
             Reached::Beyond => return true,
         }
         if search.predicted || search.event.is_none() {
@@ -70,13 +71,32 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         match search.event {
             None => match self.expected_fall(search.ticks, &end, 0) {
                 Some(fall) => search.approach(fall),
-                None => false,
+                None => self.stretches(search, &end),
             },
             Some(index) => {
                 // A copy: the end of every prediction would otherwise be written to memory.
                 search.advance(&self.guard(index, &end, search.ticks)) || self.turns(search, index, &{ end })
             }
         }
+    }
+
+    /// Whether the step is stretched to a guard that falls soon after its end.
+    ///
+    /// A step that ended just before an event would be followed by a short one.
+    #[inline(always)]
+    fn stretches(&self, search: &mut Search<S>, end: &Point<S, N, P>) -> bool {
+        if search.ticks >= search.most {
+            return false;
+        }
+        let margin = seconds_of_ticks::<S>(search.most - search.ticks);
+        for index in 0..self.automaton.guards(self.mode).min(MOST_GUARDS) {
+            let Guard { value, rate } = self.guard(index, end, search.ticks);
+            if value < -rate * margin {
+                search.stretch(index, value / -rate);
+                return true;
+            }
+        }
+        false
     }
 
     /// Whether the search turns to another guard that falls before the located one.
@@ -140,6 +160,36 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             _ => first,
         }
     }
+
+    /// Extends a step of `ticks` by `missing` seconds, which may be negative: along the parabola through its end that has
+    /// its derivatives at start and end.
+    ///
+    /// After a jump the derivative at the start can be that of a boundary layer; the extension is then a line.
+    #[inline(always)]
+    fn extend(&self, trial: &mut Trial<S, N, P>, ticks: u32, missing: S) {
+        let (start, end) = (self.start, &mut trial.end);
+        let step = seconds_of_ticks::<S>(ticks);
+        let bend = |change: S, before: S, after: S| {
+            if self.after_jump {
+                return S::ZERO;
+            }
+            let (before, after) = (before + before, after + after);
+            (before + after + after - S::from_f64(6.0) * change / step) / step
+        };
+        let half = S::from_f64(0.5) * missing;
+        for i in 0..N {
+            let change = end.state[i] - start.state[i];
+            let turn = bend(change, start.derivative[i], end.derivative[i]);
+            let increment = missing * (end.derivative[i] + half * turn);
+            (end.state[i], end.remainder[i]) = add_increment(end.state[i], end.remainder[i], increment);
+            end.derivative[i] += missing * turn;
+        }
+        for (i, energy) in trial.energies.iter_mut().enumerate() {
+            let turn = bend(*energy, start.powers[i], end.powers[i]);
+            *energy += missing * (end.powers[i] + half * turn);
+            end.powers[i] += missing * turn;
+        }
+    }
 }
 
 /// The expected fall of a guard.
@@ -188,11 +238,13 @@ pub(super) struct Search<S> {
     missing: S,
     /// In rad/s, of the motion.
     angular_frequency: S,
+    /// Whether the step begins with a jump.
+    after_jump: bool,
 }
 
 impl<S: Scalar> Search<S> {
-    /// Of a step of at most `ticks`.
-    pub(super) fn within(ticks: u32, angular_frequency: S) -> Self {
+    /// Of a step of `ticks`, or of at most `most` if an event follows.
+    pub(super) fn within(ticks: u32, most: u32, angular_frequency: S, after_jump: bool) -> Self {
         Self {
             ticks,
             event: None,
@@ -200,28 +252,32 @@ impl<S: Scalar> Search<S> {
             short: 0,
             far: ticks,
             falls: false,
-            most: ticks,
+            most,
             done: 0,
             left: MOST_PREDICTIONS,
             corrections: MOST_CORRECTIONS,
             missing: S::INFINITY,
             angular_frequency,
+            after_jump,
         }
     }
 
-    /// Whether the square of a time is below a rounding, in radians of the motion and as a part of the step, or the time
-    /// is below a tick.
-    ///
-    /// A bounce that is short against a radian must keep its own energy.
+    /// Whether [`Attempts::extend`] is exact to rounding over a time, or the time is below a tick.
     fn is_near(&self, seconds: S) -> bool {
+        // A bounce that is short against a radian must keep its own energy.
         let part = seconds / seconds_of_ticks(self.ticks);
-        self.is_brief(seconds) && part * part <= S::EPSILON || seconds.abs() <= seconds_of_ticks(1)
+        self.is_brief(seconds) && self.is_negligible(part) || seconds.abs() <= seconds_of_ticks(1)
     }
 
-    /// Whether the square of a time in radians of the motion is below a rounding.
+    /// Whether what an extension over a time leaves out is below a rounding, in radians of the motion.
     fn is_brief(&self, seconds: S) -> bool {
-        let radians = seconds * self.angular_frequency;
-        radians * radians <= S::EPSILON
+        self.is_negligible(seconds * self.angular_frequency)
+    }
+
+    /// Whether the first term that an extension leaves out is below a rounding.
+    fn is_negligible(&self, part: S) -> bool {
+        let part = part.abs();
+        part * part * if self.after_jump { S::ONE } else { part } <= S::EPSILON
     }
 
     /// Notes that guard `index` was located. Returns the guards that were.
@@ -238,6 +294,15 @@ impl<S: Scalar> Search<S> {
         self.left = MOST_PREDICTIONS;
         self.ticks = (fall.theta * S::from_u32(self.ticks)).to_u32().max(1).min(self.ticks);
         true
+    }
+
+    /// Continues beyond the end of the step, where a guard is expected to fall in `missing` seconds.
+    #[cold]
+    #[inline(never)]
+    fn stretch(&mut self, index: usize, missing: S) {
+        self.event = Some(index);
+        (self.short, self.far, self.falls) = (self.ticks, self.most, false);
+        self.ticks = ticks_after(self.ticks, missing).min(self.most);
     }
 
     /// Takes the guard at the end of a prediction. Returns whether another prediction is needed.
@@ -296,21 +361,6 @@ impl<S: Scalar> Search<S> {
         self.corrections -= 1;
         (self.ticks, self.event) = (there, Some(index));
         Reached::Beyond
-    }
-}
-
-/// Extends a step by `missing` seconds, which may be negative, along its derivative at the end.
-///
-/// The time is so short that its square, in radians of the motion, is below a rounding.
-#[inline(always)]
-fn extend<S: Scalar, const N: usize, const P: usize>(trial: &mut Trial<S, N, P>, missing: S) {
-    let end = &mut trial.end;
-    for i in 0..N {
-        (end.state[i], end.remainder[i]) =
-            add_increment(end.state[i], end.remainder[i], missing * end.derivative[i]);
-    }
-    for (energy, &power) in trial.energies.iter_mut().zip(&end.powers) {
-        *energy += missing * power;
     }
 }
 

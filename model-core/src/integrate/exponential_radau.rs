@@ -21,7 +21,7 @@
 
 use super::{Attempt, CircuitEquation, Input, Method, NotConverged, Point, System, Trial};
 use crate::clock::seconds_of_ticks;
-use crate::oscillator::{self, Kernel, Oscillator, Response};
+use crate::oscillator::{Kernel, Oscillator, Response};
 use crate::scalar::{Mathematics, Scalar, add_increment};
 
 /// Index of the position in the state.
@@ -72,7 +72,7 @@ const NEXT_PASS: [f64; 2] = [1.0 / 12.0, 1.0 / 4.0];
 /// The exact flow of a linear oscillator with the three-stage Radau IIA method for its circuit.
 ///
 /// The global error is of fourth order. The cost of a step does not depend on the stiffness of the circuit. A step is at
-/// most half a radian of the oscillator long. A system must state its split form ([`System::SPLIT`]); without it this
+/// most 0.8 radians of the oscillator long, or 0.9 to an event. A system must state its split form ([`System::SPLIT`]); without it this
 /// method does not compile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -410,7 +410,8 @@ impl<S: Scalar> Prediction<S> {
 impl<S: Scalar> Method<S> for ExponentialRadau {
     const ESTIMATES_ERROR: bool = true;
     const ESTIMATE_ORDER: i32 = 3;
-    const LONGEST_RADIANS: f64 = oscillator::LONGEST_RADIANS;
+    /// Two steps for a quarter of a period. A step to an event may be an eighth longer.
+    const LONGEST_RADIANS: f64 = 0.8;
     const CARRIES_DERIVATIVES: bool = true;
     const PREDICTS: bool = true;
 

@@ -105,7 +105,7 @@ pub struct FixedStep {
 }
 
 impl FixedStep {
-    /// Steps of the number of ticks nearest to `seconds`, above 0 and at most [`LONGEST_STEP_S`] (3.9 ms).
+    /// Steps of the number of ticks nearest to `seconds`, above 0 and at most [`LONGEST_STEP_S`] (15.6 ms).
     ///
     /// # Errors
     /// [`ParameterError`] with the field `step` if `seconds` is outside these bounds.
@@ -169,7 +169,7 @@ const NEWTON_PART: f64 = 1.0 / REMEMBERED_RADIANS;
 /// Radians over which the delivered energy is averaged: two and a half periods.
 const MEMORY_RADIANS: f64 = 16.0;
 /// Shortest step in ticks that the tolerance can demand: 4 ns.
-const SHORTEST_CONTROLLED_TICKS: u32 = 4096;
+const SHORTEST_CONTROLLED_TICKS: u32 = 1024;
 /// Largest relative error of a step that is accepted if shorter steps do not reduce the error.
 const WAIVED: f64 = 1e-3;
 /// Number of rejections of one step after which a step with an unreduced error is accepted.

@@ -105,7 +105,7 @@ impl Exact {
     }
 }
 
-const TICK: f64 = 1.0 / 1_099_511_627_776.0;
+const TICK: f64 = 1.0 / model_core::clock::TICKS_PER_SECOND as f64;
 
 /// Drops a ball that comes to rest. An impact may be found late by `late` seconds.
 fn drop_to_rest<S: Scalar>(

@@ -5,7 +5,7 @@ pub(crate) mod harvesters;
 
 use core::fmt::Debug;
 
-use model_core::clock::Instant;
+use model_core::clock::{Instant, TICKS_PER_SECOND};
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, Ended, Guard, HybridState, InputAt, Jump, StepError, Work};
 use model_core::integrate::ErrorScale;
@@ -213,7 +213,7 @@ impl Log {
 
 /// Seconds of an instant, in double precision.
 pub(crate) fn exact_seconds(at: Instant) -> f64 {
-    at.ticks() as f64 / 2f64.powi(40)
+    at.ticks() as f64 / TICKS_PER_SECOND as f64
 }
 
 impl<S: Scalar> Observer<S> for Log {

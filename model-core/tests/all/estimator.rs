@@ -245,14 +245,14 @@ fn a_long_gap_is_unknown_and_the_harvester_starts_anew() {
     assert_eq!(before.uncertainty.uncertain_seconds, 0.5);
     // Samples 500 to 599 are lost: with the last before them its interval is integrated at once.
     estimator.push_missing(4, EVER).expect("runs");
-    assert_eq!(estimator.known_until(), Instant::from_ticks(498 << 32));
+    assert_eq!(estimator.known_until(), Instant::from_ticks(498 << 30));
     estimator.push_missing(96, EVER).expect("runs");
-    assert_eq!(estimator.known_until(), Instant::from_ticks(499 << 32));
+    assert_eq!(estimator.known_until(), Instant::from_ticks(499 << 30));
     let inside = estimator.estimate();
     assert_eq!((inside.seconds, inside.uncertainty.unknown_seconds), (499.0 / 256.0, 100.0 / 256.0));
     let energy_before = inside.energy;
     let after = follow(&mut estimator, &samples[600..]);
-    assert_eq!(estimator.known_until(), Instant::from_ticks(998 << 32));
+    assert_eq!(estimator.known_until(), Instant::from_ticks(998 << 30));
     assert_eq!(after.uncertainty.missing_samples, 100);
     assert_eq!(after.uncertainty.unknown_seconds, 101.0 / 256.0);
     assert_eq!(after.uncertainty.uncertain_seconds, 1.0);
@@ -261,7 +261,7 @@ fn a_long_gap_is_unknown_and_the_harvester_starts_anew() {
     let mut fresh = Estimator::new(harvester, settled).expect("valid");
     let anew = follow(&mut fresh, &samples[600..]);
     let mut moved = *fresh.harvester_state();
-    moved.clock = Instant::from_ticks(moved.clock.ticks() + (600 << 32));
+    moved.clock = Instant::from_ticks(moved.clock.ticks() + (600 << 30));
     assert_eq!(*estimator.harvester_state(), moved);
     assert!((after.energy - energy_before - anew.energy).abs() < 1e-15 * after.energy);
     assert!(after.uncertainty.relative > (1.0 + 101.0 / 256.0) / (998.0 / 256.0));
@@ -355,7 +355,7 @@ fn every_interval_is_integrated_or_unknown() {
         let all = f64::from(n) / 256.0;
         let sum = estimate.seconds + estimate.uncertainty.unknown_seconds;
         assert!((sum - all).abs() < 1e-12, "{sum} of {all}");
-        assert_eq!(estimator.known_until(), Instant::from_ticks(u64::from(n - first) << 32));
+        assert_eq!(estimator.known_until(), Instant::from_ticks(u64::from(n - first) << 30));
         assert!(estimate.uncertainty.uncertain_seconds <= estimate.seconds + 1e-12);
     }
 }
@@ -387,7 +387,7 @@ fn a_step_that_cannot_be_taken_is_an_error_once() {
     assert_eq!(errors, 1);
     let unknown = estimate.uncertainty.unknown_seconds * 256.0;
     assert_eq!(unknown, 3.0);
-    assert_eq!(estimator.known_until(), Instant::from_ticks(598 << 32));
+    assert_eq!(estimator.known_until(), Instant::from_ticks(598 << 30));
     assert!(estimate.seconds > before.seconds + 290.0 / 256.0 && estimate.energy > before.energy);
 }
 

@@ -59,7 +59,7 @@ pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R> {
     /// A stepper that integrates only the delivered energy, enough for a node. Steps have the number of ticks nearest
-    /// to `short` near contact and `long` in free flight, both in s and up to 3.9 ms. A `long` at or below `short`
+    /// to `short` near contact and `long` in free flight, both in s and up to 15.6 ms. A `long` at or below `short`
     /// disables long steps.
     ///
     /// # Errors
