@@ -74,6 +74,24 @@ macro_rules! behind_bridge {
     };
 }
 
+/// Runs a triboelectric scene of the parameters `$core` with the load `$load` that the scene file states.
+macro_rules! by_load {
+    ($run:ident, |$load:ident| $core:expr) => {
+        match $run.scene.load {
+            Load::Resistor { resistance_ohm } => {
+                let $load = Resistor { resistance: resistance_ohm };
+                $run.simulated($core.build().map_err(refused)?)
+            }
+            Load::RectifiedStore(store) => behind_bridge!(store, |bridge| {
+                let $load = OpenCircuit;
+                let core = $core.build().map_err(refused)?;
+                $run.simulated(Rectified::new(core, bridge).map_err(refused)?)
+            }),
+            Load::DcBus { .. } => refuse("load: must be a resistor or a rectified store"),
+        }
+    };
+}
+
 impl Run<'_> {
     fn contact_separation(&self, model: &scene_file::ContactSeparation) -> Result<Meter, Stop> {
         let any = contact_separation_parameters::<f64, Polynomial>(model, self.scene.load);
@@ -82,34 +100,11 @@ impl Run<'_> {
         else {
             return refuse("parameters: restitution and force_law must be those of the shipped scene");
         };
-        macro_rules! core {
-            ($load:expr) => {
-                contact_separation::Parameters {
-                    mass: any.mass,
-                    stiffness: any.stiffness,
-                    damping_ratio: any.damping_ratio,
-                    initial_gap: any.initial_gap,
-                    electrode_area: any.electrode_area,
-                    dielectric_thickness: any.dielectric_thickness,
-                    relative_permittivity: any.relative_permittivity,
-                    charge_density: any.charge_density,
-                    choices: contact_separation::Choices::new($load, restitution)
-                        .force_law(contact_separation::TransferredCharge)
-                        .parasitic(any.choices.parasitic),
-                }
-                .build()
-                .map_err(refused)?
-            };
-        }
-        match self.scene.load {
-            Load::Resistor { resistance_ohm } => {
-                self.simulated(core!(Resistor { resistance: resistance_ohm }))
-            }
-            Load::RectifiedStore(store) => behind_bridge!(store, |bridge| {
-                self.simulated(Rectified::new(core!(OpenCircuit), bridge).map_err(refused)?)
-            }),
-            Load::DcBus { .. } => refuse("load: must be a resistor or a rectified store"),
-        }
+        by_load!(self, |load| any.with_choices(
+            contact_separation::Choices::new(load, restitution)
+                .force_law(contact_separation::TransferredCharge)
+                .parasitic(any.choices.parasitic),
+        ))
     }
 
     fn sliding(&self, model: &scene_file::Sliding) -> Result<Meter, Stop> {
@@ -117,36 +112,9 @@ impl Run<'_> {
             return refuse("parameters: force_law and lateral_force must be those of the shipped scene");
         }
         let any = sliding_parameters::<f64>(model, self.scene.load);
-        macro_rules! core {
-            ($load:expr) => {
-                sliding::Parameters {
-                    beam_length: any.beam_length,
-                    beam_width: any.beam_width,
-                    beam_thickness: any.beam_thickness,
-                    young_modulus: any.young_modulus,
-                    density: any.density,
-                    damping_ratio: any.damping_ratio,
-                    slider_mass: any.slider_mass,
-                    patch_radius: any.patch_radius,
-                    dielectric_thickness: any.dielectric_thickness,
-                    relative_permittivity: any.relative_permittivity,
-                    charge_density: any.charge_density,
-                    choices: sliding::Choices::new($load, any.choices.friction)
-                        .force_law(sliding::TransferredCharge),
-                }
-                .build()
-                .map_err(refused)?
-            };
-        }
-        match self.scene.load {
-            Load::Resistor { resistance_ohm } => {
-                self.simulated(core!(Resistor { resistance: resistance_ohm }))
-            }
-            Load::RectifiedStore(store) => behind_bridge!(store, |bridge| {
-                self.simulated(Rectified::new(core!(OpenCircuit), bridge).map_err(refused)?)
-            }),
-            Load::DcBus { .. } => refuse("load: must be a resistor or a rectified store"),
-        }
+        by_load!(self, |load| any.with_choices(
+            sliding::Choices::new(load, any.choices.friction).force_law(sliding::TransferredCharge),
+        ))
     }
 
     fn bump_stop(&self, model: &scene_file::BumpStop) -> Result<Meter, Stop> {

@@ -41,20 +41,10 @@ pub fn shipped<S: Scalar, M: Mathematics<S>>(resistance_ohm: f64) -> ContactSepa
     let AnyRestitution::VelocityDependent(restitution) = any.choices.restitution else {
         panic!("the shipped scene's restitution depends on the speed");
     };
-    let parameters: Parameters<S, Shipped<S, M>> = Parameters {
-        mass: any.mass,
-        stiffness: any.stiffness,
-        damping_ratio: any.damping_ratio,
-        initial_gap: any.initial_gap,
-        electrode_area: any.electrode_area,
-        dielectric_thickness: any.dielectric_thickness,
-        relative_permittivity: any.relative_permittivity,
-        charge_density: any.charge_density,
-        choices: Choices::new(Resistor { resistance: any.choices.load.resistance }, restitution)
-            .force_law(TransferredCharge)
-            .parasitic(any.choices.parasitic),
-    };
-    parameters.build().expect("the shipped scene is valid")
+    let choices = Choices::new(Resistor { resistance: any.choices.load.resistance }, restitution)
+        .force_law(TransferredCharge)
+        .parasitic(any.choices.parasitic);
+    any.with_choices(choices).build().expect("the shipped scene is valid")
 }
 
 /// Its excitation.

@@ -17,24 +17,6 @@ use model_core::scene::sliding::{
     StickCharge as Charge, TransferredCharge,
 };
 
-/// The parameters with other parts.
-fn with<S: Scalar, C>(any: &Parameters<S, AnyChoices<S>>, choices: C) -> Parameters<S, C> {
-    Parameters {
-        beam_length: any.beam_length,
-        beam_width: any.beam_width,
-        beam_thickness: any.beam_thickness,
-        young_modulus: any.young_modulus,
-        density: any.density,
-        damping_ratio: any.damping_ratio,
-        slider_mass: any.slider_mass,
-        patch_radius: any.patch_radius,
-        dielectric_thickness: any.dielectric_thickness,
-        relative_permittivity: any.relative_permittivity,
-        charge_density: any.charge_density,
-        choices,
-    }
-}
-
 /// How a motion begins and is shaken.
 #[derive(Clone, Copy)]
 struct Case {
@@ -93,7 +75,7 @@ fn same<S: Scalar, C: Parts<S>>(any: &Parameters<S, AnyChoices<S>>, choices: C, 
 where
     Polynomial: Mathematics<S>,
 {
-    let chosen = with(any, choices);
+    let chosen = any.with_choices(choices);
     let adaptive = Adaptive::new(S::from_f64(1e-4)).expect("in bounds");
     let fixed = FixedStep::of_seconds(S::from_f64(2e-4)).expect("in bounds");
     let (states_of_any, stuck) = states(any, TrBdf2, adaptive, case);
@@ -147,9 +129,9 @@ fn no_friction_is_the_same_as_friction_of_nothing() {
     let none = any::<f64>(1e8, |parameters| cross_crate_tests::rub(parameters, 0.0));
     let resistor = Resistor { resistance: 1e8 };
     let choices = Choices::new(resistor, Frictionless).force_law(TransferredCharge);
-    let free = with(&none, choices.sticking(NeverSticks));
+    let free = none.with_choices(choices.sticking(NeverSticks));
     let choices = Choices::new(resistor, none.choices.friction).force_law(TransferredCharge);
-    let rubbed = with(&none, choices);
+    let rubbed = none.with_choices(choices);
     let fixed = FixedStep::of_seconds(1e-4).expect("in bounds");
     let case = Case { velocity: 0.3, acceleration: 1.0, frequency: 15.0 };
     let (free, rubbed) =

@@ -9,16 +9,13 @@
 //! | circuit | factor | why |
 //! | --- | --- | --- |
 //! | any, and a bridge | 0.6 | |
-//! | a time constant as long as the motion within the dielectric's thickness | 0.45 | the charge follows the impact half way; at 300 kΩ two tones are 2e-3 off at a tolerance of 0.02, 3e-4 at 0.015 |
-//! | a time constant longer than a period | 1.2 | the charge hardly flows; at 1 GΩ no run is more than 3e-4 off at 0.04 |
+//! | a time constant as long as the motion within the dielectric's thickness | 0.45 | the charge follows the impact half way |
+//! | a time constant longer than a period | 0.8 | the charge hardly flows |
 //!
-//! In sliding with a resistor it is 7 times the accuracy to the power of 3/4. The longest step of the method keeps the
-//! error small at loose tolerances: at 0.05 it is at most 2e-4 under 0.3 g to 0.8 g, from 10 kΩ to 1 GΩ. The error
-//! falls more slowly than the square of the tolerance: at 0.006 it is still 1.4e-4 at 100 MΩ under 0.5 g, at 0.0012 it
-//! is at most 1.1e-5.
+//! In sliding with a resistor it is 4.5 times the accuracy to the power of 3/4. The longest step of the method keeps the
+//! error small at loose tolerances, and the error falls more slowly than the square of the tolerance.
 //!
-//! No tolerance is looser than 0.05. Above it the mean power jumps: at 0.06 it is 2e-2 off at 1 MΩ, and 5e-2 at 1 Ω under
-//! 0.3 g; at 0.05 it is at most 1e-2 off.
+//! No tolerance is looser than 0.05. Above it steps are rejected too late, and the mean power jumps.
 
 use std::f64::consts::TAU;
 
@@ -32,9 +29,9 @@ const USUAL: f64 = 0.6;
 /// The same where the charge follows the impact half way.
 const HALF_WAY: f64 = 0.45;
 /// The same where the charge hardly flows within a period.
-const NEARLY_OPEN: f64 = 1.2;
+const NEARLY_OPEN: f64 = 0.8;
 /// Tolerance over the accuracy to the power of 3/4, for sliding.
-const SLIDING: f64 = 7.0;
+const SLIDING: f64 = 4.5;
 /// Within which factor a time constant is as long as the motion within the dielectric's thickness.
 const AS_LONG: f64 = 10.0;
 /// The loosest tolerance that is chosen.

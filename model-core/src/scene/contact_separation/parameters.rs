@@ -45,6 +45,22 @@ bounded! { Parameters<S, C>:
 }
 
 impl<S: Scalar, C> Parameters<S, C> {
+    /// The same numbers with other components.
+    #[must_use]
+    pub fn with_choices<D>(self, choices: D) -> Parameters<S, D> {
+        Parameters {
+            mass: self.mass,
+            stiffness: self.stiffness,
+            damping_ratio: self.damping_ratio,
+            initial_gap: self.initial_gap,
+            electrode_area: self.electrode_area,
+            dielectric_thickness: self.dielectric_thickness,
+            relative_permittivity: self.relative_permittivity,
+            charge_density: self.charge_density,
+            choices,
+        }
+    }
+
     /// Checks the parameters and computes the coefficients.
     ///
     /// No operation cancels, so the coefficients are exact to a few roundings in `f32` too.

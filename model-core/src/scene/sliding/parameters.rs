@@ -55,6 +55,25 @@ bounded! { Parameters<S, C>:
 }
 
 impl<S: Scalar, C> Parameters<S, C> {
+    /// The same numbers with other components.
+    #[must_use]
+    pub fn with_choices<D>(self, choices: D) -> Parameters<S, D> {
+        Parameters {
+            beam_length: self.beam_length,
+            beam_width: self.beam_width,
+            beam_thickness: self.beam_thickness,
+            young_modulus: self.young_modulus,
+            density: self.density,
+            damping_ratio: self.damping_ratio,
+            slider_mass: self.slider_mass,
+            patch_radius: self.patch_radius,
+            dielectric_thickness: self.dielectric_thickness,
+            relative_permittivity: self.relative_permittivity,
+            charge_density: self.charge_density,
+            choices,
+        }
+    }
+
     /// Checks the parameters and computes the coefficients.
     ///
     /// No operation cancels, so the coefficients are exact to some roundings in `f32` too.
