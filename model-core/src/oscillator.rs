@@ -279,6 +279,10 @@ mod tests {
             assert_close(kernel.to_parabola(samples), expected, parabola(h), 2e-14);
             for frequency in [1e-3, 50.0, 125.99, 126.0, 200.0] {
                 let sine = |t: f64| 2.0 * (frequency * t).cos() + 0.7 * (frequency * t).sin();
+                // A sine limits the step too.
+                let h = oscillator.longest_step(frequency.max(126.0));
+                let kernel = Kernel::new(&oscillator, h);
+                let small = Kernel::new(&single(&oscillator), h as f32);
                 let expected = by_small_steps(&oscillator, h, sine);
                 let rate = 0.7 * frequency;
                 assert_close(kernel.to_sine(2.0, rate, frequency), expected, sine(h), 2e-13);

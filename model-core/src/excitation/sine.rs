@@ -18,7 +18,7 @@ pub struct Sine<S, M = Polynomial> {
     /// `2π f` in rad/s.
     angular_frequency: S,
     frequency: Frequency,
-    /// Ticks in an eighth of a period.
+    /// Ticks in [`LONGEST_RADIANS`].
     resolved: u32,
     /// `φ` in units of 2⁻⁶⁴ turns.
     start: u64,

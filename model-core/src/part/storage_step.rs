@@ -243,7 +243,7 @@ mod tests {
             draw,
         };
         let (mut state, mut account) = (StorageState::of(&storage), StorageAccount::<f32>::default());
-        state.drain(&storage, storage.elastance(), 3.9e-3, &mut account);
+        state.drain(&storage, storage.elastance(), 15.6e-3, &mut account);
         assert_eq!(state.voltage, 0.0);
         assert!(((account.drawn + account.leaked) / 5e-8 - 1.0).abs() < 1e-6, "{account:?}");
     }

@@ -9,6 +9,7 @@
 //! Asserted: positions, times, modes and number of events, in both precisions, for both methods.
 
 use crate::common::{Leap, Problem, Run, precision};
+use model_core::clock::LONGEST_STEP_S;
 use model_core::excitation::Silence;
 use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::scalar::Scalar;
@@ -96,6 +97,13 @@ impl<S: Scalar> Problem<S, 2> for Slider {
     }
 }
 
+/// How late TR-BDF2 is after `radians` of a harmonic motion: `(3√2 − 4)/6 h²` per radian.
+///
+/// In single precision a step is allowed an error of a few roundings. It is then the longest of the clock.
+fn late_with_longest_steps(radians: f64) -> f64 {
+    (3.0 * 2f64.sqrt() - 4.0) / 6.0 * LONGEST_STEP_S * LONGEST_STEP_S * radians
+}
+
 const COULOMB: Slider = Slider { base_speed: 0.0, at_rest: 0.15, sliding: 0.15 };
 
 fn coulomb<S: Scalar>(name: &str, method: impl Method<S>, control: impl StepControl<S>, bound: f64) {
@@ -132,7 +140,8 @@ fn a_coulomb_slider_turns_three_times_and_sticks_for_ever() {
     coulomb::<f64>("RK4 fixed", RungeKutta4, FixedStep::of_seconds(step).expect("in bounds"), 1e-10);
     coulomb::<f32>("RK4 fixed", RungeKutta4, FixedStep::of_seconds(step).expect("in bounds"), 2e-6);
     coulomb::<f64>("adaptive 1e-7", TrBdf2, Adaptive::new(1e-7).expect("in bounds"), 1e-6);
-    coulomb::<f32>("adaptive 1e-6", TrBdf2, Adaptive::new(1e-6).expect("in bounds"), 1e-5);
+    let late = late_with_longest_steps(3.0 * core::f64::consts::PI);
+    coulomb::<f32>("adaptive 1e-6", TrBdf2, Adaptive::new(1e-6).expect("in bounds"), 1.05 * late);
 }
 
 const BELT: Slider = Slider { base_speed: 0.2, at_rest: 1.0, sliding: 0.5 };
@@ -177,5 +186,6 @@ fn a_block_on_a_belt_sticks_and_slips_with_the_exact_period() {
     belt::<f64>("RK4 fixed", RungeKutta4, FixedStep::of_seconds(step).expect("in bounds"), 1e-10);
     belt::<f32>("RK4 fixed", RungeKutta4, FixedStep::of_seconds(step).expect("in bounds"), 2e-6);
     belt::<f64>("adaptive 1e-7", TrBdf2, Adaptive::new(1e-7).expect("in bounds"), 1e-6);
-    belt::<f32>("adaptive 1e-6", TrBdf2, Adaptive::new(1e-6).expect("in bounds"), 1e-5);
+    let late = late_with_longest_steps(SLIP_TIME);
+    belt::<f32>("adaptive 1e-6", TrBdf2, Adaptive::new(1e-6).expect("in bounds"), 1.05 * late);
 }

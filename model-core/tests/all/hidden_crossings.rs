@@ -8,7 +8,7 @@
 //! * The bits of a run do not depend on its division by budgets and pauses.
 
 use crate::common::{Leap, Log, Machine, Problem, Run, precision};
-use model_core::clock::Instant;
+use model_core::clock::{Instant, TICKS_PER_SECOND};
 use model_core::excitation::Silence;
 use model_core::hybrid::{Driver, Ended, HybridState};
 use model_core::integrate::{FixedStep, Method, RungeKutta4, TrBdf2};
@@ -16,6 +16,8 @@ use model_core::scalar::Scalar;
 
 /// Radians in a second of the clock: a step of 0.4 rad is 0.4 ms.
 const PACE: f64 = 1000.0;
+/// Two ticks in radians: an event ends its step at a tick, and the length of the step is rounded to one.
+const BLUR: f64 = 2.0 * PACE / TICKS_PER_SECOND as f64;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Side {
@@ -122,7 +124,7 @@ fn parabola<S: Scalar>(shallowest: f64) {
         for (found, worst) in swept {
             assert_eq!(found, PHASES, "depth {depth}");
             // Roundings of the position over the slope, and the blur of the location.
-            let bound = 8.0 * rounding / (2.0 * depth).sqrt() + 16.0 * rounding * STEP + 3e-9;
+            let bound = 8.0 * rounding / (2.0 * depth).sqrt() + 16.0 * rounding * STEP + BLUR;
             assert!(worst < bound, "depth {depth}: {worst} is above {bound}");
         }
         depth *= 0.1;
@@ -228,7 +230,7 @@ fn assert_order_of_time<S: Scalar>(fences: &[fn(f64) -> [f64; 2]], expected: &[(
         for ((guard, position), (expected_guard, expected_position)) in passed.iter().zip(expected) {
             assert_eq!(guard, expected_guard, "{passed:?}");
             let error = (position - expected_position).abs();
-            assert!(error < 32.0 * S::EPSILON.to_f64() + 3e-9, "guard {guard} is off by {error}");
+            assert!(error < 32.0 * S::EPSILON.to_f64() + BLUR, "guard {guard} is off by {error}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Both triboelectric scenes behind a full bridge: energy ledgers, the three regimes, equal bits.
 
 use crate::bridge::{WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage};
-use model_core::clock::Instant;
+use model_core::clock::{Instant, TICKS_PER_SECOND};
 use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, HybridState};
@@ -109,6 +109,8 @@ fn ledgers_close_in_single_precision_too() {
     }
 }
 
+const TICK: f64 = 1.0 / TICKS_PER_SECOND as f64;
+
 /// Looks whether each regime is what it says at the end of every step.
 struct Regimes<'a, H: Automaton<f64, 3, 0>, R> {
     scene: &'a Rectified<f64, H, R>,
@@ -162,7 +164,7 @@ impl<H: ElectricalPort<f64>, R: StorageElement<f64>> Observer<f64> for Regimes<'
         let threshold = storage + 2.0 * self.scene.bridge().diode_drop;
         let terminal = self.scene.harvester().port_voltage(mode.inner, position, charge);
         // A step that ends a regime ends a tick or two beyond it.
-        let rounding = 1e-13 * terminal.magnitude + 2e-12 * (terminal.by_position * velocity).abs();
+        let rounding = 1e-13 * terminal.magnitude + 2.0 * TICK * (terminal.by_position * velocity).abs();
         // Nothing leaks, nothing is drawn: the storage never falls by more than the end of a regime is late.
         assert!(storage >= self.highest * (1.0 - 1e-8), "{storage} {}", self.highest);
         self.highest = storage.max(self.highest);

@@ -17,10 +17,11 @@ use model_core::scalar::Scalar;
 #[derive(Debug, Clone, Copy)]
 struct Oscillator;
 
-const OWN: f64 = 100.0;
+const OWN: f64 = 80.0;
 const DAMPING: f64 = 8.0;
-/// Angular frequency of the forced motion `x = cos Ω t`.
-const FORCED: f64 = 125.0;
+/// Angular frequency of the forced motion `x = cos Ω t`. Its period is a sixteenth of a second, so that a step and its
+/// middle are whole ticks: half a tick of 3.6 ps off, the input at the middle stage of RK4 shows at an error of 10⁻¹⁰.
+const FORCED: f64 = 16.0 * core::f64::consts::TAU;
 
 fn force(t: f64) -> f64 {
     (OWN * OWN - FORCED * FORCED) * (FORCED * t).cos() - DAMPING * FORCED * (FORCED * t).sin()
@@ -147,10 +148,12 @@ const VDPOL_MILD: [f64; 2] = [1.763_234_540_203_46, -0.835_688_681_677_736];
 
 #[test]
 fn van_der_pol_through_two_jumps_a_million_times_faster() {
+    // Steps on the slow branches are the longest of the clock, 1/256 of a unit at this pace.
+    let pace = 0.25;
     for (tolerance, bound) in [(1e-1, 5e-5), (1e-2, 2.5e-5)] {
         for error in [
-            van_der_pol_error::<f64>(1e-6, 1.0, tolerance, VDPOL).0,
-            van_der_pol_error::<f32>(1e-6, 1.0, tolerance, VDPOL).0,
+            van_der_pol_error::<f64>(1e-6, pace, tolerance, VDPOL).0,
+            van_der_pol_error::<f32>(1e-6, pace, tolerance, VDPOL).0,
         ] {
             assert!(error < bound, "{error}");
         }

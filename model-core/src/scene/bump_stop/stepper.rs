@@ -63,7 +63,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// disables long steps.
     ///
     /// # Errors
-    /// [`ParameterError`] with the field `short_step` or `long_step` for a length that is not above 0 and at most 3.9
+    /// [`ParameterError`] with the field `short_step` or `long_step` for a length that is not above 0 and at most 15.6
     /// ms.
     pub fn new(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Result<Self, ParameterError<S>> {
         Self::build(scene, short, long)
