@@ -50,7 +50,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         let ticks = search.ticks;
         match search.reach(&self.guard(index, &trial.end, ticks), index) {
             Reached::Kept => {}
-            Reached::Near(missing) => self.extend(trial, ticks, missing),
+            Reached::Near { missing, curved } => self.extend(trial, ticks, missing, curved),
             Reached::Beyond => return true,
         }
         if search.predicted || search.event.is_none() {
@@ -161,16 +161,14 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         }
     }
 
-    /// Extends a step of `ticks` by `missing` seconds, which may be negative: along the parabola through its end that has
-    /// its derivatives at start and end.
-    ///
-    /// After a jump the derivative at the start can be that of a boundary layer; the extension is then a line.
+    /// Extends a step of `ticks` by `missing` seconds, which may be negative: along its derivative at the end or, if it is
+    /// `curved`, along the parabola through its end that has its derivatives at start and end.
     #[inline(always)]
-    fn extend(&self, trial: &mut Trial<S, N, P>, ticks: u32, missing: S) {
+    fn extend(&self, trial: &mut Trial<S, N, P>, ticks: u32, missing: S, curved: bool) {
         let (start, end) = (self.start, &mut trial.end);
         let step = seconds_of_ticks::<S>(ticks);
         let bend = |change: S, before: S, after: S| {
-            if self.after_jump {
+            if !curved {
                 return S::ZERO;
             }
             let (before, after) = (before + before, after + after);
@@ -207,8 +205,8 @@ struct Fall<S> {
 enum Reached<S> {
     /// It is kept as it is.
     Kept,
-    /// The event is so many seconds after its end or, below zero, before it.
-    Near(S),
+    /// The event is `missing` seconds after its end or, below zero, before it, along a parabola if it is `curved`.
+    Near { missing: S, curved: bool },
     /// Another attempt is needed.
     Beyond,
 }
@@ -266,18 +264,26 @@ impl<S: Scalar> Search<S> {
     fn is_near(&self, seconds: S) -> bool {
         // A bounce that is short against a radian must keep its own energy.
         let part = seconds / seconds_of_ticks(self.ticks);
-        self.is_brief(seconds) && self.is_negligible(part) || seconds.abs() <= seconds_of_ticks(1)
+        self.is_brief(seconds) && part * part <= S::EPSILON
+            || self.is_curved(seconds)
+            || seconds.abs() <= seconds_of_ticks(1)
     }
 
-    /// Whether what an extension over a time leaves out is below a rounding, in radians of the motion.
+    /// Whether a line over a time is exact to rounding, in radians of the motion.
     fn is_brief(&self, seconds: S) -> bool {
-        self.is_negligible(seconds * self.angular_frequency)
+        let radians = seconds * self.angular_frequency;
+        radians * radians <= S::EPSILON
     }
 
-    /// Whether the first term that an extension leaves out is below a rounding.
-    fn is_negligible(&self, part: S) -> bool {
-        let part = part.abs();
-        part * part * if self.after_jump { S::ONE } else { part } <= S::EPSILON
+    /// Whether over a time a parabola is exact to rounding and a line is not.
+    ///
+    /// The step is then longer than the sixth root of a rounding in radians; the parabola of a much shorter one would be
+    /// that of its roundings. After a jump the derivative at the start can be that of a boundary layer.
+    fn is_curved(&self, seconds: S) -> bool {
+        let part = (seconds / seconds_of_ticks(self.ticks)).abs();
+        let radians = (seconds * self.angular_frequency).abs();
+        let largest = part.max(radians);
+        !self.after_jump && !self.is_brief(seconds) && largest * largest * largest <= S::EPSILON
     }
 
     /// Notes that guard `index` was located. Returns the guards that were.
@@ -352,8 +358,9 @@ impl<S: Scalar> Search<S> {
         let stalls = missing.abs() > S::from_f64(0.5) * self.missing;
         self.missing = missing.abs();
         if self.is_near(missing) || stalls && self.is_brief(missing) {
+            let curved = self.is_curved(missing);
             (self.ticks, self.event) = (there, Some(index));
-            return Reached::Near(missing);
+            return Reached::Near { missing, curved };
         }
         if self.corrections == 0 {
             return Reached::Kept;

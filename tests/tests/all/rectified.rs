@@ -10,6 +10,7 @@ use host_bench::outcome::Outcome;
 use host_bench::scene_file::{
     Draw, ForceLaw, Load, Lockout, Model, RectifiedStore, RunSpan, Scene, StickCharge,
 };
+use model_core::clock::TICKS_PER_SECOND;
 
 /// A storage behind diodes of 0.3 V.
 fn storage(capacitance_f: f64, initial_v: f64, draw: Draw) -> Load {
@@ -139,11 +140,15 @@ fn the_core_agrees_with_the_reference() {
         for (found, allowed) in found.iter().zip(allowed) {
             let name = format!("{name}, {} {}", found.method, found.precision);
             for ((what, expected), (_, number)) in numbers(exact).into_iter().zip(numbers(found)) {
+                let is_peak = what == "peak voltage";
                 // The parabola of the voltage overshoots in the long steps of a loose tolerance.
-                if what == "peak voltage" && allowed > 1e-5 {
+                if is_peak && allowed > 1e-5 {
                     continue;
                 }
-                assert_close(&format!("{name}: {what}"), number, expected, allowed);
+                // Its mean is an integral to an event over a whole number of ticks: in a step of 0.1 µs at a constant
+                // voltage it is off by half a tick, and its top by half as much again.
+                let blur = if is_peak { 0.75 / TICKS_PER_SECOND as f64 / 1e-7 } else { 0.0 };
+                assert_close(&format!("{name}: {what}"), number, expected, allowed + blur);
             }
         }
     }
