@@ -189,12 +189,7 @@ impl<M, C> Driver<M, C> {
         // An event can be due at the first step of a call and after a jump. After an ordinary step the search
         // for a falling guard has excluded it.
         let mut may_be_due = true;
-        // It depends on the mode.
-        let longest_in = |mode| {
-            let seconds = self.method.longest_step(&automaton.flow(mode), scale.angular_frequency);
-            ticks_of_seconds(seconds).min(excitation.resolved_ticks())
-        };
-        let mut longest = longest_in(state.mode);
+        let mut longest = self.longest_in(automaton, state, excitation, &scale);
         while state.clock < until {
             if work.attempts() > most_attempts {
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
@@ -243,13 +238,29 @@ impl<M, C> Driver<M, C> {
                 self.take_jump(automaton, state, excitation, guard, observer)?;
                 work.events += 1;
                 may_be_due = true;
-                longest = longest_in(state.mode);
+                longest = self.longest_in(automaton, state, excitation, &scale);
                 if self.pause_at_events {
                     return Ok(Advance { ended: Ended::Event, work });
                 }
             }
         }
         Ok(Advance { ended: Ended::Finished, work })
+    }
+
+    /// The longest step in ticks, which depends on the mode.
+    #[inline(never)]
+    fn longest_in<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
+        &self,
+        automaton: &A,
+        state: &HybridState<S, A::Mode, N, P>,
+        excitation: &impl Excitation<S>,
+        scale: &ErrorScale<S>,
+    ) -> u32
+    where
+        M: Method<S>,
+    {
+        let seconds = self.method.longest_step(&automaton.flow(state.mode), scale.angular_frequency);
+        ticks_of_seconds(seconds).min(excitation.resolved_ticks())
     }
 
     /// Attempts a step of at most `limit` ticks; `None` if it was rejected and the control memory holds a shorter one.

@@ -40,10 +40,8 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     pub(super) fn must_repeat(&self, trial: &mut Trial<S, N, P>, search: &mut Search<S>) -> bool {
         let fallen = match search.event {
             None if search.predicted => self.fallen(&trial.end, search.ticks),
-            None => match self.expected_fall(search.ticks, &trial.end, 0) {
-                Some(fall) => return search.approach(fall),
-                None => None,
-            },
+            // Without a prediction only an attempt shows whether a guard falls.
+            None => return self.approaches(search, &{ trial.end }),
             event => event,
         };
         let Some(index) = fallen else { return false };
@@ -53,15 +51,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             Reached::Near { missing, curved } => self.extend(trial, ticks, missing, curved),
             Reached::Beyond => return true,
         }
-        if search.predicted || search.event.is_none() {
-            return false;
-        }
-        // Without a prediction only an attempt shows whether another guard falls earlier.
-        let done = search.located(index);
-        match self.expected_fall(search.ticks, &trial.end, done) {
-            Some(fall) => search.approach(fall),
-            None => false,
-        }
+        !search.predicted && self.turns(search, index, &{ trial.end })
     }
 
     /// Whether the search for an event along the predicted motion needs a prediction of [`Search::ticks`].
@@ -108,8 +98,15 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         if search.event.is_none() {
             return false;
         }
-        let done = search.located(index);
-        match self.expected_fall(search.ticks, end, done) {
+        search.done |= 1 << index;
+        self.approaches(search, end)
+    }
+
+    /// Whether a guard that was not located is expected to fall before `end`. The search then continues there.
+    #[cold]
+    #[inline(never)]
+    fn approaches(&self, search: &mut Search<S>, end: &Point<S, N, P>) -> bool {
+        match self.expected_fall(search.ticks, end, search.done) {
             Some(fall) => search.approach(fall),
             None => false,
         }
@@ -284,12 +281,6 @@ impl<S: Scalar> Search<S> {
         let radians = (seconds * self.angular_frequency).abs();
         let largest = part.max(radians);
         !self.after_jump && !self.is_brief(seconds) && largest * largest * largest <= S::EPSILON
-    }
-
-    /// Notes that guard `index` was located. Returns the guards that were.
-    fn located(&mut self, index: usize) -> u32 {
-        self.done |= 1 << index;
-        self.done
     }
 
     /// Continues near an expected fall within the present step.

@@ -84,6 +84,19 @@ impl<S: Scalar> Cubic<S> {
         }
     }
 
+    /// The θ of the minimum inside the step.
+    fn minimum(&self) -> Option<S> {
+        let [linear, quadratic, cubic] = self.powers();
+        // The zero of the slope where the curvature is positive, without cancellation.
+        let root = (quadratic * quadratic - S::from_f64(3.0) * cubic * linear).sqrt();
+        let theta = if quadratic > S::ZERO {
+            -linear / (root + quadratic)
+        } else {
+            (root - quadratic) / (S::from_f64(3.0) * cubic)
+        };
+        (theta > S::ZERO && theta < S::ONE).then_some(theta)
+    }
+
     /// The largest value on the step.
     #[must_use]
     pub fn largest(&self) -> S {
@@ -121,7 +134,7 @@ impl<S: Scalar> Cubic<S> {
     #[cold]
     pub(crate) fn approximate_fall(&self, margin: S) -> Option<S> {
         if self.end > S::ZERO {
-            return self.extrema().into_iter().flatten().find(|&theta| self.value(theta) <= margin);
+            return self.minimum().filter(|&theta| self.value(theta) <= margin);
         }
         let half = S::from_f64(0.5);
         let mut theta = if self.start_slope > S::ZERO {
