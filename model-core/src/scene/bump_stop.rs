@@ -30,14 +30,15 @@
 //!
 //! # Integration
 //!
-//! The modes are propagated exactly (`integrate::modal`) under a base acceleration that is linear over the step and a
-//! constant contact force and voltage. The force is the discrete gradient of the contact potential
-//! (`integrate::discrete_gradient`), the voltage the mean of the circuit's exact solution (`part::circuit`). Both
-//! follow from one scalar equation in closed form. The energy of modes, capacitance and contact then never grows, at
-//! any step length.
+//! The modes are propagated exactly (`integrate::modal`) under forces that are linear over a step: the base
+//! acceleration, in contact the contact force (`integrate::discrete_gradient`), and in free flight the voltage
+//! (`part::circuit`). Near contact the voltage is constant over a step. Two moments of the gap's rate or of the charge
+//! determine force or voltage in closed form, so that the energy of modes, capacitance and contact never grows, at any
+//! step length.
 //!
-//! Free flight is exact, so a second, much longer step is used while a bound on the gap's curvature excludes contact
-//! within it ([`Stepper`]).
+//! Free flight needs no short step, so longer steps are used while a bound on the gap excludes contact within them
+//! ([`Stepper`]). Behind a bridge the voltage is linear over a step if the bridge blocks throughout, and the
+//! contact force is constant over a step in which the bridge conducts.
 //!
 //! The numbers of modes are type parameters, `B` of the beam and `R` of the rod.
 
@@ -48,7 +49,9 @@ mod contact_law;
 mod energies;
 mod harvester;
 mod identity;
+mod mode_step;
 mod parameters;
+mod reach;
 mod rectified;
 mod state;
 mod step_set;
@@ -149,6 +152,14 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     /// Displacement of the rod's face in m, and its rate in m/s.
     pub(crate) fn rod_tip<C>(&self, state: &State<S, B, R, C>) -> [S; 2] {
         weighted_sum(self.rod.iter().map(|mode| mode.contact), &state.rod)
+    }
+
+    /// Rate of the gap coordinate in m/s.
+    #[inline(always)]
+    fn gap_rate<C>(&self, state: &State<S, B, R, C>) -> S {
+        let beam = self.beam.iter().zip(&state.beam).map(|(mode, [_, velocity])| mode.contact * *velocity);
+        let rod = self.rod.iter().zip(&state.rod).map(|(mode, [_, velocity])| mode.contact * *velocity);
+        beam.fold(S::ZERO, |sum, term| sum + term) - rod.fold(S::ZERO, |sum, term| sum + term)
     }
 
     /// Voltage at the terminals in V.

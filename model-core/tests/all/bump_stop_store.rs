@@ -236,23 +236,26 @@ fn a_store_chosen_when_compiling_has_the_bits_of_one_chosen_when_running() {
 
 #[test]
 fn a_run_has_the_same_bits_however_budgets_divide_it() {
-    let stepper = six_regimes::<f32>(1e-6, 2e-5);
-    let excitation = shaking(220.0);
-    let start = stepper.scene().start(&Start::default(), &excitation).expect("valid");
-    let run = |budget| {
-        let mut state = start;
-        let mut calls = 0;
-        while state.clock < seconds(0.02) {
-            stepper.advance(&mut state, &excitation, seconds(0.02), budget, &mut ()).expect("runs");
-            calls += 1;
+    // The second long step is hardly longer than the short one.
+    for long in [2e-5, 1.000_002e-6] {
+        let stepper = six_regimes::<f32>(1e-6, long);
+        let excitation = shaking(220.0);
+        let start = stepper.scene().start(&Start::default(), &excitation).expect("valid");
+        let run = |budget| {
+            let mut state = start;
+            let mut calls = 0;
+            while state.clock < seconds(0.05) {
+                stepper.advance(&mut state, &excitation, seconds(0.05), budget, &mut ()).expect("runs");
+                calls += 1;
+            }
+            (state, calls)
+        };
+        let (whole, once) = run(u32::MAX);
+        for budget in [1, 100, 333] {
+            let (divided, calls) = run(budget);
+            assert_eq!(divided, whole);
+            assert!(once == 1 && calls > 10);
         }
-        (state, calls)
-    };
-    let (whole, once) = run(u32::MAX);
-    for budget in [1, 100, 333] {
-        let (divided, calls) = run(budget);
-        assert_eq!(divided, whole);
-        assert!(once == 1 && calls > 10);
     }
 }
 

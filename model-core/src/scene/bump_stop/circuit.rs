@@ -5,7 +5,7 @@ use core::fmt::Debug;
 use crate::bounds::ParameterError;
 use crate::observer::StorageOutput;
 use crate::part::bridge_step::{BridgeStep, Passed};
-use crate::part::circuit::CircuitStep;
+use crate::part::circuit::{CircuitStep, LinearCircuitStep};
 use crate::part::load::{Load, Resistance};
 use crate::part::rectifier::FullBridge;
 use crate::part::storage::StorageElement;
@@ -58,6 +58,10 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
     /// The coefficients of a step in s, on a capacitance in F.
     fn step(&self, capacitance: S, step: S) -> Self::Step;
 
+    /// The coefficients of a step in s under a current that is linear in time, on a capacitance in F; of a bridge,
+    /// while it blocks.
+    fn linear_step(&self, capacitance: S, step: S) -> LinearCircuitStep<S>;
+
     /// The linear relation of the first trial.
     fn line(step: &Self::Step) -> &CircuitStep<S>;
 
@@ -76,9 +80,16 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
     /// Includes all parameters of the circuit in a fingerprint.
     fn identify(&self, fingerprint: &mut Fingerprint);
 
-    /// Whether the circuit may use `voltage` for a voltage that differs by at most `interpolation_bound`, both in V.
+    /// Whether the circuit may use its voltage for one that differs by at most `interpolation_bound` in V.
     #[inline]
-    fn resolves(&self, _voltage: S, _interpolation_bound: S, _state: &Self::State) -> bool {
+    fn resolves(&self, _interpolation_bound: S, _state: &Self::State) -> bool {
+        true
+    }
+
+    /// Whether the circuit has its linear relation for all voltages that differ from `voltage` by at most
+    /// `interpolation_bound`, both in V.
+    #[inline]
+    fn blocks(&self, _voltage: S, _interpolation_bound: S, _state: &Self::State) -> bool {
         true
     }
 
@@ -150,6 +161,10 @@ impl<S: Scalar, L: Load<S>> Circuit<S> for Resistive<L> {
         CircuitStep::new(capacitance, self.resistance(), step)
     }
 
+    fn linear_step(&self, capacitance: S, step: S) -> LinearCircuitStep<S> {
+        LinearCircuitStep::new(capacitance, self.resistance(), step)
+    }
+
     #[inline]
     fn line(step: &CircuitStep<S>) -> &CircuitStep<S> {
         step
@@ -197,6 +212,10 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
         BridgeStep::new(capacitance, &self.storage, step)
     }
 
+    fn linear_step(&self, capacitance: S, step: S) -> LinearCircuitStep<S> {
+        LinearCircuitStep::new(capacitance, Resistance::Open, step)
+    }
+
     #[inline]
     fn line(step: &BridgeStep<S>) -> &CircuitStep<S> {
         &step.blocked
@@ -208,12 +227,15 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
         Some(StorageOutput { voltage, remainder, capacitance: self.storage.capacitance(), connected })
     }
 
-    /// True if the bridge blocks within the whole interval, or if the interval is small relative to the threshold.
+    /// True if the interval is small relative to the threshold.
     #[inline]
-    fn resolves(&self, voltage: S, interpolation_bound: S, state: &StorageState<S>) -> bool {
-        let threshold = self.threshold(state.voltage);
-        interpolation_bound <= S::from_f64(RESOLUTION) * threshold
-            || voltage.abs() + interpolation_bound < threshold
+    fn resolves(&self, interpolation_bound: S, state: &StorageState<S>) -> bool {
+        interpolation_bound <= S::from_f64(RESOLUTION) * self.threshold(state.voltage)
+    }
+
+    #[inline]
+    fn blocks(&self, voltage: S, interpolation_bound: S, state: &StorageState<S>) -> bool {
+        voltage.abs() + interpolation_bound < self.threshold(state.voltage)
     }
 
     #[inline]

@@ -3,8 +3,8 @@
 //! Over a step each mode moves under a force that is linear in time, so its velocity `w` is known in closed form: it
 //! obeys the equation of the same oscillator, driven by the constant rate of the force. The integrals of `w²`
 //! (damping) and of `w` times the base acceleration (work) are quadratic and linear in the state. Their coefficients
-//! are computed once for each step length by Gauss quadrature. The energy ledger then closes up to the error of
-//! contact and circuit:
+//! are computed once for each step length by Gauss quadrature. Contact and circuit do exactly the work that they store
+//! and dissipate, so the energy ledger closes up to rounding:
 //!
 //! ```text
 //! Δ(½ Σ (ṙ² + ω² r²) + ½ Σ (q̇² + Ω² q²) + ½ k g₊² + χ ½ C v²)
@@ -14,22 +14,25 @@
 use super::choices::{ContactOf, Coupling};
 use super::contact_law::{ContactKind, ContactLaw};
 use super::state::StateOf;
-use super::trial::TrialOf;
+use super::trial::Trial;
 use super::{BumpStop, Parts, State};
 use crate::clock::seconds_of_ticks;
 use crate::integrate::modal::ModalStep;
 use crate::observer::{ALL_POWERS, Contact, PowerIndex, StoredEnergy};
 use crate::scalar::{CompensatedSum, Scalar};
 
-/// Integrals over a step of the free responses `A` (to a displacement) and `B` (to a velocity).
+/// Integrals over a step of the free responses `A` (to a displacement) and `B` (to a velocity), and of the response `s`
+/// to a unit force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Gramian<S> {
-    /// `∫A², ∫AB, ∫B²`.
+    /// `∫A², ∫B², ∫s²`.
     squares: [S; 3],
-    /// `∫A, ∫B`.
-    means: [S; 2],
-    /// `∫tA, ∫tB`.
-    moments: [S; 2],
+    /// `2 ∫AB, 2 ∫Bs, 2 ∫sA`.
+    products: [S; 3],
+    /// `∫A, ∫B, ∫s`.
+    means: [S; 3],
+    /// `∫tA, ∫tB, ∫ts`.
+    moments: [S; 3],
 }
 
 /// Non-negative nodes on −1 to 1, and weights, of the Gauss rule of five points.
@@ -45,7 +48,7 @@ impl<S: Scalar> Gramian<S> {
         let radians = angular_frequency * step;
         let panels = (radians / S::from_f64(PANEL)).to_u32().saturating_add(1).min(MOST_PANELS);
         let half = S::from_f64(0.5) * step / S::from_u32(panels);
-        let mut sums = [CompensatedSum::ZERO; 7];
+        let mut sums = [CompensatedSum::ZERO; 12];
         for panel in 0..panels {
             let middle = half * S::from_u32(2 * panel + 1);
             for (place, weight) in NODES.into_iter().zip(WEIGHTS) {
@@ -55,18 +58,22 @@ impl<S: Scalar> Gramian<S> {
                     }
                     let at = middle + half * S::from_f64(place * sign);
                     let modal = ModalStep::new(angular_frequency, damping_ratio, at);
-                    let (a, b) =
-                        (S::ONE + modal.displacement_by_displacement, modal.displacement_by_velocity);
+                    let a = S::ONE + modal.displacement_by_displacement;
+                    let (b, s) = (modal.displacement_by_velocity, modal.response);
                     let weight = half * S::from_f64(weight);
-                    let terms = [a * a, a * b, b * b, a, b, at * a, at * b];
-                    for (sum, term) in sums.iter_mut().zip(terms) {
-                        sum.add(weight * term);
+                    let twice = weight + weight;
+                    let squares = [weight * a * a, weight * b * b, weight * s * s];
+                    let products = [twice * a * b, twice * b * s, twice * s * a];
+                    let means = [a, b, s].map(|response| weight * response);
+                    let terms = [squares, products, means, means.map(|term| at * term)];
+                    for (sum, term) in sums.iter_mut().zip(terms.as_flattened()) {
+                        sum.add(*term);
                     }
                 }
             }
         }
-        let [aa, ab, bb, a, b, ta, tb] = sums.map(|sum| sum.value());
-        Self { squares: [aa, ab, bb], means: [a, b], moments: [ta, tb] }
+        let [aa, bb, ss, ab, bs, sa, a, b, s, ta, tb, ts] = sums.map(|sum| sum.value());
+        Self { squares: [aa, bb, ss], products: [ab, bs, sa], means: [a, b, s], moments: [ta, tb, ts] }
     }
 
     /// `∫ 2ζω w² dt`, and `∫ w dt` and `∫ t w dt`, of the velocity `w` of a mode of the angular frequency `omega` from
@@ -79,20 +86,13 @@ impl<S: Scalar> Gramian<S> {
         step: S,
     ) -> (S, [S; 2]) {
         let damping = S::from_f64(2.0) * damping_ratio * omega;
-        // w'' + 2ζω w' + ω² w = p': w tends to w∞ = p'/ω² from w(0) and w'(0).
-        let settled = force[1] / (step * omega * omega);
-        let start = velocity - settled;
+        // w'' + 2ζω w' + ω² w = p' from w(0) and w'(0): w = A w(0) + B w'(0) + s p'.
         let rate = force[0] - damping * velocity - omega * omega * displacement;
-        let two = S::from_f64(2.0);
-        let [aa, ab, bb] = self.squares;
-        let mean = self.means[0] * start + self.means[1] * rate;
-        let moment = self.moments[0] * start + self.moments[1] * rate;
-        let square = settled * (settled * step + two * mean)
-            + aa * start * start
-            + two * ab * start * rate
-            + bb * rate * rate;
-        let half_square = S::from_f64(0.5) * step * step;
-        (damping * square, [settled * step + mean, settled * half_square + moment])
+        let by = [velocity, rate, force[1] / step];
+        let [w, r, p] = by;
+        let sum = |weights: [S; 3], [x, y, z]: [S; 3]| weights[0] * x + weights[1] * y + weights[2] * z;
+        let square = sum(self.squares, [w * w, r * r, p * p]) + sum(self.products, [w * r, r * p, p * w]);
+        (damping * square, [sum(self.means, by), sum(self.moments, by)])
     }
 }
 
@@ -122,18 +122,19 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     pub(super) fn energies(
         &self,
         gramians: &GramianSet<S, B, R>,
-        start: &StateOf<S, P, B, R>,
-        trial: &TrialOf<S, P, B, R>,
+        [start, end]: [&StateOf<S, P, B, R>; 2],
+        trial: &Trial<S>,
         step: S,
     ) -> [S; ALL_POWERS] {
-        let [base, damping] = self.works(gramians, start, trial, step);
-        let field = trial.mean_voltage * (trial.end.strain_charge - start.strain_charge);
+        let [base, damping] = self.works(gramians, [start, end], trial, step);
+        let field = trial.mean_voltage * (end.strain_charge - start.strain_charge)
+            + trial.voltage_tilt * trial.charge_moment;
         let account = &trial.account;
         let mut energies = [S::ZERO; ALL_POWERS];
         energies[PowerIndex::Load as usize] = trial.delivered;
         energies[PowerIndex::VoltageSquared as usize] = trial.mean_square_voltage * step;
         energies[PowerIndex::Voltage as usize] = trial.mean_voltage * step;
-        energies[PowerIndex::CurrentMagnitude as usize] = (trial.end.moved_charge - start.moved_charge).abs();
+        energies[PowerIndex::CurrentMagnitude as usize] = (end.moved_charge - start.moved_charge).abs();
         energies[PowerIndex::Base as usize] = base;
         energies[PowerIndex::BaseMagnitude as usize] = base.abs();
         energies[PowerIndex::Dissipation as usize] = damping;
@@ -151,28 +152,32 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     fn works(
         &self,
         gramians: &GramianSet<S, B, R>,
-        start: &StateOf<S, P, B, R>,
-        trial: &TrialOf<S, P, B, R>,
+        [start, end]: [&StateOf<S, P, B, R>; 2],
+        trial: &Trial<S>,
         step: S,
     ) -> [S; 2] {
-        let voltage = if self.coupling.is_two_way() { trial.mean_voltage } else { S::ZERO };
+        // At the start, and rise over the step.
+        let line = |mean: S, tilt: S| [mean - tilt, tilt + tilt];
+        let two_way = self.coupling.is_two_way();
+        let voltage = if two_way { line(trial.mean_voltage, trial.voltage_tilt) } else { [S::ZERO; 2] };
+        let push = line(trial.force, trial.force_tilt);
         let acceleration = start.acceleration;
-        let rise = trial.end.acceleration - acceleration;
+        let rise = end.acceleration - acceleration;
         let damping_ratio = self.damping_ratio;
         let (mut of_base, mut of_damping) = (S::ZERO, S::ZERO);
-        let mut add = |angular_frequency, gramian: &Gramian<S>, start, base: S, constant: S| {
-            let force = [constant - base * acceleration, -base * rise];
+        let mut add = |angular_frequency, gramian: &Gramian<S>, start, base: S, own: [S; 2]| {
+            let force = [own[0] - base * acceleration, own[1] - base * rise];
             let (loss, [moved, moment]) =
                 gramian.integrals([angular_frequency, damping_ratio], start, force, step);
             of_damping += loss;
             of_base -= base * (acceleration * moved + rise * moment / step);
         };
         for ((mode, gramian), start) in self.beam.iter().zip(&gramians.beam).zip(&start.beam) {
-            let constant = -mode.contact * trial.force - mode.voltage * voltage;
-            add(mode.angular_frequency, gramian, *start, mode.base, constant);
+            let own = [0, 1].map(|k| -mode.contact * push[k] - mode.voltage * voltage[k]);
+            add(mode.angular_frequency, gramian, *start, mode.base, own);
         }
         for ((mode, gramian), start) in self.rod.iter().zip(&gramians.rod).zip(&start.rod) {
-            add(mode.angular_frequency, gramian, *start, mode.base, mode.contact * trial.force);
+            add(mode.angular_frequency, gramian, *start, mode.base, push.map(|push| mode.contact * push));
         }
         [of_base, of_damping]
     }
@@ -181,13 +186,13 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     #[inline(always)]
     pub(super) fn contact_within(
         &self,
-        start: &StateOf<S, P, B, R>,
-        trial: &TrialOf<S, P, B, R>,
+        [start, end]: [&StateOf<S, P, B, R>; 2],
+        trial: &Trial<S>,
     ) -> Contact<S> {
         if !ContactOf::<S, P>::POSSIBLE || !(trial.force > S::ZERO) {
             return Contact::NONE;
         }
-        let (from, to) = (start.gap, trial.end.gap);
+        let (from, to) = (start.gap, end.gap);
         // The contact is open before touch-down and after lift-off.
         let begins = if from < S::ZERO && to > S::ZERO { crossing(from, to) } else { S::ZERO };
         let ends = if to < S::ZERO && from > S::ZERO { crossing(from, to) } else { S::ONE };
@@ -198,20 +203,20 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             peak_force: trial.force.max(at_end),
             begins,
             ends,
-            loss: if compliant { S::ZERO } else { self.contact_loss(start, trial) },
+            loss: if compliant { S::ZERO } else { self.contact_loss([start, end], trial.force) },
         }
     }
 
     /// Energy in J that a rigid contact takes from the modes in a step.
-    fn contact_loss(&self, start: &StateOf<S, P, B, R>, trial: &TrialOf<S, P, B, R>) -> S {
+    fn contact_loss(&self, [start, end]: [&StateOf<S, P, B, R>; 2], force: S) -> S {
         let mut closed = S::ZERO;
-        for ((mode, start), end) in self.beam.iter().zip(&start.beam).zip(&trial.end.beam) {
+        for ((mode, start), end) in self.beam.iter().zip(&start.beam).zip(&end.beam) {
             closed += mode.contact * (end[0] - start[0]);
         }
-        for ((mode, start), end) in self.rod.iter().zip(&start.rod).zip(&trial.end.rod) {
+        for ((mode, start), end) in self.rod.iter().zip(&start.rod).zip(&end.rod) {
             closed -= mode.contact * (end[0] - start[0]);
         }
-        trial.force * closed
+        force * closed
     }
 
     /// Stored energy: mechanical (modes and contact), and electrical (capacitance).

@@ -87,7 +87,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
         budget: u32,
         observer: &mut O,
     ) -> Result<Advance, StepError<S>> {
-        if u64::from(self.short.ticks) < sample_ticks {
+        if u64::from(self.short().ticks) < sample_ticks {
             self.run::<false, E, O>(state, excitation, until, budget, observer)
         } else {
             self.run::<true, E, O>(state, excitation, until, budget, observer)
@@ -117,7 +117,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
 
     fn identify(&self, fingerprint: &mut Fingerprint) {
         self.scene.identify(fingerprint);
-        fingerprint.count(self.short.ticks);
-        fingerprint.count(self.long.ticks);
+        for set in &self.sets {
+            fingerprint.count(set.ticks);
+        }
     }
 }

@@ -32,6 +32,5 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 }
 
 snapshot_fields!(impl [S: Scalar, const B: usize, const R: usize, C: Snapshot] State<S, B, R, C> {
-    clock, beam, rod, strain_charge, moved_charge, charge_remainder, gap, drift, acceleration, closed, short_steps,
-    circuit,
+    clock, beam, rod, strain_charge, moved_charge, charge_remainder, gap, drift, acceleration, closed, circuit,
 });

@@ -34,8 +34,6 @@ pub struct State<S, const B: usize, const R: usize, C = ()> {
     pub(super) acceleration: S,
     /// Whether a slow impact has closed the contact.
     pub(super) closed: bool,
-    /// Number of short steps before the next attempt of a long one.
-    pub(super) short_steps: u16,
     /// The state of the load.
     pub circuit: C,
 }
@@ -106,7 +104,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             drift: S::ZERO,
             acceleration: excitation.acceleration(Instant::START),
             closed: false,
-            short_steps: 0,
             circuit: self.load.start(),
         };
         for (mode, [displacement, _]) in self.beam.iter().zip(&start.beam) {

@@ -2,57 +2,13 @@
 
 use super::choices::Coupling;
 use super::circuit::Circuit;
+use super::mode_step::ModeStep;
 use super::{BumpStop, Parts};
 use crate::clock::seconds_of_ticks;
+use crate::integrate::discrete_gradient::Flexibility;
 use crate::integrate::modal::ModalStep;
-use crate::part::circuit::CircuitStep;
+use crate::part::circuit::{CircuitStep, LinearCircuitStep};
 use crate::scalar::Scalar;
-
-/// The linear map of a step for one mode, `[displacement, velocity]`. The map gives increments, which a short step in
-/// `f32` does not round away.
-///
-/// These are the coefficients of [`ModalStep`], multiplied by the mode's factors for the base acceleration and the
-/// voltage.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct ModeStep<S> {
-    by_displacement: [S; 2],
-    by_velocity: [S; 2],
-    /// Per base acceleration at the start, and per rise of the base acceleration over the step.
-    by_base: [S; 2],
-    by_rise: [S; 2],
-    /// Per constant modal force over the step.
-    pub(super) by_force: [S; 2],
-    /// Per negative constant voltage over the step.
-    pub(super) by_voltage: [S; 2],
-}
-
-impl<S: Scalar> ModeStep<S> {
-    /// For a mode with the modal force `base` per negative base acceleration and `voltage` per negative voltage.
-    fn new(modal: &ModalStep<S>, base: S, voltage: S) -> Self {
-        let by_force = [modal.response, modal.displacement_by_velocity];
-        Self {
-            by_displacement: [modal.displacement_by_displacement, modal.velocity_by_displacement],
-            by_velocity: [modal.displacement_by_velocity, modal.velocity_by_velocity],
-            by_base: by_force.map(|per_force| -base * per_force),
-            by_rise: [-base * modal.response_to_end, -base * modal.velocity_to_end],
-            by_force,
-            by_voltage: by_force.map(|per_force| voltage * per_force),
-        }
-    }
-
-    /// The end without contact force and voltage, for the base acceleration `from` at the start and `from + rise` at
-    /// the end.
-    #[inline(always)]
-    pub(super) fn free(&self, [displacement, velocity]: [S; 2], from: S, rise: S) -> [S; 2] {
-        let increment = |row: usize| {
-            self.by_displacement[row] * displacement
-                + self.by_velocity[row] * velocity
-                + self.by_base[row] * from
-                + self.by_rise[row] * rise
-        };
-        [displacement + increment(0), velocity + increment(1)]
-    }
-}
 
 /// The coefficients of a step, which depend on its length and the parameters only; `K` are those of the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,19 +19,42 @@ pub(crate) struct StepSet<S, const B: usize, const R: usize, K = CircuitStep<S>>
     pub(super) beam: [ModeStep<S>; B],
     pub(super) rod: [ModeStep<S>; R],
     pub(super) circuit: K,
-    /// `H` in m/N: displacement of the gap per contact force, with the response of the circuit's first linear
-    /// relation.
-    pub(super) flexibility: S,
-    /// `Σ φ θ s`: displacement of the gap per voltage in m/V, and strain charge per contact force in C/N.
-    pub(super) gap_by_voltage: S,
-    /// `Σ θ² s` in C/V: strain charge per voltage.
-    pub(super) charge_by_voltage: S,
+    /// Of the gap by the contact force, with the voltage fixed, in m/N.
+    pub(super) gap_by_force: Flexibility<S>,
+    /// Of the gap by the voltage in m/V, and of the strain charge by the contact force in C/N.
+    pub(super) gap_by_voltage: Flexibility<S>,
+    /// Of the strain charge by the voltage in C/V.
+    pub(super) charge_by_voltage: Flexibility<S>,
+    /// Of the gap in m and of the strain charge in C, each by the base acceleration in m/s².
+    pub(super) gap_by_base: Flexibility<S>,
+    pub(super) charge_by_base: Flexibility<S>,
     /// `1/(1 + χ e1 Σ θ² s)`.
     pub(super) per_circuit: S,
-    /// Mean voltage per negative contact force in V/N.
-    pub(super) voltage_by_force: S,
-    /// Rate of the gap per voltage in m/(s V).
-    pub(super) rate_by_voltage: S,
+    /// `e1/(1 + χ e1 Σ θ² s)` in V/C: mean voltage per charge that the contact force moves.
+    pub(super) slope: S,
+    /// In free flight: the circuit with the motion that its voltage acts back on. The charge and its moment are those
+    /// without voltage.
+    pub(super) flight: LinearCircuitStep<S>,
+}
+
+/// The circuit of a step in free flight with the motion that its voltage acts back on, from that of the circuit alone.
+fn coupled<S: Scalar>(
+    alone: &LinearCircuitStep<S>,
+    charge_by_voltage: &Flexibility<S>,
+) -> LinearCircuitStep<S> {
+    let Flexibility { constant, tilted, moment } = *charge_by_voltage;
+    let (mean, tilt) = (alone.mean, alone.tilt);
+    // The charges are m0 − T00 V0 − T01 V1 and m1 + T01 V0 − T11 V1: two equations for V0 and V1.
+    let a = S::ONE + mean[1] * constant - mean[2] * tilted;
+    let b = mean[1] * tilted + mean[2] * moment;
+    let c = tilt[1] * constant - tilt[2] * tilted;
+    let d = S::ONE + tilt[1] * tilted + tilt[2] * moment;
+    let per = S::ONE / (a * d - b * c);
+    LinearCircuitStep {
+        mean: [0, 1, 2].map(|k| (d * mean[k] - b * tilt[k]) * per),
+        tilt: [0, 1, 2].map(|k| (a * tilt[k] - c * mean[k]) * per),
+        square_by_bend: alone.square_by_bend,
+    }
 }
 
 /// The coefficients of a harvester with the components `P`.
@@ -87,45 +66,46 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     pub(crate) fn step_set(&self, ticks: u32) -> StepSetOf<S, P, B, R> {
         let ticks = ticks.max(1);
         let step = seconds_of_ticks::<S>(ticks);
-        let of = |angular_frequency, base, voltage| {
-            ModeStep::new(&ModalStep::new(angular_frequency, self.damping_ratio, step), base, voltage)
+        let of = |omega, contact, voltage| {
+            let modal = ModalStep::new(omega, self.damping_ratio, step);
+            (ModeStep::new(&modal, omega, [contact, voltage]), modal)
         };
-        let (beam, rod) = (
-            self.beam.map(|mode| of(mode.angular_frequency, mode.base, mode.voltage)),
-            self.rod.map(|mode| of(mode.angular_frequency, mode.base, S::ZERO)),
-        );
+        let beam = self.beam.map(|mode| of(mode.angular_frequency, mode.contact, mode.voltage));
+        let rod = self.rod.map(|mode| of(mode.angular_frequency, -mode.contact, S::ZERO));
+        let zero = Flexibility { constant: S::ZERO, tilted: S::ZERO, moment: S::ZERO };
+        let (mut gap_by_force, mut gap_by_voltage, mut charge_by_voltage) = (zero, zero, zero);
+        let (mut gap_by_base, mut charge_by_base) = (zero, zero);
+        for (mode, (_, modal)) in self.beam.iter().zip(&beam) {
+            gap_by_force.add(modal, mode.contact * mode.contact);
+            gap_by_voltage.add(modal, mode.contact * mode.voltage);
+            charge_by_voltage.add(modal, mode.voltage * mode.voltage);
+            gap_by_base.add(modal, mode.contact * mode.base);
+            charge_by_base.add(modal, mode.voltage * mode.base);
+        }
+        for (mode, (_, modal)) in self.rod.iter().zip(&rod) {
+            gap_by_force.add(modal, mode.contact * mode.contact);
+            gap_by_base.add(modal, -mode.contact * mode.base);
+        }
         let circuit = self.load.step(self.capacitance, step);
         let mean_by_charge = P::Load::line(&circuit).mean_by_charge;
-        let mut flexibility = S::ZERO;
-        let (mut gap_by_voltage, mut rate_by_voltage, mut charge_by_voltage) = (S::ZERO, S::ZERO, S::ZERO);
-        for (mode, modal) in self.beam.iter().zip(&beam) {
-            flexibility += mode.contact * mode.contact * modal.by_force[0];
-            gap_by_voltage += mode.contact * mode.voltage * modal.by_force[0];
-            rate_by_voltage += mode.contact * mode.voltage * modal.by_force[1];
-            charge_by_voltage += mode.voltage * mode.voltage * modal.by_force[0];
-        }
-        for (mode, modal) in self.rod.iter().zip(&rod) {
-            flexibility += mode.contact * mode.contact * modal.by_force[0];
-        }
         let two_way = self.coupling.is_two_way();
-        let back = if two_way { mean_by_charge * charge_by_voltage } else { S::ZERO };
+        let back = if two_way { mean_by_charge * charge_by_voltage.constant } else { S::ZERO };
         let per_circuit = S::ONE / (S::ONE + back);
-        let voltage_by_force = mean_by_charge * gap_by_voltage * per_circuit;
-        if two_way {
-            flexibility -= gap_by_voltage * voltage_by_force;
-        }
+        let alone = self.load.linear_step(self.capacitance, step);
         StepSet {
             ticks,
             step,
-            beam,
-            rod,
+            beam: beam.map(|(mode, _)| mode),
+            rod: rod.map(|(mode, _)| mode),
             circuit,
-            flexibility,
+            gap_by_force,
             gap_by_voltage,
             charge_by_voltage,
+            gap_by_base,
+            charge_by_base,
             per_circuit,
-            voltage_by_force,
-            rate_by_voltage,
+            slope: mean_by_charge * per_circuit,
+            flight: if two_way { coupled(&alone, &charge_by_voltage) } else { alone },
         }
     }
 }

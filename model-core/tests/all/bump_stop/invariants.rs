@@ -34,8 +34,8 @@ fn energy_is_conserved_by_every_step_without_damping_and_load() {
             .expect("runs");
         let after: f64 = stepper.outputs(&state).stored.total();
         assert!(meter.report().contacts >= 12, "{step}: {} contacts", meter.report().contacts);
-        assert!((after / before - 1.0).abs() < 1e-9, "{step}: {}", after / before - 1.0);
-        assert!(ledger.residual().total().expect("energy") < 1e-9);
+        assert!((after / before - 1.0).abs() < 1e-11, "{step}: {}", after / before - 1.0);
+        assert!(ledger.residual().total().expect("energy") < 1e-11);
     }
 }
 
@@ -58,7 +58,7 @@ fn with_damping_load_and_shaking_the_ledger_closes() {
             let mut ledger = Ledger::open(&stepper.outputs(&state));
             stepper.advance(&mut state, &excitation, seconds(0.05), u32::MAX, &mut ledger).expect("runs");
             let residual = ledger.residual().largest().expect("work");
-            assert!(residual < 1e-10, "{step} {contact:?} {coupling:?}: {residual}");
+            assert!(residual < 1e-13, "{step} {contact:?} {coupling:?}: {residual}");
             let [base_work, damped] =
                 [PowerIndex::Base, PowerIndex::Dissipation].map(|power| ledger.integrals().integral(power));
             assert!(base_work > 0.0 && damped > 0.0);
