@@ -28,20 +28,20 @@ pub const TOUCHING: Plan = Plan { name: "touching", ..IMPACTING };
 /// Four seconds, as weak chaos needs for its averages.
 pub const SETTLING: Plan = Plan { name: "settling", samples: 8, ..IMPACTING };
 
-/// Step near contact in seconds: a contact lasts some 20 µs.
-pub const SHORT: f32 = 9e-6;
+/// Step near contact in seconds: a contact lasts some 30 µs.
+pub const SHORT: f32 = 13e-6;
 /// Step in free flight in seconds.
-pub const LONG: f32 = 80e-6;
+pub const LONG: f32 = 180e-6;
 /// Distances of beam and rod at rest of [`precision`], in m.
 pub const GAPS: [f32; 2] = [0.0, GAP];
 /// Short and long steps of [`precision`], in seconds.
 pub const STEPS: [[f32; 2]; 7] = [
     [6e-6, 60e-6],
-    [8e-6, 50e-6],
-    [9e-6, 50e-6],
-    [9e-6, 60e-6],
+    [9e-6, 80e-6],
+    [12e-6, 96e-6],
+    [12e-6, 120e-6],
     [SHORT, LONG],
-    [12e-6, 60e-6],
+    [16e-6, 128e-6],
     [SHORT, SHORT],
 ];
 
