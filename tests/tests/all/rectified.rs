@@ -145,9 +145,9 @@ fn the_core_agrees_with_the_reference() {
                 if is_peak && allowed > 1e-5 {
                     continue;
                 }
-                // Its mean is an integral to an event over a whole number of ticks: in a step of 0.1 µs at a constant
-                // voltage it is off by half a tick, and its top by half as much again.
-                let blur = if is_peak { 0.75 / TICKS_PER_SECOND as f64 / 1e-7 } else { 0.0 };
+                // Its mean is an integral to an event over a whole number of ticks: in a step of 0.05 µs at a constant
+                // voltage it is off by up to half a tick, and its top by half as much again.
+                let blur = if is_peak { 0.75 / TICKS_PER_SECOND as f64 / 5e-8 } else { 0.0 };
                 assert_close(&format!("{name}: {what}"), number, expected, allowed + blur);
             }
         }
