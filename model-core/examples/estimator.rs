@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         choices: Choices::new(Resistor { resistance: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
     }
     .build()?;
-    let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(2e-2)?);
+    let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(5e-2)?);
     let settings = Settings {
         rate: 400.0, // samples per second
         format: SampleFormat::counts(9.81 / 16_384.0, 32_767),

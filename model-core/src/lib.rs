@@ -35,7 +35,7 @@
 //! }
 //! .build()?;
 //! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
-//! let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(2e-2)?);
+//! let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(5e-2)?);
 //! let mut state = harvester.start(&Start::default(), &shaking)?;
 //! let mut meter = PowerMeter::new();
 //! harvester.advance(&mut state, &shaking, Instant::from_whole_seconds(2), 10_000, &mut meter)?;

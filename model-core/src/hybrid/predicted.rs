@@ -158,8 +158,8 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         }
     }
 
-    /// Extends a step of `ticks` by `missing` seconds, which may be negative: along its derivative at the end or, if it is
-    /// `curved`, along the parabola through its end that has its derivatives at start and end.
+    /// Extends a step of `ticks` by `missing` seconds, which may be negative: along its derivative at the end or, if
+    /// it is `curved`, along the parabola that has value, slope and curvature of the step's cubic at its end.
     #[inline(always)]
     fn extend(&self, trial: &mut Trial<S, N, P>, ticks: u32, missing: S, curved: bool) {
         let (start, end) = (self.start, &mut trial.end);

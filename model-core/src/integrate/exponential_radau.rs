@@ -39,8 +39,8 @@ const ENERGY_ERROR_PART: f64 = 0.05;
 /// The exact flow of a linear oscillator with the three-stage Radau IIA method for its circuit.
 ///
 /// The global error is of fourth order. The cost of a step does not depend on the stiffness of the circuit. A step is at
-/// most 0.8 radians of the oscillator long, or 0.9 to an event. A system must state its split form ([`System::SPLIT`]);
-/// without it this method does not compile.
+/// most 0.9 radians of the oscillator long; under error control 0.8, or 0.9 to an event. A system must state its split form
+/// ([`System::SPLIT`]); without it this method does not compile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ExponentialRadau;
