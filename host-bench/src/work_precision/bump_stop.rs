@@ -14,7 +14,7 @@ use crate::scene_file::{Model, Scene};
 const STEPS: [f64; 9] = [2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2.5e-7, 1e-7, 5e-8];
 /// Those of the short table.
 const FEW_STEPS: [f64; 4] = [5e-6, 1e-6, 2.5e-7, 5e-8];
-/// Step in free flight of the rows with two step lengths, in s.
+/// Longest step in free flight of the rows with long steps, in s.
 const LONG_STEP: f64 = 2e-5;
 /// Fewest and most steps of a run: fewer do not resolve the motion, more take too long.
 const STEP_COUNT: std::ops::RangeInclusive<f64> = 1e3..=3e6;

@@ -13,8 +13,8 @@
 //! rest, with the sign of a compressive force. There are three cases, each in closed form:
 //!
 //! * **Closed at both ends.** The spring follows the gap with the rate that is linear and has the same two moments,
-//!   `w = g + (g⁺ − g) c + 3 m (c² − c)`. `F` and `T` are the moments of `k w`, so `F = k (g + (g⁺ − g)/2 − m/2)`, `T = k
-//!   (g⁺ − g)/2`. A spring that follows the projected rate stores the work of its projected force.
+//!   `w = g + (g⁺ − g) c + 3 m (c² − c)`. `F` and `T` are the moments of `k w`, so `F = k (g + (g⁺ − g)/2 − m/2)`,
+//!   `T = k (g⁺ − g)/2`. A spring that follows the projected rate stores the work of its projected force.
 //! * **Touch-down and lift-off.** The force is a ramp from touch-down, or to lift-off, on the part `p` of the step: its
 //!   projection has `T = ±(3 − 2p) F`. `F` follows from the energy, a quadratic equation.
 //! * **Where neither has a solution** the force is constant, `T = 0`: the discrete gradient `F = [V(g⁺) − V(g)]/(g⁺ −
@@ -168,8 +168,8 @@ fn lift_off_ramp<S: Scalar>(
     (end <= S::ZERO).then(|| ContactStep { force, tilt: ratio * force, gap: end })
 }
 
-/// As [`contact_step`] with a constant force, which is continuous in the gap that is predicted. `flexibility` is `a > 0`
-/// in m/N.
+/// As [`contact_step`] with a constant force, which is continuous in the gap that is predicted. `flexibility` is
+/// `a > 0` in m/N.
 #[cold]
 pub(crate) fn constant_force<S: Scalar>(
     gap: S,

@@ -105,18 +105,19 @@ impl<S: Scalar> LinearCircuitStep<S> {
     }
 
     fn of_ratio(ratio: S, capacitance: S) -> Self {
-        let [rest, lag, lead, square_by_bend] =
+        let [mean, rest, lag, lead, square_by_bend] =
             if ratio < S::from_f64(LINEAR_SERIES_RATIO) { Self::series(ratio) } else { Self::closed(ratio) };
         let per = S::ONE / capacitance;
         Self {
-            mean: [S::ONE - ratio * rest, rest * per, -lag * per],
+            mean: [mean, rest * per, -lag * per],
             tilt: [-ratio * lag, lag * per, lead * per],
             square_by_bend,
         }
     }
 
-    /// `r`, `s`, `t` and the contribution to the mean square.
-    fn closed(ratio: S) -> [S; 4] {
+    /// `w`, `r`, `s`, `t` and the contribution to the mean square. At a large ratio `w` is about `1/x`: the charge
+    /// through the load is `x w C v`, so an error of `w` counts `x` times.
+    fn closed(ratio: S) -> [S; 5] {
         let (two, three, six) = (S::from_f64(2.0), S::from_f64(3.0), S::from_f64(6.0));
         let per = S::ONE / ratio;
         let decay = S::Build::exponential(-ratio);
@@ -127,11 +128,11 @@ impl<S: Scalar> LinearCircuitStep<S> {
         let square = S::from_f64(0.5) * per * (S::ONE - decay * decay);
         let bend = S::ONE + decay - two * mean;
         let rest = square - mean * mean - tilt * tilt / three;
-        [(S::ONE - mean) * per, -tilt * per, lead, rest / (bend * bend)]
+        [mean, (S::ONE - mean) * per, -tilt * per, lead, rest / (bend * bend)]
     }
 
     /// As [`Self::closed`], by series in the ratio.
-    fn series(ratio: S) -> [S; 4] {
+    fn series(ratio: S) -> [S; 5] {
         let nine = S::from_f64(9.0);
         let (mut rest, mut lag, mut lead) = (S::ZERO, S::ZERO, S::ZERO);
         // (−x)ᵐ/(m + 2)!
@@ -144,11 +145,12 @@ impl<S: Scalar> LinearCircuitStep<S> {
             lead -= nine * S::from_u32(m) * term / four;
             term = -term * ratio / three;
         }
-        [rest, lag, lead, Self::square_by_bend(S::from_f64(0.5) * ratio)]
+        [S::ONE - ratio * rest, rest, lag, lead, Self::square_by_bend(S::from_f64(0.5) * ratio)]
     }
 
     /// With the modified spherical Bessel functions, `e^(y (1 − 2c)) = Σ ±(2j + 1) i_j(y) P_j`, so the contribution is
-    /// `Σ (2j + 1) i_j²` over `j ≥ 2`, divided by `(2 Σ (2j + 1) i_j)²` over even `j ≥ 2`.
+    /// `Σ (2j + 1) i_j²` over `j ≥ 2`, divided by `(2 Σ (2j + 1) i_j)²` over even `j ≥ 2`. The sums end where a term is
+    /// below a rounding.
     fn square_by_bend(y: S) -> S {
         let half_square = S::from_f64(0.5) * y * y;
         let (mut squares, mut bend) = (S::ZERO, S::ZERO);
@@ -158,12 +160,20 @@ impl<S: Scalar> LinearCircuitStep<S> {
             let (mut term, mut sum) = (leading, leading);
             for k in 1..LINEAR_SERIES_TERMS {
                 term = term * half_square / S::from_u32(k * (2 * j + 2 * k + 1));
-                sum += term;
+                let longer = sum + term;
+                if longer == sum {
+                    break;
+                }
+                sum = longer;
             }
             let weighted = S::from_u32(2 * j + 1) * sum;
             squares += weighted * sum;
             if j % 2 == 0 {
-                bend += weighted + weighted;
+                let longer = bend + weighted + weighted;
+                if longer == bend {
+                    break;
+                }
+                bend = longer;
             }
             leading = leading * y / S::from_u32(2 * j + 3);
         }
@@ -254,6 +264,26 @@ mod tests {
             }
         );
         assert!((open.square_by_bend - 0.05).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_small_resistance_discharges_within_a_step_in_single_precision() {
+        let capacitance = 16e-9_f32;
+        for exponent in 3..=13 {
+            for digit in [1.0, 1.7, 3.3, 7.9] {
+                let step = 180e-6_f32;
+                let load = Resistance::Finite(step / (digit * 10f32.powi(exponent) * capacitance));
+                let circuit = LinearCircuitStep::new(capacitance, load, step);
+                let conductance = CircuitStep::new(capacitance, load, step).charge_by_mean;
+                let ([mean, ..], [tilt, ..]) = (circuit.mean, circuit.tilt);
+                let end = 1.0 - conductance * mean / capacitance;
+                assert!(end.abs() < 1e-6, "{digit}e{exponent}: {end}");
+                let bend = 1.0 + end - 2.0 * mean;
+                let square = mean * mean + tilt * tilt / 3.0 + circuit.square_by_bend * bend * bend;
+                let delivered = conductance * square / (0.5 * capacitance);
+                assert!((delivered - 1.0).abs() < 1e-6, "{digit}e{exponent}: {delivered}");
+            }
+        }
     }
 
     #[test]

@@ -36,7 +36,7 @@ fn every_method_converges_and_the_explicit_one_fails_where_it_must() {
         let (coarse, fine) = (coarse.expect("runs"), fine.expect("runs"));
         assert!(fine < 1e-3 && fine < 0.1 * coarse, "{method:?}: {coarse} {fine}");
     }
-    // The long step leaves an error of its own, of the voltage that is constant over it.
+    // The long step leaves an error of its own, of the voltage that is linear over it in flight.
     let two_rates = error(Method::DiscreteGradient, Precision::F64, 5e-8, true).expect("runs");
     assert!(two_rates < 0.02, "{two_rates}");
     // The highest frequency in contact is 198 kHz: the explicit method is stable up to 2.2 µs.
