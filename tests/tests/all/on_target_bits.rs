@@ -69,18 +69,18 @@ fn sliding_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
 
 #[test]
 fn bump_stop_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
-    use bump_stop::{BEAM_MODES, IMPACTING, LONG, ROD_MODES, SHORT, TOUCHING, bench, others};
+    use bump_stop::{BEAM_MODES, IMPACTING, LONG, ROD_MODES, SHORT, TOUCHING, TOUCHING_STEPS, bench, others};
     let scene = shipped("bump-stop.toml");
     let Model::BumpStop(model) = &scene.model else { panic!("a bump-stop scene") };
     let mut parameters = bump_stop_parameters::<f32>(model, scene.load);
-    let mut any = |plan, gap| {
+    let mut any = |plan, gap, steps| {
         parameters.choices.stop.gap = gap;
-        let run = bump_stop::run::<AnyChoices<f32>, BEAM_MODES, ROD_MODES>(plan, parameters, [SHORT, LONG]);
+        let run = bump_stop::run::<AnyChoices<f32>, BEAM_MODES, ROD_MODES>(plan, parameters, steps);
         states(&mut run.expect("valid"))
     };
 
     let firmware = states_of(bench);
     assert_eq!(firmware[0].len(), 4);
-    assert_eq!([any(IMPACTING, bump_stop::parts::GAP)], firmware[..]);
-    assert_eq!(any(TOUCHING, 0.0), states_of(others)[0]);
+    assert_eq!([any(IMPACTING, bump_stop::parts::GAP, [SHORT, LONG])], firmware[..]);
+    assert_eq!(any(TOUCHING, 0.0, TOUCHING_STEPS), states_of(others)[0]);
 }
