@@ -117,8 +117,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
 
     fn identify(&self, fingerprint: &mut Fingerprint) {
         self.scene.identify(fingerprint);
-        for flight in &self.sets {
-            fingerprint.count(flight.set.ticks);
+        for set in &self.sets {
+            fingerprint.count(set.ticks);
         }
     }
 }

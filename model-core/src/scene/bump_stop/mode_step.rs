@@ -9,8 +9,7 @@ use crate::scalar::Scalar;
 pub(super) struct ModeStep<S> {
     by_displacement: [S; 2],
     by_velocity: [S; 2],
-    /// Displacement per modal force that is constant over the step; the velocity is that by velocity of the
-    /// displacement.
+    /// Displacement per modal force that is constant over the step; the velocity is that by velocity of the displacement.
     by_force: S,
     /// Per modal force that rises from −1 to 1.
     by_tilt: [S; 2],

@@ -32,15 +32,9 @@ pub(crate) struct StepSet<S, const B: usize, const R: usize, K = CircuitStep<S>>
     pub(super) per_circuit: S,
     /// `e1/(1 + χ e1 Σ θ² s)` in V/C: mean voltage per charge that the contact force moves.
     pub(super) slope: S,
-}
-
-/// The coefficients of a step that may be one of free flight. A step that is cut, or ends at an impact, does without
-/// those of its voltage.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct FlightSet<S, const B: usize, const R: usize, K = CircuitStep<S>> {
-    pub(super) set: StepSet<S, B, R, K>,
-    /// The circuit with the motion that its voltage acts back on. The charge and its moment are those without voltage.
-    pub(super) circuit: LinearCircuitStep<S>,
+    /// In free flight: the circuit with the motion that its voltage acts back on. The charge and its moment are those
+    /// without voltage.
+    pub(super) flight: LinearCircuitStep<S>,
 }
 
 /// The circuit of a step in free flight with the motion that its voltage acts back on, from that of the circuit alone.
@@ -67,19 +61,7 @@ fn coupled<S: Scalar>(
 pub(crate) type StepSetOf<S, P, const B: usize, const R: usize> =
     StepSet<S, B, R, <<P as Parts<S>>::Load as Circuit<S>>::Step>;
 
-/// The coefficients in free flight of a harvester with the components `P`.
-pub(crate) type FlightSetOf<S, P, const B: usize, const R: usize> =
-    FlightSet<S, B, R, <<P as Parts<S>>::Load as Circuit<S>>::Step>;
-
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// As [`Self::step_set`], for free flight too.
-    pub(crate) fn flight_set(&self, ticks: u32) -> FlightSetOf<S, P, B, R> {
-        let set = self.step_set(ticks);
-        let alone = self.load.linear_step(self.capacitance, set.step);
-        let two_way = self.coupling.is_two_way();
-        FlightSet { circuit: if two_way { coupled(&alone, &set.charge_by_voltage) } else { alone }, set }
-    }
-
     /// The coefficients of a step of `ticks` clock ticks, at least 1.
     pub(crate) fn step_set(&self, ticks: u32) -> StepSetOf<S, P, B, R> {
         let ticks = ticks.max(1);
@@ -106,9 +88,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         }
         let circuit = self.load.step(self.capacitance, step);
         let mean_by_charge = P::Load::line(&circuit).mean_by_charge;
-        let back =
-            if self.coupling.is_two_way() { mean_by_charge * charge_by_voltage.constant } else { S::ZERO };
+        let two_way = self.coupling.is_two_way();
+        let back = if two_way { mean_by_charge * charge_by_voltage.constant } else { S::ZERO };
         let per_circuit = S::ONE / (S::ONE + back);
+        let alone = self.load.linear_step(self.capacitance, step);
         StepSet {
             ticks,
             step,
@@ -122,6 +105,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             charge_by_base,
             per_circuit,
             slope: mean_by_charge * per_circuit,
+            flight: if two_way { coupled(&alone, &charge_by_voltage) } else { alone },
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Advances a bump-stop harvester: short steps near contact, longer steps in free flight, and located impacts.
 
-use super::choices::ContactOf;
+use super::choices::{ContactOf, Coupling};
 use super::circuit::Circuit;
 use super::contact_law::{ContactKind, ContactLaw};
 use super::energies::GramianSet;
 use super::reach::{Flight, Reach};
 use super::state::StateOf;
-use super::step_set::{FlightSetOf, StepSetOf};
+use super::step_set::StepSetOf;
 use super::trial::Trial;
 use super::{BumpStop, Parts};
 use crate::bounds::ParameterError;
@@ -19,7 +19,7 @@ use crate::scalar::Scalar;
 
 /// Most attempts of one step with the location of an impact. A smaller budget of
 /// [`Harvester::advance`](crate::scene::Harvester::advance) is raised to this number.
-pub(super) const LEAST_BUDGET: u32 = const { LEVELS as u32 } + MOST_LOCATING + 1;
+pub(super) const LEAST_BUDGET: u32 = 44;
 /// Most attempts to locate an impact: bisection of 2³² ticks.
 const MOST_LOCATING: u32 = 40;
 /// Impact speed in m/s below which an impact closes the contact.
@@ -46,7 +46,7 @@ const LEVELS: usize = 4;
 pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize = 0> {
     pub(super) scene: BumpStop<S, P, B, R>,
     /// From the long step to the short one.
-    pub(super) sets: [FlightSetOf<S, P, B, R>; LEVELS],
+    pub(super) sets: [StepSetOf<S, P, B, R>; LEVELS],
     /// Of all steps but the short one.
     reaches: [Reach<S, B, R>; LEVELS - 1],
     gramians: [[GramianSet<S, B, R>; LEVELS]; ALL],
@@ -102,13 +102,16 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     fn build(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Result<Self, ParameterError<S>> {
         check_step("short_step", short)?;
         check_step("long_step", long)?;
+        let two_way = scene.coupling.is_two_way();
+        let middle = (short * long).sqrt();
+        let steps = [long, middle, (short * middle).sqrt(), short];
         // Not by a map, which would need the space of all sets twice.
-        let [a, b, c, d] = lengths(short, long);
-        let reach = |ticks| Reach::new(&scene, seconds_of_ticks(ticks));
+        let [a, b, c, d] = steps.map(ticks_of_seconds);
+        let reach = |ticks| Reach::new(&scene, two_way, seconds_of_ticks(ticks));
         Ok(Self {
             gramians: core::array::from_fn(|_| [a, b, c, d].map(|ticks| GramianSet::new(&scene, ticks))),
             reaches: [reach(a), reach(b), reach(c)],
-            sets: [scene.flight_set(a), scene.flight_set(b), scene.flight_set(c), scene.flight_set(d)],
+            sets: [scene.step_set(a), scene.step_set(b), scene.step_set(c), scene.step_set(d)],
             scene,
         })
     }
@@ -227,7 +230,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         start: &StateOf<S, P, B, R>,
         flight: &Flight<S, B, R>,
     ) -> Option<S> {
-        let set = &self.sets.get(level)?.set;
+        let set = self.sets.get(level)?;
         if set.ticks > left {
             return None;
         }
@@ -237,11 +240,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         }
         // There is none for the short step: only its end must be clear.
         let Some(reach) = self.reaches.get(level) else { return Some(S::ZERO) };
-        if set.ticks <= self.short().ticks {
-            return None;
-        }
         let modes = if ContactOf::<S, P>::POSSIBLE { reach.of_modes(flight) } else { S::ZERO };
-        self.is_clear(ahead + modes).then_some(modes)
+        (set.ticks >= self.short().ticks && self.is_clear(ahead + modes)).then_some(modes)
     }
 
     /// Takes a step in free flight if its end and the bound of the gap are clear; `room` is the part of the modes in
@@ -256,8 +256,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         observer: &mut O,
         work: &mut Work,
     ) -> Result<bool, StepError<S>> {
-        let Some(flight) = self.sets.get(level) else { return Ok(false) };
-        let set = &flight.set;
+        let Some(set) = self.sets.get(level) else { return Ok(false) };
         let reach = self.reaches.get(level);
         let bound = self.interpolation_bound_of_voltage(pair.now, set.step);
         let blocks = self.blocks(pair.now, bound);
@@ -266,7 +265,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         }
         let acceleration = excitation.acceleration(pair.now.clock.after(set.ticks));
         let trial = if blocks {
-            self.scene.flight::<ALL>(flight, pair.now, acceleration, pair.next)
+            self.scene.flight::<ALL>(set, pair.now, acceleration, pair.next)
         } else {
             let mut trial = Trial::none();
             self.scene.trial(set, pair.now, acceleration, pair.next, &mut trial);
@@ -291,7 +290,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     #[inline(always)]
     pub(super) fn short(&self) -> &StepSetOf<S, P, B, R> {
         let [.., short] = &self.sets;
-        &short.set
+        short
     }
 
     #[inline(always)]
@@ -537,40 +536,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 }
 
-/// The step lengths in ticks, from the long step to the short one. In single precision a root may lie a few ticks
-/// beyond the lengths it is between.
-fn lengths<S: Scalar>(short: S, long: S) -> [u32; LEVELS] {
-    let middle = (short * long).sqrt();
-    let steps = [long, middle, (short * middle).sqrt(), short];
-    let [long, middle, lower, short] = steps.map(ticks_of_seconds);
-    let between = |ticks: u32, other: u32| ticks.max(short.min(other)).min(short.max(other));
-    let middle = between(middle, long);
-    [long, middle, between(lower, middle), short]
-}
-
 /// An upper bound of `√(a² + b²)`, at most 8 % above it, without a square root.
 #[inline(always)]
 fn at_least_norm<S: Scalar>(a: S, b: S) -> S {
     let (a, b) = (a.abs(), b.abs());
     a.max(b) + S::from_f64(core::f64::consts::SQRT_2 - 1.0) * a.min(b)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn step_lengths_are_in_order() {
-        for k in 1..2000_u16 {
-            let short = 7.7e-6 * f32::from(k);
-            for ulps in 0..3 {
-                let long = f32::from_bits(short.to_bits() + ulps);
-                let up = lengths(short, long);
-                assert!(up.is_sorted_by(|a, b| a >= b), "{short} {long}: {up:?}");
-                let down = lengths(long, short);
-                assert!(down.is_sorted(), "{short} {long}: {down:?}");
-            }
-        }
-        assert_eq!(lengths(1e-6, 1.6e-5), [1e-6 * 16.0, 4e-6, 2e-6, 1e-6].map(ticks_of_seconds::<f64>));
-    }
 }

@@ -1,9 +1,9 @@
 //! Computes one step: modes, circuit and contact in one scalar equation, and a step in free flight.
 //!
 //! In free flight the voltage of a step is linear in time, and two equations for its mean and its rise have constant
-//! coefficients. In a step that may touch, the voltage is constant and the contact force linear in time. With the
-//! linear mean voltage `e0 + e1 Δq` of a circuit the equation has a closed form. The mean voltage of a bridge is a curve
-//! if conduction begins within the step: the step is then solved again with the tangent at the last charge, up to
+//! coefficients. In a step that may touch, the voltage is constant and the contact force linear in time. With the linear
+//! mean voltage `e0 + e1 Δq` of a circuit the equation has a closed form. The mean voltage of a bridge is a curve if
+//! conduction begins within the step: the step is then solved again with the tangent at the last charge, up to
 //! [`MOST_REPETITIONS`] times, until the charge converges. The repetitions use only sums over the modes.
 
 use super::choices::{ContactOf, Coupling};
@@ -11,7 +11,7 @@ use super::circuit::{Circuit, StepCurrent};
 use super::contact_law::{ContactKind, ContactLaw};
 use super::mode_step::{self, Sums};
 use super::state::StateOf;
-use super::step_set::{FlightSet, FlightSetOf, StepSetOf};
+use super::step_set::StepSetOf;
 use super::{BumpStop, Parts};
 use crate::integrate::discrete_gradient::{Approach, ContactStep, Flexibility, constant_force, contact_step};
 use crate::part::storage_step::StorageAccount;
@@ -129,7 +129,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     #[inline(never)]
     pub(super) fn flight<const ALL: usize>(
         &self,
-        FlightSet { set, circuit }: &FlightSetOf<S, P, B, R>,
+        set: &StepSetOf<S, P, B, R>,
         start: &StateOf<S, P, B, R>,
         acceleration: S,
         end: &mut StateOf<S, P, B, R>,
@@ -142,7 +142,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let of = |[by_start, by_charge, by_moment]: [S; 3]| {
             by_start * start_voltage + by_charge * charge + by_moment * sums.charge_moment
         };
-        let voltage = [of(circuit.mean), of(circuit.tilt)];
+        let voltage = [of(set.flight.mean), of(set.flight.tilt)];
         let [mean, tilt] = voltage;
         (end.gap, end.strain_charge) = (sums.gap, sums.charge);
         let two_way = self.coupling.is_two_way();
@@ -164,7 +164,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         self.conclude(set, &flow, moved, end, &mut account);
         let bend = start_voltage + self.voltage(end) - mean - mean;
         let mean_square_voltage =
-            mean * mean + S::from_f64(1.0 / 3.0) * tilt * tilt + circuit.square_by_bend * bend * bend;
+            mean * mean + S::from_f64(1.0 / 3.0) * tilt * tilt + set.flight.square_by_bend * bend * bend;
         let back = if ALL > 0 && two_way { set.charge_by_voltage.fall_of_moment(voltage) } else { S::ZERO };
         Trial {
             mean_voltage: mean,

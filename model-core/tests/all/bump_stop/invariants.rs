@@ -34,9 +34,8 @@ fn energy_is_conserved_by_every_step_without_damping_and_load() {
             .expect("runs");
         let after: f64 = stepper.outputs(&state).stored.total();
         assert!(meter.report().contacts >= 12, "{step}: {} contacts", meter.report().contacts);
-        // Half a million steps, each with its roundings.
-        assert!((after / before - 1.0).abs() < 2e-11, "{step}: {}", after / before - 1.0);
-        assert!(ledger.residual().total().expect("energy") < 2e-11);
+        assert!((after / before - 1.0).abs() < 1e-11, "{step}: {}", after / before - 1.0);
+        assert!(ledger.residual().total().expect("energy") < 1e-11);
     }
 }
 
@@ -91,22 +90,6 @@ fn a_long_step_is_only_taken_where_no_contact_can_be() {
     }
     // The event-driven NumPy program: the first contact with ten and ten modes.
     assert!((every[0] - 3.306_545_404e-3).abs() < 5e-7);
-}
-
-#[test]
-fn a_long_step_as_long_as_the_short_one_is_not_attempted() {
-    let scene = baseline::<f64>().build::<6, 2>().expect("valid");
-    let excitation = shaking();
-    let run = |long: f64| {
-        let stepper = Stepper::new(scene, 1e-6, long).expect("in bounds");
-        let mut state = scene.start(&Start::default(), &excitation).expect("valid");
-        let advance =
-            stepper.advance(&mut state, &excitation, seconds(0.012), u32::MAX, &mut ()).expect("runs");
-        (state, advance.work)
-    };
-    let (state, work) = run(1e-6);
-    assert!(work.rejected > 0);
-    assert_eq!((state, work), run(2e-7));
 }
 
 #[test]
@@ -174,10 +157,7 @@ fn impacts_and_closed_contacts_make_no_energy() {
             let mut state = scene.start(&start, &Silence).expect("valid");
             let before: f64 = stepper.outputs(&state).stored.total();
             let mut highest = Highest(before);
-            // The beam touches after a quarter of its period of 4 ms.
-            let end = seconds(if step < 5e-6 { 2e-3 } else { 5e-3 });
-            let advance = stepper.advance(&mut state, &Silence, end, u32::MAX, &mut highest).expect("runs");
-            assert!(advance.work.events > 0);
+            stepper.advance(&mut state, &Silence, seconds(5e-3), u32::MAX, &mut highest).expect("runs");
             assert!(highest.0 < before * (1.0 + 1e-9), "{coefficient} {step}: {}", highest.0 / before);
         }
     }
