@@ -34,8 +34,8 @@ fn energy_is_conserved_by_every_step_without_damping_and_load() {
             .expect("runs");
         let after: f64 = stepper.outputs(&state).stored.total();
         assert!(meter.report().contacts >= 12, "{step}: {} contacts", meter.report().contacts);
-        assert!((after / before - 1.0).abs() < 1e-11, "{step}: {}", after / before - 1.0);
-        assert!(ledger.residual().total().expect("energy") < 1e-11);
+        assert!((after / before - 1.0).abs() < 2e-11, "{step}: {}", after / before - 1.0);
+        assert!(ledger.residual().total().expect("energy") < 2e-11);
     }
 }
 
