@@ -111,6 +111,20 @@ pub fn value(number: Option<f64>) -> f64 {
     number.unwrap_or(f64::NAN)
 }
 
+/// The relative difference of two numbers, and 0 if they are equal or both are absent.
+pub fn relative_difference(one: Option<f64>, two: Option<f64>) -> f64 {
+    match (one, two) {
+        (None, None) => 0.0,
+        (Some(one), Some(two)) if one == two => 0.0,
+        (one, two) => (value(one) / value(two) - 1.0).abs(),
+    }
+}
+
+/// Numbers in one line, to two digits.
+pub fn shown(numbers: &[f64]) -> String {
+    numbers.iter().map(|number| format!("{number:.1e} ")).collect()
+}
+
 /// Asserts that two numbers agree to a relative tolerance.
 #[track_caller]
 pub fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {

@@ -122,6 +122,27 @@ fn closed<S: Scalar>(approach: &Approach<S>, flexibility: &Flexibility<S>, stiff
     }
 }
 
+/// The coefficients of a step whose half rise of the force is `T = ratio · F`.
+struct Ramp<S> {
+    /// `h = a + b ratio`: the gap is `g* − h F`.
+    lever: S,
+    /// `e = a + d ratio²`.
+    loss: S,
+    /// `g* − g + ratio m*`: the work of the force on the free motion is `motion · F`.
+    motion: S,
+}
+
+impl<S: Scalar> Ramp<S> {
+    #[inline(always)]
+    fn new(approach: &Approach<S>, flexibility: &Flexibility<S>, ratio: S) -> Self {
+        Self {
+            lever: flexibility.constant + flexibility.tilted * ratio,
+            loss: flexibility.constant + flexibility.moment * ratio * ratio,
+            motion: approach.predicted - approach.gap + ratio * approach.moment,
+        }
+    }
+}
+
 /// From open to closed with `T = ratio · F`. With `h = a + b ratio` and `e = a + d ratio²`, the gap is `u = g* − h F`,
 /// and `k u²/2 = F (g* − g + ratio m* − e F)`: the smaller root.
 #[inline(always)]
@@ -132,9 +153,7 @@ fn touch_down_ramp<S: Scalar>(
     ratio: S,
 ) -> Option<ContactStep<S>> {
     let predicted = approach.predicted;
-    let lever = flexibility.constant + flexibility.tilted * ratio;
-    let loss = flexibility.constant + flexibility.moment * ratio * ratio;
-    let motion = predicted - approach.gap + ratio * approach.moment;
+    let Ramp { lever, loss, motion } = Ramp::new(approach, flexibility, ratio);
     let pull = stiffness * predicted;
     let square = motion * motion + (pull + pull) * (lever * motion - loss * predicted);
     let sum = pull * lever + motion;
@@ -154,10 +173,8 @@ fn lift_off_ramp<S: Scalar>(
     stiffness: S,
     ratio: S,
 ) -> Option<ContactStep<S>> {
-    let Approach { gap, predicted, moment } = *approach;
-    let lever = flexibility.constant + flexibility.tilted * ratio;
-    let loss = flexibility.constant + flexibility.moment * ratio * ratio;
-    let motion = predicted - gap + ratio * moment;
+    let Approach { gap, predicted, .. } = *approach;
+    let Ramp { lever, loss, motion } = Ramp::new(approach, flexibility, ratio);
     let stored = stiffness * gap * gap;
     let root = (motion * motion + (loss + loss) * stored).sqrt();
     if !(motion < S::ZERO) {

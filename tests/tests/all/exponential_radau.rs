@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use cross_crate_tests::{
-    adaptive, contact_separation, on_all_cores, periods, reference, resistor, run, sine, single, value,
+    adaptive, contact_separation, on_all_cores, periods, reference, relative_difference, resistor, run,
+    shown, sine, single, value,
 };
 use host_bench::method::{Method, Options};
 use host_bench::outcome::{ContactSeparationOutcome, Outcome};
@@ -94,23 +95,14 @@ fn scene((_, change): &(&str, Change)) -> Scene {
 /// difference of the stuck fractions.
 fn differences(exact: &(Outcome, ContactSeparationOutcome), scene: &Scene, options: &Options) -> [f64; 6] {
     let found = run(scene, options);
-    let relative = |one: Option<f64>, two: Option<f64>| match (one, two) {
-        (None, None) => 0.0,
-        (Some(one), Some(two)) if one == two => 0.0,
-        (one, two) => (value(one) / value(two) - 1.0).abs(),
-    };
     [
-        relative(found.1.peak_gap_m, exact.1.peak_gap_m),
-        relative(found.0.rms_voltage_v, exact.0.rms_voltage_v),
-        relative(found.0.mean_power_w, exact.0.mean_power_w),
-        relative(found.1.first_impact_s, exact.1.first_impact_s),
-        relative(found.1.max_impact_speed_m_per_s, exact.1.max_impact_speed_m_per_s),
+        relative_difference(found.1.peak_gap_m, exact.1.peak_gap_m),
+        relative_difference(found.0.rms_voltage_v, exact.0.rms_voltage_v),
+        relative_difference(found.0.mean_power_w, exact.0.mean_power_w),
+        relative_difference(found.1.first_impact_s, exact.1.first_impact_s),
+        relative_difference(found.1.max_impact_speed_m_per_s, exact.1.max_impact_speed_m_per_s),
         (value(found.1.stuck_fraction) - value(exact.1.stuck_fraction)).abs(),
     ]
-}
-
-fn shown(numbers: &[f64]) -> String {
-    numbers.iter().map(|number| format!("{number:.1e} ")).collect()
 }
 
 #[test]

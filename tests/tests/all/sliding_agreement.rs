@@ -7,8 +7,8 @@
 use std::sync::Arc;
 
 use cross_crate_tests::{
-    GRAVITY, adaptive, assert_close, on_all_cores, periods, reference, resistor, rub, sine, single, slide,
-    sliding, value,
+    GRAVITY, adaptive, assert_close, on_all_cores, periods, reference, relative_difference, resistor, rub,
+    shown, sine, single, slide, sliding, value,
 };
 use host_bench::method::{Method, Options};
 use host_bench::outcome::{Outcome, SlidingOutcome};
@@ -115,22 +115,14 @@ fn scene((_, change): &(&str, Change)) -> Scene {
 /// What is compared: each relative to the reference's, the stick fraction to a whole.
 fn differences(exact: &(Outcome, SlidingOutcome), scene: &Scene, options: &Options) -> [f64; 5] {
     let found = slide(scene, options);
-    let relative = |one: Option<f64>, two: Option<f64>| match (one, two) {
-        (Some(0.0), Some(0.0)) => 0.0,
-        (one, two) => (value(one) / value(two) - 1.0).abs(),
-    };
     let sticks = value(found.1.stick_fraction) - value(exact.1.stick_fraction);
     [
-        relative(found.1.amplitude_m, exact.1.amplitude_m),
-        relative(found.1.peak_displacement_m, exact.1.peak_displacement_m),
-        relative(found.0.rms_voltage_v, exact.0.rms_voltage_v),
-        relative(found.0.mean_power_w, exact.0.mean_power_w),
+        relative_difference(found.1.amplitude_m, exact.1.amplitude_m),
+        relative_difference(found.1.peak_displacement_m, exact.1.peak_displacement_m),
+        relative_difference(found.0.rms_voltage_v, exact.0.rms_voltage_v),
+        relative_difference(found.0.mean_power_w, exact.0.mean_power_w),
         sticks.abs(),
     ]
-}
-
-fn shown(numbers: &[f64]) -> String {
-    numbers.iter().map(|number| format!("{number:.1e} ")).collect()
 }
 
 /// At a tolerance of 1e-6 in double precision and of 1e-4 in single precision, every compared number is

@@ -1,6 +1,6 @@
 //! Bounds how far the gap can depart from a straight line within a step in free flight.
 
-use super::choices::ContactOf;
+use super::choices::{ContactOf, Coupling};
 use super::contact_law::ContactLaw;
 use super::state::State;
 use super::{BumpStop, Parts};
@@ -61,7 +61,7 @@ impl<S: Scalar, const B: usize, const R: usize> Flight<S, B, R> {
 
 impl<S: Scalar, const B: usize, const R: usize> Reach<S, B, R> {
     /// For a step in s.
-    pub(super) fn new<P: Parts<S>>(scene: &BumpStop<S, P, B, R>, two_way: bool, step: S) -> Self {
+    pub(super) fn new<P: Parts<S>>(scene: &BumpStop<S, P, B, R>, step: S) -> Self {
         let (two, three) = (S::from_f64(2.0), S::from_f64(3.0));
         let sagitta = S::from_f64(0.125) * step * step;
         let damping = two * scene.damping_ratio;
@@ -84,7 +84,7 @@ impl<S: Scalar, const B: usize, const R: usize> Reach<S, B, R> {
             beam: scene.beam.map(|mode| free(mode.contact, mode.angular_frequency)),
             rod: scene.rod.map(|mode| free(mode.contact, mode.angular_frequency)),
             by_base,
-            by_voltage: if two_way { by_voltage } else { S::ZERO },
+            by_voltage: if scene.coupling.is_two_way() { by_voltage } else { S::ZERO },
         }
     }
 
