@@ -1,6 +1,6 @@
 //! An excitation chosen at run time, for hosts that read scene files.
 
-use super::{Excitation, Sampled, Silence, Sine, Tones};
+use super::{Excitation, Line, Sampled, Silence, Sine, Tones};
 use crate::any::forward;
 use crate::clock::Instant;
 use crate::oscillator::{Kernel, Response};
@@ -31,6 +31,7 @@ impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExci
         fn jerk(&self, at: Instant) -> S;
         fn angular_frequency(&self) -> S;
         fn response(&self, at: Instant, ticks: u32, kernel: &Kernel<S>) -> Response<S>;
+        fn line(&self, at: Instant, ticks: u32, step: S, start: S) -> Line<S>;
     }
 
     fn resolved_ticks(&self) -> u32 {

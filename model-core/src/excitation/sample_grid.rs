@@ -1,8 +1,53 @@
 //! Samples at a fixed rate: the index of the sample before an instant, and the position between two samples.
 
-use super::ExcitationError;
+use super::{Excitation, ExcitationError, Line};
 use crate::clock::{Cycles, Frequency, Instant};
 use crate::scalar::Scalar;
+
+/// The line over a step of an acceleration that is linear between its kinks: exact, from the pieces.
+#[inline]
+pub(super) fn line_of_pieces<S: Scalar>(
+    excitation: &impl Excitation<S>,
+    at: Instant,
+    ticks: u32,
+    start: S,
+) -> Line<S> {
+    let first = excitation.smooth_ticks(at);
+    if first >= ticks {
+        return Line::between(start, excitation.acceleration(at.after(ticks)));
+    }
+    sum_of_pieces(excitation, at, ticks, (first, start))
+}
+
+/// With `u` from −1 to 1 over the step, the mean is half of `∫ a du`, and half the rise 3/2 of `∫ a u du`.
+#[cold]
+fn sum_of_pieces<S: Scalar>(
+    excitation: &impl Excitation<S>,
+    at: Instant,
+    ticks: u32,
+    (mut until, start): (u32, S),
+) -> Line<S> {
+    let half = S::from_f64(0.5);
+    let place = |offset: u32| {
+        let twice = S::from_u32(offset) / S::from_u32(ticks);
+        twice + twice - S::ONE
+    };
+    let (mut from, mut left) = (0, start);
+    let (mut mean, mut moment) = (S::ZERO, S::ZERO);
+    loop {
+        let right = excitation.acceleration(at.after(until));
+        let (begin, end) = (place(from), place(until));
+        let (length, middle) = (end - begin, half * (begin + end));
+        let average = half * (left + right);
+        mean += length * average;
+        moment += length * (middle * average + (right - left) * length * S::from_f64(1.0 / 12.0));
+        if until >= ticks {
+            return Line { mean: half * mean, tilt: S::from_f64(1.5) * moment, end: right };
+        }
+        (from, left) = (until, right);
+        until = until.saturating_add(excitation.smooth_ticks(at.after(until))).min(ticks);
+    }
+}
 
 /// A fixed sampling rate; the first sample is at time zero.
 #[derive(Debug, Clone, Copy, PartialEq)]

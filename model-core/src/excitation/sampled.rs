@@ -1,7 +1,7 @@
 //! A recorded acceleration: samples at a fixed rate, linearly interpolated.
 
-use super::sample_grid::SampleGrid;
-use super::{Excitation, ExcitationError};
+use super::sample_grid::{SampleGrid, line_of_pieces};
+use super::{Excitation, ExcitationError, Line};
 use crate::clock::Instant;
 use crate::oscillator::{Kernel, Response};
 use crate::scalar::Scalar;
@@ -85,6 +85,11 @@ impl<S: Scalar> Excitation<S> for Sampled<'_, S> {
         let (left, right, theta) = self.bracket(at);
         let rise = right - left;
         kernel.to_line(left + theta * rise, rise * self.grid.samples_per_second)
+    }
+
+    #[inline]
+    fn line(&self, at: Instant, ticks: u32, _step: S, start: S) -> Line<S> {
+        line_of_pieces(self, at, ticks, start)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Zero base acceleration, for free decay, static equilibrium and leakage.
 
-use super::Excitation;
+use super::{Excitation, Line};
 use crate::clock::Instant;
 use crate::oscillator::{Kernel, Response};
 use crate::scalar::Scalar;
@@ -24,5 +24,10 @@ impl<S: Scalar> Excitation<S> for Silence {
     #[inline]
     fn response(&self, _at: Instant, _ticks: u32, _kernel: &Kernel<S>) -> Response<S> {
         Response::NONE
+    }
+
+    #[inline]
+    fn line(&self, _at: Instant, _ticks: u32, _step: S, _start: S) -> Line<S> {
+        Line::between(S::ZERO, S::ZERO)
     }
 }

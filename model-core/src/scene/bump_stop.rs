@@ -31,7 +31,7 @@
 //! # Integration
 //!
 //! The modes are propagated exactly (`integrate::modal`) under forces that are linear over a step: the base
-//! acceleration, in contact the contact force (`integrate::discrete_gradient`), and in free flight the voltage
+//! acceleration ([`Excitation::line`](crate::excitation::Excitation::line)), in contact the contact force (`integrate::discrete_gradient`), and in free flight the voltage
 //! (`part::circuit`). Near contact the voltage is constant over a step. Two moments of the gap's rate or of the charge
 //! determine force or voltage in closed form, so that the energy of modes, capacitance and contact never grows, at any
 //! step length.

@@ -126,7 +126,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         trial: &Trial<S>,
         step: S,
     ) -> [S; ALL_POWERS] {
-        let [base, damping] = self.works(gramians, [start, end], trial, step);
+        let [base, damping] = self.works(gramians, start, trial, step);
         let field = trial.mean_voltage * (end.strain_charge - start.strain_charge)
             + trial.voltage_tilt * trial.charge_moment;
         let account = &trial.account;
@@ -152,7 +152,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     fn works(
         &self,
         gramians: &GramianSet<S, B, R>,
-        [start, end]: [&StateOf<S, P, B, R>; 2],
+        start: &StateOf<S, P, B, R>,
         trial: &Trial<S>,
         step: S,
     ) -> [S; 2] {
@@ -161,8 +161,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let two_way = self.coupling.is_two_way();
         let voltage = if two_way { line(trial.mean_voltage, trial.voltage_tilt) } else { [S::ZERO; 2] };
         let push = line(trial.force, trial.force_tilt);
-        let acceleration = start.acceleration;
-        let rise = end.acceleration - acceleration;
+        let [acceleration, rise] = line(trial.base[0], trial.base[1]);
         let damping_ratio = self.damping_ratio;
         let (mut of_base, mut of_damping) = (S::ZERO, S::ZERO);
         let mut add = |angular_frequency, gramian: &Gramian<S>, start, base: S, own: [S; 2]| {

@@ -1,6 +1,6 @@
 //! Advances a bump-stop harvester: short steps near contact, longer steps in free flight, and located impacts.
 
-use super::choices::{ContactOf, Coupling};
+use super::choices::ContactOf;
 use super::circuit::Circuit;
 use super::contact_law::{ContactKind, ContactLaw};
 use super::energies::GramianSet;
@@ -17,9 +17,9 @@ use crate::integrate::step_control::check_step;
 use crate::observer::{ALL_POWERS, AcceptedStep, Contact, Event, Observer, Outputs, PowerIndex};
 use crate::scalar::Scalar;
 
-/// Most attempts of one step with the location of an impact. A smaller budget of
-/// [`Harvester::advance`](crate::scene::Harvester::advance) is raised to this number.
-pub(super) const LEAST_BUDGET: u32 = 44;
+/// Most attempts of one step with the location of an impact: flights of all lengths, the short step, and those of the
+/// location. A smaller budget of [`Harvester::advance`](crate::scene::Harvester::advance) is raised to this number.
+pub(super) const LEAST_BUDGET: u32 = LEVELS as u32 + 1 + MOST_LOCATING;
 /// Most attempts to locate an impact: bisection of 2³² ticks.
 const MOST_LOCATING: u32 = 40;
 /// Impact speed in m/s below which an impact closes the contact.
@@ -102,12 +102,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     fn build(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Result<Self, ParameterError<S>> {
         check_step("short_step", short)?;
         check_step("long_step", long)?;
-        let two_way = scene.coupling.is_two_way();
         let middle = (short * long).sqrt();
         let steps = [long, middle, (short * middle).sqrt(), short];
         // Not by a map, which would need the space of all sets twice.
         let [a, b, c, d] = steps.map(ticks_of_seconds);
-        let reach = |ticks| Reach::new(&scene, two_way, seconds_of_ticks(ticks));
+        let reach = |ticks| Reach::new(&scene, seconds_of_ticks(ticks));
         Ok(Self {
             gramians: core::array::from_fn(|_| [a, b, c, d].map(|ticks| GramianSet::new(&scene, ticks))),
             reaches: [reach(a), reach(b), reach(c)],
@@ -241,7 +240,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         // There is none for the short step: only its end must be clear.
         let Some(reach) = self.reaches.get(level) else { return Some(S::ZERO) };
         let modes = if ContactOf::<S, P>::POSSIBLE { reach.of_modes(flight) } else { S::ZERO };
-        (set.ticks >= self.short().ticks && self.is_clear(ahead + modes)).then_some(modes)
+        (set.ticks > self.short().ticks && self.is_clear(ahead + modes)).then_some(modes)
     }
 
     /// Takes a step in free flight if its end and the bound of the gap are clear; `room` is the part of the modes in
@@ -263,17 +262,17 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         if !(blocks || (reach.is_some() && self.scene.load.resolves(bound, &pair.now.circuit))) {
             return Ok(false);
         }
-        let acceleration = excitation.acceleration(pair.now.clock.after(set.ticks));
+        let base = excitation.line(pair.now.clock, set.ticks, set.step, pair.now.acceleration);
         let trial = if blocks {
-            self.scene.flight::<ALL>(set, pair.now, acceleration, pair.next)
+            self.scene.flight::<ALL>(set, pair.now, &base, pair.next)
         } else {
             let mut trial = Trial::none();
-            self.scene.trial(set, pair.now, acceleration, pair.next, &mut trial);
+            self.scene.trial(set, pair.now, &base, pair.next, &mut trial);
             trial
         };
         if let Some(reach) = reach {
-            let base = pair.now.acceleration.abs().max(acceleration.abs());
-            room += reach.of_forces(base, trial.mean_voltage.abs() + trial.voltage_tilt.abs());
+            let largest = pair.now.acceleration.abs().max(base.end.abs());
+            room += reach.of_forces(largest, trial.mean_voltage.abs() + trial.voltage_tilt.abs());
         }
         if self.is_clear(pair.now.gap.max(pair.next.gap) + room)
             && (self.blocks(pair.next, bound)
@@ -301,8 +300,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         trial: &mut Trial<S>,
         excitation: &E,
     ) {
-        let acceleration = excitation.acceleration(pair.now.clock.after(set.ticks));
-        self.scene.trial(set, pair.now, acceleration, pair.next, trial);
+        let base = excitation.line(pair.now.clock, set.ticks, set.step, pair.now.acceleration);
+        self.scene.trial(set, pair.now, &base, pair.next, trial);
     }
 
     /// Whether a largest gap coordinate excludes contact, or there is no stop.

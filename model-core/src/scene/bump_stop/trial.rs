@@ -13,6 +13,7 @@ use super::mode_step::{self, Sums};
 use super::state::StateOf;
 use super::step_set::StepSetOf;
 use super::{BumpStop, Parts};
+use crate::excitation::Line;
 use crate::integrate::discrete_gradient::{Approach, ContactStep, Flexibility, constant_force, contact_step};
 use crate::part::storage_step::StorageAccount;
 use crate::scalar::{Scalar, add_increment};
@@ -32,6 +33,8 @@ pub(super) struct Trial<S> {
     /// Energy delivered to the load in J; behind a bridge, into the storage.
     pub(super) delivered: S,
     pub(super) account: StorageAccount<S>,
+    /// Base acceleration in m/s²: mean and half its rise over the step.
+    pub(super) base: [S; 2],
 }
 
 impl<S: Scalar> Trial<S> {
@@ -46,6 +49,7 @@ impl<S: Scalar> Trial<S> {
             charge_moment: S::ZERO,
             delivered: S::ZERO,
             account: StorageAccount::default(),
+            base: [S::ZERO; 2],
         }
     }
 }
@@ -72,18 +76,19 @@ struct Solution<S> {
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Takes the step `set` from `start`; `acceleration` in m/s² is that of the base at the end.
+    /// Takes the step `set` from `start` under the base acceleration `base`.
     // Inlined, its coefficients would compete for registers with those of a flight.
     #[inline(never)]
     pub(super) fn trial(
         &self,
         set: &StepSetOf<S, P, B, R>,
         start: &StateOf<S, P, B, R>,
-        acceleration: S,
+        base: &Line<S>,
         end: &mut StateOf<S, P, B, R>,
         trial: &mut Trial<S>,
     ) {
-        let (base, sums) = self.free(set, start, acceleration, end);
+        let sums = self.free(set, start, base, end);
+        let base = [base.mean, base.tilt];
         // The circuit and the contact.
         let mut account = StorageAccount::default();
         let moved = self.begin(set, start, &mut end.circuit, &mut account);
@@ -120,21 +125,23 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             mean_square_voltage,
             delivered: P::Load::delivered(&set.circuit, mean_square_voltage, &account),
             account,
+            base,
             ..Trial::none()
         };
     }
 
-    /// Takes the step `set` from `start` in free flight, without contact force; `acceleration` in m/s² is that of the
-    /// base at the end. A bridge blocks throughout.
+    /// Takes the step `set` from `start` in free flight, without contact force, under the base acceleration `base`. A
+    /// bridge blocks throughout.
     #[inline(never)]
     pub(super) fn flight<const ALL: usize>(
         &self,
         set: &StepSetOf<S, P, B, R>,
         start: &StateOf<S, P, B, R>,
-        acceleration: S,
+        base: &Line<S>,
         end: &mut StateOf<S, P, B, R>,
     ) -> Trial<S> {
-        let (base, sums) = self.free(set, start, acceleration, end);
+        let sums = self.free(set, start, base, end);
+        let base = [base.mean, base.tilt];
         let mut account = StorageAccount::default();
         let moved = self.begin(set, start, &mut end.circuit, &mut account);
         let start_voltage = (start.strain_charge - moved[0]) * self.elastance;
@@ -173,26 +180,26 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             charge_moment: if ALL > 0 { sums.charge_moment - back } else { S::ZERO },
             delivered: P::Load::delivered(&set.circuit, mean_square_voltage, &account),
             account,
+            base,
             ..Trial::none()
         }
     }
 
     /// Advances the modes without contact force, voltage and base acceleration, and what does not depend on them.
-    /// Returns the base acceleration in m/s², mean and half its rise, and the sums at the end without contact force and
-    /// voltage: the gap coordinate, the strain charge and the moments of their rates.
+    /// Returns the sums at the end without contact force and voltage: the gap coordinate, the strain charge and the
+    /// moments of their rates.
     #[inline(always)]
     fn free(
         &self,
         set: &StepSetOf<S, P, B, R>,
         start: &StateOf<S, P, B, R>,
-        acceleration: S,
+        base: &Line<S>,
         end: &mut StateOf<S, P, B, R>,
-    ) -> ([S; 2], Sums<S>) {
+    ) -> Sums<S> {
         end.clock = start.clock.after(set.ticks);
-        end.acceleration = acceleration;
+        end.acceleration = base.end;
         end.circuit = start.circuit;
-        let half = S::from_f64(0.5);
-        let base = [half * (acceleration + start.acceleration), half * (acceleration - start.acceleration)];
+        let base = [base.mean, base.tilt];
         let mut sums = mode_step::advance((&set.beam, &self.beam), &start.beam, &mut end.beam, |mode| {
             [mode.contact, mode.voltage]
         });
@@ -212,7 +219,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         sums.gap_moment -= set.gap_by_base.fall_of_moment(base);
         sums.charge -= set.charge_by_base.fall(base);
         sums.charge_moment -= set.charge_by_base.fall_of_moment(base);
-        (base, sums)
+        sums
     }
 
     /// Applies the outflow of a storage before the current. Returns the charge that has left the electrodes, and its
