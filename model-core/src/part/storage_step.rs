@@ -57,7 +57,8 @@ impl<S: Scalar> StorageState<S> {
         (self.voltage, self.remainder) = add_increment(self.voltage, self.remainder, increase);
     }
 
-    /// Applies leakage and draw for `seconds`; `elastance` in 1/F is that of the storage.
+    /// Applies leakage and draw for `seconds`; `elastance` in 1/F is that of the storage, or of the storage and all that
+    /// falls with it. Returns the fall of the voltage in V.
     #[inline]
     pub(crate) fn drain<R: StorageElement<S>>(
         &mut self,
@@ -65,14 +66,14 @@ impl<S: Scalar> StorageState<S> {
         elastance: S,
         seconds: S,
         account: &mut StorageAccount<S>,
-    ) {
+    ) -> S {
         if !R::CHARGES {
-            return;
+            return S::ZERO;
         }
         let outflow = storage.outflow(self.voltage, self.connected);
         let per_current = elastance * seconds;
         if !(outflow > S::ZERO) || per_current == S::ZERO {
-            return;
+            return S::ZERO;
         }
         let growth = -per_current * storage.outflow_by_voltage(self.voltage, self.connected);
         let mut charge = seconds * outflow * mean_growth(growth);
@@ -89,6 +90,35 @@ impl<S: Scalar> StorageState<S> {
         let leaked = if total > S::ZERO { energy * (leakage / total) } else { S::ZERO };
         account.leaked += leaked;
         account.drawn += energy - leaked;
+        fall
+    }
+
+    /// The time in s in which leakage and draw lower the voltage by `fall` in V, at most `longest` in s.
+    ///
+    /// The fall is a concave function of time, so Newton's iteration from zero rises to the time.
+    #[inline]
+    pub(crate) fn time_to_fall<R: StorageElement<S>>(
+        &self,
+        storage: &R,
+        elastance: S,
+        fall: S,
+        longest: S,
+    ) -> S {
+        let rate = elastance * storage.outflow(self.voltage, self.connected);
+        let decay = elastance * storage.outflow_by_voltage(self.voltage, self.connected);
+        let mut time = S::ZERO;
+        for _ in 0..NEWTON_STEPS {
+            let fallen = time * rate * mean_growth(-time * decay);
+            let (left, slope) = (fall - fallen, rate - decay * fallen);
+            if left <= S::EPSILON * fall {
+                break;
+            }
+            if !(slope > S::ZERO) {
+                return longest;
+            }
+            time = (time + left / slope).min(longest);
+        }
+        time
     }
 
     /// Connects or disconnects the draw.
@@ -103,6 +133,9 @@ impl<S: Scalar> StorageState<S> {
         }
     }
 }
+
+/// Iterations of [`StorageState::time_to_fall`]: the last one changes a fall of two time constants by a rounding.
+const NEWTON_STEPS: u32 = 8;
 
 /// Magnitude up to which the series is summed, because the closed form cancels.
 const SERIES_GROWTH: f64 = 0.0625;
