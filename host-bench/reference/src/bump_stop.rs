@@ -109,8 +109,11 @@ pub(super) fn run(
     let step = (STEPS_PER_PERIOD * highest).recip();
     let mut vector = system.start(&model.initial);
     system.set_base(&mut vector, &base);
+    let mut meter = Meter::new(&system, stiffness, model.stop.is_some(), &vector, options.record_every);
+    meter.ledger.in_window = scene.run.settle_s <= 0.0;
+    meter.ledger.add(&system.share_at_start(&model.initial, &mut vector));
     let mut march = March {
-        meter: Meter::new(&system, stiffness, model.stop.is_some(), &vector, options.record_every),
+        meter,
         system: &system,
         restitution: model.stop.and_then(|stop| stop.restitution),
         regimes: Regimes { system: &system, closed, step, entered: Default::default() },

@@ -59,6 +59,7 @@ pub(super) fn run<H: Harvester>(
         events: 0,
         effort: Effort::default(),
     };
+    march.meter.ledger.in_window = scene.run.settle_s <= 0.0;
     march.start(Base(&scene.excitation).from(0.0).at(0.0));
     while let Some(stretch) = schedule.next() {
         if options.most_steps.is_some_and(|most| march.effort.steps > most) {
@@ -79,12 +80,11 @@ pub(super) fn run<H: Harvester>(
 }
 
 impl<H: Harvester> March<'_, H> {
-    /// Finds the mode at the start, under a base acceleration in m/s².
+    /// Finds the mode at the start, under a base acceleration in m/s². A start charge above the threshold of the bridge
+    /// is shared with the storage at once.
     fn start(&mut self, base: f64) {
         self.mode = self.harvester.start(&mut self.motion, base);
-        if self.mode == Mode::Stick {
-            self.meter.ledger.add(&self.harvester.enter_stick(&mut self.motion));
-        }
+        self.share();
     }
 
     /// Flows through a stretch or to the first event, and gives the time of the event in s since the start of
@@ -120,12 +120,17 @@ impl<H: Harvester> March<'_, H> {
             self.meter.impact(time, impact);
         }
         self.mode = jump.mode;
-        let shared = match jump.mode {
+        if jump.mode == Mode::Stick {
+            self.meter.stick();
+        }
+        self.share();
+    }
+
+    /// Lets the bridge find its regime, and books the energies of a charge that is shared at once.
+    fn share(&mut self) {
+        let shared = match self.mode {
             Mode::Flow => self.harvester.find_bridge_regime(&mut self.motion),
-            Mode::Stick => {
-                self.meter.stick();
-                self.harvester.enter_stick(&mut self.motion)
-            }
+            Mode::Stick => self.harvester.enter_stick(&mut self.motion),
         };
         self.meter.ledger.add(&shared);
     }

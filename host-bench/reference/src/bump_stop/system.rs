@@ -16,6 +16,7 @@
 
 use nalgebra::DMatrix;
 
+use crate::ledger::{Integrals, integral};
 use crate::storage::Storage;
 use harvester_scene::base_motion::LocalBase;
 use harvester_scene::scene_file::modes::BumpStopModes;
@@ -290,19 +291,31 @@ impl System {
         }
         vector[layout.one()] = 1.0;
         if let Some(storage) = &self.storage {
-            // A voltage above the threshold shares its charge with the storage at once.
-            let excess = (from.voltage_v.abs() - storage.initial - storage.drop).max(0.0);
-            let rise = excess * modes.capacitance / (modes.capacitance + storage.capacitance);
-            let voltage = if excess > 0.0 {
-                (storage.initial + storage.drop + rise).copysign(from.voltage_v)
-            } else {
-                from.voltage_v
-            };
-            vector[electric] = voltage / self.voltage[electric];
+            vector[electric] = from.voltage_v / self.voltage[electric];
             let place = layout.storage();
-            vector[place] = (storage.initial + rise) / self.storage_voltage[place];
+            vector[place] = storage.initial / self.storage_voltage[place];
         }
         vector
+    }
+
+    /// Shares the charge of a start voltage above the threshold of the bridge with the storage; gives the energies.
+    pub(super) fn share_at_start(&self, from: &BumpStopStart, vector: &mut [f64]) -> Integrals {
+        let mut shared = Integrals::default();
+        let Some(storage) = &self.storage else { return shared };
+        let excess = from.voltage_v.abs() - storage.initial - storage.drop;
+        if excess <= 0.0 {
+            return shared;
+        }
+        let capacitance = self.modes.capacitance;
+        let charge = excess * capacitance / (1.0 + capacitance / storage.capacitance);
+        let rise = charge / storage.capacitance;
+        shared[integral::INTO_LOAD] = charge * (storage.initial + 0.5 * rise);
+        shared[integral::DIODES] = charge * (storage.drop + 0.5 * excess);
+        let voltage = (storage.initial + storage.drop + rise).copysign(from.voltage_v);
+        let (electric, place) = (self.layout.voltage(), self.layout.storage());
+        vector[electric] = voltage / self.voltage[electric];
+        vector[place] = (storage.initial + rise) / self.storage_voltage[place];
+        shared
     }
 
     /// Sets the generator of a constant power in W to the tangent to `P/V_s`; `storage_rate` is the row of the

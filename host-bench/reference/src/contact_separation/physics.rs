@@ -98,7 +98,6 @@ impl Physics {
             storage.scale = scale;
         }
         motion.velocity = start.velocity_m_per_s.unwrap_or(0.0);
-        physics.find_bridge_regime(&mut motion);
         (physics, motion)
     }
 

@@ -107,7 +107,6 @@ impl Physics {
         if let Some(storage) = &mut physics.load.storage {
             storage.scale = scale;
         }
-        physics.find_bridge_regime(&mut motion);
         (physics, motion)
     }
 

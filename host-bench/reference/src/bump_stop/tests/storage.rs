@@ -37,6 +37,28 @@ fn one_mode(model: &mut BumpStop, scene: &mut Scene, phase: f64) -> Steady {
     steady
 }
 
+/// A start voltage above the threshold is shared with the storage at once, and its energies are booked.
+#[test]
+fn a_start_voltage_is_shared_with_the_storage() {
+    let (mut model, mut scene) = scene([4, 1], [0.0, 1e-5]);
+    model.stop = None;
+    model.initial.rod_modal_displacement.clear();
+    model.initial.rod_modal_velocity.clear();
+    model.initial.voltage_v = -5.0;
+    scene.excitation = Excitation::Silence;
+    let (capacitance, own) = (1e-8, BumpStopModes::new(&model.parameters, None).capacitance);
+    scene.load = Load::RectifiedStore(storage(capacitance, 0.3, 0.5));
+    let (outcome, _) = run(&model, &scene, None);
+    let excess = 5.0 - 0.5 - 0.6;
+    let shared = excess * own * capacitance / (own + capacitance);
+    let found = outcome.store.expect("there is a storage");
+    let gained = number(found.stored_energy_j) - 0.5 * capacitance * 0.25;
+    close(outcome.delivered_energy_j, shared * (0.5 + 0.5 * shared / capacitance), 1e-4);
+    close(outcome.delivered_energy_j, gained, 1e-9);
+    close(found.diode_loss_j, shared * (0.6 + 0.5 * excess), 1e-4);
+    assert!(number(outcome.energy_residual) < 1e-12, "{:?}", outcome.energy_residual);
+}
+
 /// Digits of an independent computation, event-driven, in the eigenvectors of the six regimes: free or in
 /// contact, blocked or conducting either way.
 #[test]

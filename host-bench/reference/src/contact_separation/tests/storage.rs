@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::triboelectric::tests::{draws, ledgers_close_with_storage};
-use harvester_scene::scene_file::Lockout;
+use harvester_scene::scene_file::{Draw, Lockout, RectifiedStore};
 
 /// A stroke between two gaps that the charge does not slow moves `Q(g_max, U) − Q(g_min, −U)` with
 /// `Q = (σS g − c V)/(g + d_e) − C_p V` and `U = V_bus + 2 V_D`, and there are two in a period.
@@ -53,6 +53,41 @@ fn a_bus_has_the_limits_of_a_resistor() {
         close(one.peak_gap_m, number(other.peak_gap_m), 1e-8);
         assert_eq!(found.mean_power_w, Some(0.0));
         assert!(number(found.energy_residual) < 1e-9, "{:?}", found.energy_residual);
+    }
+}
+
+/// A start charge above the threshold is shared with the storage at once. Its energy is delivered, and lost in the
+/// diodes: `V_s + r/2` and `2 V_D + e/2` of a charge with an excess `e` of voltage and a rise `r` of the storage.
+#[test]
+fn a_start_charge_is_shared_with_the_storage() {
+    let (capacitance_f, diode_drop_v, initial_v) = (1e-8, 0.3, 0.5);
+    let storage = RectifiedStore {
+        capacitance_f,
+        diode_drop_v,
+        leakage_ohm: f64::INFINITY,
+        initial_v,
+        draw: Draw::None,
+    };
+    let parameters = table_2(50e-6, ForceLaw::GapField);
+    let short = 1e-4;
+    for charge_c in [1e-8, -3e-8] {
+        let initial = ContactSeparationStart { charge_c: Some(charge_c), ..Default::default() };
+        let mut scene = scene(parameters, initial, 0.0, Excitation::Silence, [0.0, short]);
+        scene.load = Load::RectifiedStore(storage);
+        let outcome = run(&scene);
+        let (gap, dielectric, permittivity_area) = (3e-3, 50e-6 / 2.0, VACUUM_PERMITTIVITY * 4e-4);
+        let voltage = ((50e-6 * 4e-4 - charge_c) * gap - charge_c * dielectric) / permittivity_area;
+        let own = permittivity_area / (gap + dielectric) + parameters.parasitic_capacitance_f;
+        let excess = voltage.abs() - initial_v - 2.0 * diode_drop_v;
+        let shared = excess * own * capacitance_f / (own + capacitance_f);
+        let delivered = shared * (initial_v + 0.5 * shared / capacitance_f);
+        // The gap hardly moves within a tenth of a millisecond.
+        close(outcome.delivered_energy_j, delivered, 1e-3);
+        let found = outcome.store.expect("there is a storage");
+        let gained = number(found.stored_energy_j) - 0.5 * capacitance_f * initial_v * initial_v;
+        close(outcome.delivered_energy_j, gained, 1e-9);
+        close(found.diode_loss_j, shared * (2.0 * diode_drop_v + 0.5 * excess), 1e-3);
+        assert!(number(outcome.energy_residual) < 1e-9, "{:?}", outcome.energy_residual);
     }
 }
 
