@@ -1,5 +1,6 @@
 //! The host side of `model-core`: scene files, the independent reference, and the command line.
 
+pub mod accuracy;
 mod budget;
 pub mod closed_form;
 pub mod command;

@@ -7,7 +7,7 @@ use diffsol::ode_solver::OdeSolverStatistics;
 use super::ledger::{Ledger, integral};
 use super::recorder::Recorder;
 use super::storage::Storage;
-use harvester_scene::outcome::{Outcome, Particular, Recording};
+use harvester_scene::outcome::{Accuracy, Outcome, Particular, Recording};
 use harvester_scene::scene_file::Scene;
 
 /// Work of the integrator.
@@ -36,6 +36,8 @@ pub(super) struct Totals {
     pub(super) remainder: f64,
     /// Largest magnitude of the voltage in the measuring window in V.
     pub(super) peak_voltage: f64,
+    /// Energy in J that the force law created in the measuring window; `None` for a bump-stop scene.
+    pub(super) created_energy: Option<f64>,
     /// Energy delivered in the measuring window in J.
     pub(super) delivered_energy: f64,
     pub(super) storage: Option<Storage>,
@@ -69,6 +71,7 @@ impl Totals {
             peak_voltage_v: Some(self.peak_voltage),
             mean_voltage_v: Some(window[integral::VOLTAGE] / length),
             delivered_energy_j: Some(self.delivered_energy),
+            created_energy_j: self.created_energy,
             energy_residual: self.ledger.residual(self.remainder, self.storage, energy),
             steps: self.effort.steps,
             rejected_steps: self.effort.rejected,
@@ -78,6 +81,9 @@ impl Totals {
             particular: self.particular,
             store: self.storage.map(|storage| storage.outcome(voltage, losses)),
             steady_state: None,
+            accuracy: Accuracy::default(),
+            warnings: Vec::new(),
+            block_energies_j: Vec::new(),
             trace: self.recorder.map(|recorder| Recording { columns, rows: recorder.rows }),
         }
     }

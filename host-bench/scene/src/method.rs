@@ -77,7 +77,8 @@ pub struct Options {
     /// Step in seconds of a bump-stop scene in free flight; --step is then that near contact
     #[arg(long = "long-step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
     pub long_step_s: Option<f64>,
-    /// Relative error of the mean power that a triboelectric run aims at; --method auto chooses the tolerance
+    /// Relative error of the mean power that a run aims at, 1e-6 (1e-3 in a bump-stop scene) by default: the run
+    /// chooses tolerance or steps
     #[arg(long, value_name = "REL", conflicts_with_all = ["step_s", "tolerance"], allow_hyphen_values = true)]
     pub accuracy: Option<f64>,
     /// Relative tolerance of the adaptive step
@@ -93,6 +94,12 @@ pub struct Options {
     /// Whether shooting for the periodic steady state replaces the run.
     #[arg(skip)]
     pub steady_state: bool,
+    /// How often the step or the tolerance is halved.
+    #[arg(skip)]
+    pub halvings: u32,
+    /// Whether the energies of the parts of the window are kept, to compare two runs.
+    #[arg(skip)]
+    pub blocks: bool,
     /// Number of attempted steps after which the core's hybrid driver stops with [`Failure::StepLimitExceeded`].
     #[arg(skip)]
     pub most_attempts: Option<u64>,
@@ -135,6 +142,12 @@ impl Failure {
 }
 
 impl Options {
+    /// The factor that the halvings apply to a step or a tolerance.
+    #[must_use]
+    pub fn refinement(&self) -> f64 {
+        0.5_f64.powi(self.halvings.cast_signed())
+    }
+
     /// Checks what can be checked without a scene.
     pub fn check(&self) -> Result<(), Failure> {
         within("--step", self.step_s, [1e-9, 1.0])?;
@@ -187,15 +200,15 @@ impl Options {
         }
         let bridge = !matches!(scene.load, Load::Resistor { .. });
         // The storage behind a bridge fills: its voltage is not periodic.
-        if self.accuracy.is_some() && matches!(scene.model, Model::BumpStop(_)) {
+        let by_peer = matches!(self.method, Method::TrBdf2 | Method::Rk4 | Method::Newmark);
+        if self.accuracy.is_some() && by_peer {
             return Err(Failure::Input(
-                "--accuracy: must be with a triboelectric scene; give --step".to_owned(),
+                "--accuracy: must be with a method that chooses its steps; give --step".to_owned(),
             ));
         }
         if bridge && self.steady_state {
             return refuse("load.kind: must be \"resistor\" for a periodic steady state");
         }
-        let by_peer = matches!(self.method, Method::TrBdf2 | Method::Rk4 | Method::Newmark);
         if bridge && by_peer && matches!(scene.model, Model::BumpStop(_)) {
             return refuse("load.kind: must be \"resistor\" for this scene by this method");
         }

@@ -1,10 +1,12 @@
 //! The numbers of a run: the same for every method, as the JSON object that `run` prints.
 
+mod accuracy;
 mod bump_stop;
 mod format;
 
 use serde::Serialize;
 
+pub use self::accuracy::Accuracy;
 pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome};
 pub use self::format::Format;
 pub use self::format::{
@@ -41,6 +43,10 @@ pub struct Outcome {
     pub mean_voltage_v: Option<f64>,
     /// Energy delivered to the load in the window in J.
     pub delivered_energy_j: Option<f64>,
+    /// Energy in J that an inferred force law created in the window: what the field gained from the motion less what the
+    /// motion lost to the force. Absent in bump-stop scenes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub created_energy_j: Option<f64>,
     /// Residual of the energy ledger of the whole run, over the larger of `∫ |base power| dt` and the peak stored
     /// energy.
     pub energy_residual: Option<f64>,
@@ -52,8 +58,12 @@ pub struct Outcome {
     pub newton_iterations: u64,
     /// Events, whole run.
     pub events: u64,
-    /// Run time on the host in s.
+    /// Run time on the host in s, without the runs for the accuracy statement.
     pub wall_s: f64,
+    /// Estimated relative error of the mean power.
+    pub accuracy: Accuracy,
+    /// What to know before the numbers are used. A warning about the accuracy begins with `accuracy:`.
+    pub warnings: Vec<String>,
     /// The storage behind a bridge at the end of the run.
     #[serde(flatten)]
     pub store: Option<StoreOutcome>,
@@ -66,7 +76,14 @@ pub struct Outcome {
     /// The motion over time, if it was asked for; not part of the JSON object.
     #[serde(skip)]
     pub trace: Option<Recording>,
+    /// Energy in J delivered in each of [`BLOCKS`] equal parts of the window, if they were asked for; not part of the
+    /// JSON object.
+    #[serde(skip)]
+    pub block_energies_j: Vec<f64>,
 }
+
+/// Number of parts of the measuring window whose energies are compared between two runs.
+pub const BLOCKS: usize = 16;
 
 impl Outcome {
     /// The numbers of a contact-separation scene, if it is one.

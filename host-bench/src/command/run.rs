@@ -3,12 +3,10 @@
 use std::path::PathBuf;
 
 use super::{SceneArguments, print, tell, writable, write_whole};
+use crate::accuracy::{imbalance, run_with_accuracy};
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
 use crate::scene_file;
-
-/// Relative residual of the energy ledger above which a run is not to be trusted.
-const UNBALANCED: f64 = 1e-2;
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct RunArguments {
@@ -24,6 +22,9 @@ pub struct RunArguments {
     /// there is none that is stable
     #[arg(long)]
     steady_state: bool,
+    /// Run once only: without the accuracy statement, and a bump-stop scene with its default steps
+    #[arg(long)]
+    no_accuracy: bool,
 }
 
 /// Runs the scene, writes the trace and prints the outcome; nothing of either if it fails.
@@ -38,15 +39,18 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         writable("--trace", file)?;
     }
     let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
-    let outcome = run_scene(&scene, &options)?;
+    let outcome = if arguments.no_accuracy {
+        let mut outcome = run_scene(&scene, &options)?;
+        outcome.warnings.extend(imbalance(&outcome));
+        outcome
+    } else {
+        run_with_accuracy(&scene, &options)?
+    };
     if let (Some(file), Some(recording)) = (&arguments.trace, &outcome.trace) {
         write_whole(file, &recording.csv())?;
     }
-    if let Some(residual) = outcome.energy_residual.filter(|residual| !(residual.abs() <= UNBALANCED)) {
-        tell(&format!(
-            "warning: energy_residual = {residual:.1e} is more than {UNBALANCED}: the step or the tolerance was \
-             probably too coarse, or the method unstable; these numbers are not to be trusted"
-        ));
+    for warning in &outcome.warnings {
+        tell(&format!("warning: {warning}"));
     }
     print(&outcome.text(arguments.scene.format))
 }

@@ -116,7 +116,7 @@ impl March<'_> {
         let step = options.step_s.unwrap_or_else(|| match options.method {
             Method::Rk4 => DEFAULT_RADIANS / system.highest_angular_frequency(),
             _ => DEFAULT_STEP_S,
-        });
+        }) * options.refinement();
         let [settled, end] = [scene.run.settle_s, scene.run.duration_s];
         for (from, to, measured) in [(0.0, settled, false), (settled, end, true)] {
             if to <= from {

@@ -28,7 +28,7 @@ fn json_has_every_key_of_the_contract() {
     let keys: Vec<&str> = found.as_object().expect("an object").keys().map(String::as_str).collect();
     let wanted = "scene method precision math duration_s settle_s mean_power_w rms_voltage_v \
                   peak_voltage_v mean_voltage_v delivered_energy_j energy_residual steps rejected_steps \
-                  newton_iterations events wall_s natural_frequencies_hz peak_tip_displacement_m \
+                  newton_iterations events wall_s accuracy warnings natural_frequencies_hz peak_tip_displacement_m \
                   peak_stop_point_displacement_m contacts contacts_per_period contact_fraction \
                   first_contact_s peak_force_n mean_force_n";
     assert_eq!(keys, wanted.split_whitespace().collect::<Vec<_>>());

@@ -28,18 +28,21 @@ fn a_run_ends_with_code_3_and_one_line() {
 #[test]
 fn a_run_whose_energy_ledger_does_not_close_warns() {
     let run = |step| {
-        let span = ["--set", "run.duration_s=1", "--set", "run.settle_s=0", "--format", "json"];
+        let span =
+            ["--set", "run.duration_s=1", "--set", "run.settle_s=0", "--format", "json", "--no-accuracy"];
         let method = ["--method", "tr-bdf2", "--step", step, "--set", "load.resistance_ohm=1e7"];
         let output = host_bench(&[&["run", SHIPPED], &method[..], &span[..]].concat());
         assert_eq!(output.status.code(), Some(0));
         let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
         let residual = outcome["energy_residual"].as_f64().expect("a number");
+        let warnings = outcome["warnings"].as_array().expect("a list");
+        assert_eq!(warnings.len(), usize::from(residual > 1e-2), "{warnings:?}");
         (residual, String::from_utf8(output.stderr).expect("text"))
     };
     let (residual, told) = run("3e-3");
     assert!(residual > 1e-2);
     assert_eq!(told.lines().count(), 1, "{told}");
-    assert!(told.starts_with("warning: energy_residual = ") && told.contains("0.01"), "{told}");
+    assert!(told.starts_with("warning: accuracy: energy_residual = ") && told.contains("0.01"), "{told}");
     let (residual, told) = run("1e-3");
     assert!(residual < 1e-2 && told.is_empty(), "{residual} {told}");
 }

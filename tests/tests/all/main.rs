@@ -1,5 +1,6 @@
 //! The tests that cross crates, in one binary, because each binary links all of the host.
 
+mod accuracy;
 mod bump_stop;
 mod bump_stop_figures;
 mod bump_stop_store;

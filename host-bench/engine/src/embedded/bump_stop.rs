@@ -124,7 +124,7 @@ fn steps(options: &Options) -> Result<[f64; 2], Failure> {
     if options.tolerance.is_some() {
         return Err(Failure::Input(
             "--tolerance: must not be given for a bump-stop scene, whose steps have no error estimate; \
-             give --step"
+             give --accuracy or --step"
                 .to_owned(),
         ));
     }
@@ -136,7 +136,7 @@ fn steps(options: &Options) -> Result<[f64; 2], Failure> {
             return Err(Failure::Input(format!("{name} {step}: must be at most {LONGEST_STEP_S:.6} s")));
         }
     }
-    Ok([short, long])
+    Ok([short, long].map(|step| step * options.refinement()))
 }
 
 /// A harvester of the core, its initial values, and its lengths of step near contact and in free flight in s.

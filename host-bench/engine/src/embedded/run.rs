@@ -12,13 +12,14 @@ use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
 use super::auto::{self, DEFAULT_ACCURACY};
+use super::blocks::Blocks;
 use super::excitation::Setting;
 use super::recorder::Recorder;
 use super::report::{Found, Report};
 use super::{DEFAULT_TOLERANCE, precision_name};
 use crate::steady_state::Total;
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
-use harvester_scene::outcome::{Outcome, Recording, StoreOutcome};
+use harvester_scene::outcome::{Accuracy, Outcome, Recording, StoreOutcome};
 use harvester_scene::scene_file::{RunSpan, Scene};
 
 /// The refusal of a parameter by the core.
@@ -64,17 +65,14 @@ pub(super) fn step_control<S: Scalar>(
         ),
         (options.method == Method::Newmark, "--method newmark: must be with a bump-stop scene"),
         (options.long_step_s.is_some(), "--long-step: must be with a bump-stop scene"),
-        (
-            options.accuracy.is_some() && matches!(options.method, Method::TrBdf2 | Method::Rk4),
-            "--accuracy: must be with --method auto or exponential-radau",
-        ),
     ])?;
     let refuse = |text: String| Err(Failure::Input(text));
+    let finer = options.refinement();
     match (options.step_s, options.tolerance, options.method) {
         (Some(step), _, _) if step > LONGEST_STEP_S => {
             refuse(format!("--step {step}: must be at most {LONGEST_STEP_S:.6} s"))
         }
-        (Some(step), _, _) => fixed("--step", step),
+        (Some(step), _, _) => fixed("--step", step * finer),
         (None, Some(_), Method::Rk4) => refuse(
             "--tolerance: must not be given with rk4, which has no error estimate; give --step".to_owned(),
         ),
@@ -83,18 +81,21 @@ pub(super) fn step_control<S: Scalar>(
              {SHORTEST_EXPLICIT_STEP_S:e} s; use exponential-radau",
             scene.file.display()
         )),
-        (None, None, Method::Rk4) => fixed("--method rk4", explicit.min(LONGEST_STEP_S)),
+        (None, None, Method::Rk4) => fixed("--method rk4", explicit.min(LONGEST_STEP_S) * finer),
         (None, Some(tolerance), _) if S::from_f64(tolerance) < S::EPSILON => refuse(format!(
             "--tolerance {tolerance:e}: must be at least {:e} in {}",
             S::EPSILON.to_f64(),
             precision_name::<S>()
         )),
-        (None, tolerance, method) => Adaptive::new(S::from_f64(tolerance.unwrap_or_else(|| match method {
-            Method::TrBdf2 => DEFAULT_TOLERANCE,
-            _ => auto::tolerance(scene, options.accuracy.unwrap_or(DEFAULT_ACCURACY)),
-        })))
-        .map(AnyStepControl::Adaptive)
-        .map_err(|error| Failure::Input(format!("--tolerance: {error}"))),
+        (None, tolerance, method) => {
+            let tolerance = tolerance.unwrap_or_else(|| match method {
+                Method::TrBdf2 => DEFAULT_TOLERANCE,
+                _ => auto::tolerance(scene, options.accuracy.unwrap_or(DEFAULT_ACCURACY)),
+            });
+            Adaptive::new(S::from_f64(tolerance * finer))
+                .map(AnyStepControl::Adaptive)
+                .map_err(|error| Failure::Input(format!("--tolerance: {error}")))
+        }
     }
 }
 
@@ -114,6 +115,7 @@ pub(super) struct Run<'a, S: Scalar, H, R> {
 struct Meters<S> {
     whole: Option<(Ledger<S>, RunMeter<S>)>,
     window: RunMeter<S>,
+    blocks: Option<Blocks>,
 }
 
 impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
@@ -124,6 +126,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         let mut meters = Meters {
             whole: (!options.bare).then(|| (Ledger::open(&outputs), RunMeter::new())),
             window: RunMeter::new(),
+            blocks: None,
         };
         let every = options.trace_every_s.unwrap_or(f64::INFINITY);
         let mut recorder = Recorder::new(self.report, excitation, every);
@@ -134,12 +137,15 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         for (until, measured) in [(settled, false), (end, true)] {
             if measured {
                 meters.window = RunMeter::starting_at(&harvester.outputs(&state));
+                meters.blocks = options.blocks.then(|| Blocks::new(settled, end));
             }
             let mut pair = meters.whole.as_mut().map(|(ledger, meter)| (ledger, meter));
             let mut whole = pair.as_mut();
             let mut recording = options.trace_every_s.map(|_| &mut recorder);
             let mut window = measured.then_some(&mut meters.window);
-            let mut others = (&mut recording, &mut window);
+            let mut blocks = meters.blocks.as_mut();
+            let mut measuring = (&mut window, &mut blocks);
+            let mut others = (&mut recording, &mut measuring);
             self.advance(&mut state, until, &mut total, &mut (&mut whole, &mut others))?;
         }
         let wall_s = began.elapsed().as_secs_f64();
@@ -203,6 +209,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             peak_voltage_v: number(window.report().voltage.magnitude()),
             mean_voltage_v: ledger.and_then(|_| number(window.integrals().mean(PowerIndex::Voltage))),
             delivered_energy_j: number(window.delivered_energy()),
+            created_energy_j: report.created_energy(window).map(S::to_f64),
             energy_residual: ledger.and_then(|ledger| report.residual(&ledger.residual())).map(S::to_f64),
             steps: total.steps,
             rejected_steps: total.rejected,
@@ -218,6 +225,12 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 drawn_energy_j: spent(PowerIndex::Draw),
             }),
             steady_state: None,
+            accuracy: Accuracy::default(),
+            warnings: Vec::new(),
+            block_energies_j: meters
+                .blocks
+                .as_ref()
+                .map_or_else(Vec::new, |blocks| blocks.energies_j.to_vec()),
             trace: None,
         }
     }

@@ -1,11 +1,11 @@
 //! A run of a triboelectric scene, bare or behind a bridge: the method is chosen at run time.
 
-use model_core::energy::Residual;
+use model_core::energy::{Residual, RunMeter};
 use model_core::hybrid::HybridState;
 use model_core::integrate::{
     AnyStepControl, Cubic, ExponentialRadau, Method as Integrator, RungeKutta4, TrBdf2,
 };
-use model_core::observer::{ALL_POWERS, AcceptedStep, Motion, Outputs};
+use model_core::observer::{ALL_POWERS, AcceptedStep, Motion, Outputs, PowerIndex};
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::rectified::{ElectricalPort, Rectified};
 use model_core::scene::{Harvester, Scene as CoreScene, Simulation};
@@ -64,6 +64,12 @@ impl<S: Scalar, H: Harvester<S>, T: Triboelectric> Report<S, H> for T {
 
     fn residual(&self, residual: &Residual<S>) -> Option<S> {
         Triboelectric::residual(self, residual)
+    }
+
+    fn created_energy(&self, window: &RunMeter<S>) -> Option<S> {
+        let integral = |power| window.integrals().integral(power);
+        let is_complete = window.report().rms_voltage.is_some();
+        is_complete.then(|| integral(PowerIndex::FieldWork) - integral(PowerIndex::ElectrostaticWork))
     }
 
     fn particular(&self, harvester: &H, found: &Found<'_, S>, _end: &H::State) -> Particular {

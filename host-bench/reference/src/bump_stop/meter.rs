@@ -180,6 +180,7 @@ impl<'a> Meter<'a> {
         let motion = motion - start[0] - work;
         let charge = charge - start[1] + total[integral::INTO_LOAD] + total[integral::DIODES];
         Totals {
+            created_energy: None,
             remainder: if system.two_way {
                 (motion + charge).abs()
             } else {

@@ -113,6 +113,10 @@ impl Harvester for Physics {
         total[integral::BASE_WORK] - total[integral::DAMPING] - total[integral::SURFACE_WORK] + lateral
     }
 
+    fn created_energy(&self, total: &Integrals) -> f64 {
+        if self.lateral_force { 0.0 } else { -total[integral::FIELD_WORK] }
+    }
+
     fn conserves_energy(&self) -> bool {
         self.force_law == ForceLaw::GapField && self.lateral_force
     }

@@ -190,6 +190,11 @@ pub(crate) trait Harvester: Sized {
         total[integral::BASE_WORK] - total[integral::DAMPING] - total[integral::SURFACE_WORK]
     }
 
+    /// Energy in J that the field gains from the motion beyond what the motion loses to its force.
+    fn created_energy(&self, total: &Integrals) -> f64 {
+        -total[integral::FIELD_WORK] - total[integral::SURFACE_WORK]
+    }
+
     /// Whether the energies of motion and field are conserved together.
     fn conserves_energy(&self) -> bool;
 

@@ -167,6 +167,7 @@ impl<'a, H: Harvester> Meter<'a, H> {
             } else {
                 mechanical.abs().max(electrical.abs())
             },
+            created_energy: Some(harvester.created_energy(window)),
             delivered_energy: load.delivered(window),
             ledger: self.ledger,
             peak_voltage: self.peak_voltage,

@@ -42,13 +42,28 @@ pub fn text(of: &impl Serialize, format: Format) -> String {
     let fields = fields(of);
     match format {
         Format::Json => format!("{:#}\n", Value::Object(fields)),
-        Format::Csv => rows_csv(fields.keys(), std::slice::from_ref(&fields)),
+        Format::Csv => {
+            let fields = flattened(fields);
+            rows_csv(fields.keys(), std::slice::from_ref(&fields))
+        }
         Format::Table => {
+            let fields = flattened(fields);
             let width = fields.keys().map(String::len).max().unwrap_or(0);
             let line = |(name, value): (&String, &Value)| format!("{name:<width$}  {}\n", shown(value));
             fields.iter().map(line).collect()
         }
     }
+}
+
+/// The fields with those of a nested object in its place, as `object_field`.
+fn flattened(fields: Fields) -> Fields {
+    let of = |(name, value): (String, Value)| match value {
+        Value::Object(nested) => {
+            nested.into_iter().map(|(field, value)| (format!("{name}_{field}"), value)).collect::<Vec<_>>()
+        }
+        other => vec![(name, other)],
+    };
+    fields.into_iter().flat_map(of).collect()
 }
 
 /// Some columns of rows as CSV; a cell is empty where its row has no such field.

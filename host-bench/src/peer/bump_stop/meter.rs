@@ -3,7 +3,7 @@
 use model_core::integrate::Cubic;
 
 use super::system::{State, System};
-use crate::outcome::{BumpStopOutcome, Outcome, Particular};
+use crate::outcome::{Accuracy, BumpStopOutcome, Outcome, Particular};
 use crate::scene_file::Scene;
 
 #[derive(Debug, Clone, Copy)]
@@ -127,6 +127,7 @@ impl<'a> Meter<'a> {
             peak_voltage_v: Some(self.peaks[VOLTAGE]),
             mean_voltage_v: Some(self.voltage / length),
             delivered_energy_j: Some(delivered_energy),
+            created_energy_j: None,
             // These methods keep no energy ledger.
             energy_residual: None,
             steps: 0,
@@ -148,6 +149,9 @@ impl<'a> Meter<'a> {
             }),
             store: None,
             steady_state: None,
+            accuracy: Accuracy::default(),
+            warnings: Vec::new(),
+            block_energies_j: Vec::new(),
             trace: None,
         }
     }

@@ -1,0 +1,192 @@
+//! States the accuracy of a run by runs of the same scene that differ in one source of error.
+//!
+//! The error by the step is estimated by halving the step or the tolerance, by rounding from a run in double precision,
+//! by the sampling of a trace from a run on a smoother curve through the same samples. Two runs are compared part by part
+//! of the measuring window: where the motion is chaotic, equal means of two runs would be chance.
+
+use crate::method::{Failure, Method, Options, Precision};
+use crate::outcome::{Accuracy, BLOCKS, Outcome};
+use crate::run::run_scene;
+use crate::scene_file::{Excitation, Model, Scene, Trace};
+
+/// Estimated relative error of the mean power above which a run warns.
+const NOTABLE: f64 = 5e-3;
+/// Relative residual of the energy ledger above which a run warns.
+const UNBALANCED: f64 = 1e-2;
+/// Relative error that a bump-stop run without a given step aims at.
+const BUMP_STOP_ACCURACY: f64 = 1e-3;
+/// Most halvings of a bump-stop step in search of its accuracy.
+const MOST_HALVINGS: u32 = 6;
+/// Ratio of two successive differences above which halving the step is given up.
+const NO_PROGRESS: f64 = 0.8;
+/// Most attempted steps of a comparison.
+const MOST_ATTEMPTS: u64 = 1 << 26;
+/// The error of a run over its difference from one with half the step. A method of first order has 2, the methods of the
+/// core 1.1 to 1.4.
+const BY_HALVING: f64 = 2.0;
+/// Least mean number of steps in a part of the window.
+const STEPS_PER_PART: u64 = 64;
+/// Standard errors of the mean in a statement.
+const CONFIDENCE: f64 = 2.0;
+/// Intervals of the smoother trace in one of the given trace.
+const FINER: usize = 4;
+
+/// Runs a scene, with the accuracy of its mean power and its warnings. A bump-stop run without a given step is repeated
+/// with half the step until the estimate meets the accuracy.
+pub fn run_with_accuracy(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    let options = &Options { halvings: chosen_halvings(scene, options), blocks: true, ..*options };
+    let mut outcome = run_scene(scene, options)?;
+    if options.method != Method::Reference {
+        outcome.accuracy = statement(scene, options, &outcome).summed();
+        outcome.warnings.extend(warning(&outcome.accuracy, options));
+    }
+    outcome.warnings.extend(imbalance(&outcome));
+    Ok(outcome)
+}
+
+/// The warning of an energy ledger that does not close.
+pub fn imbalance(outcome: &Outcome) -> Option<String> {
+    outcome.energy_residual.filter(|residual| !(residual.abs() <= UNBALANCED)).map(|residual| {
+        format!(
+            "accuracy: energy_residual = {residual:.1e} is more than {UNBALANCED}: the step or the tolerance was \
+             probably too coarse, or the method unstable"
+        )
+    })
+}
+
+/// The halvings of the default step with which a bump-stop run meets its accuracy, by pairs of runs in double precision;
+/// 0 for any other run.
+fn chosen_halvings(scene: &Scene, options: &Options) -> u32 {
+    let given = options.step_s.is_some() || options.long_step_s.is_some();
+    let own = matches!(options.method, Method::Auto | Method::DiscreteGradient);
+    if given || !own || !matches!(scene.model, Model::BumpStop(_)) {
+        return 0;
+    }
+    let accuracy = options.accuracy.unwrap_or(BUMP_STOP_ACCURACY);
+    let mut coarse = companion(scene, &in_double_precision(options, 0));
+    let mut last = f64::INFINITY;
+    for halvings in 1..=MOST_HALVINGS {
+        let fine = companion(scene, &in_double_precision(options, halvings));
+        let (Some(one), Some(two)) = (&coarse, &fine) else { return halvings - 1 };
+        let apart = difference(one, two).unwrap_or(0.0);
+        // The error of the finer run is at most this in a method of first order or higher.
+        if apart <= accuracy {
+            return if BY_HALVING * apart <= accuracy { halvings - 1 } else { halvings };
+        }
+        // The means of chaotic motions do not converge; a method of first order halves the difference.
+        if apart > NO_PROGRESS * last {
+            return halvings;
+        }
+        (coarse, last) = (fine, apart);
+    }
+    MOST_HALVINGS
+}
+
+/// The estimates of a run that has given `outcome`.
+fn statement(scene: &Scene, options: &Options, outcome: &Outcome) -> Accuracy {
+    let single = outcome.precision == Precision::F32.name();
+    let halved = companion(scene, &in_double_precision(options, options.halvings + 1));
+    let exact = if single { companion(scene, &in_double_precision(options, options.halvings)) } else { None };
+    let alike = if single { exact.as_ref() } else { Some(outcome) };
+    let step = alike.zip(halved.as_ref()).and_then(|(one, two)| difference(one, two));
+    let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
+    let smooth = smoother(scene)
+        .and_then(|smoother| companion(&smoother, &in_double_precision(options, options.halvings)));
+    let sampling = alike.zip(smooth.as_ref()).and_then(|(one, two)| difference(one, two));
+    Accuracy { step: step.map(|step| BY_HALVING * step), rounding, sampling, ..Accuracy::default() }
+}
+
+/// The options of a run to compare with: the power alone, in double precision.
+fn in_double_precision(options: &Options, halvings: u32) -> Options {
+    Options {
+        precision: Some(Precision::F64),
+        math: None,
+        halvings,
+        bare: true,
+        blocks: true,
+        trace_every_s: None,
+        most_attempts: Some(MOST_ATTEMPTS),
+        ..*options
+    }
+}
+
+/// A run to compare with; `None` if it cannot be run to its end.
+fn companion(scene: &Scene, options: &Options) -> Option<Outcome> {
+    run_scene(scene, options).ok()
+}
+
+/// The relative difference of the energies delivered in two runs, with the standard error of the mean of the differences
+/// in the parts of the window; `None` if the first delivers nothing and the second does.
+fn difference(one: &Outcome, two: &Outcome) -> Option<f64> {
+    let (energy, other) = (one.delivered_energy_j?, two.delivered_energy_j?);
+    // Where a part has few steps, the energy of the step across its border is a part of it.
+    let parts = (one.steps.min(two.steps) / STEPS_PER_PART).clamp(1, BLOCKS as u64) as usize;
+    let blocks = one.block_energies_j.iter().zip(&two.block_energies_j);
+    let apart: Vec<f64> = blocks.map(|(one, two)| one - two).collect();
+    let apart: Vec<f64> = apart.chunks(BLOCKS.div_ceil(parts)).map(|part| part.iter().sum()).collect();
+    let count = apart.len() as f64;
+    let mean = apart.iter().sum::<f64>() / count.max(1.0);
+    let squares: f64 = apart.iter().map(|apart| (apart - mean).powi(2)).sum();
+    let of_sum = if count > 1.0 { (squares / (count - 1.0) * count).sqrt() } else { 0.0 };
+    let difference = (energy - other).abs() + CONFIDENCE * of_sum;
+    let relative = difference / energy.abs();
+    if difference == 0.0 { Some(0.0) } else { relative.is_finite().then_some(relative) }
+}
+
+/// The scene with more samples in its trace, on the cubic through four samples; `None` without a trace.
+fn smoother(scene: &Scene) -> Option<Scene> {
+    let Excitation::File(trace) = &scene.excitation else { return None };
+    let samples = &trace.samples_m_per_s2;
+    let count = samples.len();
+    let at = |index: usize, offset: isize| {
+        let place = index.cast_signed() + offset;
+        let place = if trace.repeat {
+            place.rem_euclid(count.cast_signed())
+        } else {
+            place.clamp(0, count.cast_signed() - 1)
+        };
+        samples[place.unsigned_abs()]
+    };
+    let last = if trace.repeat { count } else { count - 1 };
+    let mut finer = Vec::with_capacity(FINER * count);
+    for index in 0..last {
+        let around = [-1, 0, 1, 2].map(|offset| at(index, offset));
+        finer.extend((0..FINER).map(|part| cubic(around, part as f64 / FINER as f64)));
+    }
+    if !trace.repeat {
+        finer.push(samples[count - 1]);
+    }
+    let rate_hz = trace.rate_hz * FINER as f64;
+    let trace = Trace { samples_m_per_s2: finer.into(), rate_hz, repeat: trace.repeat };
+    Some(Scene { excitation: Excitation::File(trace), ..scene.clone() })
+}
+
+/// The cubic through values at −1, 0, 1 and 2, at `x`.
+fn cubic([before, left, right, after]: [f64; 4], x: f64) -> f64 {
+    -before * x * (x - 1.0) * (x - 2.0) / 6.0 + left * (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0
+        - right * (x + 1.0) * x * (x - 2.0) / 2.0
+        + after * (x + 1.0) * x * (x - 1.0) / 6.0
+}
+
+/// The warning of a statement that is unknown or notable.
+fn warning(accuracy: &Accuracy, options: &Options) -> Option<String> {
+    let Some(total) = accuracy.total else {
+        return Some(
+            "accuracy: the error of the mean power is unknown: a run to compare with did not end".to_owned(),
+        );
+    };
+    let missed = options.accuracy.is_some_and(|asked| total > asked);
+    (missed || total > NOTABLE).then(|| {
+        let sources = [
+            ("the step", accuracy.step),
+            ("rounding", accuracy.rounding),
+            ("fast relaxations", accuracy.boundary_layers),
+            ("the sampling of the trace", accuracy.sampling),
+        ];
+        let known = sources.iter().filter_map(|(name, error)| Some(format!("{:.1e} by {name}", (*error)?)));
+        format!(
+            "accuracy: the estimated relative error of the mean power is {total:.1e}: {}",
+            known.collect::<Vec<_>>().join(", ")
+        )
+    })
+}

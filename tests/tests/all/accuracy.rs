@@ -1,0 +1,120 @@
+//! The accuracy statement of `run`: true errors lie within it, and wrong numbers are announced.
+
+use std::path::Path;
+
+use cross_crate_tests::{contact_separation, reference, single, value};
+use host_bench::accuracy::run_with_accuracy;
+use host_bench::method::{Method, Options};
+use host_bench::outcome::Outcome;
+use host_bench::run::run_scene;
+use host_bench::scene_file::{self, Excitation, Override, RunSpan, Scene, Tone, Trace};
+
+fn stated(scene: &Scene, options: &Options) -> Outcome {
+    run_with_accuracy(scene, options).unwrap_or_else(|failure| panic!("{failure}"))
+}
+
+fn is_warned(outcome: &Outcome) -> bool {
+    outcome.warnings.iter().any(|warning| warning.starts_with("accuracy:"))
+}
+
+/// A bump-stop scene without a stop, with these keys changed.
+fn bump_stop(changes: &[(&str, &str)]) -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/bump-stop-none.toml");
+    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
+    scene_file::read(&file, &overrides).expect("a valid scene")
+}
+
+/// The relative error of the mean power, which must lie within the statement.
+#[track_caller]
+fn error_within_statement(scene: &Scene, options: &Options, exact: f64) -> f64 {
+    let found = stated(scene, options);
+    let error = (value(found.mean_power_w) / exact - 1.0).abs();
+    let total = value(found.accuracy.total);
+    assert!(error <= total, "{error:e} is not within {total:e}: {:?}", found.accuracy);
+    error
+}
+
+const SHORT: (&str, &str) = ("run", "{duration_s=0.05,settle_s=0.01}");
+
+#[test]
+fn a_small_leaking_storage_behind_the_bridge_of_bump_stop_is_right() {
+    for (capacitance, leakage) in [("1e-9", "1e4"), ("1e-11", "1e6"), ("1e-7", "1e3")] {
+        let load = format!(
+            "{{kind='rectified-store',capacitance_f={capacitance},initial_v=0.0,diode_drop_v=0.3,\
+             leakage_ohm={leakage}}}"
+        );
+        let scene = bump_stop(&[("parameters.beam_modes", "4"), SHORT, ("load", &load)]);
+        let exact = value(run_scene(&scene, &reference()).expect("runs").mean_power_w);
+        assert!(error_within_statement(&scene, &Options::default(), exact) < 2e-3, "{load}");
+        assert!(error_within_statement(&scene, &single(Options::default()), exact) < 2e-3, "{load}");
+    }
+}
+
+#[test]
+fn a_fast_base_within_a_step_of_bump_stop_is_right() {
+    let fast = bump_stop(&[SHORT, ("excitation.frequency_hz", "4200")]);
+    let mut sampled = bump_stop(&[SHORT]);
+    // Samples at 100 kHz that a step of 20 µs does not see.
+    let samples: Vec<f64> =
+        (0..6000_i32).map(|n| 40.0 * f64::from(n % 7 - 3) + f64::from(n % 401 - 200)).collect();
+    let trace = Trace { samples_m_per_s2: samples.into(), rate_hz: 1e5, repeat: true };
+    sampled.excitation = Excitation::File(trace);
+    for scene in [fast, sampled] {
+        let exact = value(run_scene(&scene, &reference()).expect("runs").mean_power_w);
+        let found = value(stated(&scene, &Options::default()).mean_power_w);
+        assert!((found / exact - 1.0).abs() < 2e-3, "{found:e} {exact:e}");
+    }
+}
+
+#[test]
+fn bump_stop_takes_the_steps_that_meet_an_accuracy() {
+    let changes = [("run", "{duration_s=0.15,settle_s=0.05}")];
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/bump-stop-tip.toml");
+    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
+    let scene = scene_file::read(&file, &overrides).expect("a valid scene");
+    let steps = [1e-2, 1e-4].map(|accuracy| {
+        let options = Options { accuracy: Some(accuracy), ..Options::default() };
+        let found = stated(&scene, &options);
+        assert!(value(found.accuracy.total) <= accuracy, "{accuracy}: {:?}", found.accuracy);
+        assert!(!is_warned(&found), "{:?}", found.warnings);
+        found.steps
+    });
+    assert!(steps[1] > 2 * steps[0], "{steps:?}");
+}
+
+#[test]
+fn a_tolerance_that_is_too_loose_is_announced() {
+    let scene = contact_separation(|scene, _| scene.run = RunSpan { duration_s: 1.5, settle_s: 0.5 });
+    let exact = value(run_scene(&scene, &reference()).expect("runs").mean_power_w);
+    for options in [
+        Options { tolerance: Some(0.1), ..Options::default() },
+        Options { method: Method::TrBdf2, tolerance: Some(0.1), ..Options::default() },
+    ] {
+        let error = error_within_statement(&scene, &options, exact);
+        let found = stated(&scene, &options);
+        assert!(error > 5e-3 && is_warned(&found), "{error:e} {:?}", found.accuracy);
+    }
+    let usual = stated(&scene, &Options::default());
+    assert!(usual.warnings.is_empty(), "{:?}", usual.warnings);
+    assert!(value(usual.accuracy.total) < 1e-3, "{:?}", usual.accuracy);
+}
+
+/// Straight lines between the samples of a sine scale it by `sinc²(f/rate)`, and its power by the square of that.
+#[test]
+fn the_straight_lines_between_samples_are_counted() {
+    let (frequency, rate) = (100.0, 900.0);
+    let angle = std::f64::consts::PI * frequency / rate;
+    let loss = 1.0 - (angle.sin() / angle).powi(4);
+    let mut scene = bump_stop(&[("run", "{duration_s=1,settle_s=0.5}")]);
+    let samples = (0..900).map(|n| (2.0 * angle * f64::from(n)).sin()).collect();
+    scene.excitation = Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: rate, repeat: true });
+    let found = stated(&scene, &Options::default());
+    let tone = Tone { amplitude_m_per_s2: 1.0, frequency_hz: frequency, phase_rad: 0.0 };
+    scene.excitation = Excitation::Sine(tone);
+    let exact = value(run_scene(&scene, &reference()).expect("runs").mean_power_w);
+    let error = 1.0 - value(found.mean_power_w) / exact;
+    let sampling = value(found.accuracy.sampling);
+    assert!((error / loss - 1.0).abs() < 0.2, "{error} {loss}");
+    assert!((0.8 * error..2.0 * error).contains(&sampling), "{error} {sampling}");
+    assert!(is_warned(&found));
+}
