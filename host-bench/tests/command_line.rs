@@ -8,6 +8,7 @@ mod command_line {
     mod presets;
     mod refused_options;
     mod refused_scenes;
+    mod refused_spellings;
     mod refused_traces;
     mod sliding;
     mod steady_state;

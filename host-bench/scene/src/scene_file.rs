@@ -12,6 +12,7 @@ mod excitation;
 mod load;
 pub mod modes;
 mod node;
+mod overrides;
 mod preset;
 mod run_span;
 mod scene;
@@ -22,7 +23,8 @@ mod trace;
 use std::path::{Path, PathBuf};
 
 use self::document::Document;
-pub use self::document::{Override, SceneError};
+pub use self::document::SceneError;
+pub use self::overrides::{Override, replaces};
 pub use self::scene::*;
 use self::section::{Reader, Section};
 /// Acceleration of gravity in m/s²: the factor of `amplitude_g`.

@@ -25,12 +25,8 @@ pub(super) struct Bound {
 impl Bound {
     /// The bound of a key by the first of the tables that has it.
     pub(super) fn of(key: &str, tables: &[Table]) -> Self {
-        let rows = || tables.iter().copied().flatten();
-        let alias = alias(key);
-        let row =
-            rows().find(|(name, _)| names(name, key)).or_else(|| rows().find(|(name, _)| names(name, alias)));
         // A key without a row must not pass unchecked.
-        let range = row.map_or(between(f64::NAN, f64::NAN), |(_, range)| *range);
+        let range = row(key, tables).map_or(between(f64::NAN, f64::NAN), |(_, range)| *range);
         Self { range, or_limits: key == "resistance_ohm" }
     }
 
@@ -53,6 +49,13 @@ impl fmt::Display for Bound {
         let Bounds { lowest, highest } = self.range;
         write!(f, "{limits}a number from {} to {}", Short(lowest), Short(highest))
     }
+}
+
+/// The name and the bounds of a key in the first of the tables that has it.
+pub(super) fn row(key: &str, tables: &[Table]) -> Option<&'static (&'static str, Bounds<f64>)> {
+    let rows = || tables.iter().copied().flatten();
+    let alias = alias(key);
+    rows().find(|(name, _)| names(name, key)).or_else(|| rows().find(|(name, _)| names(name, alias)))
 }
 
 /// Whether a parameter of the core, `part.field`, is the one of a key, `field` or `field_unit`.

@@ -1,4 +1,4 @@
-//! A TOML document as a tree that remembers the line of every value, and overrides put into it.
+//! A TOML document as a tree that remembers the line of every value, with overrides put into it.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -6,12 +6,7 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Keys of which a table has one: an override of one replaces the other.
-const ALTERNATIVES: [[&str; 2]; 3] = [
-    ["amplitude_g", "amplitude_m_per_s2"],
-    ["settle_s", "settle_periods"],
-    ["duration_s", "duration_periods"],
-];
+use super::overrides::{Override, alternatives};
 
 /// Longest value that a message repeats in full.
 const SHOWN: usize = 60;
@@ -118,45 +113,6 @@ fn shortened(text: &str) -> String {
     text.chars().take(SHOWN).chain("...".chars()).collect()
 }
 
-/// A value to put into the document before it is read: `a.b=c`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Override {
-    key: String,
-    value: String,
-}
-
-impl Override {
-    /// The value of `key` shall be `value`, written as in a scene file; quotes may be left out.
-    #[must_use]
-    pub fn new(key: &str, value: &str) -> Self {
-        Self { key: key.trim().to_owned(), value: value.trim().to_owned() }
-    }
-
-    fn content(&self) -> Content {
-        let parsed = DeTable::parse(&format!("value = {}", self.value)).ok().and_then(|table| {
-            let table = table.into_inner();
-            // A line break in the value must not smuggle in a second key.
-            let only = table.len() == 1;
-            let value = table.into_iter().next().filter(|_| only)?.1;
-            Some(convert(&value, &|_| Origin::Override).content)
-        });
-        parsed.unwrap_or_else(|| Content::Text(self.value.clone()))
-    }
-}
-
-impl std::str::FromStr for Override {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text.split_once('=') {
-            Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
-                Ok(Self::new(key, value))
-            }
-            _ => Err("must be KEY=VALUE, for example run.duration_s=5".to_owned()),
-        }
-    }
-}
-
 /// A scene file as a tree.
 #[derive(Debug)]
 pub(super) struct Document {
@@ -178,7 +134,14 @@ impl Document {
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let table = DeTable::parse(text).map_err(|error| {
             let line = error.span().map(|span| line_of(text, span.start));
-            fault(line, format!("is not TOML: {}", error.message().replace('\n', "; ")))
+            let reason = format!("is not TOML: {}", error.message().replace('\n', "; "));
+            // The line has the key that the parser's message lacks.
+            match line.and_then(|line| text.lines().nth(line - 1)) {
+                Some(content) if !content.trim().is_empty() => {
+                    fault(line, format!("{reason}, at {:?}", shortened(content.trim())))
+                }
+                _ => fault(line, reason),
+            }
         })?;
         let origin = |start: usize| Origin::Line(line_of(text, start));
         let content = Content::Table(convert_table(table.get_ref(), &origin));
@@ -191,10 +154,11 @@ impl Document {
 
     fn put(&mut self, change: &Override) -> Result<(), SceneError> {
         let node = Node { content: change.content(), origin: Origin::Override };
-        let refuse = |reason: &str| SceneError::of_value(&self.file, &change.key, &node, reason);
-        let (tables, last) = match change.key.rsplit_once('.') {
+        let key = change.key();
+        let refuse = |reason: &str| SceneError::of_value(&self.file, key, &node, reason);
+        let (tables, last) = match key.rsplit_once('.') {
             Some((tables, last)) => (tables.split('.').collect(), last.trim()),
-            None => (Vec::new(), change.key.as_str()),
+            None => (Vec::new(), key),
         };
         let mut content = &mut self.content;
         for part in tables {
@@ -204,8 +168,7 @@ impl Document {
             };
         }
         if let Content::Table(entries) = &mut *content {
-            let others = ALTERNATIVES.iter().filter(|pair| pair.contains(&last)).flatten();
-            for other in others.filter(|other| **other != last) {
+            for other in alternatives(last) {
                 entries.retain(|(key, _)| key != other);
             }
         }
@@ -239,7 +202,7 @@ fn line_of(text: &str, offset: usize) -> usize {
     text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
 }
 
-fn convert(value: &Spanned<DeValue<'_>>, origin: &dyn Fn(usize) -> Origin) -> Node {
+pub(super) fn convert(value: &Spanned<DeValue<'_>>, origin: &dyn Fn(usize) -> Origin) -> Node {
     let content = match value.get_ref() {
         DeValue::String(text) => Content::Text(text.to_string()),
         DeValue::Integer(integer) => {

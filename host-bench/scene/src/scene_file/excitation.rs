@@ -56,9 +56,8 @@ fn tone(section: &mut Section<'_>) -> Result<Tone, SceneError> {
         (Some(amplitude), None) => amplitude,
         (None, Some(gravities)) => gravities * GRAVITY,
         (None, None) => {
-            let bound = section.bound("amplitude_m_per_s2");
-            let reason = format!("is missing, and so is amplitude_g; must be {bound}");
-            return Err(section.refuse("amplitude_m_per_s2", reason));
+            let wanted = section.bound("amplitude_m_per_s2").to_string();
+            return Err(section.missing_of(&["amplitude_m_per_s2", "amplitude_g"], &wanted));
         }
         (Some(_), Some(_)) => {
             return Err(section.refuse("amplitude_g", "must not be given beside amplitude_m_per_s2"));

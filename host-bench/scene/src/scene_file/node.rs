@@ -171,7 +171,7 @@ fn hours(mut section: Section<'_>) -> Result<[f64; HOURS], SceneError> {
     section.bounded_by(DAY_AND_ACTIONS);
     let factors = section.optional_numbers("hours", HOURS, "hour from midnight")?;
     let Some(factors) = factors.and_then(|factors| <[f64; HOURS]>::try_from(factors).ok()) else {
-        return Err(section.refuse("hours", format!("is missing; must be {HOURS} numbers")));
+        return Err(section.must_be("hours", &format!("{HOURS} numbers")));
     };
     section.finish()?;
     Ok(factors)
@@ -183,8 +183,7 @@ fn actions(section: &mut Section<'_>) -> Result<Vec<Action>, SceneError> {
     for mut table in section.tables("actions")? {
         table.bounded_by(DAY_AND_ACTIONS);
         let Some(name) = table.text("name").map(str::to_owned).filter(|name| !name.trim().is_empty()) else {
-            let absent = if table.has("name") { "" } else { "is missing; " };
-            return Err(table.refuse("name", format!("{absent}must be a text that is not empty")));
+            return Err(table.must_be("name", "a text that is not empty"));
         };
         if actions.iter().any(|action| action.name == name) {
             return Err(table.refuse("name", "must not be that of another action"));

@@ -21,8 +21,8 @@ pub(super) fn run_span(mut section: Section<'_>, excitation: &Excitation) -> Res
     section.bounded_by(RUN);
     let (duration_key, duration) = span(&mut section, excitation, ["duration_s", "duration_periods"])?;
     let Some(duration_s) = duration else {
-        let bound = section.bound(duration_key);
-        return Err(section.refuse(duration_key, format!("is missing; must be {bound}")));
+        let wanted = section.bound(duration_key).to_string();
+        return Err(section.missing_of(&["duration_s", "duration_periods"], &wanted));
     };
     let (settle_key, settle) = span(&mut section, excitation, ["settle_s", "settle_periods"])?;
     let settle_s = settle.unwrap_or(0.0);

@@ -1,8 +1,13 @@
 //! One table of a scene file, read key by key; what nobody asked for is refused.
 
-use super::bounds::{Bound, Short, Table};
+use strsim::damerau_levenshtein;
+
+use super::bounds::{Bound, Short, Table, row};
 use super::document::{Content, Document, Node, Origin, SceneError};
 use super::scene::{ForceLaw, StickCharge};
+
+/// Most letters by which a misspelt key differs.
+const MOST_EDITS: usize = 2;
 
 /// A table and the keys that were asked of it.
 #[derive(Debug)]
@@ -67,8 +72,48 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn missing(&self, key: &str, wanted: &str) -> SceneError {
-        self.refuse(key, format!("is missing; must be {wanted}"))
+    /// An error about a key that must be there and is not.
+    pub(super) fn missing(&self, key: &'static str, wanted: &str) -> SceneError {
+        self.missing_of(&[key], wanted)
+    }
+
+    /// An error about a quantity that must be there under one of its `keys` and is not; the first is blamed, or a
+    /// key in the file that is probably one of them misspelt.
+    pub(super) fn missing_of(&self, keys: &[&'static str], wanted: &str) -> SceneError {
+        let meant = keys.iter().find_map(|key| Some((key, self.misspelt(key)?)));
+        if let Some((key, (written, node))) = meant {
+            let reason = format!("unknown key, probably {key} misspelt, which is missing; must be {wanted}");
+            return SceneError::of_value(&self.document.file, &self.name(written), node, reason);
+        }
+        match keys {
+            [key, other] => self.refuse(key, format!("is missing, and so is {other}; must be {wanted}")),
+            _ => self.refuse(keys.first().unwrap_or(&""), format!("is missing; must be {wanted}")),
+        }
+    }
+
+    /// An error about a key that is missing or has another value than is wanted.
+    pub(super) fn must_be(&self, key: &'static str, wanted: &str) -> SceneError {
+        match self.peek(key) {
+            Some(_) => self.refuse(key, format!("must be {wanted}")),
+            None => self.missing(key, wanted),
+        }
+    }
+
+    /// A key of the file that nobody asked for, that has not the bounds of another, and that differs from `key` in its
+    /// unit or in a few letters.
+    fn misspelt(&self, key: &str) -> Option<(&'a str, &'a Node)> {
+        let close = |written: &str| {
+            let same_quantity = key.split_once('_').is_some_and(|(quantity, _)| written == quantity)
+                || key.rsplit_once('_').is_some_and(|(quantity, _)| written == quantity);
+            let edits = damerau_levenshtein(&written.to_lowercase(), key);
+            same_quantity || edits <= MOST_EDITS.min(key.len() / 3)
+        };
+        let name = |key: &str| row(key, self.tables).map(|(name, _)| name);
+        let is_another = |written: &str| {
+            self.known.contains(&written) || name(written).is_some() && name(written) != name(key)
+        };
+        let mut entries = self.entries.iter().map(|(written, node)| (written.as_str(), node));
+        entries.find(|(written, _)| !is_another(written) && close(written))
     }
 
     /// The file of the scene.

@@ -1,0 +1,94 @@
+//! Values from the command line that replace those of a scene file.
+
+use toml::de::DeTable;
+
+use super::document::{Content, Origin, convert};
+
+/// Keys of which a table has one: an override of one replaces the other.
+const ALTERNATIVES: [[&str; 2]; 3] = [
+    ["amplitude_g", "amplitude_m_per_s2"],
+    ["settle_s", "settle_periods"],
+    ["duration_s", "duration_periods"],
+];
+
+/// A value to put into the document before it is read: `a.b=c`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Override {
+    key: String,
+    value: String,
+}
+
+impl Override {
+    /// The value of `key` shall be `value`, written as in a scene file; quotes may be left out.
+    #[must_use]
+    pub fn new(key: &str, value: &str) -> Self {
+        let parts: Vec<&str> = key.split('.').map(str::trim).collect();
+        Self { key: parts.join("."), value: value.trim().to_owned() }
+    }
+
+    /// The key, with a dot between its parts.
+    #[must_use]
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    pub(super) fn content(&self) -> Content {
+        let parsed = DeTable::parse(&format!("value = {}", self.value)).ok().and_then(|table| {
+            let table = table.into_inner();
+            // A line break in the value must not smuggle in a second key.
+            let only = table.len() == 1;
+            let value = table.into_iter().next().filter(|_| only)?.1;
+            Some(convert(&value, &|_| Origin::Override).content)
+        });
+        parsed.unwrap_or_else(|| Content::Text(self.value.clone()))
+    }
+}
+
+impl std::str::FromStr for Override {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.split_once('=') {
+            Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
+                Ok(Self::new(key, value))
+            }
+            _ => Err("must be KEY=VALUE, for example run.duration_s=5".to_owned()),
+        }
+    }
+}
+
+/// The other names of the quantity that the last part of a key names.
+pub(super) fn alternatives(last: &str) -> impl Iterator<Item = &'static str> {
+    let pairs = ALTERNATIVES.iter().filter(move |pair| pair.contains(&last));
+    pairs.flatten().copied().filter(move |other| *other != last)
+}
+
+/// Whether setting `key` discards what was set at `before`: the same key, a table around it, or its alternative.
+#[must_use]
+pub fn replaces(key: &str, before: &str) -> bool {
+    let contains =
+        |key: &str| before.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    let (table, last) = key.rsplit_once('.').map_or(("", key), |(table, last)| (table, last));
+    let beside = |other: &str| if table.is_empty() { other.to_owned() } else { format!("{table}.{other}") };
+    contains(key) || alternatives(last).any(|other| contains(&beside(other)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_replaces_itself_its_parts_and_its_alternative() {
+        for (key, before, expected) in [
+            ("run.settle_s", "run.settle_s", true),
+            ("run.settle_s", "run.settle_periods", true),
+            ("load", "load.draw.value", true),
+            ("load.draw.value", "load", false),
+            ("load.draw", "load.drawn", false),
+            ("run.settle_s", "run.duration_s", false),
+            ("excitation.tones.0.amplitude_g", "excitation.tones.1.amplitude_m_per_s2", false),
+        ] {
+            assert_eq!(replaces(key, before), expected, "{key} after {before}");
+        }
+    }
+}
