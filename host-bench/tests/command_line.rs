@@ -15,5 +15,6 @@ mod command_line {
     mod step_errors;
     mod sweep;
     mod tool;
+    mod trace_columns;
     mod traces;
 }

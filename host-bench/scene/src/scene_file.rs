@@ -48,6 +48,16 @@ pub fn read_with_node(file: &Path, overrides: &[Override]) -> Result<(Scene, Nod
     node.map(|node| (scene, node)).ok_or_else(absent)
 }
 
+/// The files that are read for a scene: the scene file, and the recording that it names.
+///
+/// # Errors
+/// If the scene file cannot be read, or has no `[excitation]`.
+pub fn files(file: &Path, overrides: &[Override]) -> Result<Vec<PathBuf>, SceneError> {
+    let document = Document::read(file, overrides)?;
+    let recording = trace::path(&mut Section::root(&document).table("excitation")?);
+    Ok(std::iter::once(file.to_owned()).chain(recording).collect())
+}
+
 /// The path of a scene file in `host-bench/scenes`, by its name without ending.
 #[must_use]
 pub fn shipped(name: &str) -> PathBuf {

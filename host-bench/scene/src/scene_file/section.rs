@@ -213,6 +213,11 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// Whether the key is there and `false`.
+    pub(super) fn is_false(&mut self, key: &'static str) -> bool {
+        self.find(key).is_some_and(|node| node.content == Content::Boolean(false))
+    }
+
     /// `true` or `false`, which must be there.
     pub(super) fn required_flag(&mut self, key: &'static str) -> Result<bool, SceneError> {
         if !self.has(key) {

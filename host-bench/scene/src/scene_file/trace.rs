@@ -1,9 +1,12 @@
 //! A recorded acceleration in a CSV or a WAV file.
 
+mod clock;
+mod number;
 mod table;
 mod wave;
 
-use super::bounds::Bound;
+use std::path::PathBuf;
+
 use super::document::SceneError;
 use super::scene::Trace;
 use super::section::Section;
@@ -20,24 +23,71 @@ enum Column {
     Number(usize),
 }
 
+/// What the scene file says about the columns of a table and the rate of its rows.
+#[derive(Debug)]
+struct Asked {
+    column: Option<Column>,
+    clock: AskedClock,
+    rate_hz: Option<f64>,
+    /// Factor from a number of the file to m/s².
+    scale: f64,
+}
+
+/// Which column of a table has the times of the samples.
+#[derive(Debug)]
+enum AskedClock {
+    /// The file shall tell.
+    Unset,
+    /// None, whatever the file looks like.
+    Ignored,
+    Column(Column),
+}
+
+impl AskedClock {
+    /// Reads `time_column`, if it is there.
+    fn read(section: &mut Section<'_>) -> Result<Self, SceneError> {
+        const KEY: &str = "time_column";
+        if section.is_false(KEY) {
+            return Ok(Self::Ignored);
+        }
+        let wanted = format!("{}, or false", Column::WANTED);
+        Ok(Column::optional(section, KEY, &wanted)?.map_or(Self::Unset, Self::Column))
+    }
+
+    fn column(&self) -> Option<&Column> {
+        if let Self::Column(column) = self { Some(column) } else { None }
+    }
+}
+
 /// Why a trace was refused, and the key to blame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct TraceFault {
     key: &'static str,
+    /// The reason; what is wanted of a key that is missing.
     text: String,
+    is_missing: bool,
 }
 
 impl TraceFault {
     fn new(key: &'static str, text: impl Into<String>) -> Self {
-        Self { key, text: text.into() }
+        Self { key, text: text.into(), is_missing: false }
+    }
+
+    /// A key that this file needs.
+    fn missing(key: &'static str, wanted: impl Into<String>) -> Self {
+        Self { key, text: wanted.into(), is_missing: true }
     }
 }
 
 impl Column {
     const WANTED: &str = "the name of a column, or its number from 1";
 
-    /// Reads a key that names a column, if it is there.
-    fn optional(section: &mut Section<'_>, key: &'static str) -> Result<Option<Self>, SceneError> {
+    /// Reads a key that names a column, if it is there; `wanted` says what it must be.
+    fn optional(
+        section: &mut Section<'_>,
+        key: &'static str,
+        wanted: &str,
+    ) -> Result<Option<Self>, SceneError> {
         if !section.has(key) {
             return Ok(None);
         }
@@ -46,14 +96,8 @@ impl Column {
         }
         match section.optional_number(key) {
             Ok(Some(number)) if number.fract() == 0.0 => Ok(Some(Self::Number(number as usize))),
-            _ => Err(section.refuse(key, format!("must be {}", Self::WANTED))),
+            _ => Err(section.refuse(key, format!("must be {wanted}"))),
         }
-    }
-
-    /// Reads a key that names a column and must be there.
-    fn read(section: &mut Section<'_>, key: &'static str) -> Result<Self, SceneError> {
-        Self::optional(section, key)?
-            .ok_or_else(|| section.refuse(key, format!("is missing; must be {}", Self::WANTED)))
     }
 }
 
@@ -78,25 +122,36 @@ fn enough(samples: &[f64], place: &str) -> Result<(), TraceFault> {
     Err(TraceFault::new("path", format!("{place}: ends with {count} samples, must have at least 2")))
 }
 
+/// The recording that `[excitation]` names, if it names one; the name is relative to the scene file.
+pub(super) fn path(section: &mut Section<'_>) -> Option<PathBuf> {
+    let path = section.text("path")?;
+    Some(section.file().parent().map_or_else(|| path.into(), |folder| folder.join(path)))
+}
+
 /// Reads the keys of an excitation from a file, and the file.
 pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
     let scale = section.number("scale_m_per_s2")?;
     let repeat = section.flag("repeat", false)?;
-    let column = Column::read(section, "column")?;
-    let Some(path) = section.text("path") else {
-        let absent = if section.has("path") { "" } else { "is missing; " };
-        return Err(section.refuse("path", format!("{absent}must be the name of a CSV or WAV file")));
+    let column = Column::optional(section, "column", Column::WANTED)?;
+    let Some(full) = path(section) else {
+        return Err(section.must_be("path", "the name of a CSV or WAV file"));
     };
-    let full = section.file().parent().map_or_else(|| path.into(), |folder| folder.join(path));
+    let rate_hz = section.optional_number("rate_hz")?;
+    let bound = section.bound("rate_hz");
     let is_wave = full.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("wav"));
     let (samples, rate_hz) = if is_wave {
-        let told = section.optional_number("rate_hz")?;
-        wave::samples(&full, &column, scale, told, section.bound("rate_hz"))
+        wave::samples(&full, column.as_ref(), scale, rate_hz, bound)
     } else {
-        let rate_hz = section.number("rate_hz")?;
-        let clock = Column::optional(section, "time_column")?;
-        table::samples(&full, &column, scale, clock.as_ref(), rate_hz).map(|samples| (samples, rate_hz))
+        let clock = AskedClock::read(section)?;
+        table::samples(&full, &Asked { column, clock, rate_hz, scale }, bound)
     }
-    .map_err(|fault| section.refuse(fault.key, format!("{}: {}", full.display(), fault.text)))?;
+    .map_err(|fault| {
+        let TraceFault { key, text, is_missing } = fault;
+        if is_missing {
+            section.missing(key, &format!("{text} ({})", full.display()))
+        } else {
+            section.refuse(key, format!("{}: {text}", full.display()))
+        }
+    })?;
     Ok(Trace { samples_m_per_s2: samples.into(), rate_hz, repeat })
 }

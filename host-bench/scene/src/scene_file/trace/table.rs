@@ -1,112 +1,132 @@
 //! Samples in a column of a CSV file, and the times in another.
 
+mod layout;
+
 use std::path::Path;
 
 use csv::{Position, ReaderBuilder, StringRecord, Trim};
 
-use super::{Column, TraceFault, enough, scaled};
+use self::layout::{Clock, Layout};
+use super::clock::Times;
+use super::number::{Delimiter, Numbers};
+use super::{Asked, TraceFault, enough, scaled};
+use crate::scene_file::bounds::Bound;
 
-/// Intervals between two samples by which a time may be off: the rounding of a printed time, and no more.
-const UNEVEN: f64 = 0.25;
-
-/// A column that is looked for by the key `key`.
-struct Wanted<'a> {
-    key: &'static str,
-    column: &'a Column,
-    /// Its place from 0, once it is known.
-    index: Option<usize>,
-}
-
-impl<'a> Wanted<'a> {
-    fn new(key: &'static str, column: &'a Column) -> Self {
-        let index = match column {
-            Column::Number(number) => Some(number - 1),
-            Column::Name(_) => None,
-        };
-        Self { key, column, index }
-    }
-
-    /// Finds a column of this name in the first row, `record`; whether it was looked for.
-    fn find(&mut self, record: &StringRecord, line: u64) -> Result<bool, TraceFault> {
-        let Column::Name(name) = self.column else { return Ok(false) };
-        self.index = record.iter().position(|cell| plain(cell) == name);
-        if self.index.is_some() {
-            return Ok(true);
-        }
-        let heads: Vec<&str> = record.iter().take(20).collect();
-        Err(TraceFault::new(self.key, format!("line {line}: no such column in {heads:?}")))
-    }
-
-    /// The number in a row; `None` if it is none, with the cell.
-    fn number<'r>(&self, record: &'r StringRecord, line: u64) -> Result<Result<f64, &'r str>, TraceFault> {
-        let cell = self.index.and_then(|index| record.get(index)).ok_or_else(|| {
-            TraceFault::new(self.key, format!("line {line}: there are {} columns", record.len()))
-        })?;
-        Ok(plain(cell).parse().map_err(|_| cell))
-    }
-}
-
-/// A cell without the mark that begins some files.
-fn plain(cell: &str) -> &str {
-    cell.trim_start_matches('\u{feff}')
-}
-
-/// The samples of one column in m/s²; where `clock` names a column of times in s, these are checked to follow
-/// one another at `rate_hz`.
-pub(super) fn samples(
-    path: &Path,
-    column: &Column,
-    scale: f64,
-    clock: Option<&Column>,
-    rate_hz: f64,
-) -> Result<Vec<f64>, TraceFault> {
+/// The samples in m/s² and their rate in Hz, within `bound`: that of the times where the file has them.
+pub(super) fn samples(path: &Path, asked: &Asked, bound: Bound) -> Result<(Vec<f64>, f64), TraceFault> {
+    let text = std::fs::read_to_string(path).map_err(|error| TraceFault::new("path", error.to_string()))?;
+    // The mark that begins some files.
+    let text = text.trim_start_matches('\u{feff}');
+    let delimiter = Delimiter::of(text);
     let mut reader = ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
         .comment(Some(b'#'))
+        .delimiter(delimiter.byte())
         .trim(Trim::All)
-        .from_path(path)
-        .map_err(|error| one_line(&error))?;
-    let mut sample = Wanted::new("column", column);
-    let mut time = clock.map(|column| Wanted::new("time_column", column));
-    let mut samples = Vec::new();
-    let mut first_time = 0.0;
-    for (row, record) in reader.records().enumerate() {
+        .from_reader(text.as_bytes());
+    let mut rows = Rows {
+        scale: asked.scale,
+        numbers: Numbers::new(delimiter),
+        samples: Vec::new(),
+        times: Some(Times::default()),
+    };
+    let mut layout: Option<Layout> = None;
+    for record in reader.records() {
         let record = record.map_err(|error| one_line(&error))?;
         let line = record.position().map_or(0, Position::line);
-        if row == 0 {
-            let named = sample.find(&record, line)?;
-            let named_time = time.as_mut().map_or(Ok(false), |time| time.find(&record, line))?;
-            if named || named_time {
-                continue;
-            }
-        }
-        let value = match sample.number(&record, line)? {
-            Ok(value) => value,
-            // A heading.
-            Err(_) if row == 0 => continue,
-            Err(cell) => {
-                return Err(TraceFault::new("path", format!("line {line}: {cell:?} is not a number")));
+        let layout = match &layout {
+            Some(layout) => layout,
+            None => {
+                let found = layout.insert(Layout::of(&record, line, asked)?);
+                if found.has_heading {
+                    continue;
+                }
+                found
             }
         };
-        if let Some(time) = &time {
-            let now = time
-                .number(&record, line)?
-                .map_err(|cell| TraceFault::new("path", format!("line {line}: {cell:?} is not a number")))?;
-            if samples.is_empty() {
-                first_time = now;
-            }
-            let due = first_time + samples.len() as f64 / rate_hz;
-            // Not-a-number is refused too.
-            if !((now - due).abs() * rate_hz <= UNEVEN) {
-                let text = format!("line {line}: time {now} s must be {due} s, as at rate_hz = {rate_hz}");
-                return Err(TraceFault::new("time_column", text));
+        rows.push(layout, &record, line)?;
+    }
+    enough(&rows.samples, &format!("line {}", reader.position().line()))?;
+    let rate_hz = match layout {
+        Some(layout) => rate(&layout, rows.times, asked, bound)?,
+        // A file without a row has too few samples.
+        None => f64::NAN,
+    };
+    Ok((rows.samples, rate_hz))
+}
+
+/// The rows that were read.
+struct Rows {
+    scale: f64,
+    numbers: Numbers,
+    samples: Vec<f64>,
+    /// `None` where a column that might have had times has something else.
+    times: Option<Times>,
+}
+
+impl Rows {
+    fn push(&mut self, layout: &Layout, record: &StringRecord, line: u64) -> Result<(), TraceFault> {
+        layout.check_width(record, line)?;
+        let cell = cell(record, layout.sample, "column", line)?;
+        let value = self
+            .numbers
+            .read(cell)
+            .map_err(|reason| TraceFault::new("path", format!("line {line}: {reason}")))?;
+        if let (Some(clock), Some(times)) = (layout.clock, &mut self.times) {
+            let cell = self::cell(record, clock.column, clock.key, line)?;
+            match self.numbers.read(cell) {
+                Ok(time) => {
+                    times.seconds.push(time * clock.unit_s);
+                    times.lines.push(line);
+                }
+                Err(_) if !clock.is_named => self.times = None,
+                Err(reason) => {
+                    let fault = TraceFault::new("path", format!("line {line}: {reason}"));
+                    return Err(clock.with_way_out(fault));
+                }
             }
         }
-        samples.push(scaled(value, scale, || format!("line {line}"))?);
+        self.samples.push(scaled(value, self.scale, || format!("line {line}"))?);
+        Ok(())
     }
-    enough(&samples, &format!("line {}", reader.position().line()))?;
-    Ok(samples)
+}
+
+/// The cell of a column, from 0, which the key `key` asked for.
+fn cell<'r>(
+    record: &'r StringRecord,
+    column: usize,
+    key: &'static str,
+    line: u64,
+) -> Result<&'r str, TraceFault> {
+    let absent = || TraceFault::new(key, format!("line {line}: there are {} columns", record.len()));
+    record.get(column).ok_or_else(absent)
+}
+
+/// The rate in Hz, from the times or as it was told.
+fn rate(layout: &Layout, times: Option<Times>, asked: &Asked, bound: Bound) -> Result<f64, TraceFault> {
+    let wanted = || TraceFault::missing("rate_hz", format!("{bound}, or the file have a column of times"));
+    let (Some(clock), Some(times)) = (layout.clock, times) else {
+        layout.check_sample(asked, false)?;
+        return asked.rate_hz.ok_or_else(wanted);
+    };
+    // The first column of a table without headings has times if it rises. A count of the rows has no rate.
+    let is_time = clock.is_named || times.rise();
+    layout.check_sample(asked, is_time)?;
+    if !clock.is_named && (!is_time || times.count()) {
+        return asked.rate_hz.ok_or_else(wanted);
+    }
+    let rate_hz = times.rate(asked.rate_hz, bound, blamed(clock, asked));
+    rate_hz.map_err(|fault| clock.with_way_out(fault))
+}
+
+/// The key to blame for times that do not agree with it or with one another.
+fn blamed(clock: Clock, asked: &Asked) -> &'static str {
+    match (clock.is_told, asked.rate_hz) {
+        (true, _) => "time_column",
+        (false, Some(_)) => "rate_hz",
+        (false, None) => "path",
+    }
 }
 
 /// Messages of the CSV reader have no line breaks, but name the file's content.

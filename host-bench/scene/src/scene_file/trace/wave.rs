@@ -4,13 +4,14 @@ use std::path::Path;
 
 use hound::{SampleFormat, WavReader};
 
-use super::{Bound, Column, TraceFault, enough, scaled};
+use super::{Column, TraceFault, enough, scaled};
+use crate::scene_file::bounds::Bound;
 
-/// The samples of one channel in m/s² and their rate in Hz, within `bound`, which must be `told` if that is given.
+/// The samples of one channel, the only one if none is named, in m/s² and their rate in Hz, within `bound`, which must be `told` if that is given.
 /// Integers are taken as parts of full scale, `2^(bits − 1)`.
 pub(super) fn samples(
     path: &Path,
-    channel: &Column,
+    channel: Option<&Column>,
     scale: f64,
     told: Option<f64>,
     bound: Bound,
@@ -20,8 +21,13 @@ pub(super) fn samples(
     let spec = reader.spec();
     let channels = usize::from(spec.channels);
     let channel = match channel {
-        Column::Number(number) if *number <= channels => number - 1,
-        _ => {
+        None if channels == 1 => 0,
+        None => {
+            let wanted = format!("the number of a channel, from 1 to {channels}");
+            return Err(TraceFault::missing("column", wanted));
+        }
+        Some(Column::Number(number)) if *number <= channels => number - 1,
+        Some(_) => {
             let text = format!("of a WAV file must be the number of a channel, from 1 to {channels}");
             return Err(TraceFault::new("column", text));
         }

@@ -1,0 +1,165 @@
+//! Which column of a table has the samples, which the times.
+
+use csv::StringRecord;
+
+use super::super::clock::unit_of;
+use super::super::{Asked, AskedClock, Column, TraceFault};
+
+/// The heading of a column of samples that is found without being named.
+const ACCELERATION: &str = "acceleration_m_per_s2";
+/// The heading that is preferred among those that name a time.
+const TIME: &str = "time_s";
+
+/// The columns of a table, from 0.
+#[derive(Debug, Clone)]
+pub(super) struct Layout {
+    pub(super) sample: usize,
+    pub(super) clock: Option<Clock>,
+    pub(super) has_heading: bool,
+    /// Number of columns of the first row.
+    width: usize,
+}
+
+/// A column that has times, or may have them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Clock {
+    pub(super) column: usize,
+    /// Unit of the times in s.
+    pub(super) unit_s: f64,
+    /// Whether a heading or a key says that these are times.
+    pub(super) is_named: bool,
+    /// Whether a key says so.
+    pub(super) is_told: bool,
+    /// The key to blame where a row lacks the column.
+    pub(super) key: &'static str,
+}
+
+impl Clock {
+    /// Says how to use the file, if no key says that the column has times.
+    pub(super) fn with_way_out(self, fault: TraceFault) -> TraceFault {
+        if self.is_told {
+            return fault;
+        }
+        let text =
+            format!("{} (time_column = false ignores the times in column {})", fault.text, self.column + 1);
+        TraceFault { text, ..fault }
+    }
+}
+
+impl Layout {
+    /// The columns that are asked for, by the first row of the table.
+    pub(super) fn of(first: &StringRecord, line: u64, asked: &Asked) -> Result<Self, TraceFault> {
+        let is_text = |cell: &str| cell.replace(',', ".").parse::<f64>().is_err();
+        let named = |column: Option<&Column>| matches!(column, Some(Column::Name(_)));
+        let has_heading = named(asked.column.as_ref())
+            || named(asked.clock.column())
+            || match asked.column {
+                Some(Column::Number(number)) => first.get(number - 1).is_some_and(is_text),
+                _ => first.iter().any(|cell| !cell.is_empty() && is_text(cell)),
+            };
+        let clock = clock(first, line, asked, has_heading)?;
+        let sample = match &asked.column {
+            Some(column) => place(column, "column", first, line)?,
+            None => only_other(first, clock, has_heading)?,
+        };
+        Ok(Self { sample, clock, has_heading, width: width(first) })
+    }
+
+    /// Refuses a row with more columns than the first: the rest of a number with a decimal comma.
+    pub(super) fn check_width(&self, record: &StringRecord, line: u64) -> Result<(), TraceFault> {
+        let width = width(record);
+        if width <= self.width {
+            return Ok(());
+        }
+        let text = format!(
+            "line {line}: there are {width} columns, must be at most {} as in the first row; decimal commas need \
+             semicolons or tabs between the columns",
+            self.width
+        );
+        Err(TraceFault::new("path", text))
+    }
+
+    /// Refuses samples that are the times, where the columns of times `are_times`; and the only other column as samples
+    /// where they are not.
+    pub(super) fn check_sample(&self, asked: &Asked, are_times: bool) -> Result<(), TraceFault> {
+        let is_clock = self.clock.is_some_and(|clock| clock.column == self.sample);
+        if is_clock && are_times {
+            let text =
+                "must be a column of samples, these are times; time_column = false if they are samples";
+            return Err(TraceFault::new("column", text));
+        }
+        if asked.column.is_none() && !self.has_heading && !are_times {
+            return Err(TraceFault::missing("column", Column::WANTED));
+        }
+        Ok(())
+    }
+}
+
+/// Number of columns, without empty ones at the end.
+fn width(record: &StringRecord) -> usize {
+    (0..record.len()).rfind(|column| !record[*column].is_empty()).map_or(0, |last| last + 1)
+}
+
+/// The place of a column that the key `key` asks for.
+fn place(column: &Column, key: &'static str, first: &StringRecord, line: u64) -> Result<usize, TraceFault> {
+    match column {
+        Column::Number(number) => Ok(number - 1),
+        Column::Name(name) => first.iter().position(|cell| cell == name).ok_or_else(|| {
+            TraceFault::new(key, format!("line {line}: no such column in {:?}", headings(first)))
+        }),
+    }
+}
+
+fn headings(first: &StringRecord) -> Vec<&str> {
+    first.iter().take(20).collect()
+}
+
+/// The column of times: as told, or the heading that names a time, or without headings the first of several.
+fn clock(
+    first: &StringRecord,
+    line: u64,
+    asked: &Asked,
+    has_heading: bool,
+) -> Result<Option<Clock>, TraceFault> {
+    let unit_of = |column: usize| first.get(column).filter(|_| has_heading).and_then(unit_of);
+    match &asked.clock {
+        AskedClock::Ignored => Ok(None),
+        AskedClock::Column(told) => {
+            let column = place(told, "time_column", first, line)?;
+            let unit_s = unit_of(column).unwrap_or(1.0);
+            Ok(Some(Clock { column, unit_s, is_named: true, is_told: true, key: "time_column" }))
+        }
+        AskedClock::Unset if has_heading => {
+            let preferred = first.iter().position(|cell| cell == TIME);
+            let column = preferred.or_else(|| (0..first.len()).find(|column| unit_of(*column).is_some()));
+            Ok(column.map(|column| {
+                let unit_s = unit_of(column).unwrap_or(1.0);
+                Clock { column, unit_s, is_named: true, is_told: false, key: "path" }
+            }))
+        }
+        AskedClock::Unset => {
+            let several = first.len() > 1;
+            Ok(several.then_some(Clock {
+                column: 0,
+                unit_s: 1.0,
+                is_named: false,
+                is_told: false,
+                key: "path",
+            }))
+        }
+    }
+}
+
+/// The column of samples where none is asked for: by its heading, or the only one beside the times.
+fn only_other(first: &StringRecord, clock: Option<Clock>, has_heading: bool) -> Result<usize, TraceFault> {
+    let by_heading = first.iter().position(|cell| has_heading && cell == ACCELERATION);
+    let beside = clock.filter(|_| first.len() == 2).map(|clock| 1 - clock.column.min(1));
+    by_heading.or(beside).ok_or_else(|| {
+        let wanted = if has_heading {
+            format!("{} of {:?}", Column::WANTED, headings(first))
+        } else {
+            Column::WANTED.to_owned()
+        };
+        TraceFault::missing("column", wanted)
+    })
+}
