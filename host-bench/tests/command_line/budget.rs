@@ -122,6 +122,26 @@ fn the_ledger_of_a_whole_day_on_the_store_closes_in_single_precision() {
 }
 
 #[test]
+fn two_storages_at_once_are_refused() {
+    for (storage, key) in [
+        ("{preset='ltc3588-1-3v3'}", "node.storage.preset"),
+        ("{capacitance_f=4e-3}", "node.storage.capacitance_f = 4e-3"),
+        ("{leakage_ohm=1e9}", "node.storage.leakage_ohm"),
+        ("{initial_v=6.0}", "node.storage.initial_v = 6.0"),
+    ] {
+        let storage = format!("node.storage={storage}");
+        let arguments = ["budget", NODE, "--set", BRIDGED, "--set", &storage];
+        refused(&arguments, &[key, "must not be given beside the storage in [load]"]);
+    }
+    let drawn = "load.draw={kind='current',value=1e-6,turn_on_v=5.0,turn_off_v=4.0}";
+    refused(
+        &["budget", NODE, "--set", BRIDGED, "--set", drawn, "--set", "node.storage={turn_on_v=4.5}"],
+        &["node.storage.turn_on_v = 4.5", "give load.draw.turn_on_v"],
+    );
+    refused(&["budget", NODE, "--set", BRIDGED], &[NODE, "node.storage.preset = \"bq25504\""]);
+}
+
+#[test]
 fn what_a_node_must_not_be_is_refused() {
     let with = |change: &'static str, parts: &[&str]| {
         refused(&["budget", NODE, "--set", change], parts);
@@ -142,7 +162,11 @@ fn what_a_node_must_not_be_is_refused() {
     with("node.storage={}", &["node.storage.capacitance_f: is missing"]);
     refused(&["budget", NODE, "--learning-days", "1000"], &["--learning-days 1000", "at most 366"]);
     refused(&["budget", NODE, "--svg", "/nowhere/day.svg"], &["--svg /nowhere/day.svg", "must be a folder"]);
-    refused(&["budget", NODE, "--set", BRIDGED, "--exact"], &["charging_efficiency: 0.8 must be 1"]);
+    let lossy = "node.storage={charging_efficiency=0.8}";
+    refused(
+        &["budget", NODE, "--set", BRIDGED, "--set", lossy, "--exact"],
+        &["charging_efficiency: 0.8 must be 1"],
+    );
     let bump_stop = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
     refused(&["budget", bump_stop, "--exact"], &["node: is missing"]);
 }

@@ -110,6 +110,9 @@ fn storage(
         (None, None) => section.table("storage")?,
     };
     table.bounded_by(STORAGE);
+    if let Some(store) = of_load {
+        one_storage(&mut table, store.draw)?;
+    }
     let own = preset::preset(&mut table)?;
     let part = own.or(part_of_load);
     let lockout = own
@@ -137,6 +140,20 @@ fn storage(
     in_order(&table, &storage)?;
     table.finish()?;
     Ok(storage)
+}
+
+/// Refuses keys that state a storage beside the one in `[load]`, which has this draw.
+fn one_storage(section: &mut Section<'_>, draw: Draw) -> Result<(), SceneError> {
+    let of_draw = lockout_of_draw(draw).map_or(&[][..], |_| &["turn_on_v", "turn_off_v"]);
+    let of_storage = ["preset", "capacitance_f", "leakage_ohm", "initial_v"];
+    for key in of_storage.iter().chain(of_draw) {
+        if section.has(key) {
+            let table = if of_draw.contains(key) { "load.draw" } else { "load" };
+            let reason = format!("must not be given beside the storage in [load]; give {table}.{key}");
+            return Err(section.refuse(key, reason));
+        }
+    }
+    Ok(())
 }
 
 fn lockout_of_part(part: Preset<f64>) -> Option<Lockout> {
