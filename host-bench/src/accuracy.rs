@@ -34,11 +34,14 @@ const FINER: usize = 4;
 /// Runs a scene, with the accuracy of its mean power and its warnings. A bump-stop run without a given step is repeated
 /// with half the step until the estimate meets the accuracy.
 pub fn run_with_accuracy(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
-    let options = &Options { halvings: chosen_halvings(scene, options), blocks: true, ..*options };
+    let asked = options.accuracy;
+    // The halvings meet it; the run itself has no rule for it.
+    let accuracy = if has_own_steps(scene, options) { None } else { asked };
+    let options = &Options { halvings: chosen_halvings(scene, options), blocks: true, accuracy, ..*options };
     let mut outcome = run_scene(scene, options)?;
     if options.method != Method::Reference {
         outcome.accuracy = statement(scene, options, &outcome).summed();
-        outcome.warnings.extend(warning(&outcome.accuracy, options));
+        outcome.warnings.extend(warning(&outcome.accuracy, asked));
     }
     outcome.warnings.extend(imbalance(&outcome));
     Ok(outcome)
@@ -54,15 +57,20 @@ pub fn imbalance(outcome: &Outcome) -> Option<String> {
     })
 }
 
+/// Whether the library runs a bump-stop scene: by steps, which an accuracy can choose.
+fn has_own_steps(scene: &Scene, options: &Options) -> bool {
+    let own = matches!(options.method, Method::Auto | Method::DiscreteGradient);
+    own && matches!(scene.model, Model::BumpStop(_))
+}
+
 /// The halvings of the default step with which a bump-stop run meets its accuracy, by pairs of runs in double precision;
 /// 0 for any other run.
 fn chosen_halvings(scene: &Scene, options: &Options) -> u32 {
-    let given = options.step_s.is_some() || options.long_step_s.is_some();
-    let own = matches!(options.method, Method::Auto | Method::DiscreteGradient);
-    if given || !own || !matches!(scene.model, Model::BumpStop(_)) {
+    if !has_own_steps(scene, options) || options.step_s.is_some() || options.long_step_s.is_some() {
         return 0;
     }
     let accuracy = options.accuracy.unwrap_or(BUMP_STOP_ACCURACY);
+    let options = &Options { accuracy: None, ..*options };
     let mut coarse = companion(scene, &in_double_precision(options, 0));
     let mut last = f64::INFINITY;
     for halvings in 1..=MOST_HALVINGS {
@@ -169,13 +177,13 @@ fn cubic([before, left, right, after]: [f64; 4], x: f64) -> f64 {
 }
 
 /// The warning of a statement that is unknown or notable.
-fn warning(accuracy: &Accuracy, options: &Options) -> Option<String> {
+fn warning(accuracy: &Accuracy, asked: Option<f64>) -> Option<String> {
     let Some(total) = accuracy.total else {
         return Some(
             "accuracy: the error of the mean power is unknown: a run to compare with did not end".to_owned(),
         );
     };
-    let missed = options.accuracy.is_some_and(|asked| total > asked);
+    let missed = asked.is_some_and(|asked| total > asked);
     (missed || total > NOTABLE).then(|| {
         let sources = [
             ("the step", accuracy.step),

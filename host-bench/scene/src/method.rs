@@ -62,26 +62,28 @@ pub enum Math {
 /// How to run a scene. The method chooses what is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, clap::Args)]
 pub struct Options {
-    /// Integration method
+    /// Integration method; a scene refuses a method that it does not have
     #[arg(long, value_enum, default_value_t)]
     pub method: Method,
-    /// Precision of the embedded core
+    /// Precision of the embedded core [default: f64; f32 with micromath]
     #[arg(long, value_enum)]
     pub precision: Option<Precision>,
-    /// Elementary functions of the embedded core
+    /// Elementary functions of the embedded core [default: polynomial]
     #[arg(long, value_enum)]
     pub math: Option<Math>,
-    /// Fixed step in seconds
+    /// Fixed step in seconds; of a bump-stop scene near contact, throughout without --long-step [default: by --tolerance;
+    /// 1e-6 near contact of a bump-stop scene; rk4: what is stable]
     #[arg(long = "step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
     pub step_s: Option<f64>,
-    /// Step in seconds of a bump-stop scene in free flight; --step is then that near contact
+    /// Step in seconds of a bump-stop scene in free flight, at least that near contact [default: --step, 2e-5 without]
     #[arg(long = "long-step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
     pub long_step_s: Option<f64>,
-    /// Relative error of the mean power that a run aims at, 1e-6 (1e-3 in a bump-stop scene) by default: the run
-    /// chooses tolerance or steps
+    /// Relative error of the mean power to aim at, by exponential Radau or in `run` of a bump-stop scene; tolerance or steps
+    /// follow [default: 1e-6; 1e-3 in a bump-stop scene]
     #[arg(long, value_name = "REL", conflicts_with_all = ["step_s", "tolerance"], allow_hyphen_values = true)]
     pub accuracy: Option<f64>,
-    /// Relative tolerance of the adaptive step
+    /// Relative tolerance of the adaptive step of a triboelectric scene [default: by --accuracy; 1e-5 with tr-bdf2, 1e-12
+    /// with the reference]
     #[arg(long, value_name = "REL", allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
     /// Distance in s of the rows of the recorded motion.
@@ -174,6 +176,14 @@ impl Options {
                 "--step: must not be given for the reference, which adapts its step",
             ),
             (
+                reference && self.long_step_s.is_some(),
+                "--long-step: must not be given for the reference, which adapts its step",
+            ),
+            (
+                reference && self.accuracy.is_some(),
+                "--accuracy: must not be given for the reference; give --tolerance",
+            ),
+            (
                 steady_state && reference,
                 "--method reference: must be of the core for a steady state, such as exponential-radau",
             ),
@@ -198,18 +208,30 @@ impl Options {
                 "excitation.kind: must be \"sine\" with a frequency_hz above 0 for a periodic steady state",
             );
         }
-        let bridge = !matches!(scene.load, Load::Resistor { .. });
+        let is_bump_stop = matches!(scene.model, Model::BumpStop(_));
+        refuse_first(&[
+            (
+                is_bump_stop && self.method == Method::ExponentialRadau,
+                "--method exponential-radau: must be with a triboelectric scene; a bump-stop scene has \
+                 discrete-gradient, tr-bdf2, rk4, newmark and reference",
+            ),
+            (
+                is_bump_stop && self.accuracy.is_some(),
+                "--accuracy: must be with a triboelectric scene, or with run and the library's method; give --step",
+            ),
+            (
+                is_bump_stop && self.method == Method::Reference && self.tolerance.is_some(),
+                "--tolerance: must not be given for the reference of a bump-stop scene, which is exact from event to \
+                 event",
+            ),
+        ])?;
         // The storage behind a bridge fills: its voltage is not periodic.
-        let by_peer = matches!(self.method, Method::TrBdf2 | Method::Rk4 | Method::Newmark);
-        if self.accuracy.is_some() && by_peer {
-            return Err(Failure::Input(
-                "--accuracy: must be with a method that chooses its steps; give --step".to_owned(),
-            ));
-        }
+        let bridge = !matches!(scene.load, Load::Resistor { .. });
         if bridge && self.steady_state {
             return refuse("load.kind: must be \"resistor\" for a periodic steady state");
         }
-        if bridge && by_peer && matches!(scene.model, Model::BumpStop(_)) {
+        let by_peer = matches!(self.method, Method::TrBdf2 | Method::Rk4 | Method::Newmark);
+        if bridge && by_peer && is_bump_stop {
             return refuse("load.kind: must be \"resistor\" for this scene by this method");
         }
         Ok(())

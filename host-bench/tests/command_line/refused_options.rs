@@ -1,6 +1,9 @@
 //! Options that make no sense.
 
-use super::tool::{SHIPPED, folder, refused};
+use host_bench::embedded;
+use host_bench::reference::ReferenceOptions;
+
+use super::tool::{SHIPPED, accepted, folder, refused};
 
 #[test]
 fn of_the_command_line_itself() {
@@ -56,6 +59,55 @@ fn of_a_run() {
     }
     let left = std::fs::read_dir(&folder).expect("the folder").count();
     assert_eq!(left, 0, "nothing is written");
+}
+
+const BUMP_STOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
+
+#[test]
+fn that_the_method_or_the_scene_does_not_use() {
+    for (scene, options, parts) in [
+        (BUMP_STOP, "--method exponential-radau", ["--method exponential-radau", "triboelectric"]),
+        (BUMP_STOP, "--method reference --tolerance 1e-3", ["--tolerance", "exact"]),
+        (BUMP_STOP, "--method reference --long-step 1e-5", ["--long-step", "reference"]),
+        (BUMP_STOP, "--method tr-bdf2 --long-step 1e-5", ["--long-step", "discrete-gradient"]),
+        (BUMP_STOP, "--method newmark --precision f32", ["--precision f32", "must be f64"]),
+        (BUMP_STOP, "--method rk4 --math libm", ["--math", "host"]),
+        (BUMP_STOP, "--accuracy 1e-3", ["--accuracy", "triboelectric"]),
+        (BUMP_STOP, "--step 1e-6 --long-step 1e-7", ["--long-step 0.0000001", "at least 0.000001 s"]),
+        (BUMP_STOP, "--long-step 1e-7", ["--long-step 0.0000001", "at least 0.000001 s"]),
+        (SHIPPED, "--method discrete-gradient", ["--method discrete-gradient", "bump-stop"]),
+        (SHIPPED, "--method newmark", ["--method newmark", "bump-stop"]),
+        (SHIPPED, "--long-step 1e-3", ["--long-step", "bump-stop"]),
+        (SHIPPED, "--method reference --long-step 1e-3", ["--long-step", "reference"]),
+        (SHIPPED, "--method reference --accuracy 1e-3", ["--accuracy", "give --tolerance"]),
+        (SHIPPED, "--method tr-bdf2 --accuracy 1e-3", ["--accuracy", "exponential-radau"]),
+        (SHIPPED, "--method rk4 --tolerance 1e-3", ["--tolerance", "rk4"]),
+    ] {
+        let short = ["--set", "run.duration_s=0.01", "--set", "run.settle_s=0"];
+        let arguments: Vec<&str> =
+            ["run", scene].into_iter().chain(options.split(' ')).chain(short).collect();
+        refused(&arguments, &parts);
+    }
+    refused(&["work-precision", "--grid", "--peers", "all"], &["--grid", "--peers"]);
+}
+
+#[test]
+fn help_names_the_defaults_that_hold() {
+    let help = accepted(&["run", "--help"]);
+    let lines: Vec<&str> = help.lines().map(str::trim).collect();
+    for (option, default) in [
+        ("--accuracy", format!("{:e}", embedded::DEFAULT_ACCURACY)),
+        ("--tolerance", format!("{:e} with tr-bdf2", embedded::DEFAULT_TOLERANCE)),
+        ("--tolerance", format!("{:e} with the reference", ReferenceOptions::default().tolerance)),
+        ("--precision", "default: f64; f32 with micromath".to_owned()),
+        ("--math", "default: polynomial".to_owned()),
+        ("--step", "1e-6 near contact".to_owned()),
+        ("--long-step", "2e-5".to_owned()),
+    ] {
+        let place =
+            lines.iter().position(|line| line.starts_with(&format!("{option} <"))).expect("an option");
+        assert!(lines[place + 1].contains(&default), "{option}: {default} is not in {}", lines[place + 1]);
+    }
 }
 
 #[test]

@@ -136,6 +136,11 @@ fn steps(options: &Options) -> Result<[f64; 2], Failure> {
             return Err(Failure::Input(format!("{name} {step}: must be at most {LONGEST_STEP_S:.6} s")));
         }
     }
+    if long < short {
+        return Err(Failure::Input(format!(
+            "--long-step {long}: must be at least {short} s, the step near contact (--step)"
+        )));
+    }
     Ok([short, long].map(|step| step * options.refinement()))
 }
 
