@@ -19,7 +19,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::method::{Failure, Options};
 use crate::outcome::Format;
-use crate::scene_file::Override;
+use crate::scene_file::{Override, replaces};
 
 /// Arguments that `run`, `sweep` and `resonance` have in common.
 #[derive(Debug, Clone, clap::Args)]
@@ -32,9 +32,38 @@ pub struct SceneArguments {
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Another value for a key of the scene, such as run.duration_s=5; may be repeated
+    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<Override>,
+}
+
+/// A key or a table of a scene that a command does not use, and what does.
+pub(crate) type Unused = (&'static str, &'static str);
+/// The table of which only `budget` makes use.
+pub(crate) const NODE: Unused = ("node", "[node] is of the command budget");
+
+/// Refuses options that set a key of the scene which `unused` has, or which a later one replaces. An option is its name
+/// and its key, in the order in which they apply.
+pub(crate) fn check_keys(options: &[(&str, &str)], unused: &[Unused]) -> Result<(), Failure> {
+    for (index, (option, key)) in options.iter().enumerate() {
+        let of = |(table, _): &&Unused| {
+            key.strip_prefix(*table).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        if let Some((_, reason)) = unused.iter().find(of) {
+            return Err(Failure::Input(format!("{option} {key}: is not used here: {reason}")));
+        }
+        if let Some((other, before)) = options[..index].iter().find(|(_, before)| replaces(key, before)) {
+            let text = format!("{option} {key}: must not be given after {other} {before}, which it replaces");
+            return Err(Failure::Input(text));
+        }
+    }
+    Ok(())
+}
+
+/// As [`check_keys`], for the option `--set` alone.
+pub(crate) fn check_overrides(overrides: &[Override], unused: &[Unused]) -> Result<(), Failure> {
+    let options: Vec<(&str, &str)> = overrides.iter().map(|change| ("--set", change.key())).collect();
+    check_keys(&options, unused)
 }
 
 /// Prints a failure as one line on standard error, and gives its exit code.

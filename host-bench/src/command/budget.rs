@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{make_folder, print, report_folder, writable, write_whole};
+use super::{check_overrides, make_folder, print, report_folder, writable, write_whole};
 use crate::budget::outcome::Source;
 use crate::budget::{income, picture, simulate};
 use crate::method::{Failure, Precision};
@@ -51,9 +51,13 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
         writable("--svg", file)?;
     }
     let (scene, node) = scene_file::read_with_node(&arguments.scene, &arguments.overrides)?;
+    check_overrides(&arguments.overrides, &[])?;
     let options = income::options(&scene, arguments.precision, arguments.tolerance);
     options.check()?;
     let bridged = matches!(scene.load, Load::RectifiedStore(_));
+    if arguments.exact && !bridged {
+        check_overrides(&arguments.overrides, &[("run", "--exact runs the whole day")])?;
+    }
     let (income, whole_day) = if arguments.exact && !bridged {
         let (income, day) = income::exact(&scene, &node, &options)?;
         (income, Some((day.steps, day.energy_residual)))

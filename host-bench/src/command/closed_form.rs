@@ -6,13 +6,20 @@ use serde_json::json;
 
 use super::sweep::picture::{self, Quantity};
 use super::sweep::{Axis, points_of, values};
-use super::{make_folder, print, progress, write_whole};
+use super::{NODE, Unused, check_overrides, make_folder, print, progress, write_whole};
 use crate::closed_form::estimate;
 use crate::closed_form::map::{Place, Point, Summary, map};
 use crate::method::{Failure, Precision};
 use crate::outcome::{Fields, Format, fields, rows_csv, text};
 use crate::scene_file::{self, Excitation, Load, Override, Scene};
 
+/// Keys that a closed form does not use without the map.
+const UNUSED: [Unused; 4] = [
+    NODE,
+    ("excitation.phase_rad", "a closed form is that of the steady motion; --map has trajectories"),
+    ("run", "a closed form is that of the steady motion; --map has trajectories"),
+    ("initial", "a closed form is that of the steady motion; --map has trajectories"),
+];
 /// Most points of a map.
 const MOST: usize = 100_000;
 /// An error below this is drawn as this.
@@ -29,7 +36,7 @@ pub struct ClosedFormArguments {
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-    /// Another value for a key of the scene, such as run.duration_s=5; may be repeated
+    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
     /// Compare with the trajectory over amplitude, frequency and load around the scene's own
@@ -65,6 +72,7 @@ fn axis(key: &'static str) -> impl Fn(&str) -> Result<Axis, String> + Clone + Se
 /// Prints the closed form of the scene, or the map of its error.
 pub fn run(arguments: &ClosedFormArguments) -> Result<(), Failure> {
     let scene = scene_file::read(&arguments.scene, &arguments.overrides)?;
+    check_overrides(&arguments.overrides, if arguments.map { &[NODE] } else { &UNUSED })?;
     let found = estimate(&scene, arguments.precision)?;
     if !arguments.map {
         let mut named = fields(&json!({ "scene": scene.name() }));

@@ -2,13 +2,19 @@
 
 use serde_json::json;
 
-use super::{SceneArguments, print};
+use super::{NODE, SceneArguments, Unused, check_overrides, print};
 use crate::embedded::resonance_peak;
 use crate::method::Failure;
 use crate::outcome::text;
 use crate::scene_file;
 use crate::steady_state::DEFAULT_POINTS;
 
+/// Keys that the search does not use.
+const UNUSED: [Unused; 3] = [
+    NODE,
+    ("run", "the steady state does not depend on the length of a run"),
+    ("excitation.frequency_hz", "--from and --to give the frequencies"),
+];
 /// Most frequencies of a scan.
 const MOST_POINTS: usize = 100_000;
 
@@ -43,6 +49,7 @@ pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
         return refuse(format!("--points {points}: must be from 3 to {MOST_POINTS}"));
     }
     let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
+    check_overrides(&arguments.scene.overrides, &UNUSED)?;
     let (found, periods) = resonance_peak(&scene, [from, to], points, &arguments.scene.options)?;
     let Some(found) = found else {
         return Err(Failure::Step(format!("no stable orbit of one period from {from} to {to} Hz")));

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{SceneArguments, print, tell, writable, write_whole};
+use super::{NODE, SceneArguments, check_overrides, print, tell, writable, write_whole};
 use crate::accuracy::{imbalance, run_with_accuracy};
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
@@ -39,6 +39,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         writable("--trace", file)?;
     }
     let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
+    check_overrides(&arguments.scene.overrides, &[NODE])?;
     let outcome = if arguments.no_accuracy {
         let mut outcome = run_scene(&scene, &options)?;
         outcome.warnings.extend(imbalance(&outcome));

@@ -13,7 +13,7 @@ use serde_json::json;
 pub use self::axis::Axis;
 use self::picture::Quantity;
 use self::shooting::{Compared, compared};
-use super::{SceneArguments, make_folder, print, progress, tell, write_whole};
+use super::{NODE, SceneArguments, check_keys, make_folder, print, progress, tell, write_whole};
 use crate::method::{Failure, Options};
 use crate::outcome::{self, Fields, Format, Outcome, fields, number, rows_csv};
 use crate::run::try_run_scene;
@@ -67,6 +67,9 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     (0..count)
         .into_par_iter()
         .try_for_each(|index| options.check_scene(&scene(arguments, &values(axes, index))?))?;
+    let overrides = arguments.scene.overrides.iter().map(|change| ("--set", change.key()));
+    let keys = overrides.chain(axes.iter().map(|axis| ("--over", axis.key.as_str())));
+    check_keys(&keys.collect::<Vec<_>>(), &[NODE])?;
     let bar = progress(count);
     let points: Result<Vec<Point>, Failure> = (0..count)
         .into_par_iter()

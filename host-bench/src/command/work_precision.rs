@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{json_text, one_more, print, progress};
+use super::{NODE, check_overrides, json_text, one_more, print, progress};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::scene_file::{self, Model, Override, Scene};
@@ -20,7 +20,7 @@ pub struct WorkPrecisionArguments {
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-    /// Another value for a key of each scene, such as run.duration_s=5; may be repeated
+    /// Another value for a key of each scene, such as load.resistance_ohm=1e6; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
     /// Beside peers: the core alone and general integrators of other crates, on these scenes of a fixed list, or on all;
@@ -64,6 +64,7 @@ const SHIPPED: [(&str, &str, bool); 9] = [
 
 /// Runs the comparison and prints it.
 pub fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
+    check_overrides(&arguments.overrides, &[NODE])?;
     if arguments.grid {
         return run_grid(arguments);
     }

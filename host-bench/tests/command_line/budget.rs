@@ -167,6 +167,10 @@ fn what_a_node_must_not_be_is_refused() {
         &["budget", NODE, "--set", BRIDGED, "--set", lossy, "--exact"],
         &["charging_efficiency: 0.8 must be 1"],
     );
+    refused(
+        &["budget", NODE, "--exact", "--set", "run.duration_s=20"],
+        &["--set run.duration_s", "--exact runs the whole day"],
+    );
     let bump_stop = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
     refused(&["budget", bump_stop, "--exact"], &["node: is missing"]);
 }

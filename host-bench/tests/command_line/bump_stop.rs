@@ -68,7 +68,7 @@ fn the_shipped_cases_rank_as_in_the_paper() {
 fn the_start_may_be_chosen() {
     let start = "initial={modal_displacement=[-1e-7,0,0,0,0,0],rod_modal_velocity=[1e-6,0],voltage_v=2.5}";
     let still = "excitation={kind=\"silence\"}";
-    let found = outcome(SHIPPED, &[&SHORT[..], &[start, still, "run.settle_s=0"]].concat());
+    let found = outcome(SHIPPED, &[&SHORT[..3], &[start, still, "run.settle_s=0"]].concat());
     assert!(number(&found, "peak_voltage_v") >= 2.5);
     assert!((number(&found, "peak_tip_displacement_m") / 31.974_430_7e-7 - 1.0).abs() < 0.5);
     assert!(found["contacts_per_period"].is_null());

@@ -1,6 +1,6 @@
-//! Keys that are misspelt, and files that are not TOML.
+//! Keys that are misspelt, given twice, or of no use to the command; and files that are not TOML.
 
-use super::tool::{SHIPPED, file, folder, refused};
+use super::tool::{SHIPPED, accepted, file, folder, refused};
 
 const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
 
@@ -57,4 +57,70 @@ fn what_is_not_toml_is_shown_with_its_line() {
         &["run", &scene],
         &[&format!("{scene}:{}: is not TOML: duplicate key", line + 1), "damping_ratio = 0.01"],
     );
+}
+
+#[test]
+fn a_key_that_another_option_replaces() {
+    let over = ["--over", "load.resistance_ohm=1e6:1e8:2"];
+    for (command, options, parts) in [
+        (
+            "run",
+            &["run.settle_s=0", "run.settle_s=1"][..],
+            ["--set run.settle_s", "after --set run.settle_s"],
+        ),
+        (
+            "run",
+            &["run.settle_s=0", "run.settle_periods=1"],
+            ["--set run.settle_periods", "after --set run.settle_s"],
+        ),
+        (
+            "run",
+            &["excitation.frequency_hz=9", " excitation . frequency_hz=8"],
+            ["--set excitation.frequency_hz", "after"],
+        ),
+        (
+            "run",
+            &["load.resistance_ohm=1", "load={kind='resistor',resistance_ohm=2}"],
+            ["--set load:", "after --set load.resistance_ohm"],
+        ),
+        (
+            "closed-form",
+            &["load.resistance_ohm=1", "load.resistance_ohm=1"],
+            ["--set load.resistance_ohm", "after"],
+        ),
+        (
+            "sweep",
+            &["load.resistance_ohm=1"],
+            ["--over load.resistance_ohm", "after --set load.resistance_ohm"],
+        ),
+    ] {
+        let sets = options.iter().flat_map(|change| ["--set", change]);
+        let arguments: Vec<&str> = [command, SHIPPED].into_iter().chain(sets).collect();
+        let of_sweep = if command == "sweep" { &over[..] } else { &[] };
+        refused(&[&arguments[..], of_sweep].concat(), &parts);
+    }
+    // A part of what was set before.
+    let tones = "excitation={kind='sines',tones=[{amplitude_g=0.1,frequency_hz=20}]}";
+    let louder = "excitation.tones.0.amplitude_g=0.2";
+    let short = ["--set", "run.duration_s=0.01", "--set", "run.settle_s=0"];
+    accepted(&[&["run", SHIPPED, "--set", tones, "--set", louder], &short[..]].concat());
+}
+
+#[test]
+fn a_key_that_the_command_does_not_use() {
+    let node = ["--set", "node.update_s=30"];
+    let of_node = ["--set node.update_s", "[node] is of the command budget"];
+    refused(&[&["run", NODE], &node[..]].concat(), &of_node);
+    refused(&[&["closed-form", NODE], &node[..]].concat(), &of_node);
+    refused(&[&["closed-form", NODE, "--map"], &node[..]].concat(), &of_node);
+    refused(&[&["work-precision", NODE], &node[..]].concat(), &of_node);
+    refused(&["sweep", NODE, "--over", "node.update_s=1:2:2"], &["--over node.update_s", of_node[1]]);
+    let resonance = ["resonance", SHIPPED, "--from", "19", "--to", "21"];
+    for key in ["run.duration_s=20", "run.settle_periods=1", "excitation.frequency_hz=19"] {
+        let told = format!("--set {}", key.split('=').next().unwrap_or(key));
+        refused(&[&resonance[..], &["--set", key]].concat(), &[&told, "is not used here"]);
+    }
+    for key in ["run.duration_s=20", "initial.gap_m=1e-3"] {
+        refused(&["closed-form", SHIPPED, "--set", key], &["is not used here", "--map"]);
+    }
 }
