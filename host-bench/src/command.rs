@@ -3,6 +3,7 @@
 pub mod budget;
 pub mod closed_form;
 pub mod figures;
+mod files;
 pub mod on_target;
 pub mod overview;
 pub mod resonance;
@@ -12,7 +13,7 @@ pub mod sweep;
 pub mod work_precision;
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -36,6 +37,9 @@ pub struct SceneArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<Override>,
 }
+
+/// The shipped scenes of the reports.
+pub(crate) const SHIPPED_SCENES: [&str; 3] = ["contact-separation", "sliding", "bump-stop"];
 
 /// A key or a table of a scene that a command does not use, and what does.
 pub(crate) type Unused = (&'static str, &'static str);
@@ -118,53 +122,10 @@ pub(crate) fn one_more(bar: &ProgressBar) {
     }
 }
 
-/// The folder of reports, in that of the caller.
-pub(crate) fn report_folder() -> PathBuf {
-    PathBuf::from("report")
-}
-
 /// A value as JSON over several lines, line break included.
 pub(crate) fn json_text(value: &impl serde::Serialize) -> Result<String, Failure> {
     match serde_json::to_string_pretty(value) {
         Ok(text) => Ok(text + "\n"),
         Err(error) => Err(Failure::Input(format!("--format json: {error}"))),
     }
-}
-
-/// Makes a folder and those above it, where they do not exist.
-pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::Input(format!("{}: cannot be made: {error}", folder.display())))
-}
-
-/// Refuses a file that could not be written, before the runs are made.
-pub(crate) fn writable(option: &str, file: &Path) -> Result<(), Failure> {
-    let folder = folder_of(file);
-    let reason = if file.is_dir() || file.file_name().is_none() {
-        "is a folder, must be a file".to_owned()
-    } else if !folder.is_dir() {
-        format!("{} must be a folder", folder.display())
-    } else {
-        return Ok(());
-    };
-    Err(Failure::Input(format!("{option} {}: {reason}", file.display())))
-}
-
-fn folder_of(file: &Path) -> &Path {
-    match file.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    }
-}
-
-/// Writes a file whole or not at all: to a temporary file beside it, which is then renamed.
-pub(crate) fn write_whole(file: &Path, text: &str) -> Result<(), Failure> {
-    let mut name = file.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = folder_of(file).join(name);
-    std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, file)).map_err(|error| {
-        // Removes the temporary file, if it was made.
-        let _ = std::fs::remove_file(&part);
-        Failure::Input(format!("{}: cannot be written: {error}", file.display()))
-    })
 }

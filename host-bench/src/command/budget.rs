@@ -2,13 +2,16 @@
 
 use std::path::PathBuf;
 
-use super::{check_overrides, make_folder, print, report_folder, writable, write_whole};
+use super::files::{Outputs, make_folder, report_folder};
+use super::{check_overrides, print};
 use crate::budget::outcome::Source;
 use crate::budget::{income, picture, simulate};
 use crate::method::{Failure, Precision};
 use crate::outcome::Format;
 use crate::scene_file::{self, Load, Override};
 
+/// The picture, and the page with it.
+const REPORT: [&str; 2] = ["budget.svg", "budget.html"];
 /// Most days before the day that is shown.
 const MOST_LEARNING_DAYS: u32 = 366;
 
@@ -47,13 +50,15 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
         let text = format!("--learning-days {learning_days}: must be at most {MOST_LEARNING_DAYS}");
         return Err(Failure::Input(text));
     }
-    if let Some(file) = &arguments.svg {
-        writable("--svg", file)?;
-    }
     let (scene, node) = scene_file::read_with_node(&arguments.scene, &arguments.overrides)?;
     check_overrides(&arguments.overrides, &[])?;
     let options = income::options(&scene, arguments.precision, arguments.tolerance);
     options.check()?;
+    let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?;
+    match &arguments.svg {
+        Some(file) => outputs.check("--svg", file)?,
+        None => outputs.check_in("", &report_folder(), &REPORT)?,
+    }
     let bridged = matches!(scene.load, Load::RectifiedStore(_));
     if arguments.exact && !bridged {
         check_overrides(&arguments.overrides, &[("run", "--exact runs the whole day")])?;
@@ -81,12 +86,13 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     let svg = picture::svg(&day)
         .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))?;
     match &arguments.svg {
-        Some(file) => write_whole(file, &svg)?,
+        Some(file) => outputs.write(file, &svg)?,
         None => {
             let folder = report_folder();
             make_folder(&folder)?;
-            write_whole(&folder.join("budget.svg"), &svg)?;
-            write_whole(&folder.join("budget.html"), &picture::page(&day, &source, &svg))?;
+            let [picture, page] = REPORT.map(|name| folder.join(name));
+            outputs.write(&picture, &svg)?;
+            outputs.write(&page, &picture::page(&day, &source, &svg))?;
         }
     }
     print(&day.text(&source, arguments.format))

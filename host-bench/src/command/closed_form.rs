@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
+use super::files::{Outputs, make_folder};
 use super::sweep::picture::{self, Quantity};
 use super::sweep::{Axis, points_of, values};
-use super::{NODE, Unused, check_overrides, make_folder, print, progress, write_whole};
+use super::{NODE, Unused, check_overrides, print, progress};
 use crate::closed_form::estimate;
 use crate::closed_form::map::{Place, Point, Summary, map};
 use crate::method::{Failure, Precision};
@@ -20,6 +21,8 @@ const UNUSED: [Unused; 4] = [
     ("run", "a closed form is that of the steady motion; --map has trajectories"),
     ("initial", "a closed form is that of the steady motion; --map has trajectories"),
 ];
+/// The table of a map.
+const TABLE: &str = "closed-form.csv";
 /// Most points of a map.
 const MOST: usize = 100_000;
 /// An error below this is drawn as this.
@@ -81,14 +84,20 @@ pub fn run(arguments: &ClosedFormArguments) -> Result<(), Failure> {
     }
     let axes = axes(arguments, &scene)?;
     let places = places(&axes)?;
+    let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?;
+    if let Some(folder) = &arguments.output {
+        let pictures: Vec<String> = (0..axes[0].count()).map(picture_name).collect();
+        let names: Vec<&str> = std::iter::once(TABLE).chain(pictures.iter().map(String::as_str)).collect();
+        outputs.check_in("--output", folder, &names)?;
+    }
     let bar = progress(places.len());
     let points = map(&scene, &places, arguments.precision, arguments.references, || bar.inc(1))?;
     bar.finish_and_clear();
     if let Some(folder) = &arguments.output {
         make_folder(folder)?;
-        write_whole(&folder.join("closed-form.csv"), &csv(&points))?;
+        outputs.write(&folder.join(TABLE), &csv(&points))?;
         for (name, picture) in pictures(scene.name(), &axes, &points)? {
-            write_whole(&folder.join(name), &picture)?;
+            outputs.write(&folder.join(name), &picture)?;
         }
     }
     print(&match arguments.format {
@@ -176,6 +185,11 @@ fn report(points: &[Point]) -> String {
     report
 }
 
+/// The name of the picture for a resistance.
+fn picture_name(index: usize) -> String {
+    format!("closed-form-{index}.svg")
+}
+
 /// A picture for each resistance: the power of ten of the error where the closed form is claimed to hold.
 fn pictures(scene: &str, axes: &[Axis; 3], points: &[Point]) -> Result<Vec<(String, String)>, Failure> {
     let [resistance, rest @ ..] = axes;
@@ -186,7 +200,7 @@ fn pictures(scene: &str, axes: &[Axis; 3], points: &[Point]) -> Result<Vec<(Stri
         let quantity =
             Quantity { name: "log10 of the error of mean power", values: points.iter().map(shown).collect() };
         let title = format!("{scene}, {:.3e} ohm: closed form against trajectory", resistance.value(index));
-        let name = format!("closed-form-{index}.svg");
+        let name = picture_name(index);
         match picture::draw(&title, rest, &[quantity]) {
             Ok(picture) => picture.map(|picture| Ok((name, picture))),
             Err(error) => Some(Err(Failure::Input(error))),

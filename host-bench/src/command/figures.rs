@@ -5,10 +5,14 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use comfy_table::presets;
 
-use super::{make_folder, print, progress, report_folder, tell, write_whole};
+use super::files::{Outputs, make_folder, report_folder};
+use super::{SHIPPED_SCENES, print, progress, tell};
 use crate::figures::{self, Chapter, Figure, Subject};
 use crate::method::Failure;
 use crate::outcome::table;
+
+/// The page of a harvester.
+const PAGE: &str = "index.html";
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct FiguresArguments {
@@ -30,22 +34,25 @@ pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
     let root = arguments.output.clone().unwrap_or_else(|| report_folder().join("figures"));
     let wanted = |subject: &Subject| arguments.only.is_empty() || arguments.only.contains(subject);
     let subjects: Vec<Subject> = Subject::value_variants().iter().copied().filter(wanted).collect();
+    let outputs = Outputs::of_shipped(SHIPPED_SCENES);
     // Made before the runs, so that a bad path is refused at once.
     for subject in &subjects {
-        make_folder(&root.join(subject.name()))?;
+        let folder = root.join(subject.name());
+        make_folder(&folder)?;
+        outputs.check("", &folder.join(PAGE))?;
     }
     let bar = progress(subjects.iter().map(|subject| subject.runs()).sum());
     for subject in subjects {
         let chapter = subject.build(&|| bar.inc(1))?;
         let folder = root.join(subject.name());
         for figure in &chapter.figures {
-            write_whole(&folder.join(format!("{}.csv", figure.stem())), &figure.csv)?;
+            outputs.write(&folder.join(format!("{}.csv", figure.stem())), &figure.csv)?;
             for panel in &figure.panels {
-                write_whole(&folder.join(format!("{}.svg", panel.name)), &panel.svg)?;
+                outputs.write(&folder.join(format!("{}.svg", panel.name)), &panel.svg)?;
             }
         }
-        let page = folder.join("index.html");
-        write_whole(&page, &figures::page(&chapter))?;
+        let page = folder.join(PAGE);
+        outputs.write(&page, &figures::page(&chapter))?;
         let labels: Vec<&str> = chapter.figures.iter().map(|figure| figure.label).collect();
         bar.suspend(|| {
             tell(&format!("figures: {}: {}: {}", subject.name(), labels.join(", "), page.display()));

@@ -1,20 +1,25 @@
 //! The default command: error against run time in short, and the report.
 
-use super::{make_folder, print, report_folder, tell, work_precision, write_whole};
+use super::files::{Outputs, make_folder, report_folder};
+use super::{SHIPPED_SCENES, print, tell, work_precision};
 use crate::method::Failure;
 use crate::report;
 use crate::work_precision::{Extent, table};
 
+/// The page of the report.
+const PAGE: &str = "index.html";
+
 /// Runs the short comparison, prints it and writes the report.
 pub fn run() -> Result<(), Failure> {
     let scenes = work_precision::shipped(&[], &Extent::SHORT)?;
+    let (outputs, folder) = (Outputs::of_shipped(SHIPPED_SCENES), report_folder());
+    outputs.check_in("", &folder, &[PAGE])?;
     let comparisons = work_precision::compare(&scenes, &Extent::SHORT)?;
     print(&table::text(&comparisons))?;
-    let folder = report_folder();
     let page = report::page(&comparisons).map_err(Failure::Input)?;
     make_folder(&folder)?;
-    let file = folder.join("index.html");
-    write_whole(&file, &page)?;
+    let file = folder.join(PAGE);
+    outputs.write(&file, &page)?;
     tell(&format!("report: {}", file.display()));
     Ok(())
 }

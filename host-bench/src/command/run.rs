@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::{NODE, SceneArguments, check_overrides, print, tell, writable, write_whole};
+use super::files::Outputs;
+use super::{NODE, SceneArguments, check_overrides, print, tell};
 use crate::accuracy::{imbalance, run_with_accuracy};
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
@@ -35,11 +36,12 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         ..arguments.scene.options
     };
     options.check()?;
-    if let Some(file) = &arguments.trace {
-        writable("--trace", file)?;
-    }
     let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
     check_overrides(&arguments.scene.overrides, &[NODE])?;
+    let outputs = Outputs::of(&arguments.scene.scene, &arguments.scene.overrides)?;
+    if let Some(file) = &arguments.trace {
+        outputs.check("--trace", file)?;
+    }
     let outcome = if arguments.no_accuracy {
         let mut outcome = run_scene(&scene, &options)?;
         outcome.warnings.extend(imbalance(&outcome));
@@ -48,7 +50,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         run_with_accuracy(&scene, &options)?
     };
     if let (Some(file), Some(recording)) = (&arguments.trace, &outcome.trace) {
-        write_whole(file, &recording.csv())?;
+        outputs.write(file, &recording.csv())?;
     }
     for warning in &outcome.warnings {
         tell(&format!("warning: {warning}"));

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::{json_text, one_more, print, progress, tell, writable, write_whole};
+use super::files::Outputs;
+use super::{SHIPPED_SCENES, json_text, one_more, print, progress, tell};
 use crate::method::Failure;
 use crate::outcome::{Format, csv_sections};
 use crate::scene_file;
@@ -50,8 +51,9 @@ const SCENES: [&str; 3] = [ContactSeparationSetting::SCENE, SlidingSetting::SCEN
 /// listed.
 pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
     let known = arguments.known.as_ref().map(|file| Known::read(file, &SCENES)).transpose()?;
+    let outputs = Outputs::of_shipped(SHIPPED_SCENES);
     if let Some(file) = &arguments.write_known {
-        writable("--write-known", file)?;
+        outputs.check("--write-known", file)?;
     }
     let kinds = arguments
         .scene
@@ -67,7 +69,7 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
     })?;
     let runs: Vec<Run> = reports.into_iter().flat_map(|report| report.runs).collect();
     match (&arguments.write_known, known) {
-        (Some(file), _) => write_whole(file, &Known::of(&runs).text()),
+        (Some(file), _) => outputs.write(file, &Known::of(&runs).text()),
         (None, Some(known)) => agree(&known, &runs),
         (None, None) => none_fails(&runs),
     }

@@ -13,7 +13,8 @@ use serde_json::json;
 pub use self::axis::Axis;
 use self::picture::Quantity;
 use self::shooting::{Compared, compared};
-use super::{NODE, SceneArguments, check_keys, make_folder, print, progress, tell, write_whole};
+use super::files::{Outputs, make_folder};
+use super::{NODE, SceneArguments, check_keys, print, progress, tell};
 use crate::method::{Failure, Options};
 use crate::outcome::{self, Fields, Format, Outcome, fields, number, rows_csv};
 use crate::run::try_run_scene;
@@ -21,6 +22,8 @@ use crate::scene_file::{self, Override, Scene, SceneError};
 
 /// Most points of a grid.
 const MOST: usize = 1_000_000;
+/// The table and the picture.
+const FILES: [&str; 2] = ["sweep.csv", "sweep.svg"];
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct SweepArguments {
@@ -58,18 +61,16 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     options.check()?;
     let axes = &arguments.axes;
     let count = check_axes(axes)?;
-    if let Some(folder) = &arguments.output
-        && folder.exists()
-        && !folder.is_dir()
-    {
-        return Err(Failure::Input(format!("--output {}: must be a folder", folder.display())));
-    }
+    let outputs = Outputs::of(&arguments.scene.scene, &arguments.scene.overrides)?;
     (0..count)
         .into_par_iter()
         .try_for_each(|index| options.check_scene(&scene(arguments, &values(axes, index))?))?;
     let overrides = arguments.scene.overrides.iter().map(|change| ("--set", change.key()));
     let keys = overrides.chain(axes.iter().map(|axis| ("--over", axis.key.as_str())));
     check_keys(&keys.collect::<Vec<_>>(), &[NODE])?;
+    if let Some(folder) = &arguments.output {
+        outputs.check_in("--output", folder, &FILES)?;
+    }
     let bar = progress(count);
     let points: Result<Vec<Point>, Failure> = (0..count)
         .into_par_iter()
@@ -85,7 +86,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         tell(&costs);
     }
     if let Some(folder) = &arguments.output {
-        write(arguments, folder, &points)?;
+        write(arguments, folder, &outputs, &points)?;
     }
     print(&match arguments.scene.format {
         Format::Table => table(axes, &points),
@@ -130,13 +131,19 @@ impl Point {
 }
 
 /// Writes the table, and the picture if there is one.
-fn write(arguments: &SweepArguments, folder: &Path, points: &[Point]) -> Result<(), Failure> {
+fn write(
+    arguments: &SweepArguments,
+    folder: &Path,
+    outputs: &Outputs,
+    points: &[Point],
+) -> Result<(), Failure> {
+    let [table, drawing] = FILES.map(|name| folder.join(name));
     let axes = &arguments.axes;
     let title = format!("{}, {:?}", arguments.scene.scene.display(), arguments.scene.options.method);
     let picture = picture::draw(&title, axes, &quantities(points)).map_err(Failure::Input)?;
     make_folder(folder)?;
-    write_whole(&folder.join("sweep.csv"), &csv(axes, points))?;
-    picture.map_or(Ok(()), |picture| write_whole(&folder.join("sweep.svg"), &picture))
+    outputs.write(&table, &csv(axes, points))?;
+    picture.map_or(Ok(()), |picture| outputs.write(&drawing, &picture))
 }
 
 fn none_failed(axes: &[Axis], points: &[Point]) -> Result<(), Failure> {

@@ -116,12 +116,17 @@ fn beside_peers(_: &WorkPrecisionArguments, _: &[String]) -> Result<(), Failure>
 /// Runs the comparison with the peers, prints it and writes its files.
 #[cfg(feature = "peers")]
 fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<(), Failure> {
-    use super::{one_more, tell, writable, write_whole};
+    use super::files::Outputs;
+    use super::{SHIPPED_SCENES, tell};
     use crate::work_precision::peers;
 
     let cases = peers::cases(names)?;
+    let outputs = Outputs::of_shipped(SHIPPED_SCENES);
+    if arguments.csv.is_some() && arguments.csv == arguments.picture {
+        return Err(Failure::Input("--picture: must be another file than --csv".to_owned()));
+    }
     for (option, file) in [("--csv", &arguments.csv), ("--picture", &arguments.picture)] {
-        file.as_ref().map_or(Ok(()), |file| writable(option, file))?;
+        file.as_ref().map_or(Ok(()), |file| outputs.check(option, file))?;
     }
     let bar = progress(cases.len());
     let compared = |case| {
@@ -132,10 +137,10 @@ fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<
     let comparisons: Vec<_> = cases.into_iter().map(compared).collect::<Result<_, _>>()?;
     bar.finish_and_clear();
     if let Some(file) = &arguments.csv {
-        write_whole(file, &peers::csv(&comparisons))?;
+        outputs.write(file, &peers::csv(&comparisons))?;
     }
     if let Some(file) = &arguments.picture {
-        write_whole(file, &peers::draw(&comparisons)?)?;
+        outputs.write(file, &peers::draw(&comparisons)?)?;
     }
     print(&match arguments.format {
         Format::Table => peers::text(&comparisons),
