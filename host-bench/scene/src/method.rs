@@ -184,6 +184,10 @@ impl Options {
                 "--accuracy: must not be given for the reference; give --tolerance",
             ),
             (
+                self.accuracy.is_some() && matches!(method, Method::TrBdf2 | Method::Rk4 | Method::Newmark),
+                "--accuracy: must be with --method auto, exponential-radau or discrete-gradient",
+            ),
+            (
                 steady_state && reference,
                 "--method reference: must be of the core for a steady state, such as exponential-radau",
             ),
@@ -217,7 +221,7 @@ impl Options {
             ),
             (
                 is_bump_stop && self.accuracy.is_some(),
-                "--accuracy: must be with a triboelectric scene, or with run and the library's method; give --step",
+                "--accuracy: must be with a triboelectric scene, or with run without --no-accuracy; give --step",
             ),
             (
                 is_bump_stop && self.method == Method::Reference && self.tolerance.is_some(),
