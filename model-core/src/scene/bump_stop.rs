@@ -49,6 +49,7 @@ mod contact_law;
 mod energies;
 mod harvester;
 mod identity;
+mod impact;
 mod mode_step;
 mod parameters;
 mod reach;
