@@ -51,8 +51,21 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// Solves `(I − weight · ∂f/∂y) x = right`.
     fn solve(&self, factor: &Self::Factor, right: [S; N]) -> [S; N];
 
-    /// One Newton iteration on the implicit stage `z = weight · f(base + z, u)`: improves `increment`, the
-    /// present `z`, and returns the correction.
+    /// `f(y, u)` at the state that differs by `change` from that of `start`.
+    ///
+    /// Override this if a rate at the state alone is a small difference of large terms: it can follow from the
+    /// derivative at the start. Set [`System::CARRIED`] then.
+    #[inline(always)]
+    fn flow_from(&self, start: &Point<S, N, P>, change: &[S; N], input: S) -> [S; N] {
+        self.flow(&core::array::from_fn(|i| start.state[i] + change[i]), input)
+    }
+
+    /// Whether [`System::flow_from`] and [`System::condense`] continue the derivative at the start of the step, without
+    /// rounding of the state.
+    const CARRIED: bool = false;
+
+    /// One Newton iteration on the implicit stage `z = weight · f(y + carried + z, u)`, with `y` the state of `start`:
+    /// improves `increment`, the present `z`, and returns the correction.
     ///
     /// Override this and [`System::condense`] if some equations have a closed form given the others: Newton
     /// then iterates on the others only.
@@ -60,12 +73,12 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     fn iterate(
         &self,
         factor: &Self::Factor,
-        base: &[S; N],
+        base: Base<'_, S, N, P>,
         increment: &mut [S; N],
         input: S,
         weight: S,
     ) -> [S; N] {
-        let flow = self.flow(&core::array::from_fn(|i| base[i] + increment[i]), input);
+        let flow = self.flow_from(base.start, &base.change(increment), input);
         let residual = core::array::from_fn(|i| weight * flow[i] - increment[i]);
         let correction = self.solve(factor, residual);
         *increment = core::array::from_fn(|i| increment[i] + correction[i]);
@@ -77,7 +90,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// Called once after the last iteration. The rate of a stiff equation is a small difference of large terms.
     /// Its entry must agree with the other entries to rounding.
     #[inline(always)]
-    fn condense(&self, _base: &[S; N], _increment: &mut [S; N], _weight: S) {}
+    fn condense(&self, _base: Base<'_, S, N, P>, _increment: &mut [S; N], _weight: S) {}
 
     /// The powers in watts at a state and its derivative.
     ///
@@ -159,6 +172,13 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         [S::ZERO; P]
     }
 
+    /// The integral of each power that is linear in the rate of the circuit or its magnitude, for a `change` of the
+    /// circuit's state.
+    #[inline(always)]
+    fn linear_energies(&self, _change: S) -> [S; P] {
+        [S::ZERO; P]
+    }
+
     /// The norm of a small change of the state, relative to the scale of the state.
     fn error_norm(&self, state: &[S; N], change: &[S; N]) -> S;
 }
@@ -174,6 +194,20 @@ pub struct CircuitEquation<S> {
     /// The remainder, in units of the inertia times the state per second. At the start of a step it is the inertia
     /// times the derivative there, so that no voltage is computed as a difference.
     pub drive: S,
+}
+
+impl<S: Scalar> CircuitEquation<S> {
+    /// The rate at a change of the circuit's state.
+    #[inline(always)]
+    pub(crate) fn rate(&self, change: S) -> S {
+        (self.drive - self.stiffness * change) / self.inertia
+    }
+
+    /// `z = weight · y'` at the change `carried + z`.
+    #[inline(always)]
+    pub(crate) fn increment(&self, carried: S, weight: S) -> S {
+        weight * (self.drive - self.stiffness * carried) / (self.inertia + weight * self.stiffness)
+    }
 }
 
 /// A split system at a given position.
@@ -239,6 +273,23 @@ impl<S: Scalar, const N: usize, const P: usize> Point<S, N, P> {
 snapshot_fields!(impl [S: Scalar, const N: usize, const P: usize] Point<S, N, P> {
     state, remainder, derivative, powers,
 });
+
+/// What an implicit stage adds its increment to.
+#[derive(Debug, Clone, Copy)]
+pub struct Base<'a, S, const N: usize, const P: usize> {
+    /// The start of the step.
+    pub start: &'a Point<S, N, P>,
+    /// The change of the state by earlier stages.
+    pub carried: &'a [S; N],
+}
+
+impl<S: Scalar, const N: usize, const P: usize> Base<'_, S, N, P> {
+    /// The change of the state since the start, with an increment.
+    #[inline(always)]
+    pub fn change(&self, increment: &[S; N]) -> [S; N] {
+        core::array::from_fn(|i| self.carried[i] + increment[i])
+    }
+}
 
 /// The result of an attempted step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -337,8 +388,8 @@ pub trait Method<S: Scalar> {
     /// Longest step under error control, in radians of the motion or of its excitation.
     const LONGEST_RADIANS: f64 = 0.4;
 
-    /// Whether a derivative is carried from step to step without rounding of the state, and a jump returns the
-    /// derivative inside a boundary layer.
+    /// Whether the derivative of a system with [`System::CARRIED`] or [`System::SPLIT`] is carried from step to step
+    /// without rounding of the state, and a jump returns the derivative inside a boundary layer.
     const CARRIES_DERIVATIVES: bool = false;
 
     /// Whether [`Method::predict`] returns a prediction for a moving system.
@@ -389,10 +440,4 @@ pub trait Method<S: Scalar> {
         attempt: &Attempt<'_, S, impl Input<S>, N, P>,
         prediction: Option<&Self::Prediction>,
     ) -> Result<Trial<S, N, P>, NotConverged>;
-}
-
-/// `a + factor · b`, entry by entry.
-#[inline]
-fn add_scaled<S: Scalar, const N: usize>(a: &[S; N], factor: S, b: &[S; N]) -> [S; N] {
-    core::array::from_fn(|i| a[i] + factor * b[i])
 }

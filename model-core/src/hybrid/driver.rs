@@ -290,7 +290,7 @@ impl<M, C> Driver<M, C> {
             excitation,
             method: &self.method,
             accuracy: self.control.accuracy(planned, scale),
-            after_jump: M::PREDICTS && state.since_event == 0,
+            after_jump: M::CARRIES_DERIVATIVES && state.since_event == 0,
         };
         let shorten = |memory: &mut _, work: &mut Work| {
             work.rejected += 1;
@@ -363,9 +363,10 @@ impl<M, C> Driver<M, C> {
             state: trial.error,
             energy: trial.energy_error.abs(),
             delivered: trial.energies.first().copied().unwrap_or(S::ZERO),
+            carried: carries::<S, M, Y, N, P>(),
         };
         let rounding = || {
-            if M::CARRIES_DERIVATIVES {
+            if carries::<S, M, Y, N, P>() {
                 return S::ZERO;
             }
             flow.rounding_energy(&end.state, &end.derivative, seconds_of_ticks(ticks))
@@ -421,7 +422,11 @@ impl<M, C> Driver<M, C> {
         }
         let input_at = InputAt::new(excitation, state.clock);
         // A method that carries derivatives passes the boundary layer itself.
-        let step = if M::CARRIES_DERIVATIVES { S::ZERO } else { seconds_of_ticks(state.control.ticks) };
+        let step = if carries::<S, M, A::Flow<'_>, N, P>() {
+            S::ZERO
+        } else {
+            seconds_of_ticks(state.control.ticks)
+        };
         let jump = automaton.jump(state.mode, guard, &state.point, &input_at, step);
         let energies = automaton.jump_energies(state.mode, guard, &state.point, &jump);
         let input = input_at.acceleration();
@@ -445,6 +450,12 @@ impl<M, C> Driver<M, C> {
         state.crowded_events = crowded_events;
         Ok(())
     }
+}
+
+/// Whether a method carries the derivative of a system: one that predicts steps by the split form.
+#[inline(always)]
+const fn carries<S: Scalar, M: Method<S>, Y: System<S, N, P>, const N: usize, const P: usize>() -> bool {
+    M::CARRIES_DERIVATIVES && (M::PREDICTS || Y::CARRIED)
 }
 
 /// Cuts an attempted step at the first guard that falls in it.

@@ -143,11 +143,14 @@ impl<S: Scalar> Prediction<S> {
     }
 
     /// The acceleration in m/s² at the end of the step under a force per mass.
+    ///
+    /// With the remainder of the position: a small motion is a small difference of positions.
     #[inline(always)]
-    fn end_acceleration<const N: usize>(&self, state: &[S; N], force: S) -> S {
+    fn end_acceleration<const N: usize, const P: usize>(&self, end: &Point<S, N, P>, force: S) -> S {
         let Oscillator { stiffness, damping, rest, base_coupling } = self.oscillator;
+        let Point { state, remainder, .. } = end;
         force
-            - stiffness * (state[POSITION] - rest)
+            - stiffness * ((state[POSITION] - rest) + remainder[POSITION])
             - damping * state[VELOCITY]
             - base_coupling * self.response.end
     }
@@ -181,7 +184,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         system: &Y,
         attempt: &Attempt<'_, S, impl Input<S>, N, P>,
     ) -> Option<Prediction<S>> {
-        let Attempt { start: Point { state, derivative, .. }, ref input, ticks, .. } = *attempt;
+        let Attempt { start: Point { state, remainder, derivative, .. }, ref input, ticks, .. } = *attempt;
         let oscillator = system.oscillator()?;
         let step = seconds_of_ticks(ticks);
         let kernel = Kernel::new(&oscillator, step);
@@ -200,7 +203,8 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
             velocity: impulse_rate * velocity + step * (impulse * pull + zeroth * rise)
                 - oscillator.base_coupling * response.velocity,
         };
-        let force = pull + oscillator.stiffness * (state[POSITION] - oscillator.rest);
+        let deflection = (state[POSITION] - oscillator.rest) + remainder[POSITION];
+        let force = pull + oscillator.stiffness * deflection;
         Some(Prediction { oscillator, kernel, response, rate: settled[Y::CIRCUIT], force, rise, change })
     }
 
@@ -217,7 +221,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         end.state[VELOCITY] += change.velocity;
         end.state[Y::CIRCUIT] += kernel.step * end.derivative[Y::CIRCUIT];
         end.derivative[POSITION] = end.state[VELOCITY];
-        end.derivative[VELOCITY] = prediction.end_acceleration(&end.state, *force + *rise);
+        end.derivative[VELOCITY] = prediction.end_acceleration(&end, *force + *rise);
         end
     }
 
@@ -265,7 +269,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         end.derivative = [S::ZERO; N];
         if let Some(prediction) = prediction {
             end.derivative[POSITION] = end.state[VELOCITY];
-            end.derivative[VELOCITY] = prediction.end_acceleration(&end.state, force);
+            end.derivative[VELOCITY] = prediction.end_acceleration(&end, force);
         }
         end.derivative[Y::CIRCUIT] = stages.increments[2] / step;
         let inputs = match prediction {

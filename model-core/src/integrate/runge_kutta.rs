@@ -1,6 +1,7 @@
 //! The classical explicit Runge–Kutta method of fourth order (Kutta 1901).
 
-use super::{Attempt, Input, Method, NotConverged, System, Trial, add_scaled};
+use super::boundary_layer::without_layer;
+use super::{Attempt, Input, Method, NotConverged, System, Trial};
 use crate::clock::seconds_of_ticks;
 use crate::scalar::{Scalar, add_increment};
 
@@ -14,6 +15,7 @@ pub struct RungeKutta4;
 
 impl<S: Scalar> Method<S> for RungeKutta4 {
     const ESTIMATES_ERROR: bool = false;
+    const CARRIES_DERIVATIVES: bool = true;
 
     type Prediction = ();
 
@@ -24,34 +26,48 @@ impl<S: Scalar> Method<S> for RungeKutta4 {
         attempt: &Attempt<'_, S, impl Input<S>, N, P>,
         _prediction: Option<&()>,
     ) -> Result<Trial<S, N, P>, NotConverged> {
-        let Attempt { start, ref input, ticks, .. } = *attempt;
+        let Attempt { ref input, ticks, .. } = *attempt;
         let step = seconds_of_ticks::<S>(ticks);
         let half = step * S::from_f64(0.5);
         let (middle_input, end_input) = (input.at(ticks / 2), input.at(ticks));
+        let outside =
+            if attempt.after_jump { without_layer(system, attempt.start, input.at(0)) } else { None };
+        let start = outside.as_ref().map_or(attempt.start, |(start, _)| start);
 
+        let scaled = |factor: S, rate: &[S; N]| -> [S; N] { core::array::from_fn(|i| factor * rate[i]) };
         let k1 = start.derivative;
-        let y2 = add_scaled(&start.state, half, &k1);
-        let k2 = system.flow(&y2, middle_input);
-        let y3 = add_scaled(&start.state, half, &k2);
-        let k3 = system.flow(&y3, middle_input);
-        let y4 = add_scaled(&start.state, step, &k3);
-        let k4 = system.flow(&y4, end_input);
+        let change2 = scaled(half, &k1);
+        let k2 = system.flow_from(start, &change2, middle_input);
+        let change3 = scaled(half, &k2);
+        let k3 = system.flow_from(start, &change3, middle_input);
+        let change4 = scaled(step, &k3);
+        let k4 = system.flow_from(start, &change4, end_input);
 
         let sixth = step * S::from_f64(1.0 / 6.0);
         let two = S::from_f64(2.0);
         let mut end = *start;
-        for i in 0..N {
-            let increment = sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]);
-            (end.state[i], end.remainder[i]) = add_increment(start.state[i], start.remainder[i], increment);
+        let change = core::array::from_fn(|i| sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]));
+        for ((state, remainder), increment) in end.state.iter_mut().zip(&mut end.remainder).zip(change) {
+            (*state, *remainder) = add_increment(*state, *remainder, increment);
         }
-        end.derivative = system.flow(&end.state, end_input);
-        let p2: [S; P] = system.powers(&y2, &k2, middle_input);
-        let p3: [S; P] = system.powers(&y3, &k3, middle_input);
-        let p4: [S; P] = system.powers(&y4, &k4, end_input);
+        end.derivative = if Y::CARRIED {
+            system.flow_from(start, &change, end_input)
+        } else {
+            system.flow(&end.state, end_input)
+        };
+        let powers = |change: &[S; N], rate: &[S; N], input: S| -> [S; P] {
+            system.powers(&core::array::from_fn(|i| start.state[i] + change[i]), rate, input)
+        };
+        let p2 = powers(&change2, &k2, middle_input);
+        let p3 = powers(&change3, &k3, middle_input);
+        let p4 = powers(&change4, &k4, end_input);
         end.powers = system.powers(&end.state, &end.derivative, end_input);
         let mut energies =
             core::array::from_fn(|i| sixth * (start.powers[i] + two * (p2[i] + p3[i]) + p4[i]));
-        system.correct_energies(&start.state, &end.state, &mut energies);
+        if let Some((_, layer)) = &outside {
+            layer.restore(system, step, end_input, &mut end, &mut energies);
+        }
+        system.correct_energies(&attempt.start.state, &end.state, &mut energies);
 
         let finite =
             end.state.iter().chain(&end.derivative).chain(&energies).all(|value: &S| value.is_finite());

@@ -32,6 +32,8 @@ pub(crate) struct StepErrors<S> {
     pub(crate) energy: S,
     /// Energy delivered in the step in joules.
     pub(crate) delivered: S,
+    /// Whether the errors come from increments that are rounded relative to themselves, not to the state.
+    pub(crate) carried: bool,
 }
 
 /// The scales of a system's errors.
@@ -155,11 +157,13 @@ pub struct Adaptive<S> {
 
 /// First step in radians: short enough to be accepted.
 const FIRST_RADIANS: f64 = 1.0 / 128.0;
-/// Roundings of the state that a step is allowed beside its tolerance.
+/// Roundings of the state that a step is allowed beside its tolerance; a radian, where the rates are carried.
 const ROUNDINGS: f64 = 4.0;
-/// Roundings of the energy of a radian that a step is allowed beside its tolerance. In a stiff circuit a
+/// Roundings of the energy of a radian that a step is allowed beside its tolerance, or a radian. In a stiff circuit a
 /// rounding of the charge is a larger part of the current of a step.
 const ENERGY_ROUNDINGS: f64 = 32.0;
+/// Radians of a step below which its roundings do not decrease: those of the excitation remain.
+const LEAST_ROUNDED_RADIANS: f64 = 1.0 / 32.0;
 /// Radians over which the errors of the state of a lightly damped motion are taken to add up.
 pub(crate) const REMEMBERED_RADIANS: f64 = 20.0;
 /// Roundings of the state below which Newton's corrections are noise.
@@ -234,8 +238,10 @@ impl<S: Scalar> Adaptive<S> {
         let per_radian = recent.max(delivered).max(scale.energy_floor);
         let energy_error = errors.energy / per_radian;
         let state_error = errors.state * S::from_f64(REMEMBERED_RADIANS);
-        let state = state_error / (target + S::EPSILON * S::from_f64(ROUNDINGS * REMEMBERED_RADIANS));
-        let allowed = target + S::EPSILON * S::from_f64(ENERGY_ROUNDINGS);
+        let share = if errors.carried { radians.max(S::from_f64(LEAST_ROUNDED_RADIANS)) } else { S::ONE };
+        let rounding_of = S::EPSILON * share;
+        let state = state_error / (target + rounding_of * S::from_f64(ROUNDINGS * REMEMBERED_RADIANS));
+        let allowed = target + rounding_of * S::from_f64(ENERGY_ROUNDINGS);
         let mut ratio = state.max(energy_error / allowed).to_f32();
         if !(ratio <= 1.0) {
             // A shorter step does not reduce the energy error that the rounding of the state causes.
@@ -421,6 +427,7 @@ mod tests {
                 state: 0.04 * radians.powi(3),
                 energy: 0.0,
                 delivered: 0.0,
+                carried: false,
             };
             rejections += u32::from(control.judge(&mut memory, &errors, &scale, || 0.0) == Verdict::Reject);
         }
@@ -442,6 +449,7 @@ mod tests {
             state: 1.0,
             energy: 0.0,
             delivered: 0.0,
+            carried: false,
         };
         assert_eq!(control.judge(&mut memory, &bad, &scale, || 0.0), Verdict::Reject);
         assert!(memory.ticks < before);
@@ -454,6 +462,7 @@ mod tests {
             state: 0.0,
             energy: 0.0,
             delivered: 0.0,
+            carried: false,
         };
         assert_eq!(control.judge(&mut memory, &good, &scale, || 0.0), Verdict::Accept);
         assert!(memory.ticks <= retried);
@@ -472,6 +481,7 @@ mod tests {
             state: 0.0,
             energy: 2e-9,
             delivered: 1e-8,
+            carried: false,
         };
         let judge = |errors: &StepErrors<f32>, rounding: f32| {
             control.judge(&mut { start }, errors, &scale, || rounding)

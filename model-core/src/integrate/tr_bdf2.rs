@@ -1,7 +1,8 @@
 //! TR-BDF2: a trapezoidal stage and a backward-differentiation stage with one iteration matrix (Bank and
 //! others 1985).
 
-use super::{Attempt, Input, Method, NotConverged, Point, System, Trial};
+use super::boundary_layer::without_layer;
+use super::{Attempt, Base, Input, Method, NotConverged, Point, System, Trial};
 use crate::clock::seconds_of_ticks;
 use crate::scalar::{Scalar, add_increment};
 
@@ -11,8 +12,10 @@ const D: f64 = 0.292_893_218_813_452_475_6;
 const W_OVER_D: f64 = 1.207_106_781_186_547_524_4;
 /// `1/γ`, `γ = 2 − √2`: extrapolates the first two stage derivatives linearly to the end of the step.
 const ONE_OVER_GAMMA: f64 = 1.707_106_781_186_547_524_4;
-/// `γ` in units of 2⁻³², so that the intermediate stage lies at a whole number of ticks.
+/// `γ` in units of 2⁻³².
 const GAMMA_Q32: u64 = 2_515_933_592;
+/// Shortest step in ticks (61 µs) in which the intermediate stage may be a part of a tick off.
+const COARSE_TICKS: u32 = 1 << 24;
 /// `2 C (1/γ, −1/(γ(1−γ)), 1/(1−γ)) / d` with `C = (−3γ² + 4γ − 2) / (12 (2 − γ))`: the weights of the local
 /// error, the difference to the embedded third-order formula with the weights `((1 − w)/3, (1 + 3w)/3, d/3)`.
 const ERROR_OVER_D: [f64; 3] = [-0.471_404_520_791_031_682_9, 1.138_071_187_457_698_349_6, -2.0 / 3.0];
@@ -51,35 +54,30 @@ const MOST_ITERATIONS: u32 = 10;
 const ASSUMED_CURVATURE: f64 = 10.0;
 
 /// One implicit stage, `z = weight · f(base + z, input)`.
-struct Stage<'a, S, Y, F, const N: usize> {
+struct Stage<'a, S, Y, F, const N: usize, const P: usize> {
     system: &'a Y,
     factor: &'a F,
-    base: [S; N],
+    base: Base<'a, S, N, P>,
     input: S,
     weight: S,
 }
 
-impl<S: Scalar, Y, F, const N: usize> Stage<'_, S, Y, F, N> {
-    /// Solves the stage from the guess `z` to `accuracy`, with the error norm at the state `scale`. Returns
-    /// `z` and the number of iterations.
+impl<S: Scalar, Y, F, const N: usize, const P: usize> Stage<'_, S, Y, F, N, P> {
+    /// Solves the stage from the guess `z` to `accuracy`, with the error norm at the start. Returns `z` and the number
+    /// of iterations.
     #[inline(always)]
-    fn solve<const P: usize>(
-        &self,
-        mut z: [S; N],
-        scale: &[S; N],
-        accuracy: S,
-    ) -> Result<([S; N], u32), NotConverged>
+    fn solve(&self, mut z: [S; N], accuracy: S) -> Result<([S; N], u32), NotConverged>
     where
         Y: System<S, N, P, Factor = F>,
     {
         let Self { system, factor, base, input, weight } = self;
         let mut previous = S::INFINITY;
         for iteration in 1..=MOST_ITERATIONS {
-            let correction = system.iterate(factor, base, &mut z, *input, *weight);
-            let size = system.error_norm(scale, &correction);
+            let correction = system.iterate(factor, *base, &mut z, *input, *weight);
+            let size = system.error_norm(&base.start.state, &correction);
             let rate = if iteration == 1 { S::from_f64(ASSUMED_CURVATURE) * size } else { size / previous };
             if size <= accuracy || rate * size <= accuracy && rate < S::ONE {
-                system.condense(base, &mut z, *weight);
+                system.condense(*base, &mut z, *weight);
                 return Ok((z, iteration));
             }
             // `!(rate < 2)` also ends the iteration at not-a-number.
@@ -92,8 +90,23 @@ impl<S: Scalar, Y, F, const N: usize> Stage<'_, S, Y, F, N> {
     }
 }
 
+/// The input at the intermediate stage: in a short step between two ticks, because a motion that starts from rest resolves
+/// less than a tick of its excitation.
+#[inline(always)]
+fn middle_input<S: Scalar>(input: &impl Input<S>, ticks: u32) -> S {
+    let position = u64::from(ticks) * GAMMA_Q32;
+    let before = (position >> 32) as u32;
+    let at = input.at(before);
+    if ticks >= COARSE_TICKS {
+        return at;
+    }
+    let part = S::from_u32(position as u32) * S::from_f64(1.0 / 4_294_967_296.0);
+    at + part * (input.at(before + 1) - at)
+}
+
 impl<S: Scalar> Method<S> for TrBdf2 {
     const ESTIMATES_ERROR: bool = true;
+    const CARRIES_DERIVATIVES: bool = true;
 
     type Prediction = ();
 
@@ -104,46 +117,42 @@ impl<S: Scalar> Method<S> for TrBdf2 {
         attempt: &Attempt<'_, S, impl Input<S>, N, P>,
         _prediction: Option<&()>,
     ) -> Result<Trial<S, N, P>, NotConverged> {
-        let Attempt { start, ref input, ticks, accuracy, .. } = *attempt;
+        let Attempt { ref input, ticks, accuracy, .. } = *attempt;
         let step = seconds_of_ticks::<S>(ticks);
         let weight = step * S::from_f64(D);
-        let middle_ticks = ((u64::from(ticks) * GAMMA_Q32) >> 32) as u32;
-        let (middle_input, end_input) = (input.at(middle_ticks), input.at(ticks));
+        let (middle_input, end_input) = (middle_input(input, ticks), input.at(ticks));
+        let outside =
+            if attempt.after_jump { without_layer(system, attempt.start, input.at(0)) } else { None };
+        let start = outside.as_ref().map_or(attempt.start, |(start, _)| start);
 
         let z_start: [S; N] = core::array::from_fn(|i| weight * start.derivative[i]);
-        let middle_base: [S; N] = core::array::from_fn(|i| start.state[i] + z_start[i]);
-        let predicted = core::array::from_fn(|i| middle_base[i] + z_start[i]);
+        let predicted = core::array::from_fn(|i| start.state[i] + z_start[i] + z_start[i]);
         let factor = system.factor(&predicted, middle_input, weight).ok_or(NotConverged)?;
-        let middle = Stage { system, factor: &factor, base: middle_base, input: middle_input, weight };
-        let (z_middle, middle_iterations) = middle.solve::<P>(z_start, &start.state, accuracy)?;
+        let base = Base { start, carried: &z_start };
+        let middle = Stage { system, factor: &factor, base, input: middle_input, weight };
+        let (z_middle, middle_iterations) = middle.solve(z_start, accuracy)?;
 
         let carried: [S; N] = core::array::from_fn(|i| S::from_f64(W_OVER_D) * (z_start[i] + z_middle[i]));
-        let end_base: [S; N] = core::array::from_fn(|i| start.state[i] + carried[i]);
         let extrapolated =
             core::array::from_fn(|i| z_start[i] + S::from_f64(ONE_OVER_GAMMA) * (z_middle[i] - z_start[i]));
-        let last = Stage { system, factor: &factor, base: end_base, input: end_input, weight };
-        let (z_end, end_iterations) = last.solve::<P>(extrapolated, &start.state, accuracy)?;
+        let base = Base { start, carried: &carried };
+        let last = Stage { system, factor: &factor, base, input: end_input, weight };
+        let (z_end, end_iterations) = last.solve(extrapolated, accuracy)?;
 
         let per_weight = S::ONE / weight;
         let derivative_of = |z: &[S; N]| -> [S; N] { core::array::from_fn(|i| z[i] * per_weight) };
-        let mut end = Point {
-            state: start.state,
-            remainder: start.remainder,
-            derivative: derivative_of(&z_end),
-            powers: start.powers,
-        };
+        let mut end = Point { derivative: derivative_of(&z_end), ..*start };
         for i in 0..N {
             (end.state[i], end.remainder[i]) =
                 add_increment(start.state[i], start.remainder[i], carried[i] + z_end[i]);
         }
         end.powers = system.powers(&end.state, &end.derivative, end_input);
 
-        let middle_state = core::array::from_fn(|i| middle_base[i] + z_middle[i]);
+        let middle_state = core::array::from_fn(|i| start.state[i] + (z_start[i] + z_middle[i]));
         let middle_powers: [S; P] = system.powers(&middle_state, &derivative_of(&z_middle), middle_input);
         let mut energies = core::array::from_fn(|i| {
             weight * (S::from_f64(W_OVER_D) * (start.powers[i] + middle_powers[i]) + end.powers[i])
         });
-        system.correct_energies(&start.state, &end.state, &mut energies);
 
         let [e_start, e_middle, e_end] = ERROR_OVER_D.map(S::from_f64);
         let raw = core::array::from_fn(|i| e_start * z_start[i] + e_middle * z_middle[i] + e_end * z_end[i]);
@@ -154,6 +163,10 @@ impl<S: Scalar> Method<S> for TrBdf2 {
             }
             _ => S::ZERO,
         };
+        if let Some((_, layer)) = &outside {
+            layer.restore(system, step, end_input, &mut end, &mut energies);
+        }
+        system.correct_energies(&attempt.start.state, &end.state, &mut energies);
         let finite = end.state.iter().chain(&end.derivative).all(|value| value.is_finite());
         if !finite || !error.is_finite() || !energy_error.is_finite() {
             return Err(NotConverged);

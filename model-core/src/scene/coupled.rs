@@ -96,8 +96,8 @@ impl<S: Scalar> ModeFactor<S> {
     }
 }
 
-/// The items of [`System`] that the flows of both scenes have in common, by their `is_stick`, `derivatives` and
-/// `all_powers`.
+/// The items of [`System`] that the flows of both scenes have in common, by their `is_stick`, `derivatives`,
+/// `equation` and `all_powers`.
 ///
 /// Newton iterates on the velocity alone. [`System::condense`] solves the other two rows. With a fixed position no
 /// iteration is needed.
@@ -123,23 +123,47 @@ macro_rules! flow_items {
         fn iterate(
             &self,
             factor: &ModeFactor<S>,
-            base: &[S; STATES],
+            base: Base<'_, S, STATES, POWERS>,
             increment: &mut [S; STATES],
             acceleration: S,
             weight: S,
         ) -> [S; STATES] {
-            System::<S, STATES, POWERS>::condense(self, base, increment, weight);
+            self.condense(base, increment, weight);
             if self.is_stick() {
                 return [S::ZERO; STATES];
             }
-            let state = core::array::from_fn(|i| base[i] + increment[i]);
-            let [_, rate, _] = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
+            let [_, rate, _] = self.flow_from(base.start, &base.change(increment), acceleration);
             let correction = factor.correction(weight * rate - increment[VELOCITY]);
             increment[VELOCITY] += correction[VELOCITY];
             correction
         }
 
+        const CARRIED: bool = true;
+
+        /// The charge by its equation relative to the start of the step.
+        #[inline(always)]
+        fn condense(&self, base: Base<'_, S, STATES, POWERS>, increment: &mut [S; STATES], weight: S) {
+            let Base { start, carried } = base;
+            if !self.is_stick() {
+                increment[POSITION] =
+                    weight * ((start.state[VELOCITY] + carried[VELOCITY]) + increment[VELOCITY]);
+            }
+            increment[CHARGE] = match self.equation(start, carried[POSITION] + increment[POSITION]) {
+                Some(equation) => equation.increment(carried[CHARGE], weight),
+                None => S::ZERO,
+            };
+        }
+
         const SPLIT: bool = true;
+
+        #[inline]
+        fn linear_energies(&self, change: S) -> [S; POWERS] {
+            let scene = self.scene;
+            first_powers(&$crate::scene::coupled::linear_energies(
+                scene.load.resistance(),
+                scene.charge_unit * change,
+            ))
+        }
 
         #[inline]
         fn quadratic_energies(&self, square: S) -> [S; POWERS] {
@@ -174,6 +198,17 @@ pub(crate) fn error_norm<S: Scalar>(
     // The reciprocal is the same for every change in a step.
     let per_amplitude = S::ONE / amplitude;
     (motion * per_amplitude).max(change[CHARGE].abs() * per_charge)
+}
+
+/// The integrals of [`crate::integrate::System::linear_energies`] in a resistor; `charge` in C.
+#[inline]
+pub(crate) fn linear_energies<S: Scalar>(resistance: Resistance<S>, charge: S) -> [S; ALL_POWERS] {
+    let mut integrals = [S::ZERO; ALL_POWERS];
+    if let Resistance::Finite(resistance) = resistance {
+        integrals[PowerIndex::Voltage as usize] = resistance * charge;
+        integrals[PowerIndex::CurrentMagnitude as usize] = charge.abs();
+    }
+    integrals
 }
 
 /// The energies of [`crate::integrate::System::quadratic_energies`] in a resistor; `charge_unit` in C.

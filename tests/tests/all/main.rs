@@ -19,4 +19,5 @@ mod sliding_convergence;
 mod sliding_limits;
 mod sliding_parts;
 mod sliding_rows;
+mod small_voltages;
 mod steady_state;

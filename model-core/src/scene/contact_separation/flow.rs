@@ -4,13 +4,13 @@ use super::circuit::Circuit;
 use super::force_law::ForceLaw;
 use super::mode::Mode;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
-use crate::integrate::{BoundaryLayer, CircuitEquation, Point, Stage, System};
+use crate::integrate::{Base, BoundaryLayer, CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
 use crate::oscillator::Oscillator;
 use crate::part::load::{Load, Resistance};
 use crate::part::parasitic::Parasitic;
 use crate::scalar::Scalar;
-use crate::scene::coupled::{self, Derivatives, ModeFactor};
+use crate::scene::coupled::{self, Derivatives, ModeFactor, POSITION};
 
 impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// Attraction per mass, in m/s².
@@ -86,6 +86,34 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
         }
     }
 
+    /// `(1 + c D) Q' = Λ (σ S g − Q D)` with `D = g + d_e`, at a displacement from `start`; `None` without a current
+    /// through a resistor. The voltage at the start is that of the carried rate.
+    #[inline(always)]
+    fn equation<const POWERS: usize>(
+        &self,
+        start: &Point<S, STATES, POWERS>,
+        displacement: S,
+    ) -> Option<CircuitEquation<S>> {
+        let scene = self.scene;
+        let [gap, _, charge] = start.state;
+        let rate = self.circuit_rate;
+        if !(rate > S::ZERO) {
+            return None;
+        }
+        let distance = gap + scene.dielectric;
+        let inertia = |distance: S| {
+            if <P::Parasitic as Parasitic<S>>::PRESENT { S::ONE + scene.parasitic * distance } else { S::ONE }
+        };
+        // By the small opposite charge: the rounding of the total charge would add up.
+        let opposite = (scene.tribo_charge - charge) - start.remainder[CHARGE];
+        let reached = distance + displacement;
+        Some(CircuitEquation {
+            inertia: inertia(reached),
+            stiffness: rate * reached,
+            drive: inertia(distance) * start.derivative[CHARGE] + rate * opposite * displacement,
+        })
+    }
+
     /// All powers; see [`PowerIndex`].
     #[inline(always)]
     pub(super) fn all_powers(
@@ -138,14 +166,27 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         }
     }
 
+    /// The deflection includes the rounding remainder of the gap: a small motion is a small difference of gaps.
     #[inline(always)]
-    fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
-        if self.mode == Mode::Free {
-            increment[GAP] = weight * (base[VELOCITY] + increment[VELOCITY]);
+    fn flow_from(
+        &self,
+        start: &Point<S, STATES, POWERS>,
+        change: &[S; STATES],
+        acceleration: S,
+    ) -> [S; STATES] {
+        let scene = self.scene;
+        let [displacement, _, passed] = *change;
+        let charge_rate =
+            self.equation(start, displacement).map_or(S::ZERO, |equation| equation.rate(passed));
+        if self.is_stick() {
+            return [S::ZERO, S::ZERO, charge_rate];
         }
-        let circuit = self.scene.circuit(base[GAP] + increment[GAP], base[CHARGE]);
-        let rate = weight * self.circuit_rate;
-        increment[CHARGE] = rate * circuit.voltage / (S::ONE - rate * circuit.voltage_by_charge);
+        let velocity = start.state[VELOCITY] + change[VELOCITY];
+        let deflection = ((start.state[GAP] - scene.initial_gap) + start.remainder[GAP]) + displacement;
+        let circuit = scene.circuit(start.state[GAP] + displacement, start.state[CHARGE] + passed);
+        let restoring = scene.stiffness_per_mass * deflection;
+        let force = scene.damping_per_mass * velocity + restoring + scene.attraction(&circuit);
+        [velocity, -force - acceleration, charge_rate]
     }
 
     #[inline(always)]
@@ -167,30 +208,13 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         -(by_gap * state[VELOCITY] + by_charge * rate[CHARGE])
     }
 
-    /// `(1 + c D) Q' = Λ (σ S g − Q D)` with `D = g + d_e`. The voltage at the start is that of the carried rate.
     #[inline(always)]
     fn stage(&self, start: &Point<S, STATES, POWERS>, displacement: S, _velocity: S) -> Stage<S> {
         let scene = self.scene;
         let [gap, _, charge] = start.state;
         let at = scene.circuit(gap + displacement, charge);
         let force = scene.force_law.expansion(&at, scene.tribo_charge);
-        let rate = self.circuit_rate;
-        if !(rate > S::ZERO) {
-            return Stage { circuit: None, force };
-        }
-        let distance = gap + scene.dielectric;
-        let inertia = |distance: S| {
-            if <P::Parasitic as Parasitic<S>>::PRESENT { S::ONE + scene.parasitic * distance } else { S::ONE }
-        };
-        // By the small opposite charge: the rounding of the total charge would add up.
-        let opposite = (scene.tribo_charge - charge) - start.remainder[CHARGE];
-        let reached = distance + displacement;
-        let circuit = CircuitEquation {
-            inertia: inertia(reached),
-            stiffness: rate * reached,
-            drive: inertia(distance) * start.derivative[CHARGE] + rate * opposite * displacement,
-        };
-        Stage { circuit: Some(circuit), force }
+        Stage { circuit: self.equation(start, displacement), force }
     }
 
     /// Voltage and current change with the relative distance of the electrodes.

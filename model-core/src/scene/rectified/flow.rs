@@ -2,7 +2,7 @@
 
 use super::electrics::Electrics;
 use super::{BridgeRegime, ElectricalPort, Mode, POSITION, Rectified, STATES, STORAGE, VELOCITY};
-use crate::integrate::{CircuitEquation, Point, Stage, System};
+use crate::integrate::{Base, CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
 use crate::oscillator::Oscillator;
 use crate::part::storage::StorageElement;
@@ -70,6 +70,27 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         [velocity, rate, S::ZERO, -at.fall]
     }
 
+    const CARRIED: bool = true;
+
+    /// The motion is the harvester's own, with a charge that follows the position.
+    #[inline]
+    fn flow_from(
+        &self,
+        start: &Point<S, STATES, POWERS>,
+        change: &[S; STATES],
+        acceleration: S,
+    ) -> [S; STATES] {
+        let (at, _) = self.parts(&core::array::from_fn(|i| start.state[i] + change[i]));
+        let mut own =
+            Point { state: [S::ZERO; 3], remainder: [S::ZERO; 3], derivative: [S::ZERO; 3], powers: [] };
+        own.state = [start.state[POSITION], start.state[VELOCITY], at.charge];
+        own.remainder[POSITION] = start.remainder[POSITION];
+        let flow = self.scene.harvester.flow(self.mode.inner);
+        let change = [change[POSITION], change[VELOCITY], S::ZERO];
+        let [velocity, rate, _] = System::<S, 3, 0>::flow_from(&flow, &own, &change, acceleration);
+        [velocity, rate, S::ZERO, -at.fall]
+    }
+
     /// With a charge that follows the position, and without the effect of the slow storage voltage on the motion.
     #[inline]
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
@@ -98,31 +119,33 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
     fn iterate(
         &self,
         factor: &ModeFactor<S>,
-        base: &[S; STATES],
+        base: Base<'_, S, STATES, POWERS>,
         increment: &mut [S; STATES],
         acceleration: S,
         weight: S,
     ) -> [S; STATES] {
         let before = increment[STORAGE];
-        System::<S, STATES, POWERS>::condense(self, base, increment, weight);
+        self.condense(base, increment, weight);
         let storage = increment[STORAGE] - before;
         if self.is_stick() {
             return [S::ZERO, S::ZERO, S::ZERO, storage];
         }
-        let state = core::array::from_fn(|i| base[i] + increment[i]);
-        let [_, rate, _, _] = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
+        let [_, rate, _, _] = self.flow_from(base.start, &base.change(increment), acceleration);
         let [position, velocity, _] = factor.correction(weight * rate - increment[VELOCITY]);
         increment[VELOCITY] += velocity;
         [position, velocity, S::ZERO, storage]
     }
 
     #[inline]
-    fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
+    fn condense(&self, base: Base<'_, S, STATES, POWERS>, increment: &mut [S; STATES], weight: S) {
+        let Base { start, carried } = base;
         if !self.is_stick() {
-            increment[POSITION] = weight * (base[VELOCITY] + increment[VELOCITY]);
+            let velocity = start.state[VELOCITY] + carried[VELOCITY];
+            increment[POSITION] = weight * (velocity + increment[VELOCITY]);
         }
         if R::CHARGES {
-            let state = core::array::from_fn(|i| base[i] + increment[i]);
+            let change = base.change(increment);
+            let state = core::array::from_fn(|i| start.state[i] + change[i]);
             let at = self.scene.electrics(self.mode, &state);
             let slope = weight * self.scene.fall_by_voltage(self.mode, &at) * at.share;
             let residual = -weight * at.fall - increment[STORAGE];

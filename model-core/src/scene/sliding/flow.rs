@@ -4,13 +4,13 @@ use super::force_law::ForceLaw;
 use super::lateral_force::LateralForce;
 use super::mode::Mode;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
-use crate::integrate::{BoundaryLayer, CircuitEquation, Point, Stage, System};
+use crate::integrate::{Base, BoundaryLayer, CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
 use crate::oscillator::Oscillator;
 use crate::part::disc_overlap::DiscOverlap;
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
-use crate::scene::coupled::{self, Derivatives, ModeFactor};
+use crate::scene::coupled::{self, Derivatives, ModeFactor, POSITION};
 
 /// The electrical quantities at a displacement and a charge: charges in charge units, voltages relative to the
 /// voltage of one charge unit at full overlap.
@@ -23,9 +23,10 @@ pub(super) struct Circuit<S> {
     pub(super) voltage: S,
 }
 
-/// Error of the difference of charge and relaxed charge, in roundings of the charge: nine in ten of the pure rounding
-/// errors are smaller.
-const ROUNDINGS: f64 = 4.0;
+/// Fourth power of the longest `ξ` of Simpson's rule, in roundings: its error is then below a rounding of the slope.
+const SHORT: f64 = 64.0;
+/// Largest `ξ` of Simpson's rule: the slope of the overlap has a branch point at 1.
+const CURVED: f64 = 0.8;
 
 /// Derivatives of the circuit by the displacement.
 struct Slope<S> {
@@ -75,6 +76,22 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     #[inline(always)]
     pub(super) fn active_by_displacement(&self, ahead: bool, displacement: S) -> S {
         self.per_diameter(ahead) * DiscOverlap::active_by_xi(self.xi(ahead, displacement))
+    }
+
+    /// The change of `s2` over a short displacement, by Simpson's rule for its slope; `None` if the displacement is long.
+    ///
+    /// A difference of overlaps would have the rounding of an overlap.
+    #[inline]
+    fn short_rise(&self, ahead: bool, from: S, displacement: S) -> Option<S> {
+        let middle = self.xi(ahead, from + S::from_f64(0.5) * displacement);
+        let length = self.xi(ahead, displacement);
+        let square = length * length;
+        if !(square * square <= S::EPSILON * S::from_f64(SHORT) && middle.abs() <= S::from_f64(CURVED)) {
+            return None;
+        }
+        let ends = [from, from + displacement].map(|at| DiscOverlap::active_by_xi(self.xi(ahead, at)));
+        let slope = ends[0] + ends[1] + S::from_f64(4.0) * DiscOverlap::active_by_xi(middle);
+        Some(-length * slope * S::from_f64(1.0 / 6.0))
     }
 
     /// `d²s1/dx²` in 1/m², by the formula of the side `ahead`.
@@ -302,6 +319,43 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
         }
     }
 
+    /// The equation of the circuit at a displacement from `start`, also for short steps: the rise of the overlap is no
+    /// difference of overlaps.
+    #[inline(always)]
+    fn equation<const POWERS: usize>(
+        &self,
+        start: &Point<S, STATES, POWERS>,
+        displacement: S,
+    ) -> Option<CircuitEquation<S>> {
+        let scene = self.scene;
+        let from = start.state[DISPLACEMENT];
+        let ahead = self.mode.is_ahead(from);
+        let reached = scene.overlap(ahead, from + displacement);
+        let before = scene.overlap(ahead, from);
+        let rise = match scene.short_rise(ahead, from, displacement) {
+            Some(rise) => rise,
+            None => reached.inert - before.inert,
+        };
+        self.equation_at([&before, &reached], start.derivative[CHARGE], rise)
+    }
+
+    /// `s1 q' = Λ (t s2 − q)` at the second of two overlaps, from the rate of the charge at the first, with the rise of `s2`;
+    /// `None` without a current through a resistor. The voltage at the start is that of the carried rate.
+    #[inline(always)]
+    fn equation_at(
+        &self,
+        [before, reached]: [&DiscOverlap<S>; 2],
+        charge_rate: S,
+        rise: S,
+    ) -> Option<CircuitEquation<S>> {
+        let rate = self.circuit_rate;
+        if !(rate > S::ZERO) {
+            return None;
+        }
+        let drive = before.active * charge_rate + rate * self.scene.surface.tribo_charge * rise;
+        Some(CircuitEquation { inertia: reached.active, stiffness: rate, drive })
+    }
+
     /// All powers; see [`PowerIndex`].
     #[inline(always)]
     pub(super) fn all_powers(
@@ -361,31 +415,18 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     }
 
     #[inline(always)]
-    fn condense(&self, base: &[S; STATES], increment: &mut [S; STATES], weight: S) {
-        if !self.is_stick() {
-            increment[DISPLACEMENT] = weight * (base[VELOCITY] + increment[VELOCITY]);
+    fn flow_from(
+        &self,
+        start: &Point<S, STATES, POWERS>,
+        change: &[S; STATES],
+        acceleration: S,
+    ) -> [S; STATES] {
+        let state = core::array::from_fn(|i| start.state[i] + change[i]);
+        let mut rate = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
+        if let Some(equation) = self.equation(start, change[DISPLACEMENT]) {
+            rate[CHARGE] = equation.rate(change[CHARGE]);
         }
-        let displacement = base[DISPLACEMENT] + increment[DISPLACEMENT];
-        let overlap = self.scene.overlap(self.mode.is_ahead(displacement), displacement);
-        // (t s2 − q) = s1 V stays finite for separate discs, without 0/0.
-        let excess = self.scene.surface.tribo_charge * overlap.inert - base[CHARGE];
-        let rate = weight * self.circuit_rate;
-        increment[CHARGE] = rate * excess / (overlap.active + rate);
-    }
-
-    /// The charge `q` follows `t s2(x)` with the weight `Λ h/(s1 + Λ h)` of their difference. A rounding `δ` of `q`
-    /// changes the current by `δ/h` and the energy `R I² h` by `R (2 I + δ/h) δ`.
-    #[inline(always)]
-    fn rounding_energy(&self, state: &[S; STATES], rate: &[S; STATES], step: S) -> S {
-        let scene = self.scene;
-        let Resistance::Finite(resistance) = scene.load.resistance() else { return S::ZERO };
-        let [displacement, _, charge] = *state;
-        let overlap = scene.overlap(self.mode.is_ahead(displacement), displacement);
-        let stiffness = step * self.circuit_rate;
-        let share = stiffness / (overlap.active + stiffness);
-        let rounding = S::EPSILON * S::from_f64(ROUNDINGS) * charge.abs() * share;
-        let current = rate[CHARGE].abs();
-        resistance * scene.charge_unit * scene.charge_unit * (current + current + rounding / step) * rounding
+        rate
     }
 
     #[inline(always)]
@@ -424,7 +465,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         -self.direction * (by_share * normal + coefficient * attraction_rate)
     }
 
-    /// `s1 q' = Λ (t s2 − q)`. The voltage at the start is that of the carried rate.
     #[inline(always)]
     fn stage(&self, start: &Point<S, STATES, POWERS>, displacement: S, _velocity: S) -> Stage<S> {
         let scene = self.scene;
@@ -433,31 +473,25 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let position = from + displacement;
         let at = scene.circuit(ahead, position, charge);
         let force = self.force(ahead, position, &at);
-        let rate = self.circuit_rate;
-        if !(rate > S::ZERO) {
+        if !(self.circuit_rate > S::ZERO) {
             return Stage { circuit: None, force };
         }
         let (before, reached) = (scene.overlap(ahead, from), &at.overlap);
-        let circuit = CircuitEquation {
-            inertia: reached.active,
-            stiffness: rate,
-            drive: before.active * start.derivative[CHARGE]
-                + rate * scene.surface.tribo_charge * (reached.inert - before.inert),
-        };
-        Stage { circuit: Some(circuit), force }
+        let rise = reached.inert - before.inert;
+        Stage { circuit: self.equation_at([&before, reached], start.derivative[CHARGE], rise), force }
     }
 
     #[inline]
     fn boundary_layer(&self, state: &[S; STATES]) -> Option<BoundaryLayer<S>> {
-        if self.is_stick() { None } else { self.scene.boundary_layer(self.mode, state) }
+        self.scene.boundary_layer(self.mode, state)
     }
 
-    /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁹ of the patch's
-    /// diameter), charges to the tribo-charge.
+    /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁶ of the patch's
+    /// diameter, because a sine resolves 10⁻⁹ of its amplitude), charges to the tribo-charge.
     #[inline(always)]
     fn error_norm(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let scene = self.scene;
-        let least = S::from_f64(1e-9) * scene.diameter;
+        let least = S::from_f64(1e-6) * scene.diameter;
         let motion = [state[DISPLACEMENT], state[VELOCITY]];
         coupled::error_norm(motion, change, scene.time_scale, least, scene.per_tribo_charge)
     }
