@@ -21,6 +21,9 @@ pub const LEAST_BUDGET: u32 = MOST_ATTEMPTS + 2;
 pub(super) const MOST_CROWDED_EVENTS: u8 = 64;
 /// One nanosecond in ticks.
 const CROWDED_TICKS: u32 = 275;
+/// Time after an event in ticks (15 µs) within which a method without prediction takes a boundary layer out of its steps:
+/// the first step may be shorter than the layer.
+const LAYER_TICKS: u32 = 1 << 22;
 /// Longest step in ticks (61 µs) whose end outside the domain is an error.
 const DOMAIN_TICKS: u32 = 1 << 24;
 /// Shortest step that may be shortened, in ticks (15 ps).
@@ -290,7 +293,8 @@ impl<M, C> Driver<M, C> {
             excitation,
             method: &self.method,
             accuracy: self.control.accuracy(planned, scale),
-            after_jump: M::CARRIES_DERIVATIVES && state.since_event == 0,
+            after_jump: M::CARRIES_DERIVATIVES
+                && state.since_event <= if M::PREDICTS { 0 } else { LAYER_TICKS },
         };
         let shorten = |memory: &mut _, work: &mut Work| {
             work.rejected += 1;
