@@ -185,6 +185,12 @@ impl<M, C> Driver<M, C> {
         E: Excitation<S>,
         O: Observer<S>,
     {
+        const {
+            assert!(
+                M::ESTIMATES_ERROR || !C::NEEDS_ESTIMATE,
+                "`Adaptive` needs a method with an error estimate: `RungeKutta4` takes `FixedStep`"
+            );
+        }
         let mut work = Work::default();
         let scale = automaton.error_scale().of_the_faster(excitation.angular_frequency());
         let most_attempts = budget.max(LEAST_BUDGET) - LEAST_BUDGET;

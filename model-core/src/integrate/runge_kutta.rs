@@ -9,6 +9,36 @@ use crate::scalar::{Scalar, add_increment};
 ///
 /// It is stable only for steps below 2.78 divided by the largest rate of the system. With a small load
 /// resistance that is nanoseconds.
+///
+/// With [`Adaptive`](super::Adaptive) a run does not compile, because nothing would limit its steps:
+///
+/// ```compile_fail
+/// # use model_core::{clock::Instant, excitation::Silence, part::load::Resistor};
+/// # use model_core::part::restitution::ConstantRestitution;
+/// # use model_core::scene::contact_separation::{Choices, Parameters, Start};
+/// use model_core::integrate::{Adaptive, RungeKutta4};
+/// use model_core::scene::{Harvester, Simulation};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let scene = Parameters {
+/// #     mass: 5e-3_f32,
+/// #     stiffness: 80.0,
+/// #     damping_ratio: 0.005,
+/// #     initial_gap: 3e-3,
+/// #     electrode_area: 4e-4,
+/// #     dielectric_thickness: 5e-5,
+/// #     relative_permittivity: 2.0,
+/// #     charge_density: 50e-6,
+/// #     choices: Choices::new(Resistor { resistance: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
+/// # }
+/// # .build()?;
+/// // Compiles with `FixedStep::of_seconds(1e-5_f32)?`.
+/// let harvester = Simulation::new(scene, RungeKutta4, Adaptive::new(1e-3)?);
+/// let mut state = harvester.start(&Start::default(), &Silence)?;
+/// harvester.advance(&mut state, &Silence, Instant::from_whole_seconds(1), 100, &mut ())?;
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RungeKutta4;

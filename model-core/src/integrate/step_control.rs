@@ -68,6 +68,9 @@ pub(crate) enum Verdict {
 
 /// A rule for the length of steps: [`FixedStep`], [`Adaptive`], or one of them as [`AnyStepControl`].
 pub trait StepControl<S: Scalar> {
+    /// Whether the control needs a method that estimates its error.
+    const NEEDS_ESTIMATE: bool = false;
+
     /// The state before the first step.
     fn start(&self, scale: &ErrorScale<S>) -> ControlMemory<S>;
 
@@ -319,6 +322,8 @@ fn scaled(ticks: u32, change: i32) -> u32 {
 }
 
 impl<S: Scalar> StepControl<S> for Adaptive<S> {
+    const NEEDS_ESTIMATE: bool = true;
+
     fn start(&self, scale: &ErrorScale<S>) -> ControlMemory<S> {
         ControlMemory::starting_with(ticks_of_seconds(S::from_f64(FIRST_RADIANS) / scale.angular_frequency))
     }
