@@ -3,7 +3,7 @@
 //! `cargo run --example estimator`
 
 use model_core::energy::Estimator;
-use model_core::energy::estimator::{SampleFormat, Settings};
+use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
 use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::part::load::Resistor;
 use model_core::part::restitution::ConstantRestitution;
@@ -34,9 +34,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         format: SampleFormat::counts(9.81 / 16_384.0, 32_767),
         longest_gap: 4,        // samples
         settling_seconds: 0.0, // s
+        interpolation: Interpolation::DroopCompensated,
+        bias_seconds: None, // the offset of the format is known
     };
     let mut estimator = Estimator::new(harvester, settings)?;
-    let mut flash = [0; 256];
+    let mut flash = [0; 320];
     for n in 0..2000 {
         // At most 100 attempted steps per call, because firmware has deadlines.
         let mut progress = estimator.push_count(sample(n), 100)?;
@@ -52,6 +54,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let estimate = estimator.estimate();
     println!("{:.3e} W over {} s", estimate.mean_power, estimate.seconds);
-    println!("relative uncertainty {:.1e}", estimate.uncertainty.relative);
+    match estimate.uncertainty.relative {
+        Some(relative) => println!("relative uncertainty {relative:.1e}"),
+        None => println!("uncertainty unknown"),
+    }
     Ok(())
 }

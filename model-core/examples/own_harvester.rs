@@ -6,7 +6,7 @@
 //!
 //! `x`: displacement relative to the housing in m, `i`: current in A, `a`: base acceleration in m/s², `R`: load in Ω.
 use model_core::clock::Instant;
-use model_core::energy::estimator::{SampleFormat, Settings};
+use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
 use model_core::energy::{Estimator, Ledger, RunMeter};
 use model_core::excitation::{Excitation, Sine};
 use model_core::hybrid::{Automaton, Guard, HybridState, InputAt, Jump};
@@ -109,7 +109,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{:.3e} W, {} impacts, ledger {residual:?}", meter.mean_power(), meter.report().impacts);
     assert!(residual.is_some_and(|residual| residual < 1e-3), "the energy ledger closes");
     let format = SampleFormat::accelerations(100.0);
-    let settings = Settings { rate: 1000.0, format, longest_gap: 0, settling_seconds: 0.0 };
+    let settings = Settings {
+        rate: 1000.0,
+        format,
+        longest_gap: 0,
+        settling_seconds: 0.0,
+        interpolation: Interpolation::DroopCompensated,
+        bias_seconds: None,
+    };
     let mut estimator = Estimator::new(harvester, settings)?;
     for sample in 0..2000 {
         let at = Instant::from_seconds(sample as f32 / 1000.0).unwrap_or(Instant::START);

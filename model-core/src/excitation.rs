@@ -21,7 +21,8 @@ pub use any::AnyExcitation;
 pub use sampled::{AfterLastSample, Sampled};
 pub use silence::Silence;
 pub use sine::Sine;
-pub use stream::{Stream, StreamError};
+pub(crate) use stream::is_acceleration;
+pub use stream::{LARGEST_SAMPLE, Stream, StreamError};
 pub use tone_meter::{SpectralPeak, ToneMeter, ToneMeterState};
 pub use tones::Tones;
 

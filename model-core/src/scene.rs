@@ -106,6 +106,9 @@ pub trait Harvester<S: Scalar> {
     /// Simulated time.
     fn clock(&self, state: &Self::State) -> Instant;
 
+    /// Sets the simulated time, under an excitation that is displaced in time by the same amount.
+    fn set_clock(&self, state: &mut Self::State, clock: Instant);
+
     /// Outputs at `state`.
     fn outputs<'a>(&self, state: &'a Self::State) -> Outputs<'a, S>;
 

@@ -1,7 +1,7 @@
 //! The node that steps the harvester's model along the samples.
 
 use model_core::energy::Estimator;
-use model_core::energy::estimator::{EstimatorError, SampleFormat, Settings};
+use model_core::energy::estimator::{EstimatorError, Interpolation, SampleFormat, Settings};
 use model_core::scene::Harvester;
 
 use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE};
@@ -29,6 +29,8 @@ impl<B: Board, H: Harvester<f32>> Following<B, H> {
             format: SampleFormat::counts(SCALE, i16::MAX.unsigned_abs()),
             longest_gap: 4,
             settling_seconds: 0.0,
+            interpolation: Interpolation::DroopCompensated,
+            bias_seconds: None,
         };
         let estimator = Estimator::new(harvester, settings).map_err(|_| NodeError::Parameters)?;
         let mut power_manager = PowerManager::new()?;
@@ -73,7 +75,9 @@ impl<B: Board, H: Harvester<f32>> Following<B, H> {
             self.power_manager.read(voltage);
         }
         let harvested = estimate.energy;
-        let decision = self.power_manager.second(harvested, harvested * estimate.uncertainty.relative);
+        // Income of unknown uncertainty counts as no income.
+        let uncertainty = harvested * estimate.uncertainty.relative.unwrap_or(1.0);
+        let decision = self.power_manager.second(harvested, uncertainty);
         // What leaked and what is spent is gone from the harvester's storage too.
         self.estimator.set_storage_voltage(self.power_manager.storage_voltage());
         self.board.carry_out(decision);

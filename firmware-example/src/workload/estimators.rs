@@ -7,7 +7,7 @@ use core::hint::black_box;
 
 use model_core::clock::Instant;
 use model_core::energy::Estimator;
-use model_core::energy::estimator::{SampleFormat, Settings};
+use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
 use model_core::excitation::{Excitation, Sine, ToneMeter, ToneMeterState};
 use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::scalar::Polynomial;
@@ -112,7 +112,9 @@ impl<H: Harvester<f32>> Listener for Estimator<f32, H> {
 
     fn finish(&self, result: &mut [u32; 3]) {
         let estimate = self.estimate();
-        *result = [estimate.energy, estimate.mean_power, estimate.uncertainty.relative].map(f32::to_bits);
+        let unknown = f32::INFINITY;
+        let relative = estimate.uncertainty.relative.unwrap_or(unknown);
+        *result = [estimate.energy, estimate.mean_power, relative].map(f32::to_bits);
     }
 }
 
@@ -150,6 +152,8 @@ fn estimator<H: Harvester<f32>>(tone: Tone, harvester: H) -> Option<Fed<Estimato
         format: SampleFormat::counts(SCALE, i16::MAX.unsigned_abs()),
         longest_gap: 4,
         settling_seconds: 0.0,
+        interpolation: Interpolation::Linear,
+        bias_seconds: None,
     };
     Fed::new(tone, Estimator::new(harvester, settings).ok()?)
 }

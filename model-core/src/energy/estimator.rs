@@ -2,7 +2,7 @@
 //!
 //! ```
 //! use model_core::energy::Estimator;
-//! use model_core::energy::estimator::{SampleFormat, Settings};
+//! use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
 //! use model_core::integrate::{Adaptive, ExponentialRadau};
 //! use model_core::scene::Simulation;
 //! # use model_core::part::load::Resistor;
@@ -28,6 +28,8 @@
 //!     format: SampleFormat::counts(9.81 / 16_384.0, 32_767), // ± 2 g in 16 bits
 //!     longest_gap: 4,                                        // lost samples to interpolate
 //!     settling_seconds: 0.0,                                 // the node starts at rest
+//!     interpolation: Interpolation::DroopCompensated,
+//!     bias_seconds: None,                                    // the sensor reads zero at rest
 //! };
 //! let mut estimator = Estimator::new(harvester, settings)?;
 //!
@@ -40,10 +42,10 @@
 //! }
 //! let estimate = estimator.estimate();
 //! assert!((5e-6..20e-6).contains(&estimate.mean_power)); // W
-//! assert!(estimate.uncertainty.relative < 0.2);
+//! assert!(estimate.uncertainty.relative.is_some_and(|relative| relative < 0.2));
 //!
 //! // Power down and wake up after three lost samples.
-//! let mut flash = [0; 256];
+//! let mut flash = [0; 320];
 //! estimator.save(&mut flash)?;
 //! let mut awake = Estimator::new(harvester, settings)?;
 //! awake.restore(&flash)?;
@@ -65,12 +67,26 @@
 //! lost or a saturated sample count as *uncertain*, and so do those within [`Settings::settling_seconds`] of
 //! a start, the first one included.
 //!
+//! A reading that is not finite, or beyond [`LARGEST_SAMPLE`](crate::excitation::LARGEST_SAMPLE), is a lost sample.
+//!
+//! # Sampling
+//!
+//! The acceleration between samples is linear, which makes a sine weaker ([`Interpolation`]).
+//! [`Interpolation::DroopCompensated`] corrects that. Below [`LEAST_SAMPLES_PER_PERIOD`] in a resonance period the
+//! uncertainty is unknown. [`Estimator::set_rate`] sets the rate of a sensor that is off its nominal rate;
+//! [`Settings::bias_seconds`] removes gravity and a slow bias.
+//!
 //! [`Uncertainty`] states the contents and the accuracy of the uncertainty figures.
 
 mod accumulator;
+mod bias;
+mod elapsed;
 mod gaps;
+mod origin;
 mod sample;
+mod sampling;
 mod state;
+mod uncertainty;
 
 use crate::bounds::{Bounds, ParameterError};
 use crate::clock::Instant;
@@ -80,9 +96,13 @@ use crate::scalar::Scalar;
 use crate::scene::Harvester;
 use crate::snapshot::{self, Fingerprint, SnapshotError};
 
-pub use accumulator::{EnergyAccumulator, Estimate, Uncertainty};
+pub use accumulator::EnergyAccumulator;
+use origin::out_of_bounds;
 pub use sample::{Sample, SampleFormat};
-use state::{Phase, Queue, State};
+use sampling::Droop;
+pub use sampling::{Interpolation, LEAST_SAMPLES_PER_PERIOD};
+use state::State;
+pub use uncertainty::{Estimate, Uncertainty};
 
 /// The samples and the treatment of missing samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,7 +117,16 @@ pub struct Settings<S> {
     /// Time in s in which the harvester settles after a start from rest that may differ from its true state,
     /// 0 to 10⁶: some decay times `1/(damping ratio · angular frequency)`. 0 if a node starts at rest.
     pub settling_seconds: S,
+    /// The acceleration between the samples.
+    pub interpolation: Interpolation,
+    /// Time constant in s of a high-pass that removes gravity and a slow bias from the samples, 10⁻² to 10⁶: some tens
+    /// of periods, because a sine of angular frequency `w` loses `1/(2 (w · time)²)` of its amplitude. `None` to
+    /// remove nothing.
+    pub bias_seconds: Option<S>,
 }
+
+/// Allowed sampling rates in Hz.
+const RATE: Bounds<f64> = Bounds { lowest: 1e-3, highest: 1e6 };
 
 /// The reason why a call failed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -138,6 +167,7 @@ impl<S: Scalar> core::error::Error for EstimatorError<S> {}
 /// The result of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[must_use = "an unfinished sample needs `Estimator::resume`"]
 #[non_exhaustive]
 pub struct Progress {
     /// Whether the sample is finished; if not, the budget is spent and [`Estimator::resume`] continues.
@@ -149,11 +179,14 @@ pub struct Progress {
 /// Simulates a harvester from the samples of an accelerometer.
 ///
 /// Each sample completes the interval that ends one sample *earlier* (see [`Stream`]): the estimate lags one
-/// sample behind. Time counts from the first sample, for at most two years ([`Instant`]).
+/// sample behind. The clock of the harvester restarts at zero before it ends ([`Estimator::known_until`]), so that an
+/// estimator runs without end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator<S: Scalar, H: Harvester<S>> {
     harvester: H,
     settings: Settings<S>,
+    /// Follows from the harvester and the rate of the stream.
+    droop: Droop<S>,
     state: State<S, H::State>,
 }
 
@@ -166,34 +199,21 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// # Errors
     /// [`EstimatorError::Parameter`] with the setting outside its bounds.
     pub fn new(harvester: H, settings: Settings<S>) -> Result<Self, EstimatorError<S>> {
-        let Settings { rate, format, settling_seconds, .. } = settings;
-        let bounds = Bounds::new(1e-3, 1e6);
-        bounds
+        let Settings { rate, format, settling_seconds, bias_seconds, .. } = settings;
+        Bounds::new(RATE.lowest, RATE.highest)
             .check("rate", rate)
             .and_then(|()| format.check())
             .and_then(|()| Bounds::new(0.0, 1e6).check("settling_seconds", settling_seconds))
+            .and_then(|()| {
+                bias_seconds.map_or(Ok(()), |time| Bounds::new(1e-2, 1e6).check("bias_seconds", time))
+            })
             .map_err(EstimatorError::Parameter)?;
-        let out_of_bounds = ParameterError { field: "rate", value: rate, bounds };
-        let stream = Stream::new(rate, S::ZERO).map_err(|_| EstimatorError::Parameter(out_of_bounds))?;
-        let state = State {
-            stream,
-            harvester: harvester
-                .restart(None, &stream, stream.known_until())
-                .map_err(EstimatorError::Parameter)?,
-            accumulator: EnergyAccumulator::default(),
-            queue: Queue::default(),
-            phase: Phase::Waiting,
-            pending: false,
-            uncertain: 0,
-            settling: 0,
-            missing: 0,
-            expected: None,
-            missing_samples: 0,
-            saturated_samples: 0,
-            uncertain_intervals: 0,
-            unknown_intervals: 0,
-        };
-        Ok(Self { harvester, settings, state })
+        let stream =
+            Stream::new(rate, S::ZERO).map_err(|_| EstimatorError::Parameter(out_of_bounds(rate)))?;
+        let rested =
+            harvester.restart(None, &stream, stream.known_until()).map_err(EstimatorError::Parameter)?;
+        let droop = Droop::new(harvester.angular_frequency(), rate);
+        Ok(Self { harvester, settings, droop, state: State::waiting(stream, rested) })
     }
 
     /// The state of the model, one sample behind.
@@ -202,7 +222,9 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         &self.state.harvester
     }
 
-    /// The instant up to which the samples so far are integrated, once they are finished.
+    /// The instant up to which the samples so far are integrated, once they are finished, on the clock of
+    /// [`Estimator::harvester_state`]. That clock begins at the first sample, and again at zero with
+    /// [`Estimator::set_rate`] and half a year after its last beginning.
     #[must_use]
     pub fn known_until(&self) -> Instant {
         self.state.stream.known_until()
@@ -217,7 +239,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         self.push(self.settings.format.of_count(count), budget)
     }
 
-    /// Takes the next sample in m/s², in at most `budget` attempted steps; a sample that is not finite is missing.
+    /// Takes the next sample in m/s², in at most `budget` attempted steps. A sample that is not finite, or above
+    /// [`LARGEST_SAMPLE`](crate::excitation::LARGEST_SAMPLE) in magnitude, is missing.
     ///
     /// # Errors
     /// As [`Estimator::push`].
@@ -319,36 +342,6 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         }
     }
 
-    /// The estimate so far.
-    #[must_use]
-    pub fn estimate(&self) -> Estimate<S> {
-        let State { accumulator, harvester, .. } = &self.state;
-        let angular_frequency = self.harvester.angular_frequency();
-        let (energy, seconds) = (accumulator.energy(), accumulator.seconds());
-        let step = H::ESTIMATES_ERROR.then(|| accumulator.step_error(angular_frequency));
-        let rounding = accumulator.rounding();
-        let [uncertain_seconds, unknown_seconds] =
-            [self.state.uncertain_intervals, self.state.unknown_intervals]
-                .map(|intervals| self.duration(intervals));
-        let of_energy = (step.unwrap_or(S::ZERO) + rounding) / energy.abs().max(S::TINY);
-        let of_time = (uncertain_seconds + unknown_seconds) / (seconds + unknown_seconds).max(S::TINY);
-        Estimate {
-            energy,
-            mean_power: if seconds > S::ZERO { energy / seconds } else { S::ZERO },
-            seconds,
-            storage: self.harvester.outputs(harvester).storage,
-            uncertainty: Uncertainty {
-                step,
-                rounding,
-                missing_samples: self.state.missing_samples,
-                saturated_samples: self.state.saturated_samples,
-                uncertain_seconds,
-                unknown_seconds,
-                relative: of_energy + of_time,
-            },
-        }
-    }
-
     /// Sets the storage to a voltage in V, measured or after a draw by the node. Call it between samples.
     /// Without effect on a harvester without a storage, and for a voltage that is negative or not finite.
     pub fn set_storage_voltage(&mut self, voltage: S) {
@@ -362,9 +355,9 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// Sets energy, time and all counts to zero, to begin a new mean; the harvester continues.
     pub fn clear(&mut self) {
         let state = &mut self.state;
-        state.accumulator = EnergyAccumulator::default();
+        (state.accumulator, state.content) = Default::default();
         (state.missing_samples, state.saturated_samples) = (0, 0);
-        (state.uncertain_intervals, state.unknown_intervals) = (0, 0);
+        (state.uncertain_time, state.unknown_time) = Default::default();
     }
 
     /// Writes the state as a snapshot to the front of `bytes`, also in the middle of a sample. Returns its
@@ -382,26 +375,25 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// [`SnapshotError`]; the state is then unchanged.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SnapshotError> {
         self.state = snapshot::restore(self.fingerprint(), bytes)?;
+        self.droop = Droop::new(self.harvester.angular_frequency(), self.state.stream.rate());
         Ok(())
     }
 
-    /// The fingerprint of the model, its method and step control, and all settings.
+    /// The fingerprint of the model, its method and step control, and all settings. A rate set later is part of the
+    /// state.
     fn fingerprint(&self) -> u32 {
         let mut fingerprint = Fingerprint::new();
         self.harvester.identify(&mut fingerprint);
         self.settings.format.identify(&mut fingerprint);
         fingerprint.numbers(&[self.settings.rate, self.settings.settling_seconds]);
         fingerprint.count(self.settings.longest_gap.into());
+        fingerprint.count(self.settings.interpolation as u32);
+        fingerprint.numbers(self.settings.bias_seconds.as_slice());
         fingerprint.value()
     }
 
     fn refuse_unfinished(&self) -> Result<(), EstimatorError<S>> {
         let unfinished = self.state.pending || self.state.queue.left > 0;
         if unfinished { Err(EstimatorError::Unfinished) } else { Ok(()) }
-    }
-
-    /// Duration in s of a number of intervals between samples.
-    fn duration(&self, intervals: u64) -> S {
-        Instant::from_ticks(intervals.wrapping_mul(self.state.stream.ticks_per_sample())).seconds()
     }
 }

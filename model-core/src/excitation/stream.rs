@@ -11,6 +11,15 @@ use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
 /// first, 2¹² after the first leap, and one after the second.
 const LEAPS: u32 = 3;
 
+/// The largest magnitude of a sample in m/s²: no sensor measures a hundred thousand times gravity.
+pub const LARGEST_SAMPLE: f64 = 1e6;
+
+/// Whether `sample` in m/s² is an acceleration: finite and within [`LARGEST_SAMPLE`].
+#[inline]
+pub(crate) fn is_acceleration<S: Scalar>(sample: S) -> bool {
+    sample.abs() <= S::from_f64(LARGEST_SAMPLE)
+}
+
 /// The last three samples of a fixed-rate stream, linearly interpolated.
 ///
 /// The first sample is at time zero. The acceleration has the same bits as that of a
@@ -54,7 +63,7 @@ pub struct Stream<S> {
 pub enum StreamError {
     /// The rate is not above zero, not finite, above 1 MHz, or below one sample in two years.
     Rate,
-    /// The sample is not finite.
+    /// The sample is not finite, or above [`LARGEST_SAMPLE`] in magnitude.
     Sample,
 }
 
@@ -62,7 +71,7 @@ impl core::fmt::Display for StreamError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Rate => write!(f, "sample rate must be above 0 and at most 1e6 Hz"),
-            Self::Sample => write!(f, "sample must be finite"),
+            Self::Sample => write!(f, "sample must be from -1e6 to 1e6 m/s²"),
         }
     }
 }
@@ -73,11 +82,11 @@ impl<S: Scalar> Stream<S> {
     /// A stream of `rate` samples per second with its first sample in m/s².
     ///
     /// # Errors
-    /// A rate that is out of range, or a sample that is not finite.
+    /// A rate that is out of range, or a sample that is not finite or above [`LARGEST_SAMPLE`].
     pub fn new(rate: S, first: S) -> Result<Self, StreamError> {
         let grid = SampleGrid::new(rate).map_err(|_: ExcitationError| StreamError::Rate)?;
         let interval = grid.whole_ticks_per_sample().ok_or(StreamError::Rate)?;
-        if !first.is_finite() {
+        if !is_acceleration(first) {
             return Err(StreamError::Sample);
         }
         Ok(Self { grid, interval, newest: 0, samples: [first; 3], known_until: Instant::START })
@@ -86,10 +95,10 @@ impl<S: Scalar> Stream<S> {
     /// Takes the next sample in m/s².
     ///
     /// # Errors
-    /// A sample that is not finite; the stream is then as before.
+    /// A sample that is not finite or above [`LARGEST_SAMPLE`]; the stream is then as before.
     #[inline]
     pub fn push(&mut self, sample: S) -> Result<(), StreamError> {
-        if !sample.is_finite() {
+        if !is_acceleration(sample) {
             return Err(StreamError::Sample);
         }
         self.take(sample);
@@ -114,9 +123,9 @@ impl<S: Scalar> Stream<S> {
     /// [`Stream::known_until`] is then the time of this sample.
     ///
     /// # Errors
-    /// A sample that is not finite; the stream is then as before.
+    /// A sample that is not finite or above [`LARGEST_SAMPLE`]; the stream is then as before.
     pub fn restart(&mut self, missed: u32, sample: S) -> Result<(), StreamError> {
-        if !sample.is_finite() {
+        if !is_acceleration(sample) {
             return Err(StreamError::Sample);
         }
         self.restart_with(missed, sample);
@@ -133,6 +142,40 @@ impl<S: Scalar> Stream<S> {
     /// Begins at time zero with `sample`, which must be finite.
     pub(crate) fn begin_with(&mut self, sample: S) {
         (self.newest, self.samples, self.known_until) = (0, [sample; 3], Instant::START);
+    }
+
+    /// Moves time zero to [`Stream::known_until`] and changes the rate from there on.
+    ///
+    /// The samples stay. The last one but one, or the only one since a restart, is then at time zero: it moves by less
+    /// than a tick.
+    ///
+    /// # Errors
+    /// A rate that is out of range; the stream is then as before.
+    pub fn set_origin(&mut self, rate: S) -> Result<(), StreamError> {
+        let ahead = self.newest.wrapping_sub(self.grid.sample_before(self.known_until));
+        let Self { grid, interval, .. } = Self::new(rate, S::ZERO)?;
+        *self = Self { grid, interval, newest: ahead, samples: self.samples, known_until: Instant::START };
+        Ok(())
+    }
+
+    /// Samples per second.
+    #[must_use]
+    pub fn rate(&self) -> S {
+        self.grid.samples_per_second
+    }
+
+    /// Replaces the last sample but one, to which the acceleration is known, in m/s².
+    #[inline(always)]
+    pub(crate) fn replace_last_but_one(&mut self, sample: S) {
+        let [_, middle, _] = &mut self.samples;
+        *middle = sample;
+    }
+
+    /// Whether the time of a sample `missed + 1` intervals on is in the first half of the clock.
+    pub(crate) fn reaches(&self, missed: u32) -> bool {
+        let ticks =
+            (u128::from(missed) + 1) * u128::from(self.interval) + u128::from(self.known_until.ticks());
+        ticks < 1 << 63
     }
 
     /// The instant to which a run can be advanced: that of the last sample but one, rounded up to a tick.
@@ -332,7 +375,52 @@ mod tests {
     }
 
     #[test]
+    fn a_new_origin_moves_time_and_nothing_else() {
+        for rate in [0.3, 99.9, 400.0, 26_667.0] {
+            for samples in 1..5 {
+                let mut stream = Stream::<f64>::new(rate, 1.0).expect("valid");
+                for n in 1..samples {
+                    stream.push(f64::from(n * n)).expect("finite");
+                }
+                let mut moved = stream;
+                moved.set_origin(rate).expect("valid");
+                assert_eq!((moved.known_until(), moved.rate()), (Instant::START, rate));
+                for n in samples..samples + 40 {
+                    let from = stream.known_until().ticks().wrapping_sub(moved.known_until().ticks());
+                    for part in 0..3 {
+                        let after = part * (stream.ticks_per_sample() / 4);
+                        let at = moved.known_until().ticks() + after;
+                        let [one, other] = [
+                            stream.acceleration(Instant::from_ticks(at + from)),
+                            moved.acceleration(Instant::from_ticks(at)),
+                        ];
+                        // A tick or two of a slope of at most 100 m/s² in an interval.
+                        let bound = 200.0 / stream.ticks_per_sample() as f64;
+                        assert!((one - other).abs() <= bound, "{rate} Hz, sample {n}: {one} {other}");
+                    }
+                    stream.push(f64::from(n % 11)).expect("finite");
+                    moved.push(f64::from(n % 11)).expect("finite");
+                    let drift = stream.known_until().ticks() - moved.known_until().ticks();
+                    assert!(drift.abs_diff(from) <= 1, "{rate} Hz, sample {n}");
+                }
+            }
+        }
+        // A faster rate: the next interval is shorter.
+        let mut stream = Stream::<f32>::new(256.0, 0.0).expect("valid");
+        for sample in [1.0, 2.0, 3.0] {
+            stream.push(sample).expect("finite");
+        }
+        stream.set_origin(512.0).expect("valid");
+        assert_eq!(stream.acceleration(Instant::from_ticks(1 << 28)), 2.5);
+        stream.push(4.0).expect("finite");
+        assert_eq!(stream.known_until(), Instant::from_ticks(1 << 29));
+    }
+
+    #[test]
     fn bad_rates_and_samples_are_refused() {
+        for sample in [1.1e6, -1e30] {
+            assert_eq!(Stream::new(400.0, sample).err(), Some(StreamError::Sample), "{sample}");
+        }
         for rate in [0.0, -1.0, f32::NAN, f32::INFINITY, 1.1e6, 1e-9] {
             assert_eq!(Stream::new(rate, 0.0).err(), Some(StreamError::Rate), "{rate}");
         }
@@ -340,7 +428,9 @@ mod tests {
         let mut stream = Stream::new(400.0, 1.0_f32).expect("valid");
         let before = stream;
         assert_eq!(stream.push(f32::INFINITY), Err(StreamError::Sample));
+        assert_eq!(stream.push(-1e30), Err(StreamError::Sample));
         assert_eq!(stream.restart(3, f32::NAN), Err(StreamError::Sample));
+        assert_eq!(stream.set_origin(0.0), Err(StreamError::Rate));
         assert_eq!(stream, before);
     }
 }

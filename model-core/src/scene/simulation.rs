@@ -115,6 +115,10 @@ where
         state.clock
     }
 
+    fn set_clock(&self, state: &mut Self::State, clock: Instant) {
+        state.clock = clock;
+    }
+
     fn outputs<'a>(&self, state: &'a Self::State) -> Outputs<'a, S> {
         self.scene.outputs(state.mode, &state.point)
     }

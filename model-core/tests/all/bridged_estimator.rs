@@ -1,7 +1,8 @@
 //! The estimator for harvesters behind a bridge: its sums, its snapshots, and the refusal of foreign snapshots.
 
+use crate::common::finished;
 use crate::common::harvesters::{Bump, Contact, bump_parameters_into, contact_parameters};
-use model_core::energy::estimator::{SampleFormat, Settings};
+use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled};
 use model_core::integrate::{Adaptive, TrBdf2};
@@ -51,7 +52,14 @@ fn modal(bridge: Bridge) -> Stepper<f32, AnyChoices<f32, Bridge>, 4, 1> {
 
 fn estimator<H: Harvester<f32>>(harvester: H, rate: f32) -> Estimator<f32, H> {
     let format = SampleFormat::accelerations(f32::INFINITY);
-    let settings = Settings { rate, format, longest_gap: 4, settling_seconds: 0.0 };
+    let settings = Settings {
+        rate,
+        format,
+        longest_gap: 4,
+        settling_seconds: 0.0,
+        interpolation: Interpolation::Linear,
+        bias_seconds: None,
+    };
     Estimator::new(harvester, settings).expect("in bounds")
 }
 
@@ -61,7 +69,7 @@ fn feed<H: Harvester<f32>>(estimator: &mut Estimator<f32, H>, sine: [f64; 3], fr
         .into_iter()
         .skip(from as usize)
     {
-        estimator.push_acceleration(sample, u32::MAX).expect("can be followed");
+        finished(estimator.push_acceleration(sample, u32::MAX));
     }
 }
 

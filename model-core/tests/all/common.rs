@@ -6,6 +6,7 @@ pub(crate) mod harvesters;
 use core::fmt::Debug;
 
 use model_core::clock::{Instant, TICKS_PER_SECOND};
+use model_core::energy::estimator::{EstimatorError, Progress};
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, Ended, Guard, HybridState, InputAt, Jump, StepError, Work};
 use model_core::integrate::ErrorScale;
@@ -329,6 +330,11 @@ impl Random {
         let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
         radius * (core::f64::consts::TAU * self.unit()).cos()
     }
+}
+
+/// Asserts that an estimator finished a sample within its budget.
+pub(crate) fn finished<S: Scalar>(pushed: Result<Progress, EstimatorError<S>>) {
+    assert!(pushed.expect("runs").finished);
 }
 
 /// Numbers for tables.

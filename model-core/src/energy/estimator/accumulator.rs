@@ -1,8 +1,8 @@
-//! The sums of the estimator along the steps, and its estimate.
+//! The sums of the estimator along the steps.
 
-use crate::clock::Instant;
+use super::elapsed::ElapsedTime;
 use crate::integrate::step_control::REMEMBERED_RADIANS;
-use crate::observer::{AcceptedStep, Event, Observer, PowerIndex, StorageOutput};
+use crate::observer::{AcceptedStep, Event, Observer, PowerIndex};
 use crate::scalar::{CompensatedSum, Scalar};
 use crate::snapshot::snapshot_fields;
 
@@ -23,14 +23,14 @@ pub struct EnergyAccumulator<S> {
     energy_error: CompensatedSum<S>,
     /// Estimated local errors of the state, in the error norm of the scene.
     state_error: CompensatedSum<S>,
-    ticks: u64,
+    time: ElapsedTime,
 }
 
 impl<S: Scalar> EnergyAccumulator<S> {
     #[inline]
     fn add(&mut self, energy: S, ticks: u32) {
         self.energy.add(energy);
-        self.ticks = self.ticks.wrapping_add(u64::from(ticks));
+        self.time.add(ticks);
     }
 
     /// Energy delivered to the load, in J.
@@ -40,7 +40,7 @@ impl<S: Scalar> EnergyAccumulator<S> {
 
     /// Integrated time in s.
     pub(super) fn seconds(&self) -> S {
-        Instant::from_ticks(self.ticks).seconds()
+        self.time.seconds()
     }
 
     /// Error of the energy by the method's own estimate, in J.
@@ -82,69 +82,35 @@ impl<S: Scalar> Observer<S> for EnergyAccumulator<S> {
     }
 }
 
-snapshot_fields!(impl [S: Scalar] EnergyAccumulator<S> { energy, energy_error, state_error, ticks });
+snapshot_fields!(impl [S: Scalar] EnergyAccumulator<S> { energy, energy_error, state_error, time });
 
-/// The estimate of the harvest so far.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub struct Estimate<S> {
-    /// Energy delivered to the load over the integrated time, in J. Unknown time contributes nothing.
-    pub energy: S,
-    /// Mean power over the integrated time, in W; 0 at time zero.
-    pub mean_power: S,
-    /// Integrated time in s.
-    pub seconds: S,
-    /// The present state of the storage; `None` for a harvester without one.
-    pub storage: Option<StorageOutput<S>>,
-    /// The uncertainty of the energy.
-    pub uncertainty: Uncertainty<S>,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::TICKS_PER_SECOND;
 
-/// The uncertainty of an [`Estimate`] within the model.
-///
-/// # Error of the steps
-///
-/// The figure is the sum of two terms: the magnitudes of the local errors of the delivered energy, by the
-/// embedded third-order formula, and the effect of the local errors of the state on the energy. The second
-/// term is twice the mean state error per radian, because a power is a square, times the 20 radians over
-/// which the step control lets state errors add up.
-///
-/// Over five seconds from rest the figure is 1.2 to 21 times the actual error in contact-separation, where an impact
-/// removes part of the errors, and 1.6 to 5.3 times in sliding, where errors of the motion add up. In the first second
-/// it can be half of the actual error. The local errors of the energy alone do not predict the actual error.
-/// `cargo test -p model-core estimator::the_figure_for_the_step -- --nocapture` prints the ratios.
-///
-/// # Rounding
-///
-/// 74 roundings of the energy: those of the energy of a step; those of the compensated sum, whose error does
-/// not grow with the number of steps; and one rounding of the state per radian over 20 radians (a state is a
-/// pair of numbers, so its rounding does not grow with the steps either). The largest difference between
-/// `f32` and `f64` with the same steps was 30 roundings.
-///
-/// # Not covered
-///
-/// Chaotic motion (bump-stop in contact), the linear interpolation between samples, and the difference
-/// between the model's parameters and the real harvester.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub struct Uncertainty<S> {
-    /// Error of the energy in J by the finite step, estimated by the method; `None` for a method without an
-    /// estimate (RK4, the modal steps of bump-stop): choose its step on the host.
-    pub step: Option<S>,
-    /// Error of the energy in J by rounding.
-    pub rounding: S,
-    /// Number of lost samples.
-    pub missing_samples: u32,
-    /// Number of samples at the end of the sensor's range.
-    pub saturated_samples: u32,
-    /// Part of the integrated time, in s, in which the acceleration is interpolated across lost samples or
-    /// limited by the sensor's range, or in which the harvester is settling after a start at rest.
-    pub uncertain_seconds: S,
-    /// Time in s that was not integrated.
-    pub unknown_seconds: S,
-    /// Total relative uncertainty: the errors by step and rounding over the energy, plus the uncertain and
-    /// unknown time over the total time, as if the power in this time were entirely unknown.
-    pub relative: S,
+    #[test]
+    fn a_day_of_small_equal_energies_is_summed_to_a_rounding_in_single_precision() {
+        const STEPS_PER_SECOND: u32 = 64;
+        let (mut single, mut double) =
+            (EnergyAccumulator::<f32>::default(), EnergyAccumulator::<f64>::default());
+        let energy = 4.7e-8_f32;
+        let ticks = (TICKS_PER_SECOND / u64::from(STEPS_PER_SECOND)) as u32;
+        let steps = 86_400 * STEPS_PER_SECOND;
+        let mut halfway = [0.0; 2];
+        for step in 0..steps {
+            single.add(energy, ticks);
+            double.add(energy.into(), ticks);
+            if step == steps / 2 - 1 {
+                halfway = [single.energy().into(), double.energy()];
+            }
+        }
+        assert_eq!((single.seconds(), double.seconds()), (86_400.0, 86_400.0));
+        for [found, expected] in [
+            [f64::from(single.energy()), double.energy()],
+            [f64::from(single.energy()) - halfway[0], double.energy() - halfway[1]],
+        ] {
+            assert!((found / expected - 1.0).abs() < 2e-7, "{found} {expected}");
+        }
+    }
 }

@@ -1,18 +1,25 @@
 //! Takes samples one by one and handles missing ones: interpolation, loss and restart of the harvester.
 
+use super::sampling::Interpolation;
 use super::state::{Phase, Queue};
 use super::{Estimator, EstimatorError, Sample};
+use crate::clock::Instant;
+use crate::excitation::is_acceleration;
 use crate::scalar::Scalar;
 use crate::scene::Harvester;
+
+/// The instant from which the clock restarts: half a year.
+const LATEST: Instant = Instant::from_whole_seconds(1 << 24);
 
 impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// Queues a sample, with the samples lost before it.
     pub(super) fn take(&mut self, sample: Sample<S>) {
         let (target, saturated) = match sample {
-            Sample::Good(acceleration) if acceleration.is_finite() => (acceleration, false),
-            Sample::Saturated(acceleration) if acceleration.is_finite() => (acceleration, true),
+            Sample::Good(acceleration) if is_acceleration(acceleration) => (acceleration, false),
+            Sample::Saturated(acceleration) if is_acceleration(acceleration) => (acceleration, true),
             Sample::Good(_) | Sample::Saturated(_) | Sample::Missing => return self.lose(1),
         };
+        let target = self.without_bias(target, saturated);
         let state = &mut self.state;
         state.saturated_samples = state.saturated_samples.saturating_add(u32::from(saturated));
         let restarts = state.phase != Phase::Following;
@@ -30,9 +37,9 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
             state.missing = state.missing.saturating_add(count);
         }
         if state.phase != Phase::Following {
-            state.unknown_intervals = state.unknown_intervals.wrapping_add(count.into());
+            state.add_unknown(count);
         } else if state.missing > longest {
-            state.unknown_intervals = state.unknown_intervals.wrapping_add(state.missing.into());
+            state.add_unknown(state.missing);
             // The newest sample replaces its successor, so that the interval up to the newest sample can be integrated.
             state.missing -= 1;
             state.phase = Phase::Lost;
@@ -48,8 +55,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         let queued = core::mem::take(&mut state.queue.left);
         // The interval of the step, the interval up to the newest sample unless this sample is a replacement,
         // and the queued intervals.
-        let to_newest = u64::from(state.phase == Phase::Following);
-        state.unknown_intervals = state.unknown_intervals.wrapping_add(1 + to_newest + u64::from(queued));
+        let to_newest = u32::from(state.phase == Phase::Following);
+        state.add_unknown(queued.saturating_add(1 + to_newest));
         state.missing = state.missing.saturating_add(queued);
         state.phase = Phase::Lost;
         state.pending = false;
@@ -58,17 +65,31 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// Takes the next sample into the stream.
     #[inline]
     pub(super) fn feed(&mut self, sample: S, uncertain: bool) {
+        if self.state.stream.known_until() >= LATEST {
+            self.restart_clock();
+        }
         let state = &mut self.state;
         let before = state.stream.known_until();
         state.stream.take(sample);
         state.uncertain = (state.uncertain << 1) | u8::from(uncertain);
+        let [older, old] = state.unfiltered;
+        state.unfiltered = [old, sample];
         if state.stream.known_until() == before {
             return;
         }
         state.pending = true;
-        // The interval that is now known lies between the oldest sample and the middle one.
-        if state.uncertain & 0b110 != 0 || state.settling > 0 {
-            state.uncertain_intervals = state.uncertain_intervals.wrapping_add(1);
+        let slope = sample - old;
+        let bend = slope - (old - older);
+        state.content.add(slope, bend);
+        // The interval that is now known lies between the oldest sample and the middle one. The filter includes the
+        // samples on either side.
+        let mut touched = 0b110;
+        if self.settings.interpolation == Interpolation::DroopCompensated {
+            state.stream.replace_last_but_one(self.droop.compensate(old, bend));
+            touched = 0b1111;
+        }
+        if state.uncertain & touched != 0 || state.settling > 0 {
+            state.uncertain_time.add_intervals(1, state.stream.ticks_per_sample());
         }
         state.settling = state.settling.saturating_sub(1);
     }
@@ -82,8 +103,12 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
             stream.begin_with(sample);
             None
         } else {
-            stream.restart_with(state.missing, sample);
-            state.unknown_intervals = state.unknown_intervals.wrapping_add(1);
+            if stream.reaches(state.missing) {
+                stream.restart_with(state.missing, sample);
+            } else {
+                stream.begin_with(sample);
+            }
+            state.add_unknown(1);
             Some(&state.harvester)
         };
         match self.harvester.restart(before, &stream, stream.known_until()) {
@@ -95,7 +120,10 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         }
         state.stream = stream;
         state.uncertain = u8::from(uncertain);
-        state.settling = (self.settings.settling_seconds * self.settings.rate).to_u32();
+        // The mean is that of the samples so far, and a bias only after its time constant.
+        let bias_seconds = self.settings.bias_seconds.unwrap_or(S::ZERO);
+        state.settling = (self.settings.settling_seconds.max(bias_seconds) * state.stream.rate()).to_u32();
+        state.unfiltered = [sample; 2];
         state.missing = 0;
         state.phase = Phase::Following;
         Ok(())

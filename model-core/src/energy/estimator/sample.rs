@@ -1,6 +1,7 @@
 //! The reading of an accelerometer: a value, a lower bound of its magnitude, or no value.
 
 use crate::bounds::{Bounds, ParameterError};
+use crate::excitation::is_acceleration;
 use crate::scalar::Scalar;
 use crate::snapshot::Fingerprint;
 
@@ -56,10 +57,12 @@ impl<S: Scalar> SampleFormat<S> {
         }
     }
 
-    /// The sample of a reading in m/s²; a reading that is not finite is missing.
+    /// The sample of a reading in m/s²; a reading that is not finite or beyond [`LARGEST_SAMPLE`] is missing.
+    ///
+    /// [`LARGEST_SAMPLE`]: crate::excitation::LARGEST_SAMPLE
     #[inline]
     pub(crate) fn of_acceleration(&self, acceleration: S) -> Sample<S> {
-        if !acceleration.is_finite() {
+        if !is_acceleration(acceleration) {
             Sample::Missing
         } else if acceleration.abs() < self.range {
             Sample::Good(acceleration)
@@ -105,7 +108,8 @@ mod tests {
         assert_eq!(format.of_acceleration(f32::NAN), Sample::Missing);
         assert_eq!(format.of_acceleration(f32::INFINITY), Sample::Missing);
         let format = SampleFormat::accelerations(f32::INFINITY);
-        assert_eq!(format.of_acceleration(1e30), Sample::Good(1e30));
+        assert_eq!(format.of_acceleration(-1e6), Sample::Good(-1e6));
+        assert_eq!(format.of_acceleration(1e30), Sample::Missing);
     }
 
     #[test]

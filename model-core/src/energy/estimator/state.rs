@@ -1,6 +1,9 @@
 //! The state of a running estimator.
 
 use super::accumulator::EnergyAccumulator;
+use super::bias::Bias;
+use super::elapsed::ElapsedTime;
+use super::sampling::Content;
 use crate::excitation::Stream;
 use crate::scalar::Scalar;
 use crate::snapshot::{Snapshot, snapshot_fields, snapshot_variants};
@@ -51,11 +54,15 @@ pub(super) struct State<S, T> {
     pub(super) stream: Stream<S>,
     pub(super) harvester: T,
     pub(super) accumulator: EnergyAccumulator<S>,
+    pub(super) content: Content<S>,
+    pub(super) bias: Bias<S>,
+    /// The newest two samples in m/s², before the filter; the newest last.
+    pub(super) unfiltered: [S; 2],
     pub(super) queue: Queue<S>,
     pub(super) phase: Phase,
     /// Whether the harvester has yet to be advanced to the end of the known acceleration.
     pub(super) pending: bool,
-    /// Whether each of the stream's samples is uncertain: bit 0 the newest, bit 2 the oldest.
+    /// Whether each of the stream's samples is uncertain: bit 0 the newest, bit 3 the one before the oldest.
     pub(super) uncertain: u8,
     /// Number of intervals until the harvester has settled.
     pub(super) settling: u32,
@@ -65,13 +72,43 @@ pub(super) struct State<S, T> {
     pub(super) expected: Option<u32>,
     pub(super) missing_samples: u32,
     pub(super) saturated_samples: u32,
-    pub(super) uncertain_intervals: u64,
-    pub(super) unknown_intervals: u64,
+    pub(super) uncertain_time: ElapsedTime,
+    pub(super) unknown_time: ElapsedTime,
+}
+
+impl<S: Scalar, T> State<S, T> {
+    /// Before the first sample, with a harvester at rest.
+    pub(super) fn waiting(stream: Stream<S>, harvester: T) -> Self {
+        Self {
+            stream,
+            harvester,
+            accumulator: EnergyAccumulator::default(),
+            content: Content::default(),
+            bias: Bias::default(),
+            unfiltered: [S::ZERO; 2],
+            queue: Queue::default(),
+            phase: Phase::Waiting,
+            pending: false,
+            uncertain: 0,
+            settling: 0,
+            missing: 0,
+            expected: None,
+            missing_samples: 0,
+            saturated_samples: 0,
+            uncertain_time: ElapsedTime::default(),
+            unknown_time: ElapsedTime::default(),
+        }
+    }
+
+    /// Counts intervals as unknown.
+    pub(super) fn add_unknown(&mut self, intervals: u32) {
+        self.unknown_time.add_intervals(intervals, self.stream.ticks_per_sample());
+    }
 }
 
 snapshot_fields!(impl [S: Scalar, T: Snapshot] State<S, T> {
-    stream, harvester, accumulator, queue, phase, pending, uncertain, settling, missing, expected, missing_samples,
-    saturated_samples, uncertain_intervals, unknown_intervals,
+    stream, harvester, accumulator, content, bias, unfiltered, queue, phase, pending, uncertain, settling, missing,
+    expected, missing_samples, saturated_samples, uncertain_time, unknown_time,
 });
 
 snapshot_fields!(impl [S: Scalar] Queue<S> { from, target, saturated, restarts, length, left }

@@ -98,6 +98,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
         state.clock
     }
 
+    fn set_clock(&self, state: &mut Self::State, clock: Instant) {
+        state.clock = clock;
+    }
+
     fn outputs<'a>(&self, state: &'a Self::State) -> Outputs<'a, S> {
         self.scene.outputs(state)
     }
