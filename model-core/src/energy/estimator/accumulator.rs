@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn a_day_of_small_equal_energies_is_summed_to_a_rounding_in_single_precision() {
-        const STEPS_PER_SECOND: u32 = 64;
+        const STEPS_PER_SECOND: u32 = 128;
         let (mut single, mut double) =
             (EnergyAccumulator::<f32>::default(), EnergyAccumulator::<f64>::default());
         let energy = 4.7e-8_f32;
