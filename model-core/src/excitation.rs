@@ -190,7 +190,7 @@ mod tests {
                 assert!(error < bound, "{k}: {line:?} {mean} {tilt}");
                 assert_eq!(line.end, excitation.acceleration(at.after(ticks)));
             };
-            close(&sine, 8, 3e-5);
+            close(&sine, 8, 1.2e-4);
             close(&trace, 4000, 2e-3);
             // The line of a sum is that of a parabola.
             close(&tones, 8, 2e-2);

@@ -5,27 +5,15 @@ use crate::clock::{Cycles, Frequency, Instant};
 use crate::scalar::Scalar;
 
 /// The line over a step of an acceleration that is linear between its kinks: exact, from the pieces.
-#[inline]
+///
+/// With `u` from −1 to 1 over the step, the mean is half of `∫ a du`, and half the rise 3/2 of `∫ a u du`.
+#[cold]
+#[inline(never)]
 pub(super) fn line_of_pieces<S: Scalar>(
     excitation: &impl Excitation<S>,
     at: Instant,
     ticks: u32,
     start: S,
-) -> Line<S> {
-    let first = excitation.smooth_ticks(at);
-    if first >= ticks {
-        return Line::between(start, excitation.acceleration(at.after(ticks)));
-    }
-    sum_of_pieces(excitation, at, ticks, (first, start))
-}
-
-/// With `u` from −1 to 1 over the step, the mean is half of `∫ a du`, and half the rise 3/2 of `∫ a u du`.
-#[cold]
-fn sum_of_pieces<S: Scalar>(
-    excitation: &impl Excitation<S>,
-    at: Instant,
-    ticks: u32,
-    (mut until, start): (u32, S),
 ) -> Line<S> {
     let half = S::from_f64(0.5);
     let place = |offset: u32| {
@@ -33,6 +21,7 @@ fn sum_of_pieces<S: Scalar>(
         twice + twice - S::ONE
     };
     let (mut from, mut left) = (0, start);
+    let mut until = excitation.smooth_ticks(at).min(ticks);
     let (mut mean, mut moment) = (S::ZERO, S::ZERO);
     loop {
         let right = excitation.acceleration(at.after(until));

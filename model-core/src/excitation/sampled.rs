@@ -88,7 +88,12 @@ impl<S: Scalar> Excitation<S> for Sampled<'_, S> {
     }
 
     #[inline]
-    fn line(&self, at: Instant, ticks: u32, _step: S, start: S) -> Line<S> {
+    fn line(&self, at: Instant, ticks: u32, step: S, start: S) -> Line<S> {
+        let (left, right, theta) = self.bracket(at.after(ticks));
+        // The step began after the sample before its end.
+        if theta >= step * self.grid.samples_per_second {
+            return Line::between(start, left + theta * (right - left));
+        }
         line_of_pieces(self, at, ticks, start)
     }
 }
