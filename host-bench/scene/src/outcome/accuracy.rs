@@ -5,7 +5,7 @@ use serde::Serialize;
 /// Estimated relative error of the mean power, by source. `None` is unknown, and `null` in JSON.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Accuracy {
-    /// By the finite step: from a run with half the step or half the tolerance. In double precision it includes the
+    /// By the finite step: from a run with half the step or a sixteenth of the tolerance. In double precision it includes the
     /// rounding, because no operation of the two runs rounds alike.
     pub step: Option<f64>,
     /// By rounding in single precision: from a run in double precision.
