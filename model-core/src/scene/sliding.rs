@@ -50,6 +50,7 @@
 
 mod automaton;
 mod choices;
+mod circuit;
 mod closed_form;
 mod electrical_port;
 mod flow;

@@ -24,7 +24,7 @@
 mod charge;
 
 use self::charge::{Increments, STAGES, WEIGHTS, sum};
-use super::flow::Circuit;
+use super::circuit::Circuit;
 use super::{Friction, Parts, Sliding};
 use crate::integrate::modal::ModalStep;
 use crate::part::disc_overlap::DiscOverlap;
