@@ -8,6 +8,7 @@
 mod attempt;
 mod driver;
 mod locate;
+mod outcome;
 mod predicted;
 
 use core::fmt::Debug;
@@ -21,7 +22,8 @@ use crate::observer::Outputs;
 use crate::scalar::Scalar;
 use crate::snapshot::{Snapshot, snapshot_fields};
 
-pub use driver::{Advance, Driver, Ended, LEAST_BUDGET, StepError, StepFailure, Work};
+pub use driver::{Driver, LEAST_BUDGET};
+pub use outcome::{Advance, Ended, StepError, StepFailure, Work};
 
 /// A guard and its rate of change along the flow, in the guard's own unit.
 ///
