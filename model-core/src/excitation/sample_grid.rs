@@ -4,17 +4,30 @@ use super::{Excitation, ExcitationError, Line};
 use crate::clock::{Cycles, Frequency, Instant};
 use crate::scalar::Scalar;
 
-/// The line over a step of an acceleration that is linear between its kinks: exact, from the pieces.
+/// The line over a step of an acceleration that is linear between samples. `bracket` has the samples around
+/// the end of the step and the place between them, 0 to 1; `step_in_samples` is the step over their distance.
+#[inline]
+pub(super) fn line_between_samples<S: Scalar>(
+    excitation: &impl Excitation<S>,
+    (at, ticks): (Instant, u32),
+    step_in_samples: S,
+    start: S,
+    (before, after, theta): (S, S, S),
+) -> Line<S> {
+    // The step began after the sample before its end.
+    if theta >= step_in_samples {
+        return Line::between(start, before + theta * (after - before));
+    }
+    line_of_pieces(excitation, at, ticks, start)
+}
+
+/// The line over a step of an acceleration that is linear between its kinks, from the pieces: exact but for a jump at the
+/// last sample of a trace.
 ///
 /// With `u` from −1 to 1 over the step, the mean is half of `∫ a du`, and half the rise 3/2 of `∫ a u du`.
 #[cold]
 #[inline(never)]
-pub(super) fn line_of_pieces<S: Scalar>(
-    excitation: &impl Excitation<S>,
-    at: Instant,
-    ticks: u32,
-    start: S,
-) -> Line<S> {
+fn line_of_pieces<S: Scalar>(excitation: &impl Excitation<S>, at: Instant, ticks: u32, start: S) -> Line<S> {
     let half = S::from_f64(0.5);
     let place = |offset: u32| {
         let twice = S::from_u32(offset) / S::from_u32(ticks);

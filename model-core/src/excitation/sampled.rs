@@ -1,6 +1,6 @@
 //! A recorded acceleration: samples at a fixed rate, linearly interpolated.
 
-use super::sample_grid::{SampleGrid, line_of_pieces};
+use super::sample_grid::{SampleGrid, line_between_samples};
 use super::{Excitation, ExcitationError, Line};
 use crate::clock::Instant;
 use crate::oscillator::{Kernel, Response};
@@ -89,12 +89,8 @@ impl<S: Scalar> Excitation<S> for Sampled<'_, S> {
 
     #[inline]
     fn line(&self, at: Instant, ticks: u32, step: S, start: S) -> Line<S> {
-        let (left, right, theta) = self.bracket(at.after(ticks));
-        // The step began after the sample before its end.
-        if theta >= step * self.grid.samples_per_second {
-            return Line::between(start, left + theta * (right - left));
-        }
-        line_of_pieces(self, at, ticks, start)
+        let around_end = self.bracket(at.after(ticks));
+        line_between_samples(self, (at, ticks), step * self.grid.samples_per_second, start, around_end)
     }
 }
 

@@ -78,7 +78,7 @@ impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {
     }
 
     /// With `x` half the radians of the step the mean is `tan(x)/x`, the rise `3 (1 − x cot x)/x²` times that between the
-    /// ends. Their series to `x⁶` and `x⁴` are exact to 4·10⁻⁵ at [`LONGEST_RADIANS`].
+    /// ends. Their series to `x⁶` and `x⁴` are exact to 4·10⁻⁵ at 0.9 radians.
     #[inline(always)]
     fn line(&self, at: Instant, ticks: u32, step: S, start: S) -> Line<S> {
         let line = Line::between(start, self.acceleration(at.after(ticks)));

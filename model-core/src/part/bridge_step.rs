@@ -239,7 +239,7 @@ impl<S: Scalar> BridgeStep<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::part::draw::NoDraw;
+    use crate::part::draw::{Lockout, NoDraw, PowerDraw};
     use crate::part::storage::{Capacitor, DcBus, StorageCapacitor};
 
     const CAPACITANCE: f64 = 16e-9;
@@ -360,6 +360,28 @@ mod tests {
             let lost =
                 0.5 * capacitance * (4.0 - end * end) + 0.5 * CAPACITANCE * (start * start - after * after);
             assert!(((account.leaked + account.diodes) / lost - 1.0).abs() < 1e-12, "{start}");
+        }
+    }
+
+    #[test]
+    fn a_constant_power_leaves_a_conducting_bridge_level() {
+        let lockout = Lockout { turn_on: 1.0, turn_off: 0.1 };
+        let storage = StorageCapacitor {
+            capacitor: Capacitor { capacitance: 1e-9, leakage_resistance: f64::INFINITY },
+            initial_voltage: 2.0,
+            draw: PowerDraw { power: 2e-4, lockout },
+        };
+        let bridge = FullBridge { diode_drop: 0.3, storage };
+        let step = BridgeStep::new(CAPACITANCE, &bridge.storage, STEP);
+        for start in [2.3, 2.5, 2.599] {
+            let (mut state, mut account) = (StorageState::of(&bridge.storage), StorageAccount::default());
+            let passed = step.drain(&bridge, start, &mut state, &mut account);
+            let end = start - passed / CAPACITANCE;
+            assert!(
+                passed > 0.0 && (end - 0.6 - state.voltage).abs() < 1e-9,
+                "{start}: {end} {}",
+                state.voltage
+            );
         }
     }
 

@@ -95,7 +95,8 @@ impl<S: Scalar> StorageState<S> {
 
     /// The time in s in which leakage and draw lower the voltage by `fall` in V, at most `longest` in s.
     ///
-    /// The fall is a concave function of time, so Newton's iteration from zero rises to the time.
+    /// Newton's iteration from zero. The fall is concave in time for an outflow that falls with the voltage, and convex for
+    /// a constant power: it then comes from above.
     #[inline]
     pub(crate) fn time_to_fall<R: StorageElement<S>>(
         &self,
@@ -110,13 +111,13 @@ impl<S: Scalar> StorageState<S> {
         for _ in 0..NEWTON_STEPS {
             let fallen = time * rate * mean_growth(-time * decay);
             let (left, slope) = (fall - fallen, rate - decay * fallen);
-            if left <= S::EPSILON * fall {
+            if left.abs() <= S::EPSILON * fall {
                 break;
             }
             if !(slope > S::ZERO) {
                 return longest;
             }
-            time = (time + left / slope).min(longest);
+            time = (time + left / slope).max(S::ZERO).min(longest);
         }
         time
     }
@@ -134,8 +135,8 @@ impl<S: Scalar> StorageState<S> {
     }
 }
 
-/// Iterations of [`StorageState::time_to_fall`]: the last one changes a fall of two time constants by a rounding.
-const NEWTON_STEPS: u32 = 8;
+/// Most iterations of [`StorageState::time_to_fall`]: each advances by at least nearly a time constant.
+const NEWTON_STEPS: u32 = 40;
 
 /// Magnitude up to which the series is summed, because the closed form cancels.
 const SERIES_GROWTH: f64 = 0.0625;

@@ -1,13 +1,14 @@
 //! Tracks the mean of the samples: gravity and the bias of the sensor.
 
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, add_increment};
 use crate::snapshot::snapshot_fields;
 
 /// The mean of all samples at first, an exponentially weighted mean later: a one-pole high-pass of the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Bias<S> {
-    /// The mean in m/s².
+    /// The mean in m/s², and its rounding remainder: a sample changes the mean of a long time by less than a rounding.
     mean: S,
+    remainder: S,
     /// Number of samples in the mean, at most that of the time constant.
     samples: u32,
 }
@@ -16,7 +17,8 @@ impl<S: Scalar> Bias<S> {
     /// Includes a sample in m/s² into a mean over `longest` samples.
     pub(super) fn track(&mut self, sample: S, longest: u32) {
         self.samples = self.samples.saturating_add(1).min(longest.max(1));
-        self.mean += (sample - self.mean) / S::from_u32(self.samples);
+        let increment = (sample - self.mean) / S::from_u32(self.samples);
+        (self.mean, self.remainder) = add_increment(self.mean, self.remainder, increment);
     }
 
     /// The mean in m/s².
@@ -25,4 +27,4 @@ impl<S: Scalar> Bias<S> {
     }
 }
 
-snapshot_fields!(impl [S: Scalar] Bias<S> { mean, samples });
+snapshot_fields!(impl [S: Scalar] Bias<S> { mean, remainder, samples });

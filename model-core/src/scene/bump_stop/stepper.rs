@@ -120,8 +120,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     /// Advances `state` to `until`; without `CUT` it ends with a whole step, less than a short step past `until`.
     ///
     /// A cut step computes its own coefficients, which cost more than many steps: from sample to sample, whole steps
-    /// are cheaper. The base acceleration is linear over each step, so kinks of a sampled excitation within a long
-    /// step are smoothed.
+    /// are cheaper.
     #[inline]
     pub(super) fn run<const CUT: bool, E: Excitation<S>, O: Observer<S>>(
         &self,
@@ -267,7 +266,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             trial
         };
         if let Some(reach) = reach {
-            let largest = pair.now.acceleration.abs().max(base.end.abs());
+            let largest = base.mean.abs() + base.tilt.abs();
             room += reach.of_forces(largest, trial.mean_voltage.abs() + trial.voltage_tilt.abs());
         }
         if self.is_clear(pair.now.gap.max(pair.next.gap) + room)

@@ -29,8 +29,8 @@ pub(super) fn unit_of(heading: &str) -> Option<f64> {
         lower.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
     let (first, last) = (words.first()?, words.last()?);
     let unit = UNITS.iter().find(|(name, _)| name == last).map(|(_, length)| *length);
-    // Metres per second, or per square second, are no time.
-    let is_rate = words.contains(&"per") || words.contains(&"m") || words.contains(&"mm");
+    // Metres per second, or radians per second, are no time.
+    let is_rate = words.contains(&"per") || words.contains(&"m") || lower.contains('/');
     match unit {
         Some(length) if TIME_WORDS.contains(first) || !is_rate => Some(length),
         _ => TIME_WORDS.contains(first).then_some(1.0),
