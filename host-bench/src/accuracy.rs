@@ -7,7 +7,7 @@
 use crate::method::{Failure, Method, Options, Precision};
 use crate::outcome::{Accuracy, BLOCKS, Outcome};
 use crate::run::run_scene;
-use crate::scene_file::{Excitation, Model, Scene, Trace};
+use crate::scene_file::{Draw, Excitation, Load, Model, Scene, Trace};
 
 /// Estimated relative error of the mean power above which a run warns.
 const NOTABLE: f64 = 5e-3;
@@ -19,8 +19,10 @@ const BUMP_STOP_ACCURACY: f64 = 1e-3;
 const MOST_HALVINGS: u32 = 6;
 /// Ratio of two successive differences above which halving the step is given up.
 const NO_PROGRESS: f64 = 0.8;
-/// Most attempted steps of a comparison.
+/// Most attempted steps of a comparison, where the run itself has no limit.
 const MOST_ATTEMPTS: u64 = 1 << 26;
+/// Most attempted steps of a comparison over those of the run.
+const MORE_ATTEMPTS: u64 = 4;
 /// The error of a run over its difference from one with half the step. A method of first order has 2, the methods of the
 /// core 1.1 to 1.4.
 const BY_HALVING: f64 = 2.0;
@@ -38,17 +40,22 @@ const FINER: usize = 4;
 /// Runs a scene, with the accuracy of its mean power and its warnings. A bump-stop run without a given step is repeated
 /// with half the step until the estimate meets the accuracy.
 pub fn run_with_accuracy(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
+    run_with_steps(scene, options).map(|(outcome, _)| outcome)
+}
+
+/// As [`run_with_accuracy`], with the options of the run: its halvings are those that were chosen.
+pub(crate) fn run_with_steps(scene: &Scene, options: &Options) -> Result<(Outcome, Options), Failure> {
     let asked = options.accuracy;
     // The halvings meet it; the run itself has no rule for it.
     let accuracy = if has_own_steps(scene, options) { None } else { asked };
     let options = &Options { halvings: chosen_halvings(scene, options), blocks: true, accuracy, ..*options };
     let mut outcome = run_scene(scene, options)?;
     if options.method != Method::Reference {
-        outcome.accuracy = statement(scene, options, &outcome).summed();
+        outcome.accuracy = statement(scene, options, &outcome);
         outcome.warnings.extend(warning(&outcome.accuracy, asked));
     }
     outcome.warnings.extend(imbalance(&outcome));
-    Ok(outcome)
+    Ok((outcome, *options))
 }
 
 /// The warning of an energy ledger that does not close.
@@ -94,30 +101,69 @@ fn chosen_halvings(scene: &Scene, options: &Options) -> u32 {
     MOST_HALVINGS
 }
 
-/// The estimates of a run that has given `outcome`.
+/// The estimates of a run that has given `outcome`, with their sum; it is unknown if one of them is.
 fn statement(scene: &Scene, options: &Options, outcome: &Outcome) -> Accuracy {
     let single = outcome.precision == Precision::F32.name();
-    let finer = options.halvings + if has_tolerance(scene, options) { TOLERANCE_HALVINGS } else { 1 };
-    let halved = companion(scene, &in_double_precision(options, finer));
-    let exact = if single { companion(scene, &in_double_precision(options, options.halvings)) } else { None };
+    let double = in_double_precision(options, options.halvings);
+    let exact = if single { companion(scene, &double) } else { None };
     let alike = if single { exact.as_ref() } else { Some(outcome) };
-    let step = alike.zip(halved.as_ref()).and_then(|(one, two)| difference(one, two));
+    let step = alike.and_then(|alike| by_shorter_steps(scene, options, alike));
+    let fast = alike.filter(|alike| options.step_s.is_none() && storage_is_fast(scene, alike));
+    let boundary_layers = fast.and_then(|alike| by_fixed_steps(scene, options, alike));
     let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
-    let smooth = smoother(scene)
-        .and_then(|smoother| companion(&smoother, &in_double_precision(options, options.halvings)));
+    let smoother = smoother(scene);
+    let smooth = smoother.as_ref().and_then(|smoother| companion(smoother, &double));
     let sampling = alike.zip(smooth.as_ref()).and_then(|(one, two)| difference(one, two));
-    Accuracy {
-        step: step.map(|step| (BY_HALVING * step).max(LEAST)),
-        rounding,
-        sampling,
-        ..Accuracy::default()
-    }
+    let accuracy = Accuracy { step, rounding, boundary_layers, sampling, total: None }.summed();
+    let is_unknown = (fast.is_some() && boundary_layers.is_none())
+        || (single && rounding.is_none())
+        || (smoother.is_some() && sampling.is_none());
+    if is_unknown { Accuracy { total: None, ..accuracy } } else { accuracy }
+}
+
+/// The estimated error by the step of a run in double precision that has given `outcome`.
+fn by_shorter_steps(scene: &Scene, options: &Options, outcome: &Outcome) -> Option<f64> {
+    let adaptive = has_tolerance(scene, options);
+    let finer = options.halvings + if adaptive { TOLERANCE_HALVINGS } else { 1 };
+    let finer = companion(scene, &in_double_precision(options, finer))?;
+    // Motions far below the size of the harvester have errors below any tolerance: the step is then the longest.
+    let step = if adaptive && finer.delivered_energy_j == outcome.delivered_energy_j {
+        by_fixed_steps(scene, options, outcome)?
+    } else {
+        BY_HALVING * difference(outcome, &finer)?
+    };
+    Some(step.max(LEAST))
 }
 
 /// Whether the steps of a run follow from a tolerance.
 fn has_tolerance(scene: &Scene, options: &Options) -> bool {
     let adaptive = options.step_s.is_none() && options.method != Method::Rk4;
     adaptive && !matches!(scene.model, Model::BumpStop(_))
+}
+
+/// The estimated error of a triboelectric run in double precision, from a run in fixed steps, twice as many.
+fn by_fixed_steps(scene: &Scene, options: &Options, outcome: &Outcome) -> Option<f64> {
+    let step_s = mean_step(scene, outcome) / BY_HALVING;
+    let fixed =
+        Options { step_s: Some(step_s), tolerance: None, accuracy: None, ..in_double_precision(options, 0) };
+    Some(BY_HALVING * difference(outcome, &companion(scene, &fixed)?)?)
+}
+
+/// The mean step of a run in s.
+fn mean_step(scene: &Scene, outcome: &Outcome) -> f64 {
+    scene.run.duration_s / outcome.steps.max(1) as f64
+}
+
+/// Whether a storage behind the bridge of a triboelectric run discharges within a step: the tolerance does not hold its
+/// charge, which the step control does not see.
+fn storage_is_fast(scene: &Scene, outcome: &Outcome) -> bool {
+    let Load::RectifiedStore(store) = scene.load else { return false };
+    let drawing = match store.draw {
+        Draw::Resistor { resistance_ohm, .. } => 1.0 / resistance_ohm,
+        _ => 0.0,
+    };
+    let relaxation_s = store.capacitance_f / (drawing + 1.0 / store.leakage_ohm);
+    !matches!(scene.model, Model::BumpStop(_)) && relaxation_s < mean_step(scene, outcome)
 }
 
 /// The options of a run to compare with: the power alone, in double precision.
@@ -129,7 +175,9 @@ fn in_double_precision(options: &Options, halvings: u32) -> Options {
         bare: true,
         blocks: true,
         trace_every_s: None,
-        most_attempts: Some(MOST_ATTEMPTS),
+        most_attempts: Some(
+            options.most_attempts.map_or(MOST_ATTEMPTS, |most| most.saturating_mul(MORE_ATTEMPTS)),
+        ),
         ..*options
     }
 }
@@ -140,7 +188,7 @@ fn companion(scene: &Scene, options: &Options) -> Option<Outcome> {
 }
 
 /// The relative difference of the energies delivered in two runs, with the standard error of the mean of the differences
-/// in the parts of the window; `None` if the first delivers nothing and the second does.
+/// in the parts of the window; `None` if one of the two alone delivers nothing.
 fn difference(one: &Outcome, two: &Outcome) -> Option<f64> {
     let (energy, other) = (one.delivered_energy_j?, two.delivered_energy_j?);
     // Where a part has few steps, the energy of the step across its border is a part of it.
@@ -153,7 +201,7 @@ fn difference(one: &Outcome, two: &Outcome) -> Option<f64> {
     let squares: f64 = apart.iter().map(|apart| (apart - mean).powi(2)).sum();
     let of_sum = if count > 1.0 { (squares / (count - 1.0) * count).sqrt() } else { 0.0 };
     let difference = (energy - other).abs() + CONFIDENCE * of_sum;
-    let relative = difference / energy.abs();
+    let relative = difference / energy.abs().min(other.abs());
     if difference == 0.0 { Some(0.0) } else { relative.is_finite().then_some(relative) }
 }
 
@@ -196,7 +244,8 @@ fn cubic([before, left, right, after]: [f64; 4], x: f64) -> f64 {
 fn warning(accuracy: &Accuracy, asked: Option<f64>) -> Option<String> {
     let Some(total) = accuracy.total else {
         return Some(
-            "accuracy: the error of the mean power is unknown: it is 0, or a run to compare with did not end"
+            "accuracy: the error of the mean power is unknown: it is 0, a run to compare with did not end, or one of the \
+             two delivers nothing"
                 .to_owned(),
         );
     };

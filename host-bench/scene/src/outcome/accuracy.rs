@@ -10,12 +10,13 @@ pub struct Accuracy {
     pub step: Option<f64>,
     /// By rounding in single precision: from a run in double precision.
     pub rounding: Option<f64>,
-    /// By the relaxation of a fast circuit that no step resolves.
+    /// By the relaxation of a fast circuit that no step resolves: of a storage behind the bridge of a triboelectric scene
+    /// that discharges within a step, from a run in fixed steps.
     pub boundary_layers: Option<f64>,
     /// By the straight line between two samples of a trace: from a run on a trace with three more samples between two,
     /// on the cubic through four.
     pub sampling: Option<f64>,
-    /// The sum of those that are known; `None` if that by the step is unknown.
+    /// The sum; `None` if that by the step, or another that was to be estimated, is unknown.
     pub total: Option<f64>,
 }
 
