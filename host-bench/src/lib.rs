@@ -7,6 +7,7 @@ pub mod command;
 pub mod figures;
 pub mod on_target;
 mod peer;
+pub mod random_scenes;
 mod report;
 pub mod run;
 mod stability;

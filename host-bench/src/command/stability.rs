@@ -1,4 +1,6 @@
-//! `stability`: the stiff and extreme table.
+//! `stability`: the stiff and extreme table, and random scenes.
+
+mod random;
 
 use std::path::PathBuf;
 
@@ -29,6 +31,15 @@ pub struct StabilityArguments {
     /// Write the list of failing cases to this file
     #[arg(long, value_name = "FILE.csv", conflicts_with = "known")]
     write_known: Option<PathBuf>,
+    /// Run this many random scenes in place of the grid, each judged by the reference or a tighter run
+    #[arg(long, value_name = "COUNT", conflicts_with_all = ["grid", "scene", "format", "known", "write_known"])]
+    random: Option<u64>,
+    /// Which random scenes
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "random")]
+    seed: u64,
+    /// Append a row for each random scene to this file; a file with rows is continued
+    #[arg(long, value_name = "FILE.csv", requires = "random")]
+    output: Option<PathBuf>,
 }
 
 /// Of which scene.
@@ -50,6 +61,9 @@ const SCENES: [&str; 3] = [ContactSeparationSetting::SCENE, SlidingSetting::SCEN
 /// If a shipped scene cannot be read, or if a case fails; with a list of known failing cases, if others fail than are
 /// listed.
 pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
+    if let Some(count) = arguments.random {
+        return random::run(count, arguments.seed, arguments.output.as_deref());
+    }
     let known = arguments.known.as_ref().map(|file| Known::read(file, &SCENES)).transpose()?;
     let outputs = Outputs::of_shipped(SHIPPED_SCENES);
     if let Some(file) = &arguments.write_known {

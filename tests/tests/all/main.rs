@@ -12,6 +12,7 @@ mod ledger;
 mod limits;
 mod on_target_bits;
 mod published_rows;
+mod random_scenes;
 mod rectified;
 mod sensor_node;
 mod sliding_agreement;

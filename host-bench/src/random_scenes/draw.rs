@@ -1,0 +1,351 @@
+//! Draws the scenes.
+
+use super::source::Source;
+use crate::method::Precision;
+use crate::scene_file::{self, Override, Scene, SceneError};
+
+/// A number of a table of a scene file: key, value of the shipped scene, bounds.
+type Row = (&'static str, f64, [f64; 2]);
+
+const CONTACT_SEPARATION: [Row; 7] = [
+    ("mass_kg", 5e-3, [1e-12, 1e3]),
+    ("stiffness_n_per_m", 80.0, [1e-9, 1e9]),
+    ("initial_gap_m", 3e-3, [1e-9, 1.0]),
+    ("electrode_area_m2", 4e-4, [1e-12, 10.0]),
+    ("dielectric_thickness_m", 5e-5, [1e-9, 0.1]),
+    ("relative_permittivity", 2.0, [1.0, 1e5]),
+    ("charge_density_c_per_m2", 5e-5, [1e-12, 1e-2]),
+];
+const SLIDING: [Row; 10] = [
+    ("beam_length_m", 0.1, [1e-4, 10.0]),
+    ("beam_width_m", 20e-3, [1e-5, 10.0]),
+    ("beam_thickness_m", 0.5e-3, [1e-7, 1.0]),
+    ("young_modulus_pa", 210e9, [1e5, 1e13]),
+    ("density_kg_per_m3", 7800.0, [1.0, 1e5]),
+    ("slider_mass_kg", 8e-3, [1e-12, 1e3]),
+    ("patch_radius_m", 10e-3, [1e-6, 1.0]),
+    ("dielectric_thickness_m", 5e-5, [1e-9, 0.1]),
+    ("relative_permittivity", 2.0, [1.0, 1e5]),
+    ("charge_density_c_per_m2", 8e-5, [1e-12, 1e-2]),
+];
+const BUMP_STOP: [Row; 9] = [
+    ("beam_length_m", 50e-3, [1e-4, 10.0]),
+    ("beam_width_m", 10e-3, [1e-5, 10.0]),
+    ("substrate_thickness_m", 0.5e-3, [1e-7, 1.0]),
+    ("substrate_young_modulus_pa", 200e9, [1e5, 1e15]),
+    ("substrate_density_kg_per_m3", 7850.0, [1.0, 1e5]),
+    ("piezo_thickness_m", 0.5e-3, [1e-7, 1.0]),
+    ("piezo_young_modulus_pa", 66e9, [1e5, 1e15]),
+    ("piezo_d31_m_per_v", -190e-12, [-1e-8, 1e-8]),
+    ("piezo_permittivity_f_per_m", 15.93e-9, [1e-12, 1e-6]),
+];
+const STOP: [Row; 5] = [
+    ("length_m", 20e-3, [1e-4, 10.0]),
+    ("width_m", 2e-3, [1e-5, 10.0]),
+    ("thickness_m", 2e-3, [1e-7, 1.0]),
+    ("young_modulus_pa", 70e9, [1e5, 1e15]),
+    ("density_kg_per_m3", 2700.0, [1.0, 1e5]),
+];
+const BUMP_STOP_SCENES: [&str; 4] = ["bump-stop", "bump-stop-tip", "bump-stop-mid-span", "bump-stop-none"];
+/// Decades up to which the dimensions and materials of a scene are changed.
+const SPREADS: [f64; 5] = [0.0, 0.0, 0.2, 0.5, 1.5];
+
+/// A scene that was drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// The shipped scene, by its name without ending.
+    pub scene: &'static str,
+    /// Keys and values that replace those of the shipped scene.
+    pub changes: Vec<(String, String)>,
+    /// Precision of the run that is judged.
+    pub precision: Precision,
+}
+
+impl Case {
+    /// The case of a number under a seed.
+    #[must_use]
+    pub fn draw(seed: u64, number: u64) -> Self {
+        let mut source = Source::new(seed, number);
+        let kind = source.uniform(0.0, 1.0);
+        let drawing = Drawing { source, changes: Vec::new() };
+        match kind {
+            ..0.4 => drawing.contact_separation(),
+            ..0.7 => drawing.sliding(),
+            _ => drawing.bump_stop(),
+        }
+    }
+
+    /// A case of the shipped scene `scene`, changed by `--set` options, each as `key=value`.
+    #[must_use]
+    pub fn of(scene: &'static str, changes: &[&str], precision: Precision) -> Self {
+        let pairs = changes.iter().filter_map(|change| change.split_once('='));
+        let changes = pairs.map(|(key, value)| (key.to_owned(), value.to_owned())).collect();
+        Self { scene, changes, precision }
+    }
+
+    /// The scene, as the reader of scene files gives it.
+    ///
+    /// # Errors
+    /// If the reader refuses it.
+    pub fn read(&self) -> Result<Scene, SceneError> {
+        let overrides: Vec<Override> =
+            self.changes.iter().map(|(key, value)| Override::new(key, value)).collect();
+        scene_file::read(&scene_file::shipped(self.scene), &overrides)
+    }
+
+    /// The arguments with which the command line runs it, quoted for a shell.
+    #[must_use]
+    pub fn arguments(&self) -> String {
+        let sets: Vec<String> =
+            self.changes.iter().map(|(key, value)| format!(" --set '{key}={value}'")).collect();
+        let precision = self.precision.name();
+        format!("run host-bench/scenes/{}.toml --precision {precision}{}", self.scene, sets.concat())
+    }
+}
+
+/// A case while it is drawn.
+struct Drawing {
+    source: Source,
+    changes: Vec<(String, String)>,
+}
+
+impl Drawing {
+    fn set(&mut self, key: &str, value: impl Into<String>) {
+        self.changes.push((key.to_owned(), value.into()));
+    }
+
+    fn set_number(&mut self, key: &str, value: f64) {
+        self.set(key, text(value));
+    }
+
+    fn case(mut self, scene: &'static str) -> Case {
+        let precision = self.source.one_of([Precision::F32, Precision::F64]);
+        Case { scene, changes: self.changes, precision }
+    }
+
+    fn contact_separation(mut self) -> Case {
+        self.spread("parameters", &CONTACT_SEPARATION);
+        self.triboelectric();
+        let restitution = if self.source.chance(0.5) {
+            let extremes = [0.0, 0.99, 1.0, self.source.uniform(0.0, 1.0), self.source.uniform(0.0, 1.0)];
+            format!("{{kind=\"constant\",coefficient={}}}", text(self.source.one_of(extremes)))
+        } else {
+            let [at_rest, at_speed] = [(); 2].map(|()| text(self.source.uniform(0.0, 1.0)));
+            let speed = text(self.source.logarithmic(1e-4, 1e2));
+            format!(
+                "{{kind=\"velocity-dependent\",at_rest={at_rest},at_speed={at_speed},reference_speed_m_per_s={speed}}}"
+            )
+        };
+        self.set("parameters.restitution", restitution);
+        if self.source.chance(0.6) {
+            let parasitic = self.source.logarithmic(1e-14, 1e-8);
+            self.set_number("parameters.parasitic_capacitance_f", parasitic);
+        }
+        if self.source.chance(0.3) {
+            let [gap, velocity] = [self.source.logarithmic(1e-7, 3e-2), self.source.signed(1e-5, 10.0)];
+            self.set_number("initial.gap_m", gap);
+            self.set_number("initial.velocity_m_per_s", velocity);
+        }
+        self.start_charge();
+        self.load();
+        self.excitation(20.0, [1e-3, 1e3]);
+        self.case("contact-separation")
+    }
+
+    fn sliding(mut self) -> Case {
+        self.spread("parameters", &SLIDING);
+        self.triboelectric();
+        for patch in ["active", "inert"] {
+            let kinetic = self.source.logarithmic(1e-4, 3.0);
+            let above = 1.0 + self.source.uniform(0.0, 1.0);
+            let above = self.source.one_of([1.0, above]);
+            self.set_number(&format!("parameters.kinetic_friction_{patch}"), kinetic);
+            // Not below the kinetic friction where the last digit of the two is rounded.
+            self.set_number(&format!("parameters.static_friction_{patch}"), rounded(kinetic) * above * 1.001);
+        }
+        let lateral = self.source.one_of(["true", "false"]);
+        self.set("parameters.lateral_force", lateral);
+        if self.source.chance(0.3) {
+            let [displacement, velocity] = [self.source.signed(1e-7, 3e-2), self.source.signed(1e-5, 10.0)];
+            self.set_number("initial.displacement_m", displacement);
+            self.set_number("initial.velocity_m_per_s", velocity);
+        }
+        self.start_charge();
+        self.load();
+        self.excitation(18.373, [1e-2, 1e3]);
+        self.case("sliding")
+    }
+
+    fn bump_stop(mut self) -> Case {
+        let scene = self.source.one_of(BUMP_STOP_SCENES);
+        self.spread("parameters", &BUMP_STOP);
+        let beam_modes = self.source.one_of([1, 2, 3, 4, 4, 7, 10, 20]);
+        self.set("parameters.beam_modes", beam_modes.to_string());
+        let damping = self.source.logarithmic(1e-4, 0.9);
+        self.set_number("parameters.damping_ratio", damping);
+        let coupling = self.source.one_of(["two-way", "two-way", "one-way"]);
+        self.set("parameters.coupling", coupling);
+        if scene != "bump-stop-none" {
+            self.stop();
+        }
+        if self.source.chance(0.3) {
+            let voltage = self.source.signed(1e-6, 1e4);
+            self.set_number("initial.voltage_v", voltage);
+        }
+        self.load();
+        self.excitation(240.0, [1e-3, 1e3]);
+        self.case(scene)
+    }
+
+    fn stop(&mut self) {
+        self.spread("stop", &STOP);
+        let gap = self.source.logarithmic(1e-8, 1e-3);
+        let gap = self.source.one_of([0.0, gap]);
+        self.set_number("stop.gap_m", gap);
+        let rod_modes = self.source.one_of([0, 1, 1, 2, 2, 5, 10, 20]);
+        self.set("stop.rod_modes", rod_modes.to_string());
+        match self.source.uniform(0.0, 1.0) {
+            ..0.25 => {
+                let restitution = self.source.uniform(0.0, 1.0);
+                self.set("stop.contact", "restitution");
+                self.set_number("stop.restitution", restitution);
+            }
+            ..0.35 => self.set("stop.contact", "displacement-constraint"),
+            ..0.6 => {
+                let compliance = self.source.logarithmic(1e-9, 1e-2);
+                self.set_number("stop.contact_compliance_m_per_n", compliance);
+            }
+            _ => {}
+        }
+    }
+
+    /// What both triboelectric scenes have.
+    fn triboelectric(&mut self) {
+        let damping = self.source.logarithmic(1e-4, 10.0);
+        let law = self.source.one_of(["transferred-charge", "gap-field"]);
+        let charge = self.source.one_of(["frozen", "relaxing"]);
+        self.set_number("parameters.damping_ratio", damping);
+        self.set("parameters.force_law", law);
+        self.set("parameters.stick_charge", charge);
+    }
+
+    fn start_charge(&mut self) {
+        if self.source.chance(0.3) {
+            let charge = self.source.signed(1e-14, 1e-6);
+            self.set_number("initial.charge_c", charge);
+        }
+    }
+
+    /// Multiplies each number of a table by a power of ten up to the spread of the case.
+    fn spread(&mut self, table: &str, rows: &[Row]) {
+        let spread = self.source.one_of(SPREADS);
+        if spread == 0.0 {
+            return;
+        }
+        for (key, value, [lowest, highest]) in rows {
+            let changed = value * 10.0_f64.powf(self.source.uniform(-spread, spread));
+            self.set_number(&format!("{table}.{key}"), changed.clamp(*lowest, *highest));
+        }
+    }
+
+    fn load(&mut self) {
+        match self.source.uniform(0.0, 1.0) {
+            ..0.02 => self.set("load.resistance_ohm", "0"),
+            ..0.5 => {
+                let resistance = self.source.logarithmic(1e-3, 1e12);
+                self.set_number("load.resistance_ohm", resistance);
+            }
+            ..0.8 => self.store(),
+            _ => {
+                let voltage = text(self.source.logarithmic(1e-3, 1e3));
+                let drop = text(self.source.one_of([0.0, 0.3]));
+                self.set("load", format!("{{kind=\"dc-bus\",voltage_v={voltage},diode_drop_v={drop}}}"));
+            }
+        }
+    }
+
+    fn store(&mut self) {
+        let capacitance = text(self.source.logarithmic(1e-12, 1e-3));
+        let initial = self.source.logarithmic(1e-3, 1e2);
+        let initial = text(self.source.one_of([0.0, initial]));
+        let drop = text(self.source.one_of([0.0, 0.3]));
+        let leakage = match self.source.one_of([true, false]) {
+            true => "inf".to_owned(),
+            false => text(self.source.logarithmic(1e3, 1e12)),
+        };
+        let draw = match self.source.uniform(0.0, 1.0) {
+            ..0.7 => String::new(),
+            ..0.85 => {
+                let resistance = text(self.source.logarithmic(1e3, 1e12));
+                format!(",draw={{kind=\"resistor\",value={resistance}}}")
+            }
+            _ => {
+                let power = text(self.source.logarithmic(1e-12, 1e-3));
+                let on = self.source.logarithmic(1e-2, 1e2);
+                let off = text(on * self.source.uniform(0.3, 0.99));
+                let on = text(on);
+                format!(",draw={{kind=\"power\",value={power},turn_on_v={on},turn_off_v={off}}}")
+            }
+        };
+        self.set(
+            "load",
+            format!(
+                "{{kind=\"rectified-store\",capacitance_f={capacitance},initial_v={initial},diode_drop_v={drop},\
+                 leakage_ohm={leakage}{draw}}}"
+            ),
+        );
+    }
+
+    /// What shakes the base, and 10 to 20 of its periods, about a harvester of this natural frequency in Hz in the shipped
+    /// scene. Accelerations are drawn within `range`, in m/s².
+    fn excitation(&mut self, natural_hz: f64, range: [f64; 2]) {
+        let near = natural_hz * self.source.logarithmic(0.3, 3.0);
+        let any = self.source.logarithmic(natural_hz / 20.0, 1e5);
+        let frequency = self.source.one_of([near, near, any]);
+        let periods = self.source.uniform(10.0, 20.0);
+        let at_least = self.source.one_of([0.0, 3.0 / natural_hz]);
+        let most_s = 30.0 / natural_hz;
+        let duration = (periods / frequency).max(at_least).min(most_s);
+        let amplitude = text(self.source.logarithmic(range[0], range[1]));
+        match self.source.uniform(0.0, 1.0) {
+            ..0.55 => {
+                let phase = text(self.source.uniform(-3.0, 3.0));
+                let frequency = text(frequency);
+                self.set(
+                    "excitation",
+                    format!("{{kind=\"sine\",amplitude_m_per_s2={amplitude},frequency_hz={frequency},phase_rad={phase}}}"),
+                );
+            }
+            ..0.7 => {
+                let tones: Vec<String> = [frequency, frequency * self.source.logarithmic(0.1, 10.0)]
+                    .map(|frequency| {
+                        format!("{{amplitude_m_per_s2={amplitude},frequency_hz={}}}", text(frequency))
+                    })
+                    .to_vec();
+                self.set("excitation", format!("{{kind=\"sines\",tones=[{}]}}", tones.join(",")));
+            }
+            ..0.9 => {
+                let rate = text(self.source.logarithmic(100.0, 1e5));
+                self.set(
+                    "excitation",
+                    format!(
+                        "{{kind=\"file\",path=\"noise.csv\",column=1,rate_hz={rate},scale_m_per_s2={amplitude},repeat=true}}"
+                    ),
+                );
+            }
+            _ => self.set("excitation", "{kind=\"silence\"}"),
+        }
+        let settle = duration * self.source.one_of([0.0, 0.3]);
+        self.set("run", format!("{{duration_s={},settle_s={}}}", text(duration), text(settle)));
+    }
+}
+
+/// A number in four digits, as a scene file has it.
+fn text(value: f64) -> String {
+    format!("{value:.3e}")
+}
+
+/// The value of [`text`].
+fn rounded(value: f64) -> f64 {
+    text(value).parse().unwrap_or(value)
+}

@@ -1,0 +1,49 @@
+//! Random numbers: SplitMix64 (Steele, Lea and Flood, 2014).
+
+/// A sequence of random numbers.
+#[derive(Debug)]
+pub(super) struct Source(u64);
+
+/// The increment of SplitMix64: the golden ratio in 64 bits.
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+impl Source {
+    /// The sequence of a number under a seed.
+    pub(super) fn new(seed: u64, number: u64) -> Self {
+        let mut by_seed = Self(seed);
+        Self(by_seed.bits() ^ number.wrapping_mul(GOLDEN))
+    }
+
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(GOLDEN);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// From `lowest` to `highest`, uniform.
+    pub(super) fn uniform(&mut self, lowest: f64, highest: f64) -> f64 {
+        let part = (self.bits() >> 11) as f64 / (1_u64 << 53) as f64;
+        lowest + part * (highest - lowest)
+    }
+
+    /// From `lowest` to `highest`, both above 0, with a uniform logarithm.
+    pub(super) fn logarithmic(&mut self, lowest: f64, highest: f64) -> f64 {
+        self.uniform(lowest.ln(), highest.ln()).exp()
+    }
+
+    /// Whether an event of this probability happens.
+    pub(super) fn chance(&mut self, probability: f64) -> bool {
+        self.uniform(0.0, 1.0) < probability
+    }
+
+    /// One of some values, each as probable as another.
+    pub(super) fn one_of<T: Copy, const N: usize>(&mut self, values: [T; N]) -> T {
+        values[(self.bits() % N as u64) as usize]
+    }
+
+    /// A magnitude as by [`Source::logarithmic`] with a random sign.
+    pub(super) fn signed(&mut self, lowest: f64, highest: f64) -> f64 {
+        self.one_of([-1.0, 1.0]) * self.logarithmic(lowest, highest)
+    }
+}
