@@ -87,7 +87,8 @@ fn chosen_halvings(scene: &Scene, options: &Options) -> u32 {
     for halvings in 1..=MOST_HALVINGS {
         let fine = companion(scene, &in_double_precision(options, halvings));
         let (Some(one), Some(two)) = (&coarse, &fine) else { return halvings - 1 };
-        let apart = difference(one, two).unwrap_or(0.0);
+        // One of the two delivers nothing: they are infinitely far apart.
+        let apart = difference(one, two).unwrap_or(f64::INFINITY);
         // The error of the finer run is at most this in a method of first order or higher.
         if apart <= accuracy {
             return if BY_HALVING * apart <= accuracy { halvings - 1 } else { halvings };
@@ -249,7 +250,7 @@ fn warning(accuracy: &Accuracy, asked: Option<f64>) -> Option<String> {
                 .to_owned(),
         );
     };
-    let missed = asked.is_some_and(|asked| total > asked);
+    let missed = asked.is_some_and(|asked| total > asked.max(LEAST));
     (missed || total > NOTABLE).then(|| {
         let sources = [
             ("the step", accuracy.step),
