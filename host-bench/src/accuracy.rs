@@ -21,6 +21,8 @@ const MOST_HALVINGS: u32 = 6;
 const NO_PROGRESS: f64 = 0.8;
 /// Most attempted steps of a comparison, where the run itself has no limit.
 const MOST_ATTEMPTS: u64 = 1 << 26;
+/// Most attempted steps of a comparison with TR-BDF2, some seconds.
+const MOST_ATTEMPTS_OF_TR_BDF2: u64 = 1 << 22;
 /// Most attempted steps of a comparison over those of the run.
 const MORE_ATTEMPTS: u64 = 4;
 /// The error of a run over its difference from one with half the step. A method of first order has 2, the methods of the
@@ -110,13 +112,18 @@ fn statement(scene: &Scene, options: &Options, outcome: &Outcome) -> Accuracy {
     let alike = if single { exact.as_ref() } else { Some(outcome) };
     let step = alike.and_then(|alike| by_shorter_steps(scene, options, alike));
     let fast = alike.filter(|alike| options.step_s.is_none() && storage_is_fast(scene, alike));
-    let boundary_layers = fast.and_then(|alike| by_fixed_steps(scene, options, alike));
+    let charged = alike.filter(|_| has_start_layer(scene, options));
+    let boundary_layers = match (fast, charged) {
+        (Some(alike), _) => by_fixed_steps(scene, options, alike),
+        (None, Some(alike)) => by_tr_bdf2(scene, options, alike),
+        (None, None) => None,
+    };
     let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
     let smoother = smoother(scene);
     let smooth = smoother.as_ref().and_then(|smoother| companion(smoother, &double));
     let sampling = alike.zip(smooth.as_ref()).and_then(|(one, two)| difference(one, two));
     let accuracy = Accuracy { step, rounding, boundary_layers, sampling, total: None }.summed();
-    let is_unknown = (fast.is_some() && boundary_layers.is_none())
+    let is_unknown = ((fast.is_some() || charged.is_some()) && boundary_layers.is_none())
         || (single && rounding.is_none())
         || (smoother.is_some() && sampling.is_none());
     if is_unknown { Accuracy { total: None, ..accuracy } } else { accuracy }
@@ -148,6 +155,33 @@ fn by_fixed_steps(scene: &Scene, options: &Options, outcome: &Outcome) -> Option
     let fixed =
         Options { step_s: Some(step_s), tolerance: None, accuracy: None, ..in_double_precision(options, 0) };
     Some(BY_HALVING * difference(outcome, &companion(scene, &fixed)?)?)
+}
+
+/// Whether a run by exponential Radau starts with a charge of its own in a resistor. The force of a charge that is gone
+/// within nanoseconds acts throughout its first step.
+fn has_start_layer(scene: &Scene, options: &Options) -> bool {
+    let own = matches!(options.method, Method::Auto | Method::ExponentialRadau);
+    let charge = match &scene.model {
+        Model::ContactSeparation(model) => model.initial.charge_c,
+        Model::Sliding(model) => model.initial.charge_c,
+        Model::BumpStop(_) => None,
+    };
+    let conducts = matches!(scene.load, Load::Resistor { resistance_ohm } if resistance_ohm.is_finite());
+    own && conducts && charge.is_some()
+}
+
+/// The difference from a run by TR-BDF2, which takes the boundary layer out of its steps.
+fn by_tr_bdf2(scene: &Scene, options: &Options, outcome: &Outcome) -> Option<f64> {
+    let method = Method::TrBdf2;
+    let other = Options {
+        method,
+        step_s: None,
+        tolerance: None,
+        accuracy: None,
+        most_attempts: Some(MOST_ATTEMPTS_OF_TR_BDF2),
+        ..in_double_precision(options, 0)
+    };
+    difference(outcome, &companion(scene, &other)?)
 }
 
 /// The mean step of a run in s.

@@ -61,6 +61,29 @@ fn found() -> Vec<Case> {
             ],
             Precision::F64,
         ),
+        // A start charge that is gone within nanoseconds: its force acted throughout the first step.
+        Case::of(
+            "contact-separation",
+            &[
+                "parameters.mass_kg=4.210e-3",
+                "parameters.stiffness_n_per_m=6.012e1",
+                "parameters.initial_gap_m=3.879e-3",
+                "parameters.electrode_area_m2=2.652e-4",
+                "parameters.dielectric_thickness_m=5.942e-5",
+                "parameters.relative_permittivity=2.263e0",
+                "parameters.charge_density_c_per_m2=7.323e-5",
+                "parameters.damping_ratio=1.431e-2",
+                "parameters.force_law=transferred-charge",
+                "parameters.stick_charge=relaxing",
+                "parameters.restitution={kind=\"constant\",coefficient=1.000e0}",
+                "parameters.parasitic_capacitance_f=4.841e-9",
+                "initial.charge_c=-3.319e-8",
+                "load.resistance_ohm=1.928e-1",
+                "excitation={kind=\"sine\",amplitude_m_per_s2=6.775e2,frequency_hz=1.662e1,phase_rad=-1.188e0}",
+                "run={duration_s=6.103e-1,settle_s=1.831e-1}",
+            ],
+            Precision::F64,
+        ),
         // Storages behind the bridge that discharge within a step: half the tolerance changed little.
         Case::of(
             "contact-separation",

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-/// Estimated relative error of the mean power, by source. `None` is unknown, and `null` in JSON.
+/// Estimated relative error of the mean power, by source. `None`, and `null` in JSON, is unknown, or does not apply: no
+/// trace, double precision, no layer.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Accuracy {
     /// By the finite step: from a run with half the step or a sixteenth of the tolerance. In double precision it includes the
