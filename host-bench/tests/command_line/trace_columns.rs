@@ -5,21 +5,11 @@ use std::path::Path;
 use hound::{SampleFormat, WavSpec, WavWriter};
 use serde_json::Value;
 
-use super::tool::{SHIPPED, file, folder, outcome, refused};
+use super::tool::{file, folder, outcome, refused};
+use super::traces::scene;
 
 /// Intervals of the recordings.
 const INTERVALS: u32 = 200;
-
-/// A scene that is shaken as `table` says, for half a second.
-fn scene(folder: &Path, table: &str) -> String {
-    let shipped = std::fs::read_to_string(SHIPPED).expect("the shipped scene");
-    let start = shipped.find("[excitation]").expect("the table is there");
-    let text = format!(
-        "{}[excitation]\nkind = \"file\"\nscale_m_per_s2 = 1.962\n{table}\n[run]\nduration_s = 0.5\n",
-        &shipped[..start]
-    );
-    file(folder, "scene.toml", text)
-}
 
 /// A sine of 10 Hz at 400 samples a second: the rows that `row` makes of a time in s and a number, below `heading`.
 fn table(heading: &str, row: impl Fn(f64, f64) -> String) -> String {

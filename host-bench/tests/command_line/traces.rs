@@ -7,7 +7,7 @@ use hound::{SampleFormat, WavSpec, WavWriter};
 use super::tool::{SHIPPED, accepted, file, folder, outcome, refused};
 
 /// A scene that is shaken as `table` says, for half a second.
-fn scene(folder: &Path, table: &str) -> String {
+pub(super) fn scene(folder: &Path, table: &str) -> String {
     let shipped = std::fs::read_to_string(SHIPPED).expect("the shipped scene");
     let start = shipped.find("[excitation]").expect("the table is there");
     let text = format!(
