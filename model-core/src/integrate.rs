@@ -173,7 +173,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     }
 
     /// The integral of each power that is linear in the rate of the circuit or its magnitude, for a `change` of the
-    /// circuit's state.
+    /// circuit's state. That of a magnitude is an upper bound where the rate opposes the one that follows the motion.
     #[inline(always)]
     fn linear_energies(&self, _change: S) -> [S; P] {
         [S::ZERO; P]

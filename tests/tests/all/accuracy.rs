@@ -7,7 +7,7 @@ use host_bench::accuracy::run_with_accuracy;
 use host_bench::method::{Method, Options};
 use host_bench::outcome::Outcome;
 use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Excitation, Override, RunSpan, Scene, Tone, Trace};
+use host_bench::scene_file::{self, Excitation, ForceLaw, Override, RunSpan, Scene, Tone, Trace};
 
 fn stated(scene: &Scene, options: &Options) -> Outcome {
     run_with_accuracy(scene, options).unwrap_or_else(|failure| panic!("{failure}"))
@@ -117,4 +117,22 @@ fn the_straight_lines_between_samples_are_counted() {
     assert!((error / loss - 1.0).abs() < 0.2, "{error} {loss}");
     assert!((0.8 * error..2.0 * error).contains(&sampling), "{error} {sampling}");
     assert!(is_warned(&found));
+}
+
+/// The core and the reference integrate the created energy apart, the one from the field's side.
+#[test]
+fn the_created_energy_is_that_of_the_reference_and_none_under_the_field_s_own_force() {
+    for (law, creates) in [(ForceLaw::TransferredCharge, true), (ForceLaw::GapField, false)] {
+        let scene = contact_separation(|scene, model| {
+            scene.run = RunSpan { duration_s: 1.5, settle_s: 0.5 };
+            model.parameters.force_law = law;
+        });
+        let [found, exact] = [Options::default(), reference()]
+            .map(|options| run_scene(&scene, &options).unwrap_or_else(|failure| panic!("{failure}")));
+        let delivered = value(exact.delivered_energy_j);
+        let [found, exact] = [found, exact].map(|outcome| value(outcome.created_energy_j) / delivered);
+        assert!((found - exact).abs() < 1e-3 * exact.abs().max(1.0), "{law:?}: {found} {exact}");
+        assert_eq!(exact > 1.0, creates, "{law:?}: {exact}");
+        assert!(creates || exact.abs() < 1e-6, "{law:?}: {exact}");
+    }
 }

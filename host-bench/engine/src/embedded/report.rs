@@ -18,8 +18,8 @@ pub(super) trait Report<S: Scalar, H: Harvester<S>> {
     /// The relative residual of the energy ledger that holds for this scene.
     fn residual(&self, residual: &Residual<S>) -> Option<S>;
 
-    /// Energy in J that an inferred force law created in the window; `None` for a scene without one, and for a run that
-    /// does not integrate all powers.
+    /// Energy in J that an inferred force law created in the window; `None` for a bump-stop scene, and for a
+    /// run that does not integrate all powers.
     fn created_energy(&self, _window: &RunMeter<S>) -> Option<S> {
         None
     }
