@@ -50,14 +50,35 @@ pub(crate) fn run_with_steps(scene: &Scene, options: &Options) -> Result<(Outcom
     let asked = options.accuracy;
     // The halvings meet it; the run itself has no rule for it.
     let accuracy = if has_own_steps(scene, options) { None } else { asked };
-    let options = &Options { halvings: chosen_halvings(scene, options), blocks: true, accuracy, ..*options };
-    let mut outcome = run_scene(scene, options)?;
+    let mut options = Options { blocks: true, accuracy, ..*options };
+    let mut finer = Halvings { scene, options, runs: Vec::new() };
+    options.halvings = chosen_halvings(&mut finer, asked);
+    let mut outcome = run_scene(scene, &options)?;
     if options.method != Method::Reference {
-        outcome.accuracy = statement(scene, options, &outcome);
+        outcome.accuracy = statement(&mut finer, &options, &outcome);
         outcome.warnings.extend(warning(&outcome.accuracy, asked));
     }
     outcome.warnings.extend(imbalance(&outcome));
-    Ok((outcome, *options))
+    Ok((outcome, options))
+}
+
+/// Runs in double precision to compare with, each computed once: by the number of halvings.
+struct Halvings<'a> {
+    scene: &'a Scene,
+    options: Options,
+    runs: Vec<(u32, Option<Outcome>)>,
+}
+
+impl Halvings<'_> {
+    /// The run with this number of halvings; `None` if it cannot be run to its end.
+    fn get(&mut self, halvings: u32) -> Option<Outcome> {
+        if let Some((_, run)) = self.runs.iter().find(|(number, _)| *number == halvings) {
+            return run.clone();
+        }
+        let run = companion(self.scene, &in_double_precision(&self.options, halvings));
+        self.runs.push((halvings, run.clone()));
+        run
+    }
 }
 
 /// The warning of an energy ledger that does not close.
@@ -78,16 +99,16 @@ fn has_own_steps(scene: &Scene, options: &Options) -> bool {
 
 /// The halvings of the default step with which a bump-stop run meets its accuracy, by pairs of runs in double precision;
 /// 0 for any other run.
-fn chosen_halvings(scene: &Scene, options: &Options) -> u32 {
-    if !has_own_steps(scene, options) || options.step_s.is_some() || options.long_step_s.is_some() {
+fn chosen_halvings(finer: &mut Halvings<'_>, asked: Option<f64>) -> u32 {
+    let Halvings { scene, options, .. } = *finer;
+    if !has_own_steps(scene, &options) || options.step_s.is_some() || options.long_step_s.is_some() {
         return 0;
     }
-    let accuracy = options.accuracy.unwrap_or(BUMP_STOP_ACCURACY);
-    let options = &Options { accuracy: None, ..*options };
-    let mut coarse = companion(scene, &in_double_precision(options, 0));
+    let accuracy = asked.unwrap_or(BUMP_STOP_ACCURACY);
+    let mut coarse = finer.get(0);
     let mut last = f64::INFINITY;
     for halvings in 1..=MOST_HALVINGS {
-        let fine = companion(scene, &in_double_precision(options, halvings));
+        let fine = finer.get(halvings);
         let (Some(one), Some(two)) = (&coarse, &fine) else { return halvings - 1 };
         // One of the two delivers nothing: they are infinitely far apart.
         let apart = difference(one, two).unwrap_or(f64::INFINITY);
@@ -105,12 +126,13 @@ fn chosen_halvings(scene: &Scene, options: &Options) -> u32 {
 }
 
 /// The estimates of a run that has given `outcome`, with their sum; it is unknown if one of them is.
-fn statement(scene: &Scene, options: &Options, outcome: &Outcome) -> Accuracy {
+fn statement(finer: &mut Halvings<'_>, options: &Options, outcome: &Outcome) -> Accuracy {
+    let scene = finer.scene;
     let single = outcome.precision == Precision::F32.name();
     let double = in_double_precision(options, options.halvings);
-    let exact = if single { companion(scene, &double) } else { None };
+    let exact = if single { finer.get(options.halvings) } else { None };
     let alike = if single { exact.as_ref() } else { Some(outcome) };
-    let step = alike.and_then(|alike| by_shorter_steps(scene, options, alike));
+    let step = alike.and_then(|alike| by_shorter_steps(finer, options, alike));
     let fast = alike.filter(|alike| options.step_s.is_none() && storage_is_fast(scene, alike));
     let charged = alike.filter(|_| has_start_layer(scene, options));
     let boundary_layers = match (fast, charged) {
@@ -130,10 +152,11 @@ fn statement(scene: &Scene, options: &Options, outcome: &Outcome) -> Accuracy {
 }
 
 /// The estimated error by the step of a run in double precision that has given `outcome`.
-fn by_shorter_steps(scene: &Scene, options: &Options, outcome: &Outcome) -> Option<f64> {
+fn by_shorter_steps(runs: &mut Halvings<'_>, options: &Options, outcome: &Outcome) -> Option<f64> {
+    let scene = runs.scene;
     let adaptive = has_tolerance(scene, options);
     let finer = options.halvings + if adaptive { TOLERANCE_HALVINGS } else { 1 };
-    let finer = companion(scene, &in_double_precision(options, finer))?;
+    let finer = runs.get(finer)?;
     // Motions far below the size of the harvester have errors below any tolerance: the step is then the longest.
     let step = if adaptive && finer.delivered_energy_j == outcome.delivered_energy_j {
         by_fixed_steps(scene, options, outcome)?

@@ -20,7 +20,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::method::{Failure, Options};
 use crate::outcome::Format;
-use crate::scene_file::{Override, replaces};
+use crate::scene_file::{Override, contains, replaces};
 
 /// Arguments that `run`, `sweep` and `resonance` have in common.
 #[derive(Debug, Clone, clap::Args)]
@@ -50,10 +50,7 @@ pub(crate) const NODE: Unused = ("node", "[node] is of the command budget");
 /// and its key, in the order in which they apply.
 pub(crate) fn check_keys(options: &[(&str, &str)], unused: &[Unused]) -> Result<(), Failure> {
     for (index, (option, key)) in options.iter().enumerate() {
-        let of = |(table, _): &&Unused| {
-            key.strip_prefix(*table).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-        };
-        if let Some((_, reason)) = unused.iter().find(of) {
+        if let Some((_, reason)) = unused.iter().find(|(table, _)| contains(table, key)) {
             return Err(Failure::Input(format!("{option} {key}: is not used here: {reason}")));
         }
         if let Some((other, before)) = options[..index].iter().find(|(_, before)| replaces(key, before)) {

@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 
 use self::document::Document;
 pub use self::document::SceneError;
-pub use self::overrides::{Override, replaces};
+pub use self::overrides::{Override, contains, replaces};
 pub use self::scene::*;
 use self::section::{Reader, Section};
 /// Acceleration of gravity in m/s²: the factor of `amplitude_g`.

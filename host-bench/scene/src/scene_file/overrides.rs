@@ -66,11 +66,15 @@ pub(super) fn alternatives(last: &str) -> impl Iterator<Item = &'static str> {
 /// Whether setting `key` discards what was set at `before`: the same key, a table around it, or its alternative.
 #[must_use]
 pub fn replaces(key: &str, before: &str) -> bool {
-    let contains =
-        |key: &str| before.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
     let (table, last) = key.rsplit_once('.').map_or(("", key), |(table, last)| (table, last));
     let beside = |other: &str| if table.is_empty() { other.to_owned() } else { format!("{table}.{other}") };
-    contains(key) || alternatives(last).any(|other| contains(&beside(other)))
+    contains(key, before) || alternatives(last).any(|other| contains(&beside(other), before))
+}
+
+/// Whether `key` is `table`, or a key in it.
+#[must_use]
+pub fn contains(table: &str, key: &str) -> bool {
+    key.strip_prefix(table).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
 #[cfg(test)]

@@ -70,6 +70,14 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
         self.mode == Mode::Stick
     }
 
+    /// The force per mass against the opening gap, without that of the base: damping, spring and attraction.
+    #[inline(always)]
+    fn pull(&self, deflection: S, velocity: S, circuit: &Circuit<S>) -> S {
+        let scene = self.scene;
+        let restoring = scene.stiffness_per_mass * deflection;
+        scene.damping_per_mass * velocity + restoring + scene.attraction(circuit)
+    }
+
     /// Derivatives of force and current in flight.
     #[inline]
     pub(super) fn derivatives(&self, state: &[S; STATES]) -> Derivatives<S> {
@@ -158,8 +166,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let charge_rate = self.circuit_rate * circuit.voltage;
         match self.mode {
             Mode::Free => {
-                let restoring = scene.stiffness_per_mass * (gap - scene.initial_gap);
-                let force = scene.damping_per_mass * velocity + restoring + scene.attraction(&circuit);
+                let force = self.pull(gap - scene.initial_gap, velocity, &circuit);
                 [velocity, -force - acceleration, charge_rate]
             }
             Mode::Stick => [S::ZERO, S::ZERO, charge_rate],
@@ -184,8 +191,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let velocity = start.state[VELOCITY] + change[VELOCITY];
         let deflection = ((start.state[GAP] - scene.initial_gap) + start.remainder[GAP]) + displacement;
         let circuit = scene.circuit(start.state[GAP] + displacement, start.state[CHARGE] + passed);
-        let restoring = scene.stiffness_per_mass * deflection;
-        let force = scene.damping_per_mass * velocity + restoring + scene.attraction(&circuit);
+        let force = self.pull(deflection, velocity, &circuit);
         [velocity, -force - acceleration, charge_rate]
     }
 
