@@ -12,17 +12,22 @@
 //! that fit: `embedded-hal` has none for a converter or an accelerometer, and the crate `accelerometer` one for three
 //! axes at once, on an old `micromath`.
 
+mod flash;
 mod flash_board;
 mod following;
 mod harvester;
 mod listening;
 mod power_manager;
 
+use flash::Seconds;
+#[cfg(target_os = "none")]
+pub use flash::log_image;
+pub use flash::{Flash, ImageReport};
 pub use flash_board::{FlashBoard, STORE_VOLTAGE};
 pub use following::Following;
 pub use harvester::{following, listening};
 pub use listening::Listening;
-pub use power_manager::PowerManager;
+pub use power_manager::{PowerManager, PowerManagerState};
 
 /// What the node needs of the hardware.
 pub trait Board {
@@ -62,6 +67,10 @@ impl Decision {
 
 /// Seconds that the binaries run.
 pub const SECONDS: u32 = 64;
+/// Seconds from one image of the node's states to the next, each of which the binaries follow by a power-down.
+pub const IMAGE_EVERY: u32 = 16;
+/// Size of a slot of flash in bytes, with room for the image of either node.
+pub const SLOT_BYTES: usize = 768;
 
 /// Samples per second.
 pub const RATE_HZ: u32 = 400;
@@ -127,4 +136,6 @@ pub enum NodeError {
     Parameters,
     /// The harvester's model could not be stepped.
     Model,
+    /// An image of the node was not written, or not accepted.
+    Image,
 }

@@ -11,6 +11,10 @@
 //! | … | the state, field by field ([`Snapshot`]) |
 //! | 4 | CRC-32 of all bytes before it |
 //!
+//! [`save_image`] and [`newest_image`] save all states of a node as one numbered image, in two slots of flash by
+//! turns, so that a torn write leaves the image before it. Every state that a node learns is a [`Snapshot`], and what it
+//! belongs to a [`Configuration`].
+//!
 //! [`restore`] refuses bytes that [`save`] did not write for the same model. The checksum detects every
 //! flipped bit and every burst of up to 32 flipped bits. The fingerprint and the length detect another scene,
 //! other parameters, another precision and other mode counts.
@@ -30,12 +34,16 @@
 //! ```
 
 mod checksum;
+mod configuration;
+mod image;
 mod plain;
 
 use core::fmt;
 
 use checksum::Checksum;
 pub use checksum::Fingerprint;
+pub use configuration::Configuration;
+pub use image::{Image, image_size, newest_image, save_image};
 
 const MAGIC: u32 = u32::from_le_bytes(*b"VEHI");
 /// Version of the layout of the snapshot and of every state in it.
@@ -219,9 +227,19 @@ pub const fn size_of<T: Snapshot>() -> usize {
 /// # Errors
 /// [`SnapshotError::NoRoom`]; `bytes` is then unchanged.
 pub fn save<T: Snapshot>(state: &T, fingerprint: u32, bytes: &mut [u8]) -> Result<usize, SnapshotError> {
-    let (needed, given) = (size_of::<T>(), bytes.len());
+    save_with(T::BYTES, fingerprint, bytes, |out| state.write(out))
+}
+
+/// As [`save`], of a state of `size` bytes that a function writes.
+fn save_with(
+    size: usize,
+    fingerprint: u32,
+    bytes: &mut [u8],
+    write: impl FnOnce(&mut Writer<'_>),
+) -> Result<usize, SnapshotError> {
+    let (needed, given) = (HEAD + size + TAIL, bytes.len());
     // The length must fit in the two bytes of the head.
-    let length = u16::try_from(T::BYTES).ok();
+    let length = u16::try_from(size).ok();
     let (Some(length), Some(snapshot)) = (length, bytes.get_mut(..needed)) else {
         return Err(SnapshotError::NoRoom { needed, given });
     };
@@ -230,7 +248,7 @@ pub fn save<T: Snapshot>(state: &T, fingerprint: u32, bytes: &mut [u8]) -> Resul
     VERSION.write(&mut out);
     length.write(&mut out);
     fingerprint.write(&mut out);
-    state.write(&mut out);
+    write(&mut out);
     if let Some((content, tail)) = snapshot.split_last_chunk_mut::<TAIL>() {
         *tail = Checksum::of(content).to_le_bytes();
     }

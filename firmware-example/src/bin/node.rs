@@ -1,4 +1,5 @@
-//! A sensor node that follows its harvester: logs each second what came in, what is stored, and what it does.
+//! A sensor node that follows its harvester: logs each second what came in, what is stored, and what it does. Now and
+//! then it saves all of its states, powers down, and resumes.
 //!
 //! Under QEMU, with each logged value compared with the host's, to the bit:
 //!
@@ -11,14 +12,29 @@
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    use firmware_example::node::{FlashBoard, Following, SECONDS, following, log};
+    use firmware_example::node::{
+        Flash, FlashBoard, Following, IMAGE_EVERY, ImageReport, SECONDS, following, log, log_image,
+    };
     use firmware_example::stop::{Code, stop};
 
     let Ok(model) = following() else { stop(Code::WorkloadFailed) };
     let Ok(mut node) = Following::new(FlashBoard::default(), model) else { stop(Code::WorkloadFailed) };
-    for _ in 0..SECONDS {
+    let mut flash = Flash::new();
+    for second in 1..=SECONDS {
         let Ok(report) = node.second() else { stop(Code::WorkloadFailed) };
         log(&report);
+        if second % IMAGE_EVERY == 0 {
+            // A power-down: nothing remains but the board and the flash.
+            let sequence = second / IMAGE_EVERY;
+            let Ok(bytes) = node.save(sequence, flash.slot(sequence)) else { stop(Code::WorkloadFailed) };
+            log_image(&ImageReport::new(sequence, bytes, flash.slot(sequence)));
+            let Ok(model) = following() else { stop(Code::WorkloadFailed) };
+            let Ok(awake) = Following::new(node.into_board(), model) else { stop(Code::WorkloadFailed) };
+            node = awake;
+            if node.resume(flash.slots()) != Ok(sequence) {
+                stop(Code::WorkloadFailed)
+            }
+        }
     }
     stop(Code::Done)
 }

@@ -3,8 +3,9 @@
 use model_core::energy::Estimator;
 use model_core::energy::estimator::{EstimatorError, Interpolation, SampleFormat, Settings};
 use model_core::scene::Harvester;
+use model_core::snapshot::{self, Image, SnapshotError};
 
-use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE};
+use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE, Seconds};
 
 /// Attempted steps for a sample: some ten are usual, of which an impact takes a few.
 const BUDGET: u32 = 200;
@@ -89,5 +90,37 @@ impl<B: Board, H: Harvester<f32>> Following<B, H> {
     #[must_use]
     pub fn power_manager(&self) -> &PowerManager {
         &self.power_manager
+    }
+
+    /// The board, after power-down.
+    #[must_use]
+    pub fn into_board(self) -> B {
+        self.board
+    }
+
+    /// Writes an image of all states with its number to the front of `slot`. Returns its size in bytes.
+    ///
+    /// # Errors
+    /// If there is no room.
+    pub fn save(&self, sequence: u32, slot: &mut [u8]) -> Result<usize, SnapshotError> {
+        let states = (*self.estimator.state(), self.power_manager.state(), [self.seconds]);
+        snapshot::save_image(&self.settings(), &states, sequence, slot)
+    }
+
+    /// Continues from the newest image of two slots, between two seconds. Returns the number of that image.
+    ///
+    /// # Errors
+    /// If there is no image of this node; the node is then unchanged.
+    pub fn resume(&mut self, slots: [&[u8]; 2]) -> Result<u32, SnapshotError> {
+        let Image { state: (estimator, power_manager, [seconds]), sequence, .. } =
+            snapshot::newest_image(&self.settings(), slots)?;
+        self.estimator.set_state(estimator);
+        self.power_manager.set_state(power_manager);
+        self.seconds = seconds;
+        Ok(sequence)
+    }
+
+    fn settings(&self) -> (&Estimator<f32, H>, &PowerManager, Seconds) {
+        (&self.estimator, &self.power_manager, Seconds)
     }
 }

@@ -8,6 +8,7 @@ use model_core::part::storage::{Capacitor, StorageCapacitor};
 use model_core::scene::bump_stop::{self, BumpStop, Choices, NoStop, OneWay, Resistive};
 use model_core::scene::rectified::{FullBridge, Rectified};
 use model_core::scene::{Harvester, Simulation};
+use model_core::snapshot::{Configuration, Fingerprint};
 
 use super::NodeError;
 use super::power_manager::STORAGE;
@@ -47,15 +48,39 @@ type FreeBeam = Choices<Resistive<OpenCircuit>, NoStop, OneWay>;
 
 /// A piezoelectric cantilever behind a full bridge, by its closed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beam(BumpStop<f32, FreeBeam, 1, 0>);
+pub struct Beam {
+    scene: BumpStop<f32, FreeBeam, 1, 0>,
+    parameters: bump_stop::Parameters<f32, FreeBeam>,
+}
 
 impl Beam {
     /// Energy in joules that enters a storage at `voltage` volts in a second, under a sine of `amplitude` m/s² and
     /// `frequency`; none where the closed form does not hold.
     #[must_use]
     pub fn energy_in_a_second(&self, amplitude: f32, frequency: f32, voltage: f32) -> f32 {
-        let found = self.0.closed_form_into_bus(amplitude, frequency, voltage, DIODE_DROP);
+        let found = self.scene.closed_form_into_bus(amplitude, frequency, voltage, DIODE_DROP);
         if found.validity.holds() { found.mean_power } else { 0.0 }
+    }
+}
+
+/// No state of its own: what the node learns of its income is that of this beam.
+impl Configuration for Beam {
+    type State = ();
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        let bump_stop::Parameters { substrate, piezo, .. } = self.parameters;
+        fingerprint.name("beam");
+        for layer in [substrate, piezo] {
+            fingerprint.numbers(&[layer.thickness, layer.young_modulus, layer.density]);
+        }
+        fingerprint.numbers(&[
+            self.parameters.beam_length,
+            self.parameters.beam_width,
+            self.parameters.piezo_d31,
+            self.parameters.piezo_permittivity,
+            self.parameters.damping_ratio,
+            DIODE_DROP,
+        ]);
     }
 }
 
@@ -74,6 +99,6 @@ pub fn listening() -> Result<Beam, NodeError> {
         damping_ratio: 0.01,
         choices: Choices::new(OpenCircuit).coupling(OneWay),
     };
-    let beam = core::hint::black_box(parameters).build().map_err(|_| NodeError::Parameters)?;
-    Ok(Beam(beam))
+    let scene = core::hint::black_box(parameters).build().map_err(|_| NodeError::Parameters)?;
+    Ok(Beam { scene, parameters })
 }

@@ -2,9 +2,10 @@
 
 use model_core::excitation::{ToneMeter, ToneMeterState};
 use model_core::scalar::Polynomial;
+use model_core::snapshot::{self, Image, SnapshotError};
 
 use super::harvester::Beam;
-use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE};
+use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE, Seconds};
 
 /// Part of the signal's mean square that the line must have: with less the harvester hears something else.
 const LEAST_PURITY: f32 = 0.5;
@@ -61,5 +62,37 @@ impl<B: Board> Listening<B> {
     #[must_use]
     pub fn power_manager(&self) -> &PowerManager {
         &self.power_manager
+    }
+
+    /// The board, after power-down.
+    #[must_use]
+    pub fn into_board(self) -> B {
+        self.board
+    }
+
+    /// Writes an image of all states with its number to the front of `slot`. Returns its size in bytes.
+    ///
+    /// # Errors
+    /// If there is no room.
+    pub fn save(&self, sequence: u32, slot: &mut [u8]) -> Result<usize, SnapshotError> {
+        let states = ((), self.tone, self.power_manager.state(), [self.seconds]);
+        snapshot::save_image(&self.settings(), &states, sequence, slot)
+    }
+
+    /// Continues from the newest image of two slots, between two seconds. Returns the number of that image.
+    ///
+    /// # Errors
+    /// If there is no image of this node; the node is then unchanged.
+    pub fn resume(&mut self, slots: [&[u8]; 2]) -> Result<u32, SnapshotError> {
+        let Image { state: ((), tone, power_manager, [seconds]), sequence, .. } =
+            snapshot::newest_image(&self.settings(), slots)?;
+        self.tone = tone;
+        self.power_manager.set_state(power_manager);
+        self.seconds = seconds;
+        Ok(sequence)
+    }
+
+    fn settings(&self) -> (&Beam, &ToneMeter<f32>, &PowerManager, Seconds) {
+        (&self.beam, &self.meter, &self.power_manager, Seconds)
     }
 }

@@ -4,6 +4,8 @@ use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
 };
 
+use model_core::snapshot::{Configuration, Fingerprint};
+
 use super::{Decision, NodeError, VOLTAGE_ERROR};
 
 /// Slots of the day of which the budget learns what they bring.
@@ -35,6 +37,9 @@ pub struct PowerManager {
     since_measurement: u32,
     since_transmission: u32,
 }
+
+/// The state of a [`PowerManager`]: that of its budget, and the seconds since a measurement and a transmission.
+pub type PowerManagerState = (BudgetState<f32, SLOTS>, [u32; 2]);
 
 impl PowerManager {
     /// At midnight, with an empty storage until a first reading says otherwise.
@@ -106,5 +111,32 @@ impl PowerManager {
     #[must_use]
     pub fn unexplained(&self) -> f32 {
         self.state.account().balance - self.state.energy()
+    }
+}
+
+impl PowerManager {
+    /// The state.
+    #[must_use]
+    pub fn state(&self) -> PowerManagerState {
+        (self.state, [self.since_measurement, self.since_transmission])
+    }
+
+    /// Continues from a state.
+    pub fn set_state(&mut self, (state, [since_measurement, since_transmission]): PowerManagerState) {
+        self.state = state;
+        self.since_measurement = since_measurement;
+        self.since_transmission = since_transmission;
+    }
+}
+
+impl Configuration for PowerManager {
+    type State = PowerManagerState;
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        self.budget.identify(fingerprint);
+        for action in [&self.measure, &self.transmit] {
+            fingerprint.numbers(&[action.energy(), action.duration()]);
+        }
+        fingerprint.numbers(&[MEASURE_EVERY, TRANSMIT_EVERY]);
     }
 }

@@ -3,8 +3,10 @@
 use std::time::Duration;
 
 use firmware_example::node::{
-    FlashBoard, Following, Listening, NodeError, Report, SECONDS, following, listening,
+    Flash, FlashBoard, Following, IMAGE_EVERY, ImageReport, Listening, NodeError, Report, SECONDS, following,
+    listening,
 };
+use model_core::snapshot::SnapshotError;
 
 use super::build::Binary;
 use super::core::Core;
@@ -37,27 +39,61 @@ impl Kind {
         })
     }
 
-    /// The node on the host for `seconds`: its reports, and what its account of the store leaves unexplained
-    /// at the end, in joules.
+    /// The node on the host for `seconds`, without a power-down.
     ///
     /// # Errors
     /// If it cannot go on.
-    pub fn native(self, seconds: u32) -> Result<(Vec<Report>, f32), Error> {
-        let fail = |error: NodeError| Error::Host(format!("the node fails: {error:?}"));
+    pub fn native(self, seconds: u32) -> Result<Native, Error> {
         match self {
             Self::Following => {
                 let model = following().map_err(fail)?;
                 let mut node = Following::new(FlashBoard::default(), model).map_err(fail)?;
-                let reports = (0..seconds).map(|_| node.second().map_err(fail)).collect::<Result<_, _>>()?;
-                Ok((reports, node.power_manager().unexplained()))
+                Native::record(seconds, &mut node, Following::second, Following::save)
             }
             Self::Listening => {
-                let mut node =
-                    Listening::new(FlashBoard::default(), listening().map_err(fail)?).map_err(fail)?;
-                let reports = (0..seconds).map(|_| node.second()).collect();
-                Ok((reports, node.power_manager().unexplained()))
+                let model = listening().map_err(fail)?;
+                let mut node = Listening::new(FlashBoard::default(), model).map_err(fail)?;
+                Native::record(seconds, &mut node, |node| Ok(node.second()), Listening::save)
             }
         }
+    }
+}
+
+fn fail(error: NodeError) -> Error {
+    Error::Host(format!("the node fails: {error:?}"))
+}
+
+/// What the host's run of a node brought.
+#[derive(Debug, Clone)]
+pub struct Native {
+    /// A report a second.
+    pub reports: Vec<Report>,
+    /// The log of the firmware, if it resumes with the same bits after each power-down.
+    log: Vec<String>,
+}
+
+impl Native {
+    /// Runs a node by its functions for a second and for an image.
+    fn record<N>(
+        seconds: u32,
+        node: &mut N,
+        second: impl Fn(&mut N) -> Result<Report, NodeError>,
+        save: impl Fn(&N, u32, &mut [u8]) -> Result<usize, SnapshotError>,
+    ) -> Result<Self, Error> {
+        let mut recorded = Self { reports: Vec::new(), log: Vec::new() };
+        let mut flash = Flash::new();
+        for number in 1..=seconds {
+            let report = second(node).map_err(fail)?;
+            recorded.reports.push(report);
+            recorded.log.push(report.to_string());
+            if number.is_multiple_of(IMAGE_EVERY) {
+                let sequence = number / IMAGE_EVERY;
+                let slot = flash.slot(sequence);
+                let bytes = save(node, sequence, slot).map_err(|_| fail(NodeError::Image))?;
+                recorded.log.push(ImageReport::new(sequence, bytes, slot).to_string());
+            }
+        }
+        Ok(recorded)
     }
 }
 
@@ -73,14 +109,13 @@ pub fn follow(core: Core, time_limit: Duration) -> Result<(Vec<Report>, Size), E
     let size = firmware.check()?;
     let log = qemu::run(core, &firmware.path, time_limit)?;
     let found = decode::messages(&firmware.bytes, &log).map_err(|error| Error::on(core, error))?;
-    let (expected, _) = kind.native(SECONDS)?;
-    for second in 0..found.len().max(expected.len()) {
-        let (found, expected) = (found.get(second), expected.get(second));
+    let expected = kind.native(SECONDS)?;
+    for line in 0..found.len().max(expected.log.len()) {
+        let (found, expected) = (found.get(line), expected.log.get(line));
         // A number in the log is written with as many digits as tell it from its neighbours.
-        if found.cloned() != expected.map(Report::to_string) {
-            let what = format!("node: logs {found:?}, on the host {:?}", expected.map(Report::to_string));
-            return Err(Error::on(core, what));
+        if found != expected {
+            return Err(Error::on(core, format!("node: logs {found:?}, on the host {expected:?}")));
         }
     }
-    Ok((expected, size))
+    Ok((expected.reports, size))
 }

@@ -2,6 +2,15 @@
 
 use super::storage::StorageStep;
 use crate::scalar::{CompensatedSum, Scalar};
+use crate::snapshot::snapshot_fields;
+
+/// Largest energy of one booking in J: sums of such energies, and their squares, are finite in `f32`.
+const LARGEST_ENERGY: f64 = 1e9;
+
+/// Whether a number is an energy in J that can be booked: 0 to 10⁹.
+pub(super) fn is_energy<S: Scalar>(energy: S) -> bool {
+    energy >= S::ZERO && energy <= S::from_f64(LARGEST_ENERGY)
+}
 
 /// The energies since the start in J at the storage.
 ///
@@ -26,7 +35,7 @@ pub struct Account<S> {
     pub corrected: S,
     /// Stored energy by this account.
     pub balance: S,
-    /// Number of values refused because they were negative or not finite.
+    /// Number of values refused because they were negative, not finite, or above 10⁹.
     pub refused: u32,
 }
 
@@ -64,9 +73,9 @@ impl<S: Scalar> AccountSums<S> {
         }
     }
 
-    /// `value` if it is finite and not negative; otherwise counts a refusal.
+    /// `value` if it is from 0 to 10⁹; otherwise counts a refusal.
     pub(super) fn admit(&mut self, value: S) -> Option<S> {
-        if value >= S::ZERO && value < S::INFINITY {
+        if is_energy(value) {
             return Some(value);
         }
         self.refuse();
@@ -87,3 +96,7 @@ impl<S: Scalar> AccountSums<S> {
         self.unserved.add(step.unserved);
     }
 }
+
+snapshot_fields!(impl [S: Scalar] AccountSums<S> {
+    income, drawn, leaked, shunted, unserved, corrected, refused,
+});

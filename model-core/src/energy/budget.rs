@@ -10,6 +10,7 @@ use super::income::{Income, IncomeParameters, IncomeState};
 use super::storage::{Storage, StorageParameters};
 use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::{Scalar, add_increment};
+use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
 
 /// Parameters of a [`Budget`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +82,7 @@ pub struct Budget<S, const SLOTS: usize> {
     pub(super) standing_power: S,
 }
 
-/// The state of a [`Budget`] at one time.
+/// The state of a [`Budget`] at one time, with the income by slot of the day.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BudgetState<S, const SLOTS: usize> {
@@ -128,8 +129,8 @@ impl<S: Scalar, const SLOTS: usize> BudgetState<S, SLOTS> {
         self.account.read()
     }
 
-    /// Raises the uncertainty by `energy` in J: for an estimated income, by its error over the interval. A
-    /// negative `energy` or one that is not finite makes all of the stored energy uncertain.
+    /// Raises the uncertainty by `energy` in J: for an estimated income, by its error over the interval. An `energy`
+    /// that is negative, not finite, or above 10⁹ J makes all of the stored energy uncertain.
     pub fn raise_uncertainty(&mut self, energy: S) {
         self.uncertainty = match self.account.admit(energy) {
             Some(energy) => (self.uncertainty + energy).min(self.energy),
@@ -178,7 +179,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// `spent` J of actions in addition to those given to [`Budget::spend`]. For an interval in which the
     /// node was off, call [`Budget::gap`].
     ///
-    /// An energy that is negative or not finite is refused and counted. A refused income counts as zero in
+    /// An energy that is negative, not finite, or above 10⁹ J is refused and counted. A refused income counts as zero in
     /// the storage and as unknown in the income memory. After a refused expenditure the storage may be empty.
     ///
     /// Cost: at most two exponentials.
@@ -212,7 +213,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     }
 
     /// Sets the stored energy to a measured `energy` in J that may be `uncertainty` in J too high. An energy
-    /// that is negative or not finite is refused and counted.
+    /// that is negative, not finite, or above 10⁹ J is refused and counted.
     pub fn correct(&self, state: &mut BudgetState<S, SLOTS>, energy: S, uncertainty: S) {
         let Some(energy) = state.account.admit(energy) else { return };
         let energy = energy.min(self.storage.capacity());
@@ -291,6 +292,24 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let floor = storage.lock_out().min(least + income) * relaxation.kept;
         let above_floor = state.energy - floor + S::from_f64(4.0) * S::EPSILON * storage.capacity();
         state.uncertainty = distance.min(above_floor).max(S::ZERO).min(state.energy);
+    }
+}
+
+snapshot_fields!(impl [S: Scalar, const SLOTS: usize] BudgetState<S, SLOTS> {
+    income, energy, energy_low, uncertainty, pending, account,
+} if |state| {
+    let uncertain = S::ZERO <= state.uncertainty && state.uncertainty <= state.energy;
+    uncertain && state.pending >= S::ZERO
+});
+
+impl<S: Scalar, const SLOTS: usize> Configuration for Budget<S, SLOTS> {
+    type State = BudgetState<S, SLOTS>;
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("budget");
+        self.storage.identify(fingerprint);
+        self.income.identify(fingerprint);
+        fingerprint.numbers(&[self.standing_power]);
     }
 }
 

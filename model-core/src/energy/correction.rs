@@ -18,10 +18,12 @@
 //! is the usual update with `Δ²/12`. If it is narrower and the state is well inside the cell, the update
 //! changes nothing. A change of the code, or a missing change, locates the edge of the cell.
 
+use super::account::is_energy;
 use super::storage::Storage;
 use super::truncated_normal::moments_within;
 use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::{Scalar, add_increment};
+use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
 
 /// Parameters of a [`Correction`]: of the readings, and of the error of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -258,12 +260,11 @@ impl<S: Scalar> Correction<S> {
 
     /// Advances the time by `interval` in s with a `modelled` income and all energy `spent` by the load, both in J.
     ///
-    /// An energy that is negative or not finite makes the stored energy and the gain as uncertain as at the start.
+    /// An energy that is negative, not finite, or above 10⁹ J makes the stored energy and the gain as uncertain as at the start.
     ///
     /// Cost: at most one exponential.
     pub fn predict(&self, state: &mut CorrectionState<S>, interval: u32, modelled: S, spent: S) {
-        let sound = |energy: S| energy >= S::ZERO && energy < S::INFINITY;
-        if !(sound(modelled) && sound(spent)) {
+        if !(is_energy(modelled) && is_energy(spent)) {
             self.forget(state);
             return;
         }
@@ -382,5 +383,25 @@ impl<S: Scalar> Correction<S> {
     fn forget(&self, state: &mut CorrectionState<S>) {
         self.forget_energy(state);
         state.gain_variance = state.gain_variance.max(self.gain_variance);
+    }
+}
+
+snapshot_fields!(impl [S: Scalar] CorrectionState<S> {
+    gain, energy, energy_low, gain_variance, covariance, energy_variance, located, was_full, rejected_in_turn, used,
+    saturated, rejected,
+} if |state| {
+    let variances = state.gain_variance >= S::ZERO && state.energy_variance >= S::ZERO;
+    let gain = state.gain >= S::ZERO && state.gain <= S::from_f64(HIGHEST_GAIN);
+    variances && gain && state.rejected_in_turn < MOST_REJECTED_IN_TURN
+});
+
+impl<S: Scalar> Configuration for Correction<S> {
+    type State = CorrectionState<S>;
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("correction");
+        self.storage.identify(fingerprint);
+        fingerprint.count(self.full_code);
+        fingerprint.numbers(&[self.cell, self.noise, self.gain_variance, self.drift]);
     }
 }

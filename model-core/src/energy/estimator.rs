@@ -94,14 +94,14 @@ use crate::excitation::{Excitation, Stream};
 use crate::hybrid::{Ended, StepError, Work};
 use crate::scalar::Scalar;
 use crate::scene::Harvester;
-use crate::snapshot::{self, Fingerprint, SnapshotError};
+use crate::snapshot::{self, Configuration, Fingerprint, SnapshotError};
 
 pub use accumulator::EnergyAccumulator;
 use origin::out_of_bounds;
 pub use sample::{Sample, SampleFormat};
 use sampling::Droop;
 pub use sampling::{Interpolation, LEAST_SAMPLES_PER_PERIOD};
-use state::State;
+pub use state::State;
 pub use uncertainty::{Estimate, Uncertainty};
 
 /// The samples and the treatment of missing samples.
@@ -374,21 +374,26 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// # Errors
     /// [`SnapshotError`]; the state is then unchanged.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SnapshotError> {
-        self.state = snapshot::restore(self.fingerprint(), bytes)?;
-        self.droop = Droop::new(self.harvester.angular_frequency(), self.state.stream.rate());
+        self.set_state(snapshot::restore(self.fingerprint(), bytes)?);
         Ok(())
     }
 
-    /// The fingerprint of the model, its method and step control, and all settings. A rate set later is part of the
-    /// state.
+    /// The state, to be saved in one image with the other states of a node
+    /// ([`snapshot::save_image`](crate::snapshot::save_image)).
+    #[must_use]
+    pub fn state(&self) -> &State<S, H::State> {
+        &self.state
+    }
+
+    /// Continues from a state of an estimator with the same harvester and settings.
+    pub fn set_state(&mut self, state: State<S, H::State>) {
+        self.droop = Droop::new(self.harvester.angular_frequency(), state.stream.rate());
+        self.state = state;
+    }
+
     fn fingerprint(&self) -> u32 {
         let mut fingerprint = Fingerprint::new();
-        self.harvester.identify(&mut fingerprint);
-        self.settings.format.identify(&mut fingerprint);
-        fingerprint.numbers(&[self.settings.rate, self.settings.settling_seconds]);
-        fingerprint.count(self.settings.longest_gap.into());
-        fingerprint.count(self.settings.interpolation as u32);
-        fingerprint.numbers(self.settings.bias_seconds.as_slice());
+        self.identify(&mut fingerprint);
         fingerprint.value()
     }
 

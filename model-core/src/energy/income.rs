@@ -16,6 +16,7 @@
 use super::storage::Relaxation;
 use crate::bounds::{ParameterError, bounded};
 use crate::scalar::{CompensatedSum, Scalar, add_increment};
+use crate::snapshot::{Fingerprint, snapshot_fields};
 
 /// Seconds in a day.
 pub(crate) const DAY_SECONDS: u32 = 86_400;
@@ -122,7 +123,20 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
     }
 }
 
+snapshot_fields!(impl [S: Scalar, const SLOTS: usize] IncomeState<S, SLOTS> {
+    second, mean, weight, slots, energy, observed,
+} if |state| {
+    let slots_are_sound = state.slots.iter().all(|&learnt| learnt >= S::ZERO || learnt == -S::ONE);
+    slots_are_sound && state.weight[0] >= S::ZERO && state.observed <= DAY_SECONDS
+});
+
 impl<S: Scalar, const SLOTS: usize> Income<S, SLOTS> {
+    /// Includes the parameters in a fingerprint.
+    pub(super) fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.count(SLOTS as u32);
+        fingerprint.numbers(&[self.per_time_constant, self.day_weight]);
+    }
+
     /// Advances the time by `interval` in s with an evenly distributed income of `energy` in J.
     ///
     /// An interval longer than the shortest slot changes the exponentially weighted mean only.

@@ -15,6 +15,7 @@ use crate::bounds::{Bounds, ParameterError, bounded};
 use crate::part::preset::Preset;
 use crate::part::storage::Capacitor;
 use crate::scalar::{Mathematics, Scalar, horner};
+use crate::snapshot::Fingerprint;
 
 /// Parameters of a storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,6 +114,20 @@ impl<S: Scalar> Storage<S> {
     #[must_use]
     pub fn voltage(&self, energy: S) -> S {
         (S::from_f64(2.0) * energy / self.parameters.capacitor.capacitance).sqrt()
+    }
+
+    /// Includes all parameters in a fingerprint.
+    pub(super) fn identify(&self, fingerprint: &mut Fingerprint) {
+        let StorageParameters { capacitor, .. } = self.parameters;
+        fingerprint.numbers(&[
+            capacitor.capacitance,
+            capacitor.leakage_resistance,
+            self.parameters.charging_efficiency,
+            self.parameters.discharging_efficiency,
+            self.parameters.highest_voltage,
+            self.parameters.lock_out_voltage,
+            self.parameters.turn_on_voltage,
+        ]);
     }
 
     /// Energy in J at the highest voltage.

@@ -13,9 +13,10 @@
 //! frequency. Other sines shift zero crossings by per cents, but the phase much less. The mean of one window,
 //! mostly gravity, is subtracted from the samples of the next.
 
-use super::ExcitationError;
+use super::{ExcitationError, is_acceleration};
 use crate::clock::{Frequency, Instant};
 use crate::scalar::{Mathematics, Scalar, arcsine};
+use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
 
 /// A sample must be below zero by this part of the RMS acceleration before the next upward crossing counts.
 const HYSTERESIS: f64 = 0.5;
@@ -102,14 +103,15 @@ impl<S: Scalar> ToneMeter<S> {
     }
 
     /// Takes a sample in m/s². From the third window on, the last sample of a window returns the strongest
-    /// sine, if there is one. A sample that is not finite counts as the sample before it.
+    /// sine, if there is one. A sample that is not finite, or above [`LARGEST_SAMPLE`](super::LARGEST_SAMPLE) in
+    /// magnitude, counts as the sample before it.
     #[inline]
     pub fn push<M: Mathematics<S>>(
         &self,
         state: &mut ToneMeterState<S>,
         sample: S,
     ) -> Option<SpectralPeak<S>> {
-        let value = if sample.is_finite() { sample - state.offset } else { state.last };
+        let value = if is_acceleration(sample) { sample - state.offset } else { state.last };
         state.sum += value;
         state.squares += value * value;
         let [previous, before] = state.sums;
@@ -199,6 +201,21 @@ impl<S: Scalar> ToneMeter<S> {
             .zip(Instant::from_seconds(S::from_u32(samples) / self.samples_per_second))
             .map_or(0, |(frequency, at)| frequency.phase(at));
         [M::sine_of_turns(phase.wrapping_add(1 << 62)), M::sine_of_turns(phase)]
+    }
+}
+
+snapshot_fields!(impl [S: Scalar] ToneMeterState<S> {
+    count, offset, sum, squares, hysteresis, armed, last, first_crossing, last_crossing, crossings, frequency,
+    per_sample, sums, before, offset_known,
+} if |state| state.count < MOST_SAMPLES && state.crossings <= state.count && state.frequency >= S::ZERO);
+
+impl<S: Scalar> Configuration for ToneMeter<S> {
+    type State = ToneMeterState<S>;
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("tone meter");
+        fingerprint.numbers(&[self.samples_per_second]);
+        fingerprint.count(self.window);
     }
 }
 

@@ -14,6 +14,7 @@ mod energy_correction;
 mod estimator;
 mod exponential_radau;
 mod hidden_crossings;
+mod node_image;
 mod prothero_robinson;
 mod rectified;
 mod rectified_limits;

@@ -3,8 +3,10 @@
 //! That their logs on a microcontroller are those of the host is checked by `host-bench on-target --node`.
 
 use firmware_example::node::{
-    Decision, FlashBoard, Following, Listening, Report, STORE_VOLTAGE, following, listening,
+    Decision, Flash, FlashBoard, Following, Listening, Report, SLOT_BYTES, STORE_VOLTAGE, following,
+    listening,
 };
+use model_core::snapshot::SnapshotError;
 
 /// The storage of both nodes as the documentation of `economy` has it: farads, ohms, volts when full, watts asleep.
 const CAPACITANCE: f64 = 22e-6;
@@ -78,4 +80,60 @@ fn the_listening_node_keeps_its_books_for_a_day() {
     let found = keep((0..seconds).map(|_| node.second()));
     assert!(f64::from(node.power_manager().unexplained()).abs() < 1e-6 * found.0);
     assert_active(seconds, found);
+}
+
+/// The log and the final image of a node with a power-down after each of these numbers of seconds.
+macro_rules! with_power_downs {
+    ($seconds:expr, $every:expr, $start:expr, $second:expr, $awake:expr) => {{
+        let (mut node, mut flash, mut sequence) = ($start, Flash::new(), 0_u32);
+        let mut log = Vec::new();
+        for second in 1..=$seconds {
+            log.push($second(&mut node));
+            if second % $every == 0 {
+                sequence += 1;
+                node.save(sequence, flash.slot(sequence)).expect("room");
+                node = $awake(node.into_board());
+                assert_eq!(node.resume(flash.slots()), Ok(sequence));
+            }
+        }
+        let mut image = [0; SLOT_BYTES];
+        node.save(0, &mut image).expect("room");
+        (log, image)
+    }};
+}
+
+#[test]
+fn both_nodes_resume_with_the_same_bits() {
+    let following_node = |every: u32| {
+        let awake = |board| Following::new(board, following().expect("valid")).expect("valid");
+        let second = |node: &mut Following<FlashBoard, _>| node.second().expect("the trace can be followed");
+        with_power_downs!(90, every, awake(FlashBoard::default()), second, awake)
+    };
+    let whole = following_node(1000);
+    assert!(whole.0.iter().any(|report| report.decision == Decision::Transmit));
+    assert_eq!(following_node(1), whole);
+    assert_eq!(following_node(7), whole);
+    let listening_node = |every: u32| {
+        let awake = |board| Listening::new(board, listening().expect("valid")).expect("valid");
+        with_power_downs!(4000, every, awake(FlashBoard::default()), Listening::second, awake)
+    };
+    let whole = listening_node(10_000);
+    assert_eq!(listening_node(1), whole);
+    assert_eq!(listening_node(61), whole);
+}
+
+#[test]
+fn a_torn_image_is_passed_over_and_that_of_another_node_is_foreign() {
+    let board = FlashBoard::default();
+    let mut node = Following::new(board, following().expect("valid")).expect("valid");
+    let mut flash = Flash::new();
+    assert_eq!(node.resume(flash.slots()), Err(SnapshotError::NotASnapshot));
+    for sequence in [6, 7] {
+        node.second().expect("the trace can be followed");
+        node.save(sequence, flash.slot(sequence)).expect("room");
+    }
+    flash.slot(7)[100..].fill(0xff);
+    assert_eq!(node.resume(flash.slots()), Ok(6));
+    let mut other = Listening::new(board, listening().expect("valid")).expect("valid");
+    assert_eq!(other.resume(flash.slots()), Err(SnapshotError::ForeignModel));
 }

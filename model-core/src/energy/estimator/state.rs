@@ -1,12 +1,14 @@
 //! The state of a running estimator.
 
+use super::Estimator;
 use super::accumulator::EnergyAccumulator;
 use super::bias::Bias;
 use super::elapsed::ElapsedTime;
 use super::sampling::Content;
 use crate::excitation::Stream;
 use crate::scalar::Scalar;
-use crate::snapshot::{Snapshot, snapshot_fields, snapshot_variants};
+use crate::scene::Harvester;
+use crate::snapshot::{Configuration, Fingerprint, Snapshot, snapshot_fields, snapshot_variants};
 
 /// The relation of harvester and samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,9 +50,10 @@ impl<S: Scalar> Queue<S> {
     }
 }
 
-/// The state of an estimator; it can be copied, compared, saved and restored. `T` is the state of its harvester.
+/// The state of an [`Estimator`]; it can be copied, compared, saved and restored. `T` is the state of
+/// its harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct State<S, T> {
+pub struct State<S, T> {
     pub(super) stream: Stream<S>,
     pub(super) harvester: T,
     pub(super) accumulator: EnergyAccumulator<S>,
@@ -115,3 +118,17 @@ snapshot_fields!(impl [S: Scalar] Queue<S> { from, target, saturated, restarts, 
     if |queue| queue.left <= queue.length);
 
 snapshot_variants!(Phase { Waiting, Following, Lost });
+
+impl<S: Scalar, H: Harvester<S>> Configuration for Estimator<S, H> {
+    type State = State<S, H::State>;
+
+    /// Includes the model, its method and step control, and all settings. A rate set later is part of the state.
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        self.harvester.identify(fingerprint);
+        self.settings.format.identify(fingerprint);
+        fingerprint.numbers(&[self.settings.rate, self.settings.settling_seconds]);
+        fingerprint.count(self.settings.longest_gap.into());
+        fingerprint.count(self.settings.interpolation as u32);
+        fingerprint.numbers(self.settings.bias_seconds.as_slice());
+    }
+}

@@ -1,0 +1,195 @@
+//! Numbered images of all states of a node, in two slots of flash of which one is always whole.
+//!
+//! A power failure may interrupt the writing of an image. So a node writes its images by turns to two slots, with a
+//! sequence number, and resumes from the newest image that is whole:
+//!
+//! ```
+//! use model_core::excitation::ToneMeter;
+//! use model_core::snapshot::{self, SnapshotError};
+//!
+//! let meter = ToneMeter::<f32>::new(400.0, 400).expect("in bounds");
+//! let mut state = meter.start();
+//! let mut flash = [[0xff_u8; 128]; 2];
+//! let slots = |flash: &[[u8; 128]; 2]| {
+//!     snapshot::newest_image(&meter, [&flash[0], &flash[1]]).map(|image| image.state)
+//! };
+//! assert_eq!(slots(&flash), Err(SnapshotError::NotASnapshot)); // erased
+//!
+//! snapshot::save_image(&meter, &state, 1, &mut flash[0])?;
+//! let first = state;
+//! meter.push::<model_core::scalar::Polynomial>(&mut state, 9.81);
+//! snapshot::save_image(&meter, &state, 2, &mut flash[1])?;
+//! assert_eq!(slots(&flash), Ok(state));
+//! flash[1][40..].fill(0xff); // torn
+//! assert_eq!(slots(&flash), Ok(first));
+//! # Ok::<(), SnapshotError>(())
+//! ```
+
+use super::{Configuration, Fingerprint, Snapshot, SnapshotError, restore, save_with, size_of};
+
+/// The states of a node as they were saved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Image<T> {
+    /// The states.
+    pub state: T,
+    /// Number of the image.
+    pub sequence: u32,
+    /// The slot that it is in, 0 or 1: the next image belongs in the other one.
+    pub slot: usize,
+}
+
+impl<T> Image<T> {
+    /// Number of the next image.
+    #[must_use]
+    pub fn next_sequence(&self) -> u32 {
+        self.sequence.wrapping_add(1)
+    }
+
+    /// The slot of the next image, 0 or 1.
+    #[must_use]
+    pub fn next_slot(&self) -> usize {
+        1 - self.slot.min(1)
+    }
+}
+
+/// Size in bytes of an image of the states of a configuration.
+#[must_use]
+pub const fn image_size<C: Configuration>() -> usize {
+    size_of::<(u32, C::State)>()
+}
+
+/// Writes an image of the states of `configuration` with its number to the front of `bytes`. Returns its size in bytes,
+/// [`image_size`].
+///
+/// # Errors
+/// [`SnapshotError::NoRoom`]; `bytes` is then unchanged.
+pub fn save_image<C: Configuration>(
+    configuration: &C,
+    state: &C::State,
+    sequence: u32,
+    bytes: &mut [u8],
+) -> Result<usize, SnapshotError> {
+    save_with(C::State::BYTES + u32::BYTES, fingerprint(configuration), bytes, |out| {
+        sequence.write(out);
+        state.write(out);
+    })
+}
+
+/// The image at the front of `bytes`, as [`save_image`] wrote it for the same configuration. The slot is given.
+///
+/// # Errors
+/// As [`restore`].
+fn restore_image<C: Configuration>(
+    configuration: &C,
+    bytes: &[u8],
+    slot: usize,
+) -> Result<Image<C::State>, SnapshotError> {
+    let (sequence, state) = restore(fingerprint(configuration), bytes)?;
+    Ok(Image { state, sequence, slot })
+}
+
+/// The image with the later number of two slots; the only valid one if the other slot is erased, torn or foreign.
+///
+/// Numbers wrap: a number is later than another if it is ahead by less than 2³¹.
+///
+/// # Errors
+/// If neither slot holds a valid image: the error of the first slot that is not erased, as by [`restore`].
+pub fn newest_image<C: Configuration>(
+    configuration: &C,
+    [first, second]: [&[u8]; 2],
+) -> Result<Image<C::State>, SnapshotError> {
+    match (restore_image(configuration, first, 0), restore_image(configuration, second, 1)) {
+        (Ok(first), Ok(second)) => {
+            let ahead = second.sequence.wrapping_sub(first.sequence);
+            Ok(if ahead != 0 && ahead < 1 << 31 { second } else { first })
+        }
+        (Ok(only), Err(_)) | (Err(_), Ok(only)) => Ok(only),
+        (Err(SnapshotError::NotASnapshot), Err(error)) | (Err(error), Err(_)) => Err(error),
+    }
+}
+
+fn fingerprint<C: Configuration>(configuration: &C) -> u32 {
+    let mut fingerprint = Fingerprint::new();
+    fingerprint.name("image");
+    configuration.identify(&mut fingerprint);
+    fingerprint.value()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::save;
+    use super::*;
+
+    /// A configuration of two numbers.
+    struct Pair(f32);
+
+    impl Configuration for Pair {
+        type State = [f32; 2];
+
+        fn identify(&self, fingerprint: &mut Fingerprint) {
+            fingerprint.name("pair");
+            fingerprint.numbers(&[self.0]);
+        }
+    }
+
+    const SIZE: usize = image_size::<Pair>();
+
+    fn slot(of: f32, state: f32, sequence: u32) -> [u8; SIZE] {
+        let mut bytes = [0; SIZE];
+        assert_eq!(save_image(&Pair(of), &[state; 2], sequence, &mut bytes), Ok(SIZE));
+        bytes
+    }
+
+    fn newest(first: &[u8], second: &[u8]) -> Result<(f32, u32, usize), SnapshotError> {
+        let image = newest_image(&Pair(1.0), [first, second])?;
+        assert_eq!(image.next_slot(), 1 - image.slot);
+        assert_eq!(image.next_sequence(), image.sequence.wrapping_add(1));
+        Ok((image.state[0], image.sequence, image.slot))
+    }
+
+    #[test]
+    fn the_later_number_is_the_newest_across_the_wrap() {
+        for (first, second, expected) in
+            [(1, 2, 1), (2, 1, 0), (u32::MAX, 0, 1), (0, u32::MAX, 0), (7, 7, 0), (0, (1 << 31) - 1, 1)]
+        {
+            let found = newest(&slot(1.0, 0.0, first), &slot(1.0, 1.0, second)).expect("both are whole");
+            assert_eq!(found, (expected as f32, [first, second][expected], expected));
+        }
+    }
+
+    #[test]
+    fn a_torn_write_leaves_the_image_before_it_at_every_byte() {
+        let (old, new) = (slot(1.0, 3.0, 8), slot(1.0, 4.0, 9));
+        for written in 0..SIZE {
+            // Over erased flash, and over the image before the last.
+            for before in [[0xff; SIZE], slot(1.0, 2.0, 7)] {
+                let mut torn = before;
+                torn[..written].copy_from_slice(&new[..written]);
+                assert_eq!(newest(&torn, &old), Ok((3.0, 8, 1)), "{written}");
+                assert_eq!(newest(&old, &torn), Ok((3.0, 8, 0)), "{written}");
+            }
+        }
+    }
+
+    #[test]
+    fn neither_slot_valid_is_the_error_of_the_one_that_was_written() {
+        let erased = [0xff; SIZE];
+        let foreign = slot(2.0, 0.0, 1);
+        let mut corrupt = slot(1.0, 0.0, 1);
+        corrupt[15] ^= 1;
+        assert_eq!(newest(&erased, &erased), Err(SnapshotError::NotASnapshot));
+        for (first, second, error) in [
+            (erased, foreign, SnapshotError::ForeignModel),
+            (foreign, erased, SnapshotError::ForeignModel),
+            (corrupt, foreign, SnapshotError::Corrupt),
+        ] {
+            assert_eq!(newest(&first, &second), Err(error));
+        }
+        assert_eq!(newest(&foreign, &slot(1.0, 5.0, 0)), Ok((5.0, 0, 1)));
+        // A snapshot of the state alone is no image.
+        let mut alone = [0; SIZE];
+        save(&[1.0_f32; 2], fingerprint(&Pair(1.0)), &mut alone).expect("room");
+        assert_eq!(newest(&alone, &erased), Err(SnapshotError::ForeignModel));
+    }
+}
