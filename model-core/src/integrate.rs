@@ -384,6 +384,9 @@ pub trait Method<S: Scalar> {
 
     /// Order in the step of the estimated errors per second.
     const ESTIMATE_ORDER: i32 = 2;
+    /// Part of the sum of the estimated errors of the steps that covers the error of the energy: 1, or less if the
+    /// method is of a higher order than its estimate.
+    const ERROR_PER_ESTIMATE: f64 = 1.0;
 
     /// Longest step under error control, in radians of the motion or of its excitation.
     const LONGEST_RADIANS: f64 = 0.4;

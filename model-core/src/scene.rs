@@ -47,6 +47,8 @@ pub trait Harvester<S: Scalar> {
 
     /// Whether steps estimate their error.
     const ESTIMATES_ERROR: bool;
+    /// As [`Method::ERROR_PER_ESTIMATE`](crate::integrate::Method::ERROR_PER_ESTIMATE).
+    const ERROR_PER_ESTIMATE: f64 = 1.0;
     /// Smallest budget of [`Harvester::advance`] in attempted steps.
     const LEAST_BUDGET: u32;
 
@@ -112,6 +114,12 @@ pub trait Harvester<S: Scalar> {
     /// Outputs at `state`.
     fn outputs<'a>(&self, state: &'a Self::State) -> Outputs<'a, S>;
 
+    /// Velocity in m/s: the rate of the first coordinate of [`Harvester::outputs`].
+    fn velocity(&self, state: &Self::State) -> S {
+        let [first, ..] = self.outputs(state).motions;
+        first.rate
+    }
+
     /// Sets the voltage of the storage in V, at or above 0, under a base acceleration in m/s². Without effect on a
     /// harvester without a storage.
     fn set_storage_voltage(&self, _state: &mut Self::State, _voltage: S, _acceleration: S) {}
@@ -150,6 +158,9 @@ pub trait Harvester<S: Scalar> {
 pub trait Scene<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, P, Mode: Snapshot> {
     /// Initial values.
     type Start: Default;
+
+    /// Index in the state of the rate of the first coordinate.
+    const VELOCITY: usize = 1;
 
     /// The state at time zero.
     ///

@@ -179,8 +179,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// `spent` J of actions in addition to those given to [`Budget::spend`]. For an interval in which the
     /// node was off, call [`Budget::gap`].
     ///
-    /// An energy that is negative, not finite, or above 10⁹ J is refused and counted. A refused income counts as zero in
-    /// the storage and as unknown in the income memory. After a refused expenditure the storage may be empty.
+    /// An energy that is negative, not finite, or above 10⁹ J is refused and counted. A refused income counts as zero
+    /// in the storage and as unknown in the income memory. After a refused expenditure the storage may be empty.
     ///
     /// Cost: at most two exponentials.
     pub fn update(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, harvested: S, spent: S) {

@@ -260,7 +260,8 @@ impl<S: Scalar> Correction<S> {
 
     /// Advances the time by `interval` in s with a `modelled` income and all energy `spent` by the load, both in J.
     ///
-    /// An energy that is negative, not finite, or above 10⁹ J makes the stored energy and the gain as uncertain as at the start.
+    /// An energy that is negative, not finite, or above 10⁹ J makes the stored energy and the gain as uncertain as at
+    /// the start.
     ///
     /// Cost: at most one exponential.
     pub fn predict(&self, state: &mut CorrectionState<S>, interval: u32, modelled: S, spent: S) {

@@ -73,6 +73,7 @@ where
     type Start = A::Start;
 
     const ESTIMATES_ERROR: bool = M::ESTIMATES_ERROR;
+    const ERROR_PER_ESTIMATE: f64 = M::ERROR_PER_ESTIMATE;
     const LEAST_BUDGET: u32 = LEAST_BUDGET;
 
     fn start<E: Excitation<S>>(
@@ -121,6 +122,11 @@ where
 
     fn outputs<'a>(&self, state: &'a Self::State) -> Outputs<'a, S> {
         self.scene.outputs(state.mode, &state.point)
+    }
+
+    #[inline(always)]
+    fn velocity(&self, state: &Self::State) -> S {
+        state.point.state.get(A::VELOCITY).copied().unwrap_or(S::ZERO)
     }
 
     fn set_storage_voltage(&self, state: &mut Self::State, voltage: S, acceleration: S) {

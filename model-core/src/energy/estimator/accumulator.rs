@@ -24,13 +24,23 @@ pub struct EnergyAccumulator<S> {
     /// Estimated local errors of the state, in the error norm of the scene.
     state_error: CompensatedSum<S>,
     time: ElapsedTime,
+    /// Energy delivered to the load in this resonance period, in J.
+    period_energy: S,
+    /// Whether there was an impact in this period.
+    impact: bool,
 }
 
 impl<S: Scalar> EnergyAccumulator<S> {
     #[inline]
-    fn add(&mut self, energy: S, ticks: u32) {
+    pub(super) fn add(&mut self, energy: S, ticks: u32) {
         self.energy.add(energy);
+        self.period_energy += energy;
         self.time.add(ticks);
+    }
+
+    /// Ends a resonance period: the energy delivered in it in J, and whether there was an impact.
+    pub(super) fn take_period(&mut self) -> (S, bool) {
+        (core::mem::take(&mut self.period_energy), core::mem::take(&mut self.impact))
     }
 
     /// Energy delivered to the load, in J.
@@ -78,11 +88,15 @@ impl<S: Scalar> Observer<S> for EnergyAccumulator<S> {
             && energy != S::ZERO
         {
             self.energy.add(energy);
+            self.period_energy += energy;
         }
+        self.impact |= event.impact_speed.is_some();
     }
 }
 
-snapshot_fields!(impl [S: Scalar] EnergyAccumulator<S> { energy, energy_error, state_error, time });
+snapshot_fields!(impl [S: Scalar] EnergyAccumulator<S> {
+    energy, energy_error, state_error, time, period_energy, impact,
+});
 
 #[cfg(test)]
 mod tests {

@@ -68,6 +68,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         if self.state.stream.known_until() >= LATEST {
             self.restart_clock();
         }
+        let velocity = self.harvester.velocity(&self.state.harvester);
         let state = &mut self.state;
         let before = state.stream.known_until();
         state.stream.take(sample);
@@ -78,9 +79,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
             return;
         }
         state.pending = true;
-        let slope = sample - old;
-        let bend = slope - (old - older);
-        state.content.add(slope, bend);
+        let bend = (sample - old) - (old - older);
+        state.response.add(velocity, self.droop.samples_per_period(), &mut state.accumulator);
         // The interval that is now known lies between the oldest sample and the middle one. The filter includes the
         // samples on either side.
         let mut touched = 0b110;

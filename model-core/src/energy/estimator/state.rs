@@ -4,7 +4,7 @@ use super::Estimator;
 use super::accumulator::EnergyAccumulator;
 use super::bias::Bias;
 use super::elapsed::ElapsedTime;
-use super::sampling::Content;
+use super::response::Response;
 use crate::excitation::Stream;
 use crate::scalar::Scalar;
 use crate::scene::Harvester;
@@ -36,6 +36,9 @@ pub(super) struct Queue<S> {
     pub(super) left: u32,
 }
 
+/// Most samples in a queue: [`Settings::longest_gap`](super::Settings::longest_gap) lost ones, and one.
+const MOST_QUEUED: u32 = 1 << 16;
+
 impl<S: Scalar> Queue<S> {
     /// Removes the next sample and tells whether its value is uncertain; `None` for an empty queue.
     #[inline]
@@ -57,7 +60,7 @@ pub struct State<S, T> {
     pub(super) stream: Stream<S>,
     pub(super) harvester: T,
     pub(super) accumulator: EnergyAccumulator<S>,
-    pub(super) content: Content<S>,
+    pub(super) response: Response<S>,
     pub(super) bias: Bias<S>,
     /// The newest two samples in m/s², before the filter; the newest last.
     pub(super) unfiltered: [S; 2],
@@ -86,7 +89,7 @@ impl<S: Scalar, T> State<S, T> {
             stream,
             harvester,
             accumulator: EnergyAccumulator::default(),
-            content: Content::default(),
+            response: Response::default(),
             bias: Bias::default(),
             unfiltered: [S::ZERO; 2],
             queue: Queue::default(),
@@ -110,12 +113,12 @@ impl<S: Scalar, T> State<S, T> {
 }
 
 snapshot_fields!(impl [S: Scalar, T: Snapshot] State<S, T> {
-    stream, harvester, accumulator, content, bias, unfiltered, queue, phase, pending, uncertain, settling, missing,
+    stream, harvester, accumulator, response, bias, unfiltered, queue, phase, pending, uncertain, settling, missing,
     expected, missing_samples, saturated_samples, uncertain_time, unknown_time,
 });
 
 snapshot_fields!(impl [S: Scalar] Queue<S> { from, target, saturated, restarts, length, left }
-    if |queue| queue.left <= queue.length);
+    if |queue| queue.left <= queue.length && queue.length <= MOST_QUEUED);
 
 snapshot_variants!(Phase { Waiting, Following, Lost });
 

@@ -106,6 +106,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
         self.scene.outputs(state)
     }
 
+    fn velocity(&self, state: &Self::State) -> S {
+        let [_displacement, rate] = self.scene.tip(state);
+        rate
+    }
+
     fn set_storage_voltage(&self, state: &mut Self::State, voltage: S, _acceleration: S) {
         P::Load::set_storage_voltage(&mut state.circuit, voltage);
     }

@@ -1,10 +1,15 @@
 //! The stated uncertainty against the true error, on random inputs: tones, noise and bursts at random sampling rates.
 //!
-//! The truth is the energy in `f64` at a tolerance of 10⁻⁷ under the input sampled 16 384 times a second.
+//! The truth is the energy in `f64` at a tolerance of 10⁻⁷ under the input sampled 16 384 times a second, with the
+//! filter of [`Interpolation::DroopCompensated`] at its limit for many samples in a period: its amplitude is off by
+//! 10⁻⁹.
+//!
+//! The two factors of coverage and the number of periods after an impact in `estimator/sampling.rs` and
+//! `estimator/response.rs` were fitted on the inputs of the seed [`FITTED`] and of two more. [`TESTED`] was not used.
 
 use super::{follow, settings};
 use crate::common::Random;
-use crate::common::harvesters::{contact_parameters, sliding_parameters};
+use crate::common::harvesters::{Contact, Slide, contact_parameters, sliding_parameters};
 use core::f64::consts::TAU;
 use model_core::clock::Instant;
 use model_core::energy::estimator::{Interpolation, Settings};
@@ -14,8 +19,13 @@ use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::scalar::Scalar;
 use model_core::scene::{Harvester, Scene, Simulation};
 
-/// Samples per second of the truth: linear interpolation costs 10⁻⁵ at 25 Hz.
+/// Samples per second of the truth.
 const DENSE: f64 = 16_384.0;
+/// A seed on whose inputs the statement was fitted.
+const FITTED: u64 = 5;
+/// The seed on whose inputs it is tested.
+const TESTED: u64 = 3_000_017;
+const INTERPOLATIONS: [Interpolation; 2] = [Interpolation::Linear, Interpolation::DroopCompensated];
 /// Energy in J below which an input brings nothing.
 const LEAST_ENERGY: f64 = 1e-10;
 
@@ -71,134 +81,221 @@ impl Shaking {
     }
 }
 
-/// The true error and the stated one, relative to the estimate, of an input.
-#[derive(Clone, Copy)]
+/// The true error and the stated one of the mean power, relative to the estimate.
+#[derive(Debug, Clone, Copy)]
 struct Compared {
     error: f64,
     stated: f64,
 }
 
-/// One random input to a harvester in both precisions; `None` if it brings nothing.
-fn compare<A: Scene<f32, 3, 1>, B: Scene<f64, 3, 1>>(
+/// An input, with the comparison for each of [`INTERPOLATIONS`].
+#[derive(Debug, Clone)]
+struct Input {
+    name: String,
+    samples_per_period: f64,
+    compared: [Compared; 2],
+}
+
+/// What is compared: both scenes, the tolerance, the samples per second, and the duration in s.
+struct Case<A, B> {
+    single: A,
+    double: B,
+    tolerance: f64,
+    rate: f64,
+    seconds: f64,
+}
+
+impl<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy> Case<A, B> {
+    /// The statement against the truth for each interpolation; `None` if the input brings nothing.
+    fn compare(&self, shaking: &Shaking) -> Option<[Compared; 2]> {
+        let control = Adaptive::new(self.tolerance as f32).expect("in bounds");
+        let harvester: Simulation<_, _, _, 3, 1> = Simulation::new(self.single, ExponentialRadau, control);
+        let found = INTERPOLATIONS.map(|interpolation| {
+            let settings = Settings { interpolation, ..settings::<f32>(self.rate) };
+            let mut estimator = Estimator::new(harvester, settings).expect("valid");
+            follow(&mut estimator, &shaking.samples(self.rate, self.seconds))
+        });
+        let truth = self.truth(shaking, found[0].seconds.into());
+        let compared = found.map(|found| Compared {
+            error: (truth / f64::from(found.energy) - 1.0).abs(),
+            stated: found.uncertainty.relative.expect("known").into(),
+        });
+        let brings = truth > LEAST_ENERGY && found.iter().all(|found| f64::from(found.energy) > LEAST_ENERGY);
+        brings.then_some(compared)
+    }
+
+    /// The energy in J that is delivered in so many seconds.
+    fn truth(&self, shaking: &Shaking, seconds: f64) -> f64 {
+        let raw = shaking.samples::<f64>(DENSE, self.seconds);
+        let mut dense = raw.clone();
+        for (sample, window) in dense[1..].iter_mut().zip(raw.windows(3)) {
+            *sample -= (window[0] - 2.0 * window[1] + window[2]) / 12.0;
+        }
+        let trace = Sampled::new(&dense, DENSE, AfterLastSample::Silence).expect("valid");
+        let exact = exact(self.double);
+        let mut state = exact.start(&Default::default(), &trace).expect("starts");
+        let mut meter = PowerMeter::<f64>::new();
+        let until = Instant::from_seconds(seconds).expect("in range");
+        exact.advance(&mut state, &trace, until, u32::MAX, &mut meter).expect("runs");
+        meter.delivered_energy()
+    }
+}
+
+fn exact<B: Scene<f64, 3, 1>>(scene: B) -> Simulation<B, ExponentialRadau, Adaptive<f64>, 3, 1> {
+    Simulation::new(scene, ExponentialRadau, Adaptive::new(1e-7).expect("in bounds"))
+}
+
+/// One random input of a kind and a root mean square in m/s².
+fn random_input<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy>(
     random: &mut Random,
     (single, double): (A, B),
     (kind, rms, seconds): (u32, f64, f64),
-    interpolation: Interpolation,
-) -> Option<Compared> {
+) -> Option<(f64, [Compared; 2])> {
     let tolerance = random.between_logarithmic(1e-3, 1e-1);
-    let exact: Simulation<_, _, _, 3, 1> =
-        Simulation::new(double, ExponentialRadau, Adaptive::new(1e-7).expect("in bounds"));
-    let resonance = exact.resonance_frequency();
+    let resonance = exact(double).resonance_frequency();
     let rate = random.between_logarithmic((4.2 * resonance).max(100.0), 1000.0);
     let shaking = Shaking::new(random, kind, resonance, rate, rms, seconds);
-
-    let control = Adaptive::new(tolerance as f32).expect("in bounds");
-    let harvester: Simulation<_, _, _, 3, 1> = Simulation::new(single, ExponentialRadau, control);
-    let settings = Settings { interpolation, ..settings::<f32>(rate) };
-    let mut estimator = Estimator::new(harvester, settings).expect("valid");
-    let found = follow(&mut estimator, &shaking.samples(rate, seconds));
-
-    let dense = shaking.samples::<f64>(DENSE, seconds);
-    let trace = Sampled::new(&dense, DENSE, AfterLastSample::Silence).expect("valid");
-    let mut state = exact.start(&Default::default(), &trace).expect("starts");
-    let mut meter = PowerMeter::<f64>::new();
-    let until = Instant::from_seconds(f64::from(found.seconds)).expect("in range");
-    exact.advance(&mut state, &trace, until, u32::MAX, &mut meter).expect("runs");
-    let energy = f64::from(found.energy);
-    (meter.delivered_energy() > LEAST_ENERGY && energy > LEAST_ENERGY).then(|| Compared {
-        error: (meter.delivered_energy() / energy - 1.0).abs(),
-        stated: found.uncertainty.relative.expect("known").into(),
-    })
+    let case = Case { single, double, tolerance, rate, seconds };
+    case.compare(&shaking).map(|compared| (rate / resonance, compared))
 }
 
-/// As many random inputs, by turns to contact-separation and sliding with random loads and resonances of 15 to 36 Hz.
-fn compared(count: u32, seconds: f64, interpolation: Interpolation) -> Vec<(String, Compared)> {
-    let mut rows = Vec::new();
+/// The scene in both precisions.
+type Both<A, B> = (A, B);
+
+/// Contact-separation with a stiffness in N/m and a load in Ω.
+fn contact_scenes(stiffness: f64, resistance: f64) -> Both<Contact<f32>, Contact<f64>> {
+    let (mut single, mut double) = (contact_parameters::<f32>(), contact_parameters::<f64>());
+    (single.stiffness, double.stiffness) = (stiffness as f32, stiffness);
+    (single.choices.load.resistance, double.choices.load.resistance) = (resistance as f32, resistance);
+    (single.build().expect("in bounds"), double.build().expect("in bounds"))
+}
+
+/// Sliding with a mass in kg and a load in Ω.
+fn sliding_scenes(mass: f64, resistance: f64) -> Both<Slide<f32>, Slide<f64>> {
+    let (mut single, mut double) = (sliding_parameters::<f32>(), sliding_parameters::<f64>());
+    (single.slider_mass, double.slider_mass) = (mass as f32, mass);
+    (single.choices.load.resistance, double.choices.load.resistance) = (resistance as f32, resistance);
+    (single.build().expect("in bounds"), double.build().expect("in bounds"))
+}
+
+/// Random inputs, by turns to contact-separation and sliding with random loads and resonances of 15 to 36 Hz, without
+/// those that bring nothing.
+fn random_inputs(seed: u64, count: u32, seconds: f64) -> Vec<Input> {
     let kinds = ["tones", "noise", "bursts"];
-    for number in 0.. {
-        let mut random = Random(u64::from(number) * 7919 + 5);
+    let input = |number: u32| {
+        let mut random = Random(u64::from(number) * 7919 + seed);
         let kind = number / 2 % 3;
         let resistance = random.between_logarithmic(1e6, 1e9);
-        let (name, row) = if number % 2 == 0 {
-            let stiffness = random.between(80.0, 250.0);
-            let (mut single, mut double) = (contact_parameters::<f32>(), contact_parameters::<f64>());
-            (single.stiffness, double.stiffness) = (stiffness as f32, stiffness);
-            (single.choices.load.resistance, double.choices.load.resistance) =
-                (resistance as f32, resistance);
-            let scenes = (single.build().expect("in bounds"), double.build().expect("in bounds"));
+        let (name, found) = if number.is_multiple_of(2) {
+            let scenes = contact_scenes(random.between(80.0, 250.0), resistance);
             let rms = random.between_logarithmic(1.0, 20.0);
-            ("contact-separation", compare(&mut random, scenes, (kind, rms, seconds), interpolation))
+            ("contact-separation", random_input(&mut random, scenes, (kind, rms, seconds)))
         } else {
-            let mass = random.between(2e-3, 8e-3);
-            let (mut single, mut double) = (sliding_parameters::<f32>(), sliding_parameters::<f64>());
-            (single.slider_mass, double.slider_mass) = (mass as f32, mass);
-            (single.choices.load.resistance, double.choices.load.resistance) =
-                (resistance as f32, resistance);
-            let scenes = (single.build().expect("in bounds"), double.build().expect("in bounds"));
+            let scenes = sliding_scenes(random.between(2e-3, 8e-3), resistance);
             let rms = random.between(1.5, 4.0);
-            ("sliding", compare(&mut random, scenes, (kind, rms, seconds), interpolation))
+            ("sliding", random_input(&mut random, scenes, (kind, rms, seconds)))
         };
-        rows.extend(row.map(|row| (format!("{name}, {}", kinds[kind as usize]), row)));
-        if rows.len() == count as usize {
-            break;
-        }
-    }
-    rows
+        let name = format!("{name}, {}", kinds[kind as usize]);
+        found.map(|(samples_per_period, compared)| Input { name, samples_per_period, compared })
+    };
+    (0..count).filter_map(input).collect()
 }
 
-/// The middle of numbers.
-fn median(mut numbers: Vec<f64>) -> f64 {
+/// The part of numbers that lies below the quantile.
+fn quantile(mut numbers: Vec<f64>, part: f64) -> f64 {
     numbers.sort_by(f64::total_cmp);
-    numbers[numbers.len() / 2]
+    numbers[((numbers.len() - 1) as f64 * part).round() as usize]
 }
 
 /// The part of the inputs whose error is inside the stated one, and the median of stated over true.
 fn judged(rows: &[Compared]) -> (f64, f64) {
     let inside = rows.iter().filter(|row| row.error <= row.stated).count() as f64 / rows.len() as f64;
-    (inside, median(rows.iter().map(|row| row.stated / row.error).collect()))
+    (inside, quantile(rows.iter().map(|row| row.stated / row.error).collect(), 0.5))
 }
 
-fn print(name: &str, rows: &[Compared]) {
+/// Prints a row, and gives the part inside and the median ratio.
+fn print(name: &str, rows: &[Compared]) -> (f64, f64) {
     let (inside, ratio) = judged(rows);
-    let error = 100.0 * median(rows.iter().map(|row| row.error).collect());
-    let stated = 100.0 * median(rows.iter().map(|row| row.stated).collect());
-    println!(
-        "| {name} | {} | {error:.2} % | {stated:.2} % | {:.1} % | {ratio:.1} |",
-        rows.len(),
-        100.0 * inside
-    );
+    let error = 100.0 * quantile(rows.iter().map(|row| row.error).collect(), 0.5);
+    let stated = 100.0 * quantile(rows.iter().map(|row| row.stated).collect(), 0.5);
+    let (count, inside) = (rows.len(), 100.0 * inside);
+    println!("| {name} | {count} | {error:.2} % | {stated:.2} % | {inside:.1} % | {ratio:.1} |");
+    (inside / 100.0, ratio)
 }
 
-/// Prints a row of the table for each harvester and kind of input, and gives the figures of all.
-fn table(count: u32, seconds: f64, interpolation: Interpolation) -> (f64, f64) {
-    let rows = compared(count, seconds, interpolation);
-    println!("{interpolation:?}\n| harvester, input | inputs | error | stated | inside | stated/error |");
-    let mut names: Vec<&String> = rows.iter().map(|(name, _)| name).collect();
-    names.sort();
-    names.dedup();
-    for name in names {
-        let these: Vec<Compared> =
-            rows.iter().filter(|(other, _)| other == name).map(|&(_, row)| row).collect();
-        print(name, &these);
+/// Prints the table of each interpolation, with a row for each harvester and kind, each harvester, and all; gives the
+/// part inside and the median ratio of all.
+fn tables(inputs: &[Input]) -> [(f64, f64); 2] {
+    [0, 1].map(|place| {
+        println!("| `{:?}` | inputs | error | stated | inside | stated/error |", INTERPOLATIONS[place]);
+        println!("| --- | --- | --- | --- | --- | --- |");
+        let of = |part: &str| -> Vec<Compared> {
+            let chosen = inputs.iter().filter(|input| input.name.starts_with(part));
+            chosen.map(|input| input.compared[place]).collect()
+        };
+        for harvester in ["contact-separation", "sliding"] {
+            for kind in ["tones", "noise", "bursts", "all"] {
+                let name = format!("{harvester}, {kind}");
+                print(&name, &of(if kind == "all" { harvester } else { &name }));
+            }
+        }
+        print("all", &of(""))
+    })
+}
+
+/// Prints the errors of both interpolations, median and 90th percentile, by samples in a resonance period.
+fn print_errors_by_rate(inputs: &[Input]) {
+    println!("| samples in a period | inputs | linear | filter |\n| --- | --- | --- | --- |");
+    for [low, high] in [[4.0, 6.0], [6.0, 10.0], [10.0, 20.0], [20.0, 70.0]] {
+        let within = |input: &&Input| (low..high).contains(&input.samples_per_period);
+        let chosen: Vec<&Input> = inputs.iter().filter(within).collect();
+        let errors = |place: usize| -> Vec<f64> {
+            chosen.iter().map(|input| 100.0 * input.compared[place].error).collect()
+        };
+        let of = |place| [0.5, 0.9].map(|part| quantile(errors(place), part));
+        let ([linear, most_linear], [filter, most_filter]) = (of(0), of(1));
+        let count = chosen.len();
+        println!(
+            "| {low} to {high} | {count} | {linear:.2} %, {most_linear:.1} % | {filter:.2} %, {most_filter:.1} % |"
+        );
     }
-    let all: Vec<Compared> = rows.iter().map(|&(_, row)| row).collect();
-    print("all", &all);
-    judged(&all)
 }
 
 #[test]
-fn the_stated_uncertainty_covers_the_error_of_a_few_random_inputs() {
-    for interpolation in [Interpolation::Linear, Interpolation::DroopCompensated] {
-        let (inside, _) = table(18, 1.5, interpolation);
-        assert!(inside > 0.8, "{inside}");
+fn the_stated_uncertainty_covers_the_error_of_a_few_random_inputs_and_is_not_much_larger() {
+    // Two seconds, in which most motions are still rising.
+    for (inside, ratio) in tables(&random_inputs(TESTED, 36, 2.0)) {
+        assert!(inside >= 0.85 && (1.0..10.0).contains(&ratio), "{inside} {ratio}");
     }
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn the_stated_uncertainty_covers_the_error_in_95_of_100_random_inputs() {
-    let linear = table(300, 5.0, Interpolation::Linear);
-    let compensated = table(300, 5.0, Interpolation::DroopCompensated);
-    assert!(linear.0 >= 0.95 && linear.1 <= 5.0, "{linear:?}");
-    assert!(compensated.0 >= 0.95, "{compensated:?}");
+    let mut all = Vec::new();
+    for seed in [FITTED, TESTED] {
+        let inputs = random_inputs(seed, 480, 5.0);
+        println!("\nseed {seed}");
+        for (inside, ratio) in tables(&inputs) {
+            assert!(inside >= 0.95 && (1.0..5.0).contains(&ratio), "seed {seed}: {inside} {ratio}");
+        }
+        all.extend(inputs);
+    }
+    print_errors_by_rate(&all);
+}
+
+/// Two tones of equal strength in sliding, one at the resonance and one at 0.3 of the rate. With the filter the stated
+/// error can be too small: the harvester takes up little of the fast tone, but by friction that tone acts on the slow one.
+#[test]
+fn the_error_of_two_tones_is_inside_without_the_filter_and_small_with_it() {
+    for rate in [150.0, 200.0, 400.0] {
+        let (single, double) = sliding_scenes(5e-3, 1e8);
+        let tone = |frequency: f64, phase: f64| [1.0, frequency, phase, 0.0, f64::INFINITY];
+        let parts = vec![tone(exact(double).resonance_frequency(), 0.0), tone(0.3 * rate, 1.0)];
+        let case = Case { single, double, tolerance: 1e-2, rate, seconds: 4.0 };
+        let [linear, filter] = case.compare(&Shaking { parts, scale: 4.0 }).expect("brings something");
+        println!("{rate} Hz: linear {linear:?}, filter {filter:?}");
+        assert!(linear.error <= linear.stated && linear.stated < 30.0 * linear.error, "{linear:?}");
+        assert!(filter.error < 0.02 * linear.error && filter.error < 5e-3, "{filter:?}");
+    }
 }

@@ -114,7 +114,7 @@ fn a_sensor_off_its_rate_is_followed_at_its_rate() {
     follow(&mut running, &samples[..1000]);
     let before = running.estimate();
     running.set_rate(420.0).expect("in bounds");
-    let mut bytes = [0; 512];
+    let mut bytes = [0; 640];
     running.save(&mut bytes).expect("fits");
     let mut woken = Estimator::new(harvester, nominal).expect("valid");
     woken.restore(&bytes).expect("sound");
@@ -185,4 +185,34 @@ fn what_is_not_estimated_is_unknown() {
         assert!(slow.step.is_some());
         assert_eq!((slow.sampling.is_some(), slow.relative.is_some()), (known, known));
     }
+}
+
+#[test]
+#[ignore = "a minute in the release profile"]
+fn a_day_without_clearing_is_the_sum_of_its_hours_in_single_precision() {
+    let harvester = hybrid(contact::<f32>(), ExponentialRadau, Adaptive::new(5e-2).expect("in bounds"));
+    let mut whole = Estimator::new(harvester, settings(256.0)).expect("valid");
+    let mut hourly = whole;
+    // A second of a sine, again and again: twenty periods.
+    let second = sine_samples::<f32>(1.962, 20.0, 256.0, 256);
+    let (mut energy, mut seconds) = (0.0, 0.0);
+    for _hour in 0..24 {
+        for _second in 0..3600 {
+            follow(&mut whole, &second);
+            follow(&mut hourly, &second);
+        }
+        let estimate = hourly.estimate();
+        energy += f64::from(estimate.energy);
+        seconds += f64::from(estimate.seconds);
+        hourly.clear();
+    }
+    let day = whole.estimate();
+    assert_eq!(whole.harvester_state(), hourly.harvester_state());
+    // The last two samples are not yet integrated.
+    assert!((seconds - (86_400.0 - 2.0 / 256.0)).abs() < 1e-3, "{seconds}");
+    assert_eq!(day.seconds, seconds as f32);
+    assert!((f64::from(day.energy) / energy - 1.0).abs() < 4e-7, "{} {energy}", day.energy);
+    // The scatter of the mean of a day is a fifth of that of an hour; the motion is the same.
+    let relative = day.uncertainty.relative.expect("known");
+    assert!(relative < 0.2 && day.uncertainty.irregularity < 0.01, "{:?}", day.uncertainty);
 }

@@ -1,0 +1,160 @@
+//! The response of the harvester by resonance period: the frequencies in its velocity, and the energy of each period.
+//!
+//! An error of the input counts by what the harvester takes up of it, so the frequencies are weighted by the squared
+//! velocity. How much the energy `e` of a period changes with the squared velocity `w` in it follows from the periods
+//! themselves: with the slope `b` of the regression of `e` on `w`,
+//!
+//! ```text
+//! gain = d(ln Σ e)/d(ln amplitude) = 2 b Σ w / Σ e
+//! ```
+//!
+//! is 2 in a linear harvester, and more where the power rises steeply towards a closed gap (derived here).
+
+use super::accumulator::EnergyAccumulator;
+use crate::scalar::{CompensatedSum, Scalar};
+use crate::snapshot::snapshot_fields;
+
+/// Gain of a linear harvester: a power is a square.
+const LEAST_GAIN: f64 = 2.0;
+/// Largest gain: with a larger one the harvester is near a jump between two motions, and the slope is not known.
+const LARGEST_GAIN: f64 = 20.0;
+/// Periods for which a motion is independent of a neighbouring one after an impact. Fitted: docs/energy.md.
+const PERIODS_AFTER_IMPACT: f64 = 6.0;
+/// Number of periods below which neither gain nor scatter are known.
+const LEAST_PERIODS: u32 = 3;
+/// Roundings of the sum of squares below which the periods have equal velocities.
+const VARIANCE_ROUNDINGS: f64 = 64.0;
+
+/// Mean squares of the velocity and its differences, as frequencies: with `x` half the turn of a sampling interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Frequencies<S> {
+    /// Mean of `sin² x`, 0 to 1.
+    pub(super) sine_squares: S,
+    /// Mean of `sin⁴ x`, 0 to 1.
+    pub(super) sine_fourths: S,
+}
+
+/// Sums over the samples of one period, and over all periods.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Response<S> {
+    /// Velocity at the newest known sample, in m/s.
+    velocity: S,
+    /// Its change over the last sampling interval.
+    slope: S,
+    /// Number of samples of this period so far.
+    samples: u32,
+    /// Squares of the velocity and of its first and second differences in this period.
+    period: [S; 3],
+    periods: Periods<S>,
+}
+
+/// Sums over whole periods.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Periods<S> {
+    count: u32,
+    /// Number of periods with an impact.
+    with_impact: u32,
+    /// As [`Response::period`].
+    squares: [CompensatedSum<S>; 3],
+    /// Delivered energies in J.
+    energy: CompensatedSum<S>,
+    energy_squares: CompensatedSum<S>,
+    /// Squared velocities of a period, squared.
+    velocity_fourths: CompensatedSum<S>,
+    /// Products of the energy and the squared velocities of a period.
+    products: CompensatedSum<S>,
+}
+
+impl<S: Scalar> Response<S> {
+    /// Adds the velocity in m/s at the end of a sampling interval.
+    #[inline]
+    pub(super) fn add(&mut self, velocity: S, per_period: u32, accumulator: &mut EnergyAccumulator<S>) {
+        let slope = velocity - self.velocity;
+        let bend = slope - self.slope;
+        let [squares, slopes, bends] = &mut self.period;
+        *squares += velocity * velocity;
+        *slopes += slope * slope;
+        *bends += bend * bend;
+        (self.velocity, self.slope) = (velocity, slope);
+        self.samples = self.samples.saturating_add(1);
+        if self.samples >= per_period {
+            self.end_period(accumulator);
+        }
+    }
+
+    #[inline(never)]
+    fn end_period(&mut self, accumulator: &mut EnergyAccumulator<S>) {
+        let (energy, with_impact) = accumulator.take_period();
+        let period = core::mem::take(&mut self.period);
+        self.samples = 0;
+        let Periods { count, squares, .. } = &mut self.periods;
+        *count = count.saturating_add(1);
+        for (sum, part) in squares.iter_mut().zip(period) {
+            sum.add(part);
+        }
+        let [square, ..] = period;
+        let periods = &mut self.periods;
+        periods.with_impact = periods.with_impact.saturating_add(u32::from(with_impact));
+        periods.energy.add(energy);
+        periods.energy_squares.add(energy * energy);
+        periods.velocity_fourths.add(square * square);
+        periods.products.add(energy * square);
+    }
+
+    /// The sums begin anew; the motion continues.
+    pub(super) fn clear(&mut self) {
+        *self = Self { velocity: self.velocity, slope: self.slope, ..Self::default() };
+    }
+
+    /// The frequencies in all whole periods; `None` without motion.
+    pub(super) fn frequencies(&self) -> Option<Frequencies<S>> {
+        let [squares, slopes, bends] = self.periods.squares.each_ref().map(CompensatedSum::value);
+        (squares > S::ZERO).then(|| Frequencies {
+            sine_squares: (S::from_f64(0.25) * slopes / squares).min(S::ONE),
+            sine_fourths: (S::from_f64(0.0625) * bends / squares).min(S::ONE),
+        })
+    }
+
+    /// Relative change of the energy per relative change of the amplitude, 2 to 20.
+    pub(super) fn gain(&self) -> S {
+        let Periods { count, squares: [squares, ..], energy, velocity_fourths, products, .. } = &self.periods;
+        let (least, largest) = (S::from_f64(LEAST_GAIN), S::from_f64(LARGEST_GAIN));
+        if *count < LEAST_PERIODS {
+            return largest;
+        }
+        let (squares, energy, fourths) = (squares.value(), energy.value(), velocity_fourths.value());
+        let mean = squares / S::from_u32(*count);
+        let variance = fourths - mean * squares;
+        if !(variance > S::EPSILON * S::from_f64(VARIANCE_ROUNDINGS) * fourths) {
+            return least;
+        }
+        let slope = (products.value() - mean * energy) / variance;
+        (least * slope * squares / energy.abs().max(S::TINY)).max(least).min(largest)
+    }
+
+    /// Standard error of the mean energy of a period, relative to the mean, as if the periods were independent; 1 if it
+    /// is not known.
+    fn scatter(&self) -> S {
+        let Periods { count, energy, energy_squares, .. } = &self.periods;
+        if *count < LEAST_PERIODS {
+            return S::ONE;
+        }
+        let (sum, count) = (energy.value(), S::from_u32(*count));
+        let deviations = (energy_squares.value() - sum * sum / count).max(S::ZERO);
+        (deviations * count / (count - S::ONE)).sqrt() / sum.abs().max(S::TINY)
+    }
+
+    /// The relative difference of the energies of two motions under one input that impacts have made independent of
+    /// one another: the scatter of the periods, of both motions, by the part of the time in which they are independent.
+    pub(super) fn irregularity(&self) -> S {
+        let Periods { count, with_impact, .. } = self.periods;
+        let affected = S::from_u32(with_impact) * S::from_f64(PERIODS_AFTER_IMPACT);
+        let share = (affected / S::from_u32(count.max(1))).min(S::ONE);
+        S::from_f64(core::f64::consts::SQRT_2) * self.scatter() * share
+    }
+}
+
+snapshot_fields!(impl [S: Scalar] Response<S> { velocity, slope, samples, period, periods });
+snapshot_fields!(impl [S: Scalar] Periods<S> {
+    count, with_impact, squares, energy, energy_squares, velocity_fourths, products,
+} if |periods| periods.with_impact <= periods.count);
