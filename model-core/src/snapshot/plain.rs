@@ -95,7 +95,7 @@ impl<T: Snapshot, const N: usize> Snapshot for [T; N] {
 /// A byte, 1 with a value and 0 without, then the bytes of the value or of the default.
 impl<T: Snapshot> Snapshot for Option<T>
 where
-    T: Default,
+    T: Default + PartialEq,
 {
     const BYTES: usize = 1 + T::BYTES;
 
@@ -110,6 +110,9 @@ where
     fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         let is_some = bool::read(from)?;
         let value = T::read(from)?;
+        if !is_some && value != T::default() {
+            return Err(SnapshotError::NoState);
+        }
         Ok(is_some.then_some(value))
     }
 }

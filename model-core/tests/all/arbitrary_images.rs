@@ -1,0 +1,212 @@
+//! Images of arbitrary content: refused, or a state that has the same bytes and can be used.
+//!
+//! The checksum and the fingerprint of these images are valid, so that the states themselves are judged.
+
+use crate::common::harvesters::{bump, contact, sine_samples, slide};
+use crate::common::{Random, finished};
+use model_core::energy::estimator::{Interpolation, Sample, SampleFormat, Settings};
+use model_core::energy::{
+    Action, Budget, BudgetParameters, BudgetState, Capacitor, CorrectionParameters, Estimator,
+    IncomeParameters, StorageParameters,
+};
+use model_core::excitation::ToneMeter;
+use model_core::integrate::{Adaptive, ExponentialRadau, TrBdf2};
+use model_core::scalar::Scalar;
+use model_core::scene::bump_stop::AnyContact;
+use model_core::scene::{Harvester, Simulation};
+use model_core::snapshot::{self, Configuration, SnapshotError};
+
+/// Bytes before the state, of which eight are magic number, version and length.
+const HEAD: usize = 12;
+/// Bytes of the checksum.
+const TAIL: usize = 4;
+
+/// CRC-32 of IEEE 802.3, bit by bit.
+fn checksum(bytes: &[u8]) -> u32 {
+    let shifted = |remainder: u32, _| (remainder >> 1) ^ (0xedb8_8320 & (remainder & 1).wrapping_neg());
+    let with = |remainder, &byte: &u8| (0..8).fold(remainder ^ u32::from(byte), shifted);
+    !bytes.iter().fold(u32::MAX, with)
+}
+
+/// Changes some bytes: single bits, extremes, and pieces copied from elsewhere.
+fn mutate(random: &mut Random, bytes: &mut [u8]) {
+    for _ in 0..1 + random.next() % 6 {
+        let place = random.next() as usize % bytes.len();
+        let length = (1 + random.next() as usize % 8).min(bytes.len() - place);
+        match random.next() % 5 {
+            0 => bytes[place] ^= 1 << (random.next() % 8),
+            1 => bytes[place] = random.next() as u8,
+            2 => bytes[place..place + length].fill([0, 0xff, 0x7f, 0x80][random.next() as usize % 4]),
+            3 => bytes[place..place + length].fill_with(|| random.next() as u8),
+            _ => {
+                let from = random.next() as usize % (bytes.len() - length + 1);
+                bytes.copy_within(from..from + length, place);
+            }
+        }
+    }
+}
+
+/// Restores `count` changed images of a state. Whatever is accepted has the same bytes when it is saved, and is used.
+fn judge<C: Configuration>(configuration: &C, state: &C::State, count: u32, mut used: impl FnMut(C::State)) {
+    let mut image = vec![0; snapshot::image_size::<C>()];
+    snapshot::save_image(configuration, state, 7, &mut image).expect("room");
+    let content = image.len() - TAIL;
+    assert_eq!(checksum(&image[..content]).to_le_bytes(), image[content..]);
+    let mut random = Random(count.into());
+    let mut accepted = 0;
+    for number in 0..count {
+        let mut changed = image.clone();
+        if number % 16 == 0 {
+            changed[HEAD..content].fill_with(|| random.next() as u8);
+        } else {
+            mutate(&mut random, &mut changed[HEAD..content]);
+        }
+        // A change of the content without that of the checksum is always refused.
+        let is_same = changed == image;
+        assert_eq!(snapshot::newest_image(configuration, [&changed, &[]]).is_ok(), is_same);
+        let sum = checksum(&changed[..content]);
+        changed[content..].copy_from_slice(&sum.to_le_bytes());
+        match snapshot::newest_image(configuration, [&changed, &[]]) {
+            Ok(found) => {
+                let mut again = vec![0; image.len()];
+                snapshot::save_image(configuration, &found.state, found.sequence, &mut again).expect("room");
+                assert_eq!(again, changed, "an accepted state has its bytes");
+                used(found.state);
+                accepted += 1;
+            }
+            Err(error) => assert_eq!(error, SnapshotError::NoState),
+        }
+    }
+    println!("{accepted} of {count} accepted");
+    assert!(accepted > count / 20, "{accepted} of {count}");
+}
+
+/// Number of images of each kind; `HARVESTER_FUZZ` multiplies it.
+fn count(usual: u32) -> u32 {
+    let factor = std::env::var("HARVESTER_FUZZ").ok().and_then(|text| text.parse().ok());
+    usual * factor.unwrap_or(1)
+}
+
+fn storage<S: Scalar>() -> StorageParameters<S> {
+    StorageParameters {
+        capacitor: Capacitor { capacitance: S::from_f64(220e-6), leakage_resistance: S::from_f64(10e6) },
+        charging_efficiency: S::from_f64(0.8),
+        discharging_efficiency: S::from_f64(0.9),
+        highest_voltage: S::from_f64(4.5),
+        lock_out_voltage: S::from_f64(1.8),
+        turn_on_voltage: S::from_f64(2.4),
+    }
+}
+
+fn budget<S: Scalar>() -> (Budget<S, 12>, BudgetState<S, 12>) {
+    let income = IncomeParameters { time_constant: S::from_f64(3600.0), day_weight: S::from_f64(0.5) };
+    let parameters = BudgetParameters { storage: storage(), income, standing_power: S::from_f64(1e-6) };
+    let budget: Budget<S, 12> = parameters.build().expect("in bounds");
+    let mut state = budget.start(30_000);
+    budget.correct_by_voltage(&mut state, S::from_f64(3.0), S::from_f64(2e-3));
+    for minute in 0..900_u32 {
+        budget.update(&mut state, 60, S::from_f64(1e-6) * S::from_u32(minute % 100), S::from_f64(1e-5));
+    }
+    budget.spend(&mut state, S::from_f64(1e-5));
+    (budget, state)
+}
+
+fn arbitrary_budgets<S: Scalar>() {
+    let (budget, state) = budget::<S>();
+    let action = Action::new("transmit", S::from_f64(1e-4), S::from_f64(0.1)).expect("in bounds");
+    judge(&budget, &state, count(4000), |mut state| {
+        let _ = (budget.can_afford(&state, &action, 40_000), budget.can_run_now(&state, &action, 40_000));
+        let _ = budget.sustainable_rate(&state, &action);
+        for interval in [60, 1, 90_000] {
+            budget.update(&mut state, interval, S::from_f64(1e-4), S::ZERO);
+            budget.gap(&mut state, interval);
+        }
+        budget.correct(&mut state, S::from_f64(1e-3), S::ZERO);
+        assert!(state.certain_energy() <= state.energy() && state.energy() <= S::from_f64(1e-3));
+    });
+}
+
+#[test]
+fn a_budget_of_arbitrary_bytes_is_refused_or_works() {
+    arbitrary_budgets::<f32>();
+    arbitrary_budgets::<f64>();
+}
+
+#[test]
+fn a_correction_of_arbitrary_bytes_is_refused_or_works() {
+    let storage = *budget::<f32>().0.storage();
+    let parameters = CorrectionParameters {
+        bits: 12,
+        full_scale: 5.0,
+        noise: 1e-3,
+        gain_deviation: 1.0,
+        gain_drift: 0.05,
+    };
+    let correction = parameters.build(&storage).expect("in bounds");
+    let mut state = correction.start();
+    for minute in 0..100 {
+        correction.predict(&mut state, 60, 2e-5, 1e-5);
+        correction.observe(&mut state, 2400 + minute);
+    }
+    judge(&correction, &state, count(6000), |mut state| {
+        for code in [2400, 2401, 0, 4095, 1000] {
+            correction.predict(&mut state, 60, 2e-5, 1e-5);
+            correction.observe(&mut state, code);
+        }
+        assert!((0.0..=10.0).contains(&state.estimate().gain) || state.estimate().gain.is_nan());
+    });
+}
+
+#[test]
+fn a_tone_meter_of_arbitrary_bytes_is_refused_or_works() {
+    let meter = ToneMeter::<f32>::new(400.0, 100).expect("in bounds");
+    let mut state = meter.start();
+    let samples = sine_samples::<f32>(3.0, 20.0, 400.0, 450);
+    for &sample in &samples {
+        meter.push::<<f32 as Scalar>::Build>(&mut state, sample);
+    }
+    judge(&meter, &state, count(6000), |mut state| {
+        for &sample in &samples[..250] {
+            meter.push::<<f32 as Scalar>::Build>(&mut state, sample);
+        }
+    });
+}
+
+fn arbitrary_estimators<S: Scalar, H: Harvester<S> + Copy>(harvester: H, usual: u32) {
+    let settings = Settings {
+        rate: S::from_f64(400.0),
+        format: SampleFormat::accelerations(S::from_f64(60.0)),
+        longest_gap: 3,
+        settling_seconds: S::from_f64(0.1),
+        interpolation: Interpolation::DroopCompensated,
+        bias_seconds: Some(S::from_f64(1.0)),
+    };
+    let fresh = Estimator::new(harvester, settings).expect("in bounds");
+    let mut estimator = fresh;
+    for sample in sine_samples::<S>(4.0, 20.0, 400.0, 200) {
+        finished(estimator.push(Sample::Good(sample), u32::MAX));
+    }
+    // Two lost samples and one are left in the queue.
+    finished(estimator.push_missing(2, u32::MAX));
+    assert!(!estimator.push(Sample::Good(S::ONE), 1).expect("runs").finished);
+    judge(&fresh, estimator.state(), count(usual), |state| {
+        let mut restored = fresh;
+        restored.set_state(state);
+        // A few hundred attempted steps, and errors.
+        for _ in 0..4 {
+            let _progress = restored.resume(40);
+            let _progress = restored.push_acceleration(S::ONE, 40);
+            let _progress = restored.push_missing(1, 40);
+        }
+        let _estimate = restored.estimate();
+    });
+}
+
+#[test]
+fn an_estimator_of_arbitrary_bytes_is_refused_or_works() {
+    let control = Adaptive::new(5e-2).expect("in bounds");
+    arbitrary_estimators::<f32, _>(Simulation::new(contact(), ExponentialRadau, control), 1500);
+    let control = Adaptive::new(5e-2).expect("in bounds");
+    arbitrary_estimators::<f64, _>(Simulation::new(slide(), TrBdf2, control), 1500);
+    arbitrary_estimators::<f32, _>(bump::<f32, 4, 1>(AnyContact::ResidualFlexibility), 1000);
+}
