@@ -381,7 +381,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     }
 
     /// The state, to be saved in one image with the other states of a node
-    /// ([`snapshot::save_image`](crate::snapshot::save_image)).
+    /// ([`snapshot::save_image`]).
     #[must_use]
     pub fn state(&self) -> &State<S, H::State> {
         &self.state

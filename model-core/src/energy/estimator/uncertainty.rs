@@ -124,7 +124,7 @@ pub struct Uncertainty<S> {
     /// [`LEAST_SAMPLES_PER_PERIOD`](super::LEAST_SAMPLES_PER_PERIOD): the rate is too low.
     pub sampling: Option<S>,
     /// Difference of the mean power of two motions under this input that impacts have made independent of one another,
-    /// relative. 0 without impacts; 1 within the first three resonance periods if there was an impact.
+    /// relative. 0 without impacts; up to √2 within the first three resonance periods.
     pub irregularity: S,
     /// Total relative uncertainty: the errors by step and rounding over the energy, those by sampling and irregularity,
     /// and the uncertain and unknown time over the total time, as if the power in this time were entirely unknown.
