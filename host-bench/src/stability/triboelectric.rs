@@ -159,6 +159,7 @@ fn law_name(law: ForceLaw) -> &'static str {
     match law {
         ForceLaw::TransferredCharge => "transferred-charge",
         ForceLaw::GapField => "gap-field",
+        ForceLaw::None => "none",
     }
 }
 

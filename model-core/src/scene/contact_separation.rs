@@ -56,7 +56,7 @@ pub use mode::Mode;
 pub use parameters::Parameters;
 pub use start::Start;
 
-pub use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
+pub use crate::part::force_law::{AnyForceLaw, GapField, NoForce, TransferredCharge};
 pub use crate::part::stick_charge::{NeverSticks, StickCharge};
 
 pub(crate) use crate::part::stick_charge::Sticking;

@@ -70,7 +70,7 @@ pub use mode::Mode;
 pub use parameters::Parameters;
 pub use start::Start;
 
-pub use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
+pub use crate::part::force_law::{AnyForceLaw, GapField, NoForce, TransferredCharge};
 pub(crate) use crate::part::friction::Friction;
 pub use crate::part::friction::{Frictionless, PatchFriction};
 pub use crate::part::stick_charge::{NeverSticks, StickCharge};

@@ -50,6 +50,38 @@ fn without_charge_the_amplitude_is_the_linear_one() {
     }
 }
 
+/// Without force the charge does not change the motion, impacts included, and all that the load takes is created.
+#[test]
+fn without_force_the_motion_is_that_without_charge() {
+    let scene = |density: f64, force_law: ForceLaw| {
+        contact_separation(|scene, model| {
+            model.parameters.charge_density_c_per_m2 = density;
+            model.parameters.force_law = force_law;
+            scene.run = seconds(0.7, 0.0);
+        })
+    };
+    let charged = scene(50e-6, ForceLaw::None);
+    let plain = scene(0.0, ForceLaw::GapField);
+    for options in [adaptive(1e-6), single(adaptive(1e-4)), reference()] {
+        let (outcome, found) = run(&charged, &options);
+        let (_, expected) = run(&plain, &options);
+        assert!(found.impacts > 2);
+        assert_eq!(found.impacts, expected.impacts);
+        let close = if outcome.precision == "f32" { 1e-4 } else { 1e-5 };
+        // Exponential Radau reads a peak from a cubic over a long step.
+        assert_close("peak gap", value(found.peak_gap_m), value(expected.peak_gap_m), 1e-3);
+        assert_close(
+            "speed",
+            value(found.max_impact_speed_m_per_s),
+            value(expected.max_impact_speed_m_per_s),
+            close,
+        );
+        let (delivered, created) = (value(outcome.delivered_energy_j), value(outcome.created_energy_j));
+        // The capacitances hold what the load did not take.
+        assert!(created > 0.9 * delivered && delivered > 0.0, "{created} {delivered}");
+    }
+}
+
 /// At a gap that does not move, the capacitances discharge with the time constant R (C + C_p), and
 /// the load receives their energy.
 #[test]

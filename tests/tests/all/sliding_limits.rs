@@ -156,6 +156,7 @@ fn attraction(law: ForceLaw, density: f64, charge: f64, x: f64) -> f64 {
     match law {
         ForceLaw::TransferredCharge => charge * charge / (2.0 * PERMITTIVITY_AREA * active(x)),
         ForceLaw::GapField => (density * PATCH - charge).powi(2) / (PERMITTIVITY_AREA * active(x)),
+        ForceLaw::None => 0.0,
     }
 }
 

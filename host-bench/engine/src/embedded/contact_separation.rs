@@ -63,6 +63,7 @@ pub(super) fn force_law(law: ForceLaw) -> AnyForceLaw {
     match law {
         ForceLaw::TransferredCharge => AnyForceLaw::TransferredCharge,
         ForceLaw::GapField => AnyForceLaw::GapField,
+        ForceLaw::None => AnyForceLaw::None,
     }
 }
 
@@ -115,7 +116,7 @@ impl Triboelectric for ContactSeparation {
     fn residual<S: Scalar>(&self, residual: &Residual<S>) -> Option<S> {
         match self.parameters.force_law {
             ForceLaw::GapField => residual.total(),
-            ForceLaw::TransferredCharge => residual.largest(),
+            ForceLaw::TransferredCharge | ForceLaw::None => residual.largest(),
         }
     }
 

@@ -74,6 +74,7 @@ impl ContactSeparation {
             // The share C/(C + C_p) of the transferred charge.
             ForceLaw::TransferredCharge => (self.tribo_charge - top) * c * per_spacing / capacitance,
             ForceLaw::GapField => top,
+            ForceLaw::None => 0.0,
         };
         Field { per_spacing, slope, top, capacitance, attracting }
     }
@@ -167,6 +168,7 @@ impl Transducer for ContactSeparation {
                     / capacitance
             }
             ForceLaw::GapField => d_top,
+            ForceLaw::None => 0.0,
         };
         rates[0] = d_velocity;
         rates[1] =

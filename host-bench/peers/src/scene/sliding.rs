@@ -85,7 +85,7 @@ impl Sliding {
         let permittivity_area = VACUUM_PERMITTIVITY * PI * from.patch_radius_m * from.patch_radius_m;
         let relative = match from.force_law {
             ForceLaw::TransferredCharge => from.relative_permittivity,
-            ForceLaw::GapField => 1.0,
+            ForceLaw::GapField | ForceLaw::None => 1.0,
         };
         Self {
             base,
@@ -116,6 +116,7 @@ impl Sliding {
         let charge = match self.force_law {
             ForceLaw::TransferredCharge => self.tribo_charge * overlap.inert - overlap.active * charged,
             ForceLaw::GapField => overlap.active * (self.tribo_charge + charged),
+            ForceLaw::None => 0.0,
         };
         Pressing { force: charge * charge / (self.pressing * overlap.active), charge }
     }
@@ -200,6 +201,7 @@ impl Transducer for Sliding {
         let d_charge = match self.force_law {
             ForceLaw::TransferredCharge => -total * d_active - overlap.active * d_total,
             ForceLaw::GapField => total * d_active + overlap.active * d_total,
+            ForceLaw::None => 0.0,
         };
         let d_force =
             2.0 * charge * d_charge / (self.pressing * overlap.active) - force * d_active / overlap.active;

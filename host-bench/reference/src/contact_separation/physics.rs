@@ -161,6 +161,7 @@ impl Physics {
                 shared * shared / (2.0 * self.permittivity_area)
             }
             ForceLaw::GapField => self.field_force(motion),
+            ForceLaw::None => 0.0,
         }
     }
 
@@ -177,6 +178,7 @@ impl Physics {
                 shared * shared_change / c
             }
             ForceLaw::GapField => self.top_charge(gap, voltage) * top_change / c,
+            ForceLaw::None => 0.0,
         }
     }
 

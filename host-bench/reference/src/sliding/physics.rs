@@ -174,6 +174,7 @@ impl Physics {
                 let total = self.total_charge(self.electrostatic_voltage(motion, overlap));
                 overlap.active * total * total / (2.0 * self.permittivity_area)
             }
+            ForceLaw::None => 0.0,
         }
     }
 
@@ -195,6 +196,7 @@ impl Physics {
                     - self.pressing_force(motion, overlap) * covered / overlap.active
             }
             ForceLaw::GapField => total * (0.5 * covered * total + charged) / self.permittivity_area,
+            ForceLaw::None => 0.0,
         }
     }
 

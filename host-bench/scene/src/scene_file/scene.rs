@@ -126,6 +126,8 @@ pub enum ForceLaw {
     TransferredCharge,
     /// The field in the gap between the surfaces: the law that conserves energy.
     GapField,
+    /// No force on the motion: what the load takes is created.
+    None,
 }
 
 /// What the charge does while the mass is held on the dielectric, or the slider sticks.
@@ -269,6 +271,21 @@ impl Excitation {
         match self {
             Self::Sine(tone) if tone.frequency_hz > 0.0 => Some(tone.frequency_hz),
             _ => None,
+        }
+    }
+
+    /// The excitation with accelerations times `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let larger = |tone: &Tone| Tone { amplitude_m_per_s2: tone.amplitude_m_per_s2 * factor, ..*tone };
+        match self {
+            Self::Sine(tone) => Self::Sine(larger(tone)),
+            Self::Sines(tones) => Self::Sines(tones.iter().map(larger).collect()),
+            Self::File(trace) => {
+                let samples = trace.samples_m_per_s2.iter().map(|sample| sample * factor);
+                Self::File(Trace { samples_m_per_s2: samples.collect(), ..trace.clone() })
+            }
+            Self::Silence => Self::Silence,
         }
     }
 }

@@ -228,7 +228,11 @@ impl<'a> Section<'a> {
 
     /// The electrostatic force law of a triboelectric harvester.
     pub(super) fn force_law(&mut self) -> Result<ForceLaw, SceneError> {
-        let laws = [("transferred-charge", ForceLaw::TransferredCharge), ("gap-field", ForceLaw::GapField)];
+        let laws = [
+            ("transferred-charge", ForceLaw::TransferredCharge),
+            ("gap-field", ForceLaw::GapField),
+            ("none", ForceLaw::None),
+        ];
         self.choice("force_law", &laws)
     }
 

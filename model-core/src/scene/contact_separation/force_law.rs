@@ -4,7 +4,7 @@ use core::fmt::Debug;
 
 use super::circuit::Circuit;
 use crate::any::forward;
-use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
+use crate::part::force_law::{AnyForceLaw, GapField, NoForce, TransferredCharge};
 use crate::scalar::Scalar;
 
 /// An electrostatic force law: attraction per mass, and its derivatives.
@@ -12,7 +12,7 @@ use crate::scalar::Scalar;
 /// Charges are in charge units `√(2 ε0 S m)`, so a charge squared is a force per mass in m/s².
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no electrostatic force law of this scene",
-    note = "a force law is `GapField`, `TransferredCharge` or an `AnyForceLaw`"
+    note = "a force law is `GapField`, `TransferredCharge`, `NoForce` or an `AnyForceLaw`"
 )]
 pub(crate) trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
     /// Attraction per mass in m/s².
@@ -84,9 +84,26 @@ impl<S: Scalar> ForceLaw<S> for GapField {
     }
 }
 
+impl<S: Scalar> ForceLaw<S> for NoForce {
+    #[inline]
+    fn attraction(&self, _circuit: &Circuit<S>, _tribo_charge: S) -> S {
+        S::ZERO
+    }
+
+    #[inline]
+    fn derivatives(&self, _circuit: &Circuit<S>, _tribo_charge: S) -> [S; 2] {
+        [S::ZERO; 2]
+    }
+
+    #[inline]
+    fn expansion(&self, _circuit: &Circuit<S>, _tribo_charge: S) -> [S; 3] {
+        [S::ZERO; 3]
+    }
+}
+
 impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
     forward! {
-        match { Self::TransferredCharge => TransferredCharge, Self::GapField => GapField }
+        match { Self::TransferredCharge => TransferredCharge, Self::GapField => GapField, Self::None => NoForce }
         #[inline] fn attraction(&self, circuit: &Circuit<S>, tribo_charge: S) -> S;
         #[inline] fn derivatives(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 2];
         #[inline] fn expansion(&self, circuit: &Circuit<S>, tribo_charge: S) -> [S; 3];

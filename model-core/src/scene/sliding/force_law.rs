@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 use crate::any::forward;
-use crate::part::force_law::{AnyForceLaw, GapField, TransferredCharge};
+use crate::part::force_law::{AnyForceLaw, GapField, NoForce, TransferredCharge};
 use crate::scalar::Scalar;
 
 /// The charged surface, in the units of the scene.
@@ -20,7 +20,7 @@ pub(crate) struct Surface<S> {
 /// Each law is `F_e / M = e² / s1` with a charge `e` that is linear in the transferred charge.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no electrostatic force law of this scene",
-    note = "a force law is `GapField`, `TransferredCharge` or an `AnyForceLaw`"
+    note = "a force law is `GapField`, `TransferredCharge`, `NoForce` or an `AnyForceLaw`"
 )]
 pub(crate) trait ForceLaw<S: Scalar>: Copy + Debug + PartialEq {
     /// `e` in charge units, and its derivative by the transferred charge.
@@ -49,9 +49,16 @@ impl<S: Scalar> ForceLaw<S> for GapField {
     }
 }
 
+impl<S: Scalar> ForceLaw<S> for NoForce {
+    #[inline]
+    fn acting_charge(&self, _transferred: S, _surface: &Surface<S>) -> [S; 2] {
+        [S::ZERO; 2]
+    }
+}
+
 impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
     forward! {
-        match { Self::TransferredCharge => TransferredCharge, Self::GapField => GapField }
+        match { Self::TransferredCharge => TransferredCharge, Self::GapField => GapField, Self::None => NoForce }
         #[inline] fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2];
     }
 }
