@@ -52,17 +52,21 @@ const BOARDS: [Board; 5] = [
     },
 ];
 
+/// The scene that `needs --emit` made, for the variant `emitted::bench`.
+const SCENE: &str = "scene/contact_separation.rs";
+
 /// Raw counts of an accelerometer, one a line.
 const TRACE: &str = "trace/machine.csv";
 
 fn main() {
     println!("cargo::rerun-if-env-changed=HARVESTER_BOARD");
     println!("cargo::rerun-if-env-changed=DEFMT_LOG");
+    println!("cargo::rerun-if-env-changed=HARVESTER_SCENE");
     println!("cargo::rerun-if-changed=../memory.x");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed={TRACE}");
 
-    if let Err(reason) = write_trace() {
+    if let Err(reason) = write_trace().and_then(|()| copy_scene()) {
         println!("cargo::error={reason}");
         return;
     }
@@ -112,6 +116,15 @@ fn chosen_board() -> Result<&'static Board, String> {
         ));
     }
     Ok(board)
+}
+
+/// Copies the emitted scene to where the firmware includes it.
+fn copy_scene() -> Result<(), String> {
+    let from = env::var("HARVESTER_SCENE").unwrap_or_else(|_| SCENE.to_owned());
+    println!("cargo::rerun-if-changed={from}");
+    let folder = env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
+    fs::copy(&from, Path::new(&folder).join("scene.rs")).map_err(|error| format!("{from}: {error}"))?;
+    Ok(())
 }
 
 /// Writes the samples of the trace as a Rust table.

@@ -53,6 +53,7 @@ variants! {
     bump_stop::others,
     bump_stop::precision,
     estimators::all,
+    emitted::bench,
     peer::smooth,
 }
 

@@ -3,6 +3,7 @@
 pub mod building;
 pub mod bump_stop;
 pub mod contact_separation;
+pub mod emitted;
 pub mod estimators;
 pub mod peer;
 pub mod run;

@@ -4,6 +4,7 @@ pub mod budget;
 pub mod closed_form;
 pub mod figures;
 mod files;
+pub mod needs;
 pub mod on_target;
 pub mod overview;
 pub mod resonance;

@@ -22,7 +22,7 @@ use self::decode::{Sample, Section};
 use self::size::Size;
 use firmware_example::variant::{self, Variant};
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use thiserror::Error;
 
@@ -140,6 +140,8 @@ const CALIBRATED: RangeInclusive<f64> = 0.999..=1.001;
 
 /// The variant with the workloads of a peer, which a Cargo feature of the firmware links.
 const PEER: Variant = variant::named("peer::smooth");
+/// The variant with a module that `needs` emitted.
+const EMITTED: Variant = variant::named("emitted::bench");
 
 /// A core on which variants are measured.
 #[derive(Debug, Clone, Copy)]
@@ -176,7 +178,28 @@ impl Bench {
         let core = self.core;
         let name = variant.name;
         let feature = (name == PEER.name).then_some("peer");
-        let firmware = Firmware::build(core, Binary { name: "bench", variant: Some(name), feature })?;
+        let measured = self.run(Binary { name: "bench", variant: Some(name), feature, scene: None })?;
+        let compared = native::compare(core, &measured.workloads, variant)?;
+        if compared != measured.workloads.len() && feature.is_none() {
+            let what = format!("{name}: {} workloads, on the host {compared}", measured.workloads.len());
+            return Err(Error::on(core, what));
+        }
+        Ok(measured)
+    }
+
+    /// As [`Bench::measure`], of a module that `needs` emitted; its bits are the caller's to compare.
+    ///
+    /// # Errors
+    ///
+    /// If the firmware does not build, contains what it must not, or fails.
+    pub fn measure_emitted(&self, scene: &Path) -> Result<Measurement, Error> {
+        self.run(Binary { name: "bench", variant: Some(EMITTED.name), feature: None, scene: Some(scene) })
+    }
+
+    /// Builds a binary of the bench, checks it, runs it and reads its log.
+    fn run(&self, binary: Binary<'_>) -> Result<Measurement, Error> {
+        let core = self.core;
+        let firmware = Firmware::build(core, binary)?;
         let size = firmware.check()?;
         let log = qemu::run(core, &firmware.path, self.time_limit)?;
         let mut workloads = workloads(core, &firmware.bytes, &log).map_err(|error| Error::on(core, error))?;
@@ -191,25 +214,20 @@ impl Bench {
             );
             return Err(Error::on(core, what));
         }
-        let compared = native::compare(core, &workloads, variant)?;
-        if compared != workloads.len() && feature.is_none() {
-            let what = format!("{name}: {} workloads, on the host {compared}", workloads.len());
-            return Err(Error::on(core, what));
-        }
         Ok(Measurement { flash: size.flash.saturating_sub(self.empty_flash), size, workloads })
     }
 }
 
 /// A binary that has been built.
-struct Firmware {
+struct Firmware<'a> {
     core: Core,
-    binary: Binary,
+    binary: Binary<'a>,
     path: PathBuf,
     bytes: Vec<u8>,
 }
 
-impl Firmware {
-    fn build(core: Core, binary: Binary) -> Result<Self, Error> {
+impl<'a> Firmware<'a> {
+    fn build(core: Core, binary: Binary<'a>) -> Result<Self, Error> {
         let path = build::build(core, binary)?;
         let bytes = std::fs::read(&path)
             .map_err(|error| Error::File { path: path.clone(), what: error.to_string() })?;

@@ -5,6 +5,7 @@ mod command_line {
     mod bump_stop;
     mod closed_form;
     mod good_runs;
+    mod needs;
     mod outputs;
     mod presets;
     mod refused_options;

@@ -8,20 +8,22 @@ use thiserror::Error;
 
 /// A binary of the firmware.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Binary {
+pub struct Binary<'a> {
     /// Its name.
     pub name: &'static str,
     /// What `bench` is to measure: the name of a variant.
     pub variant: Option<&'static str>,
     /// The Cargo feature that the binary needs.
     pub feature: Option<&'static str>,
+    /// The scene of the variant `emitted::bench`, if it is not the shipped one.
+    pub scene: Option<&'a Path>,
 }
 
-impl Binary {
+impl Binary<'_> {
     /// A binary without variants and features.
     #[must_use]
     pub const fn new(name: &'static str) -> Self {
-        Self { name, variant: None, feature: None }
+        Self { name, variant: None, feature: None, scene: None }
     }
 }
 
@@ -49,7 +51,7 @@ pub enum Error {
 /// # Errors
 ///
 /// When there is no compiler for it, or it does not compile.
-pub fn build(core: Core, binary: Binary) -> Result<PathBuf, Error> {
+pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let hardware = core.hardware();
     let toolchain = Toolchain::find(hardware.target)?;
@@ -65,6 +67,7 @@ pub fn build(core: Core, binary: Binary) -> Result<PathBuf, Error> {
         .arg(&target_directory)
         .env("HARVESTER_BOARD", hardware.board)
         .envs(binary.variant.map(|variant| ("HARVESTER_VARIANT", variant)))
+        .envs(binary.scene.map(|scene| ("HARVESTER_SCENE", scene)))
         .current_dir(&workspace)
         .status()
         .map_err(io_error)?;

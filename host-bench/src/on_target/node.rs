@@ -32,7 +32,7 @@ impl Kind {
         }
     }
 
-    fn binary(self) -> Binary {
+    fn binary(self) -> Binary<'static> {
         Binary::new(match self {
             Self::Following => "node",
             Self::Listening => "node_listening",

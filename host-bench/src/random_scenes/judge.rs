@@ -10,7 +10,7 @@ use crate::method::{Failure, Options, Precision};
 use crate::outcome::Outcome;
 use crate::reference::{self, ReferenceOptions};
 use crate::run::run_scene;
-use crate::scene_file::{Excitation, Model, Scene, Tone, Trace};
+use crate::scene_file::{Model, Scene};
 
 /// Relative error of the mean power up to which a run is right, in double and in single precision.
 const RIGHT: [f64; 2] = [0.01, 0.02];
@@ -185,17 +185,7 @@ fn tighter(scene: &Scene, options: &Options) -> Option<f64> {
 
 /// Whether the tighter run of a scene changes by more than `allowed` where the base acceleration is slightly larger.
 fn is_chaotic(scene: &Scene, options: &Options, allowed: f64) -> bool {
-    let larger = |tone: Tone| Tone { amplitude_m_per_s2: tone.amplitude_m_per_s2 * (1.0 + SHIFT), ..tone };
-    let excitation = match &scene.excitation {
-        Excitation::Sine(tone) => Excitation::Sine(larger(*tone)),
-        Excitation::Sines(tones) => Excitation::Sines(tones.iter().copied().map(larger).collect()),
-        Excitation::File(trace) => {
-            let samples = trace.samples_m_per_s2.iter().map(|sample| sample * (1.0 + SHIFT));
-            Excitation::File(Trace { samples_m_per_s2: samples.collect(), ..trace.clone() })
-        }
-        Excitation::Silence => return false,
-    };
-    let shifted = Scene { excitation, ..scene.clone() };
+    let shifted = Scene { excitation: scene.excitation.scaled(1.0 + SHIFT), ..scene.clone() };
     match (tighter(scene, options), tighter(&shifted, options)) {
         (Some(one), Some(other)) => relative(one, other) > allowed,
         _ => false,

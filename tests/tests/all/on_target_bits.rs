@@ -7,6 +7,8 @@ use std::path::Path;
 
 use firmware_example::workload::{Progress, Visit, Workload, bump_stop, contact_separation, sliding};
 use host_bench::embedded::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
+use host_bench::method::{Method, Options};
+use host_bench::run::run_scene;
 use host_bench::scene_file::{self, Model, Scene};
 use model_core::integrate::{Adaptive, AnyStepControl, ExponentialRadau, FixedStep, RungeKutta4};
 use model_core::scalar::Polynomial;
@@ -83,4 +85,19 @@ fn bump_stop_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
     assert_eq!(firmware[0].len(), 4);
     assert_eq!([any(IMPACTING, bump_stop::parts::GAP, [SHORT, LONG])], firmware[..]);
     assert_eq!(any(TOUCHING, 0.0, TOUCHING_STEPS), states_of(others)[0]);
+}
+
+#[test]
+fn the_emitted_scene_holds_the_mean_power_of_the_shipped_one() {
+    use firmware_example::workload::emitted::{self, scene};
+
+    let states = states_of(emitted::bench);
+    let [_, window] = &states[0][..] else { panic!("two stretches") };
+    let shipped = shipped("contact-separation.toml");
+    let power = f64::from(f32::from_bits(window[0])) / shipped.run.window_s();
+    let change = |exact: f64| (power / exact - 1.0).abs();
+    assert!(change(f64::from(scene::MEAN_POWER)) <= f64::from(scene::ACCURACY));
+    let options = Options { method: Method::Reference, ..Options::default() };
+    let reference = run_scene(&shipped, &options).expect("runs").mean_power_w.expect("a window");
+    assert!(change(reference) <= f64::from(scene::ACCURACY), "{power} {reference}");
 }

@@ -32,6 +32,12 @@ impl Override {
         &self.key
     }
 
+    /// The value, as it was written.
+    #[must_use]
+    pub fn value(&self) -> &str {
+        &self.value
+    }
+
     pub(super) fn content(&self) -> Content {
         let parsed = DeTable::parse(&format!("value = {}", self.value)).ok().and_then(|table| {
             let table = table.into_inner();

@@ -1,0 +1,362 @@
+//! `needs`: which parts of a scene its mean power needs.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use comfy_table::presets;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::files::Outputs;
+use super::{NODE, check_overrides, json_text, one_more, print, progress};
+use crate::method::{Failure, Options, Precision};
+use crate::needs::{
+    Change, Control, Emission, Finding, Needs, Numerics, Part, Setting, Study, Verdict, cheapest, impacts,
+};
+use crate::on_target::core::Core;
+use crate::on_target::{self, Bench, Measurement};
+use crate::outcome::{Format, csv_sections, fields, name, rows_csv, small, table};
+use crate::run::run_scene;
+use crate::scene_file::{self, Excitation, Override, Scene};
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct NeedsArguments {
+    /// Scene file
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Relative change of mean power, RMS voltage and storage voltage that is accepted
+    #[arg(long, value_name = "REL", default_value_t = 1e-2, allow_hyphen_values = true)]
+    accuracy: f64,
+    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<Override>,
+    /// Output format
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// Write the cut scene as a Rust module for firmware to this file
+    #[arg(long, value_name = "FILE.rs")]
+    emit: Option<PathBuf>,
+    /// Build and run the cut scene on this core under QEMU, beside the full one: flash, stack and instructions
+    #[arg(long, value_enum)]
+    core: Option<Core>,
+}
+
+/// Bounds of the accuracy.
+const ACCURACY: [f64; 2] = [1e-5, 0.5];
+
+/// Leaves out each part of the scene, and prints what that changes, the cut scene, and what runs it.
+///
+/// # Errors
+/// If the scene cannot be read or run.
+pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
+    let NeedsArguments { accuracy, format, .. } = *arguments;
+    let [lowest, highest] = ACCURACY;
+    if !(lowest..=highest).contains(&accuracy) {
+        let text = format!("--accuracy {accuracy}: must be a number from {lowest:e} to {highest}");
+        return Err(Failure::Input(text));
+    }
+    let scene = scene_file::read(&arguments.scene, &arguments.overrides)?;
+    check_overrides(&arguments.overrides, &[NODE])?;
+    let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?;
+    if let Some(file) = &arguments.emit {
+        outputs.check("--emit", file)?;
+    }
+    let study = Study::new(&scene, accuracy)?;
+    let bar = progress(1);
+    let counted = |count: usize| {
+        bar.set_length(count as u64);
+        one_more(&bar);
+    };
+    let needs = study.needs(counted)?;
+    bar.reset();
+    let numerics = cheapest(&study, &needs.cut_scene, counted);
+    bar.finish_and_clear();
+    let emission = Emitting { study: &study, needs: &needs, numerics: &numerics, accuracy };
+    if let Some(file) = &arguments.emit {
+        let command = command(arguments, file);
+        outputs.write(file, &emission.cut(&command)?)?;
+    }
+    let on_core = arguments.core.map(|core| emission.on_core(core)).transpose()?;
+    print(&match format {
+        Format::Table => {
+            let costs = on_core.as_deref().map_or_else(String::new, costs_table);
+            report(&study, accuracy, &needs, &numerics) + &costs
+        }
+        Format::Json => {
+            let mut object = object(&study, accuracy, &needs, &numerics);
+            object["on_core"] = json!(on_core);
+            json_text(&object)?
+        }
+        Format::Csv => {
+            let costs = on_core.iter().map(|costs| section(costs));
+            csv_sections([section(&needs.findings), section(&numerics)].into_iter().chain(costs))
+        }
+    })
+}
+
+/// The command that makes a file.
+fn command(arguments: &NeedsArguments, file: &Path) -> String {
+    let sets: Vec<String> = arguments
+        .overrides
+        .iter()
+        .map(|change| format!(" --set '{}={}'", change.key(), change.value()))
+        .collect();
+    let NeedsArguments { scene, accuracy, .. } = arguments;
+    format!(
+        "host-bench needs {}{} --accuracy {accuracy:e} --emit {}",
+        scene.display(),
+        sets.concat(),
+        file.file_name().unwrap_or_default().display()
+    )
+}
+
+/// The cut scene and the full one, for firmware.
+struct Emitting<'a> {
+    study: &'a Study,
+    needs: &'a Needs,
+    numerics: &'a [Numerics],
+    accuracy: f64,
+}
+
+/// The cost of a scene on a core.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Cost {
+    scene: &'static str,
+    core: String,
+    flash_bytes: u64,
+    stack_bytes: u64,
+    instructions_per_s: f64,
+    mean_power_w: f64,
+}
+
+impl Emitting<'_> {
+    /// The cheapest setting in single precision.
+    fn setting(&self) -> Result<Setting, Failure> {
+        let single = self.numerics.iter().find(|found| found.setting.precision == Precision::F32);
+        single
+            .map(|found| found.setting)
+            .ok_or_else(|| Failure::Step("no method of the core holds the accuracy in f32".to_owned()))
+    }
+
+    /// The module of the cut scene.
+    fn cut(&self, command: &str) -> Result<String, Failure> {
+        self.module(&self.needs.cut_scene, &self.needs.cut, command)
+    }
+
+    fn module(&self, scene: &Scene, cut: &[Part], command: &str) -> Result<String, Failure> {
+        let mean_power_w = self.study.full.mean_power_w.unwrap_or(0.0);
+        let setting = self.setting()?;
+        Emission { scene, cut, setting, command, accuracy: self.accuracy, mean_power_w }.module()
+    }
+
+    /// Measures the full and the cut scene on a core, by the same setting.
+    fn on_core(&self, core: Core) -> Result<Vec<Cost>, Failure> {
+        if matches!(self.needs.cut_scene.excitation, Excitation::File(_)) {
+            return Err(Failure::Input("--core: must be with a sine, sines or silence".to_owned()));
+        }
+        let failure = |error: on_target::Error| Failure::Input(error.to_string());
+        let bench = Bench::new(core, TIME_LIMIT).map_err(failure)?;
+        let full = ("full", &self.study.scene, &[][..]);
+        let cut = ("cut", &self.needs.cut_scene, self.needs.cut.as_slice());
+        let mut costs = Vec::new();
+        for (name, scene, left_out) in [full, cut] {
+            let file = std::env::temp_dir().join(format!("needs-{}-{name}.rs", std::process::id()));
+            let text = self.module(scene, left_out, "host-bench needs --core")?;
+            std::fs::write(&file, text)
+                .map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", file.display())))?;
+            let measured = bench.measure_emitted(&file).map_err(failure);
+            // Nothing is lost if it stays.
+            let _ = std::fs::remove_file(&file);
+            costs.push(self.cost(name, core, scene, &measured?)?);
+        }
+        Ok(costs)
+    }
+
+    fn cost(&self, name: &'static str, core: Core, scene: &Scene, of: &Measurement) -> Result<Cost, Failure> {
+        let workload = of.workloads.first();
+        let (Some(workload), Some(bits)) =
+            (workload, workload.and_then(|workload| workload.samples.last()?.bits.first().copied()))
+        else {
+            return Err(Failure::Step(format!("{core}: the firmware logged nothing")));
+        };
+        let energy = f32::from_bits(bits);
+        let host = run_scene(scene, &Options { bare: true, ..self.setting()?.options() })?;
+        if host.delivered_energy_j.map(|energy| (energy as f32).to_bits()) != Some(bits) {
+            let other = host.delivered_energy_j.unwrap_or(f64::NAN);
+            return Err(Failure::Step(format!("{core}: {energy:e} J, on the host {other:e} J")));
+        }
+        Ok(Cost {
+            scene: name,
+            core: core.to_string(),
+            flash_bytes: of.flash,
+            stack_bytes: workload.stack,
+            instructions_per_s: workload.whole().instructions_per_second(),
+            mean_power_w: f64::from(energy) / scene.run.window_s(),
+        })
+    }
+}
+
+/// Longest run under QEMU.
+const TIME_LIMIT: Duration = Duration::from_secs(600);
+
+fn costs_table(costs: &[Cost]) -> String {
+    let rows = costs.iter().map(|cost| {
+        vec![
+            cost.scene.to_owned(),
+            cost.flash_bytes.to_string(),
+            cost.stack_bytes.to_string(),
+            format!("{:.0}", cost.instructions_per_s),
+            format!("{:.4e} W", cost.mean_power_w),
+        ]
+    });
+    let headings = ["scene", "flash", "stack", "instructions per s", "mean power"];
+    let core = costs.first().map_or("", |cost| cost.core.as_str());
+    format!(
+        "\nOn the {core}, in bytes and instructions per simulated second, both by that setting; the energy has the host's bits\n\n{}",
+        table(presets::NOTHING, headings, rows, 1)
+    )
+}
+
+fn object(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) -> Value {
+    json!({
+        "accuracy": accuracy,
+        "is_chaotic": study.is_chaotic,
+        "full": study.full,
+        "parts": needs.findings,
+        "left_out": needs.cut.iter().map(|part| part.name()).collect::<Vec<_>>(),
+        "without_all": needs.cut_change,
+        "numerics": numerics,
+    })
+}
+
+fn section<T: serde::Serialize>(rows: &[T]) -> (String, String) {
+    let rows: Vec<_> = rows.iter().map(|row| fields(row)).collect();
+    let mut columns: Vec<String> = Vec::new();
+    for column in rows.iter().flat_map(|row| row.keys()) {
+        if !columns.contains(column) {
+            columns.push(column.clone());
+        }
+    }
+    let text = rows_csv(&columns, &rows);
+    let (heading, lines) = text.split_once('\n').unwrap_or_default();
+    (format!("{heading}\n"), lines.to_owned())
+}
+
+fn report(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) -> String {
+    let full = &study.full;
+    let shown = |value: Option<f64>, unit: &str| {
+        value.map_or_else(|| format!("no {unit}"), |value| format!("{value:.6e} {unit}"))
+    };
+    let mut text = format!(
+        "Full scene: mean power {}, RMS voltage {}{}; estimated error {}.\n",
+        shown(full.mean_power_w, "W"),
+        shown(full.rms_voltage_v, "V"),
+        impacts(full).map_or_else(String::new, |count| format!(", {count} impacts")),
+        small(full.accuracy.total),
+    );
+    if study.is_chaotic {
+        text.push_str(
+            "The motion is chaotic: a base acceleration larger by 1e-9 changes the mean power. Means are compared, with \
+             twice their standard error.\n",
+        );
+        text.push_str(&format!("Window: {:.1} s.\n", study.scene.run.window_s()));
+    }
+    text.push_str(&format!("\nChange without a part; accepted: {}\n\n", percent(Some(accuracy))));
+    text.push_str(&parts_table(&needs.findings));
+    text.push_str(&left_out(needs));
+    text.push_str(
+        "\nWhat runs the cut scene within the accuracy of the full one, the cheapest on this host first\n\n",
+    );
+    text.push_str(&numerics_table(numerics));
+    text.push_str(&chosen(numerics));
+    text
+}
+
+fn percent(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{:.3} %", 100.0 * value))
+}
+
+fn cells(change: &Change) -> [String; 4] {
+    let power = match change.sampling_error {
+        Some(error) => format!("{} ± {}", percent(change.mean_power), percent(Some(error))),
+        None => percent(change.mean_power),
+    };
+    let impacts = change.impacts.map_or_else(|| "-".to_owned(), |count| count.to_string());
+    [power, percent(change.rms_voltage), percent(change.store_voltage), impacts]
+}
+
+fn parts_table(findings: &[Finding]) -> String {
+    let rows = findings.iter().map(|finding| {
+        let values = finding.change.as_ref().map_or_else(|| ["-"; 4].map(str::to_owned), cells);
+        let verdict = match (&finding.verdict, &finding.failure) {
+            (_, Some(failure)) => format!("needed: {failure}"),
+            (Verdict::Needed, None) => "needed".to_owned(),
+            (Verdict::NotNeeded, None) => "not needed".to_owned(),
+            (Verdict::ByChance, None) => "needed: with more modes it changes by more".to_owned(),
+            (Verdict::Undecided, None) => "undecided: a longer window decides".to_owned(),
+            (Verdict::NotNeededAlone { with }, None) if with.is_empty() => {
+                "not needed alone, needed without the others".to_owned()
+            }
+            (Verdict::NotNeededAlone { with }, None) => {
+                format!("not needed alone, needed without {}", with.join(", "))
+            }
+        };
+        [finding.part.name()].into_iter().chain(values).chain([verdict]).collect::<Vec<String>>()
+    });
+    let headings = ["without", "mean power", "RMS voltage", "storage", "impacts", "verdict"];
+    table(presets::NOTHING, headings, rows, headings.len())
+}
+
+fn left_out(needs: &Needs) -> String {
+    if needs.cut.is_empty() {
+        return "\nNothing can be left out.\n".to_owned();
+    }
+    let names: Vec<String> = needs.cut.iter().map(|part| part.name()).collect();
+    format!(
+        "\nWithout {} together: mean power {}, RMS voltage {}.\n",
+        names.join(", "),
+        percent(needs.cut_change.mean_power),
+        percent(needs.cut_change.rms_voltage),
+    )
+}
+
+fn control(setting: &Setting) -> String {
+    match setting.control {
+        Control::Tolerance(tolerance) => format!("tolerance {tolerance:e}"),
+        Control::FixedStep(step_s) => format!("fixed step {step_s:.2e} s"),
+        Control::ShortAndLong([short, long]) => format!("steps {short:.2e} and {long:.2e} s"),
+    }
+}
+
+fn numerics_table(numerics: &[Numerics]) -> String {
+    let least = numerics.first().map_or(f64::NAN, |first| first.host_s_per_s);
+    let rows = numerics.iter().map(|found| {
+        vec![
+            name(&found.setting.method),
+            found.setting.precision.name().to_owned(),
+            control(&found.setting),
+            percent(found.change.mean_power),
+            format!("{:.0}", found.steps_per_s),
+            format!("{:.2}", found.host_s_per_s / least),
+        ]
+    });
+    let headings = ["method", "precision", "control", "mean power", "steps per s", "run time"];
+    table(presets::NOTHING, headings, rows, 3)
+}
+
+fn chosen(numerics: &[Numerics]) -> String {
+    let single = numerics.iter().find(|found| found.setting.precision == Precision::F32);
+    match single.or(numerics.first()) {
+        None => "\nNo method of the core holds the accuracy.\n".to_owned(),
+        Some(found) => {
+            let setting = &found.setting;
+            let only = if single.is_none() { "; f32 does not hold the accuracy" } else { "" };
+            format!(
+                "\nFor a node: {}, {}, {}{only}.\n",
+                name(&setting.method),
+                setting.precision.name(),
+                control(setting)
+            )
+        }
+    }
+}

@@ -1,0 +1,585 @@
+//! The cut scene as a Rust module for firmware: types, constants, method and step.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use super::numerics::{Control, Setting};
+use super::part::Part;
+use crate::method::{Failure, Method, Precision};
+use crate::scene_file::{
+    BumpStop, Contact, ContactSeparation, Coupling, Draw, Excitation, ForceLaw, Load, Lockout, Model,
+    Restitution, Scene, Sliding, StickCharge, StopParameters, Tone,
+};
+use model_core::clock::Instant;
+
+/// A component: its type and its value, as Rust source.
+struct Component {
+    of_type: String,
+    value: String,
+}
+
+fn unit(name: &str) -> Component {
+    Component { of_type: name.to_owned(), value: name.to_owned() }
+}
+
+/// A struct with one type parameter for its numbers.
+fn with_fields(name: &str, fields: &[(&str, String)]) -> Component {
+    let fields: Vec<String> = fields.iter().map(|(field, value)| format!("{field}: {value}")).collect();
+    Component { of_type: format!("{name}<f32>"), value: format!("{name} {{ {} }}", fields.join(", ")) }
+}
+
+/// A number in single precision.
+fn number(value: f64) -> String {
+    let single = value as f32;
+    if single.is_finite() { format!("{single:?}") } else { "f32::INFINITY".to_owned() }
+}
+
+/// Modules of the library with the names that a scene may use.
+const MODULES: [(&str, &[&str]); 14] = [
+    ("excitation", &["Silence", "Sine", "Tones"]),
+    ("integrate", &["Adaptive", "ExponentialRadau", "FixedStep", "RungeKutta4", "TrBdf2"]),
+    ("part::draw", &["CurrentDraw", "Lockout", "NoDraw", "PowerDraw", "ResistiveDraw"]),
+    ("part::force_law", &["GapField", "NoForce", "TransferredCharge"]),
+    ("part::friction", &["Frictionless", "PatchFriction"]),
+    ("part::load", &["OpenCircuit", "Resistor", "ShortCircuit"]),
+    ("part::monomorph", &["Layer"]),
+    ("part::parasitic", &["NoParasitic", "ParasiticCapacitance"]),
+    ("part::rectifier", &["FullBridge"]),
+    ("part::restitution", &["ConstantRestitution", "VelocityDependentRestitution"]),
+    ("part::storage", &["Capacitor", "DcBus", "StorageCapacitor"]),
+    ("part::stick_charge", &["NeverSticks", "StickCharge"]),
+    ("scene", &["Simulation"]),
+    ("scene::rectified", &["Rectified"]),
+];
+/// Names that the module of each kind of scene has.
+const OF_SCENE: [&str; 17] = [
+    "Choices",
+    "ContactSeparation",
+    "DisplacementConstraint",
+    "FieldLateralForce",
+    "NoLateralForce",
+    "NoStop",
+    "OneWay",
+    "Parameters",
+    "ResidualFlexibility",
+    "Resistive",
+    "Restitution",
+    "Sliding",
+    "Start",
+    "Stepper",
+    "Stop",
+    "TwoWay",
+    "BumpStop",
+];
+
+/// What a module is made from.
+pub(crate) struct Emission<'a> {
+    /// The scene without the parts that it does not need.
+    pub(crate) scene: &'a Scene,
+    /// The parts that were left out.
+    pub(crate) cut: &'a [Part],
+    /// What steps it.
+    pub(crate) setting: Setting,
+    /// The command that made it.
+    pub(crate) command: &'a str,
+    /// Relative accuracy of the mean power.
+    pub(crate) accuracy: f64,
+    /// Mean power of the full scene in W.
+    pub(crate) mean_power_w: f64,
+}
+
+/// The pieces of a module that depend on the kind of scene.
+struct Pieces {
+    parameters: String,
+    choices_type: String,
+    harvester_type: String,
+    /// Statements of `harvester` after the scene was built.
+    build: String,
+    start: String,
+    start_type: String,
+}
+
+impl Emission<'_> {
+    /// The module.
+    ///
+    /// # Errors
+    /// If the setting is not in single precision, or a method of the host.
+    pub(crate) fn module(&self) -> Result<String, Failure> {
+        if self.setting.precision != Precision::F32 {
+            return Err(Failure::Input("--emit: f32 does not hold the accuracy".to_owned()));
+        }
+        let pieces = match &self.scene.model {
+            Model::ContactSeparation(model) => self.contact_separation(model),
+            Model::Sliding(model) => self.sliding(model),
+            Model::BumpStop(model) => self.bump_stop(model),
+        };
+        let mut text = self.constants()?;
+        let Pieces { parameters, choices_type, harvester_type, build, start, start_type, .. } = &pieces;
+        let _ = write!(
+            text,
+            "
+/// The parts that the scene needs.
+pub type Parts = {choices_type};
+
+/// The harvester.
+pub type Model = {harvester_type};
+
+/// Its parameters in SI units.
+pub const PARAMETERS: Parameters<f32, Parts> = {parameters};
+
+/// The harvester; `None` if a parameter is refused.
+pub fn harvester() -> Option<Model> {{
+{build}}}
+
+/// Its initial values.
+pub fn start() -> {start_type} {{
+    {start}
+}}
+"
+        );
+        self.excitation(&mut text);
+        self.test(&mut text);
+        Ok(format!("{}{}{text}", self.head(), self.imports(&text)))
+    }
+
+    fn head(&self) -> String {
+        let names: Vec<String> = self.cut.iter().map(|part| part.name()).collect();
+        let left_out = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
+        format!("// Made by `{}`.\n//\n// Left out: {left_out}.\n\n", self.command)
+    }
+
+    /// The imports of the names that `body` has.
+    fn imports(&self, body: &str) -> String {
+        let scene = match self.scene.model {
+            Model::ContactSeparation(_) => "scene::contact_separation",
+            Model::Sliding(_) => "scene::sliding",
+            Model::BumpStop(_) => "scene::bump_stop",
+        };
+        let words: BTreeSet<&str> =
+            body.split(|letter: char| !letter.is_alphanumeric() && letter != '_').collect();
+        let modules = MODULES.iter().map(|(module, names)| (*module, *names)).chain([(scene, &OF_SCENE[..])]);
+        let line = |(module, names): (&str, &[&str])| {
+            let used: Vec<&str> = names.iter().copied().filter(|name| words.contains(name)).collect();
+            match used.as_slice() {
+                [] => None,
+                [one] => Some(format!("use model_core::{module}::{one};\n")),
+                several => Some(format!("use model_core::{module}::{{{}}};\n", several.join(", "))),
+            }
+        };
+        let mut lines: Vec<String> = modules.filter_map(line).collect();
+        lines.extend(words.contains("PhantomData").then(|| "use core::marker::PhantomData;\n".to_owned()));
+        lines.sort();
+        lines.concat()
+    }
+
+    fn constants(&self) -> Result<String, Failure> {
+        let ticks = |seconds: f64| {
+            let refused = || Failure::Input(format!("--emit: run: {seconds} s is too long"));
+            Instant::from_seconds(seconds).map(Instant::ticks).ok_or_else(refused)
+        };
+        let (settle, end) = (ticks(self.scene.run.settle_s)?, ticks(self.scene.run.duration_s)?);
+        Ok(format!(
+            "
+/// Mean power of the full scene in W, in double precision.
+pub const MEAN_POWER: f32 = {};
+/// Relative accuracy to which this module holds it.
+pub const ACCURACY: f32 = {};
+/// Start and end of the window of the mean power in ticks of the clock.
+pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
+",
+            number(self.mean_power_w),
+            number(self.accuracy),
+        ))
+    }
+
+    /// The excitation of the scene; a trace stays in its file.
+    fn excitation(&self, text: &mut String) {
+        let tone =
+            |tone: &Tone| [tone.amplitude_m_per_s2, tone.frequency_hz, tone.phase_rad].map(number).join(", ");
+        let (of_type, value) = match &self.scene.excitation {
+            Excitation::Sine(sine) => {
+                ("Sine<f32>".to_owned(), format!("    Sine::new({}).ok()\n", tone(sine)))
+            }
+            Excitation::Sines(tones) => {
+                let push = |sine| format!("    tones.push(Sine::new({}).ok()?).ok()?;\n", tone(sine));
+                let pushed: String = tones.iter().map(push).collect();
+                let value = format!("    let mut tones = Tones::new();\n{pushed}    Some(tones)\n");
+                (format!("Tones<f32, {}>", tones.len()), value)
+            }
+            Excitation::Silence => ("Silence".to_owned(), "    Some(Silence)\n".to_owned()),
+            Excitation::File(_) => return,
+        };
+        let _ = write!(
+            text,
+            "
+/// The base acceleration of the scene; `None` if it is refused.
+pub fn excitation() -> Option<{of_type}> {{
+{value}}}
+"
+        );
+    }
+
+    /// A test of the mean power, where the scene has an excitation.
+    fn test(&self, text: &mut String) {
+        if matches!(self.scene.excitation, Excitation::File(_)) {
+            return;
+        }
+        text.push_str(
+            "
+#[cfg(test)]
+mod tests {
+    use model_core::clock::{Instant, TICKS_PER_SECOND};
+    use model_core::energy::PowerMeter;
+    use model_core::scene::Harvester;
+
+    use super::{ACCURACY, MEAN_POWER, WINDOW_TICKS, excitation, harvester, start};
+
+    #[test]
+    fn the_mean_power_is_that_of_the_full_scene() {
+        let (Some(harvester), Some(excitation)) = (harvester(), excitation()) else { panic!(\"refused\") };
+        let mut state = harvester.start(&start(), &excitation).expect(\"starts\");
+        let mut meter = PowerMeter::new();
+        for ticks in WINDOW_TICKS {
+            meter = PowerMeter::new();
+            let until = Instant::from_ticks(ticks);
+            let advance = harvester.advance(&mut state, &excitation, until, u32::MAX, &mut meter);
+            assert!(advance.is_ok());
+        }
+        let [settled, end] = WINDOW_TICKS;
+        let seconds = (end - settled) as f32 / TICKS_PER_SECOND as f32;
+        let change = meter.delivered_energy() / seconds / MEAN_POWER - 1.0;
+        assert!(change.abs() <= ACCURACY, \"{change}\");
+    }
+}
+",
+        );
+    }
+
+    fn contact_separation(&self, model: &ContactSeparation) -> Pieces {
+        let from = &model.parameters;
+        let parasitic = if from.parasitic_capacitance_f > 0.0 {
+            with_fields("ParasiticCapacitance", &[("capacitance", number(from.parasitic_capacitance_f))])
+        } else {
+            unit("NoParasitic")
+        };
+        let choices = [
+            ("load", load(self.scene.load)),
+            ("restitution", restitution(&from.restitution)),
+            ("force_law", force_law(from.force_law)),
+            ("parasitic", parasitic),
+            ("sticking", self.sticking(from.stick_charge)),
+        ];
+        let numbers = [
+            ("mass", from.mass_kg),
+            ("stiffness", from.stiffness_n_per_m),
+            ("damping_ratio", from.damping_ratio),
+            ("initial_gap", from.initial_gap_m),
+            ("electrode_area", from.electrode_area_m2),
+            ("dielectric_thickness", from.dielectric_thickness_m),
+            ("relative_permittivity", from.relative_permittivity),
+            ("charge_density", from.charge_density_c_per_m2),
+        ];
+        let initial = &model.initial;
+        let start =
+            [("gap", initial.gap_m), ("velocity", initial.velocity_m_per_s), ("charge", initial.charge_c)];
+        self.triboelectric("ContactSeparation", &choices, &numbers, &start)
+    }
+
+    fn sliding(&self, model: &Sliding) -> Pieces {
+        let from = &model.parameters;
+        let coefficients = [
+            ("static_active", from.static_friction_active),
+            ("static_inert", from.static_friction_inert),
+            ("kinetic_active", from.kinetic_friction_active),
+            ("kinetic_inert", from.kinetic_friction_inert),
+        ];
+        let friction = if coefficients.iter().all(|(_, value)| *value == 0.0) {
+            unit("Frictionless")
+        } else {
+            with_fields("PatchFriction", &coefficients.map(|(field, value)| (field, number(value))))
+        };
+        let choices = [
+            ("load", load(self.scene.load)),
+            ("friction", friction),
+            ("force_law", force_law(from.force_law)),
+            ("sticking", self.sticking(from.stick_charge)),
+            ("lateral_force", unit(if from.lateral_force { "FieldLateralForce" } else { "NoLateralForce" })),
+        ];
+        let numbers = [
+            ("beam_length", from.beam_length_m),
+            ("beam_width", from.beam_width_m),
+            ("beam_thickness", from.beam_thickness_m),
+            ("young_modulus", from.young_modulus_pa),
+            ("density", from.density_kg_per_m3),
+            ("damping_ratio", from.damping_ratio),
+            ("slider_mass", from.slider_mass_kg),
+            ("patch_radius", from.patch_radius_m),
+            ("dielectric_thickness", from.dielectric_thickness_m),
+            ("relative_permittivity", from.relative_permittivity),
+            ("charge_density", from.charge_density_c_per_m2),
+        ];
+        let initial = &model.initial;
+        let start = [
+            ("displacement", initial.displacement_m),
+            ("velocity", initial.velocity_m_per_s),
+            ("charge", initial.charge_c),
+        ];
+        self.triboelectric("Sliding", &choices, &numbers, &start)
+    }
+
+    /// The behaviour in stick, or that the moving part never sticks.
+    fn sticking(&self, charge: StickCharge) -> Component {
+        if self.cut.contains(&Part::Sticking) {
+            return unit("NeverSticks");
+        }
+        let value = match charge {
+            StickCharge::Frozen => "StickCharge::Frozen",
+            StickCharge::Relaxing => "StickCharge::Relaxing",
+        };
+        Component { of_type: "StickCharge".to_owned(), value: value.to_owned() }
+    }
+
+    fn triboelectric(
+        &self,
+        scene: &str,
+        choices: &[(&str, Component)],
+        numbers: &[(&str, f64)],
+        start: &[(&str, Option<f64>)],
+    ) -> Pieces {
+        let choice_types: Vec<&str> = choices.iter().map(|(_, choice)| choice.of_type.as_str()).collect();
+        let choices_type = format!("Choices<{}>", choice_types.join(", "));
+        let (method, control_type, control) = self.stepping();
+        let bridge = bridge(self.scene.load);
+        let (scene_type, states, wrap) = match &bridge {
+            None => (format!("{scene}<f32, Parts>"), 3, String::new()),
+            Some((bridge, storage)) => (
+                format!("Rectified<f32, {scene}<f32, Parts>, {storage}>"),
+                4,
+                format!("    let scene = Rectified::new(scene, {}).ok()?;\n", bridge.value),
+            ),
+        };
+        let start_values: Vec<String> = start
+            .iter()
+            .filter_map(|(field, value)| value.map(|value| format!("{field}: Some({}), ", number(value))))
+            .collect();
+        let rest = if start_values.len() == start.len() { "" } else { "..Start::default() " };
+        Pieces {
+            parameters: parameters(numbers, &choices_value(choices)),
+            choices_type,
+            harvester_type: format!("Simulation<{scene_type}, {method}, {control_type}, {states}, 1>"),
+            build: format!(
+                "    let scene = PARAMETERS.build().ok()?;\n{wrap}    Some(Simulation::new(scene, {method}, {control}.ok()?))\n"
+            ),
+            start: format!("Start {{ {}{rest}}}", start_values.concat()),
+            start_type: "Start<f32>".to_owned(),
+        }
+    }
+
+    /// The method, and the type and value of the control of the step.
+    fn stepping(&self) -> (&'static str, &'static str, String) {
+        let method = match self.setting.method {
+            Method::TrBdf2 => "TrBdf2",
+            Method::Rk4 => "RungeKutta4",
+            _ => "ExponentialRadau",
+        };
+        match self.setting.control {
+            Control::Tolerance(tolerance) => {
+                (method, "Adaptive<f32>", format!("Adaptive::new({})", number(tolerance)))
+            }
+            Control::FixedStep(step_s) | Control::ShortAndLong([step_s, _]) => {
+                (method, "FixedStep", format!("FixedStep::of_seconds({})", number(step_s)))
+            }
+        }
+    }
+
+    fn bump_stop(&self, model: &BumpStop) -> Pieces {
+        let from = &model.parameters;
+        let circuit = match bridge(self.scene.load) {
+            Some((bridge, _)) => bridge,
+            None => {
+                let Component { of_type, value } = load(self.scene.load);
+                Component { of_type: format!("Resistive<{of_type}>"), value: format!("Resistive({value})") }
+            }
+        };
+        let coupling = match from.coupling {
+            Coupling::TwoWay => unit("TwoWay"),
+            Coupling::OneWay => unit("OneWay"),
+        };
+        let stop = model.stop.as_ref().map_or_else(|| unit("NoStop"), stop);
+        let choices_type = format!("Choices<{}, {}, {}>", circuit.of_type, stop.of_type, coupling.of_type);
+        let modes = [from.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)];
+        let [beam, rod] = modes;
+        let (short, long) = match self.setting.control {
+            Control::ShortAndLong([short, long]) => (short, long),
+            Control::FixedStep(step) | Control::Tolerance(step) => (step, step),
+        };
+        let layer = |thickness: f64, young_modulus: f64, density: f64| {
+            format!(
+                "Layer {{ thickness: {}, young_modulus: {}, density: {} }}",
+                number(thickness),
+                number(young_modulus),
+                number(density)
+            )
+        };
+        let substrate = layer(
+            from.substrate_thickness_m,
+            from.substrate_young_modulus_pa,
+            from.substrate_density_kg_per_m3,
+        );
+        let piezo = layer(from.piezo_thickness_m, from.piezo_young_modulus_pa, from.piezo_density_kg_per_m3);
+        let choices = choices_value(&[("load", circuit), ("stop", stop), ("coupling", coupling)]);
+        let numbers = [
+            ("beam_length", from.beam_length_m),
+            ("beam_width", from.beam_width_m),
+            ("piezo_d31", from.piezo_d31_m_per_v),
+            ("piezo_permittivity", from.piezo_permittivity_f_per_m),
+            ("damping_ratio", from.damping_ratio),
+        ];
+        let layers = format!("    substrate: {substrate},\n    piezo: {piezo},\n{choices}");
+        let initial = &model.initial;
+        let pairs = |displacements: &[f64], velocities: &[f64]| {
+            let pairs = displacements.iter().zip(velocities);
+            let pairs: Vec<String> =
+                pairs.map(|(x, v)| format!("[{}, {}]", number(*x), number(*v))).collect();
+            pairs.join(", ")
+        };
+        Pieces {
+            parameters: parameters(&numbers, &layers),
+            choices_type,
+            harvester_type: format!("Stepper<f32, Parts, {beam}, {rod}>"),
+            build: format!(
+                "    let scene = PARAMETERS.build::<{beam}, {rod}>().ok()?;\n    Stepper::new(scene, {}, {}).ok()\n",
+                number(short),
+                number(long)
+            ),
+            start: format!(
+                "Start {{ beam: [{}], rod: [{}], voltage: {} }}",
+                pairs(&initial.modal_displacement, &initial.modal_velocity),
+                pairs(&initial.rod_modal_displacement, &initial.rod_modal_velocity),
+                number(initial.voltage_v)
+            ),
+            start_type: format!("Start<f32, {beam}, {rod}>"),
+        }
+    }
+}
+
+/// The field `choices` of parameters.
+fn choices_value(choices: &[(&str, Component)]) -> String {
+    let fields = choices.iter().map(|(field, choice)| format!("        {field}: {},\n", choice.value));
+    format!("    choices: Choices {{\n{}    }},\n", fields.collect::<String>())
+}
+
+fn parameters(numbers: &[(&str, f64)], rest: &str) -> String {
+    let fields = numbers.iter().map(|(field, value)| format!("    {field}: {},\n", number(*value)));
+    format!("Parameters {{\n{}{rest}}}", fields.collect::<String>())
+}
+
+/// A resistive load; the open circuit in front of a bridge.
+fn load(load: Load) -> Component {
+    match load.resistance_ohm() {
+        0.0 => unit("ShortCircuit"),
+        f64::INFINITY => unit("OpenCircuit"),
+        resistance => with_fields("Resistor", &[("resistance", number(resistance))]),
+    }
+}
+
+fn restitution(restitution: &Restitution) -> Component {
+    match *restitution {
+        Restitution::Constant { coefficient } => {
+            with_fields("ConstantRestitution", &[("coefficient", number(coefficient))])
+        }
+        Restitution::VelocityDependent { at_rest, at_speed, reference_speed_m_per_s } => with_fields(
+            "VelocityDependentRestitution",
+            &[
+                ("at_rest", number(at_rest)),
+                ("at_speed", number(at_speed)),
+                ("reference_speed", number(reference_speed_m_per_s)),
+                ("mathematics", "PhantomData".to_owned()),
+            ],
+        ),
+    }
+}
+
+fn force_law(law: ForceLaw) -> Component {
+    unit(match law {
+        ForceLaw::TransferredCharge => "TransferredCharge",
+        ForceLaw::GapField => "GapField",
+        ForceLaw::None => "NoForce",
+    })
+}
+
+fn stop(stop: &StopParameters) -> Component {
+    let contact = match stop.contact {
+        Contact::ResidualFlexibility => unit("ResidualFlexibility"),
+        Contact::DisplacementConstraint => unit("DisplacementConstraint"),
+        Contact::Restitution => {
+            with_fields("Restitution", &[("coefficient", number(stop.restitution.unwrap_or(1.0)))])
+        }
+    };
+    let fields = [
+        ("length", stop.length_m),
+        ("section", stop.width_m * stop.thickness_m),
+        ("young_modulus", stop.young_modulus_pa),
+        ("density", stop.density_kg_per_m3),
+        ("position", stop.position_m),
+        ("gap", stop.gap_m),
+        ("contact_compliance", stop.contact_compliance_m_per_n),
+    ];
+    let fields = fields.map(|(field, value)| (field, number(value)));
+    let fields = [fields.as_slice(), &[("contact", contact.value)]].concat();
+    Component { of_type: format!("Stop<f32, {}>", contact.of_type), ..with_fields("Stop", &fields) }
+}
+
+/// The bridge, and the type of its storage; `None` where the load is a resistor.
+fn bridge(load: Load) -> Option<(Component, String)> {
+    let (storage, drop) = match load {
+        Load::Resistor { .. } => return None,
+        Load::DcBus { voltage_v, diode_drop_v } => {
+            (with_fields("DcBus", &[("voltage", number(voltage_v))]), diode_drop_v)
+        }
+        Load::RectifiedStore(store) => {
+            let capacitor = with_fields(
+                "Capacitor",
+                &[
+                    ("capacitance", number(store.capacitance_f)),
+                    ("leakage_resistance", number(store.leakage_ohm)),
+                ],
+            );
+            let draw = draw(store.draw);
+            let value = with_fields(
+                "StorageCapacitor",
+                &[
+                    ("capacitor", capacitor.value),
+                    ("initial_voltage", number(store.initial_v)),
+                    ("draw", draw.value),
+                ],
+            );
+            let of_type = format!("StorageCapacitor<f32, {}>", draw.of_type);
+            (Component { of_type, ..value }, store.diode_drop_v)
+        }
+    };
+    let value = with_fields("FullBridge", &[("diode_drop", number(drop)), ("storage", storage.value)]);
+    let of_type = format!("FullBridge<f32, {}>", storage.of_type);
+    Some((Component { of_type, ..value }, storage.of_type))
+}
+
+fn draw(draw: Draw) -> Component {
+    let thresholds = |lockout: Lockout| {
+        let fields = [("turn_on", number(lockout.turn_on_v)), ("turn_off", number(lockout.turn_off_v))];
+        with_fields("Lockout", &fields).value
+    };
+    match draw {
+        Draw::None => unit("NoDraw"),
+        Draw::Resistor { resistance_ohm, lockout } => {
+            let lockout =
+                lockout.map_or("None".to_owned(), |lockout| format!("Some({})", thresholds(lockout)));
+            with_fields("ResistiveDraw", &[("resistance", number(resistance_ohm)), ("lockout", lockout)])
+        }
+        Draw::Current { current_a, lockout } => {
+            with_fields("CurrentDraw", &[("current", number(current_a)), ("lockout", thresholds(lockout))])
+        }
+        Draw::Power { power_w, lockout } => {
+            with_fields("PowerDraw", &[("power", number(power_w)), ("lockout", thresholds(lockout))])
+        }
+    }
+}

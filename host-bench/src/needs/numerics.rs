@@ -1,0 +1,147 @@
+//! The cheapest method, precision and step that hold an accuracy.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{Change, Study};
+use crate::method::{Method, Options, Precision};
+use crate::run::run_scene;
+use crate::scene_file::{Model, Scene};
+
+/// Tolerances of an adaptive step, the loosest first.
+const TOLERANCES: [f64; 11] = [5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 1e-5];
+/// The longest fixed step in s: 1/256 s is the longest that a triboelectric scene takes.
+const LONGEST_STEP_S: f64 = 1.0 / 256.0;
+/// Steps of a bump-stop scene near contact in s, the longest first.
+const SHORT_STEPS_S: [f64; 7] = [16e-6, 8e-6, 4e-6, 2e-6, 1e-6, 0.5e-6, 0.25e-6];
+/// Its step in free flight over that near contact.
+const LONG_OVER_SHORT: f64 = 20.0;
+/// Halvings of a fixed step.
+const HALVINGS: u32 = 10;
+/// Runs of which the shortest is the cost.
+const REPEATS: usize = 3;
+
+/// What decides on the length of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Control {
+    /// A relative tolerance.
+    Tolerance(f64),
+    /// A fixed step in s.
+    FixedStep(f64),
+    /// Steps in s near contact and in free flight.
+    ShortAndLong([f64; 2]),
+}
+
+/// A method, a precision and a control of the step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(crate) struct Setting {
+    pub(crate) method: Method,
+    pub(crate) precision: Precision,
+    pub(crate) control: Control,
+}
+
+/// The loosest control of a method and precision that holds the accuracy.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Numerics {
+    #[serde(flatten)]
+    pub(crate) setting: Setting,
+    /// What the cut scene changes by it, against the full one.
+    #[serde(flatten)]
+    pub(crate) change: Change,
+    /// Steps, kept and rejected, per simulated second.
+    pub(crate) steps_per_s: f64,
+    /// Run time on the host over simulated time.
+    pub(crate) host_s_per_s: f64,
+}
+
+impl Setting {
+    /// The options of its run.
+    pub(crate) fn options(&self) -> Options {
+        let options = Options {
+            method: self.method,
+            precision: Some(self.precision),
+            blocks: true,
+            ..Options::default()
+        };
+        match self.control {
+            Control::Tolerance(tolerance) => Options { tolerance: Some(tolerance), ..options },
+            Control::FixedStep(step_s) => Options { step_s: Some(step_s), ..options },
+            Control::ShortAndLong([short, long]) => {
+                Options { step_s: Some(short), long_step_s: Some(long), ..options }
+            }
+        }
+    }
+}
+
+/// The settings of each method and precision that the core has for a scene, from the loosest to the tightest.
+fn ladders(scene: &Scene) -> Vec<Vec<Setting>> {
+    let ladder = |method, precision, controls: &[Control]| {
+        controls.iter().map(|control| Setting { method, precision, control: *control }).collect()
+    };
+    let kinds: Vec<(Method, Vec<Control>)> = if matches!(scene.model, Model::BumpStop(_)) {
+        let both =
+            SHORT_STEPS_S.map(|short| Control::ShortAndLong([short, LONG_OVER_SHORT * short])).to_vec();
+        let single = SHORT_STEPS_S.map(Control::FixedStep).to_vec();
+        vec![(Method::DiscreteGradient, both), (Method::DiscreteGradient, single)]
+    } else {
+        let adaptive = TOLERANCES.map(Control::Tolerance).to_vec();
+        let halved = |halvings: u32| LONGEST_STEP_S * 0.5_f64.powi(halvings.cast_signed());
+        let fixed: Vec<Control> = (0..=HALVINGS).map(halved).map(Control::FixedStep).collect();
+        vec![
+            (Method::ExponentialRadau, adaptive.clone()),
+            (Method::ExponentialRadau, fixed.clone()),
+            (Method::TrBdf2, adaptive),
+            (Method::Rk4, fixed),
+        ]
+    };
+    let precisions = [Precision::F32, Precision::F64];
+    let ladders = kinds
+        .iter()
+        .flat_map(|(method, controls)| precisions.map(|precision| ladder(*method, precision, controls)));
+    ladders.collect()
+}
+
+/// The loosest setting of each method and precision that holds the accuracy for `scene` against the full scene, the
+/// cheapest on the host first. A setting holds if the next tighter one does too.
+pub(crate) fn cheapest(study: &Study, scene: &Scene, done: impl Fn(usize) + Sync) -> Vec<Numerics> {
+    let ladders = ladders(scene);
+    let count = ladders.len();
+    let found = ladders.into_par_iter().filter_map(|ladder| {
+        let found = loosest(study, scene, &ladder);
+        done(count);
+        found
+    });
+    let mut found: Vec<Numerics> = found.collect();
+    for numerics in &mut found {
+        numerics.host_s_per_s = host_time(scene, &numerics.setting.options());
+    }
+    found.sort_by(|one, other| one.host_s_per_s.total_cmp(&other.host_s_per_s));
+    found
+}
+
+fn loosest(study: &Study, scene: &Scene, ladder: &[Setting]) -> Option<Numerics> {
+    let mut candidate: Option<Numerics> = None;
+    for setting in ladder {
+        let options = Options { most_attempts: study.options.most_attempts, ..setting.options() };
+        let held = run_scene(scene, &options).ok().and_then(|run| {
+            let change = Change::between(&study.full, &run, study.is_chaotic);
+            let steps_per_s = (run.steps + run.rejected_steps) as f64 / run.duration_s;
+            let holds = change.is_within(study.accuracy) == Some(true);
+            holds.then_some(Numerics { setting: *setting, change, steps_per_s, host_s_per_s: f64::NAN })
+        });
+        match (candidate.is_some(), held.is_some()) {
+            (true, true) => return candidate,
+            _ => candidate = held,
+        }
+    }
+    // The tightest setting has no tighter one to confirm it.
+    None
+}
+
+/// Run time on the host over simulated time, as firmware would run it.
+fn host_time(scene: &Scene, options: &Options) -> f64 {
+    let options = Options { bare: true, blocks: false, ..*options };
+    let times = (0..REPEATS).filter_map(|_| run_scene(scene, &options).ok()).map(|run| run.wall_s);
+    times.fold(f64::INFINITY, f64::min) / scene.run.duration_s
+}

@@ -1,0 +1,98 @@
+//! Which parts a scene needs: the changes beside runs without a part, pairs, and the emitted module.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::tool::{SHIPPED, accepted, folder, outcome, refused};
+
+const FREE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
+/// A second of the shipped scene without impacts.
+const SHORT: [&str; 3] = ["excitation.frequency_hz=22", "run.duration_s=2", "run.settle_s=1"];
+
+fn needs(scene: &str, overrides: &[&str], more: &[&str]) -> Value {
+    let mut arguments = vec!["needs", scene, "--format", "json"];
+    arguments.extend(overrides.iter().flat_map(|change| ["--set", change]));
+    arguments.extend(more);
+    serde_json::from_str(&accepted(&arguments)).expect("one JSON object")
+}
+
+fn part<'a>(found: &'a Value, name: &str) -> &'a Value {
+    let parts = found["parts"].as_array().expect("a list");
+    let named = |part: &&Value| part["part"].as_str().is_some_and(|part| part.starts_with(name));
+    parts.iter().find(named).unwrap_or_else(|| panic!("no {name} in {found}"))
+}
+
+#[test]
+fn the_changes_are_those_of_runs_of_the_reference_without_the_part() {
+    let found = needs(SHIPPED, &SHORT, &[]);
+    let power = |change: &[&str]| {
+        let run = outcome(SHIPPED, &[&SHORT[..], change].concat());
+        run["mean_power_w"].as_f64().expect("a number")
+    };
+    let full = power(&[]);
+    for (name, change) in [
+        ("electrostatic force", "parameters.force_law=none"),
+        ("parasitic capacitance", "parameters.parasitic_capacitance_f=0"),
+    ] {
+        let stated = part(&found, name)["mean_power"].as_f64().expect("a number");
+        let exact = power(&[change]) / full - 1.0;
+        assert!(
+            (stated - exact).abs() < 2e-4 * (1.0 + exact.abs()) && exact.abs() > 0.01,
+            "{name}: {stated} {exact}"
+        );
+        assert_eq!(part(&found, name)["verdict"], "needed");
+    }
+    // Without impacts nothing sticks or rebounds.
+    for name in ["sticking", "charge in stick", "restitution by speed"] {
+        assert_eq!(part(&found, name)["verdict"], "not-needed", "{name}");
+        assert_eq!(part(&found, name)["mean_power"], 0.0, "{name}");
+    }
+    let best = &found["numerics"][0];
+    assert!(best["mean_power"].as_f64().is_some_and(|change| change.abs() <= 1e-2), "{best}");
+}
+
+#[test]
+fn a_part_is_needed_without_another_one() {
+    let overrides = [
+        "excitation.frequency_hz=60",
+        "run.duration_s=0.3",
+        "run.settle_s=0.2",
+        "parameters.beam_modes=4",
+        "load.resistance_ohm=1e5",
+        "parameters.piezo_d31_m_per_v=-75e-12",
+    ];
+    let found = needs(FREE, &overrides, &["--accuracy", "7e-3"]);
+    let coupling = part(&found, "two-way coupling");
+    assert_eq!(coupling["verdict"], "not-needed-alone", "{found}");
+    assert_eq!(coupling["with"], serde_json::json!(["beam modes above 3"]));
+    assert_eq!(found["left_out"], serde_json::json!(["beam modes above 3"]));
+    assert_eq!(part(&found, "beam modes above 2")["verdict"], "needed");
+    assert!(found["without_all"]["mean_power"].as_f64().is_some_and(|change| change.abs() <= 7e-3));
+}
+
+#[test]
+fn the_scene_of_the_firmware_is_what_the_command_emits() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let emitted = folder("emitted").join("contact_separation.rs");
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_host-bench"))
+        .current_dir(&root)
+        .args(["needs", "host-bench/scenes/contact-separation.toml", "--emit"])
+        .arg(&emitted)
+        .output()
+        .expect("the binary starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let of_firmware = root.join("firmware-example/scene/contact_separation.rs");
+    let [found, shipped] =
+        [emitted, of_firmware].map(|path| fs::read_to_string(path).expect("a readable module"));
+    assert_eq!(found, shipped);
+}
+
+#[test]
+fn an_accuracy_outside_its_bounds_is_refused_with_its_value() {
+    for accuracy in ["0", "0.6", "-1", "nan"] {
+        refused(&["needs", SHIPPED, "--accuracy", accuracy], &["--accuracy", "1e-5", "0.5"]);
+    }
+    refused(&["needs", SHIPPED, "--emit", SHIPPED], &["--emit"]);
+}
