@@ -226,7 +226,8 @@ impl Study {
             all.iter().copied().filter(|part| !holds_with_more(&findings, *part)).collect();
         for finding in &mut findings {
             let part = finding.part;
-            if finding.verdict != Verdict::NotNeeded || cut.iter().any(|other| covers(*other, part)) {
+            let is_left_out = part == Part::StickCharge || cut.iter().any(|other| covers(*other, part));
+            if finding.verdict != Verdict::NotNeeded || is_left_out {
                 continue;
             }
             if by_chance.contains(&part) {
@@ -281,6 +282,8 @@ fn candidates(findings: &[Finding]) -> Vec<Part> {
     let mut kept: Vec<&Finding> = findings
         .iter()
         .filter(|finding| finding.verdict == Verdict::NotNeeded && holds_with_more(findings, finding.part))
+        // The other behaviour of the charge leaves nothing out.
+        .filter(|finding| finding.part != Part::StickCharge)
         .collect();
     let change = |finding: &Finding| finding.change.map_or(f64::INFINITY, |change| change.largest());
     kept.sort_by(|one, other| change(one).total_cmp(&change(other)));
@@ -316,7 +319,6 @@ fn covers(one: Part, other: Part) -> bool {
                 store.contains(&other) || matches!(other, Part::DiodeDrop | Part::Storage(_))
             }
             (Part::Storage(_), other) => store.contains(&other),
-            (Part::Sticking, other) => other == Part::StickCharge,
             _ => false,
         }
 }
