@@ -21,7 +21,7 @@ pub enum Subject {
     Sliding,
     /// Figures 8 to 11 of Fu, Ouyang and Davis (2020).
     ContactSeparation,
-    /// Figures 6 to 10 of Mak, McWilliam, Popov and Fox (2010), and the convergence in modes and step.
+    /// Figures 6 to 11 of Mak, McWilliam, Popov and Fox (2010), and the convergence in modes and step.
     BumpStop,
 }
 
@@ -73,6 +73,15 @@ impl Subject {
     /// Its name, which is that of its folder.
     pub(crate) fn name(self) -> String {
         name(&self)
+    }
+
+    /// The shipped scenes that [`Subject::build`] reads.
+    pub fn scenes(self) -> Vec<&'static str> {
+        match self {
+            Self::Sliding => vec!["sliding"],
+            Self::ContactSeparation => vec!["contact-separation"],
+            Self::BumpStop => bump_stop::scenes().collect(),
+        }
     }
 
     /// How often [`Subject::build`] calls `done`.

@@ -25,7 +25,7 @@ enum Command {
     Budget(budget::BudgetArguments),
     /// Mean power without a trajectory, whether that holds, and the map of its error
     ClosedForm(closed_form::ClosedFormArguments),
-    /// Rebuild the figures of the two papers: sliding 3 to 6, contact-separation 8 to 11, bump-stop 6 to 10
+    /// Rebuild the figures of the two papers: sliding 3 to 6, contact-separation 8 to 11, bump-stop 6 to 11
     Figures(figures::FiguresArguments),
     /// Which parts of a scene its mean power needs, and what runs the scene without the others
     Needs(needs::NeedsArguments),

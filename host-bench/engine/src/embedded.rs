@@ -27,7 +27,10 @@ use harvester_scene::outcome::Outcome;
 use harvester_scene::scene_file::{Model, Scene};
 
 pub use auto::{DEFAULT_ACCURACY, tolerance as tolerance_for};
-pub use bump_stop::{DeflectedShape, deflected_shapes, parameters as bump_stop_parameters};
+pub use bump_stop::{
+    ContactInterval, DeflectedShape, ShapePoint, contact_intervals, deflected_shapes,
+    parameters as bump_stop_parameters,
+};
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use sliding::parameters as sliding_parameters;
 pub use store_in_loop::{Midnight, StoreInLoop, Stretch};

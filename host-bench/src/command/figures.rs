@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use comfy_table::presets;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{SHIPPED_SCENES, print, progress, tell};
+use super::{print, progress, tell};
 use crate::figures::{self, Chapter, Figure, Subject};
 use crate::method::Failure;
 use crate::outcome::table;
@@ -34,7 +34,7 @@ pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
     let root = arguments.output.clone().unwrap_or_else(|| report_folder().join("figures"));
     let wanted = |subject: &Subject| arguments.only.is_empty() || arguments.only.contains(subject);
     let subjects: Vec<Subject> = Subject::value_variants().iter().copied().filter(wanted).collect();
-    let outputs = Outputs::of_shipped(SHIPPED_SCENES);
+    let outputs = Outputs::of_shipped(subjects.iter().flat_map(|subject| subject.scenes()));
     // Made before the runs, so that a bad path is refused at once.
     for subject in &subjects {
         let folder = root.join(subject.name());

@@ -30,10 +30,22 @@ fn a_deflected_shape_ends_at_the_tip_of_the_trace() {
         assert!((shape.time_s - instant).abs() <= step, "{} s for {instant} s", shape.time_s);
         let row = &trace.rows[(shape.time_s / step).round() as usize];
         let [first, second, .., last] = shape.points[..] else { panic!("stations") };
-        assert_close("tip", last[1], row[TIP], 1e-4);
-        assert!(first[0] == 0.0 && first[1].abs() < 1e-9 * last[1].abs(), "{first:?}");
+        let ([clamp, near], tip) = ([first, second].map(|point| point.displacement_m), last.displacement_m);
+        assert_close("tip", tip, row[TIP], 1e-4);
+        assert!(first.distance_m == 0.0 && clamp.abs() < 1e-9 * tip.abs(), "{first:?}");
+        assert!(first.slope.abs() < 1e-9 * last.slope.abs(), "{first:?}");
+        // Slope and curvature are those of the displacements, by differences.
+        let most = shape.points.iter().map(|point| point.curvature_per_m.abs()).fold(0.0, f64::max);
+        for three in shape.points.windows(3) {
+            let [before, here, after] = [0, 1, 2].map(|index| three[index].displacement_m);
+            let distance = three[1].distance_m - three[0].distance_m;
+            let slope = 0.5 * (after - before) / distance;
+            let curvature = (before - 2.0 * here + after) / (distance * distance);
+            assert!((slope - three[1].slope).abs() < 0.02 * most * distance, "{three:?}");
+            assert!((curvature - three[1].curvature_per_m).abs() < 0.02 * most, "{three:?}");
+        }
         // Clamped: displacement grows with the square of the distance, curvature at most ten times the mean.
-        assert!(second[1].abs() < 10.0 * last[1].abs() / 200.0_f64.powi(2) * 10.0, "{second:?} and {last:?}");
+        assert!(near.abs() < 10.0 * tip.abs() / 200.0_f64.powi(2) * 10.0, "{second:?} and {last:?}");
     }
 }
 
@@ -51,6 +63,8 @@ fn the_longest_cluster_is_found_between_pauses() {
     let motion = Motion { frequency: 220.0, rows: rows.collect() };
     let [first, last] = motion.longest_cluster().expect("contacts");
     assert!((first - 1e-3).abs() < 1.5e-6 && (last - 1.119e-3).abs() < 1.5e-6, "{first} to {last} s");
+    let [first, last] = motion.longest_contact([0.0, 4e-3]).expect("contacts");
+    assert!((first - 2.2e-3).abs() < 1.5e-6 && (last - 2.249e-3).abs() < 1.5e-6, "{first} to {last} s");
     let still = Motion { frequency: 220.0, rows: motion.rows[..900].to_vec() };
     assert_eq!(still.longest_cluster(), None);
 }

@@ -3,6 +3,7 @@
 mod accuracy;
 mod bump_stop;
 mod bump_stop_figures;
+mod bump_stop_paper;
 mod bump_stop_store;
 mod closed_form;
 mod convergence;

@@ -1,5 +1,7 @@
 //! A bump-stop run on the embedded core.
 
+mod contacts;
+mod observed;
 mod shapes;
 
 use model_core::bounds::ParameterError;
@@ -15,7 +17,8 @@ use model_core::scene::bump_stop::{
     Resistive, Restitution, Start, StateOf, Stepper, Stop,
 };
 
-pub use self::shapes::{DeflectedShape, deflected_shapes};
+pub use self::contacts::{ContactInterval, contact_intervals};
+pub use self::shapes::{DeflectedShape, ShapePoint, deflected_shapes};
 use super::bridge::bridge;
 use super::excitation::Setting;
 use super::recorder::{dense, dense_voltage};

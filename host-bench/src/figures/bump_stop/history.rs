@@ -8,9 +8,9 @@ use crate::outcome::{csv, number};
 use crate::report::plot::{Axis, Curve, Mark, Plot, height};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION};
 
-/// Rows from one point of a curve to the next: 5 µs are half a pixel. Curves of the force take every row, because a contact
-/// may be shorter.
-const THIN: usize = 5;
+/// Rows from one point of a curve to the next: 20 µs are a third of a pixel. Curves of the force take every row, because a
+/// contact may be shorter.
+const THIN: usize = 20;
 const WIDE: (u32, u32) = (1130, 360);
 const THREE_HIGH: (u32, u32) = (1130, 900);
 
@@ -43,10 +43,10 @@ pub(super) fn six(tip: &Motion, note: &str) -> Result<Figure, String> {
         title: "Displacement, contact force and voltage with the stop at the tip",
         caption: format!(
             "{SHOWN} periods after {SETTLE}: (a) displacement of the tip relative to the base, towards the stop, \
-             which stands at 0; (b) contact force; (c) voltage. Once a period the beam comes to the stop and hits it \
-             again and again before it leaves; the impacts excite high modes, which are seen in the voltage. The \
-             peaks of the force are those of ten modes each, the impulses converge with modes, the peaks do \
-             not. {note}"
+             which stands 10 µm away; (b) contact force; (c) voltage. Once a period the beam comes to the stop, hits \
+             it some hundred times, rests on it and leaves; the impacts excite high modes, which are seen in the \
+             voltage. The peaks of the force are those of ten modes each, the impulses converge with modes, the \
+             peaks do not. {note}"
         ),
         panels: vec![Panel::new("figure-6", THREE_HIGH, &plots)?],
         table: Vec::new(),
@@ -65,8 +65,8 @@ pub(super) fn eight([tip, none]: [&Motion; 2], note: &str) -> Result<Figure, Str
         label: "Figure 8",
         title: "Voltage with and without impact",
         caption: format!(
-            "{SHOWN} periods after {SETTLE}: the stop keeps the beam from swinging, and the voltage is far \
-             lower. {note}"
+            "{SHOWN} periods after {SETTLE}: the voltage is lower during contact, and out of contact it is close to that \
+             without a stop. {note}"
         ),
         panels: vec![Panel::new("figure-8", WIDE, &[plot])?],
         table: Vec::new(),
@@ -95,7 +95,8 @@ pub(super) fn nine([tip, mid, none]: [&Motion; 3], note: &str) -> Result<Figure,
         caption: format!(
             "{SHOWN} periods after {SETTLE}, with the stop at the tip, at mid-span, and without one. With the stop \
              at mid-span the voltage has higher peaks than with the stop at the tip: it goes with the slope of the \
-             tip, which a stop at the tip holds down. At mid-span the motion does not repeat itself in every period. {note}"
+             tip, which a stop at the tip holds down. RMS voltages with a stop are below that without one; the peaks \
+             are above it, because the beam rings after it leaves the stop. {note}"
         ),
         panels: vec![Panel::new("figure-9", WIDE, &[plot])?],
         table: crate::figures::table(

@@ -4,8 +4,8 @@ use crate::method::{Failure, Options};
 use crate::run::run_scene;
 use crate::scene_file::{RunSpan, Scene};
 
-/// Periods of the base before those that are shown. The free motion of the beam decays by a factor of e in 15 periods.
-pub(super) const SETTLE: u32 = 100;
+/// Periods of the base before those that are shown. The free motion of the beam decays by a factor of e in 3 periods.
+pub(super) const SETTLE: u32 = 22;
 /// Periods that are shown.
 pub(super) const SHOWN: u32 = 3;
 /// Length of each step, and distance of the samples, in s. Contacts last some 4 µs.
@@ -24,8 +24,8 @@ pub const VOLTAGE: usize = 4;
 /// Contact force.
 pub const CONTACT_FORCE: usize = 5;
 
-/// Shortest pause in s between two clusters of contacts.
-const PAUSE_S: f64 = 2e-4;
+/// Shortest pause between two clusters of contacts, in periods of the base.
+const PAUSE: f64 = 0.125;
 
 /// Samples over the periods that are shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,12 +80,23 @@ impl Motion {
         let mut clusters: Vec<[f64; 2]> = Vec::new();
         let touching =
             self.rows.iter().filter(|row| row.get(CONTACT_FORCE).is_some_and(|force| *force > 0.0));
+        let pause = PAUSE / self.frequency;
         for row in touching {
             match clusters.last_mut() {
-                Some([_, end]) if row[TIME] - *end < PAUSE_S => *end = row[TIME],
+                Some([_, end]) if row[TIME] - *end < pause => *end = row[TIME],
                 _ => clusters.push([row[TIME]; 2]),
             }
         }
         clusters.into_iter().max_by(|one, other| (one[1] - one[0]).total_cmp(&(other[1] - other[0])))
+    }
+
+    /// First and last instant in s of the longest contact within two instants in s.
+    pub fn longest_contact(&self, [from, to]: [f64; 2]) -> Option<[f64; 2]> {
+        let rows: Vec<&Vec<f64>> = self.rows.iter().filter(|row| (from..=to).contains(&row[TIME])).collect();
+        let touches = |row: &Vec<f64>| row.get(CONTACT_FORCE).is_some_and(|force| *force > 0.0);
+        let runs = rows.chunk_by(|one, next| touches(one) == touches(next));
+        let contacts = runs.filter(|run| run.first().is_some_and(|row| touches(row)));
+        let longest = contacts.max_by_key(|run| run.len())?;
+        Some([longest.first()?[TIME], longest.last()?[TIME]])
     }
 }

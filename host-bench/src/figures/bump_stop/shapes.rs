@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 
 use super::motion::{Motion, options, spanned};
 use super::{Figure, Panel, each};
-use crate::embedded::{DeflectedShape, deflected_shapes};
+use crate::embedded::{DeflectedShape, ShapePoint, deflected_shapes};
 use crate::method::Failure;
 use crate::outcome::{csv, number};
 use crate::report::plot::{Axis, Curve, Mark, Plot, height};
@@ -45,7 +45,8 @@ pub(super) fn ten(clusters: &[Cluster], note: &str) -> Result<Figure, String> {
             .zip(COLOURS)
             .map(|(shape, colour)| {
                 let name = format!("{:.0} µs", 1e6 * (shape.time_s - cluster.first));
-                let points = shape.points.iter().map(|[place, height]| (1e3 * place, 1e6 * height));
+                let points =
+                    shape.points.iter().map(|point| (1e3 * point.distance_m, 1e6 * point.displacement_m));
                 Curve::new(name, colour, Mark::Line(1.6), points)
             })
             .collect();
@@ -82,7 +83,8 @@ pub(super) fn ten(clusters: &[Cluster], note: &str) -> Result<Figure, String> {
 fn numbers(places: [&str; 2], clusters: &[Cluster]) -> String {
     let rows = places.iter().zip(clusters).flat_map(|(place, cluster)| {
         cluster.shapes.iter().flat_map(move |shape| {
-            let cells = move |&[x, y]: &[f64; 2]| [shape.time_s, x, y].map(number);
+            let cells =
+                move |point: &ShapePoint| [shape.time_s, point.distance_m, point.displacement_m].map(number);
             shape.points.iter().map(move |point| std::iter::once((*place).to_owned()).chain(cells(point)))
         })
     });
