@@ -4,6 +4,7 @@ pub mod budget;
 pub mod closed_form;
 pub mod figures;
 mod files;
+pub mod findings;
 pub mod needs;
 pub mod on_target;
 pub mod overview;

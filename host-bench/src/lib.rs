@@ -5,6 +5,7 @@ mod budget;
 pub mod closed_form;
 pub mod command;
 pub mod figures;
+pub mod findings;
 mod needs;
 pub mod on_target;
 mod peer;

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 use clap::Parser;
 use clap::error::ErrorKind;
 use host_bench::command::{
-    budget, closed_form, figures, needs, on_target, overview, report, resonance, run, stability, sweep,
-    work_precision,
+    budget, closed_form, figures, findings, needs, on_target, overview, report, resonance, run, stability,
+    sweep, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -27,6 +27,8 @@ enum Command {
     ClosedForm(closed_form::ClosedFormArguments),
     /// Rebuild the figures of the two papers: sliding 3 to 6, contact-separation 8 to 11, bump-stop 6 to 11
     Figures(figures::FiguresArguments),
+    /// What the two papers find, measured on the shipped scenes
+    Findings(findings::FindingsArguments),
     /// Which parts of a scene its mean power needs, and what runs the scene without the others
     Needs(needs::NeedsArguments),
     /// The frequency at which the steady state of a scene responds most
@@ -56,6 +58,7 @@ fn main() -> ExitCode {
         Some(Command::Budget(arguments)) => budget::run(arguments),
         Some(Command::ClosedForm(arguments)) => closed_form::run(arguments),
         Some(Command::Figures(arguments)) => figures::run(arguments),
+        Some(Command::Findings(arguments)) => findings::run(arguments),
         Some(Command::Needs(arguments)) => needs::run(arguments),
         Some(Command::Resonance(arguments)) => resonance::run(arguments),
         Some(Command::Run(arguments)) => run::run(arguments),

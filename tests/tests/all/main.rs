@@ -9,6 +9,7 @@ mod closed_form;
 mod convergence;
 mod dense_solve;
 mod exponential_radau;
+mod findings;
 mod ledger;
 mod limits;
 mod on_target_bits;

@@ -1,0 +1,122 @@
+//! `findings`: what the two papers find, measured on the shipped scenes.
+
+use serde::Serialize;
+
+use super::{json_text, print, progress};
+use crate::findings::{self, CheckFields, Mark, Row, wanted};
+use crate::method::Failure;
+use crate::outcome::{Format, csv};
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct FindingsArguments {
+    /// Numbers of the findings to measure, such as 8,9 [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "NUMBERS")]
+    only: Vec<String>,
+    /// Output format
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Measures the findings on all cores and prints them.
+///
+/// # Errors
+/// An unknown number, a run that fails, or a finding whose mark is not the expected one.
+pub fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
+    let bar = progress(wanted(&arguments.only)?.len());
+    let rows = findings::measure(&arguments.only, &|count| bar.inc(count as u64))?;
+    bar.finish_and_clear();
+    print(&match arguments.format {
+        Format::Table => text(&rows),
+        Format::Json => json_text(&rows.iter().map(RowFields::from).collect::<Vec<_>>())?,
+        Format::Csv => csv_text(&rows),
+    })?;
+    let other: Vec<&str> =
+        rows.iter().filter(|row| !row.is_as_expected()).map(|row| row.finding.number).collect();
+    if other.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::Step(format!("findings: the mark is not the expected one: {}", other.join(", "))))
+}
+
+/// Width of the columns of quantity and measured values.
+const QUANTITY: usize = 62;
+const MEASURED: usize = 36;
+
+/// The rows for people: number, statement and mark, then a line for each quantity with its values and what is asserted.
+pub fn text(rows: &[Row]) -> String {
+    let count = |mark: Mark| rows.iter().filter(|row| row.mark() == mark).count();
+    let totals = format!(
+        "{} shown, {} chosen (shown only with chosen parameters), {} not shown\n",
+        count(Mark::Shown),
+        count(Mark::Chosen),
+        count(Mark::NotShown)
+    );
+    rows.iter().map(row_text).collect::<String>() + "\n" + &totals
+}
+
+fn row_text(row: &Row) -> String {
+    let finding = row.finding;
+    let mark = row.mark().name();
+    let expected = if row.is_as_expected() { "" } else { " (not as expected)" };
+    let mut text = format!("{:>3}  {mark}{expected}: {}\n", finding.number, finding.statement);
+    text += &format!("     {}; {}\n", finding.source, finding.scene);
+    if !finding.note.is_empty() {
+        text += &format!("     {}\n", finding.note);
+    }
+    for check in &row.checks {
+        let (quantity, shown, assertion) = (&check.quantity, check.shown(), check.assertion());
+        let line = format!("     {quantity:<QUANTITY$}  {shown:<MEASURED$}  {assertion}");
+        text += line.trim_end();
+        text += "\n";
+    }
+    text
+}
+
+/// A row as an object of JSON.
+#[derive(Debug, Serialize)]
+struct RowFields {
+    number: &'static str,
+    source: &'static str,
+    statement: &'static str,
+    scene: &'static str,
+    mark: Mark,
+    expected: Mark,
+    note: &'static str,
+    checks: Vec<CheckFields>,
+}
+
+impl From<&Row> for RowFields {
+    fn from(row: &Row) -> Self {
+        let finding = row.finding;
+        Self {
+            number: finding.number,
+            source: finding.source,
+            statement: finding.statement,
+            scene: finding.scene,
+            mark: row.mark(),
+            expected: finding.mark,
+            note: finding.note,
+            checks: row.checks.iter().map(CheckFields::from).collect(),
+        }
+    }
+}
+
+/// A line for each quantity.
+fn csv_text(rows: &[Row]) -> String {
+    let lines = rows.iter().flat_map(|row| {
+        let finding = row.finding;
+        row.checks.iter().map(move |check| {
+            let values: Vec<String> = check.values.iter().map(|value| format!("{value}")).collect();
+            [
+                finding.number.to_owned(),
+                finding.statement.to_owned(),
+                finding.scene.to_owned(),
+                check.quantity.clone(),
+                check.assertion(),
+                values.join(" "),
+                row.mark().name().to_owned(),
+            ]
+        })
+    });
+    csv("number,statement,scene,quantity,assertion,values,mark", lines)
+}

@@ -1,0 +1,149 @@
+//! What the two papers find, as assertions that are measured on the shipped scenes.
+//!
+//! The formulas and most numbers of both papers are lost, so a finding is a trend or a relation. Its thresholds are of
+//! this library, set from what was measured with room to spare.
+
+mod check;
+mod contact_band;
+mod convergence;
+mod impacts;
+mod list;
+mod phases;
+mod resistance;
+mod sampling;
+mod scenes;
+mod shapes;
+mod shunt;
+mod statistics;
+mod storage;
+
+pub(crate) use self::check::CheckFields;
+pub use self::check::{Bound, Check};
+pub use self::list::{FINDINGS, Finding};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::method::Failure;
+
+/// Whether a finding is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mark {
+    /// By a shipped scene as it is, or with only the key changed that the finding is about.
+    Shown,
+    /// Only with parameters that are chosen for it.
+    Chosen,
+    /// Not shown.
+    NotShown,
+}
+
+impl Mark {
+    /// As printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Shown => "shown",
+            Self::Chosen => "chosen",
+            Self::NotShown => "not shown",
+        }
+    }
+}
+
+/// A finding as measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    pub finding: &'static Finding,
+    pub checks: Vec<Check>,
+}
+
+impl Row {
+    /// The mark that the measured values give.
+    pub fn mark(&self) -> Mark {
+        match (self.checks.iter().all(Check::holds), self.finding.mark) {
+            (true, Mark::NotShown) => Mark::Shown,
+            (true, expected) => expected,
+            (false, _) => Mark::NotShown,
+        }
+    }
+
+    /// Whether the mark is the expected one.
+    pub fn is_as_expected(&self) -> bool {
+        self.mark() == self.finding.mark
+    }
+}
+
+/// Checks by the number of their finding.
+type Measured = Vec<(&'static str, Vec<Check>)>;
+
+/// Runs from which some findings are measured together.
+struct Experiment {
+    /// Numbers of the findings.
+    numbers: &'static [&'static str],
+    measure: fn() -> Result<Measured, Failure>,
+}
+
+/// All experiments, the longest first, so that all cores end at about the same time.
+static EXPERIMENTS: [Experiment; 13] = [
+    Experiment { numbers: &["18", "19"], measure: convergence::measure },
+    Experiment { numbers: &["33", "34", "35", "36", "40", "41", "43", "b"], measure: contact_band::measure },
+    Experiment {
+        numbers: &["1", "2", "3", "4", "5", "5a", "6", "7", "8", "9", "10", "11", "12", "13"],
+        measure: phases::measure,
+    },
+    Experiment { numbers: &["31", "32"], measure: shunt::measure },
+    Experiment { numbers: &["20"], measure: storage::measure },
+    Experiment { numbers: &["14", "15", "17"], measure: shapes::measure },
+    Experiment { numbers: &["c", "d"], measure: phases::measure_not_reproduced },
+    Experiment { numbers: &["37", "38", "39"], measure: impacts::measure },
+    Experiment { numbers: &["42"], measure: impacts::measure_parasitic },
+    Experiment { numbers: &["21", "22", "23", "24"], measure: resistance::measure_charge },
+    Experiment { numbers: &["25", "26"], measure: resistance::measure_small_charge },
+    Experiment { numbers: &["27", "28", "29", "30", "a"], measure: resistance::measure_large_charge },
+    Experiment { numbers: &["16"], measure: shapes::measure_charge },
+];
+
+/// Measures the findings with these numbers on all cores, in the order of the list; all of them for an empty list.
+/// `done` is called after each experiment with the number of findings it measured.
+///
+/// # Errors
+/// A number that is not in the list, or a run that fails.
+pub fn measure(only: &[String], done: &(dyn Fn(usize) + Sync)) -> Result<Vec<Row>, Failure> {
+    let wanted = wanted(only)?;
+    let is_wanted = |number: &str| wanted.iter().any(|finding| finding.number == number);
+    let experiments: Vec<&Experiment> = EXPERIMENTS
+        .iter()
+        .filter(|experiment| experiment.numbers.iter().any(|number| is_wanted(number)))
+        .collect();
+    let measured: Vec<Measured> = experiments
+        .par_iter()
+        .with_max_len(1)
+        .map(|experiment| {
+            let found = (experiment.measure)();
+            done(experiment.numbers.iter().filter(|number| is_wanted(number)).count());
+            found
+        })
+        .collect::<Result<_, _>>()?;
+    let mut measured = measured.concat();
+    let row = |finding: &'static Finding| {
+        let at = measured.iter().position(|(number, _)| *number == finding.number);
+        let (_, checks) = measured.swap_remove(at?);
+        Some(Row { finding, checks })
+    };
+    Ok(wanted.into_iter().filter_map(row).collect())
+}
+
+/// The findings with these numbers, in the order of the list; all of them for an empty list.
+pub fn wanted(only: &[String]) -> Result<Vec<&'static Finding>, Failure> {
+    if let Some(unknown) =
+        only.iter().find(|number| FINDINGS.iter().all(|finding| finding.number != **number))
+    {
+        let numbers: Vec<&str> = FINDINGS.iter().map(|finding| finding.number).collect();
+        return Err(Failure::Input(format!("--only {unknown}: must be of {}", numbers.join(", "))));
+    }
+    let is_wanted =
+        |finding: &&Finding| only.is_empty() || only.iter().any(|number| number == finding.number);
+    Ok(FINDINGS.iter().filter(is_wanted).collect())
+}
+
+#[cfg(test)]
+mod tests;

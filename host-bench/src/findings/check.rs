@@ -1,0 +1,115 @@
+//! Measured values and what is asserted of them.
+
+use serde::Serialize;
+
+/// What is asserted of measured values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bound {
+    /// Each is above this.
+    Above(f64),
+    /// Each is this or above.
+    AtLeast(f64),
+    /// Each is this.
+    Is(f64),
+    /// Each is below this.
+    Below(f64),
+    /// Each is from the first to the second.
+    Within(f64, f64),
+    /// Each is smaller than the one before.
+    Falls,
+    /// Each is larger than the one before.
+    Rises,
+    /// Nothing: the values are printed only.
+    Reported,
+}
+
+/// Measured values of one quantity, and what is asserted of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Check {
+    /// The quantity with its unit.
+    pub quantity: String,
+    pub values: Vec<f64>,
+    pub bound: Bound,
+}
+
+impl Check {
+    pub(super) fn new(quantity: impl Into<String>, values: impl Into<Vec<f64>>, bound: Bound) -> Self {
+        Self { quantity: quantity.into(), values: values.into(), bound }
+    }
+
+    /// Whether the assertion holds; not-a-number meets none.
+    pub fn holds(&self) -> bool {
+        let each = |holds: &dyn Fn(f64) -> bool| self.values.iter().all(|value| holds(*value));
+        let steps =
+            |holds: &dyn Fn(f64, f64) -> bool| self.values.windows(2).all(|pair| holds(pair[0], pair[1]));
+        match self.bound {
+            Bound::Above(limit) => each(&|value| value > limit),
+            Bound::AtLeast(limit) => each(&|value| value >= limit),
+            Bound::Is(wanted) => each(&|value| value == wanted),
+            Bound::Below(limit) => each(&|value| value < limit),
+            Bound::Within(from, to) => each(&|value| (from..=to).contains(&value)),
+            Bound::Falls => steps(&|before, after| after < before),
+            Bound::Rises => steps(&|before, after| after > before),
+            Bound::Reported => true,
+        }
+    }
+
+    /// The assertion as text; empty if there is none.
+    pub fn assertion(&self) -> String {
+        match self.bound {
+            Bound::Above(limit) => format!("> {}", digits(limit)),
+            Bound::AtLeast(limit) => format!(">= {}", digits(limit)),
+            Bound::Is(wanted) => format!("= {}", digits(wanted)),
+            Bound::Below(limit) => format!("< {}", digits(limit)),
+            Bound::Within(from, to) => format!("{} to {}", digits(from), digits(to)),
+            Bound::Falls => "falls".to_owned(),
+            Bound::Rises => "rises".to_owned(),
+            Bound::Reported => String::new(),
+        }
+    }
+
+    /// The values as text, to four digits.
+    pub fn shown(&self) -> String {
+        self.values.iter().map(|value| digits(*value)).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// A number to four significant digits.
+fn digits(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if !(-3..6).contains(&exponent) {
+        return short(&format!("{value:.2e}"));
+    }
+    let places = usize::try_from(3 - exponent).unwrap_or(0);
+    let text = format!("{value:.places$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A number in exponent form without trailing zeros of its mantissa.
+fn short(text: &str) -> String {
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((text, "0"));
+    format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
+}
+
+/// A check as an object of JSON.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct CheckFields {
+    quantity: String,
+    assertion: String,
+    values: Vec<f64>,
+    holds: bool,
+}
+
+impl From<&Check> for CheckFields {
+    fn from(check: &Check) -> Self {
+        Self {
+            quantity: check.quantity.clone(),
+            assertion: check.assertion(),
+            values: check.values.clone(),
+            holds: check.holds(),
+        }
+    }
+}

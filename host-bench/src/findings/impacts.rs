@@ -1,0 +1,109 @@
+//! Impacts and periodicity of contact-separation: findings 37 to 39; the parasitic capacitance: finding 42.
+
+use super::scenes::{Changes, each_of, run, scene, value};
+use super::statistics::spread;
+use super::{Bound, Check, Measured};
+use crate::method::{Failure, Options};
+use crate::outcome::ContactSeparationOutcome;
+use crate::run::run_scene;
+
+/// 50 µC/m² at 100 MΩ, at a frequency in Hz.
+fn at(frequency_hz: &str) -> [(&str, &str); 3] {
+    [
+        ("parameters.charge_density_c_per_m2", "50e-6"),
+        ("load.resistance_ohm", "1e8"),
+        ("excitation.frequency_hz", frequency_hz),
+    ]
+}
+
+/// The numbers of a window of 20 s after 10 s: at the left edge of the band it has 16 impacts only.
+fn motion(frequency_hz: &str) -> Result<ContactSeparationOutcome, Failure> {
+    let longer: Changes<'_> = &[("run.duration_s", "30")];
+    let outcome = run("contact-separation", &[&at(frequency_hz)[..], longer].concat())?;
+    outcome
+        .contact_separation()
+        .cloned()
+        .ok_or_else(|| Failure::Input("a contact-separation scene must be run".to_owned()))
+}
+
+/// Spread in µm of the gap once a period, over the last 100 periods of a run of `duration_s` seconds.
+fn stroboscopic_spread(frequency_hz: &str, duration_s: &str) -> Result<f64, Failure> {
+    let run: Changes<'_> = &[("run.duration_s", duration_s), ("run.settle_s", "0")];
+    let scene = scene("contact-separation", &[&at(frequency_hz)[..], run].concat())?;
+    let period_s = scene.excitation.single_frequency().map(f64::recip);
+    let outcome = run_scene(&scene, &Options { trace_every_s: period_s, ..Options::default() })?;
+    let rows = outcome.trace.map(|trace| trace.rows).unwrap_or_default();
+    let last = rows.len().saturating_sub(100);
+    Ok(1e6 * spread(rows[last..].iter().map(|row| row.get(1).copied().unwrap_or(f64::NAN))))
+}
+
+/// Findings 37 to 39.
+pub(super) fn measure() -> Result<Measured, Failure> {
+    let [below, first, near_last, above] =
+        each_of(["18.83", "18.84", "20.15", "20.2"], |frequency| motion(frequency))?;
+    let per_period = |motion: &ContactSeparationOutcome| value(motion.impacts_per_period);
+    let speed = |motion: &ContactSeparationOutcome| value(motion.max_impact_speed_m_per_s);
+    let [before, chaotic, periodic, after] = each_of(
+        [("18.8", "40"), ("19.2", "15"), ("19.8", "15"), ("20.3", "15")],
+        |(frequency, duration)| stroboscopic_spread(frequency, duration),
+    )?;
+    Ok(vec![
+        (
+            "37",
+            vec![
+                Check::new("impacts per period at 18.83 Hz", [per_period(&below)], Bound::Is(0.0)),
+                Check::new("at 18.84 Hz", [per_period(&first)], Bound::Within(1e-3, 0.2)),
+            ],
+        ),
+        (
+            "38",
+            vec![
+                Check::new(
+                    "impacts per period at 20.15 Hz",
+                    [per_period(&near_last)],
+                    Bound::Within(0.9, 1.1),
+                ),
+                Check::new(
+                    "largest impact speed, 20.15 / 18.84 Hz",
+                    [speed(&near_last) / speed(&first)],
+                    Bound::Above(1.1),
+                ),
+                Check::new("impacts per period at 20.20 Hz", [per_period(&above)], Bound::Is(0.0)),
+            ],
+        ),
+        (
+            "39",
+            vec![
+                Check::new("gap once a period at 18.8 Hz: spread [µm]", [before], Bound::Below(0.1)),
+                Check::new("at 19.2 Hz [µm]", [chaotic], Bound::Above(100.0)),
+                Check::new("at 19.8 Hz [µm]", [periodic], Bound::Below(1.0)),
+                Check::new("at 20.3 Hz [µm]", [after], Bound::Below(10.0)),
+            ],
+        ),
+    ])
+}
+
+/// Finding 42.
+pub(super) fn measure_parasitic() -> Result<Measured, Failure> {
+    let changes = each_of(["1e6", "1e8", "1e9"], |resistance| {
+        let [without, with] = each_of(["0", "1e-12"], |capacitance| {
+            let changes = [
+                ("parameters.force_law", "gap-field"),
+                ("parameters.parasitic_capacitance_f", *capacitance),
+                ("excitation.frequency_hz", "20.5"),
+                ("load.resistance_ohm", *resistance),
+            ];
+            Ok(value(run("contact-separation", &changes)?.rms_voltage_v))
+        })?;
+        Ok((with / without - 1.0).abs())
+    })?;
+    let [low, _, high] = changes;
+    Ok(vec![(
+        "42",
+        vec![
+            Check::new("change of the RMS voltage by 1 pF, 1 MΩ to 1 GΩ", changes, Bound::Rises),
+            Check::new("at 1 MΩ", [low], Bound::Below(5e-3)),
+            Check::new("at 1 GΩ", [high], Bound::Above(0.05)),
+        ],
+    )])
+}

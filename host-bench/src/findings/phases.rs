@@ -1,0 +1,453 @@
+//! Contact and open phases of the second paper: findings 1 to 13.
+
+use super::sampling::{EVERY_S, History, Sample, stop};
+use super::scenes::{Changes, NEAR_RESONANCE, PAPER, each_of, scene};
+use super::statistics::{correlation, largest, mean, median, root_mean_square, share_above, smallest};
+use super::{Bound, Check, Measured};
+use crate::embedded::{ContactInterval, contact_intervals};
+use crate::method::{Failure, Options};
+use crate::scene_file::modes::BumpStopModes;
+use crate::scene_file::{Excitation, Model};
+
+/// Longest pause within a chattering phase, in periods.
+const PAUSE: f64 = 0.125;
+/// Time before and after a contact that belongs to the contact phase, in periods.
+const MARGIN: f64 = 0.0625;
+/// Length in s of the samples whose spectrum is taken: whole periods of 44 and of 220 Hz.
+const SPECTRUM_S: f64 = 0.25;
+/// Lowest frequency in Hz of the high part of the spectrum: five times the first natural frequency.
+const HIGH_HZ: f64 = 1200.0;
+/// Opening in m above which beam and rod are apart at every instant of a step.
+const APART_M: f64 = 1e-7;
+
+/// The contacts of a run, grouped by the pauses between them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Phases {
+    contacts: Vec<ContactInterval>,
+    period_s: f64,
+}
+
+impl Phases {
+    pub(super) fn new(contacts: Vec<ContactInterval>, period_s: f64) -> Self {
+        Self { contacts, period_s }
+    }
+
+    /// The chattering phases: contacts less than an eighth of a period apart.
+    fn chattering(&self) -> impl Iterator<Item = &[ContactInterval]> {
+        let pause_s = PAUSE * self.period_s;
+        self.contacts.chunk_by(move |one, next| next.begins_s - one.ends_s < pause_s)
+    }
+
+    /// First and last instant in s of each chattering phase.
+    pub(super) fn spans(&self) -> Vec<[f64; 2]> {
+        let span = |phase: &[ContactInterval]| {
+            Some([phase.first()?.begins_s, largest(phase.iter().map(|contact| contact.ends_s))])
+        };
+        self.chattering().filter_map(span).collect()
+    }
+
+    /// Numbers of contacts of the chattering phases.
+    fn counts(&self) -> impl Iterator<Item = f64> {
+        self.chattering().map(|phase| phase.len() as f64)
+    }
+
+    /// Longest contact over the length of its chattering phase: the median over the phases.
+    fn longest_share(&self) -> f64 {
+        let longest = self.chattering().map(|phase| largest(phase.iter().map(ContactInterval::length_s)));
+        let spans = self.spans();
+        median(longest.zip(&spans).map(|(longest, [from, to])| longest / (to - from)))
+    }
+
+    /// Least number of chattering phases that begin in a period, of those from one instant to another in s.
+    fn least_in_a_period(&self, from_s: f64, to_s: f64) -> f64 {
+        let periods = ((to_s - from_s) / self.period_s).round() as usize;
+        let mut counts = vec![0.0; periods];
+        for [begins, _] in self.spans() {
+            let period = ((begins - from_s) / self.period_s) as usize;
+            counts.iter_mut().skip(period).take(1).for_each(|count| *count += 1.0);
+        }
+        smallest(counts.into_iter())
+    }
+
+    /// Whether each of some rising instants in s is in a contact phase.
+    pub(super) fn contains(&self, instants: impl Iterator<Item = f64>) -> Vec<bool> {
+        let margin = MARGIN * self.period_s;
+        let mut rest = &self.contacts[..];
+        let is_near = |instant: f64| {
+            while let [first, later @ ..] = rest
+                && first.ends_s + margin < instant
+            {
+                rest = later;
+            }
+            rest.first().is_some_and(|contact| contact.begins_s - margin <= instant)
+        };
+        instants.map(is_near).collect()
+    }
+}
+
+/// Voltages with and without a stop, over the contact phases and over the open phases.
+struct Compared {
+    /// RMS voltage over that without the stop.
+    contact_ratio: f64,
+    open_ratio: f64,
+    open_correlation: f64,
+}
+
+impl Compared {
+    fn new(with: &History, without: &History) -> Self {
+        let near = with.phases().contains(with.samples.iter().map(|sample| sample.time_s));
+        let pairs = |wanted: bool| {
+            let both = with.samples.iter().zip(&without.samples).zip(&near);
+            both.filter(move |(_, near)| **near == wanted)
+                .map(|((with, without), _)| (with.voltage_v, without.voltage_v))
+        };
+        let ratio = |wanted: bool| {
+            root_mean_square(pairs(wanted).map(|pair| pair.0))
+                / root_mean_square(pairs(wanted).map(|pair| pair.1))
+        };
+        Self {
+            contact_ratio: ratio(true),
+            open_ratio: ratio(false),
+            open_correlation: correlation(pairs(false)),
+        }
+    }
+}
+
+/// Runs of three scenes: the stop at the tip, at mid-span, and none.
+fn histories(names: [&str; 3], changes: Changes<'_>) -> Result<[History; 3], Failure> {
+    each_of(names, |name| History::of(scene(name, changes)?))
+}
+
+/// Contacts of the scenes with a stop.
+fn phases_of(names: &[&str; 3], changes: Changes<'_>) -> Result<[Phases; 2], Failure> {
+    let [tip, mid, _] = *names;
+    each_of([tip, mid], |name| {
+        let scene = scene(name, changes)?;
+        let period_s = scene.excitation.single_frequency().map_or(f64::NAN, f64::recip);
+        Ok(Phases::new(contact_intervals(&scene, &Options::default())?, period_s))
+    })
+}
+
+/// Findings 1 to 13.
+pub(super) fn measure() -> Result<Measured, Failure> {
+    let paper = histories(PAPER, &[])?;
+    // 110 periods after 110.
+    let near = histories(NEAR_RESONANCE, &[("run.duration_s", "1.0")])?;
+    let light = phases_of(&PAPER, &[("parameters.damping_ratio", "0.001"), ("stop.gap_m", "5e-6")])?;
+    let mut measured = chatter([&paper[0], &paper[1]], [&near[0], &near[1]], &light)?;
+    measured.extend(voltages(&paper, &near));
+    Ok(measured)
+}
+
+/// Findings 1 to 6: contacts, forces and displacements.
+fn chatter(paper: [&History; 2], near: [&History; 2], light: &[Phases; 2]) -> Result<Measured, Failure> {
+    let [of_paper, of_near] = [paper, near].map(|pair| pair.map(History::phases));
+    let least = |history: &History| {
+        history.phases().least_in_a_period(history.scene.run.settle_s, history.scene.run.duration_s)
+    };
+    let pair = |of: fn(&History) -> f64, pair: [&History; 2]| pair.map(of).to_vec();
+    let shares = |of: &[Phases; 2]| of.each_ref().map(Phases::longest_share).to_vec();
+    let counts = |of: &[Phases; 2], pick: fn(&mut dyn Iterator<Item = f64>) -> f64| {
+        of.each_ref().map(|phases| pick(&mut phases.counts())).to_vec()
+    };
+    let [tip, mid] = paper;
+    let means = [mean_displacement_error(tip)?, mean_displacement_error(mid)?];
+    let lengths = |of: [&History; 2]| {
+        of.map(|history| 1e6 * median(history.contacts.iter().map(ContactInterval::length_s))).to_vec()
+    };
+    let second_period_us = 1e6 * second_period_s(tip)?;
+    Ok(vec![
+        (
+            "1",
+            vec![
+                Check::new(
+                    "fewest chattering phases in a period, tip and mid-span",
+                    paper.map(least),
+                    Bound::Above(0.5),
+                ),
+                Check::new("the same at 220 Hz", near.map(least), Bound::Above(0.5)),
+            ],
+        ),
+        (
+            "2",
+            vec![
+                Check::new("excess over the gap / amplitude", pair(excess, paper), Bound::Below(0.01)),
+                Check::new("the same at 220 Hz", pair(excess, near), Bound::Below(0.03)),
+            ],
+        ),
+        (
+            "3",
+            vec![
+                Check::new("least force [N]", pair(least_force, paper), Bound::AtLeast(0.0)),
+                Check::new("largest force with an open gap [N]", pair(force_apart, paper), Bound::Is(0.0)),
+                Check::new("mean displacement by the mean force, relative error", means, Bound::Below(1e-3)),
+            ],
+        ),
+        (
+            "4",
+            vec![
+                Check::new(
+                    "fewest contacts of a chattering phase",
+                    counts(&of_paper, |counts| smallest(counts)),
+                    Bound::Above(20.0),
+                ),
+                Check::new("longest contact / chattering phase", shares(&of_paper), Bound::Below(0.667)),
+                Check::new(
+                    "at 220 Hz: contacts of a phase, median",
+                    counts(&of_near, |counts| median(counts)),
+                    Bound::Above(10.0),
+                ),
+                Check::new("at 220 Hz: longest contact / phase", shares(&of_near), Bound::Below(0.2)),
+                Check::new(
+                    "damping ratio 0.001, gap 5 µm: longest / phase",
+                    shares(light),
+                    Bound::Below(0.2),
+                ),
+            ],
+        ),
+        (
+            "5",
+            vec![
+                Check::new(
+                    "largest displacement of the rod [m]",
+                    pair(rod_peak, paper),
+                    Bound::Within(2e-8, 3e-7),
+                ),
+                Check::new(
+                    "median distance in a phase [m]",
+                    pair(distance, paper),
+                    Bound::Within(2e-8, 3e-7),
+                ),
+                Check::new("at 220 Hz: rod [m]", pair(rod_peak, near), Bound::Within(2e-8, 3e-7)),
+                Check::new("at 220 Hz: distance [m]", pair(distance, near), Bound::Within(2e-8, 3e-7)),
+            ],
+        ),
+        (
+            "5a",
+            vec![Check::new(
+                "RMS of the free rod / its static motion",
+                pair(free_rod, paper),
+                Bound::Above(2.0),
+            )],
+        ),
+        (
+            "6",
+            vec![
+                Check::new("median contact [µs]", lengths(paper), Bound::Below(0.1 * second_period_us)),
+                Check::new("at 220 Hz [µs]", lengths(near), Bound::Below(0.1 * second_period_us)),
+            ],
+        ),
+    ])
+}
+
+/// Findings 7 to 13: voltage and power.
+fn voltages([tip, mid, none]: &[History; 3], near: &[History; 3]) -> Measured {
+    let compared = [tip, mid].map(|with| Compared::new(with, none));
+    let compared_near = [&near[0], &near[1]].map(|with| Compared::new(with, &near[2]));
+    let of = |compared: &[Compared; 2], pick: fn(&Compared) -> f64| compared.each_ref().map(pick).to_vec();
+    let high =
+        |histories: &[&History]| histories.iter().map(|history| high_share(history)).collect::<Vec<_>>();
+    let ratios = |of: fn(&History) -> f64, over: &History, histories: &[&History]| {
+        histories.iter().map(|history| of(history) / of(over)).collect::<Vec<_>>()
+    };
+    let list = |of: fn(&History) -> f64, histories: [&History; 3]| histories.map(of).to_vec();
+    let [near_tip, near_mid, near_none] = near.each_ref();
+    let (power, peak, rms) = (History::mean_power_w, History::peak_voltage_v, History::rms_voltage_v);
+    vec![
+        (
+            "7",
+            vec![
+                Check::new("power above 1200 Hz, tip and mid-span", high(&[tip, mid]), Bound::Above(1e-3)),
+                Check::new("at 220 Hz", high(&[near_tip, near_mid]), Bound::Above(1e-3)),
+                Check::new("without a stop, 44 and 220 Hz", high(&[none, near_none]), Bound::Below(1e-6)),
+            ],
+        ),
+        (
+            "8",
+            vec![
+                Check::new(
+                    "RMS voltage in contact / none",
+                    of(&compared, |of| of.contact_ratio),
+                    Bound::Below(0.75),
+                ),
+                Check::new("at 220 Hz", of(&compared_near, |of| of.contact_ratio), Bound::Below(0.75)),
+            ],
+        ),
+        (
+            "9",
+            vec![
+                Check::new(
+                    "RMS voltage out of contact / none",
+                    of(&compared, |of| of.open_ratio),
+                    Bound::Within(0.85, 1.1),
+                ),
+                Check::new(
+                    "correlation with none",
+                    of(&compared, |of| of.open_correlation),
+                    Bound::Above(0.9),
+                ),
+                Check::new("at 220 Hz: ratio", of(&compared_near, |of| of.open_ratio), Bound::Reported),
+            ],
+        ),
+        (
+            "10",
+            vec![
+                Check::new("mean power / none", ratios(power, none, &[tip, mid]), Bound::Below(0.7)),
+                Check::new("at 220 Hz", ratios(power, near_none, &[near_tip, near_mid]), Bound::Below(0.7)),
+            ],
+        ),
+        (
+            "11",
+            vec![
+                Check::new("peak voltage, mid-span / tip", ratios(peak, tip, &[mid]), Bound::Above(1.05)),
+                Check::new("at 220 Hz", ratios(peak, near_tip, &[near_mid]), Bound::Above(1.05)),
+            ],
+        ),
+        (
+            "12",
+            vec![
+                Check::new("mean power, mid-span / tip", ratios(power, tip, &[mid]), Bound::Above(1.2)),
+                Check::new("at 220 Hz", ratios(power, near_tip, &[near_mid]), Bound::Above(1.2)),
+            ],
+        ),
+        (
+            "13",
+            vec![
+                Check::new("RMS voltage [V]: tip, mid-span, none", list(rms, [tip, mid, none]), Bound::Rises),
+                Check::new("at 220 Hz [V]", list(rms, [near_tip, near_mid, near_none]), Bound::Rises),
+                Check::new(
+                    "peak voltage [V]: tip, mid-span, none",
+                    list(peak, [tip, mid, none]),
+                    Bound::Reported,
+                ),
+            ],
+        ),
+    ]
+}
+
+/// What no parameters tried reproduce: c and d.
+pub(super) fn measure_not_reproduced() -> Result<Measured, Failure> {
+    let ([tip, mid, none], [wide_tip, wide_mid, wide_none]) = {
+        let (one, other) = rayon::join(|| histories(PAPER, &[("load.resistance_ohm", "1e6")]), wide_gap);
+        (one?, other?)
+    };
+    let open = |with: [&History; 2], none: &History| with.map(|with| Compared::new(with, none).open_ratio);
+    let shares = [&wide_tip, &wide_mid].map(|history| history.phases().longest_share());
+    let peaks = wide_mid.peak_voltage_v() / wide_tip.peak_voltage_v();
+    Ok(vec![
+        (
+            "c",
+            vec![Check::new(
+                "1 MΩ: RMS voltage out of contact / none",
+                open([&tip, &mid], &none),
+                Bound::Within(0.85, 1.1),
+            )],
+        ),
+        (
+            "d",
+            vec![
+                Check::new("gap 30 µm: longest contact / phase", shares, Bound::Below(0.2)),
+                Check::new(
+                    "gap 30 µm: RMS voltage out of contact / none",
+                    open([&wide_tip, &wide_mid], &wide_none),
+                    Bound::Within(0.85, 1.1),
+                ),
+                Check::new("gap 30 µm: peak voltage, mid-span / tip", [peaks], Bound::Above(1.05)),
+            ],
+        ),
+    ])
+}
+
+/// The runs with a gap of 30 µm; the one without a stop has none.
+fn wide_gap() -> Result<[History; 3], Failure> {
+    let [tip, mid, none] = PAPER;
+    let (wide, unchanged): (Changes<'_>, Changes<'_>) = (&[("stop.gap_m", "30e-6")], &[]);
+    each_of([(tip, wide), (mid, wide), (none, unchanged)], |(name, changes)| {
+        History::of(scene(name, changes)?)
+    })
+}
+
+/// By how much the beam at the stop passes the gap, over its largest displacement.
+fn excess(history: &History) -> f64 {
+    let places = || history.samples.iter().map(|sample| sample.stop_point_m);
+    (largest(places()) - history.gap_m()) / largest(places().map(f64::abs))
+}
+
+fn least_force(history: &History) -> f64 {
+    smallest(history.samples.iter().map(|sample| sample.force_n))
+}
+
+/// Largest force where beam and rod are apart.
+fn force_apart(history: &History) -> f64 {
+    let gap = history.gap_m();
+    let apart = |sample: &&Sample| sample.stop_point_m - sample.rod_m - gap < -APART_M;
+    largest(history.samples.iter().filter(apart).map(|sample| sample.force_n))
+}
+
+/// Relative error of `⟨y(X_c)⟩ = −⟨F⟩ Σ φ²/ω²`, which holds over a stationary motion with a resistor.
+fn mean_displacement_error(history: &History) -> Result<f64, Failure> {
+    let modes = modes(history)?;
+    let compliance: f64 = modes.beam.iter().map(|mode| (mode.at_stop / mode.angular_frequency).powi(2)).sum();
+    let predicted = -history.mean_force_n()? * compliance;
+    let found = mean(history.samples.iter().map(|sample| sample.stop_point_m));
+    Ok((found / predicted - 1.0).abs())
+}
+
+fn modes(history: &History) -> Result<BumpStopModes, Failure> {
+    match &history.scene.model {
+        Model::BumpStop(model) => Ok(BumpStopModes::new(&model.parameters, model.stop.as_ref())),
+        Model::ContactSeparation(_) | Model::Sliding(_) => {
+            Err(Failure::of_file(&history.scene, "scene must be \"bump-stop\" here"))
+        }
+    }
+}
+
+/// Period in s of the second bending mode.
+fn second_period_s(history: &History) -> Result<f64, Failure> {
+    let [_, second, ..] = modes(history)?.beam[..] else {
+        return Err(Failure::of_file(&history.scene, "parameters.beam_modes must be at least 2 here"));
+    };
+    Ok(std::f64::consts::TAU / second.angular_frequency)
+}
+
+fn rod_peak(history: &History) -> f64 {
+    largest(history.samples.iter().map(|sample| sample.rod_m.abs()))
+}
+
+/// Median distance in m of the beam from the rest position of the rod within the chattering phases.
+fn distance(history: &History) -> f64 {
+    let spans = history.phases().spans();
+    let mut rest = &spans[..];
+    let is_within = |sample: &&Sample| {
+        while let [[_, ends], later @ ..] = rest
+            && *ends < sample.time_s
+        {
+            rest = later;
+        }
+        rest.first().is_some_and(|[begins, _]| *begins <= sample.time_s)
+    };
+    let gap = history.gap_m();
+    median(history.samples.iter().filter(is_within).map(|sample| (sample.stop_point_m - gap).abs()))
+}
+
+/// RMS displacement of the rod without a force in the contact phases, over that of its face under the peak acceleration
+/// of the base at rest, `ρ a L²/2E`.
+fn free_rod(history: &History) -> f64 {
+    let near = history.phases().contains(history.samples.iter().map(|sample| sample.time_s));
+    let free = history.samples.iter().zip(near).filter(|(sample, near)| *near && sample.force_n == 0.0);
+    let acceleration = match &history.scene.excitation {
+        Excitation::Sine(tone) => tone.amplitude_m_per_s2,
+        Excitation::Sines(_) | Excitation::File(_) | Excitation::Silence => f64::NAN,
+    };
+    let still = stop(&history.scene).map_or(f64::NAN, |stop| {
+        0.5 * stop.density_kg_per_m3 * acceleration * stop.length_m.powi(2) / stop.young_modulus_pa
+    });
+    root_mean_square(free.map(|(sample, _)| sample.rod_m)) / still
+}
+
+/// Part of the power of the voltage above 1200 Hz.
+fn high_share(history: &History) -> f64 {
+    let count = (SPECTRUM_S / EVERY_S).round() as usize;
+    let voltages: Vec<f64> = history.samples.iter().take(count).map(|sample| sample.voltage_v).collect();
+    share_above(&voltages, EVERY_S, HIGH_HZ)
+}

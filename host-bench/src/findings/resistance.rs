@@ -1,0 +1,249 @@
+//! The resonance of the sliding harvester over charge density and resistance: findings 21 to 30.
+
+use super::scenes::{Changes, each, scene, value};
+use super::statistics::{largest, smallest, spread};
+use super::{Bound, Check, Measured};
+use crate::embedded::resonance_peak;
+use crate::method::{Failure, Options};
+use crate::run::run_scene;
+use crate::scene_file::{Model, Scene};
+use crate::steady_state::DEFAULT_POINTS;
+
+/// Charge densities in C/m² of the first sweep.
+const CHARGE_DENSITIES: [&str; 8] = ["0", "10e-6", "20e-6", "40e-6", "60e-6", "80e-6", "100e-6", "120e-6"];
+/// Resistances in Ω.
+const RESISTANCES: [&str; 10] = ["0", "1e6", "5e6", "1e7", "2e7", "5e7", "1e8", "2e8", "1e9", "1e10"];
+/// Range in Hz of the resonance; with the largest charge and base acceleration it begins lower.
+const RANGE_HZ: [f64; 2] = [18.28, 18.42];
+const WIDE_RANGE_HZ: [f64; 2] = [18.1, 18.45];
+/// Keys.
+const CHARGE_DENSITY: &str = "parameters.charge_density_c_per_m2";
+const RESISTANCE: &str = "load.resistance_ohm";
+const AMPLITUDE: &str = "excitation.amplitude_g";
+
+/// The peak of the steady state over frequency.
+struct Peak {
+    /// Its frequency less the natural frequency, in mHz.
+    shift_mhz: f64,
+    amplitude_mm: f64,
+    /// Largest RMS voltage in V.
+    rms_voltage_v: f64,
+}
+
+fn peak(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Peak, Failure> {
+    let scene = scene("sliding", changes)?;
+    let natural_hz = natural_frequency_hz(&scene)?;
+    let (found, _) = resonance_peak(&scene, range_hz, DEFAULT_POINTS, &Options::default())?;
+    let found = found.ok_or_else(|| Failure::of_file(&scene, "no stable orbit of one period"))?;
+    Ok(Peak {
+        shift_mhz: 1e3 * (found.amplitude.frequency_hz - natural_hz),
+        amplitude_mm: 1e3 * found.amplitude.value,
+        rms_voltage_v: found.rms_voltage.value,
+    })
+}
+
+fn natural_frequency_hz(scene: &Scene) -> Result<f64, Failure> {
+    match &scene.model {
+        Model::Sliding(model) => Ok(model.parameters.natural_frequency_hz()),
+        Model::ContactSeparation(_) | Model::BumpStop(_) => {
+            Err(Failure::of_file(scene, "scene must be \"sliding\" here"))
+        }
+    }
+}
+
+/// The peaks over the resistances.
+fn over_resistance(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Vec<Peak>, Failure> {
+    each(&RESISTANCES, |resistance| peak(&[changes, &[(RESISTANCE, *resistance)]].concat(), range_hz))
+}
+
+fn amplitudes(peaks: &[Peak]) -> Vec<f64> {
+    peaks.iter().map(|peak| peak.amplitude_mm).collect()
+}
+
+fn shifts(peaks: &[Peak]) -> Vec<f64> {
+    peaks.iter().map(|peak| peak.shift_mhz).collect()
+}
+
+/// The last value over the first.
+fn last_over_first(values: &[f64]) -> f64 {
+    value(values.last().zip(values.first()).map(|(last, first)| last / first))
+}
+
+/// Index of the smallest value.
+fn lowest(values: &[f64]) -> usize {
+    (0..values.len()).min_by(|one, other| values[*one].total_cmp(&values[*other])).unwrap_or(0)
+}
+
+/// Findings 21 to 24: more charge at 100 MΩ.
+pub(super) fn measure_charge() -> Result<Measured, Failure> {
+    let peaks = each(&CHARGE_DENSITIES, |density| {
+        peak(&[(CHARGE_DENSITY, *density), (RESISTANCE, "1e8")], RANGE_HZ)
+    })?;
+    let away = each(&["0", "120e-6"], |density| {
+        let changes = [(CHARGE_DENSITY, *density), (RESISTANCE, "1e8"), ("excitation.frequency_hz", "16.0")];
+        let options = Options { steady_state: true, ..Options::default() };
+        let outcome = run_scene(&scene("sliding", &changes)?, &options)?;
+        Ok(value(outcome.sliding().and_then(|found| found.amplitude_m)))
+    })?;
+    let (amplitudes, shifts) = (amplitudes(&peaks), shifts(&peaks));
+    let voltages: Vec<f64> = peaks.iter().map(|peak| peak.rms_voltage_v).collect();
+    let ratio = last_over_first(&amplitudes);
+    Ok(vec![
+        (
+            "21",
+            vec![
+                Check::new("peak amplitude [mm], 0 to 120 µC/m²", amplitudes, Bound::Falls),
+                Check::new("last / first", [ratio], Bound::Below(0.6)),
+            ],
+        ),
+        (
+            "22",
+            vec![
+                Check::new("resonance less natural frequency [mHz]", shifts.clone(), Bound::Falls),
+                Check::new("the same [mHz]", [smallest(shifts.into_iter())], Bound::Above(-50.0)),
+            ],
+        ),
+        ("23", vec![Check::new("largest RMS voltage [V], 0 to 120 µC/m²", voltages, Bound::Rises)]),
+        (
+            "24",
+            vec![
+                Check::new("amplitude at resonance, 120 / 0 µC/m²", [ratio], Bound::Below(0.6)),
+                Check::new("the same at 16 Hz", [last_over_first(&away)], Bound::Above(0.98)),
+            ],
+        ),
+    ])
+}
+
+/// Findings 25 and 26: small charge over resistance.
+pub(super) fn measure_small_charge() -> Result<Measured, Failure> {
+    let peaks = over_resistance(&[(CHARGE_DENSITY, "20e-6")], RANGE_HZ)?;
+    let (amplitudes, shifts) = (amplitudes(&peaks), shifts(&peaks));
+    let moved = largest(shifts.iter().map(|shift| (shift - shifts[0]).abs()));
+    let at = lowest(&shifts);
+    Ok(vec![
+        (
+            "25",
+            vec![
+                Check::new(
+                    "amplitude at resonance, 10 GΩ / 0 Ω",
+                    [last_over_first(&amplitudes)],
+                    Bound::Within(0.97, 0.99),
+                ),
+                Check::new("largest move of the resonance from 0 Ω [mHz]", [moved], Bound::Below(2.0)),
+            ],
+        ),
+        ("26", least_inside(shifts, at)),
+    ])
+}
+
+/// That the smallest shift is inside the range of resistances.
+fn least_inside(shifts: Vec<f64>, at: usize) -> Vec<Check> {
+    let ends = [shifts.first(), shifts.last()].map(|end| end.map_or(f64::NAN, |end| end - shifts[at]));
+    vec![
+        Check::new("shift at 0 Ω and at 10 GΩ less the least [mHz]", ends, Bound::Above(0.1)),
+        Check::new("shift [mHz], 0 Ω to 10 GΩ", shifts, Bound::Reported),
+    ]
+}
+
+/// Findings 27 to 30, and a: large charge over resistance.
+pub(super) fn measure_large_charge() -> Result<Measured, Failure> {
+    let large: Changes<'_> = &[(CHARGE_DENSITY, "200e-6"), (AMPLITUDE, "0.8")];
+    let swapped: Changes<'_> = &[
+        (CHARGE_DENSITY, "200e-6"),
+        (AMPLITUDE, "0.8"),
+        ("parameters.static_friction_active", "0.25"),
+        ("parameters.static_friction_inert", "0.35"),
+        ("parameters.kinetic_friction_active", "0.20"),
+        ("parameters.kinetic_friction_inert", "0.30"),
+    ];
+    let cases: [(Changes<'_>, [f64; 2]); 3] =
+        [(&[(CHARGE_DENSITY, "120e-6")], RANGE_HZ), (large, WIDE_RANGE_HZ), (swapped, WIDE_RANGE_HZ)];
+    let peaks = each(&cases, |(changes, range)| over_resistance(changes, *range))?;
+    let [shipped, large, swapped] = &peaks[..] else { return Ok(Vec::new()) };
+    let all = [shipped, large, swapped].map(|peaks| amplitudes(peaks));
+    let rises =
+        all.each_ref().map(|amplitudes| 100.0 * (largest(amplitudes.iter().copied()) / amplitudes[0] - 1.0));
+    let pair = [shipped, large];
+    let falls = pair.map(|peaks| last_over_first(&amplitudes(peaks)));
+    let levels = pair.map(|peaks| match amplitudes(peaks)[..] {
+        [.., before, last] => (before / last - 1.0).abs(),
+        _ => f64::NAN,
+    });
+    // From the resonance's least frequency to the ends, in amplitude.
+    let between = pair.map(|peaks| {
+        let (amplitudes, at) = (amplitudes(peaks), lowest(&shifts(peaks)));
+        let ends = [amplitudes[0], amplitudes[amplitudes.len() - 1]];
+        (amplitudes[at] - smallest(ends.into_iter())) / spread(ends.into_iter())
+    });
+    let beyond = pair.map(|peaks| last_less_first(&shifts(peaks)));
+    let half_width_mhz = half_width_mhz()?;
+    let width = pair.map(|peaks| spread(shifts(peaks).into_iter()) / half_width_mhz);
+    let drops = falls.map(|fall| 1.0 - fall);
+    let inside = shifts(shipped);
+    let at = lowest(&inside);
+    let [_, large_rise, swapped_rise] = rises;
+    Ok(vec![
+        (
+            "27",
+            [
+                least_inside(inside, at),
+                vec![Check::new(
+                    "amplitude at the least: place between the ends, 120 and 200 µC/m²",
+                    between,
+                    Bound::Within(0.05, 0.95),
+                )],
+            ]
+            .concat(),
+        ),
+        (
+            "28",
+            vec![Check::new(
+                "shift at 10 GΩ less at 0 Ω [mHz], 120 and 200 µC/m²",
+                beyond,
+                Bound::Above(0.0),
+            )],
+        ),
+        (
+            "29",
+            vec![
+                Check::new(
+                    "rise of the amplitude over 0 Ω [%], 120, 200 µC/m², swapped",
+                    rises,
+                    Bound::Above(0.02),
+                ),
+                Check::new("amplitude at 10 GΩ / at 0 Ω", falls, Bound::Below(0.97)),
+                Check::new("change from 1 to 10 GΩ", levels, Bound::Below(1e-2)),
+            ],
+        ),
+        (
+            "30",
+            vec![
+                Check::new("200 µC/m²: width of the loop / 2ζf", [width[1]], Bound::Above(0.5)),
+                Check::new("200 µC/m²: drop of the amplitude", [drops[1]], Bound::Above(0.05)),
+                Check::new("120 µC/m²: width and drop", [width[0], drops[0]], Bound::Reported),
+            ],
+        ),
+        (
+            "a",
+            vec![Check::new(
+                "rise of the amplitude over 0 Ω [%], 200 µC/m², swapped",
+                [large_rise, swapped_rise],
+                Bound::Above(1.0),
+            )],
+        ),
+    ])
+}
+
+fn last_less_first(values: &[f64]) -> f64 {
+    value(values.last().zip(values.first()).map(|(last, first)| last - first))
+}
+
+/// `2ζf` of the sliding scene in mHz.
+fn half_width_mhz() -> Result<f64, Failure> {
+    let scene = scene("sliding", &[])?;
+    let natural_hz = natural_frequency_hz(&scene)?;
+    match &scene.model {
+        Model::Sliding(model) => Ok(2e3 * model.parameters.damping_ratio * natural_hz),
+        Model::ContactSeparation(_) | Model::BumpStop(_) => Ok(f64::NAN),
+    }
+}

@@ -1,0 +1,99 @@
+//! The sampled motion and the contacts of a bump-stop run over its measuring window.
+
+use super::phases::Phases;
+use super::scenes::{bump_stop, value};
+use crate::embedded::{ContactInterval, contact_intervals};
+use crate::method::{Failure, Options};
+use crate::outcome::Outcome;
+use crate::run::run_scene;
+use crate::scene_file::{Model, Scene, StopParameters};
+
+/// Distance of the samples in s.
+pub(super) const EVERY_S: f64 = 1e-5;
+
+/// One sample of the motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub(super) time_s: f64,
+    /// Displacement in m of the beam at the stop, and of the rod's face.
+    pub(super) stop_point_m: f64,
+    pub(super) rod_m: f64,
+    pub(super) voltage_v: f64,
+    pub(super) force_n: f64,
+}
+
+/// A run of a scene with its samples in the measuring window.
+pub(super) struct History {
+    pub(super) scene: Scene,
+    pub(super) outcome: Outcome,
+    pub(super) samples: Vec<Sample>,
+    /// Contacts that begin in the window.
+    pub(super) contacts: Vec<ContactInterval>,
+}
+
+impl History {
+    /// Runs the scene by the default method.
+    pub(super) fn of(scene: Scene) -> Result<Self, Failure> {
+        let options = Options::default();
+        let contacts = match stop(&scene) {
+            Some(_) => contact_intervals(&scene, &options)?,
+            None => Vec::new(),
+        };
+        let mut outcome = run_scene(&scene, &Options { trace_every_s: Some(EVERY_S), ..options })?;
+        let rows = outcome.trace.take().map(|trace| trace.rows).unwrap_or_default();
+        let sample = |row: &Vec<f64>| match row[..] {
+            [time_s, _, stop_point_m, rod_m, voltage_v, force_n, ..] => {
+                Some(Sample { time_s, stop_point_m, rod_m, voltage_v, force_n })
+            }
+            _ => None,
+        };
+        // Whole periods: the window without its last instant.
+        let (from, to) = (scene.run.settle_s - 0.5 * EVERY_S, scene.run.duration_s - 0.5 * EVERY_S);
+        let samples =
+            rows.iter().filter_map(sample).filter(|sample| (from..to).contains(&sample.time_s)).collect();
+        Ok(Self { scene, outcome, samples, contacts })
+    }
+
+    /// Period of the base in s.
+    pub(super) fn period_s(&self) -> f64 {
+        self.scene.excitation.single_frequency().map_or(f64::NAN, f64::recip)
+    }
+
+    /// The contact phases.
+    pub(super) fn phases(&self) -> Phases {
+        Phases::new(self.contacts.clone(), self.period_s())
+    }
+
+    /// Gap at rest in m; not-a-number without a stop.
+    pub(super) fn gap_m(&self) -> f64 {
+        stop(&self.scene).map_or(f64::NAN, |stop| stop.gap_m)
+    }
+
+    /// Peak voltage in V.
+    pub(super) fn peak_voltage_v(&self) -> f64 {
+        value(self.outcome.peak_voltage_v)
+    }
+
+    /// RMS voltage in V.
+    pub(super) fn rms_voltage_v(&self) -> f64 {
+        value(self.outcome.rms_voltage_v)
+    }
+
+    /// Mean power in W.
+    pub(super) fn mean_power_w(&self) -> f64 {
+        value(self.outcome.mean_power_w)
+    }
+
+    /// Mean contact force in N.
+    pub(super) fn mean_force_n(&self) -> Result<f64, Failure> {
+        Ok(value(bump_stop(&self.outcome)?.mean_force_n))
+    }
+}
+
+/// The stop of a bump-stop scene.
+pub(super) fn stop(scene: &Scene) -> Option<&StopParameters> {
+    match &scene.model {
+        Model::BumpStop(model) => model.stop.as_ref(),
+        Model::ContactSeparation(_) | Model::Sliding(_) => None,
+    }
+}

@@ -1,0 +1,85 @@
+use super::statistics::{correlation, median, share_above};
+use super::*;
+
+#[test]
+fn every_finding_is_measured_by_one_experiment() {
+    for finding in &FINDINGS {
+        let of = EXPERIMENTS.iter().filter(|experiment| experiment.numbers.contains(&finding.number)).count();
+        assert_eq!(of, 1, "{}", finding.number);
+        assert!(finding.statement.ends_with('.'), "{}", finding.statement);
+    }
+    let numbers: usize = EXPERIMENTS.iter().map(|experiment| experiment.numbers.len()).sum();
+    assert_eq!(numbers, FINDINGS.len());
+}
+
+#[test]
+fn a_number_that_is_not_in_the_list_is_refused() {
+    let refused = wanted(&["8".to_owned(), "44".to_owned()]).expect_err("there is no 44");
+    assert!(refused.to_string().starts_with("--only 44: must be of 1, 2"), "{refused}");
+    let order: Vec<&str> = wanted(&["9".to_owned(), "8".to_owned()])
+        .expect("both are in the list")
+        .iter()
+        .map(|finding| finding.number)
+        .collect();
+    assert_eq!(order, ["8", "9"]);
+}
+
+/// The mark follows from the checks: one that fails changes it, in both directions.
+#[test]
+fn the_mark_is_that_of_the_checks() {
+    let of = |number: &str, value: f64| {
+        let finding = FINDINGS.iter().find(|finding| finding.number == number).expect("in the list");
+        let checks = [1.0, value].map(|value| Check::new("", [value], Bound::Below(2.0)));
+        Row { finding, checks: checks.to_vec() }
+    };
+    for (number, expected) in [("8", Mark::Shown), ("9", Mark::Chosen)] {
+        assert!(of(number, 1.5).mark() == expected && of(number, 1.5).is_as_expected());
+        assert!(of(number, 2.5).mark() == Mark::NotShown && !of(number, 2.5).is_as_expected());
+        assert!(!of(number, f64::NAN).is_as_expected());
+    }
+    assert!(of("b", 2.5).is_as_expected() && !of("b", 1.5).is_as_expected());
+}
+
+#[test]
+fn a_bound_holds_for_every_value() {
+    for (bound, holding, failing, text) in [
+        (Bound::Above(0.5), [0.6, 0.7], [0.6, 0.5], "> 0.5"),
+        (Bound::AtLeast(0.0), [0.0, 1.0], [0.0, -1e-300], ">= 0"),
+        (Bound::Is(0.0), [0.0, 0.0], [0.0, 1e-300], "= 0"),
+        (Bound::Below(1e-12), [0.0, -1.0], [0.0, 1e-12], "< 1e-12"),
+        (Bound::Within(0.85, 1.1), [0.85, 1.1], [0.84, 1.0], "0.85 to 1.1"),
+        (Bound::Falls, [2.0, 1.0], [1.0, 1.0], "falls"),
+        (Bound::Rises, [1.0, 2.0], [1.0, 1.0], "rises"),
+        (Bound::Reported, [1.0, 2.0], [f64::NAN, 1.0], ""),
+    ] {
+        assert!(Check::new("", holding, bound).holds(), "{bound:?}");
+        assert_eq!(Check::new("", failing, bound).holds(), bound == Bound::Reported, "{bound:?}");
+        assert_eq!(Check::new("", holding, bound).assertion(), text);
+    }
+    let shown = Check::new("", [0.0, 1.23456, -39.8131, 1234.56, 1.2e-7, 245.1799], Bound::Reported).shown();
+    assert_eq!(shown, "0, 1.235, -39.81, 1235, 1.2e-7, 245.2");
+}
+
+#[test]
+fn the_share_of_high_frequencies_is_that_of_two_sines() {
+    let every_s = 1e-4;
+    let time = |index: u32| every_s * f64::from(index);
+    let sine = |frequency: f64, time: f64| (std::f64::consts::TAU * frequency * time).sin();
+    let samples: Vec<f64> =
+        (0..2500).map(|index| 3.0 + sine(44.0, time(index)) + 0.1 * sine(1500.0, time(index))).collect();
+    let share = share_above(&samples, every_s, 1200.0);
+    assert!((share - 0.01 / 1.01).abs() < 1e-9, "{share}");
+    assert!(share_above(&samples, every_s, 1600.0) < 1e-9);
+}
+
+#[test]
+fn correlation_and_median_have_their_known_values() {
+    let pairs = [(1.0, 2.0), (2.0, 4.0), (3.0, 6.0)];
+    assert!((correlation(pairs.into_iter()) - 1.0).abs() < 1e-12);
+    assert!((correlation(pairs.into_iter().map(|(x, y)| (x, -y + 7.0))) + 1.0).abs() < 1e-12);
+    // Σxy = 1·1 + 0·(−1) + (−1)·0 over √(2·2).
+    let half = [(1.0, 1.0), (0.0, -1.0), (-1.0, 0.0)];
+    assert!((correlation(half.into_iter()) - 0.5).abs() < 1e-12);
+    assert_eq!(median([5.0, 1.0, 3.0].into_iter()), 3.0);
+    assert!(median(std::iter::empty()).is_nan());
+}
