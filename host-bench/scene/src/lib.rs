@@ -3,6 +3,7 @@
 pub mod base_motion;
 pub mod method;
 pub mod outcome;
+pub mod rainflow;
 pub mod root;
 pub mod scene_file;
 #[cfg(test)]

@@ -7,7 +7,7 @@ mod format;
 use serde::Serialize;
 
 pub use self::accuracy::Accuracy;
-pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome};
+pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome, ClampOutcome};
 pub use self::format::Format;
 pub use self::format::{
     Fields, cell, csv, csv_line, csv_sections, fields, name, number, optional_number, rows_csv, small, table,

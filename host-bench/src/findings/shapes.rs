@@ -3,7 +3,7 @@
 use model_core::part::monomorph::Monomorph;
 
 use super::phases::Phases;
-use super::scenes::{Changes, NEAR_RESONANCE, PAPER, each_of, scene};
+use super::scenes::{Changes, NEAR_RESONANCE, PAPER, bump_stop, each_of, run, scene, value};
 use super::statistics::{largest, mean};
 use super::{Bound, Check, Measured};
 use crate::embedded::{
@@ -16,8 +16,6 @@ use crate::scene_file::{Model, Scene};
 const STATIONS: usize = 60;
 /// Distance of the shapes in s.
 const EVERY_S: f64 = 5e-5;
-/// The same for the largest curvature at the clamp.
-const CLOSE_S: f64 = 5e-6;
 /// The window: 22 periods of 44 Hz after 22, 110 of 220 Hz after 110.
 const WINDOW: Changes<'static> = &[("run.settle_s", "0.5"), ("run.duration_s", "1.0")];
 
@@ -122,8 +120,8 @@ fn with_stop([tip, mid, _]: [&str; 3]) -> Result<[InContact; 2], Failure> {
 /// Largest curvature at the clamp with the stop at the tip and at mid-span over that without a stop.
 fn clamp_ratios(names: [&str; 3]) -> Result<[f64; 2], Failure> {
     let [tip, mid, none] = each_of(names, |name| {
-        let shapes = shapes(&scene(name, WINDOW)?, CLOSE_S, 1)?;
-        Ok(largest(shapes.iter().filter_map(|shape| Some(shape.points.first()?.curvature_per_m.abs()))))
+        let outcome = run(name, WINDOW)?;
+        Ok(value(bump_stop(&outcome)?.clamp.map(|clamp| clamp.clamp_curvature_peak_per_m)))
     })?;
     Ok([tip / none, mid / none])
 }

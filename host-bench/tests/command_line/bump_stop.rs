@@ -30,7 +30,9 @@ fn json_has_every_key_of_the_contract() {
                   peak_voltage_v mean_voltage_v delivered_energy_j energy_residual steps rejected_steps \
                   newton_iterations events wall_s accuracy warnings natural_frequencies_hz peak_tip_displacement_m \
                   peak_stop_point_displacement_m contacts contacts_per_period contact_fraction \
-                  first_contact_s peak_force_n mean_force_n";
+                  first_contact_s peak_force_n mean_force_n clamp_curvature_peak_per_m clamp_curvature_rms_per_m \
+                  clamp_strain_peak clamp_stress_peak_pa clamp_stress_rms_pa clamp_stress_largest_range_pa \
+                  clamp_stress_cycles piezo_clamp_strain_peak piezo_clamp_stress_peak_pa piezo_clamp_stress_rms_pa";
     assert_eq!(keys, wanted.split_whitespace().collect::<Vec<_>>());
     assert_eq!(found["scene"], "bump-stop");
     let frequencies = found["natural_frequencies_hz"].as_array().expect("a list");

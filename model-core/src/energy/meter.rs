@@ -129,13 +129,13 @@ pub struct Peak<S> {
 }
 
 impl<S: Scalar> Peak<S> {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { lowest: S::INFINITY, highest: -S::INFINITY }
     }
 
     /// Includes a step with the extrema inside it.
     #[inline]
-    fn include(&mut self, cubic: &Cubic<S>) {
+    pub(crate) fn include(&mut self, cubic: &Cubic<S>) {
         self.lowest = cubic.smallest().min(self.lowest);
         self.highest = cubic.largest().max(self.highest);
     }

@@ -55,6 +55,15 @@ impl<S: Scalar> Monomorph<S> {
             capacitance_per_length: permittivity * width / piezo.thickness,
         }
     }
+
+    /// Distances in m of the outer faces of substrate and piezoelectric layer from the neutral axis.
+    #[must_use]
+    pub fn outer_distances(substrate: &Layer<S>, piezo: &Layer<S>) -> [S; 2] {
+        let half = S::from_f64(0.5);
+        let [below, above] = [substrate, piezo].map(|layer| layer.young_modulus * layer.thickness);
+        let distance = half * (substrate.thickness + piezo.thickness) / (below + above);
+        [half * substrate.thickness + distance * above, half * piezo.thickness + distance * below]
+    }
 }
 
 #[cfg(test)]
@@ -75,6 +84,10 @@ mod tests {
         close(section.mass_per_length, 0.078_25, 1e-12);
         close(section.coupling, 4.714_285_71e-5, 1e-9);
         close(section.capacitance_per_length * 0.05, 15.93e-9, 1e-12);
+        // The neutral axis is 0.374060150 mm above the lower face.
+        let [below, above] = Monomorph::outer_distances(&substrate, &piezo);
+        close(below, 0.374_060_150e-3, 1e-8);
+        close(above, 0.625_939_850e-3, 1e-8);
     }
 
     #[test]

@@ -44,6 +44,7 @@
 
 mod choices;
 mod circuit;
+mod clamp;
 mod closed_form;
 mod contact_law;
 mod energies;
@@ -62,6 +63,7 @@ mod trial;
 
 pub use choices::{AnyChoices, AnyCoupling, Choices, OneWay, Parts, TwoWay};
 pub use circuit::{Circuit, Resistive};
+pub use clamp::{ClampBending, ClampMeter, Fibre};
 pub use contact_law::{AnyContact, DisplacementConstraint, NoStop, ResidualFlexibility, Restitution};
 pub use parameters::Parameters;
 pub use state::{Start, State, StateOf};

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod bump_stop;
+mod bump_stop_clamp;
 mod bump_stop_figures;
 mod bump_stop_paper;
 mod bump_stop_store;

@@ -1,5 +1,6 @@
 //! A bump-stop run on the embedded core.
 
+mod clamp;
 mod contacts;
 mod observed;
 mod shapes;
@@ -13,14 +14,16 @@ use model_core::part::monomorph::Layer;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester as _;
 use model_core::scene::bump_stop::{
-    AnyChoices, AnyContact, AnyCoupling, BumpStop as Harvester, Choices, Circuit, Parameters, Parts,
-    Resistive, Restitution, Start, StateOf, Stepper, Stop,
+    AnyChoices, AnyContact, AnyCoupling, BumpStop as Harvester, Choices, Circuit, ClampMeter, Parameters,
+    Parts, Resistive, Restitution, Start, StateOf, Stepper, Stop,
 };
 
+pub(super) use self::clamp::Clamp;
+use self::clamp::MOST_MODES;
 pub use self::contacts::{ContactInterval, contact_intervals};
 pub use self::shapes::{DeflectedShape, ShapePoint, deflected_shapes};
 use super::bridge::bridge;
-use super::excitation::Setting;
+use super::excitation::{HostExcitation, Setting};
 use super::recorder::{dense, dense_voltage};
 use super::report::{Found, Report};
 use super::run::{Run, refuse_parameter, refuse_start};
@@ -251,8 +254,17 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
             first_contact_s: found.first_contact.map(Instant::seconds),
             peak_force_n: with_stop(window.report().peak_force),
             mean_force_n: with_stop(window.integrals().mean(PowerIndex::ContactForce)),
+            clamp: found.clamp.map(Clamp::outcome),
             end_state: scaled(harvester.scene(), end, modes),
         })
+    }
+
+    fn clamp<'a>(&self, excitation: HostExcitation<'a, S>) -> Option<Clamp<'a, S>> {
+        let [beam, rod] = modes(self);
+        // The circuit has no part in the bending.
+        let open = Load::Resistor { resistance_ohm: f64::INFINITY };
+        let bending = parameters::<S>(self, open).clamp_bending::<MOST_MODES, MOST_MODES>(beam, rod).ok()?;
+        Some(Clamp::new(ClampMeter::new(bending, excitation)))
     }
 
     fn describe(&self, outputs: &Outputs<'_, S>) -> String {

@@ -1,5 +1,7 @@
 //! What the report of a run takes from the scene.
 
+use super::bump_stop::Clamp;
+use super::excitation::HostExcitation;
 use harvester_scene::outcome::Particular;
 use model_core::clock::Instant;
 use model_core::energy::{Residual, RunMeter};
@@ -24,6 +26,11 @@ pub(super) trait Report<S: Scalar, H: Harvester<S>> {
         None
     }
 
+    /// What meters the bending at the clamp over the window; `None` for a scene without a clamped beam's stress.
+    fn clamp<'a>(&self, _excitation: HostExcitation<'a, S>) -> Option<Clamp<'a, S>> {
+        None
+    }
+
     /// The numbers that only this kind of scene has.
     fn particular(&self, harvester: &H, found: &Found<'_, S>, end: &H::State) -> Particular;
 
@@ -31,11 +38,13 @@ pub(super) trait Report<S: Scalar, H: Harvester<S>> {
 }
 
 /// What a run found, for the scene to make its own numbers of.
-pub(super) struct Found<'a, S> {
+pub(super) struct Found<'a, S: Scalar> {
     /// The measuring window.
     pub(super) window: &'a RunMeter<S>,
     /// Time of the first contact or impact of the whole run.
     pub(super) first_contact: Option<Instant>,
     /// Periods of the base in the window, where it moves in one sine.
     pub(super) periods: Option<f64>,
+    /// The bending at the clamp in the window.
+    pub(super) clamp: Option<&'a Clamp<'a, S>>,
 }

@@ -13,6 +13,7 @@ use model_core::scene::Harvester;
 
 use super::auto::{self, DEFAULT_ACCURACY};
 use super::blocks::Blocks;
+use super::bump_stop::Clamp;
 use super::excitation::Setting;
 use super::recorder::Recorder;
 use super::report::{Found, Report};
@@ -112,10 +113,11 @@ pub(super) struct Run<'a, S: Scalar, H, R> {
 }
 
 /// The meters of a run. A bare run has the window alone.
-struct Meters<S> {
+struct Meters<'a, S: Scalar> {
     whole: Option<(Ledger<S>, RunMeter<S>)>,
     window: RunMeter<S>,
     blocks: Option<Blocks>,
+    clamp: Option<Clamp<'a, S>>,
 }
 
 impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
@@ -127,6 +129,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             whole: (!options.bare).then(|| (Ledger::open(&outputs), RunMeter::new())),
             window: RunMeter::new(),
             blocks: None,
+            clamp: None,
         };
         let every = options.trace_every_s.unwrap_or(f64::INFINITY);
         let mut recorder = Recorder::new(self.report, excitation, every);
@@ -138,13 +141,16 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             if measured {
                 meters.window = RunMeter::starting_at(&harvester.outputs(&state));
                 meters.blocks = options.blocks.then(|| Blocks::new(settled, end));
+                meters.clamp = (!options.bare).then(|| self.report.clamp(excitation)).flatten();
             }
             let mut pair = meters.whole.as_mut().map(|(ledger, meter)| (ledger, meter));
             let mut whole = pair.as_mut();
             let mut recording = options.trace_every_s.map(|_| &mut recorder);
             let mut window = measured.then_some(&mut meters.window);
             let mut blocks = meters.blocks.as_mut();
-            let mut measuring = (&mut window, &mut blocks);
+            let mut clamp = meters.clamp.as_mut();
+            let mut parts = (&mut blocks, &mut clamp);
+            let mut measuring = (&mut window, &mut parts);
             let mut others = (&mut recording, &mut measuring);
             self.advance(&mut state, until, &mut total, &mut (&mut whole, &mut others))?;
         }
@@ -183,7 +189,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         &self,
         state: &H::State,
         span: &RunSpan,
-        meters: &Meters<S>,
+        meters: &Meters<'_, S>,
         total: &Total,
         wall_s: f64,
     ) -> Outcome {
@@ -194,6 +200,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             window,
             first_contact: meters.whole.as_ref().and_then(|(_, meter)| meter.report().first_contact),
             periods: scene.excitation.single_frequency().map(|frequency| frequency * span.window_s()),
+            clamp: meters.clamp.as_ref(),
         };
         let ledger = meters.whole.as_ref().map(|(ledger, _)| ledger);
         let spent = |power| ledger.map(|ledger| ledger.integrals().integral(power).to_f64());

@@ -8,7 +8,8 @@ use super::system::{Row, System, value};
 use crate::ledger::{Ledger, integral};
 use crate::recorder::Recorder;
 use crate::totals::{Effort, Totals};
-use harvester_scene::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Particular, with_store};
+use harvester_scene::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, ClampOutcome, Particular, with_store};
+use harvester_scene::rainflow::Rainflow;
 use harvester_scene::scene_file::Scene;
 
 /// Columns of a recording.
@@ -64,6 +65,10 @@ pub(super) struct Meter<'a> {
     stop_point: f64,
     voltage: f64,
     force: f64,
+    curvature: f64,
+    /// `∫ κ² dt` of the curvature at the clamp in s/m², and its cycles.
+    curvature_squared: f64,
+    cycles: Rainflow,
     contacts: u64,
     contact_time: f64,
     /// Momentum of the impacts in N s.
@@ -93,6 +98,9 @@ impl<'a> Meter<'a> {
             stop_point: 0.0,
             voltage: 0.0,
             force: 0.0,
+            curvature: 0.0,
+            curvature_squared: 0.0,
+            cycles: Rainflow::default(),
             contacts: 0,
             contact_time: 0.0,
             momentum: 0.0,
@@ -126,6 +134,11 @@ impl<'a> Meter<'a> {
         turned(&mut self.tip, &system.tip, &self.tip_rate);
         turned(&mut self.stop_point, &system.stop_point, &self.stop_point_rate);
         turned(&mut self.voltage, &system.voltage, &regime.voltage_rate);
+        turned(&mut self.curvature, &regime.clamp, &regime.clamp_rate);
+        // The trapezium: a step is at most a tenth of the shortest period.
+        let [from, to] = ends.map(|vector| value(&regime.clamp, vector));
+        self.curvature_squared += 0.5 * length * (from * from + to * to);
+        self.cycles.push(to);
         if in_contact {
             self.contact_time += length;
             turned(&mut self.force, &regime.force, &regime.force_rate);
@@ -202,6 +215,11 @@ impl<'a> Meter<'a> {
                 first_contact_s: self.first_contact,
                 peak_force_n: has_stop.then_some(self.force),
                 mean_force_n: has_stop.then(|| (window[integral::FORCE] + self.momentum) / length),
+                clamp: Some(ClampOutcome::new(
+                    [self.curvature, (self.curvature_squared / length).sqrt()],
+                    &self.cycles,
+                    system.modes.fibres,
+                )),
                 end_state: system.layout.by_mode(end),
             }),
             ledger: self.ledger,

@@ -46,6 +46,9 @@ pub(super) struct Regime {
     /// Contact force in N, and its rate.
     pub(super) force: Row,
     pub(super) force_rate: Row,
+    /// Curvature at the clamp in 1/m, and its rate.
+    pub(super) clamp: Row,
+    pub(super) clamp_rate: Row,
     /// Rate of the voltage in V/s.
     pub(super) voltage_rate: Row,
     /// Rate of the storage voltage in V/s, and its rate.
@@ -98,8 +101,12 @@ impl Regime {
         forms[integral::LEAKED] = product(&system.storage_voltage, &currents.leaked);
         forms[integral::DRAWN] = product(&system.storage_voltage, &currents.drawn);
         let storage_rate = System::rate(&system.storage_voltage, &matrix);
+        let [by_force, ..] = system.modes.clamp_residual;
+        let clamp: Row = system.clamp.iter().zip(&force).map(|(free, push)| free - by_force * push).collect();
         Self {
             propagator: Propagator::new(&matrix, step, &forms),
+            clamp_rate: System::rate(&clamp, &matrix),
+            clamp,
             force_rate: System::rate(&force, &matrix),
             force,
             voltage_rate: System::rate(&system.voltage, &matrix),

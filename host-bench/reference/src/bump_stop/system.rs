@@ -123,6 +123,8 @@ pub(super) struct System {
     pub(super) stop_point: Row,
     /// Displacement in m of the face of the rod.
     pub(super) face: Row,
+    /// Curvature in 1/m of the beam at its clamp, without what the contact force adds.
+    pub(super) clamp: Row,
     /// Voltage in V; zero weights behind a short circuit.
     pub(super) voltage: Row,
     /// The storage behind a bridge.
@@ -166,6 +168,7 @@ impl System {
             tip: zero(),
             stop_point: zero(),
             face: zero(),
+            clamp: zero(),
             voltage: zero(),
             storage,
             storage_voltage: zero(),
@@ -184,6 +187,12 @@ impl System {
             system.add_voltage();
         }
         system.add_storage();
+        let [_, by_base, by_voltage] = system.modes.clamp_residual;
+        let by_voltage = if system.two_way { by_voltage } else { 0.0 };
+        let others = system.base.iter().zip(&system.voltage);
+        for (weight, (base, voltage)) in system.clamp.iter_mut().zip(others) {
+            *weight -= by_base * base + by_voltage * voltage;
+        }
         system.gap[layout.one()] = model.stop.as_ref().map_or(0.0, |stop| -stop.gap_m);
         system.gap_rate = Self::rate(&system.gap, &system.free);
         system.mobility = system.push.iter().map(|weight| weight * weight).sum();
@@ -227,6 +236,7 @@ impl System {
             let [at, rate] = self.layout.beam(index);
             self.add_mode([at, rate], mode.angular_frequency, damping_ratio, mode.participation);
             self.tip[at] = mode.at_tip / mode.angular_frequency;
+            self.clamp[at] = mode.clamp_curvature / mode.angular_frequency;
             self.stop_point[at] = mode.at_stop / mode.angular_frequency;
             self.gap[at] = self.stop_point[at];
             self.push[rate] = -mode.at_stop;

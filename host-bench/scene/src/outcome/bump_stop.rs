@@ -2,6 +2,60 @@
 
 use serde::Serialize;
 
+use crate::rainflow::Rainflow;
+
+/// Bending of the beam at its clamp over the window.
+///
+/// Stress and strain are of bending alone, in the outer fibre of each layer: without the stress of the electric field.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ClampOutcome {
+    /// Largest magnitude of the curvature in 1/m.
+    pub clamp_curvature_peak_per_m: f64,
+    /// Root mean square of the curvature in 1/m.
+    pub clamp_curvature_rms_per_m: f64,
+    /// Largest magnitude of the strain of the substrate.
+    pub clamp_strain_peak: f64,
+    /// Largest magnitude of the stress of the substrate in Pa.
+    pub clamp_stress_peak_pa: f64,
+    /// Root mean square of the stress of the substrate in Pa.
+    pub clamp_stress_rms_pa: f64,
+    /// Largest range of the stress of the substrate in Pa, from a turning point to another.
+    pub clamp_stress_largest_range_pa: f64,
+    /// Rainflow cycles of the stress (ASTM E1049) of at least a tenth of the largest range.
+    pub clamp_stress_cycles: f64,
+    /// Largest magnitude of the strain of the piezoelectric layer.
+    pub piezo_clamp_strain_peak: f64,
+    /// Largest magnitude of the stress of the piezoelectric layer in Pa.
+    pub piezo_clamp_stress_peak_pa: f64,
+    /// Root mean square of the stress of the piezoelectric layer in Pa.
+    pub piezo_clamp_stress_rms_pa: f64,
+}
+
+/// Part of the largest range from which a cycle is counted.
+const COUNTED: f64 = 0.1;
+
+impl ClampOutcome {
+    /// Of the peak and RMS of the curvature and its rainflow count, and of the distance in m of each outer fibre from the
+    /// neutral axis with its Young's modulus in Pa, the substrate first.
+    #[must_use]
+    pub fn new([peak, rms]: [f64; 2], curvature: &Rainflow, [substrate, piezo]: [[f64; 2]; 2]) -> Self {
+        let strain = |[distance, _]: [f64; 2], curvature: f64| distance * curvature;
+        let stress = |[distance, modulus]: [f64; 2], curvature: f64| modulus * distance * curvature;
+        Self {
+            clamp_curvature_peak_per_m: peak,
+            clamp_curvature_rms_per_m: rms,
+            clamp_strain_peak: strain(substrate, peak),
+            clamp_stress_peak_pa: stress(substrate, peak),
+            clamp_stress_rms_pa: stress(substrate, rms),
+            clamp_stress_largest_range_pa: stress(substrate, curvature.largest_range()),
+            clamp_stress_cycles: curvature.cycles(COUNTED),
+            piezo_clamp_strain_peak: strain(piezo, peak),
+            piezo_clamp_stress_peak_pa: stress(piezo, peak),
+            piezo_clamp_stress_rms_pa: stress(piezo, rms),
+        }
+    }
+}
+
 /// The numbers of a bump-stop run only.
 ///
 /// Without a stop there are no contacts, and the numbers of the stop are `None`.
@@ -27,6 +81,9 @@ pub struct BumpStopOutcome {
     /// Mean contact force over the window in N, the momentum of impacts included; `None` without a
     /// stop.
     pub mean_force_n: Option<f64>,
+    /// Bending at the clamp; `None` by a method of the host.
+    #[serde(flatten)]
+    pub clamp: Option<ClampOutcome>,
     /// State at the end of the run, scaled so that half the sum of squares is the energy in J of motion and
     /// charge: `ω r` and `r'` of each mode, the beam's first, and `√C v`. Not part of the JSON object.
     #[serde(skip)]

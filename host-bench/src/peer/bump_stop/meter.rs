@@ -145,6 +145,7 @@ impl<'a> Meter<'a> {
                 first_contact_s: self.first_contact,
                 peak_force_n: has_stop.then_some(self.peak_force),
                 mean_force_n: has_stop.then_some(self.impulse / length),
+                clamp: None,
                 end_state: self.system.scaled(end),
             }),
             store: None,

@@ -138,7 +138,7 @@ impl<S: Scalar, C> Parameters<S, C> {
     }
 
     /// The cross-section of the beam.
-    fn section(&self) -> Monomorph<S> {
+    pub(super) fn section(&self) -> Monomorph<S> {
         Monomorph::new(&self.substrate, &self.piezo, self.beam_width, self.piezo_d31, self.piezo_permittivity)
     }
 

@@ -19,6 +19,8 @@ pub struct BeamMode {
     pub participation: f64,
     /// `θ` in N/(V √kg): force of one volt on the mode, and charge of one unit of it.
     pub coupling: f64,
+    /// Curvature `φ''(0)` at the clamp in 1/(m² √kg).
+    pub clamp_curvature: f64,
     /// Shape at the tip in 1/√kg.
     pub at_tip: f64,
     /// Shape at the point of contact in 1/√kg; 0 without a stop.
@@ -51,6 +53,11 @@ pub struct BumpStopModes {
     pub beam_residual: f64,
     /// The same of the rod's at its face.
     pub rod_residual: f64,
+    /// Static curvature at the clamp of the beam's modes left out, in 1/m: for a force of 1 N at the point of contact, a
+    /// base acceleration of 1 m/s², and a voltage of 1 V, all negative.
+    pub clamp_residual: [f64; 3],
+    /// Distance in m of the outer face of substrate and piezoelectric layer from the neutral axis, and the modulus in Pa.
+    pub fibres: [[f64; 2]; 2],
 }
 
 /// A beam's cross section of two layers.
@@ -61,6 +68,8 @@ struct Section {
     mass_per_length: f64,
     /// Bending moment of one volt in N·m/V, and charge of one radian of slope at the tip.
     moment_per_volt: f64,
+    /// Distance in m of each outer face from the neutral axis, and the modulus in Pa.
+    fibres: [[f64; 2]; 2],
 }
 
 impl Section {
@@ -86,6 +95,10 @@ impl Section {
             moment_per_volt: (from.piezo_young_modulus_pa * from.piezo_d31_m_per_v).abs()
                 * width
                 * (piezo_middle - neutral),
+            fibres: [
+                [neutral, from.substrate_young_modulus_pa],
+                [substrate + piezo - neutral, from.piezo_young_modulus_pa],
+            ],
         }
     }
 }
@@ -156,6 +169,7 @@ impl BumpStopModes {
                     angular_frequency: eigenvalue * eigenvalue * scale,
                     participation: 2.0 * ratio * root_mass / eigenvalue,
                     coupling: section.moment_per_volt * slope_at_tip,
+                    clamp_curvature: 2.0 * eigenvalue * eigenvalue / (length * length * root_mass),
                     at_tip: 2.0 * sign / root_mass,
                     at_stop: at_stop / root_mass,
                 }
@@ -166,6 +180,17 @@ impl BumpStopModes {
             let kept: f64 = beam.iter().map(|mode| (mode.at_stop / mode.angular_frequency).powi(2)).sum();
             stop.position_m.powi(3) / (3.0 * section.bending_stiffness) - kept
         });
+        let compliance = |mode: &BeamMode| mode.clamp_curvature / mode.angular_frequency.powi(2);
+        let kept =
+            |of: fn(&BeamMode) -> f64| beam.iter().map(|mode| compliance(mode) * of(mode)).sum::<f64>();
+        let moments =
+            [stop.map_or(0.0, |stop| stop.position_m), 0.5 * beam_mass * length, section.moment_per_volt]
+                .map(|moment| moment / section.bending_stiffness);
+        let clamp_residual = [
+            moments[0] - kept(|mode| mode.at_stop),
+            moments[1] - kept(|mode| mode.participation),
+            moments[2] - kept(|mode| mode.coupling),
+        ];
         Self {
             beam,
             rod,
@@ -175,6 +200,8 @@ impl BumpStopModes {
             beam_mass,
             beam_residual,
             rod_residual,
+            clamp_residual,
+            fibres: section.fibres,
         }
     }
 

@@ -118,6 +118,7 @@ fn all_modes_together_give_the_static_beam() {
             angular_frequency: eigenvalue * eigenvalue * scale,
             participation: 2.0 * root_mass / eigenvalue,
             coupling: sign * moment * 2.0 * eigenvalue / (length * root_mass),
+            clamp_curvature: 2.0 * eigenvalue * eigenvalue / (length * length * root_mass),
             at_tip: sign * 2.0 / root_mass,
             at_stop: sign * 2.0 / root_mass,
         }
@@ -135,6 +136,19 @@ fn all_modes_together_give_the_static_beam() {
     close(sum(&|mode| mode.coupling * mode.participation / square(mode)), 8.564_079e-10, 1e-7);
     close(sum(&|mode| mode.coupling * mode.at_tip / square(mode)), 6.566_71e-7, 1e-6);
     close(sum(&|mode| mode.coupling.powi(2) / square(mode)) / modes.capacitance, 0.077_733_4, slow);
+    // The curvature at the clamp: of a force at the tip, a uniform load, and a moment at the tip.
+    let clamp = |of: &dyn Fn(&BeamMode) -> f64| sum(&|mode| mode.clamp_curvature * of(mode) / square(mode));
+    close(clamp(&|mode| mode.at_stop), length / stiffness, 1e-7);
+    close(clamp(&|mode| mode.participation), 0.5 * mass * length / stiffness, 1e-7);
+    close(clamp(&|mode| mode.coupling), moment / stiffness, slow);
+    for (residual, of) in modes.clamp_residual.into_iter().zip([
+        (|mode| mode.at_stop) as fn(&BeamMode) -> f64,
+        |mode| mode.participation,
+        |mode| mode.coupling,
+    ]) {
+        let left: f64 = tail.iter().rev().map(|mode| mode.clamp_curvature * of(mode) / square(mode)).sum();
+        close(residual, left, 1e-3);
+    }
     let ten = BumpStopModes::new(&parameters(10), None);
     let kept: f64 = ten.beam.iter().map(|mode| mode.coupling.powi(2) / square(mode)).sum();
     close(kept / ten.capacitance, 0.074_585_6, 1e-6);

@@ -1,0 +1,42 @@
+//! The bending of the beam at its clamp along a run.
+
+use model_core::observer::{AcceptedStep, Observer};
+use model_core::scalar::Scalar;
+use model_core::scene::bump_stop::{ClampMeter, Fibre};
+
+use crate::embedded::excitation::HostExcitation;
+use harvester_scene::outcome::ClampOutcome;
+use harvester_scene::rainflow::Rainflow;
+
+/// Most modes of the beam.
+pub(crate) const MOST_MODES: usize = 20;
+
+/// The core's meter of the curvature, and the cycles of the curvature.
+pub(crate) struct Clamp<'a, S: Scalar> {
+    meter: ClampMeter<S, HostExcitation<'a, S>, MOST_MODES>,
+    cycles: Rainflow,
+}
+
+impl<'a, S: Scalar> Clamp<'a, S> {
+    pub(crate) fn new(meter: ClampMeter<S, HostExcitation<'a, S>, MOST_MODES>) -> Self {
+        Self { meter, cycles: Rainflow::default() }
+    }
+
+    pub(crate) fn outcome(&self) -> ClampOutcome {
+        let fibre = |fibre: &Fibre<S>| [fibre.distance.to_f64(), fibre.young_modulus.to_f64()];
+        let bending = self.meter.bending();
+        let peak = self.meter.curvature().magnitude().to_f64();
+        ClampOutcome::new(
+            [peak, self.meter.rms_curvature().to_f64()],
+            &self.cycles,
+            [fibre(&bending.substrate), fibre(&bending.piezo)],
+        )
+    }
+}
+
+impl<S: Scalar> Observer<S> for Clamp<'_, S> {
+    fn step(&mut self, step: &AcceptedStep<'_, S>) {
+        self.meter.step(step);
+        self.cycles.push(self.meter.last().to_f64());
+    }
+}
