@@ -2,10 +2,14 @@
 //!
 //! The error by the step is estimated from a finer step or tolerance, that by rounding from a run in double precision,
 //! by the sampling of a trace from a run on a smoother curve through the same samples. Two runs are compared part by part
-//! of the measuring window: where the motion is chaotic, equal means of two runs would be chance.
+//! of the measuring window: where the motion is chaotic, equal means of two runs would be chance. Where no power is
+//! delivered, the statement is that of the largest motion and the RMS voltage.
 
+mod difference;
+
+use self::difference::{delivers, difference, is_same};
 use crate::method::{Failure, Method, Options, Precision};
-use crate::outcome::{Accuracy, BLOCKS, Outcome};
+use crate::outcome::{Accuracy, Outcome};
 use crate::run::run_scene;
 use crate::scene_file::{Draw, Excitation, Load, Model, Scene, Trace};
 
@@ -15,6 +19,8 @@ const NOTABLE: f64 = 5e-3;
 const UNBALANCED: f64 = 1e-2;
 /// Relative error that a bump-stop run without a given step aims at.
 const BUMP_STOP_ACCURACY: f64 = 1e-3;
+/// Default step in s of a bump-stop run near contact.
+const BUMP_STOP_STEP_S: f64 = 1e-6;
 /// Most halvings of a bump-stop step in search of its accuracy.
 const MOST_HALVINGS: u32 = 6;
 /// Ratio of two successive differences above which halving the step is given up.
@@ -32,10 +38,6 @@ const BY_HALVING: f64 = 2.0;
 const TOLERANCE_HALVINGS: u32 = 4;
 /// The least statement. Runs of a few hundred steps were 10⁻⁵ off with no difference between two tolerances.
 const LEAST: f64 = 1e-5;
-/// Least mean number of steps in a part of the window.
-const STEPS_PER_PART: u64 = 64;
-/// Standard errors of the mean in a statement.
-const CONFIDENCE: f64 = 2.0;
 /// Intervals of the smoother trace in one of the given trace.
 const FINER: usize = 4;
 
@@ -56,7 +58,7 @@ pub(crate) fn run_with_steps(scene: &Scene, options: &Options) -> Result<(Outcom
     let mut outcome = run_scene(scene, &options)?;
     if options.method != Method::Reference {
         outcome.accuracy = statement(&mut finer, &options, &outcome);
-        outcome.warnings.extend(warning(&outcome.accuracy, asked));
+        outcome.warnings.extend(warning(&outcome, asked));
     }
     outcome.warnings.extend(imbalance(&outcome));
     Ok((outcome, options))
@@ -158,12 +160,26 @@ fn by_shorter_steps(runs: &mut Halvings<'_>, options: &Options, outcome: &Outcom
     let finer = options.halvings + if adaptive { TOLERANCE_HALVINGS } else { 1 };
     let finer = runs.get(finer)?;
     // Motions far below the size of the harvester have errors below any tolerance: the step is then the longest.
-    let step = if adaptive && finer.delivered_energy_j == outcome.delivered_energy_j {
+    let step = if adaptive && is_same(outcome, &finer) {
         by_fixed_steps(scene, options, outcome)?
     } else {
         BY_HALVING * difference(outcome, &finer)?
     };
+    let step = match by_default_steps(scene, options) {
+        Some(run) => step.max(difference(outcome, &run?)?),
+        None => step,
+    };
     Some(step.max(LEAST))
+}
+
+/// The run of a bump-stop scene in default steps, where its own are longer: too few steps for a period have errors that half
+/// the step does not show. `None` where they are not longer, within it if the run does not come to its end.
+fn by_default_steps(scene: &Scene, options: &Options) -> Option<Option<Outcome>> {
+    let step_s = options.step_s.filter(|step_s| has_own_steps(scene, options) && *step_s > BUMP_STOP_STEP_S);
+    step_s.map(|_| {
+        let options = Options { step_s: None, long_step_s: None, ..in_double_precision(options, 0) };
+        companion(scene, &options)
+    })
 }
 
 /// Whether the steps of a run follow from a tolerance.
@@ -224,13 +240,12 @@ fn storage_is_fast(scene: &Scene, outcome: &Outcome) -> bool {
     !matches!(scene.model, Model::BumpStop(_)) && relaxation_s < mean_step(scene, outcome)
 }
 
-/// The options of a run to compare with: the power alone, in double precision.
+/// The options of a run to compare with, in double precision.
 fn in_double_precision(options: &Options, halvings: u32) -> Options {
     Options {
         precision: Some(Precision::F64),
         math: None,
         halvings,
-        bare: true,
         blocks: true,
         trace_every_s: None,
         most_attempts: Some(
@@ -242,25 +257,16 @@ fn in_double_precision(options: &Options, halvings: u32) -> Options {
 
 /// A run to compare with; `None` if it cannot be run to its end.
 fn companion(scene: &Scene, options: &Options) -> Option<Outcome> {
-    run_scene(scene, options).ok()
+    run_scene(scene, &Options { bare: takes_power(scene), ..*options }).ok()
 }
 
-/// The relative difference of the energies delivered in two runs, with the standard error of the mean of the differences
-/// in the parts of the window; `None` if one of the two alone delivers nothing.
-fn difference(one: &Outcome, two: &Outcome) -> Option<f64> {
-    let (energy, other) = (one.delivered_energy_j?, two.delivered_energy_j?);
-    // Where a part has few steps, the energy of the step across its border is a part of it.
-    let parts = (one.steps.min(two.steps) / STEPS_PER_PART).clamp(1, BLOCKS as u64) as usize;
-    let blocks = one.block_energies_j.iter().zip(&two.block_energies_j);
-    let apart: Vec<f64> = blocks.map(|(one, two)| one - two).collect();
-    let apart: Vec<f64> = apart.chunks(BLOCKS.div_ceil(parts)).map(|part| part.iter().sum()).collect();
-    let count = apart.len() as f64;
-    let mean = apart.iter().sum::<f64>() / count.max(1.0);
-    let squares: f64 = apart.iter().map(|apart| (apart - mean).powi(2)).sum();
-    let of_sum = if count > 1.0 { (squares / (count - 1.0) * count).sqrt() } else { 0.0 };
-    let difference = (energy - other).abs() + CONFIDENCE * of_sum;
-    let relative = difference / energy.abs().min(other.abs());
-    if difference == 0.0 { Some(0.0) } else { relative.is_finite().then_some(relative) }
+/// Whether the load of a scene can take power. Where it cannot, the RMS voltage is compared, which a bare run of bump-stop
+/// does not measure.
+pub(crate) fn takes_power(scene: &Scene) -> bool {
+    match scene.load {
+        Load::Resistor { resistance_ohm } => resistance_ohm > 0.0 && resistance_ohm.is_finite(),
+        Load::RectifiedStore(_) | Load::DcBus { .. } => true,
+    }
 }
 
 /// The scene with more samples in its trace, on the cubic through four samples; `None` without a trace.
@@ -299,13 +305,15 @@ fn cubic([before, left, right, after]: [f64; 4], x: f64) -> f64 {
 }
 
 /// The warning of a statement that is unknown or notable.
-fn warning(accuracy: &Accuracy, asked: Option<f64>) -> Option<String> {
+fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
+    let accuracy = &outcome.accuracy;
+    let quantity =
+        if delivers(outcome) { "the mean power" } else { "the largest motion and the RMS voltage" };
     let Some(total) = accuracy.total else {
-        return Some(
-            "accuracy: the error of the mean power is unknown: it is 0, a run to compare with did not end, or one of the \
-             two delivers nothing"
-                .to_owned(),
-        );
+        return Some(format!(
+            "accuracy: the error of {quantity} is unknown: a run to compare with did not end, or one of the two delivers \
+             nothing"
+        ));
     };
     let missed = asked.is_some_and(|asked| total > asked.max(LEAST));
     (missed || total > NOTABLE).then(|| {
@@ -317,7 +325,7 @@ fn warning(accuracy: &Accuracy, asked: Option<f64>) -> Option<String> {
         ];
         let known = sources.iter().filter_map(|(name, error)| Some(format!("{:.1e} by {name}", (*error)?)));
         format!(
-            "accuracy: the estimated relative error of the mean power is {total:.1e}: {}",
+            "accuracy: the estimated relative error of {quantity} is {total:.1e}: {}",
             known.collect::<Vec<_>>().join(", ")
         )
     })

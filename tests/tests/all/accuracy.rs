@@ -19,7 +19,13 @@ fn is_warned(outcome: &Outcome) -> bool {
 
 /// A bump-stop scene without a stop, with these keys changed.
 fn bump_stop(changes: &[(&str, &str)]) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/bump-stop-none.toml");
+    shipped("bump-stop-none", changes)
+}
+
+/// A shipped scene, with these keys changed.
+fn shipped(name: &str, changes: &[(&str, &str)]) -> Scene {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes");
+    let file = scenes.join(name).with_extension("toml");
     let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
     scene_file::read(&file, &overrides).expect("a valid scene")
 }
@@ -80,6 +86,36 @@ fn bump_stop_takes_the_steps_that_meet_an_accuracy() {
         found.steps
     });
     assert!(steps[1] > 2 * steps[0], "{steps:?}");
+}
+
+#[test]
+fn steps_of_bump_stop_that_are_too_few_for_a_period_are_announced() {
+    let few =
+        [("parameters.beam_modes", "4"), ("stop.rod_modes", "1"), ("run", "{duration_s=0.01,settle_s=0}")];
+    let coarse = Options { step_s: Some(1e-3), ..Options::default() };
+    // Half the step was 0.1 % off in a run that is 4 % off.
+    let law =
+        [("stop.contact", "restitution"), ("stop.restitution", "0.5"), ("parameters.damping_ratio", "0.3")];
+    let damped = shipped("bump-stop", &[&few[..], &law].concat());
+    let exact = value(run_scene(&damped, &reference()).expect("runs").mean_power_w);
+    assert!(error_within_statement(&damped, &coarse, exact) > 0.01);
+    assert!(is_warned(&stated(&damped, &coarse)));
+}
+
+#[test]
+fn without_power_the_statement_is_that_of_the_motion_and_the_voltage() {
+    let few =
+        [("parameters.beam_modes", "4"), ("stop.rod_modes", "1"), ("run", "{duration_s=0.01,settle_s=0}")];
+    for resistance in ["0", "inf"] {
+        let scene = shipped("bump-stop", &[&few[..], &[("load.resistance_ohm", resistance)]].concat());
+        let fine = stated(&scene, &Options::default());
+        assert_eq!(fine.delivered_energy_j, Some(0.0));
+        let coarse = stated(&scene, &Options { step_s: Some(1e-3), ..Options::default() });
+        let tip = |outcome: &Outcome| value(outcome.bump_stop().expect("bump-stop").peak_tip_displacement_m);
+        let error = (tip(&coarse) / tip(&fine) - 1.0).abs();
+        assert!(error > 0.1 && error < value(coarse.accuracy.total), "{error:e}: {:?}", coarse.accuracy);
+        assert!(coarse.warnings.iter().any(|warning| warning.contains("the largest motion")), "{coarse:?}");
+    }
 }
 
 #[test]

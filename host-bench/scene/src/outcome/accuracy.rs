@@ -2,12 +2,14 @@
 
 use serde::Serialize;
 
-/// Estimated relative error of the mean power, by source. `None`, and `null` in JSON, is unknown, or does not apply: no
+/// Estimated relative error of the mean power, by source; where no power is delivered, of the largest motion and the RMS
+/// voltage. `None`, and `null` in JSON, is unknown, or does not apply: no
 /// trace, double precision, no layer.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Accuracy {
-    /// By the finite step: from a run with half the step or a sixteenth of the tolerance. In double precision it includes the
-    /// rounding, because no operation of the two runs rounds alike.
+    /// By the finite step: from a run with half the step or a sixteenth of the tolerance, and from one in default steps where
+    /// a bump-stop run has longer ones. In double precision it includes the rounding, because no operation of the two runs
+    /// rounds alike.
     pub step: Option<f64>,
     /// By rounding in single precision: from a run in double precision.
     pub rounding: Option<f64>,

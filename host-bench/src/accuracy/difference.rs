@@ -1,0 +1,59 @@
+//! The difference of two runs of the same scene.
+
+use crate::outcome::{BLOCKS, Outcome, Particular};
+
+/// Least mean number of steps in a part of the window.
+const STEPS_PER_PART: u64 = 64;
+/// Standard errors of the mean in a statement.
+const CONFIDENCE: f64 = 2.0;
+
+/// Whether a run delivers power.
+pub(super) fn delivers(outcome: &Outcome) -> bool {
+    outcome.delivered_energy_j.is_some_and(|energy| energy != 0.0)
+}
+
+/// Whether two runs give the same numbers, to the last bit.
+pub(super) fn is_same(one: &Outcome, two: &Outcome) -> bool {
+    let delivered = one.delivered_energy_j == two.delivered_energy_j;
+    delivered && (delivers(one) || motions(one) == motions(two))
+}
+
+/// The relative difference of the energies delivered in two runs, with the standard error of the mean of the differences
+/// in the parts of the window; `None` if one of the two alone delivers nothing. If none of the two does, the larger of the
+/// relative differences of the largest motion and of the RMS voltage.
+pub(super) fn difference(one: &Outcome, two: &Outcome) -> Option<f64> {
+    let (energy, other) = (one.delivered_energy_j?, two.delivered_energy_j?);
+    if energy == 0.0 && other == 0.0 {
+        let [motion, voltage] = [0, 1].map(|index| relative(motions(one)[index], motions(two)[index]));
+        return Some(motion?.max(voltage?));
+    }
+    // Where a part has few steps, the energy of the step across its border is a part of it.
+    let parts = (one.steps.min(two.steps) / STEPS_PER_PART).clamp(1, BLOCKS as u64) as usize;
+    let blocks = one.block_energies_j.iter().zip(&two.block_energies_j);
+    let apart: Vec<f64> = blocks.map(|(one, two)| one - two).collect();
+    let apart: Vec<f64> = apart.chunks(BLOCKS.div_ceil(parts)).map(|part| part.iter().sum()).collect();
+    let count = apart.len() as f64;
+    let mean = apart.iter().sum::<f64>() / count.max(1.0);
+    let squares: f64 = apart.iter().map(|apart| (apart - mean).powi(2)).sum();
+    let of_sum = if count > 1.0 { (squares / (count - 1.0) * count).sqrt() } else { 0.0 };
+    let difference = (energy - other).abs() + CONFIDENCE * of_sum;
+    let relative = difference / energy.abs().min(other.abs());
+    if difference == 0.0 { Some(0.0) } else { relative.is_finite().then_some(relative) }
+}
+
+/// The largest gap, displacement of the slider or displacement of the tip in m, and the RMS voltage in V; 0 where there is
+/// none.
+fn motions(outcome: &Outcome) -> [f64; 2] {
+    let motion = match &outcome.particular {
+        Particular::ContactSeparation(found) => found.peak_gap_m,
+        Particular::Sliding(found) => found.amplitude_m,
+        Particular::BumpStop(found) => found.peak_tip_displacement_m,
+    };
+    [motion, outcome.rms_voltage_v].map(|value| value.unwrap_or(0.0))
+}
+
+/// The difference of two values over the smaller magnitude; `None` if one of the two alone is 0.
+fn relative(one: f64, other: f64) -> Option<f64> {
+    let apart = (one - other).abs() / one.abs().min(other.abs());
+    if one == other { Some(0.0) } else { apart.is_finite().then_some(apart) }
+}
