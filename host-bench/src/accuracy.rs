@@ -1,13 +1,14 @@
 //! States the accuracy of a run by runs of the same scene that differ in one source of error.
 //!
-//! The error by the step is estimated from a finer step or tolerance, that by rounding from a run in double precision,
-//! by the sampling of a trace from a run on a smoother curve through the same samples. Two runs are compared part by part
-//! of the measuring window: where the motion is chaotic, equal means of two runs would be chance. Where no power is
-//! delivered, the statement is that of the largest motion and the RMS voltage.
+//! The error by the step is estimated from a finer step or tolerance, that by rounding from a run in double
+//! precision, by the sampling of a trace from a run on a smoother curve through the same samples. Two runs are
+//! compared part by part of the measuring window: where the motion is chaotic, equal means of two runs would be
+//! chance. Where no power is delivered, the statement is that of the largest motion and the RMS voltage.
 
 mod difference;
 
 use self::difference::{delivers, difference, is_same};
+use crate::embedded::DEFAULT_SHORT_STEP_S;
 use crate::method::{Failure, Method, Options, Precision};
 use crate::outcome::{Accuracy, Outcome};
 use crate::run::run_scene;
@@ -19,8 +20,6 @@ const NOTABLE: f64 = 5e-3;
 const UNBALANCED: f64 = 1e-2;
 /// Relative error that a bump-stop run without a given step aims at.
 const BUMP_STOP_ACCURACY: f64 = 1e-3;
-/// Default step in s of a bump-stop run near contact.
-const BUMP_STOP_STEP_S: f64 = 1e-6;
 /// Most halvings of a bump-stop step in search of its accuracy.
 const MOST_HALVINGS: u32 = 6;
 /// Ratio of two successive differences above which halving the step is given up.
@@ -31,8 +30,8 @@ const MOST_ATTEMPTS: u64 = 1 << 26;
 const MOST_ATTEMPTS_OF_TR_BDF2: u64 = 1 << 22;
 /// Most attempted steps of a comparison over those of the run.
 const MORE_ATTEMPTS: u64 = 4;
-/// The error of a run over its difference from one with half the step. A method of first order has 2, the methods of the
-/// core 1.1 to 1.4.
+/// The error of a run over its difference from one with half the step. A method of first order has 2, the methods of
+/// the core 1.1 to 1.4.
 const BY_HALVING: f64 = 2.0;
 /// Halvings of a tolerance to compare with. Half the tolerance may change no step: the motion limits the longest.
 const TOLERANCE_HALVINGS: u32 = 4;
@@ -99,8 +98,8 @@ fn has_own_steps(scene: &Scene, options: &Options) -> bool {
     own && matches!(scene.model, Model::BumpStop(_))
 }
 
-/// The halvings of the default step with which a bump-stop run meets its accuracy, by pairs of runs in double precision;
-/// 0 for any other run.
+/// The halvings of the default step with which a bump-stop run meets its accuracy, by pairs of runs in double
+/// precision; 0 for any other run.
 fn chosen_halvings(finer: &mut Halvings<'_>, asked: Option<f64>) -> u32 {
     let Halvings { scene, options, .. } = *finer;
     if !has_own_steps(scene, &options) || options.step_s.is_some() || options.long_step_s.is_some() {
@@ -172,10 +171,11 @@ fn by_shorter_steps(runs: &mut Halvings<'_>, options: &Options, outcome: &Outcom
     Some(step.max(LEAST))
 }
 
-/// The run of a bump-stop scene in default steps, where its own are longer: too few steps for a period have errors that half
-/// the step does not show. `None` where they are not longer, within it if the run does not come to its end.
+/// The run of a bump-stop scene in default steps, where its own are longer: too few steps for a period have errors
+/// that half the step does not show. `None` where they are not longer, within it if the run does not come to its end.
 fn by_default_steps(scene: &Scene, options: &Options) -> Option<Option<Outcome>> {
-    let step_s = options.step_s.filter(|step_s| has_own_steps(scene, options) && *step_s > BUMP_STOP_STEP_S);
+    let step_s =
+        options.step_s.filter(|step_s| has_own_steps(scene, options) && *step_s > DEFAULT_SHORT_STEP_S);
     step_s.map(|_| {
         let options = Options { step_s: None, long_step_s: None, ..in_double_precision(options, 0) };
         companion(scene, &options)
@@ -260,8 +260,8 @@ fn companion(scene: &Scene, options: &Options) -> Option<Outcome> {
     run_scene(scene, &Options { bare: takes_power(scene), ..*options }).ok()
 }
 
-/// Whether the load of a scene can take power. Where it cannot, the RMS voltage is compared, which a bare run of bump-stop
-/// does not measure.
+/// Whether the load of a scene can take power. Where it cannot, the RMS voltage is compared, which a bare run of
+/// bump-stop does not measure.
 pub(crate) fn takes_power(scene: &Scene) -> bool {
     match scene.load {
         Load::Resistor { resistance_ohm } => resistance_ohm > 0.0 && resistance_ohm.is_finite(),

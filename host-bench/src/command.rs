@@ -117,7 +117,9 @@ pub(crate) fn one_more(bar: &ProgressBar) {
     let (done, all) = (bar.position(), bar.length().unwrap_or(0));
     // Whether this case completes a tenth.
     if bar.is_hidden() && done * 10 / all.max(1) > done.saturating_sub(1) * 10 / all.max(1) {
-        tell(&format!("{done}/{all}  {:.0} s elapsed", bar.elapsed().as_secs_f64()));
+        let elapsed = bar.elapsed().as_secs_f64();
+        let to_go = elapsed * (all - done) as f64 / done as f64;
+        tell(&format!("{done}/{all}  {elapsed:.0} s elapsed, {to_go:.0} s to go"));
     }
 }
 

@@ -9,10 +9,9 @@ pub mod findings;
 mod needs;
 pub mod on_target;
 mod peer;
-pub mod random_scenes;
 mod report;
 pub mod run;
-mod stability;
+pub mod stability;
 mod work_precision;
 
 pub use harvester_engine::{embedded, steady_state};

@@ -28,7 +28,7 @@ use harvester_scene::scene_file::{Model, Scene};
 
 pub use auto::{DEFAULT_ACCURACY, tolerance as tolerance_for};
 pub use bump_stop::{
-    ContactInterval, DeflectedShape, ShapePoint, contact_intervals, deflected_shapes,
+    ContactInterval, DEFAULT_SHORT_STEP_S, DeflectedShape, ShapePoint, contact_intervals, deflected_shapes,
     parameters as bump_stop_parameters,
 };
 pub use contact_separation::parameters as contact_separation_parameters;

@@ -18,9 +18,9 @@ pub(super) fn is_same(one: &Outcome, two: &Outcome) -> bool {
     delivered && (delivers(one) || motions(one) == motions(two))
 }
 
-/// The relative difference of the energies delivered in two runs, with the standard error of the mean of the differences
-/// in the parts of the window; `None` if one of the two alone delivers nothing. If none of the two does, the larger of the
-/// relative differences of the largest motion and of the RMS voltage.
+/// The relative difference of the energies delivered in two runs, with the standard error of the mean of the
+/// differences in the parts of the window; `None` if one of the two alone delivers nothing. If none of the two does,
+/// the larger of the relative differences of the largest motion and of the RMS voltage.
 pub(super) fn difference(one: &Outcome, two: &Outcome) -> Option<f64> {
     let (energy, other) = (one.delivered_energy_j?, two.delivered_energy_j?);
     if energy == 0.0 && other == 0.0 {
@@ -41,8 +41,8 @@ pub(super) fn difference(one: &Outcome, two: &Outcome) -> Option<f64> {
     if difference == 0.0 { Some(0.0) } else { relative.is_finite().then_some(relative) }
 }
 
-/// The largest gap, displacement of the slider or displacement of the tip in m, and the RMS voltage in V; 0 where there is
-/// none.
+/// The largest gap, displacement of the slider or displacement of the tip in m, and the RMS voltage in V; 0 where
+/// there is none.
 fn motions(outcome: &Outcome) -> [f64; 2] {
     let motion = match &outcome.particular {
         Particular::ContactSeparation(found) => found.peak_gap_m,

@@ -1,135 +1,104 @@
-//! `stability`: the stiff and extreme table, and random scenes.
+//! `stability`: the grids of stiff and extreme scenes, and random scenes.
 
-mod random;
+mod judged;
 
 use std::path::PathBuf;
 
-use super::files::Outputs;
-use super::{SHIPPED_SCENES, json_text, one_more, print, progress, tell};
+use clap::ValueEnum as _;
+
+use super::files::{Outputs, make_folder, report_folder};
+use super::{SHIPPED_SCENES, json_text, print, tell};
 use crate::method::Failure;
-use crate::outcome::{Format, csv_sections};
-use crate::scene_file;
-use crate::stability::bump_stop::BumpStop;
-use crate::stability::known::Known;
-use crate::stability::triboelectric::{ContactSeparationSetting, SlidingSetting};
-use crate::stability::{Grid, Report, Run, Subject, examine};
+use crate::outcome::Format;
+use crate::stability::{CASES, Case, Effort, Extent, Kind, Row, draw, grid, page, summary};
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct StabilityArguments {
     /// Which cases
     #[arg(long, value_enum, default_value_t)]
-    grid: Grid,
+    grid: Extent,
     /// Of which scene only
     #[arg(long, value_enum, value_name = "SCENE")]
     scene: Option<Kind>,
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-    /// List of known failing cases: exactly these must fail
-    #[arg(long, value_name = "FILE.csv")]
-    known: Option<PathBuf>,
-    /// Write the list of failing cases to this file
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "known")]
-    write_known: Option<PathBuf>,
-    /// Run this many random scenes in place of the grid, each judged by the reference or a tighter run
-    #[arg(long, value_name = "COUNT", conflicts_with_all = ["grid", "scene", "format", "known", "write_known"])]
+    /// Run this many random scenes in place of the grid
+    #[arg(long, value_name = "COUNT", conflicts_with_all = ["grid", "scene", "report"])]
     random: Option<u64>,
     /// Which random scenes
     #[arg(long, value_name = "N", default_value_t = 0, requires = "random")]
     seed: u64,
-    /// Append a row for each random scene to this file; a file with rows is continued
-    #[arg(long, value_name = "FILE.csv", requires = "random")]
+    /// Append a row for each case to this file; a file with rows is continued
+    #[arg(long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
+    /// Folder of the page with the maps of the grid, and of its cases as CSV [default: report/stability]
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
 }
 
-/// Of which scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Kind {
-    /// Contact-separation.
-    ContactSeparation,
-    /// Sliding.
-    Sliding,
-    /// Bump-stop.
-    BumpStop,
-}
-
-const SCENES: [&str; 3] = [ContactSeparationSetting::SCENE, SlidingSetting::SCENE, BumpStop::SCENE];
+/// The page of the grid.
+const PAGE: &str = "index.html";
+/// The option that names the file of rows.
+const OUTPUT: &str = "--output";
+/// Most attempted steps of a run of a grid, and of a random scene.
+const MOST_ATTEMPTS: [u64; 2] = [2_000_000, 200_000];
+/// Of the grid, every so many-th setting is judged by the reference.
+const BY_REFERENCE: usize = 7;
 
 /// Runs all cases, on all cores, and prints what became of them.
 ///
 /// # Errors
-/// If a shipped scene cannot be read, or if a case fails; with a list of known failing cases, if others fail than are
-/// listed.
+/// If a shipped scene cannot be read, if a file cannot be written, or if a case is wrong or broken.
 pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
-    if let Some(count) = arguments.random {
-        return random::run(count, arguments.seed, arguments.output.as_deref());
-    }
-    let known = arguments.known.as_ref().map(|file| Known::read(file, &SCENES)).transpose()?;
     let outputs = Outputs::of_shipped(SHIPPED_SCENES);
-    if let Some(file) = &arguments.write_known {
-        outputs.check("--write-known", file)?;
+    if let Some(file) = &arguments.output {
+        outputs.check(OUTPUT, file)?;
     }
-    let kinds = arguments
-        .scene
-        .map_or(vec![Kind::ContactSeparation, Kind::Sliding, Kind::BumpStop], |kind| vec![kind]);
-    let reports: Vec<Report> =
-        kinds.into_iter().map(|kind| kind.report(arguments.grid)).collect::<Result<_, _>>()?;
+    let folder = arguments.report.clone().unwrap_or_else(|| report_folder().join("stability"));
+    let has_page = arguments.random.is_none();
+    if has_page {
+        make_folder(&folder)?;
+        [PAGE, CASES].iter().try_for_each(|name| outputs.check("--report", &folder.join(name)))?;
+    }
+    let cases = cases(arguments);
+    let rows = judged::rows(&cases, |number| effort(arguments, number), arguments.output.as_deref())?;
+    let csv = || rows.iter().fold(Row::heading(), |text, row| text + &row.csv());
     print(&match arguments.format {
-        Format::Table => reports.iter().map(|report| report.text.as_str()).collect::<Vec<_>>().join("\n"),
-        Format::Csv => {
-            csv_sections(reports.iter().map(|report| (report.csv_heading.clone(), report.csv_rows.clone())))
-        }
-        Format::Json => json_text(&reports.iter().flat_map(|report| &report.json).collect::<Vec<_>>())?,
+        Format::Table => summary(&rows),
+        Format::Csv => csv(),
+        Format::Json => json_text(&rows)?,
     })?;
-    let runs: Vec<Run> = reports.into_iter().flat_map(|report| report.runs).collect();
-    match (&arguments.write_known, known) {
-        (Some(file), _) => outputs.write(file, &Known::of(&runs).text()),
-        (None, Some(known)) => agree(&known, &runs),
-        (None, None) => none_fails(&runs),
+    if has_page {
+        outputs.write(&folder.join(CASES), &csv())?;
+        outputs.write(&folder.join(PAGE), &page(&cases, &rows))?;
+        tell(&format!("report: {}", folder.join(PAGE).display()));
+    }
+    none_fails(&rows)
+}
+
+fn cases(arguments: &StabilityArguments) -> Vec<Case> {
+    match (arguments.random, arguments.scene) {
+        (Some(count), _) => (0..count).map(|number| draw(arguments.seed, number)).collect(),
+        (None, Some(kind)) => grid(kind, arguments.grid),
+        (None, None) => Kind::value_variants().iter().flat_map(|&kind| grid(kind, arguments.grid)).collect(),
     }
 }
 
-impl Kind {
-    fn report(self, grid: Grid) -> Result<Report, Failure> {
-        match self {
-            Self::ContactSeparation => report::<ContactSeparationSetting>(grid),
-            Self::Sliding => report::<SlidingSetting>(grid),
-            Self::BumpStop => report::<BumpStop>(grid),
-        }
+/// Of the case of a number. A setting has two numbers, one for each precision.
+fn effort(arguments: &StabilityArguments, number: usize) -> Effort {
+    let [of_grid, of_random] = MOST_ATTEMPTS;
+    if arguments.random.is_some() {
+        Effort { most_attempts: of_random, by_reference: true }
+    } else {
+        Effort { most_attempts: of_grid, by_reference: (number / 2).is_multiple_of(BY_REFERENCE) }
     }
 }
 
-/// Runs the cases of a scene, with a progress bar.
-fn report<K: Subject>(grid: Grid) -> Result<Report, Failure> {
-    let base = scene_file::read(&scene_file::shipped(K::SCENE), &[])?;
-    let bar = progress(K::settings(grid).len());
-    let report = examine::<K>(&base, grid, || one_more(&bar));
-    bar.finish_and_clear();
-    Ok(report)
-}
-
-/// Refuses runs that differ from the list of known failing cases.
-fn agree(known: &Known, runs: &[Run]) -> Result<(), Failure> {
-    let differences = known.differences(runs);
-    for difference in &differences {
-        tell(difference);
+fn none_fails(rows: &[Row]) -> Result<(), Failure> {
+    let count = rows.iter().filter(|row| row.class.is_failure()).count();
+    if count == 0 {
+        return Ok(());
     }
-    match differences.len() {
-        0 => Ok(()),
-        count => Err(Failure::Step(format!("{count} cases are not as the list of known failing cases says"))),
-    }
-}
-
-fn none_fails(runs: &[Run]) -> Result<(), Failure> {
-    let failing: Vec<&Run> = runs.iter().filter(|run| run.is_failure).collect();
-    match failing.first() {
-        None => Ok(()),
-        Some(first) => Err(Failure::Step(format!(
-            "{} of {} runs are off without an explanation, the first of {} with {}",
-            failing.len(),
-            runs.len(),
-            first.scene,
-            first.options,
-        ))),
-    }
+    Err(Failure::Step(format!("{count} of {} cases are wrong or broken", rows.len())))
 }

@@ -12,9 +12,10 @@ fn of_the_command_line_itself() {
     refused(&["run", SHIPPED, "--frobnicate"], &["--frobnicate"]);
     refused(&["run", SHIPPED, "another.toml"], &["another.toml"]);
     refused(
-        &["stability", "--known", "/nowhere/known.csv"],
-        &["--known /nowhere/known.csv", "cannot be read"],
+        &["stability", "--output", "/nowhere/cases.csv"],
+        &["--output /nowhere/cases.csv", "/nowhere must be a folder"],
     );
+    refused(&["stability", "--random", "1", "--grid", "coarse"], &["--random", "--grid"]);
 }
 
 #[test]

@@ -32,7 +32,7 @@ use harvester_scene::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Part
 use harvester_scene::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
 
 /// Step near contact where none is given, in s.
-const DEFAULT_SHORT_STEP_S: f64 = 1e-6;
+pub const DEFAULT_SHORT_STEP_S: f64 = 1e-6;
 /// Step in free flight where none is given, in s.
 const DEFAULT_LONG_STEP_S: f64 = 2e-5;
 

@@ -1,14 +1,17 @@
-//! Random scenes over the whole range of the bounds: each is refused, ends in a named error, or gives a mean power that is
-//! right or announced as inaccurate.
+//! A slice of the grids of stiff and extreme scenes, and random scenes over the whole range of the bounds: each is
+//! refused, ends in a named error, or gives a mean power that is right or announced as inaccurate.
 
 use cross_crate_tests::on_all_cores;
 use host_bench::method::Precision;
-use host_bench::random_scenes::{Case, Class, Effort, Finding, judge};
+use host_bench::stability::{Case, Class, Effort, Extent, Finding, Kind, draw, grid, judge};
 
 const SEED: u64 = 2026;
 const COUNT: u64 = 200;
 /// Most attempted steps of a run: few, because the tests are unoptimised.
 const MOST_ATTEMPTS: u64 = 40_000;
+
+/// Of the grids one case in so many is judged: an odd number, for both precisions.
+const OF_GRID: usize = 47;
 
 /// The scenes that were found wrong, with the arguments of `run`.
 fn found() -> Vec<Case> {
@@ -131,11 +134,21 @@ fn none_fails(cases: &[(Case, Effort)]) -> Vec<Finding> {
 }
 
 #[test]
+fn a_slice_of_the_grids_is_right_or_warns() {
+    let kinds = [Kind::ContactSeparation, Kind::Sliding, Kind::BumpStop];
+    let effort = Effort { most_attempts: MOST_ATTEMPTS, by_reference: false };
+    let all = kinds.into_iter().flat_map(|kind| grid(kind, Extent::Coarse));
+    let cases: Vec<(Case, Effort)> = all.step_by(OF_GRID).map(|case| (case, effort)).collect();
+    let findings = none_fails(&cases);
+    let right = findings.iter().filter(|finding| finding.class == Class::Right).count();
+    assert!(2 * right > findings.len(), "{right} of {}", findings.len());
+}
+
+#[test]
 fn random_scenes_are_right_or_warn() {
     let effort =
         |number: u64| Effort { most_attempts: MOST_ATTEMPTS, by_reference: number.is_multiple_of(4) };
-    let cases: Vec<(Case, Effort)> =
-        (0..COUNT).map(|number| (Case::draw(SEED, number), effort(number))).collect();
+    let cases: Vec<(Case, Effort)> = (0..COUNT).map(|number| (draw(SEED, number), effort(number))).collect();
     let findings = none_fails(&cases);
     let count = |is: fn(&Finding) -> bool| findings.iter().filter(|finding| is(finding)).count();
     // Most cases were judged, and most of their numbers are useful.
@@ -158,7 +171,7 @@ fn scenes_that_were_found_wrong_are_right_or_warn() {
 
 #[test]
 fn a_case_follows_from_its_seed_and_number() {
-    assert_eq!(Case::draw(SEED, 5), Case::draw(SEED, 5));
-    assert_ne!(Case::draw(SEED, 5), Case::draw(SEED, 6));
-    assert_ne!(Case::draw(SEED, 5), Case::draw(SEED + 1, 5));
+    assert_eq!(draw(SEED, 5), draw(SEED, 5));
+    assert_ne!(draw(SEED, 5), draw(SEED, 6));
+    assert_ne!(draw(SEED, 5), draw(SEED + 1, 5));
 }

@@ -1,8 +1,10 @@
-//! Draws the scenes.
+//! Random scenes over the whole range of the bounds. A case follows from a seed and its number alone.
 
-use super::source::Source;
+mod source;
+
+use self::source::Source;
+use super::Case;
 use crate::method::Precision;
-use crate::scene_file::{self, Override, Scene, SceneError};
 
 /// A number of a table of a scene file: key, value of the shipped scene, bounds.
 type Row = (&'static str, f64, [f64; 2]);
@@ -50,56 +52,16 @@ const BUMP_STOP_SCENES: [&str; 4] = ["bump-stop", "bump-stop-tip", "bump-stop-mi
 /// Decades up to which the dimensions and materials of a scene are changed.
 const SPREADS: [f64; 5] = [0.0, 0.0, 0.2, 0.5, 1.5];
 
-/// A scene that was drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Case {
-    /// The shipped scene, by its name without ending.
-    pub scene: &'static str,
-    /// Keys and values that replace those of the shipped scene.
-    pub changes: Vec<(String, String)>,
-    /// Precision of the run that is judged.
-    pub precision: Precision,
-}
-
-impl Case {
-    /// The case of a number under a seed.
-    #[must_use]
-    pub fn draw(seed: u64, number: u64) -> Self {
-        let mut source = Source::new(seed, number);
-        let kind = source.uniform(0.0, 1.0);
-        let drawing = Drawing { source, changes: Vec::new() };
-        match kind {
-            ..0.4 => drawing.contact_separation(),
-            ..0.7 => drawing.sliding(),
-            _ => drawing.bump_stop(),
-        }
-    }
-
-    /// A case of the shipped scene `scene`, changed by `--set` options, each as `key=value`.
-    #[must_use]
-    pub fn of(scene: &'static str, changes: &[&str], precision: Precision) -> Self {
-        let pairs = changes.iter().filter_map(|change| change.split_once('='));
-        let changes = pairs.map(|(key, value)| (key.to_owned(), value.to_owned())).collect();
-        Self { scene, changes, precision }
-    }
-
-    /// The scene, as the reader of scene files gives it.
-    ///
-    /// # Errors
-    /// If the reader refuses it.
-    pub fn read(&self) -> Result<Scene, SceneError> {
-        let overrides: Vec<Override> =
-            self.changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-        scene_file::read(&scene_file::shipped(self.scene), &overrides)
-    }
-
-    /// The arguments with which the command line runs it, quoted for a shell.
-    #[must_use]
-    pub fn arguments(&self) -> String {
-        let sets: Vec<String> =
-            self.changes.iter().map(|(key, value)| format!(" --set '{key}={value}'")).collect();
-        let precision = self.precision.name();
-        format!("run host-bench/scenes/{}.toml --precision {precision}{}", self.scene, sets.concat())
+/// The case of a number under a seed.
+#[must_use]
+pub fn draw(seed: u64, number: u64) -> Case {
+    let mut source = Source::new(seed, number);
+    let kind = source.uniform(0.0, 1.0);
+    let drawing = Drawing { source, changes: Vec::new() };
+    match kind {
+        ..0.4 => drawing.contact_separation(),
+        ..0.7 => drawing.sliding(),
+        _ => drawing.bump_stop(),
     }
 }
 
@@ -120,7 +82,7 @@ impl Drawing {
 
     fn case(mut self, scene: &'static str) -> Case {
         let precision = self.source.one_of([Precision::F32, Precision::F64]);
-        Case { scene, changes: self.changes, precision }
+        Case { scene, changes: self.changes, step_s: None, precision }
     }
 
     fn contact_separation(mut self) -> Case {
@@ -296,8 +258,8 @@ impl Drawing {
         );
     }
 
-    /// What shakes the base, and 10 to 20 of its periods, about a harvester of this natural frequency in Hz in the shipped
-    /// scene. Accelerations are drawn within `range`, in m/s².
+    /// What shakes the base, and 10 to 20 of its periods, about a harvester of this natural frequency in Hz in the
+    /// shipped scene. Accelerations are drawn within `range`, in m/s².
     fn excitation(&mut self, natural_hz: f64, range: [f64; 2]) {
         let near = natural_hz * self.source.logarithmic(0.3, 3.0);
         let any = self.source.logarithmic(natural_hz / 20.0, 1e5);

@@ -1,0 +1,125 @@
+//! Whether a motion is chaotic: runs from starts that are slightly displaced diverge, and statistics agree.
+
+use super::exact::{Numbers, Quantity, relative, tighter};
+use crate::method::Options;
+use crate::scene_file::{Excitation, Model, Scene};
+
+/// Relative change of the base acceleration, or of the start.
+const SHIFT: f64 = 1e-9;
+/// Standard errors by which the statistics of two runs of a chaotic motion may differ: 3 in 1000 differ by more.
+const STANDARD_ERRORS: f64 = 3.0;
+/// Standard deviations of a few runs by which the largest motion of another may differ from their mean: by Student's
+/// distribution with four degrees of freedom one in 100 differs by more.
+const DEVIATIONS: f64 = 5.0;
+
+/// The more accurate run of a scene, and those with a displaced start or a changed base acceleration.
+#[derive(Debug)]
+pub(super) struct Ensemble(Vec<Numbers>);
+
+impl Ensemble {
+    pub(super) fn of(scene: &Scene, options: &Options) -> Self {
+        let displaced =
+            [SHIFT, -SHIFT].into_iter().flat_map(|shift| [shaken(scene, shift), displaced(scene, shift)]);
+        let scenes = std::iter::once(Some(scene.clone())).chain(displaced).flatten();
+        Self(scenes.filter_map(|scene| tighter(&scene, options)).collect())
+    }
+
+    /// Whether some of the runs differ from the first by more than `allowed`, in a part of the window or as a whole.
+    pub(super) fn diverges(&self, quantity: Quantity, allowed: f64) -> bool {
+        let Some((first, others)) = self.0.split_first() else { return false };
+        others.iter().any(|other| {
+            other.error(first, quantity) > allowed
+                || (quantity == Quantity::Power && largest_difference(first, other) > allowed)
+        })
+    }
+
+    /// Whether a run has the statistics of these: the mean power within the sampling error of both, the largest motion
+    /// within the scatter.
+    pub(super) fn contains(&self, found: &Numbers, quantity: Quantity) -> bool {
+        let count = self.0.len() as f64;
+        let mean = self.0.iter().map(|run| run.value(quantity)).sum::<f64>() / count;
+        let apart = (found.value(quantity) - mean).abs();
+        match quantity {
+            Quantity::Power => {
+                let of_mean: f64 = self.0.iter().map(|run| sampling_error(run).powi(2)).sum();
+                let error = (sampling_error(found).powi(2) + of_mean / count.powi(2)).sqrt();
+                apart <= STANDARD_ERRORS * error * mean.abs()
+            }
+            Quantity::Motion => {
+                let squares: f64 = self.0.iter().map(|run| (run.value(quantity) - mean).powi(2)).sum();
+                apart <= DEVIATIONS * (squares / (count - 1.0)).sqrt()
+            }
+        }
+    }
+}
+
+/// The largest difference of the energies in a part of the window, over the mean energy in a part.
+fn largest_difference(one: &Numbers, other: &Numbers) -> f64 {
+    let blocks = one.block_energies_j.iter().zip(&other.block_energies_j);
+    let largest = blocks.map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+    let mean = one.block_energies_j.iter().sum::<f64>() / one.block_energies_j.len().max(1) as f64;
+    relative(mean + largest, mean)
+}
+
+/// The relative standard error of the mean power, from the parts of the window.
+fn sampling_error(run: &Numbers) -> f64 {
+    let count = run.block_energies_j.len() as f64;
+    let mean = run.block_energies_j.iter().sum::<f64>() / count;
+    let squares: f64 = run.block_energies_j.iter().map(|energy| (energy - mean).powi(2)).sum();
+    let error = (squares / (count - 1.0) / count).sqrt() / mean.abs();
+    if error.is_finite() { error } else { 0.0 }
+}
+
+/// The scene with a larger base acceleration; `None` if the base is at rest.
+fn shaken(scene: &Scene, shift: f64) -> Option<Scene> {
+    let is_at_rest = matches!(scene.excitation, Excitation::Silence);
+    let excitation = scene.excitation.scaled(1.0 + shift);
+    (!is_at_rest).then(|| Scene { excitation, ..scene.clone() })
+}
+
+/// The scene with a displaced start: by a part of the gap, of the radius of the patch, or of the natural motion that
+/// the base's acceleration gives the first mode; `None` if that leaves the bounds.
+fn displaced(scene: &Scene, shift: f64) -> Option<Scene> {
+    let mut scene = scene.clone();
+    match &mut scene.model {
+        Model::ContactSeparation(model) => {
+            let gap = model.initial.gap_m.unwrap_or(model.parameters.initial_gap_m);
+            model.initial.gap_m = Some(gap * (1.0 + shift));
+        }
+        Model::Sliding(model) => {
+            let displacement = model.initial.displacement_m.unwrap_or(0.0);
+            model.initial.displacement_m = Some(displacement + model.parameters.patch_radius_m * shift);
+        }
+        // Its natural motion has no length that suits every scene.
+        Model::BumpStop(_) => return None,
+    }
+    Some(scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::method::Precision;
+    use crate::stability::Case;
+
+    fn ensemble(changes: &[&str]) -> Ensemble {
+        let case = Case::of("contact-separation", changes, Precision::F64);
+        Ensemble::of(&case.read().expect("a scene"), &case.options())
+    }
+
+    #[test]
+    fn a_periodic_motion_does_not_diverge_and_excuses_nothing() {
+        let periodic = ensemble(&["run={duration_periods=36,settle_periods=20}"]);
+        assert_eq!(periodic.0.len(), 5);
+        assert!(!periodic.diverges(Quantity::Power, 0.01));
+    }
+
+    #[test]
+    fn statistics_agree_within_the_sampling_error_only() {
+        let run = |energies: [f64; 4], power_w| Numbers::with(power_w, energies.to_vec());
+        let runs = Ensemble(vec![run([1.0, 1.2, 0.8, 1.0], 4.0), run([0.8, 1.0, 1.2, 1.0], 4.0)]);
+        assert!(runs.diverges(Quantity::Power, 0.01));
+        assert!(runs.contains(&run([1.2, 1.1, 0.9, 1.0], 4.2), Quantity::Power));
+        assert!(!runs.contains(&run([2.2, 2.1, 1.9, 2.0], 8.2), Quantity::Power));
+    }
+}

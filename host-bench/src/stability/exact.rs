@@ -1,0 +1,138 @@
+//! The runs that are more accurate, and what is compared of two runs.
+
+use crate::accuracy::takes_power;
+use crate::embedded::DEFAULT_SHORT_STEP_S;
+use crate::method::{Options, Precision};
+use crate::outcome::{Outcome, Particular};
+use crate::reference::{self, ReferenceOptions};
+use crate::run::run_scene;
+use crate::scene_file::{Model, Scene};
+
+/// Halvings of the tolerance of a triboelectric run that give the tighter run.
+const TIGHTER: u32 = 5;
+/// Halvings of the steps of a bump-stop run that give the tighter run.
+const SHORTER: u32 = 2;
+/// Attempted steps of the tighter run and steps of the reference over those of the run.
+const MORE_ATTEMPTS: u64 = 8;
+/// Tolerance of the reference: its errors are far below what is judged.
+const REFERENCE_TOLERANCE: f64 = 1e-10;
+
+/// What is compared of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Numbers {
+    /// Mean power in W.
+    power_w: f64,
+    /// Peak gap, amplitude of the slider, or peak displacement of the tip in m.
+    motion_m: f64,
+    /// RMS voltage in V.
+    voltage_v: f64,
+    /// Energy in J in each part of the window; empty for the reference.
+    pub(super) block_energies_j: Vec<f64>,
+}
+
+/// The quantity by which a run is judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// The mean power.
+    Power,
+    /// Where no power is delivered: the peak gap, amplitude or displacement, and the RMS voltage.
+    Motion,
+}
+
+impl Numbers {
+    /// Of a run; `None` without a measuring window.
+    pub(super) fn of(outcome: &Outcome) -> Option<Self> {
+        let motion_m = match &outcome.particular {
+            Particular::ContactSeparation(found) => found.peak_gap_m,
+            Particular::Sliding(found) => found.amplitude_m,
+            Particular::BumpStop(found) => found.peak_tip_displacement_m,
+        };
+        Some(Self {
+            power_w: outcome.mean_power_w?,
+            motion_m: motion_m?,
+            voltage_v: outcome.rms_voltage_v.unwrap_or(0.0),
+            block_energies_j: outcome.block_energies_j.clone(),
+        })
+    }
+
+    /// Of a run of this mean power in W and these energies in J.
+    #[cfg(test)]
+    pub(super) fn with(power_w: f64, block_energies_j: Vec<f64>) -> Self {
+        Self { power_w, motion_m: 0.0, voltage_v: 0.0, block_energies_j }
+    }
+
+    /// The quantity by which two runs are compared: the power, unless both have none.
+    pub(super) fn quantity(&self, other: &Self) -> Quantity {
+        if self.power_w == 0.0 && other.power_w == 0.0 { Quantity::Motion } else { Quantity::Power }
+    }
+
+    /// The relative difference of a quantity from that of `exact`.
+    pub(super) fn error(&self, exact: &Self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Power => relative(self.power_w, exact.power_w),
+            Quantity::Motion => {
+                relative(self.motion_m, exact.motion_m).max(relative(self.voltage_v, exact.voltage_v))
+            }
+        }
+    }
+
+    /// What differs from `exact`, in words.
+    pub(super) fn difference(&self, exact: &Self, quantity: Quantity) -> String {
+        match quantity {
+            Quantity::Power => format!("mean power {:e} W instead of {:e} W", self.power_w, exact.power_w),
+            Quantity::Motion => format!(
+                "motion {:e} m instead of {:e} m, RMS voltage {:e} V instead of {:e} V",
+                self.motion_m, exact.motion_m, self.voltage_v, exact.voltage_v
+            ),
+        }
+    }
+
+    /// The value of which the statistics of chaotic motions are compared.
+    pub(super) fn value(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Power => self.power_w,
+            Quantity::Motion => self.motion_m,
+        }
+    }
+}
+
+/// `|found − exact|` over the magnitude of `exact`; 0 where both are 0.
+pub(super) fn relative(found: f64, exact: f64) -> f64 {
+    if found == exact { 0.0 } else { ((found - exact) / exact).abs() }
+}
+
+/// A scene on the reference; `None` if it is refused or does not come to its end.
+pub(super) fn by_reference(scene: &Scene, most_attempts: u64) -> Option<Numbers> {
+    let options = ReferenceOptions {
+        tolerance: REFERENCE_TOLERANCE,
+        most_steps: Some(most_attempts.saturating_mul(MORE_ATTEMPTS)),
+        ..ReferenceOptions::default()
+    };
+    if reference::refusal(scene).is_some() {
+        return None;
+    }
+    Numbers::of(&reference::run(scene, &options).ok()?)
+}
+
+/// A scene in double precision with a tighter tolerance, or shorter steps, than `options`; `None` if it does not come
+/// to its end.
+pub(super) fn tighter(scene: &Scene, options: &Options) -> Option<Numbers> {
+    let is_bump_stop = matches!(scene.model, Model::BumpStop(_));
+    let more = if is_bump_stop { SHORTER } else { TIGHTER };
+    let step_s = if is_bump_stop {
+        options.step_s.map(|step_s| step_s.min(DEFAULT_SHORT_STEP_S))
+    } else {
+        options.step_s
+    };
+    let options = Options {
+        precision: Some(Precision::F64),
+        step_s,
+        halvings: options.halvings + more,
+        bare: takes_power(scene),
+        blocks: true,
+        most_attempts: options.most_attempts.map(|most| most.saturating_mul(MORE_ATTEMPTS)),
+        ..*options
+    };
+    Numbers::of(&run_scene(scene, &options).ok()?)
+}

@@ -1,0 +1,256 @@
+//! Judges the run of a case by runs that are more accurate.
+
+use std::cell::OnceCell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use serde::{Deserialize, Serialize};
+
+use super::Case;
+use super::chaos::Ensemble;
+use super::exact::{Numbers, Quantity, by_reference, tighter};
+use crate::accuracy::run_with_steps;
+use crate::method::{Failure, Options, Precision};
+use crate::outcome::Outcome;
+use crate::scene_file::{Scene, SceneError};
+
+/// Relative error up to which a run is right, in double and in single precision.
+pub(super) const RIGHT: [f64; 2] = [0.01, 0.02];
+
+/// What became of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Class {
+    /// The mean power is within 1 % in double precision and 2 % in single precision of that of the more accurate run;
+    /// where no power is delivered, motion and RMS voltage are.
+    Right,
+    /// It is not, but the more accurate run diverges from one with a start displaced or a base acceleration changed by
+    /// 10⁻⁹, and the statistics of all these runs agree.
+    Chaotic,
+    /// It is not, and a warning that begins with `accuracy:` says so.
+    Warned,
+    /// The scene is refused before the run.
+    Refused,
+    /// A step could not be taken, and the error says why.
+    NamedError,
+    /// Stopped after the most attempted steps.
+    TooDear,
+    /// No more accurate run came to its end.
+    Unjudged,
+    /// The mean power is off, and nothing says so.
+    Wrong,
+    /// A panic, or a number that is not finite.
+    Broken,
+}
+
+impl Class {
+    /// Whether nothing explains it.
+    #[must_use]
+    pub fn is_failure(self) -> bool {
+        matches!(self, Self::Wrong | Self::Broken)
+    }
+}
+
+/// How much a case may cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// Most attempted steps of the run.
+    pub most_attempts: u64,
+    /// Whether the reference judges, where it comes to its end; otherwise a run of the same method with a tighter
+    /// tolerance or shorter steps in double precision.
+    pub by_reference: bool,
+}
+
+/// A run that was judged.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// What became of it.
+    pub class: Class,
+    /// What was compared; `None` without a more accurate run.
+    pub quantity: Option<Quantity>,
+    /// Relative error of the quantity.
+    pub error: Option<f64>,
+    /// The statement of the relative error of the mean power.
+    pub stated: Option<f64>,
+    /// Whether a warning begins with `accuracy:`.
+    pub is_warned: bool,
+    /// Whether the reference was the more accurate run.
+    pub by_reference: bool,
+    /// Why there is no mean power, or what is wrong with it.
+    pub reason: String,
+}
+
+impl Finding {
+    fn new(class: Class, reason: impl Into<String>) -> Self {
+        let reason = reason.into();
+        Self {
+            class,
+            quantity: None,
+            error: None,
+            stated: None,
+            is_warned: false,
+            by_reference: false,
+            reason,
+        }
+    }
+}
+
+/// Runs a case with its accuracy statement, and judges it.
+#[must_use]
+pub fn judge(case: &Case, effort: Effort) -> Finding {
+    Judge::new(case, effort).finding(case.precision)
+}
+
+/// What the runs of a case in both precisions are judged by. Each of its runs is computed where it is first needed.
+#[derive(Debug)]
+pub struct Judge {
+    scene: Result<Scene, SceneError>,
+    options: Options,
+    effort: Effort,
+    /// The more accurate run, and whether it is the reference.
+    exact: OnceCell<Option<(Numbers, bool)>>,
+    ensemble: OnceCell<Ensemble>,
+}
+
+impl Judge {
+    /// Of a case; its precision does not matter.
+    #[must_use]
+    pub fn new(case: &Case, effort: Effort) -> Self {
+        let options = Options { most_attempts: Some(effort.most_attempts), ..case.options() };
+        Self { scene: case.read(), options, effort, exact: OnceCell::new(), ensemble: OnceCell::new() }
+    }
+
+    /// Runs the case in a precision with its accuracy statement, and judges it.
+    #[must_use]
+    pub fn finding(&self, precision: Precision) -> Finding {
+        match &self.scene {
+            Ok(scene) => catch_unwind(AssertUnwindSafe(|| self.finding_of(scene, precision)))
+                .unwrap_or_else(|_| Finding::new(Class::Broken, "panicked")),
+            Err(error) => Finding::new(Class::Refused, error.to_string()),
+        }
+    }
+
+    fn finding_of(&self, scene: &Scene, precision: Precision) -> Finding {
+        let options = Options { precision: Some(precision), ..self.options };
+        let (outcome, options) = match run_with_steps(scene, &options) {
+            Ok(found) => found,
+            Err(Failure::Input(reason)) => return Finding::new(Class::Refused, reason),
+            Err(Failure::Step(reason)) => return Finding::new(Class::NamedError, reason),
+            Err(Failure::StepLimitExceeded(reason)) => return Finding::new(Class::TooDear, reason),
+        };
+        let mut finding = Finding {
+            stated: outcome.accuracy.total,
+            is_warned: outcome.warnings.iter().any(|warning| warning.starts_with("accuracy:")),
+            ..Finding::new(Class::Unjudged, "no more accurate run came to its end")
+        };
+        if !is_finite(&outcome) {
+            return Finding { class: Class::Broken, reason: "a number is not finite".to_owned(), ..finding };
+        }
+        let (Some((exact, by_reference)), Some(found)) = (self.exact(scene, &options), Numbers::of(&outcome))
+        else {
+            return finding;
+        };
+        let quantity = found.quantity(exact);
+        let error = found.error(exact, quantity);
+        let [double, single] = RIGHT;
+        let allowed = if precision == Precision::F64 { double } else { single };
+        finding.quantity = Some(quantity);
+        finding.error = Some(error);
+        finding.by_reference = *by_reference;
+        finding.class = match finding.is_warned {
+            _ if error <= allowed => Class::Right,
+            _ if self.is_chaotic(scene, &options, &found, quantity, allowed) => Class::Chaotic,
+            true => Class::Warned,
+            false => Class::Wrong,
+        };
+        let is_off = error > allowed;
+        finding.reason = if is_off { found.difference(exact, quantity) } else { String::new() };
+        finding
+    }
+
+    fn exact(&self, scene: &Scene, options: &Options) -> Option<&(Numbers, bool)> {
+        let Effort { most_attempts, by_reference: asked } = self.effort;
+        let reference = || asked.then(|| by_reference(scene, most_attempts)).flatten();
+        let exact = self.exact.get_or_init(|| {
+            let reference = reference().map(|found| (found, true));
+            reference.or_else(|| Some((tighter(scene, options)?, false)))
+        });
+        exact.as_ref()
+    }
+
+    fn is_chaotic(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        found: &Numbers,
+        quantity: Quantity,
+        allowed: f64,
+    ) -> bool {
+        let ensemble = self.ensemble.get_or_init(|| Ensemble::of(scene, options));
+        ensemble.diverges(quantity, allowed) && ensemble.contains(found, quantity)
+    }
+}
+
+fn is_finite(outcome: &Outcome) -> bool {
+    let numbers = [
+        outcome.mean_power_w,
+        outcome.rms_voltage_v,
+        outcome.peak_voltage_v,
+        outcome.mean_voltage_v,
+        outcome.delivered_energy_j,
+        outcome.created_energy_j,
+        outcome.energy_residual,
+        outcome.accuracy.total,
+    ];
+    numbers.iter().flatten().all(|number| number.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EFFORT: Effort = Effort { most_attempts: 200_000, by_reference: false };
+
+    fn shipped(changes: &[&str]) -> Case {
+        let run = "run={duration_periods=36,settle_periods=20}";
+        Case::of("contact-separation", &[&[run], changes].concat(), Precision::F64)
+    }
+
+    #[test]
+    fn a_periodic_run_is_right_by_the_reference_and_by_a_tighter_run() {
+        for by_reference in [false, true] {
+            let found = judge(&shipped(&[]), Effort { by_reference, ..EFFORT });
+            assert_eq!(found.class, Class::Right, "{found:?}");
+            assert_eq!([found.by_reference, found.is_warned], [by_reference, false]);
+            assert!(found.error <= found.stated, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_wrong_run_is_not_excused() {
+        let case = shipped(&[]);
+        let judge = Judge::new(&case, EFFORT);
+        judge.exact.set(Some((Numbers::with(1.0, Vec::new()), false))).expect("is empty");
+        let found = judge.finding(Precision::F64);
+        assert_eq!(found.class, Class::Wrong, "{found:?}");
+        assert!(found.reason.ends_with("instead of 1e0 W"), "{found:?}");
+    }
+
+    #[test]
+    fn without_power_the_motion_and_the_voltage_are_compared() {
+        for resistance in ["load.resistance_ohm=0", "load.resistance_ohm=inf"] {
+            let found = judge(&shipped(&[resistance]), EFFORT);
+            assert_eq!(found.class, Class::Right, "{found:?}");
+            assert_eq!(found.quantity, Some(Quantity::Motion));
+        }
+    }
+
+    #[test]
+    fn a_run_that_takes_too_many_steps_is_given_up_and_a_bad_key_is_refused() {
+        let found = judge(&shipped(&[]), Effort { most_attempts: 1000, ..EFFORT });
+        assert_eq!(found.class, Class::TooDear);
+        assert!(found.reason.starts_with("given up after 1000 attempted steps at 0."), "{found:?}");
+        let found = judge(&shipped(&["load.resistance_ohm=-1"]), EFFORT);
+        assert_eq!(found.class, Class::Refused);
+        assert!(found.reason.contains("load.resistance_ohm"), "{found:?}");
+    }
+}

@@ -1,0 +1,110 @@
+//! A judged case as a row of CSV and an object of JSON.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Case, Class, Effort, Finding, Judge, Quantity};
+use crate::outcome::{cell, csv_line, fields};
+
+/// A case with what became of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Row {
+    /// Number of the case in its list.
+    pub(crate) number: usize,
+    pub(crate) scene: String,
+    pub(crate) precision: String,
+    pub(crate) class: Class,
+    /// What was compared.
+    pub(crate) quantity: Option<Quantity>,
+    /// Relative error of the quantity.
+    pub(crate) error: Option<f64>,
+    /// The statement of the relative error of the mean power.
+    pub(crate) stated: Option<f64>,
+    pub(crate) is_warned: bool,
+    pub(crate) by_reference: bool,
+    pub(crate) reason: String,
+    /// The arguments with which the command line runs the case.
+    pub(crate) arguments: String,
+}
+
+/// Columns of CSV.
+const COLUMNS: [&str; 11] = [
+    "number",
+    "scene",
+    "precision",
+    "class",
+    "quantity",
+    "error",
+    "stated",
+    "is_warned",
+    "by_reference",
+    "reason",
+    "arguments",
+];
+
+impl Row {
+    /// Judges cases that differ in nothing but precision; each has its number.
+    pub(crate) fn judged(twins: &[(usize, &Case)], effort: Effort) -> Vec<Self> {
+        let Some((_, first)) = twins.first() else { return Vec::new() };
+        let judge = Judge::new(first, effort);
+        let row = |&(number, case): &(usize, &Case)| Self::of(number, case, judge.finding(case.precision));
+        twins.iter().map(row).collect()
+    }
+
+    fn of(number: usize, case: &Case, finding: Finding) -> Self {
+        let Finding { class, quantity, error, stated, is_warned, by_reference, reason } = finding;
+        Self {
+            number,
+            scene: case.scene.to_owned(),
+            precision: case.precision.name().to_owned(),
+            class,
+            quantity,
+            error,
+            stated,
+            is_warned,
+            by_reference,
+            reason,
+            arguments: case.arguments(),
+        }
+    }
+
+    pub(crate) fn heading() -> String {
+        csv_line(COLUMNS.map(str::to_owned))
+    }
+
+    pub(crate) fn csv(&self) -> String {
+        csv_line(fields(self).values().map(cell))
+    }
+
+    /// The rows of a table of CSV with the heading of [`Row::heading`].
+    pub(crate) fn read(text: &str) -> Result<Vec<Self>, String> {
+        let rows: Result<Vec<Self>, _> = csv::Reader::from_reader(text.as_bytes()).deserialize().collect();
+        rows.map_err(|error| error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_survives_its_line() {
+        let row = Row {
+            number: 7,
+            scene: "sliding".to_owned(),
+            precision: "f32".to_owned(),
+            class: Class::NamedError,
+            quantity: None,
+            error: None,
+            stated: Some(0.25),
+            is_warned: true,
+            by_reference: false,
+            reason: "a, \"b\"".to_owned(),
+            arguments: "run x --set 'load={kind=\"dc-bus\"}'".to_owned(),
+        };
+        assert!(fields(&row).keys().eq(COLUMNS));
+        let judged = Row { number: 8, quantity: Some(Quantity::Motion), error: Some(1e-3), ..row.clone() };
+        let text = Row::heading() + &row.csv() + &judged.csv();
+        assert_eq!(Row::read(&text), Ok(vec![row, judged]));
+        assert!(Row::read("a,b\n1,2\n").is_err());
+    }
+}
