@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         bias_seconds: None, // the offset of the format is known
     };
     let mut estimator = Estimator::new(harvester, settings)?;
-    let mut flash = [0; 320];
+    let mut flash = [0; 400];
     for n in 0..2000 {
         // At most 100 attempted steps per call, because firmware has deadlines.
         let mut progress = estimator.push_count(sample(n), 100)?;

@@ -214,5 +214,5 @@ fn a_day_without_clearing_is_the_sum_of_its_hours_in_single_precision() {
     assert!((f64::from(day.energy) / energy - 1.0).abs() < 4e-7, "{} {energy}", day.energy);
     // The scatter of the mean of a day is a fifth of that of an hour; the motion is the same.
     let relative = day.uncertainty.relative.expect("known");
-    assert!(relative < 0.2 && day.uncertainty.irregularity < 0.01, "{:?}", day.uncertainty);
+    assert!(relative < 0.3 && day.uncertainty.irregularity < 1e-3, "{:?}", day.uncertainty);
 }
