@@ -1,8 +1,8 @@
 //! Which parts a scene needs for a stated accuracy.
 //!
 //! Each part in turn is left out of the scene, and the run is compared with that of the full scene, both in double
-//! precision and within a fraction of the accuracy. Pairs of the parts that are not needed are left out together, then as
-//! many as the accuracy allows. The cut scene that remains gives the cheapest method, precision and step that hold the
+//! precision and within a fraction of the accuracy. As many of the parts that are not needed are left out together as the
+//! accuracy allows. For the cut scene that remains, the cheapest method, precision and step are sought that hold the
 //! accuracy against the same full run.
 
 mod change;
@@ -27,6 +27,8 @@ use crate::scene_file::{Excitation, Model, Scene};
 
 /// Accuracy of the full run over the stated one: triboelectric, and bump-stop, whose cost rises faster.
 const FULL: [f64; 2] = [0.01, 0.25];
+/// Estimated error of the full run over the stated accuracy, up to which the verdicts are sound.
+const SOUND: f64 = 0.5;
 /// Relative change of the base acceleration that shows a chaotic motion.
 const SHIFT: f64 = 1e-9;
 /// Change of the mean power under it over the accuracy, above which the motion is chaotic.
@@ -66,7 +68,7 @@ pub(crate) enum Verdict {
         /// The parts of the cut that cannot be left out with it; empty: no single one.
         with: Vec<String>,
     },
-    /// Its absence changes the result by less, but that of fewer modes by more.
+    /// Its absence changes the result by less, but with more of the modes kept it changes by more.
     ByChance,
     /// The change may be chance: a longer window decides.
     Undecided,
@@ -115,9 +117,13 @@ impl Study {
         };
         let (full, options) = run_with_steps(scene, &asked)?;
         let mut study = Self { scene: scene.clone(), accuracy, full, options, is_chaotic: false };
-        study.is_chaotic = study.changes_under_a_shift();
+        study.is_chaotic = study.changes_under_a_shift(&study.scene, &study.full, &study.options);
         if study.is_chaotic && study.lengthen_window() {
             (study.full, study.options) = run_with_steps(&study.scene, &asked)?;
+        }
+        if study.is_sound() {
+            // Said of the accuracy that the study asked for, which is tighter than it needs.
+            study.full.warnings.retain(|warning| !warning.starts_with("accuracy:"));
         }
         let [factor, more] = MOST_ATTEMPTS;
         study.options.most_attempts = Some(factor * (study.full.steps + study.full.rejected_steps) + more);
@@ -133,8 +139,13 @@ impl Study {
             return false;
         }
         let blocks = &self.full.block_energies_j;
-        let zeros = vec![0.0; blocks.len()];
-        let of_difference = std::f64::consts::SQRT_2 * sampling_error(&zeros, blocks);
+        // The difference of two independent runs: the error of one, times the root of two.
+        let nothing = vec![0.0; blocks.len()];
+        let of_difference = std::f64::consts::SQRT_2 * sampling_error(blocks, &nothing);
+        // Without power there is no mean to sample.
+        if !of_difference.is_finite() {
+            return false;
+        }
         let run = &mut self.scene.run;
         let steps = self.full.steps as f64 * run.window_s() / run.duration_s;
         let most = MOST_WINDOWS.min(MOST_STEPS / steps);
@@ -143,14 +154,18 @@ impl Study {
         windows > 1.0
     }
 
-    fn changes_under_a_shift(&self) -> bool {
-        let excitation = self.scene.excitation.scaled(1.0 + SHIFT);
-        let shifted = Scene { excitation, ..self.scene.clone() };
-        let run = run_scene(&shifted, &self.options);
-        // A run that ends otherwise than the full one is as far from it as can be.
-        run.is_ok_and(|run| {
-            Change::between(&self.full, &run, false).mean_power.unwrap_or(0.0).abs() > CHAOTIC * self.accuracy
-        })
+    /// Whether the full run is known to be accurate enough for the verdicts.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.full.accuracy.total.is_some_and(|total| total <= SOUND * self.accuracy)
+    }
+
+    /// Whether the run of a scene changes under a slightly larger base acceleration.
+    fn changes_under_a_shift(&self, scene: &Scene, run: &Outcome, options: &Options) -> bool {
+        let excitation = scene.excitation.scaled(1.0 + SHIFT);
+        let shifted = Scene { excitation, ..scene.clone() };
+        // A run that ends otherwise is as far from the other as can be.
+        run_scene(&shifted, options)
+            .map_or(true, |other| Change::between(run, &other, false).largest() > CHAOTIC * self.accuracy)
     }
 
     /// What changes without some parts, by the options of the full run.
@@ -165,7 +180,8 @@ impl Study {
     /// A run of a scene in place of the full one.
     fn compared(&self, scene: &Scene, options: &Options) -> Result<Change, String> {
         let run = run_scene(scene, options).map_err(|failure| failure.to_string())?;
-        Ok(Change::between(&self.full, &run, self.is_chaotic))
+        let is_chaotic = self.is_chaotic || self.changes_under_a_shift(scene, &run, options);
+        Ok(Change::between(&self.full, &run, is_chaotic))
     }
 
     /// The scene without some parts.
@@ -220,8 +236,12 @@ impl Study {
             })
             .collect();
         let candidates = candidates(&findings);
-        let pairs = self.failing_pairs(&candidates, || done(all.len() + pairs_of(&candidates).len()));
         let cut = self.cut(&candidates);
+        let excluded =
+            candidates.iter().copied().filter(|part| !cut.iter().any(|other| covers(*other, *part)));
+        let pairs: Vec<[Part; 2]> =
+            excluded.flat_map(|part| cut.iter().map(move |other| [part, *other])).collect();
+        let pairs = self.failing_pairs(&pairs, || done(all.len() + pairs.len()));
         let by_chance: Vec<Part> =
             all.iter().copied().filter(|part| !holds_with_more(&findings, *part)).collect();
         for finding in &mut findings {
@@ -234,26 +254,21 @@ impl Study {
                 finding.verdict = Verdict::ByChance;
                 continue;
             }
-            let partner = |pair: &[Part; 2]| match *pair {
-                [one, other] if one == part => Some(other),
-                [other, one] if one == part => Some(other),
-                _ => None,
-            };
-            let with = pairs.iter().filter_map(partner).filter(|other| cut.contains(other));
-            finding.verdict = Verdict::NotNeededAlone { with: with.map(Part::name).collect() };
+            let with = pairs.iter().filter(|[one, _]| *one == part).map(|[_, other]| other.name());
+            finding.verdict = Verdict::NotNeededAlone { with: with.collect() };
         }
         let cut_change = self.change(&cut).map_err(Failure::Step)?;
         Ok(Needs { findings, cut_scene: self.without(&cut), cut, cut_change })
     }
 
-    /// The pairs of candidates that cannot be left out together.
-    fn failing_pairs(&self, candidates: &[Part], done: impl Fn() + Sync) -> Vec<[Part; 2]> {
-        let failing = pairs_of(candidates).into_par_iter().filter(|pair| {
-            let holds = self.holds(pair);
+    /// The pairs that cannot be left out together.
+    fn failing_pairs(&self, pairs: &[[Part; 2]], done: impl Fn() + Sync) -> Vec<[Part; 2]> {
+        let failing = pairs.par_iter().filter(|pair| {
+            let holds = self.holds(*pair);
             done();
             !holds
         });
-        failing.collect()
+        failing.copied().collect()
     }
 
     /// The candidates that can be left out together: all, or one after the other those that still can.
@@ -314,16 +329,11 @@ fn covers(one: Part, other: Part) -> bool {
             (Part::BeamModes(least), Part::BeamModes(kept))
             | (Part::RodModes(least), Part::RodModes(kept)) => least <= kept,
             (Part::Stop, other) => stop.contains(&other) || matches!(other, Part::RodModes(_)),
-            (Part::Rod, other) => matches!(other, Part::RodModes(_) | Part::ResidualCompliance),
+            (Part::Rod, other) => matches!(other, Part::RodModes(_)),
             (Part::Bridge(_), other) => {
                 store.contains(&other) || matches!(other, Part::DiodeDrop | Part::Storage(_))
             }
             (Part::Storage(_), other) => store.contains(&other),
             _ => false,
         }
-}
-
-fn pairs_of(candidates: &[Part]) -> Vec<[Part; 2]> {
-    let later = |index: usize| candidates[index + 1..].iter().map(move |other| [candidates[index], *other]);
-    (0..candidates.len()).flat_map(later).collect()
 }

@@ -85,6 +85,14 @@ pub struct Outcome {
 /// Number of parts of the measuring window whose energies are compared between two runs.
 pub const BLOCKS: usize = 16;
 
+/// The standard error of the sum of the values of equal parts; not-a-number of fewer than two.
+pub fn standard_error_of_sum(parts: &[f64]) -> f64 {
+    let count = parts.len() as f64;
+    let mean = parts.iter().sum::<f64>() / count;
+    let squares: f64 = parts.iter().map(|part| (part - mean).powi(2)).sum();
+    (squares * count / (count - 1.0)).sqrt()
+}
+
 impl Outcome {
     /// The numbers of a contact-separation scene, if it is one.
     pub fn contact_separation(&self) -> Option<&ContactSeparationOutcome> {
@@ -99,6 +107,16 @@ impl Outcome {
     /// The numbers of a bump-stop scene, if it is one.
     pub fn bump_stop(&self) -> Option<&BumpStopOutcome> {
         if let Particular::BumpStop(found) = &self.particular { Some(found) } else { None }
+    }
+
+    /// The largest gap, the amplitude of the slider, or the largest displacement of the tip in m; `None` without a
+    /// measuring window.
+    pub fn largest_motion_m(&self) -> Option<f64> {
+        match &self.particular {
+            Particular::ContactSeparation(found) => found.peak_gap_m,
+            Particular::Sliding(found) => found.amplitude_m,
+            Particular::BumpStop(found) => found.peak_tip_displacement_m,
+        }
     }
 
     /// Whether the numbers are those of a stable orbit that shooting found.

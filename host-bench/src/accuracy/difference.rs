@@ -1,6 +1,6 @@
 //! The difference of two runs of the same scene.
 
-use crate::outcome::{BLOCKS, Outcome, Particular};
+use crate::outcome::{BLOCKS, Outcome, standard_error_of_sum};
 
 /// Least mean number of steps in a part of the window.
 const STEPS_PER_PART: u64 = 64;
@@ -28,14 +28,12 @@ pub(super) fn difference(one: &Outcome, two: &Outcome) -> Option<f64> {
         return Some(motion?.max(voltage?));
     }
     // Where a part has few steps, the energy of the step across its border is a part of it.
-    let parts = (one.steps.min(two.steps) / STEPS_PER_PART).clamp(1, BLOCKS as u64) as usize;
+    let parts = (one.steps.min(two.steps) / STEPS_PER_PART).clamp(1, BLOCKS as u64);
+    let blocks_of_part = BLOCKS >> parts.ilog2();
     let blocks = one.block_energies_j.iter().zip(&two.block_energies_j);
     let apart: Vec<f64> = blocks.map(|(one, two)| one - two).collect();
-    let apart: Vec<f64> = apart.chunks(BLOCKS.div_ceil(parts)).map(|part| part.iter().sum()).collect();
-    let count = apart.len() as f64;
-    let mean = apart.iter().sum::<f64>() / count.max(1.0);
-    let squares: f64 = apart.iter().map(|apart| (apart - mean).powi(2)).sum();
-    let of_sum = if count > 1.0 { (squares / (count - 1.0) * count).sqrt() } else { 0.0 };
+    let apart: Vec<f64> = apart.chunks(blocks_of_part).map(|part| part.iter().sum()).collect();
+    let of_sum = if apart.len() > 1 { standard_error_of_sum(&apart) } else { 0.0 };
     let difference = (energy - other).abs() + CONFIDENCE * of_sum;
     let relative = difference / energy.abs().min(other.abs());
     if difference == 0.0 { Some(0.0) } else { relative.is_finite().then_some(relative) }
@@ -44,12 +42,7 @@ pub(super) fn difference(one: &Outcome, two: &Outcome) -> Option<f64> {
 /// The largest gap, displacement of the slider or displacement of the tip in m, and the RMS voltage in V; 0 where
 /// there is none.
 fn motions(outcome: &Outcome) -> [f64; 2] {
-    let motion = match &outcome.particular {
-        Particular::ContactSeparation(found) => found.peak_gap_m,
-        Particular::Sliding(found) => found.amplitude_m,
-        Particular::BumpStop(found) => found.peak_tip_displacement_m,
-    };
-    [motion, outcome.rms_voltage_v].map(|value| value.unwrap_or(0.0))
+    [outcome.largest_motion_m(), outcome.rms_voltage_v].map(|value| value.unwrap_or(0.0))
 }
 
 /// The difference of two values over the smaller magnitude; `None` if one of the two alone is 0.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::files::Outputs;
-use super::{NODE, check_overrides, json_text, one_more, print, progress};
+use super::{NODE, check_overrides, json_text, one_more, print, progress, tell};
 use crate::method::{Failure, Options, Precision};
 use crate::needs::{
     Change, Control, Emission, Finding, Needs, Numerics, Part, Setting, Study, Verdict, cheapest, impacts,
@@ -42,7 +42,7 @@ pub struct NeedsArguments {
 }
 
 /// Bounds of the accuracy.
-const ACCURACY: [f64; 2] = [1e-5, 0.5];
+const ACCURACY: [f64; 2] = [1e-4, 0.5];
 
 /// Leaves out each part of the scene, and prints what that changes, the cut scene, and what runs it.
 ///
@@ -61,7 +61,13 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.emit {
         outputs.check("--emit", file)?;
     }
+    if arguments.core.is_some() && matches!(scene.excitation, Excitation::File(_)) {
+        return Err(Failure::Input("--core: must be with a sine, sines or silence".to_owned()));
+    }
     let study = Study::new(&scene, accuracy)?;
+    for warning in &study.full.warnings {
+        tell(&format!("warning: {warning}"));
+    }
     let bar = progress(1);
     let counted = |count: usize| {
         bar.set_length(count as u64);
@@ -69,7 +75,7 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     };
     let needs = study.needs(counted)?;
     bar.reset();
-    let numerics = cheapest(&study, &needs.cut_scene, counted);
+    let numerics = cheapest(&study, (&needs.cut_scene, needs.cut_change.sampling_error.is_some()), counted);
     bar.finish_and_clear();
     let emission = Emitting { study: &study, needs: &needs, numerics: &numerics, accuracy };
     if let Some(file) = &arguments.emit {
@@ -151,9 +157,6 @@ impl Emitting<'_> {
 
     /// Measures the full and the cut scene on a core, by the same setting.
     fn on_core(&self, core: Core) -> Result<Vec<Cost>, Failure> {
-        if matches!(self.needs.cut_scene.excitation, Excitation::File(_)) {
-            return Err(Failure::Input("--core: must be with a sine, sines or silence".to_owned()));
-        }
         let failure = |error: on_target::Error| Failure::Input(error.to_string());
         let bench = Bench::new(core, TIME_LIMIT).map_err(failure)?;
         let full = ("full", &self.study.scene, &[][..]);
@@ -221,6 +224,7 @@ fn object(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
     json!({
         "accuracy": accuracy,
         "is_chaotic": study.is_chaotic,
+        "is_sound": study.is_sound(),
         "full": study.full,
         "parts": needs.findings,
         "left_out": needs.cut.iter().map(|part| part.name()).collect::<Vec<_>>(),
@@ -254,6 +258,11 @@ fn report(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
         impacts(full).map_or_else(String::new, |count| format!(", {count} impacts")),
         small(full.accuracy.total),
     );
+    if !study.is_sound() {
+        text.push_str(
+            "Its error is not known to be below half the accuracy: the verdicts are not certain.\n",
+        );
+    }
     if study.is_chaotic {
         text.push_str(
             "The motion is chaotic: a base acceleration larger by 1e-9 changes the mean power. Means are compared, with \
@@ -264,16 +273,16 @@ fn report(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
     text.push_str(&format!("\nChange without a part; accepted: {}\n\n", percent(Some(accuracy))));
     text.push_str(&parts_table(&needs.findings));
     text.push_str(&left_out(needs));
-    text.push_str(
-        "\nWhat runs the cut scene within the accuracy of the full one, the cheapest on this host first\n\n",
-    );
+    text.push_str("\nWhat runs the cut scene within the accuracy of the full one, the least work first\n\n");
     text.push_str(&numerics_table(numerics));
     text.push_str(&chosen(numerics));
     text
 }
 
 fn percent(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_owned(), |value| format!("{:.3} %", 100.0 * value))
+    // No sign of a change that rounds to nothing.
+    let shown = |value: f64| format!("{:.3} %", 100.0 * value).replace("-0.000 %", "0.000 %");
+    value.map_or_else(|| "-".to_owned(), shown)
 }
 
 fn cells(change: &Change) -> [String; 4] {
@@ -289,7 +298,9 @@ fn parts_table(findings: &[Finding]) -> String {
     let rows = findings.iter().map(|finding| {
         let values = finding.change.as_ref().map_or_else(|| ["-"; 4].map(str::to_owned), cells);
         let verdict = match (&finding.verdict, &finding.failure) {
-            (_, Some(failure)) => format!("needed: {failure}"),
+            // The state at the failure follows; JSON has it.
+            (_, Some(failure)) => format!("needed: {}", failure.split(": ").next().unwrap_or_default()),
+            (Verdict::NotNeeded, None) if finding.part == Part::StickCharge => "either will do".to_owned(),
             (Verdict::Needed, None) => "needed".to_owned(),
             (Verdict::NotNeeded, None) => "not needed".to_owned(),
             (Verdict::ByChance, None) => "needed: with more modes it changes by more".to_owned(),
@@ -329,7 +340,7 @@ fn control(setting: &Setting) -> String {
 }
 
 fn numerics_table(numerics: &[Numerics]) -> String {
-    let least = numerics.first().map_or(f64::NAN, |first| first.host_s_per_s);
+    let least = numerics.iter().map(|found| found.host_s_per_s).fold(f64::INFINITY, f64::min);
     let rows = numerics.iter().map(|found| {
         vec![
             name(&found.setting.method),

@@ -24,7 +24,8 @@ pub struct StabilityArguments {
     #[arg(long, value_enum, default_value_t)]
     format: Format,
     /// Run this many random scenes in place of the grid
-    #[arg(long, value_name = "COUNT", conflicts_with_all = ["grid", "scene", "report"])]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..),
+        conflicts_with_all = ["grid", "scene", "report"])]
     random: Option<u64>,
     /// Which random scenes
     #[arg(long, value_name = "N", default_value_t = 0, requires = "random")]

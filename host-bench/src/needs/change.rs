@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, standard_error_of_sum};
 
 /// Standard errors of the mean within which a difference may be chance.
 const CONFIDENCE: f64 = 2.0;
@@ -10,9 +10,9 @@ const CONFIDENCE: f64 = 2.0;
 /// What a run has in place of what the full scene has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Change {
-    /// Relative change of the mean power; `None` if the full scene delivers none.
+    /// Relative change of the mean power; `None` if both deliver none.
     pub(crate) mean_power: Option<f64>,
-    /// Relative change of the RMS voltage; `None` if the full scene has none.
+    /// Relative change of the RMS voltage; `None` if both have none.
     pub(crate) rms_voltage: Option<f64>,
     /// Relative change of the voltage of the storage at the end; `None` if one of the two has none.
     pub(crate) store_voltage: Option<f64>,
@@ -33,7 +33,7 @@ impl Change {
             mean_power: relative(full.mean_power_w, run.mean_power_w),
             rms_voltage: relative(full.rms_voltage_v, run.rms_voltage_v),
             store_voltage: relative(store(full), store(run)),
-            displacement: relative(displacement(full), displacement(run)),
+            displacement: relative(full.largest_motion_m(), run.largest_motion_m()),
             impacts: impacts(run),
             sampling_error: is_chaotic.then(|| sampling_error(&full.block_energies_j, &run.block_energies_j)),
         }
@@ -43,9 +43,11 @@ impl Change {
     /// displacement.
     pub(crate) fn largest(&self) -> f64 {
         let electrical = [self.mean_power, self.rms_voltage, self.store_voltage];
-        let largest = electrical.into_iter().flatten().map(f64::abs).reduce(f64::max);
+        let magnitudes = electrical.into_iter().flatten().map(f64::abs);
         // Not-a-number counts as a change.
-        largest.or(self.displacement.map(f64::abs)).filter(|change| !change.is_nan()).unwrap_or(f64::INFINITY)
+        let larger = |one: f64, other: f64| if one.is_nan() || one > other { one } else { other };
+        let largest = magnitudes.reduce(larger).or(self.displacement.map(f64::abs));
+        largest.filter(|change| !change.is_nan()).unwrap_or(f64::INFINITY)
     }
 
     /// Whether the change is within `accuracy`; `None` where that may be chance.
@@ -61,16 +63,14 @@ impl Change {
     }
 }
 
+/// The relative change of a quantity; infinite where the full scene has none of it and the run has, `None` where both
+/// have none.
 fn relative(full: Option<f64>, run: Option<f64>) -> Option<f64> {
-    let full = full.filter(|full| *full != 0.0)?;
-    Some(run? / full - 1.0)
-}
-
-/// The peak displacement in m that the kind of scene has.
-fn displacement(outcome: &Outcome) -> Option<f64> {
-    let separating = outcome.contact_separation().and_then(|found| found.peak_gap_m);
-    let sliding = outcome.sliding().and_then(|found| found.peak_displacement_m);
-    separating.or(sliding).or(outcome.bump_stop().and_then(|found| found.peak_tip_displacement_m))
+    match (full?, run?) {
+        (0.0, 0.0) => None,
+        (0.0, _) => Some(f64::INFINITY),
+        (full, run) => Some(run / full - 1.0),
+    }
 }
 
 /// Impacts or contacts in the window; `None` in a sliding scene.
@@ -79,13 +79,9 @@ pub(crate) fn impacts(outcome: &Outcome) -> Option<u64> {
     separating.or(outcome.bump_stop().map(|found| found.contacts))
 }
 
-/// Twice the standard error of the mean difference of the energies in parts of two windows, over the mean of the
-/// magnitudes of the second.
+/// Twice the standard error of the difference of two sums of energies, over the magnitude of the first.
 pub(super) fn sampling_error(full: &[f64], run: &[f64]) -> f64 {
     let apart: Vec<f64> = full.iter().zip(run).map(|(full, run)| run - full).collect();
-    let count = apart.len() as f64;
-    let mean = apart.iter().sum::<f64>() / count;
-    let squares: f64 = apart.iter().map(|apart| (apart - mean).powi(2)).sum();
-    let whole: f64 = run.iter().sum();
-    CONFIDENCE * (squares * count / (count - 1.0)).sqrt() / whole.abs()
+    let whole: f64 = full.iter().sum();
+    CONFIDENCE * standard_error_of_sum(&apart) / whole.abs()
 }

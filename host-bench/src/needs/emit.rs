@@ -103,10 +103,13 @@ impl Emission<'_> {
     /// The module.
     ///
     /// # Errors
-    /// If the setting is not in single precision, or a method of the host.
+    /// If the setting is not in single precision, or the scene delivers no power.
     pub(crate) fn module(&self) -> Result<String, Failure> {
         if self.setting.precision != Precision::F32 {
             return Err(Failure::Input("--emit: f32 does not hold the accuracy".to_owned()));
+        }
+        if !(self.mean_power_w != 0.0) {
+            return Err(Failure::Input("--emit, --core: the scene delivers no power".to_owned()));
         }
         let pieces = match &self.scene.model {
             Model::ContactSeparation(model) => self.contact_separation(model),

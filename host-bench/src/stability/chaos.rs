@@ -2,6 +2,7 @@
 
 use super::exact::{Numbers, Quantity, relative, tighter};
 use crate::method::Options;
+use crate::outcome::standard_error_of_sum;
 use crate::scene_file::{Excitation, Model, Scene};
 
 /// Relative change of the base acceleration, or of the start.
@@ -63,10 +64,8 @@ fn largest_difference(one: &Numbers, other: &Numbers) -> f64 {
 
 /// The relative standard error of the mean power, from the parts of the window.
 fn sampling_error(run: &Numbers) -> f64 {
-    let count = run.block_energies_j.len() as f64;
-    let mean = run.block_energies_j.iter().sum::<f64>() / count;
-    let squares: f64 = run.block_energies_j.iter().map(|energy| (energy - mean).powi(2)).sum();
-    let error = (squares / (count - 1.0) / count).sqrt() / mean.abs();
+    let whole: f64 = run.block_energies_j.iter().sum();
+    let error = standard_error_of_sum(&run.block_energies_j) / whole.abs();
     if error.is_finite() { error } else { 0.0 }
 }
 
@@ -77,8 +76,7 @@ fn shaken(scene: &Scene, shift: f64) -> Option<Scene> {
     (!is_at_rest).then(|| Scene { excitation, ..scene.clone() })
 }
 
-/// The scene with a displaced start: by a part of the gap, of the radius of the patch, or of the natural motion that
-/// the base's acceleration gives the first mode; `None` if that leaves the bounds.
+/// The scene with a start displaced by a part of the gap or of the radius of the patch; `None` for a beam.
 fn displaced(scene: &Scene, shift: f64) -> Option<Scene> {
     let mut scene = scene.clone();
     match &mut scene.model {
@@ -90,7 +88,7 @@ fn displaced(scene: &Scene, shift: f64) -> Option<Scene> {
             let displacement = model.initial.displacement_m.unwrap_or(0.0);
             model.initial.displacement_m = Some(displacement + model.parameters.patch_radius_m * shift);
         }
-        // Its natural motion has no length that suits every scene.
+        // No length suits every scene of a beam at rest.
         Model::BumpStop(_) => return None,
     }
     Some(scene)

@@ -3,7 +3,7 @@
 use crate::accuracy::takes_power;
 use crate::embedded::DEFAULT_SHORT_STEP_S;
 use crate::method::{Options, Precision};
-use crate::outcome::{Outcome, Particular};
+use crate::outcome::Outcome;
 use crate::reference::{self, ReferenceOptions};
 use crate::run::run_scene;
 use crate::scene_file::{Model, Scene};
@@ -43,14 +43,9 @@ pub enum Quantity {
 impl Numbers {
     /// Of a run; `None` without a measuring window.
     pub(super) fn of(outcome: &Outcome) -> Option<Self> {
-        let motion_m = match &outcome.particular {
-            Particular::ContactSeparation(found) => found.peak_gap_m,
-            Particular::Sliding(found) => found.amplitude_m,
-            Particular::BumpStop(found) => found.peak_tip_displacement_m,
-        };
         Some(Self {
             power_w: outcome.mean_power_w?,
-            motion_m: motion_m?,
+            motion_m: outcome.largest_motion_m()?,
             voltage_v: outcome.rms_voltage_v.unwrap_or(0.0),
             block_energies_j: outcome.block_energies_j.clone(),
         })

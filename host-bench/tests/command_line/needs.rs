@@ -92,7 +92,7 @@ fn the_scene_of_the_firmware_is_what_the_command_emits() {
 #[test]
 fn an_accuracy_outside_its_bounds_is_refused_with_its_value() {
     for accuracy in ["0", "0.6", "-1", "nan"] {
-        refused(&["needs", SHIPPED, "--accuracy", accuracy], &["--accuracy", "1e-5", "0.5"]);
+        refused(&["needs", SHIPPED, "--accuracy", accuracy], &["--accuracy", "1e-4", "0.5"]);
     }
     refused(&["needs", SHIPPED, "--emit", SHIPPED], &["--emit"]);
 }
