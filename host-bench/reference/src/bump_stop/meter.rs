@@ -218,7 +218,9 @@ impl<'a> Meter<'a> {
                 clamp: Some(ClampOutcome::new(
                     [self.curvature, (self.curvature_squared / length).sqrt()],
                     &self.cycles,
-                    system.modes.fibres,
+                    system.modes.fibres.map(|[distance, modulus]| {
+                        move |curvature: f64| [distance * curvature, modulus * distance * curvature]
+                    }),
                 )),
                 end_state: system.layout.by_mode(end),
             }),

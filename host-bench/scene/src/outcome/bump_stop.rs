@@ -35,23 +35,30 @@ pub struct ClampOutcome {
 const COUNTED: f64 = 0.1;
 
 impl ClampOutcome {
-    /// Of the peak and RMS of the curvature and its rainflow count, and of the distance in m of each outer fibre from the
-    /// neutral axis with its Young's modulus in Pa, the substrate first.
+    /// Of the largest magnitude and the RMS of the curvature in 1/m and its rainflow count, and of the function of each
+    /// outer fibre, the substrate's first, from a curvature to the strain and the stress in Pa.
     #[must_use]
-    pub fn new([peak, rms]: [f64; 2], curvature: &Rainflow, [substrate, piezo]: [[f64; 2]; 2]) -> Self {
-        let strain = |[distance, _]: [f64; 2], curvature: f64| distance * curvature;
-        let stress = |[distance, modulus]: [f64; 2], curvature: f64| modulus * distance * curvature;
+    pub fn new(
+        [peak, rms]: [f64; 2],
+        curvature: &Rainflow,
+        [substrate, piezo]: [impl Fn(f64) -> [f64; 2]; 2],
+    ) -> Self {
+        let [strain, stress] = substrate(peak);
+        let [piezo_strain, piezo_stress] = piezo(peak);
+        let [_, rms_stress] = substrate(rms);
+        let [_, piezo_rms_stress] = piezo(rms);
+        let [_, largest_range] = substrate(curvature.largest_range());
         Self {
             clamp_curvature_peak_per_m: peak,
             clamp_curvature_rms_per_m: rms,
-            clamp_strain_peak: strain(substrate, peak),
-            clamp_stress_peak_pa: stress(substrate, peak),
-            clamp_stress_rms_pa: stress(substrate, rms),
-            clamp_stress_largest_range_pa: stress(substrate, curvature.largest_range()),
+            clamp_strain_peak: strain,
+            clamp_stress_peak_pa: stress,
+            clamp_stress_rms_pa: rms_stress,
+            clamp_stress_largest_range_pa: largest_range,
             clamp_stress_cycles: curvature.cycles(COUNTED),
-            piezo_clamp_strain_peak: strain(piezo, peak),
-            piezo_clamp_stress_peak_pa: stress(piezo, peak),
-            piezo_clamp_stress_rms_pa: stress(piezo, rms),
+            piezo_clamp_strain_peak: piezo_strain,
+            piezo_clamp_stress_peak_pa: piezo_stress,
+            piezo_clamp_stress_rms_pa: piezo_rms_stress,
         }
     }
 }
@@ -81,7 +88,7 @@ pub struct BumpStopOutcome {
     /// Mean contact force over the window in N, the momentum of impacts included; `None` without a
     /// stop.
     pub mean_force_n: Option<f64>,
-    /// Bending at the clamp; `None` by a method of the host.
+    /// Bending at the clamp; `None` by TR-BDF2, the Runge-Kutta method and Newmark's.
     #[serde(flatten)]
     pub clamp: Option<ClampOutcome>,
     /// State at the end of the run, scaled so that half the sum of squares is the energy in J of motion and

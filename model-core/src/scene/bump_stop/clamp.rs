@@ -39,13 +39,15 @@ pub struct Fibre<S> {
 }
 
 impl<S: Scalar> Fibre<S> {
-    /// Magnitude of the strain at a curvature in 1/m.
+    /// Bending strain at a curvature in 1/m, with the sign of the curvature.
+    ///
+    /// One outer fibre is in tension where the other is in compression: the sign does not tell which.
     #[must_use]
     pub fn strain(&self, curvature: S) -> S {
         self.distance * curvature
     }
 
-    /// Magnitude of the bending stress in Pa at a curvature in 1/m.
+    /// Bending stress in Pa at a curvature in 1/m, with the sign of the curvature, as [`Fibre::strain`].
     #[must_use]
     pub fn stress(&self, curvature: S) -> S {
         self.young_modulus * self.strain(curvature)

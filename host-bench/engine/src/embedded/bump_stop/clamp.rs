@@ -23,13 +23,17 @@ impl<'a, S: Scalar> Clamp<'a, S> {
     }
 
     pub(crate) fn outcome(&self) -> ClampOutcome {
-        let fibre = |fibre: &Fibre<S>| [fibre.distance.to_f64(), fibre.young_modulus.to_f64()];
+        let bent = |fibre: &Fibre<S>| {
+            let (distance, young_modulus) = (fibre.distance.to_f64(), fibre.young_modulus.to_f64());
+            let fibre = Fibre { distance, young_modulus };
+            move |curvature: f64| [fibre.strain(curvature), fibre.stress(curvature)]
+        };
         let bending = self.meter.bending();
         let peak = self.meter.curvature().magnitude().to_f64();
         ClampOutcome::new(
             [peak, self.meter.rms_curvature().to_f64()],
             &self.cycles,
-            [fibre(&bending.substrate), fibre(&bending.piezo)],
+            [bent(&bending.substrate), bent(&bending.piezo)],
         )
     }
 }
