@@ -37,11 +37,15 @@ impl Check {
         Self { quantity: quantity.into(), values: values.into(), bound }
     }
 
-    /// Whether the assertion holds; not-a-number meets none.
+    /// Whether the assertion holds; not-a-number and an empty list meet none, and one value neither falls nor rises.
     pub fn holds(&self) -> bool {
         let each = |holds: &dyn Fn(f64) -> bool| self.values.iter().all(|value| holds(*value));
-        let steps =
-            |holds: &dyn Fn(f64, f64) -> bool| self.values.windows(2).all(|pair| holds(pair[0], pair[1]));
+        let steps = |holds: &dyn Fn(f64, f64) -> bool| {
+            self.values.len() > 1 && self.values.windows(2).all(|pair| holds(pair[0], pair[1]))
+        };
+        if self.values.is_empty() {
+            return false;
+        }
         match self.bound {
             Bound::Above(limit) => each(&|value| value > limit),
             Bound::AtLeast(limit) => each(&|value| value >= limit),
@@ -52,6 +56,12 @@ impl Check {
             Bound::Rises => steps(&|before, after| after > before),
             Bound::Reported => true,
         }
+    }
+
+    /// Whether each value that the assertion is about is a number.
+    pub fn is_measured(&self) -> bool {
+        let numbers = || self.values.iter().all(|value| !value.is_nan());
+        !self.values.is_empty() && (self.bound == Bound::Reported || numbers())
     }
 
     /// The assertion as text; empty if there is none.

@@ -19,14 +19,16 @@ const GAP_FIELD: Changes<'static> = &[("parameters.force_law", "gap-field")];
 struct Band {
     /// Largest gap in m in the window of each frequency.
     peaks: Vec<f64>,
-    /// First and last frequency in Hz with an impact.
+    /// First and last frequency in Hz with an impact; not-a-number without one, or if a number of impacts is.
     edges: [f64; 2],
 }
 
 impl Band {
     fn new(points: &[(f64, f64, f64)]) -> Self {
-        let impacting =
-            || points.iter().filter(|(_, _, impacts)| *impacts > 0.0).map(|(frequency, ..)| *frequency);
+        let impacting = || {
+            let with = points.iter().filter(|(_, _, impacts)| *impacts != 0.0);
+            with.map(|(frequency, _, impacts)| if impacts.is_nan() { f64::NAN } else { *frequency })
+        };
         Self {
             peaks: points.iter().map(|(_, peak, _)| *peak).collect(),
             edges: [smallest(impacting()), largest(impacting())],

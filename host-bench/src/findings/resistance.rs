@@ -1,6 +1,6 @@
 //! The resonance of the sliding harvester over charge density and resistance: findings 21 to 30.
 
-use super::scenes::{Changes, each, scene, value};
+use super::scenes::{Changes, each, each_of, scene, value};
 use super::statistics::{largest, smallest, spread};
 use super::{Bound, Check, Measured};
 use crate::embedded::resonance_peak;
@@ -158,11 +158,11 @@ pub(super) fn measure_large_charge() -> Result<Measured, Failure> {
     ];
     let cases: [(Changes<'_>, [f64; 2]); 3] =
         [(&[(CHARGE_DENSITY, "120e-6")], RANGE_HZ), (large, WIDE_RANGE_HZ), (swapped, WIDE_RANGE_HZ)];
-    let peaks = each(&cases, |(changes, range)| over_resistance(changes, *range))?;
-    let [shipped, large, swapped] = &peaks[..] else { return Ok(Vec::new()) };
-    let all = [shipped, large, swapped].map(|peaks| amplitudes(peaks));
+    let peaks = each_of(cases, |(changes, range)| over_resistance(changes, *range))?;
+    let all = peaks.each_ref().map(|peaks| amplitudes(peaks));
     let rises =
         all.each_ref().map(|amplitudes| 100.0 * (largest(amplitudes.iter().copied()) / amplitudes[0] - 1.0));
+    let [shipped, large, _] = &peaks;
     let pair = [shipped, large];
     let falls = pair.map(|peaks| last_over_first(&amplitudes(peaks)));
     let levels = pair.map(|peaks| match amplitudes(peaks)[..] {

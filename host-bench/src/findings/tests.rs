@@ -1,4 +1,4 @@
-use super::statistics::{correlation, median, share_above};
+use super::statistics::{correlation, largest, median, share_above, smallest, spread};
 use super::*;
 
 #[test]
@@ -38,6 +38,20 @@ fn the_mark_is_that_of_the_checks() {
         assert!(!of(number, f64::NAN).is_as_expected());
     }
     assert!(of("b", 2.5).is_as_expected() && !of("b", 1.5).is_as_expected());
+    let unknown = of("b", f64::NAN);
+    assert!(unknown.mark() == Mark::NotShown && !unknown.is_as_expected());
+}
+
+#[test]
+fn a_finding_without_a_measured_check_is_an_error() {
+    let check = || vec![Check::new("", [1.0], Bound::Reported)];
+    let wanted = || wanted(&["8".to_owned(), "9".to_owned()]).expect("both are in the list");
+    let found = rows(wanted(), vec![("9", check()), ("8", check())]).expect("both are measured");
+    assert_eq!(found.iter().map(|row| row.finding.number).collect::<Vec<_>>(), ["8", "9"]);
+    for measured in [vec![("8", check())], vec![("8", check()), ("9", Vec::new())]] {
+        let failure = rows(wanted(), measured).expect_err("9 has no check");
+        assert_eq!(failure.to_string(), "findings: finding 9 was not measured");
+    }
 }
 
 #[test]
@@ -55,6 +69,11 @@ fn a_bound_holds_for_every_value() {
         assert!(Check::new("", holding, bound).holds(), "{bound:?}");
         assert_eq!(Check::new("", failing, bound).holds(), bound == Bound::Reported, "{bound:?}");
         assert_eq!(Check::new("", holding, bound).assertion(), text);
+        let none = Check::new("", [], bound);
+        assert!(!none.holds() && !none.is_measured(), "{bound:?}");
+    }
+    for bound in [Bound::Falls, Bound::Rises] {
+        assert!(!Check::new("", [1.0], bound).holds(), "{bound:?}");
     }
     let shown = Check::new("", [0.0, 1.23456, -39.8131, 1234.56, 1.2e-7, 245.1799], Bound::Reported).shown();
     assert_eq!(shown, "0, 1.235, -39.81, 1235, 1.2e-7, 245.2");
@@ -82,4 +101,15 @@ fn correlation_and_median_have_their_known_values() {
     assert!((correlation(half.into_iter()) - 0.5).abs() < 1e-12);
     assert_eq!(median([5.0, 1.0, 3.0].into_iter()), 3.0);
     assert!(median(std::iter::empty()).is_nan());
+}
+
+#[test]
+fn an_extreme_of_nothing_or_of_not_a_number_is_not_a_number() {
+    let values = [2.0, -1.0, 3.0];
+    assert_eq!([largest(values.into_iter()), smallest(values.into_iter())], [3.0, -1.0]);
+    assert_eq!(spread(values.into_iter()), 4.0);
+    for values in [&[][..], &[f64::NAN], &[f64::NAN, 1.0], &[1.0, f64::NAN], &[1.0, f64::NAN, 2.0]] {
+        let values = || values.iter().copied();
+        assert!([largest(values()), smallest(values()), spread(values())].iter().all(|found| found.is_nan()));
+    }
 }
