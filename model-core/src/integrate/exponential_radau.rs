@@ -159,7 +159,8 @@ impl<S: Scalar> Prediction<S> {
 impl<S: Scalar> Method<S> for ExponentialRadau {
     const ESTIMATES_ERROR: bool = true;
     const ESTIMATE_ORDER: i32 = 3;
-    /// 95 % of random inputs are inside: docs/energy.md.
+    /// Fitted with the total of the stated errors by steps, sampling and impacts, which covers 97 % of random inputs:
+    /// docs/energy.md. The coverage of the figure for the steps alone is not known.
     const ERROR_PER_ESTIMATE: f64 = 0.1;
     /// Two steps for a quarter of a period. A step to an event may be an eighth longer.
     const LONGEST_RADIANS: f64 = 0.8;
