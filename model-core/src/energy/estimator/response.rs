@@ -106,6 +106,11 @@ impl<S: Scalar> Response<S> {
         *self = Self { velocity: self.velocity, slope: self.slope, ..Self::default() };
     }
 
+    /// Whether a period has ended since the sums began.
+    pub(super) fn has_whole_period(&self) -> bool {
+        self.periods.count > 0
+    }
+
     /// The frequencies in all whole periods; `None` without motion.
     pub(super) fn frequencies(&self) -> Option<Frequencies<S>> {
         let [squares, slopes, bends] = self.periods.squares.each_ref().map(CompensatedSum::value);

@@ -83,11 +83,13 @@ impl<S: Scalar> Droop<S> {
     }
 }
 
-/// The figure for the error of the mean power by interpolation, relative; `None` if the rate is too low for one.
+/// The figure for the error of the mean power by interpolation over `seconds`, relative: 0 at time zero and after whole
+/// periods at rest. `None` if the rate is too low for one, and before the first period has ended.
 pub(super) fn sampling_error<S: Scalar>(
     response: &Response<S>,
     droop: &Droop<S>,
     interpolation: Interpolation,
+    seconds: S,
 ) -> Option<S> {
     let figure = response.frequencies().map_or(S::ZERO, |frequencies| {
         let [linear, filtered] = COVERAGE.map(S::from_f64);
@@ -97,7 +99,8 @@ pub(super) fn sampling_error<S: Scalar>(
         };
         response.gain() * of_amplitude
     });
-    droop.resolved.then_some(figure)
+    let known = response.has_whole_period() || seconds == S::ZERO;
+    (droop.resolved && known).then_some(figure)
 }
 
 /// Half of the relative loss of power by linear interpolation of a sine, `(1/G² − 1)/2`, from `sin² x`.
@@ -162,7 +165,7 @@ mod tests {
             let gain = response.gain();
             assert!((gain - 2.0).abs() < 1e-2, "{gain}");
             let error = |interpolation| {
-                f64::from(sampling_error(&response, &droop, interpolation).expect("resolved"))
+                f64::from(sampling_error(&response, &droop, interpolation, 1.0).expect("resolved"))
             };
             let figure = error(Interpolation::Linear) / COVERAGE[0];
             let excess = super::tests::gain(x).powi(-2) - 1.0;
@@ -200,6 +203,26 @@ mod tests {
         assert_eq!(response.irregularity(), 0.0);
         // Unknown before three periods, and the least of all motions without motion.
         assert_eq!(Response::<f32>::default().gain(), 20.0);
-        assert_eq!(sampling_error(&Response::default(), &droop, Interpolation::Linear), Some(0.0));
+    }
+
+    #[test]
+    fn the_error_is_unknown_until_a_period_has_ended_and_zero_after_periods_at_rest() {
+        let droop = Droop::new(2.0 * PI / 20.0, 1.0);
+        for interpolation in [Interpolation::Linear, Interpolation::DroopCompensated] {
+            for (velocity, rests) in [(0.0, true), (1.0, false)] {
+                let (mut response, mut accumulator) = (Response::default(), EnergyAccumulator::default());
+                let error = |response: &Response<f64>, seconds| {
+                    sampling_error(response, &droop, interpolation, seconds)
+                };
+                assert_eq!(error(&response, 0.0), Some(0.0));
+                for n in 1..=20 {
+                    assert_eq!(error(&response, f64::from(n)), None, "{n}");
+                    response.add(velocity, droop.samples_per_period(), &mut accumulator);
+                }
+                assert_eq!(error(&response, 20.0).map(|error| error == 0.0), Some(rests));
+                response.clear();
+                assert_eq!((error(&response, 0.0), error(&response, 1.0)), (Some(0.0), None));
+            }
+        }
     }
 }

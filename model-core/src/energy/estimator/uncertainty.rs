@@ -18,7 +18,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
             S::from_f64(H::ERROR_PER_ESTIMATE) * estimated
         });
         let rounding = state.accumulator.rounding();
-        let sampling = sampling_error(&state.response, &self.droop, interpolation);
+        let sampling = sampling_error(&state.response, &self.droop, interpolation, seconds);
         let irregularity = state.response.irregularity();
         let [uncertain_seconds, unknown_seconds]: [S; 2] =
             [state.uncertain_time.seconds(), state.unknown_time.seconds()];
@@ -122,7 +122,8 @@ pub struct Uncertainty<S> {
     /// Time in s that was not integrated.
     pub unknown_seconds: S,
     /// Error of the mean power by interpolation between samples, relative; `None` below
-    /// [`LEAST_SAMPLES_PER_PERIOD`](super::LEAST_SAMPLES_PER_PERIOD): the rate is too low.
+    /// [`LEAST_SAMPLES_PER_PERIOD`](super::LEAST_SAMPLES_PER_PERIOD), where the rate is too low, and until the
+    /// first resonance period has ended. 0 at time zero and after whole periods at rest.
     pub sampling: Option<S>,
     /// Difference of the mean power of two motions under this input that impacts have made independent of one another,
     /// relative. 0 without impacts; up to √2 within the first three resonance periods.
