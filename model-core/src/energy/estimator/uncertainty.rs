@@ -76,10 +76,10 @@ pub struct Estimate<S> {
 ///
 /// Exponential Radau is one or two orders better than its estimate: its figure is a tenth of the sum
 /// ([`Harvester::ERROR_PER_ESTIMATE`]). The tenth was fitted with the total of steps, sampling and impacts, which covers
-/// 97 % of random inputs (docs/energy.md). The coverage of the steps alone is not known. With TR-BDF2 the figure is 1.2 to 21 times the
-/// actual error over five seconds in contact-separation, and 1.6 to 5.3 times in sliding. In the first second from rest
-/// it can be half of the actual error. `cargo test -p model-core estimator::uncertainty -- --nocapture` prints the
-/// ratios.
+/// 97 % of random inputs (docs/energy.md). The coverage of the steps alone is not known. With TR-BDF2 the figure is
+/// 1.2 to 21 times the actual error over five seconds in contact-separation, and 1.6 to 5.3 times in sliding. In the
+/// first second from rest it can be half of the actual error.
+/// `cargo test -p model-core estimator::uncertainty -- --nocapture` prints the ratios.
 ///
 /// # Rounding
 ///
