@@ -189,6 +189,10 @@ const GATE: f64 = 5.0;
 /// than its variance states.
 const GATE_CELLS: f64 = 2.0;
 
+/// Largest magnitude of the stored energy and its standard deviation, in J: their products are finite in `f32`. A
+/// capacity, and a booked energy times the largest gain, are below it.
+const LARGEST_STORED: f64 = 1e12;
+
 /// Number of successive rejected readings after which the state is taken to be wrong.
 const MOST_REJECTED_IN_TURN: u32 = 10;
 
@@ -220,6 +224,28 @@ impl<S: Scalar> CorrectionParameters<S> {
 }
 
 impl<S: Scalar> CorrectionState<S> {
+    /// Whether the stored energy and its variance are within [`LARGEST_STORED`].
+    fn is_bounded(&self) -> bool {
+        let largest = S::from_f64(LARGEST_STORED);
+        let energies = self.energy.abs().max(self.energy_low.abs()) <= largest;
+        energies && self.energy_variance <= largest * largest
+    }
+
+    /// Whether the covariance is that of a correlation of at most 1, within rounding.
+    fn is_correlation(&self) -> bool {
+        let product = self.gain_variance * self.energy_variance;
+        let rounding = S::from_f64(16.0) * S::EPSILON;
+        self.covariance * self.covariance <= product + (product * rounding + S::TINY)
+    }
+
+    /// Limits the covariance to a correlation of 1, which the roundings of many predictions may exceed.
+    fn limit_covariance(&mut self) {
+        if !self.is_correlation() {
+            let bound = (self.gain_variance * self.energy_variance).sqrt();
+            self.covariance = self.covariance.min(bound).max(-bound);
+        }
+    }
+
     /// Gain, stored energy, their standard deviations, and the numbers of readings.
     #[must_use]
     pub fn estimate(&self) -> CorrectionEstimate<S> {
@@ -261,9 +287,9 @@ impl<S: Scalar> Correction<S> {
     /// Advances the time by `interval` in s with a `modelled` income and all energy `spent` by the load, both in J.
     ///
     /// An energy that is negative, not finite, or above 10⁹ J makes the stored energy and the gain as uncertain as at
-    /// the start.
+    /// the start. A predicted energy or standard deviation above 10¹² J makes the stored energy unknown.
     ///
-    /// Cost: at most one exponential.
+    /// Cost: at most one exponential, and a square root if rounding has brought the correlation above 1.
     pub fn predict(&self, state: &mut CorrectionState<S>, interval: u32, modelled: S, spent: S) {
         if !(is_energy(modelled) && is_energy(spent)) {
             self.forget(state);
@@ -283,6 +309,13 @@ impl<S: Scalar> Correction<S> {
         state.covariance = covariance;
         let highest = S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN);
         state.gain_variance = (state.gain_variance + self.drift * seconds).min(highest);
+        state.limit_covariance();
+        if !state.is_bounded() {
+            let largest = S::from_f64(LARGEST_STORED);
+            state.energy = state.energy.max(-largest).min(largest);
+            state.energy_low = S::ZERO;
+            self.forget_energy(state);
+        }
     }
 
     /// Updates the state by a reading of the voltage.
@@ -391,9 +424,11 @@ snapshot_fields!(impl [S: Scalar] CorrectionState<S> {
     gain, energy, energy_low, gain_variance, covariance, energy_variance, located, was_full, rejected_in_turn, used,
     saturated, rejected,
 } if |state| {
-    let variances = state.gain_variance >= S::ZERO && state.energy_variance >= S::ZERO;
+    let highest = S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN);
+    let gain_variance = state.gain_variance >= S::ZERO && state.gain_variance <= highest;
+    let variances = gain_variance && state.energy_variance >= S::ZERO && state.is_correlation();
     let gain = state.gain >= S::ZERO && state.gain <= S::from_f64(HIGHEST_GAIN);
-    variances && gain && state.rejected_in_turn < MOST_REJECTED_IN_TURN
+    variances && gain && state.is_bounded() && state.rejected_in_turn < MOST_REJECTED_IN_TURN
 });
 
 impl<S: Scalar> Configuration for Correction<S> {

@@ -78,6 +78,28 @@ pub struct ToneMeterState<S> {
     offset_known: bool,
 }
 
+impl<S: Scalar> ToneMeterState<S> {
+    /// Whether all numbers have magnitudes that samples, rates and windows within their bounds can give, so that all
+    /// later ones are finite in `f32`.
+    fn is_bounded(&self) -> bool {
+        let within =
+            |numbers: &[S], largest: f64| numbers.iter().all(|number| number.abs() <= S::from_f64(largest));
+        // The deviation of a sample from the offset is at most 2·10⁶ m/s², here 10⁷; a window has 4096 samples.
+        let signal = within(&[self.offset, self.hysteresis, self.last], 1e7)
+            && within(&[self.sum], 1e11)
+            && within(&[self.squares], 1e18);
+        // A sum of the recursion grows with the square of the window at a low frequency.
+        let recursion =
+            within(&self.sums, 1e15) && within(&self.before, 1e15) && within(&self.per_sample, 1.01);
+        // Two upward crossings are more than a sample apart.
+        let crossings = within(&[self.first_crossing, self.last_crossing], f64::from(MOST_SAMPLES));
+        let apart = self.last_crossing - self.first_crossing;
+        let spaced = self.crossings < 2 || apart >= S::from_f64(0.5) * S::from_u32(self.crossings - 1);
+        let frequency = self.frequency >= S::ZERO && self.frequency <= S::from_f64(1e6);
+        signal && recursion && crossings && spaced && frequency
+    }
+}
+
 impl<S: Scalar> ToneMeter<S> {
     /// A meter for `rate` samples per second, 1 to 10⁵, in windows of `window` samples, 16 to 4096.
     ///
@@ -207,7 +229,7 @@ impl<S: Scalar> ToneMeter<S> {
 snapshot_fields!(impl [S: Scalar] ToneMeterState<S> {
     count, offset, sum, squares, hysteresis, armed, last, first_crossing, last_crossing, crossings, frequency,
     per_sample, sums, before, offset_known,
-} if |state| state.count < MOST_SAMPLES && state.crossings <= state.count && state.frequency >= S::ZERO);
+} if |state| state.count < MOST_SAMPLES && state.crossings <= state.count && state.is_bounded());
 
 impl<S: Scalar> Configuration for ToneMeter<S> {
     type State = ToneMeterState<S>;

@@ -153,7 +153,10 @@ fn a_correction_of_arbitrary_bytes_is_refused_or_works() {
             correction.predict(&mut state, 60, 2e-5, 1e-5);
             correction.observe(&mut state, code);
         }
-        assert!((0.0..=10.0).contains(&state.estimate().gain) || state.estimate().gain.is_nan());
+        let found = state.estimate();
+        assert!((0.0..=10.0).contains(&found.gain), "{found:?}");
+        let finite = [found.gain_deviation, found.energy, found.energy_deviation].map(f32::is_finite);
+        assert_eq!(finite, [true; 3], "{found:?}");
     });
 }
 
@@ -167,7 +170,10 @@ fn a_tone_meter_of_arbitrary_bytes_is_refused_or_works() {
     }
     judge(&meter, &state, count(6000), |mut state| {
         for &sample in &samples[..250] {
-            meter.push::<<f32 as Scalar>::Build>(&mut state, sample);
+            if let Some(peak) = meter.push::<<f32 as Scalar>::Build>(&mut state, sample) {
+                let finite = [peak.amplitude, peak.frequency, peak.purity].map(f32::is_finite);
+                assert_eq!(finite, [true; 3], "{peak:?}");
+            }
         }
     });
 }
