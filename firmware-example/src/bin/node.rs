@@ -20,18 +20,21 @@ fn main() -> ! {
     let Ok(model) = following() else { stop(Code::WorkloadFailed) };
     let Ok(mut node) = Following::new(FlashBoard::default(), model) else { stop(Code::WorkloadFailed) };
     let mut flash = Flash::new();
+    // In real flash an image outlasts a reset, and the sequence numbers continue. Here the flash is RAM, erased.
+    let mut newest = node.resume(flash.slots()).ok();
     for second in 1..=SECONDS {
         let Ok(report) = node.second() else { stop(Code::WorkloadFailed) };
         log(&report);
         if second % IMAGE_EVERY == 0 {
             // A power-down: nothing remains but the board and the flash.
-            let sequence = second / IMAGE_EVERY;
-            let Ok(bytes) = node.save(sequence, flash.slot(sequence)) else { stop(Code::WorkloadFailed) };
-            log_image(&ImageReport::new(sequence, bytes, flash.slot(sequence)));
+            let (sequence, slot) = flash.next(newest);
+            let Ok(bytes) = node.save(sequence, slot) else { stop(Code::WorkloadFailed) };
+            log_image(&ImageReport::new(sequence, bytes, slot));
             let Ok(model) = following() else { stop(Code::WorkloadFailed) };
             let Ok(awake) = Following::new(node.into_board(), model) else { stop(Code::WorkloadFailed) };
             node = awake;
-            if node.resume(flash.slots()) != Ok(sequence) {
+            newest = node.resume(flash.slots()).ok();
+            if newest.is_none_or(|image| image.sequence != sequence) {
                 stop(Code::WorkloadFailed)
             }
         }

@@ -20,17 +20,20 @@ fn main() -> ! {
     let Ok(beam) = listening() else { stop(Code::WorkloadFailed) };
     let Ok(mut node) = Listening::new(FlashBoard::default(), beam) else { stop(Code::WorkloadFailed) };
     let mut flash = Flash::new();
+    // In real flash an image outlasts a reset, and the sequence numbers continue. Here the flash is RAM, erased.
+    let mut newest = node.resume(flash.slots()).ok();
     for second in 1..=SECONDS {
         log(&node.second());
         if second % IMAGE_EVERY == 0 {
             // A power-down: nothing remains but the board and the flash.
-            let sequence = second / IMAGE_EVERY;
-            let Ok(bytes) = node.save(sequence, flash.slot(sequence)) else { stop(Code::WorkloadFailed) };
-            log_image(&ImageReport::new(sequence, bytes, flash.slot(sequence)));
+            let (sequence, slot) = flash.next(newest);
+            let Ok(bytes) = node.save(sequence, slot) else { stop(Code::WorkloadFailed) };
+            log_image(&ImageReport::new(sequence, bytes, slot));
             let Ok(beam) = listening() else { stop(Code::WorkloadFailed) };
             let Ok(awake) = Listening::new(node.into_board(), beam) else { stop(Code::WorkloadFailed) };
             node = awake;
-            if node.resume(flash.slots()) != Ok(sequence) {
+            newest = node.resume(flash.slots()).ok();
+            if newest.is_none_or(|image| image.sequence != sequence) {
                 stop(Code::WorkloadFailed)
             }
         }

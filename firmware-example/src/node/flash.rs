@@ -1,6 +1,6 @@
 //! Images of all states of a node in two slots of flash.
 
-use model_core::snapshot::{Configuration, Fingerprint};
+use model_core::snapshot::{Configuration, Fingerprint, Image};
 
 use super::SLOT_BYTES;
 
@@ -35,10 +35,12 @@ impl Flash {
         self.slots.each_ref().map(<[u8; SLOT_BYTES]>::as_slice)
     }
 
-    /// The slot of an image with this number.
-    pub fn slot(&mut self, sequence: u32) -> &mut [u8] {
-        let [even, odd] = &mut self.slots;
-        if sequence.is_multiple_of(2) { even } else { odd }
+    /// The number of the next image and its slot, after the newest image that a node resumed from or saved; 1 and the
+    /// first slot if there is none. The newest image stays whole while the next one is written.
+    pub fn next(&mut self, newest: Option<Image<()>>) -> (u32, &mut [u8]) {
+        let (sequence, slot) = newest.map_or((1, 0), |image| (image.next_sequence(), image.next_slot()));
+        let [first, second] = &mut self.slots;
+        (sequence, if slot == 0 { first } else { second })
     }
 }
 

@@ -79,17 +79,17 @@ impl<B: Board> Listening<B> {
         snapshot::save_image(&self.settings(), &states, sequence, slot)
     }
 
-    /// Continues from the newest image of two slots, between two seconds. Returns the number of that image.
+    /// Continues from the newest image of two slots, between two seconds. Returns the number and the slot of that image.
     ///
     /// # Errors
     /// If there is no image of this node; the node is then unchanged.
-    pub fn resume(&mut self, slots: [&[u8]; 2]) -> Result<u32, SnapshotError> {
-        let Image { state: ((), tone, power_manager, [seconds]), sequence, .. } =
+    pub fn resume(&mut self, slots: [&[u8]; 2]) -> Result<Image<()>, SnapshotError> {
+        let Image { state: ((), tone, power_manager, [seconds]), sequence, slot } =
             snapshot::newest_image(&self.settings(), slots)?;
         self.tone = tone;
         self.power_manager.set_state(power_manager);
         self.seconds = seconds;
-        Ok(sequence)
+        Ok(Image { state: (), sequence, slot })
     }
 
     fn settings(&self) -> (&Beam, &ToneMeter<f32>, &PowerManager, Seconds) {

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use firmware_example::node::{
-    Flash, FlashBoard, Following, IMAGE_EVERY, ImageReport, Listening, NodeError, Report, SECONDS, following,
-    listening,
+    FlashBoard, Following, IMAGE_EVERY, ImageReport, Listening, NodeError, Report, SECONDS, SLOT_BYTES,
+    following, listening,
 };
 use model_core::snapshot::SnapshotError;
 
@@ -81,16 +81,15 @@ impl Native {
         save: impl Fn(&N, u32, &mut [u8]) -> Result<usize, SnapshotError>,
     ) -> Result<Self, Error> {
         let mut recorded = Self { reports: Vec::new(), log: Vec::new() };
-        let mut flash = Flash::new();
+        let mut slot = [0xff; SLOT_BYTES];
         for number in 1..=seconds {
             let report = second(node).map_err(fail)?;
             recorded.reports.push(report);
             recorded.log.push(report.to_string());
             if number.is_multiple_of(IMAGE_EVERY) {
                 let sequence = number / IMAGE_EVERY;
-                let slot = flash.slot(sequence);
-                let bytes = save(node, sequence, slot).map_err(|_| fail(NodeError::Image))?;
-                recorded.log.push(ImageReport::new(sequence, bytes, slot).to_string());
+                let bytes = save(node, sequence, &mut slot).map_err(|_| fail(NodeError::Image))?;
+                recorded.log.push(ImageReport::new(sequence, bytes, &slot).to_string());
             }
         }
         Ok(recorded)

@@ -6,7 +6,7 @@ use firmware_example::node::{
     Decision, Flash, FlashBoard, Following, Listening, Report, SLOT_BYTES, STORE_VOLTAGE, following,
     listening,
 };
-use model_core::snapshot::SnapshotError;
+use model_core::snapshot::{Image, SnapshotError};
 
 /// The storage of both nodes as the documentation of `economy` has it: farads, ohms, volts when full, watts asleep.
 const CAPACITANCE: f64 = 22e-6;
@@ -85,15 +85,18 @@ fn the_listening_node_keeps_its_books_for_a_day() {
 /// The log and the final image of a node with a power-down after each of these numbers of seconds.
 macro_rules! with_power_downs {
     ($seconds:expr, $every:expr, $start:expr, $second:expr, $awake:expr) => {{
-        let (mut node, mut flash, mut sequence) = ($start, Flash::new(), 0_u32);
+        let (mut node, mut flash, mut newest) = ($start, Flash::new(), None);
         let mut log = Vec::new();
         for second in 1..=$seconds {
             log.push($second(&mut node));
             if second % $every == 0 {
-                sequence += 1;
-                node.save(sequence, flash.slot(sequence)).expect("room");
+                let (sequence, slot) = flash.next(newest);
+                assert_eq!(sequence, second / $every);
+                node.save(sequence, slot).expect("room");
                 node = $awake(node.into_board());
-                assert_eq!(node.resume(flash.slots()), Ok(sequence));
+                let image = node.resume(flash.slots()).expect("its own image");
+                assert_eq!(image.sequence, sequence);
+                newest = Some(image);
             }
         }
         let mut image = [0; SLOT_BYTES];
@@ -128,12 +131,38 @@ fn a_torn_image_is_passed_over_and_that_of_another_node_is_foreign() {
     let mut node = Following::new(board, following().expect("valid")).expect("valid");
     let mut flash = Flash::new();
     assert_eq!(node.resume(flash.slots()), Err(SnapshotError::NotASnapshot));
-    for sequence in [6, 7] {
+    let first = Image { state: (), sequence: 6, slot: 0 };
+    for newest in [Image { sequence: 5, slot: 1, ..first }, first] {
         node.second().expect("the trace can be followed");
-        node.save(sequence, flash.slot(sequence)).expect("room");
+        let (sequence, slot) = flash.next(Some(newest));
+        node.save(sequence, slot).expect("room");
     }
-    flash.slot(7)[100..].fill(0xff);
-    assert_eq!(node.resume(flash.slots()), Ok(6));
+    flash.next(Some(first)).1[100..].fill(0xff);
+    assert_eq!(node.resume(flash.slots()), Ok(first));
     let mut other = Listening::new(board, listening().expect("valid")).expect("valid");
     assert_eq!(other.resume(flash.slots()), Err(SnapshotError::ForeignModel));
+}
+
+#[test]
+fn after_a_reset_the_numbers_of_the_images_continue_and_the_newest_is_resumed() {
+    let start = || Listening::new(FlashBoard::default(), listening().expect("valid")).expect("valid");
+    let mut flash = Flash::new();
+    // Resets after different numbers of images, so that the slot of the newest is the first and the second.
+    let mut images = 0;
+    for images_until_reset in [3, 1, 2, 1, 5] {
+        let mut node = start();
+        let mut newest = node.resume(flash.slots()).ok();
+        assert_eq!(newest.map(|image| image.sequence), (images > 0).then_some(images));
+        for _ in 0..images_until_reset {
+            images += 1;
+            assert_eq!(node.second().second, images, "continues from the newest image");
+            let (sequence, slot) = flash.next(newest);
+            assert_eq!(sequence, images);
+            node.save(sequence, slot).expect("room");
+            let saved = newest;
+            newest = start().resume(flash.slots()).ok();
+            assert_eq!(newest.map(|image| image.sequence), Some(sequence));
+            assert_ne!(newest.map(|image| image.slot), saved.map(|image| image.slot));
+        }
+    }
 }
