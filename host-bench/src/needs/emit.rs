@@ -1,38 +1,18 @@
 //! The cut scene as a Rust module for firmware: types, constants, method and step.
 
+mod component;
+
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use self::component::{Component, bridge, force_law, load, number, restitution, stop, unit, with_fields};
 use super::numerics::{Control, Setting};
 use super::part::Part;
 use crate::method::{Failure, Method, Precision};
 use crate::scene_file::{
-    BumpStop, Contact, ContactSeparation, Coupling, Draw, Excitation, ForceLaw, Load, Lockout, Model,
-    Restitution, Scene, Sliding, StickCharge, StopParameters, Tone,
+    BumpStop, ContactSeparation, Coupling, Excitation, Model, Scene, Sliding, StickCharge, Tone,
 };
 use model_core::clock::Instant;
-
-/// A component: its type and its value, as Rust source.
-struct Component {
-    of_type: String,
-    value: String,
-}
-
-fn unit(name: &str) -> Component {
-    Component { of_type: name.to_owned(), value: name.to_owned() }
-}
-
-/// A struct with one type parameter for its numbers.
-fn with_fields(name: &str, fields: &[(&str, String)]) -> Component {
-    let fields: Vec<String> = fields.iter().map(|(field, value)| format!("{field}: {value}")).collect();
-    Component { of_type: format!("{name}<f32>"), value: format!("{name} {{ {} }}", fields.join(", ")) }
-}
-
-/// A number in single precision.
-fn number(value: f64) -> String {
-    let single = value as f32;
-    if single.is_finite() { format!("{single:?}") } else { "f32::INFINITY".to_owned() }
-}
 
 /// Modules of the library with the names that a scene may use.
 const MODULES: [(&str, &[&str]); 14] = [
@@ -475,114 +455,4 @@ fn choices_value(choices: &[(&str, Component)]) -> String {
 fn parameters(numbers: &[(&str, f64)], rest: &str) -> String {
     let fields = numbers.iter().map(|(field, value)| format!("    {field}: {},\n", number(*value)));
     format!("Parameters {{\n{}{rest}}}", fields.collect::<String>())
-}
-
-/// A resistive load; the open circuit in front of a bridge.
-fn load(load: Load) -> Component {
-    match load.resistance_ohm() {
-        0.0 => unit("ShortCircuit"),
-        f64::INFINITY => unit("OpenCircuit"),
-        resistance => with_fields("Resistor", &[("resistance", number(resistance))]),
-    }
-}
-
-fn restitution(restitution: &Restitution) -> Component {
-    match *restitution {
-        Restitution::Constant { coefficient } => {
-            with_fields("ConstantRestitution", &[("coefficient", number(coefficient))])
-        }
-        Restitution::VelocityDependent { at_rest, at_speed, reference_speed_m_per_s } => with_fields(
-            "VelocityDependentRestitution",
-            &[
-                ("at_rest", number(at_rest)),
-                ("at_speed", number(at_speed)),
-                ("reference_speed", number(reference_speed_m_per_s)),
-                ("mathematics", "PhantomData".to_owned()),
-            ],
-        ),
-    }
-}
-
-fn force_law(law: ForceLaw) -> Component {
-    unit(match law {
-        ForceLaw::TransferredCharge => "TransferredCharge",
-        ForceLaw::GapField => "GapField",
-        ForceLaw::None => "NoForce",
-    })
-}
-
-fn stop(stop: &StopParameters) -> Component {
-    let contact = match stop.contact {
-        Contact::ResidualFlexibility => unit("ResidualFlexibility"),
-        Contact::DisplacementConstraint => unit("DisplacementConstraint"),
-        Contact::Restitution => {
-            with_fields("Restitution", &[("coefficient", number(stop.restitution.unwrap_or(1.0)))])
-        }
-    };
-    let fields = [
-        ("length", stop.length_m),
-        ("section", stop.width_m * stop.thickness_m),
-        ("young_modulus", stop.young_modulus_pa),
-        ("density", stop.density_kg_per_m3),
-        ("position", stop.position_m),
-        ("gap", stop.gap_m),
-        ("contact_compliance", stop.contact_compliance_m_per_n),
-    ];
-    let fields = fields.map(|(field, value)| (field, number(value)));
-    let fields = [fields.as_slice(), &[("contact", contact.value)]].concat();
-    Component { of_type: format!("Stop<f32, {}>", contact.of_type), ..with_fields("Stop", &fields) }
-}
-
-/// The bridge, and the type of its storage; `None` where the load is a resistor.
-fn bridge(load: Load) -> Option<(Component, String)> {
-    let (storage, drop) = match load {
-        Load::Resistor { .. } => return None,
-        Load::DcBus { voltage_v, diode_drop_v } => {
-            (with_fields("DcBus", &[("voltage", number(voltage_v))]), diode_drop_v)
-        }
-        Load::RectifiedStore(store) => {
-            let capacitor = with_fields(
-                "Capacitor",
-                &[
-                    ("capacitance", number(store.capacitance_f)),
-                    ("leakage_resistance", number(store.leakage_ohm)),
-                ],
-            );
-            let draw = draw(store.draw);
-            let value = with_fields(
-                "StorageCapacitor",
-                &[
-                    ("capacitor", capacitor.value),
-                    ("initial_voltage", number(store.initial_v)),
-                    ("draw", draw.value),
-                ],
-            );
-            let of_type = format!("StorageCapacitor<f32, {}>", draw.of_type);
-            (Component { of_type, ..value }, store.diode_drop_v)
-        }
-    };
-    let value = with_fields("FullBridge", &[("diode_drop", number(drop)), ("storage", storage.value)]);
-    let of_type = format!("FullBridge<f32, {}>", storage.of_type);
-    Some((Component { of_type, ..value }, storage.of_type))
-}
-
-fn draw(draw: Draw) -> Component {
-    let thresholds = |lockout: Lockout| {
-        let fields = [("turn_on", number(lockout.turn_on_v)), ("turn_off", number(lockout.turn_off_v))];
-        with_fields("Lockout", &fields).value
-    };
-    match draw {
-        Draw::None => unit("NoDraw"),
-        Draw::Resistor { resistance_ohm, lockout } => {
-            let lockout =
-                lockout.map_or("None".to_owned(), |lockout| format!("Some({})", thresholds(lockout)));
-            with_fields("ResistiveDraw", &[("resistance", number(resistance_ohm)), ("lockout", lockout)])
-        }
-        Draw::Current { current_a, lockout } => {
-            with_fields("CurrentDraw", &[("current", number(current_a)), ("lockout", thresholds(lockout))])
-        }
-        Draw::Power { power_w, lockout } => {
-            with_fields("PowerDraw", &[("power", number(power_w)), ("lockout", thresholds(lockout))])
-        }
-    }
 }

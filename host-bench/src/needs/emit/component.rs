@@ -1,0 +1,135 @@
+//! The components of a scene as Rust source.
+
+use crate::scene_file::{Contact, Draw, ForceLaw, Load, Lockout, Restitution, StopParameters};
+
+/// A component: its type and its value, as Rust source.
+pub(super) struct Component {
+    pub(super) of_type: String,
+    pub(super) value: String,
+}
+
+pub(super) fn unit(name: &str) -> Component {
+    Component { of_type: name.to_owned(), value: name.to_owned() }
+}
+
+/// A struct with one type parameter for its numbers.
+pub(super) fn with_fields(name: &str, fields: &[(&str, String)]) -> Component {
+    let fields: Vec<String> = fields.iter().map(|(field, value)| format!("{field}: {value}")).collect();
+    Component { of_type: format!("{name}<f32>"), value: format!("{name} {{ {} }}", fields.join(", ")) }
+}
+
+/// A number in single precision.
+pub(super) fn number(value: f64) -> String {
+    let single = value as f32;
+    if single.is_finite() { format!("{single:?}") } else { "f32::INFINITY".to_owned() }
+}
+
+/// A resistive load; the open circuit in front of a bridge.
+pub(super) fn load(load: Load) -> Component {
+    match load.resistance_ohm() {
+        0.0 => unit("ShortCircuit"),
+        f64::INFINITY => unit("OpenCircuit"),
+        resistance => with_fields("Resistor", &[("resistance", number(resistance))]),
+    }
+}
+
+pub(super) fn restitution(restitution: &Restitution) -> Component {
+    match *restitution {
+        Restitution::Constant { coefficient } => {
+            with_fields("ConstantRestitution", &[("coefficient", number(coefficient))])
+        }
+        Restitution::VelocityDependent { at_rest, at_speed, reference_speed_m_per_s } => with_fields(
+            "VelocityDependentRestitution",
+            &[
+                ("at_rest", number(at_rest)),
+                ("at_speed", number(at_speed)),
+                ("reference_speed", number(reference_speed_m_per_s)),
+                ("mathematics", "PhantomData".to_owned()),
+            ],
+        ),
+    }
+}
+
+pub(super) fn force_law(law: ForceLaw) -> Component {
+    unit(match law {
+        ForceLaw::TransferredCharge => "TransferredCharge",
+        ForceLaw::GapField => "GapField",
+        ForceLaw::None => "NoForce",
+    })
+}
+
+pub(super) fn stop(stop: &StopParameters) -> Component {
+    let contact = match stop.contact {
+        Contact::ResidualFlexibility => unit("ResidualFlexibility"),
+        Contact::DisplacementConstraint => unit("DisplacementConstraint"),
+        Contact::Restitution => {
+            with_fields("Restitution", &[("coefficient", number(stop.restitution.unwrap_or(1.0)))])
+        }
+    };
+    let fields = [
+        ("length", stop.length_m),
+        ("section", stop.width_m * stop.thickness_m),
+        ("young_modulus", stop.young_modulus_pa),
+        ("density", stop.density_kg_per_m3),
+        ("position", stop.position_m),
+        ("gap", stop.gap_m),
+        ("contact_compliance", stop.contact_compliance_m_per_n),
+    ];
+    let fields = fields.map(|(field, value)| (field, number(value)));
+    let fields = [fields.as_slice(), &[("contact", contact.value)]].concat();
+    Component { of_type: format!("Stop<f32, {}>", contact.of_type), ..with_fields("Stop", &fields) }
+}
+
+/// The bridge, and the type of its storage; `None` where the load is a resistor.
+pub(super) fn bridge(load: Load) -> Option<(Component, String)> {
+    let (storage, drop) = match load {
+        Load::Resistor { .. } => return None,
+        Load::DcBus { voltage_v, diode_drop_v } => {
+            (with_fields("DcBus", &[("voltage", number(voltage_v))]), diode_drop_v)
+        }
+        Load::RectifiedStore(store) => {
+            let capacitor = with_fields(
+                "Capacitor",
+                &[
+                    ("capacitance", number(store.capacitance_f)),
+                    ("leakage_resistance", number(store.leakage_ohm)),
+                ],
+            );
+            let draw = draw(store.draw);
+            let value = with_fields(
+                "StorageCapacitor",
+                &[
+                    ("capacitor", capacitor.value),
+                    ("initial_voltage", number(store.initial_v)),
+                    ("draw", draw.value),
+                ],
+            );
+            let of_type = format!("StorageCapacitor<f32, {}>", draw.of_type);
+            (Component { of_type, ..value }, store.diode_drop_v)
+        }
+    };
+    let value = with_fields("FullBridge", &[("diode_drop", number(drop)), ("storage", storage.value)]);
+    let of_type = format!("FullBridge<f32, {}>", storage.of_type);
+    Some((Component { of_type, ..value }, storage.of_type))
+}
+
+fn draw(draw: Draw) -> Component {
+    let thresholds = |lockout: Lockout| {
+        let fields = [("turn_on", number(lockout.turn_on_v)), ("turn_off", number(lockout.turn_off_v))];
+        with_fields("Lockout", &fields).value
+    };
+    match draw {
+        Draw::None => unit("NoDraw"),
+        Draw::Resistor { resistance_ohm, lockout } => {
+            let lockout =
+                lockout.map_or("None".to_owned(), |lockout| format!("Some({})", thresholds(lockout)));
+            with_fields("ResistiveDraw", &[("resistance", number(resistance_ohm)), ("lockout", lockout)])
+        }
+        Draw::Current { current_a, lockout } => {
+            with_fields("CurrentDraw", &[("current", number(current_a)), ("lockout", thresholds(lockout))])
+        }
+        Draw::Power { power_w, lockout } => {
+            with_fields("PowerDraw", &[("power", number(power_w)), ("lockout", thresholds(lockout))])
+        }
+    }
+}
