@@ -138,8 +138,7 @@ struct Cost {
 impl Emitting<'_> {
     /// The cheapest setting in single precision.
     fn setting(&self) -> Result<Setting, Failure> {
-        let single = self.numerics.iter().find(|found| found.setting.precision == Precision::F32);
-        single
+        least_single(self.numerics)
             .map(|found| found.setting)
             .ok_or_else(|| Failure::Step("no method of the core holds the accuracy in f32".to_owned()))
     }
@@ -355,8 +354,13 @@ fn numerics_table(numerics: &[Numerics]) -> String {
     table(presets::NOTHING, headings, rows, 3)
 }
 
+/// That of the least work in single precision.
+fn least_single(numerics: &[Numerics]) -> Option<&Numerics> {
+    numerics.iter().find(|found| found.setting.precision == Precision::F32)
+}
+
 fn chosen(numerics: &[Numerics]) -> String {
-    let single = numerics.iter().find(|found| found.setting.precision == Precision::F32);
+    let single = least_single(numerics);
     match single.or(numerics.first()) {
         None => "\nNo method of the core holds the accuracy.\n".to_owned(),
         Some(found) => {

@@ -1,7 +1,5 @@
 //! The deflected beam of the second paper: findings 14 to 17.
 
-use model_core::part::monomorph::Monomorph;
-
 use super::phases::Phases;
 use super::scenes::{Changes, NEAR_RESONANCE, PAPER, bump_stop, each_of, run, scene, value};
 use super::statistics::{largest, mean};
@@ -137,13 +135,7 @@ pub(super) fn measure_charge() -> Result<Measured, Failure> {
             return Err(Failure::of_file(&scene, "scene must be \"bump-stop\" here"));
         };
         let core = bump_stop_parameters::<f64>(model, scene.load);
-        let section = Monomorph::new(
-            &core.substrate,
-            &core.piezo,
-            core.beam_width,
-            core.piezo_d31,
-            core.piezo_permittivity,
-        );
+        let section = core.section();
         let per_slope = section.coupling / (section.capacitance_per_length * core.beam_length);
         let shapes = shapes(&scene, EVERY_S, 1)?;
         let voltage =

@@ -83,6 +83,28 @@ const STORES: [&str; 8] = [
     "capacitance_f=1e-6,leakage_ohm=1e9,draw={kind=\"power\",value=1e-6,turn_on_v=1,turn_off_v=0.5}",
 ];
 
+/// Force laws of the triboelectric grids.
+const FORCE_LAWS: [&str; 2] = ["transferred-charge", "gap-field"];
+
+/// Charges at the start that small loads take up within nanoseconds, in a triboelectric scene.
+fn start_charges(base: &Case) -> Vec<Case> {
+    let mut settings = Vec::new();
+    for charge_c in [1e-8, -1e-9] {
+        for resistance_ohm in [0.1, 10.0, 1e3, 1e6] {
+            for law in FORCE_LAWS {
+                let case = base
+                    .clone()
+                    .with_number("initial.charge_c", charge_c)
+                    .with_number("load.resistance_ohm", resistance_ohm)
+                    .with("parameters.force_law", law);
+                // The charge is delivered at the start, which the window contains.
+                settings.push(case.with("run", "{duration_periods=16,settle_periods=0}"));
+            }
+        }
+    }
+    settings
+}
+
 /// The scene with each of these storages, with and without a start voltage.
 fn stores(base: &Case) -> Vec<Case> {
     let of = |store: &str, drop: f64, initial: f64| {

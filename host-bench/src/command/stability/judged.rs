@@ -1,7 +1,7 @@
 //! Judges a list of cases on all cores. With a file, the row of a case is appended when the case is judged, and a case
 //! whose row the file has is not run again.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write;
 use std::path::Path;
@@ -25,9 +25,9 @@ pub(super) fn rows(
 ) -> Result<Vec<Row>, Failure> {
     let mut rows = output.map_or_else(|| Ok(Vec::new()), |path| taken_up(path, cases))?;
     let file = output.map(Appended::open).transpose()?;
-    let done: BTreeMap<usize, ()> = rows.iter().map(|row| (row.number, ())).collect();
+    let done: BTreeSet<usize> = rows.iter().map(|row| row.number).collect();
     let left: Vec<(usize, &Case)> =
-        cases.iter().enumerate().filter(|(number, _)| !done.contains_key(number)).collect();
+        cases.iter().enumerate().filter(|(number, _)| !done.contains(number)).collect();
     let bar = progress(left.len());
     let mut groups: Vec<&[(usize, &Case)]> =
         left.chunk_by(|(_, one), (_, other)| one.is_twin_of(other)).collect();

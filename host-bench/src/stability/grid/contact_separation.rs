@@ -1,6 +1,6 @@
 //! The contact-separation cases.
 
-use super::{Extent, Kind, noise, shipped, stores};
+use super::{Extent, FORCE_LAWS, Kind, noise, shipped, start_charges, stores};
 use crate::stability::Case;
 
 /// Periods of the base that a case runs, and after which it is measured: sixteen are, one for each part of the window.
@@ -8,7 +8,6 @@ const PERIODS: [f64; 2] = [36.0, 20.0];
 
 /// Tribo-charge densities in C/m²: from none to beyond pull-in.
 const DENSITIES: [f64; 8] = [5e-6, 0.0, 50e-6, 20e-6, 100e-6, 80e-6, 300e-6, 150e-6];
-const LAWS: [&str; 2] = ["transferred-charge", "gap-field"];
 /// Parasitic capacitances in F.
 const PARASITICS: [f64; 3] = [0.0, 1e-12, 1e-9];
 const RESTITUTIONS: [f64; 5] = [0.0, 0.5, 0.99, 0.9, 1.0];
@@ -22,7 +21,7 @@ pub(super) fn settings(extent: Extent) -> Vec<Case> {
     let mut settings = resistances(extent);
     settings.extend(frequencies());
     settings.extend(small_motions());
-    settings.extend(start_charges());
+    settings.extend(start_charges(&base()));
     settings.extend(storages());
     settings.extend([1e3, 1e4, 1e5].map(|rate_hz| over(noise(&base(), rate_hz, 2.0), 1.0)));
     settings
@@ -47,7 +46,7 @@ fn resistances(extent: Extent) -> Vec<Case> {
     let mut settings = Vec::new();
     for decade in extent.thinned(&DECADES, 3) {
         for density in extent.thinned(&DENSITIES, 2) {
-            for law in LAWS {
+            for law in FORCE_LAWS {
                 for parasitic in extent.thinned(&PARASITICS, 2) {
                     for restitution in extent.thinned(&RESTITUTIONS, 2) {
                         let case = base()
@@ -73,7 +72,7 @@ fn frequencies() -> Vec<Case> {
     let mut settings = Vec::new();
     for frequency_hz in FREQUENCIES {
         for resistance_ohm in LOADS {
-            for law in LAWS {
+            for law in FORCE_LAWS {
                 let case = base()
                     .with_number("load.resistance_ohm", resistance_ohm)
                     .with_number("excitation.frequency_hz", frequency_hz)
@@ -90,7 +89,7 @@ fn small_motions() -> Vec<Case> {
     let mut settings = Vec::new();
     for (amplitude_g, frequency_hz) in [(1e-3, 5.0), (1e-3, 40.0), (1e-5, 20.0)] {
         for resistance_ohm in [1e3, 1e6, 1e8] {
-            for law in LAWS {
+            for law in FORCE_LAWS {
                 let case = base()
                     .with_number("excitation.amplitude_g", amplitude_g)
                     .with_number("excitation.frequency_hz", frequency_hz)
@@ -103,26 +102,8 @@ fn small_motions() -> Vec<Case> {
     settings
 }
 
-/// Charges at the start that small loads take up within nanoseconds.
-fn start_charges() -> Vec<Case> {
-    let mut settings = Vec::new();
-    for charge_c in [1e-8, -1e-9] {
-        for resistance_ohm in [0.1, 10.0, 1e3, 1e6] {
-            for law in LAWS {
-                let case = base()
-                    .with_number("initial.charge_c", charge_c)
-                    .with_number("load.resistance_ohm", resistance_ohm)
-                    .with("parameters.force_law", law);
-                // The charge is delivered before the first contact; it is measured from the start.
-                settings.push(case.with("run", "{duration_periods=16,settle_periods=0}"));
-            }
-        }
-    }
-    settings
-}
-
 fn storages() -> Vec<Case> {
-    let laws = LAWS.map(|law| periods(base().with("parameters.force_law", law)));
+    let laws = FORCE_LAWS.map(|law| periods(base().with("parameters.force_law", law)));
     let relaxing = laws[0].clone().with("parameters.stick_charge", "relaxing");
     laws.iter().chain([&relaxing]).flat_map(stores).collect()
 }

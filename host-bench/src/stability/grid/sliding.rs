@@ -1,13 +1,12 @@
 //! The sliding cases.
 
-use super::{Extent, Kind, noise, shipped, stores};
+use super::{Extent, FORCE_LAWS, Kind, noise, shipped, start_charges, stores};
 use crate::stability::Case;
 
 /// Load resistances in Ω, both limits among them.
 const RESISTANCES: [f64; 9] = [0.0, 1e-6, 1.0, 1e3, 1e6, 1e10, 1e8, 1e15, f64::INFINITY];
 /// Tribo-charge densities in C/m²: from none to beyond what the field of the gap locks.
 const DENSITIES: [f64; 4] = [20e-6, 0.0, 500e-6, 120e-6];
-const LAWS: [&str; 2] = ["transferred-charge", "gap-field"];
 const STICK_CHARGES: [&str; 2] = ["frozen", "relaxing"];
 /// Coefficients of kinetic friction on the active patch.
 const FRICTIONS: [f64; 4] = [0.0, 0.05, 0.3, 2.0];
@@ -21,7 +20,7 @@ const DRIVES: [[f64; 2]; 7] =
 pub(super) fn settings(extent: Extent) -> Vec<Case> {
     let mut settings = resistances(extent);
     settings.extend(small_motions());
-    settings.extend(start_charges());
+    settings.extend(start_charges(&base()));
     settings.extend(storages());
     settings.extend(
         [1e3, 1e5].map(|rate_hz| noise(&base(), rate_hz, 20.0).with("run", "{duration_s=1.0,settle_s=0.5}")),
@@ -66,7 +65,7 @@ fn resistances(extent: Extent) -> Vec<Case> {
     let mut settings = Vec::new();
     for resistance_ohm in extent.thinned(&RESISTANCES, 2) {
         for density in extent.thinned(&DENSITIES, 2) {
-            for law in LAWS {
+            for law in FORCE_LAWS {
                 for stick_charge in extent.thinned(&STICK_CHARGES, 2) {
                     for friction in FRICTIONS {
                         let case = base()
@@ -88,7 +87,7 @@ fn resistances(extent: Extent) -> Vec<Case> {
 fn small_motions() -> Vec<Case> {
     let mut settings = Vec::new();
     for resistance_ohm in [1e3, 1e6, 1e9] {
-        for law in LAWS {
+        for law in FORCE_LAWS {
             for friction in [0.0, 1e-4] {
                 let case = base()
                     .with_number("load.resistance_ohm", resistance_ohm)
@@ -100,28 +99,11 @@ fn small_motions() -> Vec<Case> {
     settings
 }
 
-/// Charges at the start that small loads take up within nanoseconds.
-fn start_charges() -> Vec<Case> {
-    let mut settings = Vec::new();
-    for charge_c in [1e-8, -1e-9] {
-        for resistance_ohm in [0.1, 10.0, 1e3, 1e6] {
-            for law in LAWS {
-                let case = base()
-                    .with_number("initial.charge_c", charge_c)
-                    .with_number("load.resistance_ohm", resistance_ohm)
-                    .with("parameters.force_law", law);
-                settings.push(case.with("run", "{duration_periods=16,settle_periods=0}"));
-            }
-        }
-    }
-    settings
-}
-
 fn storages() -> Vec<Case> {
     let of = |law: &str, stick_charge: &str| {
         let case = base().with("parameters.force_law", law).with("parameters.stick_charge", stick_charge);
         stores(&case.with("run", "{duration_periods=36,settle_periods=20}"))
     };
-    let [transferred, gap_field] = LAWS;
+    let [transferred, gap_field] = FORCE_LAWS;
     [of(transferred, "frozen"), of(transferred, "relaxing"), of(gap_field, "frozen")].concat()
 }

@@ -138,7 +138,8 @@ impl<S: Scalar, C> Parameters<S, C> {
     }
 
     /// The cross-section of the beam.
-    pub(super) fn section(&self) -> Monomorph<S> {
+    #[must_use]
+    pub fn section(&self) -> Monomorph<S> {
         Monomorph::new(&self.substrate, &self.piezo, self.beam_width, self.piezo_d31, self.piezo_permittivity)
     }
 

@@ -2,7 +2,6 @@
 
 use model_core::observer::{AcceptedStep, Observer};
 use model_core::part::beam::{BeamMode, Cantilever, Shape};
-use model_core::part::monomorph::Monomorph;
 
 use super::observed::{model_of, observed};
 use super::parameters;
@@ -43,13 +42,7 @@ pub fn deflected_shapes(
 ) -> Result<Vec<DeflectedShape>, Failure> {
     let model = model_of(scene)?;
     let core = parameters::<f64>(model, scene.load);
-    let section = Monomorph::new(
-        &core.substrate,
-        &core.piezo,
-        core.beam_width,
-        core.piezo_d31,
-        core.piezo_permittivity,
-    );
+    let section = core.section();
     let beam = Cantilever {
         length: core.beam_length,
         bending_stiffness: section.bending_stiffness,
