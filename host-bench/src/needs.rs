@@ -159,6 +159,13 @@ impl Study {
         self.full.accuracy.total.is_some_and(|total| total <= SOUND * self.accuracy)
     }
 
+    /// Whether the full scene has neither power nor voltage, so that its largest motion decides.
+    pub(crate) fn is_by_motion(&self) -> bool {
+        let Outcome { mean_power_w, rms_voltage_v, store, .. } = &self.full;
+        let stored = store.and_then(|store| store.store_voltage_v);
+        [*mean_power_w, *rms_voltage_v, stored].iter().flatten().all(|value| *value == 0.0)
+    }
+
     /// Whether the run of a scene changes under a slightly larger base acceleration.
     fn changes_under_a_shift(&self, scene: &Scene, run: &Outcome, options: &Options) -> bool {
         let excitation = scene.excitation.scaled(1.0 + SHIFT);

@@ -15,7 +15,7 @@ use crate::needs::{
 };
 use crate::on_target::core::Core;
 use crate::on_target::{self, Bench, Measurement};
-use crate::outcome::{Format, csv_sections, fields, name, rows_csv, small, table};
+use crate::outcome::{Fields, Format, fields, name, rows_csv, small, table};
 use crate::run::run_scene;
 use crate::scene_file::{self, Excitation, Override, Scene};
 
@@ -93,10 +93,7 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
             object["on_core"] = json!(on_core);
             json_text(&object)?
         }
-        Format::Csv => {
-            let costs = on_core.iter().map(|costs| section(costs));
-            csv_sections([section(&needs.findings), section(&numerics)].into_iter().chain(costs))
-        }
+        Format::Csv => csv_text(&needs.findings, &numerics, on_core.as_deref().unwrap_or_default()),
     })
 }
 
@@ -232,17 +229,23 @@ fn object(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
     })
 }
 
-fn section<T: serde::Serialize>(rows: &[T]) -> (String, String) {
-    let rows: Vec<_> = rows.iter().map(|row| fields(row)).collect();
+/// One table of CSV. The column `table` has the list of the JSON object that a row is of; a cell is empty where that list
+/// has no such column.
+fn csv_text(parts: &[Finding], numerics: &[Numerics], on_core: &[Cost]) -> String {
+    let mut rows: Vec<Fields> = Vec::new();
+    let mut add = |table: &str, row: Fields| {
+        rows.push([("table".to_owned(), table.into())].into_iter().chain(row).collect());
+    };
+    parts.iter().for_each(|part| add("parts", fields(part)));
+    numerics.iter().for_each(|setting| add("numerics", fields(setting)));
+    on_core.iter().for_each(|cost| add("on_core", fields(cost)));
     let mut columns: Vec<String> = Vec::new();
-    for column in rows.iter().flat_map(|row| row.keys()) {
+    for column in rows.iter().flat_map(Fields::keys) {
         if !columns.contains(column) {
             columns.push(column.clone());
         }
     }
-    let text = rows_csv(&columns, &rows);
-    let (heading, lines) = text.split_once('\n').unwrap_or_default();
-    (format!("{heading}\n"), lines.to_owned())
+    rows_csv(&columns, &rows)
 }
 
 fn report(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) -> String {
@@ -270,10 +273,14 @@ fn report(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
         text.push_str(&format!("Window: {:.1} s.\n", study.scene.run.window_s()));
     }
     text.push_str(&format!("\nChange without a part; accepted: {}\n\n", percent(Some(accuracy))));
-    text.push_str(&parts_table(&needs.findings));
-    text.push_str(&left_out(needs));
+    let by_motion = study.is_by_motion();
+    if by_motion {
+        text.push_str("The scene has no power and no voltage: the largest motion decides.\n\n");
+    }
+    text.push_str(&parts_table(&needs.findings, by_motion));
+    text.push_str(&left_out(needs, by_motion));
     text.push_str("\nWhat runs the cut scene within the accuracy of the full one, the least work first\n\n");
-    text.push_str(&numerics_table(numerics));
+    text.push_str(&numerics_table(numerics, by_motion));
     text.push_str(&chosen(numerics));
     text
 }
@@ -284,18 +291,28 @@ fn percent(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), shown)
 }
 
-fn cells(change: &Change) -> [String; 4] {
+/// Heading of the changes of the largest displacement or gap.
+const MOTION: &str = "largest motion";
+
+fn cells(change: &Change, by_motion: bool) -> Vec<String> {
     let power = match change.sampling_error {
         Some(error) => format!("{} ± {}", percent(change.mean_power), percent(Some(error))),
         None => percent(change.mean_power),
     };
     let impacts = change.impacts.map_or_else(|| "-".to_owned(), |count| count.to_string());
-    [power, percent(change.rms_voltage), percent(change.store_voltage), impacts]
+    let motion = by_motion.then(|| percent(change.displacement));
+    let electrical = [power, percent(change.rms_voltage), percent(change.store_voltage)];
+    motion.into_iter().chain(electrical).chain([impacts]).collect()
 }
 
-fn parts_table(findings: &[Finding]) -> String {
+fn parts_table(findings: &[Finding], by_motion: bool) -> String {
+    let electrical = ["mean power", "RMS voltage", "storage", "impacts"];
+    let columns: Vec<&str> = by_motion.then_some(MOTION).into_iter().chain(electrical).collect();
     let rows = findings.iter().map(|finding| {
-        let values = finding.change.as_ref().map_or_else(|| ["-"; 4].map(str::to_owned), cells);
+        let values = finding
+            .change
+            .as_ref()
+            .map_or_else(|| vec!["-".to_owned(); columns.len()], |change| cells(change, by_motion));
         let verdict = match (&finding.verdict, &finding.failure) {
             // The state at the failure follows; JSON has it.
             (_, Some(failure)) => format!("needed: {}", failure.split(": ").next().unwrap_or_default()),
@@ -313,21 +330,24 @@ fn parts_table(findings: &[Finding]) -> String {
         };
         [finding.part.name()].into_iter().chain(values).chain([verdict]).collect::<Vec<String>>()
     });
-    let headings = ["without", "mean power", "RMS voltage", "storage", "impacts", "verdict"];
-    table(presets::NOTHING, headings, rows, headings.len())
+    let headings: Vec<&str> =
+        ["without"].into_iter().chain(columns.iter().copied()).chain(["verdict"]).collect();
+    let words = headings.len();
+    table(presets::NOTHING, headings, rows, words)
 }
 
-fn left_out(needs: &Needs) -> String {
+fn left_out(needs: &Needs, by_motion: bool) -> String {
     if needs.cut.is_empty() {
         return "\nNothing can be left out.\n".to_owned();
     }
     let names: Vec<String> = needs.cut.iter().map(|part| part.name()).collect();
-    format!(
-        "\nWithout {} together: mean power {}, RMS voltage {}.\n",
-        names.join(", "),
-        percent(needs.cut_change.mean_power),
-        percent(needs.cut_change.rms_voltage),
-    )
+    let change = &needs.cut_change;
+    let changes = if by_motion {
+        format!("{MOTION} {}", percent(change.displacement))
+    } else {
+        format!("mean power {}, RMS voltage {}", percent(change.mean_power), percent(change.rms_voltage))
+    };
+    format!("\nWithout {} together: {changes}.\n", names.join(", "))
 }
 
 fn control(setting: &Setting) -> String {
@@ -338,19 +358,20 @@ fn control(setting: &Setting) -> String {
     }
 }
 
-fn numerics_table(numerics: &[Numerics]) -> String {
+fn numerics_table(numerics: &[Numerics], by_motion: bool) -> String {
     let least = numerics.iter().map(|found| found.host_s_per_s).fold(f64::INFINITY, f64::min);
     let rows = numerics.iter().map(|found| {
         vec![
             name(&found.setting.method),
             found.setting.precision.name().to_owned(),
             control(&found.setting),
-            percent(found.change.mean_power),
+            percent(if by_motion { found.change.displacement } else { found.change.mean_power }),
             format!("{:.0}", found.steps_per_s),
             format!("{:.2}", found.host_s_per_s / least),
         ]
     });
-    let headings = ["method", "precision", "control", "mean power", "steps per s", "run time"];
+    let deciding = if by_motion { MOTION } else { "mean power" };
+    let headings = ["method", "precision", "control", deciding, "steps per s", "run time"];
     table(presets::NOTHING, headings, rows, 3)
 }
 

@@ -16,7 +16,7 @@ pub(crate) struct Change {
     pub(crate) rms_voltage: Option<f64>,
     /// Relative change of the voltage of the storage at the end; `None` if one of the two has none.
     pub(crate) store_voltage: Option<f64>,
-    /// Relative change of the peak displacement.
+    /// Relative change of the peak displacement; 0 if nothing moves in both.
     pub(crate) displacement: Option<f64>,
     /// Impacts or contacts in the window.
     pub(crate) impacts: Option<u64>,
@@ -33,7 +33,10 @@ impl Change {
             mean_power: relative(full.mean_power_w, run.mean_power_w),
             rms_voltage: relative(full.rms_voltage_v, run.rms_voltage_v),
             store_voltage: relative(store(full), store(run)),
-            displacement: relative(full.largest_motion_m(), run.largest_motion_m()),
+            displacement: match (full.largest_motion_m(), run.largest_motion_m()) {
+                (Some(0.0), Some(0.0)) => Some(0.0),
+                (full, run) => relative(full, run),
+            },
             impacts: impacts(run),
             sampling_error: is_chaotic.then(|| sampling_error(&full.block_energies_j, &run.block_energies_j)),
         }

@@ -90,6 +90,31 @@ fn the_scene_of_the_firmware_is_what_the_command_emits() {
 }
 
 #[test]
+fn csv_is_one_table() {
+    let sets = SHORT.iter().flat_map(|change| ["--set", change]);
+    let arguments: Vec<&str> = ["needs", SHIPPED, "--format", "csv"].into_iter().chain(sets).collect();
+    let text = accepted(&arguments);
+    // Rows of another length are an error of the reader.
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().expect("one table");
+    let count = |table: &str| rows.iter().filter(|row| row.get(0) == Some(table)).count();
+    assert_eq!((count("parts"), count("parts") + count("numerics")), (5, rows.len()), "{text}");
+    assert!(count("numerics") > 3, "{text}");
+}
+
+#[test]
+fn without_power_and_voltage_the_motion_decides_and_is_shown() {
+    let sets = SHORT.iter().copied().chain(["load.resistance_ohm=0"]).flat_map(|change| ["--set", change]);
+    let arguments: Vec<&str> = ["needs", SHIPPED].into_iter().chain(sets).collect();
+    let text = accepted(&arguments);
+    assert!(text.contains("the largest motion decides"), "{text}");
+    assert_eq!(text.lines().filter(|line| line.contains("largest motion  ")).count(), 2, "{text}");
+    let force = text.lines().find(|line| line.contains("electrostatic force")).expect("a row");
+    let change = force.split_whitespace().nth(2).and_then(|cell| cell.parse::<f64>().ok()).expect("a number");
+    assert!(change.abs() > 1.0 && force.contains(" needed"), "{force}");
+}
+
+#[test]
 fn an_accuracy_outside_its_bounds_is_refused_with_its_value() {
     for accuracy in ["0", "0.6", "-1", "nan"] {
         refused(&["needs", SHIPPED, "--accuracy", accuracy], &["--accuracy", "1e-4", "0.5"]);

@@ -7,15 +7,16 @@ use serde_json::{Map, Value};
 
 use super::{Outcome, Recording};
 
-/// How to print an outcome.
+/// How to print a result. The texts are those of `--help`, for all commands: a run is an object and a row, a command with
+/// several results has an array or an object of arrays, and a row of CSV for each of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Format {
-    /// Names and values in two columns.
+    /// Text for people.
     #[default]
     Table,
-    /// One JSON object.
+    /// One JSON value.
     Json,
-    /// A heading and one row.
+    /// A heading, and a row for each result.
     Csv,
 }
 
