@@ -55,11 +55,13 @@ pub(crate) fn run_with_steps(scene: &Scene, options: &Options) -> Result<(Outcom
     let mut finer = Halvings { scene, options, runs: Vec::new() };
     options.halvings = chosen_halvings(&mut finer, asked);
     let mut outcome = run_scene(scene, &options)?;
+    let mut doubts = Vec::new();
     if options.method != Method::Reference {
         outcome.accuracy = statement(&mut finer, &options, &outcome);
-        outcome.warnings.extend(warning(&outcome, asked));
+        doubts.extend(warning(&outcome, asked));
     }
-    outcome.warnings.extend(imbalance(&outcome));
+    doubts.extend(imbalance(&outcome));
+    outcome.warnings.splice(..0, doubts);
     Ok((outcome, options))
 }
 

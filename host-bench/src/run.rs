@@ -2,7 +2,7 @@
 
 use crate::embedded;
 use crate::method::{Failure, Method, Options};
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, created_energy_warning};
 use crate::peer;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{Model, Scene};
@@ -21,14 +21,16 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
             "--trace-every {every}: must be at least {least:e} for at most {MOST_ROWS:e} rows"
         )));
     }
-    match (options.method, &scene.model) {
+    let mut outcome = match (options.method, &scene.model) {
         (Method::Reference, _) => by_reference(scene, options),
         _ if options.steady_state => embedded::steady_state(scene, options),
         (Method::TrBdf2 | Method::Rk4 | Method::Newmark, Model::BumpStop(model)) => {
             peer::bump_stop(scene, model, options)
         }
         _ => embedded::run(scene, options),
-    }
+    }?;
+    outcome.warnings.extend(outcome.created.and_then(|created| created_energy_warning(scene, created)));
+    Ok(outcome)
 }
 
 /// As [`run_scene`], with a run that stopped on its way as text.

@@ -4,6 +4,7 @@ mod command_line {
     mod budget;
     mod bump_stop;
     mod closed_form;
+    mod created_energy;
     mod good_runs;
     mod needs;
     mod outputs;

@@ -7,7 +7,7 @@ use diffsol::ode_solver::OdeSolverStatistics;
 use super::ledger::{Ledger, integral};
 use super::recorder::Recorder;
 use super::storage::Storage;
-use harvester_scene::outcome::{Accuracy, Outcome, Particular, Recording};
+use harvester_scene::outcome::{Accuracy, CreatedEnergy, Outcome, Particular, Recording};
 use harvester_scene::scene_file::Scene;
 
 /// Work of the integrator.
@@ -71,7 +71,9 @@ impl Totals {
             peak_voltage_v: Some(self.peak_voltage),
             mean_voltage_v: Some(window[integral::VOLTAGE] / length),
             delivered_energy_j: Some(self.delivered_energy),
-            created_energy_j: self.created_energy,
+            created: self
+                .created_energy
+                .map(|created| CreatedEnergy::new(created, self.delivered_energy, self.remainder)),
             energy_residual: self.ledger.residual(self.remainder, self.storage, energy),
             steps: self.effort.steps,
             rejected_steps: self.effort.rejected,

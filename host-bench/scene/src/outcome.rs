@@ -2,12 +2,14 @@
 
 mod accuracy;
 mod bump_stop;
+mod created;
 mod format;
 
 use serde::Serialize;
 
 pub use self::accuracy::Accuracy;
 pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome, ClampOutcome};
+pub use self::created::{CreatedEnergy, created_energy_warning};
 pub use self::format::Format;
 pub use self::format::{
     Fields, cell, csv, csv_line, csv_sections, fields, name, number, optional_number, rows_csv, small, table,
@@ -43,10 +45,9 @@ pub struct Outcome {
     pub mean_voltage_v: Option<f64>,
     /// Energy delivered to the load in the window in J.
     pub delivered_energy_j: Option<f64>,
-    /// Energy in J that an inferred force law created in the window: what the field gained from the motion less what the
-    /// motion lost to the force. Absent in bump-stop scenes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub created_energy_j: Option<f64>,
+    /// Energy that the force law created in the window. Absent in bump-stop scenes.
+    #[serde(flatten)]
+    pub created: Option<CreatedEnergy>,
     /// Residual of the energy ledger of the whole run, over the larger of `∫ |base power| dt` and the peak stored
     /// energy.
     pub energy_residual: Option<f64>,

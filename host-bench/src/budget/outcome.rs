@@ -4,6 +4,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::plant::StorageAccount;
+use crate::embedded::WholeDay;
 use crate::outcome::{Fields, Format, fields, text};
 use crate::scene_file::HOURS;
 
@@ -62,7 +63,7 @@ pub(crate) struct Sample {
 }
 
 /// How the income was computed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Source {
     pub(crate) scene: &'static str,
     /// Precision of harvester and budget.
@@ -71,8 +72,10 @@ pub(crate) struct Source {
     pub(crate) income: &'static str,
     /// Days before this one.
     pub(crate) learning_days: u32,
-    /// Steps of the harvester and residual of its energy ledger, if every step of the day was taken.
-    pub(crate) whole_day: Option<(u64, Option<f64>)>,
+    /// The harvester's day, if every step of it was taken.
+    pub(crate) whole_day: Option<WholeDay>,
+    /// What to know before the numbers are used.
+    pub(crate) warnings: Vec<String>,
 }
 
 impl NodeDay {
@@ -108,12 +111,14 @@ impl NodeDay {
             "budget_error": self.budget_error,
             "budget_ledger_residual": self.budget_ledger,
         }));
-        if let Some((steps, residual)) = source.whole_day {
-            all.extend(fields(&json!({ "steps": steps, "energy_residual": residual })));
+        if let Some(day) = &source.whole_day {
+            all.extend(fields(&json!({ "steps": day.steps, "energy_residual": day.energy_residual })));
+            all.extend(fields(&day.created));
         }
         if account.steps > 0 {
             all.extend(fields(&json!({ "steps": account.steps, "diode_loss_j": account.diodes })));
         }
+        all.insert("warnings".to_owned(), json!(source.warnings));
         all
     }
 

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{check_overrides, print};
+use super::{check_overrides, print, tell};
 use crate::budget::outcome::Source;
 use crate::budget::{income, picture, simulate};
 use crate::method::{Failure, Precision};
-use crate::outcome::Format;
+use crate::outcome::{Format, created_energy_warning};
 use crate::scene_file::{self, Load, Override};
 
 /// The picture, and the page with it.
@@ -63,12 +63,16 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     if arguments.exact && !bridged {
         check_overrides(&arguments.overrides, &[("run", "--exact runs the whole day")])?;
     }
-    let (income, whole_day) = if arguments.exact && !bridged {
+    let (income, warning, whole_day) = if arguments.exact && !bridged {
         let (income, day) = income::exact(&scene, &node, &options)?;
-        (income, Some((day.steps, day.energy_residual)))
+        (income, created_energy_warning(&scene, day.created), Some(day))
     } else {
-        (income::by_level(&scene, &node, &options)?, None)
+        let (income, warning) = income::by_level(&scene, &node, &options)?;
+        (income, warning, None)
     };
+    if let Some(warning) = &warning {
+        tell(&format!("warning: {warning}"));
+    }
     let in_loop = if arguments.exact && bridged {
         income::check_looped(&scene, &node)?;
         Some((&scene, &options))
@@ -82,6 +86,7 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
         income: if arguments.exact { "exact" } else { "by-level" },
         learning_days,
         whole_day,
+        warnings: warning.into_iter().collect(),
     };
     let svg = picture::svg(&day)
         .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))?;

@@ -44,7 +44,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     }
     let outcome = if arguments.no_accuracy {
         let mut outcome = run_scene(&scene, &options)?;
-        outcome.warnings.extend(imbalance(&outcome));
+        outcome.warnings.splice(..0, imbalance(&outcome));
         outcome
     } else {
         run_with_accuracy(&scene, &options)?

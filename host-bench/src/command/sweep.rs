@@ -85,6 +85,9 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     if let Some(costs) = shooting::told(points.iter().filter_map(|point| point.compared.as_ref())) {
         tell(&costs);
     }
+    if let Some(warning) = warning(axes, &points) {
+        tell(&format!("warning: {warning}"));
+    }
     if let Some(folder) = &arguments.output {
         write(arguments, folder, &outputs, &points)?;
     }
@@ -146,6 +149,24 @@ fn write(
     picture.map_or(Ok(()), |picture| outputs.write(&drawing, &picture))
 }
 
+/// The warning of the point whose force law created the largest share of the delivered energy, with the number of the
+/// points that warn. A row has its own warnings in JSON and CSV.
+fn warning(axes: &[Axis], points: &[Point]) -> Option<String> {
+    let warned = points.iter().filter_map(|point| {
+        let outcome = point.found.as_ref().ok()?;
+        let share = outcome.created.and_then(|created| created.created_energy_share).map_or(0.0, f64::abs);
+        Some((point, outcome.warnings.first()?, share))
+    });
+    let count = warned.clone().count();
+    let (point, warning, _) = warned.max_by(|(.., one), (.., other)| one.total_cmp(other))?;
+    Some(format!("at {count} of {} points, the most at {}: {warning}", points.len(), place(axes, point)))
+}
+
+/// The values of a point, for a sentence.
+fn place(axes: &[Axis], point: &Point) -> String {
+    named(axes, point).map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ")
+}
+
 fn none_failed(axes: &[Axis], points: &[Point]) -> Result<(), Failure> {
     let mut failed = points.iter().filter_map(|point| Some((point, point.found.as_ref().err()?)));
     let Some((point, error)) = failed.next() else { return Ok(()) };
@@ -153,7 +174,7 @@ fn none_failed(axes: &[Axis], points: &[Point]) -> Result<(), Failure> {
         "{} of {} points failed, the first at {}: {error}",
         1 + failed.count(),
         points.len(),
-        named(axes, point).map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", "),
+        place(axes, point),
     )))
 }
 

@@ -197,7 +197,7 @@ fn is_finite(outcome: &Outcome) -> bool {
         outcome.peak_voltage_v,
         outcome.mean_voltage_v,
         outcome.delivered_energy_j,
-        outcome.created_energy_j,
+        outcome.created.map(|created| created.created_energy_j),
         outcome.energy_residual,
         outcome.accuracy.total,
     ];

@@ -108,12 +108,14 @@ fn title(table: &Comparison) -> String {
 
 fn notes(table: &Comparison) -> Vec<String> {
     let runs = table.rows.iter().filter_map(|row| row.found.as_ref()).map(|found| found.runs);
-    vec![format!(
+    let mut notes = vec![format!(
         "Errors are relative to the reference; time ratio is to the fastest row whose error of mean power \
          is at most {:.0e}. Times are medians of up to {} runs in one process on one thread.",
         table.target_error(),
         runs.max().unwrap_or(0)
-    )]
+    )];
+    notes.extend(table.reference.warnings.iter().map(|warning| format!("Warning: {warning}.")));
+    notes
 }
 
 fn summary(table: &Comparison) -> Vec<(&'static str, Value)> {

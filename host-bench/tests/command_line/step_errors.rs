@@ -36,15 +36,20 @@ fn a_run_whose_energy_ledger_does_not_close_warns() {
         let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
         let residual = outcome["energy_residual"].as_f64().expect("a number");
         let warnings = outcome["warnings"].as_array().expect("a list");
-        assert_eq!(warnings.len(), usize::from(residual > 1e-2), "{warnings:?}");
+        let of_accuracy = |warning: &&serde_json::Value| {
+            warning.as_str().is_some_and(|warning| warning.starts_with("accuracy: energy_residual = "))
+        };
+        let count = warnings.iter().filter(of_accuracy).count();
+        assert_eq!(count, usize::from(residual > 1e-2), "{warnings:?}");
         (residual, String::from_utf8(output.stderr).expect("text"))
     };
     let (residual, told) = run("3e-3");
     assert!(residual > 1e-2);
+    // The created energy is not known where the ledger does not close.
     assert_eq!(told.lines().count(), 1, "{told}");
     assert!(told.starts_with("warning: accuracy: energy_residual = ") && told.contains("0.01"), "{told}");
     let (residual, told) = run("1e-3");
-    assert!(residual < 1e-2 && told.is_empty(), "{residual} {told}");
+    assert!(residual < 1e-2 && !told.contains("accuracy"), "{residual} {told}");
 }
 
 #[test]
@@ -54,7 +59,7 @@ fn a_sweep_keeps_the_points_that_got_to_the_end() {
     let output = host_bench(&[&["sweep", SHIPPED], &BLOWS_UP[..], &over[..], &window[..]].concat());
     let told = String::from_utf8(output.stderr).expect("text");
     assert_eq!(output.status.code(), Some(3), "{told}");
-    assert_eq!(told.lines().count(), 1, "{told}");
+    assert_eq!(told.lines().filter(|line| !line.starts_with("warning: ")).count(), 1, "{told}");
     assert!(told.contains("2 of 3 points failed, the first at load.resistance_ohm = 1000"), "{told}");
     let mut reader = csv::Reader::from_reader(&output.stdout[..]);
     let heading = reader.headers().expect("a heading").clone();

@@ -7,6 +7,10 @@ use std::process::{Command, Output};
 /// The scene that is shipped.
 pub(super) const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation.toml");
 
+/// The same harvester under the force of the field, which conserves energy.
+pub(super) const PASSIVE: &str =
+    concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation-passive.toml");
+
 /// A fresh folder for one test.
 pub(super) fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::time::Instant as Stopwatch;
 
 use model_core::clock::{Instant, LONGEST_STEP_S};
-use model_core::energy::{Ledger, RunMeter};
+use model_core::energy::{Ledger, Residual, RunMeter};
 use model_core::hybrid::StepError;
 use model_core::integrate::{Adaptive, AnyStepControl, FixedStep};
 use model_core::observer::PowerIndex;
@@ -20,7 +20,7 @@ use super::report::{Found, Report};
 use super::{DEFAULT_TOLERANCE, precision_name};
 use crate::steady_state::Total;
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
-use harvester_scene::outcome::{Accuracy, Outcome, Recording, StoreOutcome};
+use harvester_scene::outcome::{Accuracy, CreatedEnergy, Outcome, Recording, StoreOutcome};
 use harvester_scene::scene_file::{RunSpan, Scene};
 
 /// The refusal of a parameter by the core.
@@ -98,6 +98,12 @@ pub(super) fn step_control<S: Scalar>(
                 .map_err(|error| Failure::Input(format!("--tolerance: {error}")))
         }
     }
+}
+
+/// The larger remainder in J of the mechanical and the electrical ledger.
+pub(super) fn remainder<S: Scalar>(ledger: &Ledger<S>) -> f64 {
+    let Residual { mechanical, electrical, .. } = ledger.residual();
+    mechanical.abs().max(electrical.abs()).to_f64()
 }
 
 /// Attempts per call: the counts of a call fit in 32 bits.
@@ -216,7 +222,10 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             peak_voltage_v: number(window.report().voltage.magnitude()),
             mean_voltage_v: ledger.and_then(|_| number(window.integrals().mean(PowerIndex::Voltage))),
             delivered_energy_j: number(window.delivered_energy()),
-            created_energy_j: report.created_energy(window).map(S::to_f64),
+            created: report.created_energy(window).zip(ledger).map(|(created, ledger)| {
+                let delivered = window.delivered_energy().to_f64();
+                CreatedEnergy::new(created.to_f64(), delivered, remainder(ledger))
+            }),
             energy_residual: ledger.and_then(|ledger| report.residual(&ledger.residual())).map(S::to_f64),
             steps: total.steps,
             rejected_steps: total.rejected,

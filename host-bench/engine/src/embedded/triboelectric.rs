@@ -1,6 +1,6 @@
 //! A run of a triboelectric scene, bare or behind a bridge: the method is chosen at run time.
 
-use model_core::energy::{Residual, RunMeter};
+use model_core::energy::{Integrals, Residual, RunMeter};
 use model_core::hybrid::HybridState;
 use model_core::integrate::{
     AnyStepControl, Cubic, ExponentialRadau, Method as Integrator, RungeKutta4, TrBdf2,
@@ -67,9 +67,7 @@ impl<S: Scalar, H: Harvester<S>, T: Triboelectric> Report<S, H> for T {
     }
 
     fn created_energy(&self, window: &RunMeter<S>) -> Option<S> {
-        let integral = |power| window.integrals().integral(power);
-        let is_complete = window.report().rms_voltage.is_some();
-        is_complete.then(|| integral(PowerIndex::FieldWork) - integral(PowerIndex::ElectrostaticWork))
+        window.report().rms_voltage.map(|_| created_energy(window.integrals()))
     }
 
     fn particular(&self, harvester: &H, found: &Found<'_, S>, _end: &H::State) -> Particular {
@@ -87,6 +85,11 @@ impl<S: Scalar, H: Harvester<S>, T: Triboelectric> Report<S, H> for T {
             outputs.mode
         )
     }
+}
+
+/// Energy in J that the force law created: what the field gained from the motion less what the motion lost to the force.
+pub(super) fn created_energy<S: Scalar>(all: &Integrals<S>) -> S {
+    all.integral(PowerIndex::FieldWork) - all.integral(PowerIndex::ElectrostaticWork)
 }
 
 /// A scene of the core that is checked, with its excitation and the rule for the length of its steps.

@@ -9,9 +9,10 @@ use model_core::scene::Harvester;
 
 use super::excitation::{Setting, with_setting};
 use super::refuse_bump_stop;
-use super::run::BUDGET;
-use super::triboelectric::{STATES, Triboelectric, prepared};
+use super::run::{BUDGET, remainder};
+use super::triboelectric::{STATES, Triboelectric, created_energy, prepared};
 use harvester_scene::method::{Failure, Options, Precision};
+use harvester_scene::outcome::CreatedEnergy;
 use harvester_scene::scene_file::{HOURS, Load, Model, Scene};
 
 const DAY_S: u32 = 86_400;
@@ -23,6 +24,8 @@ pub struct WholeDay {
     pub energies_j: Vec<f64>,
     /// What is left over in the energy ledger of the day, as a run reports it.
     pub energy_residual: Option<f64>,
+    /// Energy that the force law created over the day.
+    pub created: CreatedEnergy,
     pub steps: u64,
 }
 
@@ -86,7 +89,9 @@ fn day<S: Scalar, T: Triboelectric>(
         energies_j.push(meter.delivered_energy().to_f64());
     }
     let energy_residual = model.residual(&ledger.residual()).map(S::to_f64);
-    Ok(WholeDay { energies_j, energy_residual, steps })
+    let created = created_energy(ledger.integrals()).to_f64();
+    let created = CreatedEnergy::new(created, energies_j.iter().sum(), remainder(&ledger));
+    Ok(WholeDay { energies_j, energy_residual, created, steps })
 }
 
 /// An excitation multiplied with a factor for each hour of the day. In the first second of an hour the factor goes

@@ -127,7 +127,7 @@ impl<'a> Meter<'a> {
             peak_voltage_v: Some(self.peaks[VOLTAGE]),
             mean_voltage_v: Some(self.voltage / length),
             delivered_energy_j: Some(delivered_energy),
-            created_energy_j: None,
+            created: None,
             // These methods keep no energy ledger.
             energy_residual: None,
             steps: 0,
