@@ -25,9 +25,11 @@ pub use flash::log_image;
 pub use flash::{Flash, ImageReport};
 pub use flash_board::{FlashBoard, STORE_VOLTAGE};
 pub use following::Following;
-pub use harvester::{following, listening};
+pub(crate) use following::settings;
+pub use harvester::{DIODE_DROP, following, listening};
+pub(crate) use harvester::{behind_bridge, charging};
 pub use listening::Listening;
-pub use power_manager::{PowerManager, PowerManagerState};
+pub use power_manager::{CAPACITANCE, PowerManager, PowerManagerState};
 
 /// What the node needs of the hardware.
 pub trait Board {

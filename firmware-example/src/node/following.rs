@@ -10,6 +10,18 @@ use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE, Seconds};
 /// Attempted steps for a sample: some ten are usual, of which an impact takes a few.
 const BUDGET: u32 = 200;
 
+/// How the estimator reads the accelerometer.
+pub(crate) fn settings() -> Settings<f32> {
+    Settings {
+        rate: RATE_HZ as f32,
+        format: SampleFormat::counts(SCALE, i16::MAX.unsigned_abs()),
+        longest_gap: 4,
+        settling_seconds: 0.0,
+        interpolation: Interpolation::DroopCompensated,
+        bias_seconds: None,
+    }
+}
+
 /// A node that follows its harvester.
 #[derive(Debug, Clone, Copy)]
 pub struct Following<B, H: Harvester<f32>> {
@@ -25,15 +37,7 @@ impl<B: Board, H: Harvester<f32>> Following<B, H> {
     /// # Errors
     /// If a parameter is refused.
     pub fn new(mut board: B, harvester: H) -> Result<Self, NodeError> {
-        let settings = Settings {
-            rate: RATE_HZ as f32,
-            format: SampleFormat::counts(SCALE, i16::MAX.unsigned_abs()),
-            longest_gap: 4,
-            settling_seconds: 0.0,
-            interpolation: Interpolation::DroopCompensated,
-            bias_seconds: None,
-        };
-        let estimator = Estimator::new(harvester, settings).map_err(|_| NodeError::Parameters)?;
+        let estimator = Estimator::new(harvester, settings()).map_err(|_| NodeError::Parameters)?;
         let mut power_manager = PowerManager::new()?;
         if let Some(voltage) = board.storage_voltage() {
             power_manager.read(voltage);

@@ -15,10 +15,12 @@ const MEASURE_EVERY: u32 = 10;
 /// Seconds from one transmission to the next, if the storage allows it.
 const TRANSMIT_EVERY: u32 = 60;
 
+/// Capacitance of the storage in farads.
+pub const CAPACITANCE: f32 = 22e-6;
 /// A ceramic capacitor behind the bridge, and a node that runs straight from it: 22 µF, used from 1.9 V up to
 /// 4.2 V.
 pub(super) const STORAGE: StorageParameters<f32> = StorageParameters {
-    capacitor: Capacitor { capacitance: 22e-6, leakage_resistance: 100e6 },
+    capacitor: Capacitor { capacitance: CAPACITANCE, leakage_resistance: 100e6 },
     // The diodes' loss is in the harvester's model.
     charging_efficiency: 1.0,
     discharging_efficiency: 1.0,

@@ -18,6 +18,10 @@ use super::{Visit, Workload, show};
 pub const BEAM_MODES: usize = 4;
 /// Modes of the rod.
 pub const ROD_MODES: usize = 1;
+/// Modes of beam and rod of [`fewer_modes`].
+pub const FEWER_MODES: [usize; 2] = [2, 1];
+/// Modes of beam and rod of [`more_modes`].
+pub const MORE_MODES: [usize; 2] = [6, 2];
 
 /// 20 m/s² at 220 Hz, below the first natural frequency of 239.7 Hz. Two seconds from rest, of which the
 /// last one and a half are settled.
@@ -72,6 +76,25 @@ pub fn open(visit: Visit<'_>) -> Option<()> {
 /// The default scene with the short step only.
 pub fn single_rate(visit: Visit<'_>) -> Option<()> {
     impacting(visit, parts::whole(GAP), SHORT)
+}
+
+/// The default scene with a massless spring in place of the rod.
+pub fn spring(visit: Visit<'_>) -> Option<()> {
+    modes::<BEAM_MODES, 0>(visit)
+}
+
+/// The default scene with [`FEWER_MODES`].
+pub fn fewer_modes(visit: Visit<'_>) -> Option<()> {
+    modes::<{ FEWER_MODES[0] }, { FEWER_MODES[1] }>(visit)
+}
+
+/// The default scene with [`MORE_MODES`].
+pub fn more_modes(visit: Visit<'_>) -> Option<()> {
+    modes::<{ MORE_MODES[0] }, { MORE_MODES[1] }>(visit)
+}
+
+fn modes<const B: usize, const R: usize>(visit: Visit<'_>) -> Option<()> {
+    show(visit, run::<_, B, R>(IMPACTING, parts::whole(GAP), [SHORT, LONG]))
 }
 
 /// [`TOUCHING`], and the build of the coefficients, the compliance of the modes left out included.

@@ -23,7 +23,10 @@ pub const IMPACTING: Plan = Plan {
     quarters: 1,
     samples: 12,
 };
-/// The same for fifteen seconds, of which the last five are settled.
+/// 0.2 g at 20.51 Hz, where the motion under the force of the field is periodic: two periods are 39 samples of 400 a
+/// second.
+pub const PASSIVE: Plan = Plan { frequency: 800.0 / 39.0, ..IMPACTING };
+/// [`IMPACTING`] for fifteen seconds, of which the last five are settled.
 pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..IMPACTING };
 /// 0.2 g at 22 Hz, above the natural frequency: the mass never reaches the dielectric.
 pub const SMOOTH: Plan = Plan { name: "smooth", frequency: 22.0, quarters: 12, samples: 1, ..IMPACTING };
@@ -61,6 +64,12 @@ pub fn without_parasitic(visit: Visit<'_>) -> Option<()> {
 pub fn without_sticking(visit: Visit<'_>) -> Option<()> {
     let choices = parts::without_parasitic(LOAD, LAW_OF_SPEED).parasitic(PARASITIC).sticking(NeverSticks);
     adaptive(visit, parts::parameters(choices))
+}
+
+/// The default scene under the force of the field, with [`PASSIVE`].
+pub fn gap_field(visit: Visit<'_>) -> Option<()> {
+    let control = Adaptive::new(TOLERANCE).ok()?;
+    show(visit, run(PASSIVE, parts::passive(LOAD), ExponentialRadau, control))
 }
 
 /// The default scene with one coefficient of restitution for all speeds.

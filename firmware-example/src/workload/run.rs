@@ -115,6 +115,21 @@ pub fn triboelectric<A, M, C, O>(
     *words = [position, velocity, charge, current, delivered].map(f32::to_bits);
 }
 
+/// Of any harvester: its first coordinate in m and the rate of it in m/s, charge in C, voltage of the storage in V or 0
+/// without one, delivered energy in J.
+pub fn outputs<H: Harvester<f32>>(
+    harvester: &H,
+    state: &H::State,
+    delivered: f32,
+    _: Work,
+    words: &mut [u32; 5],
+) {
+    let outputs = harvester.outputs(state);
+    let motion = outputs.coordinate();
+    let storage = outputs.storage.map_or(0.0, |storage| storage.voltage);
+    *words = [motion.value, motion.rate, outputs.charge.value, storage, delivered].map(f32::to_bits);
+}
+
 /// Displacement and velocity of the first beam mode, voltage in V, gap in m, delivered energy in J, displacement of
 /// the last beam mode and of the first rod mode, rejected long steps.
 pub fn piezoelectric<P: Parts<f32>, const B: usize, const R: usize>(

@@ -14,7 +14,7 @@ use crate::scene_file::{
 };
 
 /// The shipped contact-separation scene under the excitation of `plan`, measured from `settle_s` to the plan's end,
-/// with the parameters that `change` sets.
+/// with the parameters and the load that `change` sets.
 ///
 /// # Errors
 ///
@@ -22,17 +22,17 @@ use crate::scene_file::{
 pub fn contact_separation(
     plan: &Plan,
     settle_s: f64,
-    change: impl FnOnce(&mut ContactSeparationParameters),
+    change: impl FnOnce(&mut ContactSeparationParameters, &mut Load),
 ) -> Result<Scene, Error> {
     let mut scene = shipped("contact-separation.toml", plan, settle_s)?;
     if let Model::ContactSeparation(model) = &mut scene.model {
         model.initial.velocity_m_per_s = Some(f64::from(plan.velocity));
-        change(&mut model.parameters);
+        change(&mut model.parameters, &mut scene.load);
     }
     Ok(scene)
 }
 
-/// The shipped sliding scene, as in [`contact_separation`]; `change` may set another load.
+/// The shipped sliding scene, as in [`contact_separation`].
 ///
 /// # Errors
 ///

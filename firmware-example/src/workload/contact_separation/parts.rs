@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use model_core::part::load::Resistor;
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{ConstantRestitution, VelocityDependentRestitution};
-use model_core::scene::contact_separation::{Choices, Parameters, TransferredCharge};
+use model_core::scene::contact_separation::{Choices, GapField, Parameters, TransferredCharge};
 
 /// The load of the default scene.
 pub const LOAD: Resistor<f32> = Resistor { resistance: 1e8 };
@@ -57,4 +57,13 @@ pub fn whole() -> Parameters<f32, Whole> {
 #[must_use]
 pub fn loaded(resistance: f32) -> Parameters<f32, Whole> {
     parameters(without_parasitic(Resistor { resistance }, LAW_OF_SPEED).parasitic(PARASITIC))
+}
+
+/// The parts of the default scene under the force of the field, which conserves energy.
+pub type Passive<L> = Choices<L, VelocityDependentRestitution<f32>, GapField, ParasiticCapacitance<f32>>;
+
+/// The default scene under the force of the field, with another load.
+#[must_use]
+pub fn passive<L>(load: L) -> Parameters<f32, Passive<L>> {
+    parameters(without_parasitic(load, LAW_OF_SPEED).parasitic(PARASITIC).force_law(GapField))
 }

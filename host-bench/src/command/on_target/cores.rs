@@ -56,7 +56,7 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
 
 /// The bench of each scene.
 fn benches() -> Result<[(Variant, Case); 3], Error> {
-    let contact = accuracy::contact_separation(&contact_separation::IMPACTING, 0.0, |_| {})?;
+    let contact = accuracy::contact_separation(&contact_separation::IMPACTING, 0.0, |_, _| {})?;
     let slide = accuracy::sliding(&sliding::SLIDING, 0.0, |_, _| {})?;
     let bump = accuracy::bump_stop(&bump_stop::IMPACTING, bump_stop::GAPS[1], SETTLE_S, |_, _| {})?;
     let tolerance = Steps::Tolerance(contact_separation::TOLERANCE);

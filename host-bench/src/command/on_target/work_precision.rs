@@ -28,7 +28,7 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
 
 fn report_contact_separation(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     use contact_separation::{EXPLICIT_STEPS, LOAD_TOLERANCES, LOADS, SETTLING, STEPS, TOLERANCES};
-    let mut scene = accuracy::contact_separation(&SETTLING, SETTLE_S, |_| {})?;
+    let mut scene = accuracy::contact_separation(&SETTLING, SETTLE_S, |_, _| {})?;
     let mut others = other_cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
     others.iter_mut().try_for_each(|case| add_double_precision(case, &scene))?;
     let mut cases = Vec::new();
