@@ -7,7 +7,9 @@ use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Sine;
 use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::part::load::Resistor;
-use model_core::scene::sliding::{Choices, Parameters, PatchFriction, Start, TransferredCharge};
+use model_core::scene::sliding::{
+    Choices, FieldLateralForce, Parameters, PatchFriction, Start, TransferredCharge,
+};
 use model_core::scene::{Harvester, Simulation};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -25,7 +27,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         dielectric_thickness: 5e-5, // m
         relative_permittivity: 2.0,
         charge_density: 80e-6, // C/m²
-        choices: Choices::new(Resistor { resistance: 1e8 }, friction).force_law(TransferredCharge),
+        // The field's lateral force takes from the motion what the load receives. The normal force of the transferred
+        // charge acts on the friction only.
+        choices: Choices::new(Resistor { resistance: 1e8 }, friction)
+            .force_law(TransferredCharge)
+            .lateral_force(FieldLateralForce),
     }
     .build()?;
     let harvester = Simulation::with_all_powers(scene, ExponentialRadau, Adaptive::new(1e-4)?);

@@ -34,7 +34,7 @@
 //!     choices: Choices::new(Resistor { resistance: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
 //! }
 //! .build()?;
-//! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
+//! let shaking = Sine::<f32>::new(1.962, 20.5, 0.0)?; // m/s², Hz, rad
 //! let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(5e-2)?);
 //! let mut state = harvester.start(&Start::default(), &shaking)?;
 //! let mut meter = PowerMeter::new();
