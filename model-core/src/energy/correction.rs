@@ -318,6 +318,22 @@ impl<S: Scalar> Correction<S> {
         }
     }
 
+    /// Distance of the cell of a reading from the expected stored energy, in standard deviations of both; 0 if the
+    /// expected energy is in the cell, or unknown. A node listens again after a large one
+    /// ([`Listening::is_due`](super::Listening::is_due)).
+    #[must_use]
+    pub fn departure(&self, state: &CorrectionState<S>, code: u32) -> S {
+        if !state.located {
+            return S::ZERO;
+        }
+        let (half, voltage) = (S::from_f64(0.5) * self.cell, S::from_u32(code) * self.cell);
+        let low = self.storage.energy((voltage - half).max(S::ZERO));
+        let high = self.storage.energy(voltage + half);
+        let noise = (high - low) * (self.noise / self.cell);
+        let distance = (low - state.energy).max(state.energy - high).max(S::ZERO);
+        distance / (state.energy_variance + noise * noise).sqrt()
+    }
+
     /// Updates the state by a reading of the voltage.
     ///
     /// Cost: 25 exponentials and four square roots.

@@ -131,6 +131,32 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         })
     }
 
+    /// The load in W that comes nearest to a constant load over the coming two days without filling the storage, and
+    /// without emptying it to `floor` in J: the first segment of the shortest path between the two bounds of the
+    /// cumulative consumption. After two days the storage is to hold what it holds now.
+    ///
+    /// Under a constant load `u` the energy at the end of each stretch is `a − u b`. It lies within the bounds for `u`
+    /// from `(a − capacity)/b` to `(a − floor)/b`. The common range of these intervals shrinks from stretch to stretch;
+    /// where it ends, the path bends, and its first segment goes to the bound that ended it.
+    pub(super) fn smoothest_load(&self, energy: S, floor: S) -> S {
+        let (mut a, mut b) = (energy, S::ZERO);
+        let (mut least, mut most) = (S::ZERO, S::INFINITY);
+        for stretch in self.stretches().chain(self.stretches()).filter(|stretch| stretch.seconds > 0) {
+            let (seconds, relaxation) = (S::from_u32(stretch.seconds), &stretch.relaxation);
+            a = a * relaxation.kept + self.storage.stored(stretch.harvested * seconds) * relaxation.of_income;
+            b = b * relaxation.kept + self.storage.drawn(seconds) * relaxation.of_income;
+            let (fills, empties) = ((a - self.storage.capacity()) / b, (a - floor) / b);
+            if empties <= least {
+                return least;
+            }
+            if fills >= most {
+                return most;
+            }
+            (least, most) = (least.max(fills), most.min(empties));
+        }
+        ((a - energy) / b).max(least).min(most)
+    }
+
     /// Unserved energy of a load in W over the day, in J at the storage. The load is cut at the lock-out.
     pub(super) fn shortfall(&self, energy: S, load: S) -> S {
         let (mut now, mut sum) = (energy, S::ZERO);

@@ -1,4 +1,5 @@
-//! Decisions of a node: the rate at which an action can run for ever, and whether it can run now.
+//! Decisions of a node: the rate at which an action can run for ever, the power to draw now, and whether an action can
+//! run now.
 //!
 //! The forecast of the coming day consists of the expected income of each slot, the standing load, and a cut
 //! of the load at the lock-out without hysteresis. A *pass* is one walk through the `SLOTS + 1` stretches of
@@ -32,6 +33,26 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
             return S::ZERO;
         }
         (spare / action.energy()).min(S::ONE / action.duration())
+    }
+
+    /// The power in W that the node can draw now, standing power included, so that its consumption is as even as the
+    /// storage allows: it neither fills up nor empties by the forecast of the coming two days, and ends with the present
+    /// energy. At least the standing power.
+    ///
+    /// A node that grants its actions what is above the standing power, and asks again after some minutes, wastes
+    /// little of the income and keeps energy for the night. `reserve` in J at the load stays in the storage above the
+    /// lock-out: the energy of the largest action.
+    ///
+    /// This is the shortest path within a finite storage of Tutuncuoglu and Yener, *Optimum transmission policies for
+    /// battery limited energy harvesting nodes*, IEEE Transactions on Wireless Communications 11(3), 2012, on the
+    /// forecast and with leakage. Whether the storage can serve an action stays with [`Budget::can_run_now`].
+    ///
+    /// Cost: two passes with two divisions for each stretch.
+    #[must_use]
+    pub fn planned_power(&self, state: &BudgetState<S, SLOTS>, reserve: S) -> S {
+        let floor = self.storage.lock_out() + self.storage.drawn(reserve.max(S::ZERO));
+        let load = self.forecast(state).smoothest_load(state.certain_energy(), floor);
+        load.max(self.standing_power)
     }
 
     /// Whether an action can run at the present second `now` of the clock: it can be afforded, and by the

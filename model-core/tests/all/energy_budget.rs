@@ -10,27 +10,27 @@ use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
 };
 
-const SLOTS: usize = 24;
-const MINUTES: u32 = 1440;
+pub(crate) const SLOTS: usize = 24;
+pub(crate) const MINUTES: u32 = 1440;
 /// Seconds of a minute in which actions may be started.
 const BUSY: f64 = 40.0;
 
 /// The storage as it is: what it holds, and the rate at which that leaks.
 #[derive(Debug, Clone, Copy)]
-struct TrueStore {
-    energy: f64,
-    capacity: f64,
-    lock_out: f64,
-    turn_on: f64,
-    leakage_rate: f64,
-    charging: f64,
-    discharging: f64,
-    on: bool,
+pub(crate) struct TrueStore {
+    pub(crate) energy: f64,
+    pub(crate) capacity: f64,
+    pub(crate) lock_out: f64,
+    pub(crate) turn_on: f64,
+    pub(crate) leakage_rate: f64,
+    pub(crate) charging: f64,
+    pub(crate) discharging: f64,
+    pub(crate) on: bool,
 }
 
 impl TrueStore {
     /// A time in which harvester and load have constant powers in watts.
-    fn advance(&mut self, seconds: f64, harvested: f64, load: f64) {
+    pub(crate) fn advance(&mut self, seconds: f64, harvested: f64, load: f64) {
         let load = if self.on { load } else { 0.0 };
         let power = harvested * self.charging - load / self.discharging;
         self.energy = if self.leakage_rate > 0.0 {
@@ -139,10 +139,29 @@ enum Kind {
     Average,
 }
 
+/// Whether and when it is light.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Season {
+    dawn: f64,
+    dusk: f64,
+    indoors: bool,
+}
+
+impl Season {
+    pub(crate) fn new(random: &mut Random) -> Self {
+        let (dawn, dusk) = (random.between(0.1, 0.4), random.between(0.6, 0.95));
+        Self { dawn, dusk, indoors: random.next().is_multiple_of(2) }
+    }
+
+    /// A day with clouds.
+    pub(crate) fn day(&self, random: &mut Random, mean: f64) -> Vec<[f64; 2]> {
+        income(random, *self, mean, Kind::Average)
+    }
+}
+
 /// Nights, clouds, spikes and gaps; watts in each minute.
-fn income(random: &mut Random, mean: f64, kind: Kind) -> Vec<[f64; 2]> {
-    let (dawn, dusk) = (random.between(0.1, 0.4), random.between(0.6, 0.95));
-    let indoors = random.next().is_multiple_of(2);
+fn income(random: &mut Random, season: Season, mean: f64, kind: Kind) -> Vec<[f64; 2]> {
+    let Season { dawn, dusk, indoors } = season;
     let (mut cloud, mut gap) = (1.0, 0_u32);
     (0..MINUTES)
         .map(|minute| {
@@ -219,6 +238,7 @@ impl Day {
             standing_power: standing,
         };
         let highest = f64::from(parameters.highest_voltage);
+        let season = Season::new(random);
         Self {
             budget: budget.build().expect("within bounds"),
             truth,
@@ -233,7 +253,7 @@ impl Day {
                 let error = highest / f64::powf(2.0, bits) * random.between(0.5, 2.0);
                 Knowledge::Voltage { every: [1, 10, 60][(random.next() % 3) as usize], error }
             },
-            income: income(random, mean, kind),
+            income: income(random, season, mean, kind),
         }
     }
 

@@ -344,3 +344,29 @@ fn a_model_that_is_far_off_is_given_up_and_found_anew() {
     assert_eq!(state.estimate().rejected, 10);
     assert!((state.estimate().gain - 3.0).abs() < 0.05, "{state:?}");
 }
+
+#[test]
+fn a_reading_far_from_the_expected_energy_departs_by_its_deviations() {
+    let correction = estimator(&Hour {
+        capacitance: 100e-6,
+        leakage_resistance: 1e12,
+        voltage: 3.0,
+        modelled: 0.0,
+        unsteady: 0.0,
+        factor: 1.0,
+        used: 0.0,
+        noise: 0.5 * CELL,
+        seed: 1,
+    });
+    let mut state = correction.start();
+    let code = |volts: f64| (volts / CELL).round() as u32;
+    assert_eq!(correction.departure(&state, code(3.0)), 0.0, "nothing is expected before the first reading");
+    correction.observe(&mut state, code(3.0));
+    assert_eq!(correction.departure(&state, code(3.0)), 0.0);
+    // Energies in units of C V Δ: the state has a variance of 1/12 + 1/4, the reading of 1/4.
+    for cells in [4.0_f64, 10.0, -10.0] {
+        let expected = (cells.abs() - 0.5) / (1.0_f64 / 12.0 + 0.25 + 0.25).sqrt();
+        let found = f64::from(correction.departure(&state, code(3.0 + cells * CELL)));
+        assert!((found - expected).abs() < 0.02 * expected, "{cells}: {found} {expected}");
+    }
+}
