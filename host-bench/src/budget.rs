@@ -91,7 +91,8 @@ fn day<S: Scalar, const SLOTS: usize>(
     controller: &mut Controller<'_, S, SLOTS>,
 ) -> Result<NodeDay, Failure> {
     *plant.account() = StorageAccount::default();
-    let predicted = controller.rates();
+    let predicted = controller.sustainable_rates();
+    let smallest_capacitance_f = controller.smallest_capacitance();
     let mut record = Record::new(node, plant.energy());
     for second in (0..DAY_S).step_by(node.update_s as usize) {
         if plant.is_supplied() {
@@ -112,7 +113,8 @@ fn day<S: Scalar, const SLOTS: usize>(
             record.budget_error_j = record.budget_error_j.max(error);
         }
     }
-    Ok(record.day(&predicted, *plant.account(), controller.ledger_residual()))
+    let day = record.day(&predicted, *plant.account(), controller.ledger_residual());
+    Ok(NodeDay { smallest_capacitance_f, ..day })
 }
 
 /// What is recorded of a day.
@@ -157,6 +159,7 @@ impl<'a> Record<'a> {
                 runs,
                 wished: f64::from(DAY_S) / action.every_s,
                 predicted: rate * f64::from(DAY_S),
+                sustainable_period_s: (*rate > 0.0).then(|| 1.0 / rate),
                 spent_j: f64::from(runs) * action.energy_j,
                 by_hour,
             }
@@ -176,6 +179,7 @@ impl<'a> Record<'a> {
             budget_error: self.budget_error_j / capacity_j,
             budget_ledger,
             samples: self.samples,
+            smallest_capacitance_f: None,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The controller of a node: which actions it runs, by the energy budget of the core alone.
 //!
-//! Actions are listed by importance. Each is granted the rate that is sustainable beside the standing load and the
-//! actions before it, at most its wished rate. Granted rates add up to credits. An action with a credit of one is run if
-//! the budget allows it now.
+//! Actions are listed by importance. The planned power of the budget, less the standing power, is granted to them in
+//! this order, to each at most for its wished rate. Granted rates add up to credits. An action with a credit of one is
+//! run if the budget allows it now.
 
 use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
@@ -14,6 +14,10 @@ use crate::scene_file::Node;
 
 /// Shortfall of a credit that counts as rounding.
 const ROUNDING: f64 = 1e-6;
+/// Relative shortfall of a sustainable rate that counts as rounding: it is found by bisection.
+const RATE_ROUNDING: f64 = 1e-4;
+/// Largest factor of the capacitance that is tried.
+const MOST_TIMES: f64 = 1e3;
 
 #[derive(Debug)]
 struct Due<S> {
@@ -75,15 +79,60 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
         Ok(Self { node, parameters, budget, state, due, was_off: false })
     }
 
-    /// The rates in 1/s that the actions are granted.
-    pub(super) fn rates(&self) -> Vec<f64> {
-        let mut parameters = self.parameters;
+    /// The rates in 1/s at which the actions can run for ever by the income learnt so far, at most the wished rates.
+    pub(super) fn sustainable_rates(&self) -> Vec<f64> {
+        self.rates_with(self.parameters, &self.state)
+    }
+
+    fn rates_with(&self, mut parameters: BudgetParameters<S>, state: &BudgetState<S, SLOTS>) -> Vec<f64> {
         let rates = self.due.iter().map(|due| {
             // The actions may raise the standing power above its bound: then no rate is left.
             let rate = parameters
                 .build::<SLOTS>()
-                .map_or(S::ZERO, |budget| budget.sustainable_rate(&self.state, &due.action).min(due.wished));
+                .map_or(S::ZERO, |budget| budget.sustainable_rate(state, &due.action).min(due.wished));
             parameters.standing_power += rate * due.action.energy();
+            rate.to_f64()
+        });
+        rates.collect()
+    }
+
+    /// The smallest capacitance in F with which a full storage sustains all wished rates; `None` if a thousand times
+    /// the capacitance does not. The leakage resistance stays.
+    pub(super) fn smallest_capacitance(&self) -> Option<f64> {
+        let suffices = |factor: f64| {
+            let mut parameters = self.parameters;
+            let storage = &mut parameters.storage;
+            storage.capacitor.capacitance *= S::from_f64(factor);
+            let highest = storage.highest_voltage;
+            parameters.build::<SLOTS>().is_ok_and(|budget| {
+                let mut state = self.state;
+                budget.correct_by_voltage(&mut state, highest, S::ZERO);
+                let rates = self.rates_with(parameters, &state);
+                rates
+                    .iter()
+                    .zip(&self.due)
+                    .all(|(rate, due)| *rate >= due.wished.to_f64() * (1.0 - RATE_ROUNDING))
+            })
+        };
+        let (mut little, mut enough) = (1.0 / MOST_TIMES, MOST_TIMES);
+        if !suffices(enough) {
+            return None;
+        }
+        while enough > 1.001 * little {
+            let middle = (little * enough).sqrt();
+            *(if suffices(middle) { &mut enough } else { &mut little }) = middle;
+        }
+        Some(enough * self.node.storage.capacitance_f)
+    }
+
+    /// The rates in 1/s that the actions are granted now.
+    fn granted_rates(&self) -> Vec<f64> {
+        let reserve = self.due.iter().map(|due| due.action.energy()).fold(S::ZERO, S::max);
+        let planned = self.budget.planned_power(&self.state, reserve);
+        let mut spare = planned - self.parameters.standing_power;
+        let rates = self.due.iter().map(|due| {
+            let rate = (spare / due.action.energy()).max(S::ZERO).min(due.wished);
+            spare -= rate * due.action.energy();
             rate.to_f64()
         });
         rates.collect()
@@ -98,7 +147,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
 
     /// The actions to run now, by number; their energy is booked as spent.
     pub(super) fn decide(&mut self) -> Vec<usize> {
-        let rates = self.rates();
+        let rates = self.granted_rates();
         let now = self.state.second();
         let mut run = Vec::new();
         for (index, (due, rate)) in self.due.iter_mut().zip(rates).enumerate() {

@@ -30,6 +30,9 @@ pub(crate) struct NodeDay {
     pub(super) budget_error: f64,
     /// Residual of the account of the node's budget since the start, over all income; `None` without income.
     pub(super) budget_ledger: Option<f64>,
+    /// The smallest capacitance in F with which all wished actions can be run every day, by the budget at the start of
+    /// the day; `None` if a thousand times the capacitance is too small.
+    pub(super) smallest_capacitance_f: Option<f64>,
     /// Stored energy and income over the day, at the updates.
     pub(super) samples: Vec<Sample>,
 }
@@ -41,9 +44,11 @@ pub(crate) struct ActionOutcome {
     /// How often it was to be run.
     #[serde(rename = "wished_runs")]
     pub(super) wished: f64,
-    /// How often, by the budget at the start of the day, it could be run every day.
-    #[serde(rename = "predicted_runs")]
+    /// How often, by the budget at the start of the day, it could be run every day at an even rate.
+    #[serde(rename = "sustainable_runs")]
     pub(super) predicted: f64,
+    /// The time in s between runs at that rate; `None` if it can never be run.
+    pub(super) sustainable_period_s: Option<f64>,
     /// Energy that it took at the node in J.
     pub(super) spent_j: f64,
     /// How often it was run in each hour.
@@ -110,6 +115,7 @@ impl NodeDay {
             "lockouts": account.lockouts,
             "budget_error": self.budget_error,
             "budget_ledger_residual": self.budget_ledger,
+            "capacitance_for_wishes_f": self.smallest_capacitance_f,
         }));
         if let Some(day) = &source.whole_day {
             all.extend(fields(&json!({ "steps": day.steps, "energy_residual": day.energy_residual })));
