@@ -64,6 +64,8 @@ variants! {
     bump_stop::precision,
     estimators::all,
     emitted::bench,
+    node::following,
+    node::listening,
     peer::smooth,
 }
 

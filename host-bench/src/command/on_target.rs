@@ -2,6 +2,7 @@
 
 mod cores;
 mod estimators;
+mod knowing;
 mod leave_outs;
 mod node;
 mod output;

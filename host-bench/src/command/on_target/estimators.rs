@@ -1,16 +1,22 @@
 //! What an estimate costs for each sample, and a closed form for each call.
 
+use super::knowing::{self, Estimate};
 use super::output::Output;
 use super::rows::{self, Case, Column, RADAU, Steps};
+use crate::on_target::node::Kind;
 use crate::on_target::{Bench, Error};
 use firmware_example::variant::named;
 use firmware_example::workload::{bump_stop, contact_separation, sliding};
+use model_core::energy::cost::Code;
+
+/// Name of the method that finds the strongest sine.
+const TONE_METER: &str = "tone meter";
 
 const ESTIMATE: Column = ("estimate", |row, _| row.workload.name.clone());
 const PER_CALL: Column = ("instructions per sample or call", rows::PER_STEP.1);
 const PER_SECOND: Column = ("per second", rows::PER_SECOND.1);
 
-/// Measures the estimators and the closed forms of all scenes and prints their cost.
+/// Measures the estimators and the closed forms of all scenes and prints their cost, in instructions and in energy.
 ///
 /// # Errors
 ///
@@ -23,7 +29,7 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
         estimator("contact-separation", RADAU, Steps::Tolerance(contact_separation::TOLERANCE)),
         estimator("sliding", RADAU, Steps::Tolerance(sliding::TOLERANCE)),
         estimator("bump-stop", "discrete gradient", Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG])),
-        estimator("strongest-sine", "tone meter", Steps::None),
+        estimator("strongest-sine", TONE_METER, Steps::None),
         closed_form("contact-separation"),
         closed_form("sliding"),
         closed_form("bump-stop"),
@@ -34,5 +40,14 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
         "Samples at 400 a second (contact-separation, strongest sine), 367 (sliding) and 3520 (bump-stop).
 A closed form is called once a second. Each estimate has the host's bits.";
     output.rows(&found, &columns, 2, note);
+    let estimates: Vec<Estimate> = found
+        .iter()
+        .filter(|row| row.case.by_sample)
+        .map(|row| {
+            let filter = row.case.method == TONE_METER;
+            Estimate::sampled(row, if filter { Code::Filter } else { Code::Trajectory })
+        })
+        .collect();
+    knowing::report(bench.core(), &estimates, knowing::income(Kind::of(bench.core()))?, output);
     Ok(())
 }

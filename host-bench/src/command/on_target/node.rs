@@ -5,12 +5,13 @@ use std::time::Duration;
 use serde_json::json;
 
 use super::announce;
+use super::knowing::{self, Estimate, mean_income};
 use super::output::Output;
 use crate::on_target::core::Core;
 use crate::on_target::node::Kind;
-use crate::on_target::{Error, node};
+use crate::on_target::{Bench, Error, node};
 
-/// Runs the node of each core and prints its log.
+/// Runs the node of each core and prints its log, the energy of its estimate and the share of its income.
 ///
 /// # Errors
 ///
@@ -50,7 +51,7 @@ Each logged value has the host's bits. The whole firmware, trace and log include
         size.flash
     );
     let header = vec!["second", "decision", "harvested in uJ", "stored in uJ", "steps"];
-    let harvested: f64 = reports.iter().map(|report| f64::from(report.harvested)).sum();
+    let income = mean_income(&reports);
     output.table(header, rows.collect(), 2, &note);
     output.object(json!({
         "core": core.to_string(),
@@ -62,7 +63,9 @@ Each logged value has the host's bits. The whole firmware, trace and log include
         "mean_power_error": null,
         "flash_bytes": size.flash,
         "ram_bytes": size.static_ram,
-        "income_w": harvested / reports.len() as f64,
+        "income_w": income,
     }));
+    let estimate = Estimate::of_node(&Bench::new(core, limit)?, Kind::of(core))?;
+    knowing::report(core, &[estimate], income, output);
     Ok(())
 }

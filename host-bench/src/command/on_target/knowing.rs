@@ -1,0 +1,164 @@
+//! The energy of an estimate on the parts that have the measured core, and its share of the node's income.
+
+use model_core::energy::cost::{Accelerometer, Code, Cost, CostModel, Evidence, Processor};
+use serde_json::{Value, json};
+
+use super::output::Output;
+use super::rows::Row;
+use crate::on_target::core::Core;
+use crate::on_target::node::Kind;
+use crate::on_target::{Bench, Error};
+use firmware_example::node::{RATE_HZ, Report, SECONDS};
+use firmware_example::variant::named;
+
+/// What a node does for its estimate of each second.
+#[derive(Debug, Clone)]
+pub(super) struct Estimate {
+    name: String,
+    /// Samples of the accelerometer in a second.
+    samples: u32,
+    /// Instructions in a second.
+    instructions: f64,
+    code: Code,
+}
+
+impl Estimate {
+    /// A workload that is fed samples, by its measured row.
+    pub(super) fn sampled(row: &Row, code: Code) -> Self {
+        let counted = row.counted();
+        let name = format!("{}, {}", row.case.name, row.case.scene);
+        let samples = (counted.steps as f64 / counted.seconds).round() as u32;
+        Self { name, samples, instructions: counted.instructions_per_second(), code }
+    }
+
+    /// The whole loop of the node of `kind`, measured by the second.
+    ///
+    /// # Errors
+    ///
+    /// If the firmware does not build or run, or computes other bits than the host.
+    pub(super) fn of_node(bench: &Bench, kind: Kind) -> Result<Self, Error> {
+        let (variant, code) = match kind {
+            Kind::Following => (&const { named("node::following") }, Code::Trajectory),
+            Kind::Listening => (&const { named("node::listening") }, Code::Filter),
+        };
+        let measured = bench.measure(variant)?;
+        let instructions =
+            measured.workloads.iter().map(|workload| workload.whole().instructions_per_second());
+        Ok(Self { name: variant.name.to_owned(), samples: RATE_HZ, instructions: instructions.sum(), code })
+    }
+}
+
+/// Mean power in W that the host's run of the node of `kind` harvests.
+///
+/// # Errors
+///
+/// If the node cannot go on.
+pub(super) fn income(kind: Kind) -> Result<f64, Error> {
+    Ok(mean_income(&kind.native(SECONDS)?.reports))
+}
+
+/// Mean power in W that a node harvested in the seconds of `reports`.
+pub(super) fn mean_income(reports: &[Report]) -> f64 {
+    reports.iter().map(|report| f64::from(report.harvested)).sum::<f64>() / reports.len() as f64
+}
+
+/// Prints the energy of each estimate on each part with `core`, and its share of the income in W.
+pub(super) fn report(core: Core, estimates: &[Estimate], income: f64, output: &mut Output) {
+    let rows: Vec<Line> = estimates
+        .iter()
+        .flat_map(|estimate| parts(core).into_iter().filter_map(|part| Line::new(estimate, part)))
+        .collect();
+    if rows.is_empty() {
+        return;
+    }
+    let header = vec![
+        "part",
+        "accelerometer",
+        "estimate",
+        "computing",
+        "sensor",
+        "transfer",
+        "wake-ups",
+        "uJ per estimate",
+        "share of income",
+    ];
+    let note = format!(
+        "{core}. Energy in uJ of an estimate once a second from an accelerometer that always runs, and its share of the
+node's income of {:.2} uW. Sleep is not in it. {UNCONFIRMED} marks an energy per cycle that was not confirmed.",
+        1e6 * income
+    );
+    output.table(header, rows.iter().map(|line| line.cells(income)).collect(), 3, &note);
+    for line in &rows {
+        output.object(line.json(core, income));
+    }
+}
+
+const UNCONFIRMED: &str = "*";
+
+/// The processors that have `core`; a Cortex-M0 stands for M0+, which executes the same instructions.
+fn parts(core: Core) -> Vec<Processor<f64>> {
+    use model_core::energy::cost::Core as Kind;
+    let kind = match core {
+        Core::M0 => Kind::M0Plus,
+        Core::M4f => Kind::M4F,
+        Core::M33 => Kind::M33,
+        Core::M3 | Core::M7 => return Vec::new(),
+    };
+    Processor::all().into_iter().filter(|part| part.core == kind).collect()
+}
+
+/// An estimate on a part.
+#[derive(Debug)]
+struct Line<'a> {
+    estimate: &'a Estimate,
+    processor: Processor<f64>,
+    accelerometer: Accelerometer<f64>,
+    cost: Cost<f64>,
+}
+
+impl<'a> Line<'a> {
+    /// With the accelerometer of least power at the rate of the samples; `None` where there is none.
+    fn new(estimate: &'a Estimate, processor: Processor<f64>) -> Option<Self> {
+        let rate = f64::from(estimate.samples);
+        let (accelerometer, _) = Accelerometer::all()
+            .into_iter()
+            .filter_map(|part| part.power(rate).map(|power| (part, power)))
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let model = CostModel::new(processor, accelerometer);
+        let cost = model.follow(estimate.samples, rate, estimate.instructions, estimate.code)?;
+        Some(Self { estimate, processor, accelerometer, cost })
+    }
+
+    fn cells(&self, income: f64) -> Vec<String> {
+        let mark =
+            if self.processor.energy_per_cycle.evidence == Evidence::Confirmed { "" } else { UNCONFIRMED };
+        let Cost { computing, sensor, transfer, wake_up } = self.cost;
+        let mut cells = vec![
+            format!("{}{mark}", self.processor.name),
+            self.accelerometer.name.to_owned(),
+            self.estimate.name.clone(),
+        ];
+        cells.extend(
+            [computing, sensor, transfer, wake_up, self.cost.total()]
+                .map(|joules| format!("{:.2}", 1e6 * joules)),
+        );
+        cells.push(format!("{:.1} x", self.cost.share_of(income)));
+        cells
+    }
+
+    fn json(&self, core: Core, income: f64) -> Value {
+        json!({
+            "core": core.to_string(),
+            "part": self.processor.name,
+            "accelerometer": self.accelerometer.name,
+            "case": self.estimate.name,
+            "energy_per_estimate_j": self.cost.total(),
+            "computing_j": self.cost.computing,
+            "sensor_j": self.cost.sensor,
+            "transfer_j": self.cost.transfer,
+            "wake_up_j": self.cost.wake_up,
+            "income_w": income,
+            "share_of_income": self.cost.share_of(income),
+        })
+    }
+}
