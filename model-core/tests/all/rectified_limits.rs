@@ -4,11 +4,12 @@ use crate::bridge::{VACUUM_PERMITTIVITY, WHOLE, adaptive, behind, fixed, pad, ru
 use model_core::clock::Instant;
 use model_core::energy::{Ledger, RunMeter};
 use model_core::hybrid::{Automaton, Driver};
-use model_core::integrate::{RungeKutta4, TrBdf2};
+use model_core::integrate::{ExponentialRadau, RungeKutta4, TrBdf2};
 use model_core::observer::PowerIndex;
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
 use model_core::part::force_law::AnyForceLaw;
 use model_core::part::storage::{Capacitor, DcBus, StorageCapacitor};
+use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::rectified::STATES;
 use model_core::scene::{contact_separation as contact, sliding};
 
@@ -269,5 +270,46 @@ fn single(storage: StorageCapacitor<f64, PowerDraw<f64>>) -> StorageCapacitor<f3
             power: storage.draw.power as f32,
             lockout: Lockout { turn_on: turn_on as f32, turn_off: turn_off as f32 },
         },
+    }
+}
+
+/// A draw whose time constant is a thousandth of a period empties the storage again and again: its voltage is the draw's
+/// resistance times the current, and goes through zero with the velocity. Without diode drops the two thresholds are then one.
+/// The draw receives what a resistor at the terminals would, by both force laws and in both precisions.
+#[test]
+fn a_storage_that_its_draw_empties_is_a_resistor_at_the_terminals() {
+    fn delivered<S: Scalar>(law: AnyForceLaw, tolerance: f64) -> [f64; 2]
+    where
+        Polynomial: Mathematics<S>,
+    {
+        let ohms = 1e4;
+        let number = S::from_f64;
+        let emptied = StorageCapacitor {
+            capacitor: Capacitor { capacitance: number(1e-9), leakage_resistance: number(1e15) },
+            initial_voltage: S::ONE,
+            draw: AnyDraw::Resistor(ResistiveDraw { resistance: number(ohms), lockout: None }),
+        };
+        let driver = Driver::new(ExponentialRadau, adaptive::<S>(tolerance));
+        let (shaking, seconds) = (sine::<S>(0.2, 20.0), 1.0);
+        let scene = behind(pad::<S>(f64::INFINITY, law), emptied, 0.0);
+        let mut meter = RunMeter::new();
+        run(&scene, &contact::Start::default(), &shaking, &driver, seconds, &mut meter);
+        let bare = pad::<S>(ohms, law);
+        let mut state = bare
+            .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control)
+            .expect("in bounds");
+        let mut alone = RunMeter::new();
+        let end = Instant::from_seconds(seconds).expect("in range");
+        driver.advance(&bare, &mut state, &shaking, end, u32::MAX, &mut alone).expect("runs");
+        [meter.integrals().integral(PowerIndex::Draw), alone.integrals().integral(PowerIndex::Load)]
+            .map(Scalar::to_f64)
+    }
+    for law in [AnyForceLaw::GapField, AnyForceLaw::TransferredCharge] {
+        let found = [delivered::<f64>(law, 6e-4), delivered::<f64>(law, 5e-2), delivered::<f32>(law, 6e-4)];
+        for [drawn, alone] in found {
+            // At the start the storage holds 0.5 nJ.
+            println!("{law:?}: {:e} J drawn, {alone:e} J in the resistor", drawn - 0.5e-9);
+            assert!(((drawn - 0.5e-9) / alone - 1.0).abs() < 0.05);
+        }
     }
 }

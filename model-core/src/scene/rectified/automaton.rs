@@ -94,12 +94,15 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     ///
     /// The margin is raised by the roundings of a voltage: when conduction has ended, the voltage is at the
     /// threshold.
+    ///
+    /// A draw that empties the storage within a step leaves a voltage of the size of the step's error, of either sign. The
+    /// threshold is that of an empty storage then: below zero it would let both directions conduct at once.
     #[inline]
     fn begin_guard(&self, mode: Mode<H::Mode>, regime: BridgeRegime, state: &[S; STATES]) -> Guard<S> {
         let sign: S = regime.sign();
         let at = self.electrics(mode, state);
         let terminal = self.harvester.port_voltage(mode.inner, state[POSITION], state[CHARGE]);
-        let threshold = self.bridge.threshold(at.storage_voltage);
+        let threshold = self.bridge.threshold(at.storage_voltage.max(S::ZERO));
         let margin = S::from_f64(THRESHOLD_ROUNDINGS) * S::EPSILON * (terminal.magnitude + threshold);
         Guard {
             value: threshold - sign * terminal.value + margin,
@@ -161,10 +164,19 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     ) -> Jump<S, Mode<H::Mode>, STATES> {
         let mut mode = mode;
         if leaving {
-            let Electrics { charge, gained, .. } = self.electrics(mode, &state);
-            let passed = charge - state[CHARGE];
+            let Electrics { charge, gained, storage_voltage, .. } = self.electrics(mode, &state);
+            let mut passed = charge - state[CHARGE];
+            if storage_voltage < S::ZERO {
+                // Emptied to within the error of the step: conduction ends at no voltage, and at the threshold of that.
+                let terminal = self.harvester.port_voltage(mode.inner, state[POSITION], state[CHARGE]);
+                let threshold = mode.regime.sign::<S>() * self.bridge.threshold(S::ZERO);
+                passed = (threshold - terminal.value) / terminal.by_charge;
+                (state[STORAGE], remainder[STORAGE]) = (S::ZERO, S::ZERO);
+            } else {
+                (state[STORAGE], remainder[STORAGE]) =
+                    add_increment(state[STORAGE], remainder[STORAGE], gained);
+            }
             (state[CHARGE], remainder[CHARGE]) = add_increment(state[CHARGE], remainder[CHARGE], passed);
-            (state[STORAGE], remainder[STORAGE]) = add_increment(state[STORAGE], remainder[STORAGE], gained);
             mode.regime = BridgeRegime::Blocked;
         }
         let flow = Flow { scene: self, mode };
