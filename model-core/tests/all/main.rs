@@ -21,6 +21,7 @@ mod listening;
 mod node_image;
 mod prothero_robinson;
 mod rectified;
+mod rectified_closed_form;
 mod rectified_limits;
 mod resuming;
 mod rounding_of_the_charge;

@@ -18,6 +18,9 @@ use crate::part::load::{Load, Resistance};
 use crate::scalar::{Complex, Scalar};
 use crate::scene::closed_form::{ClosedForm, Reason, Validity, ratio};
 
+/// Halvings of the interval of an open-circuit frequency.
+const HALVINGS: u32 = 55;
+
 /// The response of the modes at one frequency, per base acceleration and per voltage.
 pub(super) struct Response<S> {
     /// `ω` in rad/s.
@@ -96,6 +99,50 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let above = response.angular_frequency > first;
         let in_transient = if above { reach + reach } else { S::ZERO };
         [(Reason::ReachesStop, reach), (Reason::ImpactsInTransient, in_transient)]
+    }
+
+    /// Undamped open-circuit angular frequency of beam mode `index`, from 0, in rad/s: that of the short circuit, raised by
+    /// the voltage. The same with one-way coupling. `None` for a mode that the scene does not have.
+    ///
+    /// Of the modes with open terminals and without damping, the charge of the strain is that of the capacitance, `C_p =
+    /// Σ θ_i²/(ω² − ω_i²)`. The right-hand side falls from infinity above each `ω_i`, so the frequency is found by
+    /// bisection. With one mode it is `√(ω_1² + θ_1²/C_p)`. With `k² = 1 − ω_i²/ω²` it gives the coupling factor of the
+    /// mode.
+    #[must_use]
+    pub fn open_circuit_angular_frequency(&self, index: usize) -> Option<S> {
+        let own = self.beam.get(index)?.angular_frequency;
+        if !self.coupling.is_two_way() {
+            return Some(own);
+        }
+        // Relative to the square of the mode's frequency.
+        let per_square = S::ONE / (own * own);
+        let rise = |voltage: S| self.elastance * voltage * voltage * per_square;
+        let place = |omega: S| (omega - own) * (omega + own) * per_square;
+        let (mut low, mut high) = (S::ZERO, S::ZERO);
+        for mode in &self.beam {
+            high += rise(mode.voltage);
+        }
+        for mode in &self.beam {
+            let above = place(mode.angular_frequency);
+            if above > S::ZERO && mode.voltage != S::ZERO {
+                high = high.min(above);
+            }
+        }
+        for _ in 0..HALVINGS {
+            let middle = S::from_f64(0.5) * (low + high);
+            let mut charge = S::ZERO;
+            for mode in &self.beam {
+                if mode.voltage != S::ZERO {
+                    charge += rise(mode.voltage) / (middle - place(mode.angular_frequency));
+                }
+            }
+            if charge > S::ONE {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(own * (S::ONE + high).sqrt())
     }
 
     /// The sums over the modes at a frequency in Hz.

@@ -15,6 +15,8 @@ const WEAK: f64 = 0.05;
 const HARMONIC: f64 = 1.0;
 /// Largest relative change of the voltage in the last iteration.
 const TOLERANCE: f64 = 1e-3;
+/// Halvings of the interval of the charge with a bus.
+const HALVINGS: u32 = 50;
 /// Number of iterations for the voltage and the motion with a storage.
 const ITERATIONS: u32 = 8;
 
@@ -52,6 +54,72 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             rms_voltage: rms_behind_bridge(open, bridge),
             amplitude: response.tip_amplitude(amplitude, Complex::ZERO),
             validity: Validity::of([(Reason::StrongCoupling, bend), reaches, in_transient]),
+        }
+    }
+
+    /// As [`BumpStop::closed_form_into_bus`], with the effect of the voltage on the motion: Guyomar's and Shu and Lien's
+    /// standard interface at a fixed voltage, for a harmonic motion with two-way coupling, all beam modes and the drop of
+    /// the diodes. Exact with one-way coupling.
+    ///
+    /// Over a period the bridge takes `P_b = 4 f V_b (|Q| − C_p V_b)` at `V_b = V_dc + 2 V_D`, so the modes see a voltage
+    /// per charge of `V_b/|Q|` in phase with the charge and of `2 P_b/(ω |Q|²)` ahead of it. `|Q|` is found by bisection
+    /// above `C_p V_b`. If the voltage of the open terminals stays below `V_b`, the bridge blocks and the terminals are
+    /// open.
+    #[must_use]
+    pub fn closed_form_into_bus_coupled(
+        &self,
+        amplitude: S,
+        frequency: S,
+        bus_voltage: S,
+        diode_drop: S,
+    ) -> ClosedForm<S> {
+        let response = self.response(frequency);
+        let by_base = response.charge_by_base.scaled(amplitude.abs());
+        let by_voltage = response.charge_by_voltage;
+        let one = Complex::new(S::ONE, S::ZERO);
+        let bridge = bus_voltage + diode_drop + diode_drop;
+        let blocked = self.capacitance * bridge;
+        let power_part = S::from_f64(2.0 * core::f64::consts::FRAC_2_PI);
+        // Voltage per charge at the magnitude of the charge, times the magnitude.
+        let voltage_at =
+            |magnitude: S| Complex::new(bridge, power_part * bridge * (S::ONE - blocked / magnitude));
+        let short = |magnitude: S| {
+            let needed = Complex::new(magnitude, S::ZERO) - by_voltage * voltage_at(magnitude);
+            by_base.magnitude() - needed.magnitude()
+        };
+        let open = one - by_voltage.scaled(self.elastance);
+        let conducts = by_base.magnitude() > blocked * open.magnitude();
+        let (charge, of_charge) = if conducts {
+            let most = bridge * (S::ONE + power_part);
+            let (mut low, mut high) = (blocked, by_base.magnitude() + by_voltage.magnitude() * most);
+            low = low.max(S::TINY);
+            for _ in 0..HALVINGS {
+                let middle = S::from_f64(0.5) * (low + high);
+                if short(middle) > S::ZERO {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            let of_charge = voltage_at(high).scaled(S::ONE / high);
+            (by_base * (one - by_voltage * of_charge).inverse(), of_charge)
+        } else {
+            (by_base * open.inverse(), one.scaled(self.elastance))
+        };
+        let swing = charge.magnitude() - blocked;
+        let passed = if conducts { S::from_f64(4.0) * frequency * swing.max(S::ZERO) } else { S::ZERO };
+        let voltage = charge * of_charge;
+        let coupling = if conducts { by_voltage.magnitude() * self.elastance } else { S::ZERO };
+        let [reaches, in_transient] = self.clearance(&response, amplitude.abs(), voltage);
+        ClosedForm {
+            mean_power: bus_voltage * passed,
+            rms_voltage: rms_behind_bridge(charge.magnitude() * self.elastance, bridge),
+            amplitude: response.tip_amplitude(amplitude.abs(), voltage),
+            validity: Validity::of([
+                (Reason::StrongCoupling, coupling * S::from_f64(1.0 / HARMONIC)),
+                reaches,
+                in_transient,
+            ]),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::choices::ContactOf;
 use super::circuit::Circuit;
-use super::contact_law::ContactLaw;
+use super::contact_law::{ContactKind, ContactLaw};
 use super::{BumpStop, Parts};
 use crate::bounds::{Bounds, ParameterError};
 use crate::clock::Instant;
@@ -116,5 +116,34 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             Bounds { lowest: -S::INFINITY, highest: S::ZERO }.check("penetration at the start", state.gap)?;
         }
         Ok(state)
+    }
+
+    /// `state` at other coordinates, with its clock, its circuit and its memory of contact: for a search of periodic
+    /// motions. `None` if the state would be in penetration, which only a compliant contact can have, or no stop.
+    ///
+    /// `beam` and `rod` are as in [`State`], `moved_charge` is the charge in C that has left the electrodes through the
+    /// load (ignored for a short circuit), `acceleration` the base acceleration in m/s² at the clock.
+    #[must_use]
+    pub fn moved(
+        &self,
+        state: &StateOf<S, P, B, R>,
+        beam: [[S; 2]; B],
+        rod: [[S; 2]; R],
+        moved_charge: S,
+        acceleration: S,
+    ) -> Option<StateOf<S, P, B, R>> {
+        let mut moved = State { beam, rod, acceleration, charge_remainder: S::ZERO, ..*state };
+        moved.strain_charge = S::ZERO;
+        for (mode, [displacement, _]) in self.beam.iter().zip(&beam) {
+            moved.strain_charge += mode.voltage * *displacement;
+        }
+        moved.moved_charge = if self.load.is_short() { moved.strain_charge } else { moved_charge };
+        if ContactOf::<S, P>::POSSIBLE {
+            let [[stop, _], [face, _]] = [self.stop_point(&moved), self.rod_tip(&moved)];
+            moved.gap = stop - face - self.gap - state.drift;
+        }
+        let yields = matches!(self.contact.kind(), ContactKind::Compliant | ContactKind::None);
+        // `!(gap > 0)` would take not-a-number for an open gap.
+        (moved.gap <= S::ZERO || yields && moved.gap.is_finite()).then_some(moved)
     }
 }

@@ -24,10 +24,11 @@
 //! −F_2/(ω0² − 4 Ω² + 4jζ ω0 Ω)`. The charge includes it to first order, by the same fraction with the product of
 //! `y_2` and the charge without `y_2` on the right-hand side. Derived here.
 
-use super::{ContactSeparation, Parts};
+use super::{ContactSeparation, Mode, Parts};
 use crate::part::load::{Load, Resistance};
 use crate::scalar::{Complex, Scalar};
 use crate::scene::closed_form::{ClosedForm, Reason, Validity};
+use crate::scene::rectified::{Needs, RegularMotion};
 
 /// Harmonics of the charge for the power. At an amplitude of 0.9 of the mean gap the last is 10⁻³ of the first.
 const HARMONICS: usize = 16;
@@ -297,6 +298,33 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             sum += voltage * voltage;
         }
         self.field * (sum * S::from_f64(1.0 / POINTS as f64)).sqrt()
+    }
+}
+
+impl<S: Scalar, P: Parts<S>> RegularMotion<S> for ContactSeparation<S, P> {
+    const BEYOND: Reason = Reason::Impacts;
+    const COEXISTS: bool = true;
+
+    fn rest(&self) -> [S; 2] {
+        [self.initial_gap, self.relaxed_charge(self.initial_gap)]
+    }
+
+    fn room(&self, mean: S) -> S {
+        S::from_f64(CLEAR) * mean
+    }
+
+    fn moving(&self, _forward: bool, _position: S) -> Mode {
+        Mode::Free
+    }
+
+    /// Nothing holds a plate that does not touch.
+    fn grip(&self, _position: S, _charge: S, acceleration: S) -> [S; 2] {
+        [acceleration, S::ZERO]
+    }
+
+    fn needs(&self, amplitude: S, angular_frequency: S, [along, across]: [S; 2]) -> Needs<S> {
+        let along = angular_frequency * angular_frequency * amplitude + along;
+        Needs { drive: Complex::new(along, across).magnitude(), is_above: along > S::ZERO, pull: S::INFINITY }
     }
 }
 

@@ -24,7 +24,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// The load on a slider at rest per modal mass, `ω² x + κ a − F_lat/M`, and the limit of static friction, both in
     /// m/s² with their derivatives by the charge.
     #[inline(never)]
-    fn balance(&self, displacement: S, charge: S, acceleration: S) -> [[S; 2]; 2] {
+    pub(super) fn balance(&self, displacement: S, charge: S, acceleration: S) -> [[S; 2]; 2] {
         let ahead = displacement >= S::ZERO;
         let circuit = self.circuit(ahead, displacement, charge);
         let [lateral, lateral_by_charge] = self.lateral(ahead, displacement, &circuit);

@@ -25,12 +25,13 @@ mod charge;
 
 use self::charge::{Increments, STAGES, WEIGHTS, sum};
 use super::circuit::Circuit;
-use super::{Friction, Parts, Sliding};
+use super::{Friction, Mode, Parts, Sliding};
 use crate::integrate::modal::ModalStep;
 use crate::part::disc_overlap::DiscOverlap;
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
 use crate::scene::closed_form::{ClosedForm, Reason, Validity, ratio};
+use crate::scene::rectified::{Needs, RegularMotion};
 
 /// Number of steps in a quarter of a turn.
 const STEPS: usize = 4;
@@ -330,6 +331,41 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
                 (S::ZERO, self.field * sum.sqrt())
             }
         }
+    }
+}
+
+impl<S: Scalar, P: Parts<S>> RegularMotion<S> for Sliding<S, P> {
+    const BEYOND: Reason = Reason::LeavesOverlap;
+    const COEXISTS: bool = false;
+
+    fn rest(&self) -> [S; 2] {
+        [S::ZERO, S::ZERO]
+    }
+
+    fn room(&self, _mean: S) -> S {
+        S::from_f64(REACH) * self.diameter
+    }
+
+    fn moving(&self, forward: bool, position: S) -> Mode {
+        Mode::sliding(forward, position)
+    }
+
+    fn grip(&self, position: S, charge: S, acceleration: S) -> [S; 2] {
+        let [[pull, _], [hold, _]] = self.balance(position, charge, acceleration);
+        [pull, hold]
+    }
+
+    /// Den Hartog's motion under the constant friction that does the work of the forces other than spring and damping,
+    /// and the stiffness of their lag.
+    fn needs(&self, amplitude: S, angular_frequency: S, [along, across]: [S; 2]) -> Needs<S> {
+        let viscous = self.damping_per_mass * angular_frequency * amplitude;
+        let friction = S::from_f64(0.5 * core::f64::consts::FRAC_PI_2) * (across - viscous);
+        let stiffness = -(along / amplitude + self.stiffness_per_mass);
+        let orbit = self.between_turns(friction, stiffness, angular_frequency);
+        let forced = amplitude - orbit.drop;
+        let drive = (orbit.norm * (forced * forced + orbit.lagging * orbit.lagging)).sqrt();
+        let pull = orbit.stiffness * amplitude - orbit.detuning * forced - orbit.across * orbit.lagging;
+        Needs { drive, is_above: orbit.detuning < S::ZERO, pull: pull.max(S::ZERO) }
     }
 }
 

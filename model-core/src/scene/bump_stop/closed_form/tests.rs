@@ -236,3 +236,66 @@ fn behind_a_bridge_the_terminal_voltage_is_flat_topped() {
         close(scene.closed_form_into_bus(20.0, 220.0, bridge, 0.0).rms_voltage, sum.sqrt(), 1e-6);
     }
 }
+
+#[test]
+fn the_open_circuit_is_stiffer_by_the_coupling() {
+    // One mode: ω² + θ²/C.
+    let (frequency, theta, capacitance) = (239.705_436_f64, 0.041_497_95_f64, 15.93e-9);
+    let natural = core::f64::consts::TAU * frequency;
+    let one = free::<1>(TWO_WAY, 1e6).open_circuit_angular_frequency(0).expect("a mode");
+    close(one, (natural * natural + theta * theta / capacitance).sqrt(), 1e-8);
+    assert_eq!(free::<1>(TWO_WAY, 1e6).open_circuit_angular_frequency(1), None);
+    let same = free::<4>(ONE_WAY, 1e6);
+    assert_eq!(same.open_circuit_angular_frequency(2), same.beam_angular_frequency(2));
+    // Without damping the open circuit resonates there: each mode of six, and of capacities with modes left at rest.
+    let mut parameters = baseline::<f64>(TWO_WAY, f64::INFINITY);
+    parameters.damping_ratio = 1e-7;
+    let six = parameters.build_first::<10, 0>(6, 0).expect("valid");
+    for index in 0..6 {
+        let omega = six.open_circuit_angular_frequency(index).expect("a mode");
+        let (own, next) = (six.beam_angular_frequency(index), six.beam_angular_frequency(index + 1));
+        assert!(omega > own.expect("a mode") && (index == 5 || Some(omega) < next));
+        let at = |part: f64| six.closed_form(1.0, part * omega / core::f64::consts::TAU).amplitude;
+        assert!(at(1.0) > 50.0 * at(1.0 + 1e-5).max(at(1.0 - 1e-5)), "mode {index}");
+    }
+    let single = baseline::<f32>(TWO_WAY, 1e6).build_first::<10, 0>(6, 0).expect("valid");
+    for index in 0..6 {
+        let omega = single.open_circuit_angular_frequency(index).expect("a mode");
+        close(omega.into(), six.open_circuit_angular_frequency(index).expect("a mode"), 1e-6);
+    }
+}
+
+#[test]
+fn a_bus_that_acts_back_is_the_storage_of_its_voltage() {
+    // One-way: the motion of the short circuit.
+    let scene = free::<4>(ONE_WAY, 1e6);
+    for voltage in [0.5, 2.0, 4.0] {
+        let [found, plain] = [
+            scene.closed_form_into_bus_coupled(20.0, 220.0, voltage, 0.3),
+            scene.closed_form_into_bus(20.0, 220.0, voltage, 0.3),
+        ];
+        close(found.mean_power, plain.mean_power, 1e-12);
+        close(found.rms_voltage, plain.rms_voltage, 1e-12);
+        close(found.amplitude, plain.amplitude, 1e-12);
+    }
+    // Two-way: at the steady voltage of a storage, the power that its load takes (Shu and Lien).
+    for (frequency, resistance, drop) in [(220.0, 1e5, 0.0), (200.0, 3e4, 0.3), (260.0, 1e6, 0.0)] {
+        let mut parameters = baseline::<f64>(TWO_WAY, 1e6);
+        parameters.piezo_d31 *= 0.3;
+        let scene = parameters.build::<4, 0>().expect("valid");
+        let storage = scene.closed_form_into_store(20.0, frequency, resistance, drop);
+        let voltage = (storage.mean_power * resistance).sqrt();
+        let bus = scene.closed_form_into_bus_coupled(20.0, frequency, voltage, drop);
+        close(bus.mean_power, storage.mean_power, 1e-4);
+        close(bus.amplitude, storage.amplitude, 1e-4);
+        assert!(bus.validity.holds(), "{:?}", bus.validity);
+    }
+    // A bus out of reach leaves the terminals open.
+    let scene = free::<6>(TWO_WAY, f64::INFINITY);
+    let blocked = scene.closed_form_into_bus_coupled(20.0, 220.0, 100.0, 0.3);
+    let open = scene.closed_form(20.0, 220.0);
+    assert_eq!(blocked.mean_power, 0.0);
+    close(blocked.amplitude, open.amplitude, 1e-12);
+    close(blocked.rms_voltage, open.rms_voltage, 1e-12);
+    assert!(blocked.validity.holds());
+}
