@@ -3,8 +3,10 @@
 pub mod map;
 
 use model_core::bounds::ParameterError;
+use model_core::part::storage::DcBus;
 use model_core::scalar::Scalar;
 use model_core::scene::closed_form::{ClosedForm, Reason, Validity};
+use model_core::scene::rectified::{FullBridge, Rectified, RegularMotion};
 use serde_json::json;
 
 use crate::embedded::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
@@ -21,6 +23,8 @@ pub struct Estimate {
     pub rms_voltage_v: f64,
     /// Amplitude of the motion in m.
     pub amplitude_m: f64,
+    /// Mean current in A into the storage or bus behind a bridge, its charge per second; `None` without one, and at 0 V.
+    pub mean_store_current_a: Option<f64>,
     /// Why a trajectory is needed; `None` where the closed form holds.
     pub reason: Option<&'static str>,
     /// The requirement with the least margin, as a part of its limit; above 1 the requirement is not met.
@@ -35,14 +39,20 @@ impl Estimate {
 
     /// Names and values, as the command line prints them.
     pub(crate) fn fields(&self) -> Fields {
-        fields(&json!({
+        let mut named = fields(&json!({
             "mean_power_w": self.mean_power_w,
             "rms_voltage_v": self.rms_voltage_v,
             "amplitude_m": self.amplitude_m,
+        }));
+        if let Some(current) = self.mean_store_current_a {
+            named.extend(fields(&json!({ "mean_store_current_a": current })));
+        }
+        named.extend(fields(&json!({
             "holds": self.holds(),
             "reason": self.reason,
             "margin": self.margin,
-        }))
+        })));
+        named
     }
 }
 
@@ -60,22 +70,23 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
         return Err(no_sine(scene));
     }
     let (amplitude, frequency) = (S::from_f64(tone.amplitude_m_per_s2), S::from_f64(tone.frequency_hz));
-    if !matches!(scene.model, Model::BumpStop(_)) && !matches!(scene.load, Load::Resistor { .. }) {
-        return Err(Failure::of_file(
-            scene,
-            "load.kind: must be \"resistor\" for a closed form of this scene",
-        ));
-    }
     let refused = |error| refused(scene, error);
     let found = match &scene.model {
-        Model::ContactSeparation(model) => contact_separation_parameters::<S, S::Build>(model, scene.load)
-            .build()
-            .map_err(refused)?
-            .closed_form(amplitude, frequency),
-        Model::Sliding(model) => sliding_parameters::<S>(model, scene.load)
-            .build()
-            .map_err(refused)?
-            .closed_form(amplitude, frequency),
+        Model::ContactSeparation(model) => {
+            let harvester =
+                contact_separation_parameters::<S, S::Build>(model, scene.load).build().map_err(refused)?;
+            match scene.load {
+                Load::Resistor { .. } => harvester.closed_form(amplitude, frequency),
+                _ => behind_bridge(scene, harvester, amplitude, frequency)?,
+            }
+        }
+        Model::Sliding(model) => {
+            let harvester = sliding_parameters::<S>(model, scene.load).build().map_err(refused)?;
+            match scene.load {
+                Load::Resistor { .. } => harvester.closed_form(amplitude, frequency),
+                _ => behind_bridge(scene, harvester, amplitude, frequency)?,
+            }
+        }
         // The mode capacities of a run.
         Model::BumpStop(model) => {
             match (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)) {
@@ -85,7 +96,46 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
             }
         }
     };
-    Ok(Estimate::new(&found))
+    let mut estimate = Estimate::new(&found);
+    if let Load::DcBus { voltage_v, .. } = scene.load
+        && voltage_v > 0.0
+    {
+        estimate.mean_store_current_a = Some(estimate.mean_power_w / voltage_v);
+    }
+    Ok(estimate)
+}
+
+/// The closed form of a triboelectric harvester with open terminals, behind the bridge of a scene.
+fn behind_bridge<S: Scalar, H: RegularMotion<S>>(
+    scene: &Scene,
+    harvester: H,
+    amplitude: S,
+    frequency: S,
+) -> Result<ClosedForm<S>, Failure> {
+    let Load::DcBus { voltage_v, diode_drop_v } = scene.load else {
+        return Err(Failure::of_file(
+            scene,
+            "load.kind: must be \"resistor\" or \"dc-bus\" for a closed form of this scene; --storage-voltage holds the \
+             voltage of a storage",
+        ));
+    };
+    let [voltage, diode_drop] = [voltage_v, diode_drop_v].map(S::from_f64);
+    let bridge = FullBridge { diode_drop, storage: DcBus { voltage } };
+    let rectified = Rectified::new(harvester, bridge)
+        .map_err(|error| Failure::of_file(scene, format!("load.{error}")))?;
+    Ok(rectified.closed_form_at(amplitude, frequency, voltage))
+}
+
+/// Undamped frequencies in Hz of the first mode with short-circuited and open terminals; `None` for a triboelectric scene,
+/// whose frequencies depend on the amplitude.
+pub(crate) fn undamped_frequencies(scene: &Scene) -> Result<Option<[f64; 2]>, Failure> {
+    let Model::BumpStop(model) = &scene.model else { return Ok(None) };
+    let modes = model.parameters.beam_modes;
+    let beam = bump_stop_parameters::<f64>(model, scene.load)
+        .build_first::<20, 20>(modes, 0)
+        .map_err(|error| refused(scene, error))?;
+    let found = beam.beam_angular_frequency(0).zip(beam.open_circuit_angular_frequency(0));
+    Ok(found.map(|(short, open)| [short, open].map(|omega| omega / std::f64::consts::TAU)))
 }
 
 /// The closed form of a beam with the load of a scene.
@@ -102,9 +152,12 @@ fn of_beam<S: Scalar, const B: usize, const R: usize>(
     let number = S::from_f64;
     match scene.load {
         Load::Resistor { .. } => Ok(beam.closed_form(amplitude, frequency)),
-        Load::DcBus { voltage_v, diode_drop_v } => {
-            Ok(beam.closed_form_into_bus(amplitude, frequency, number(voltage_v), number(diode_drop_v)))
-        }
+        Load::DcBus { voltage_v, diode_drop_v } => Ok(beam.closed_form_into_bus_coupled(
+            amplitude,
+            frequency,
+            number(voltage_v),
+            number(diode_drop_v),
+        )),
         Load::RectifiedStore(RectifiedStore {
             diode_drop_v,
             leakage_ohm,
@@ -116,7 +169,8 @@ fn of_beam<S: Scalar, const B: usize, const R: usize>(
         }
         Load::RectifiedStore(_) => Err(Failure::of_file(
             scene,
-            "load.draw: must be a resistor that is always connected for a closed form",
+            "load.draw: must be a resistor that is always connected for a closed form; --storage-voltage holds the \
+             voltage of a storage",
         )),
     }
 }
@@ -139,6 +193,7 @@ impl Estimate {
             mean_power_w: found.mean_power.to_f64(),
             rms_voltage_v: found.rms_voltage.to_f64(),
             amplitude_m: found.amplitude.to_f64(),
+            mean_store_current_a: None,
             reason,
             margin: margin.to_f64(),
         }

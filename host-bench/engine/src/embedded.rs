@@ -21,7 +21,7 @@ mod whole_day;
 use model_core::scalar::{Libm, Mathematics, Micromath, Polynomial, Scalar};
 
 use self::excitation::with_setting;
-use crate::steady_state::Resonance;
+use crate::steady_state::{BestLoad, Resonance};
 use harvester_scene::method::{Failure, Math, Method, Options, Precision};
 use harvester_scene::outcome::Outcome;
 use harvester_scene::scene_file::{Model, Scene};
@@ -75,11 +75,7 @@ pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure
 }
 
 fn steady_state_as<M: Mathematics<f64>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
-    with_setting::<f64, M, _>(scene, options, |setting| match &scene.model {
-        Model::ContactSeparation(model) => shooting::steady_state::<M, _>(setting, model),
-        Model::Sliding(model) => shooting::steady_state::<M, _>(setting, model),
-        Model::BumpStop(_) => Err(refuse_bump_stop(scene, "for a periodic steady state")),
-    })
+    with_setting::<f64, M, _>(scene, options, shooting::steady_state::<M>)
 }
 
 /// The refusal of a bump-stop scene where only a triboelectric scene will do.
@@ -103,25 +99,50 @@ pub fn resonance_peak(
     points: usize,
     options: &Options,
 ) -> Result<(Option<Resonance>, f64), Failure> {
+    search(scene, &Search { range_hz: range, points, with_power: false }, options, &mut || {})
+}
+
+/// What a search for a resonance covers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Search {
+    /// Lowest and highest frequency in Hz.
+    pub range_hz: [f64; 2],
+    /// Frequencies of the first scan.
+    pub points: usize,
+    /// Whether the largest mean power is sought too.
+    pub with_power: bool,
+}
+
+/// As [`resonance_peak`]; calls `done` before each frequency.
+pub fn search(
+    scene: &Scene,
+    search: &Search,
+    options: &Options,
+    done: &mut dyn FnMut(),
+) -> Result<(Option<Resonance>, f64), Failure> {
     let options = &Options { steady_state: true, ..*options };
     options.check()?;
     options.check_scene(scene)?;
     match options.math {
-        Some(Math::Libm) => resonance_peak_as::<Libm>(scene, range, points, options),
-        _ => resonance_peak_as::<Polynomial>(scene, range, points, options),
+        Some(Math::Libm) => shooting::peaks::<Libm>(scene, search, options, done),
+        _ => shooting::peaks::<Polynomial>(scene, search, options, done),
     }
 }
 
-fn resonance_peak_as<M: Mathematics<f64>>(
+/// The resistance in place of the load of a scene that takes the most power in the steady state at the scene's frequency,
+/// from 1 Ω to 10 TΩ, and the simulated periods that it took; calls `done` before each resistance. `None` if the power
+/// has no largest value in this range.
+pub fn best_resistance(
     scene: &Scene,
-    range: [f64; 2],
-    points: usize,
     options: &Options,
-) -> Result<(Option<Resonance>, f64), Failure> {
-    match &scene.model {
-        Model::ContactSeparation(model) => shooting::peaks::<M, _>((scene, model), range, points, options),
-        Model::Sliding(model) => shooting::peaks::<M, _>((scene, model), range, points, options),
-        Model::BumpStop(_) => Err(refuse_bump_stop(scene, "for a periodic steady state")),
+    done: &mut dyn FnMut(),
+) -> Result<(Option<BestLoad>, f64), Failure> {
+    let options = &Options { steady_state: true, ..*options };
+    options.check()?;
+    options.check_scene(scene)?;
+    match options.math {
+        Some(Math::Libm) => shooting::best_resistance::<Libm>(scene, options, done),
+        _ => shooting::best_resistance::<Polynomial>(scene, options, done),
     }
 }
 

@@ -1,7 +1,8 @@
 //! The periodic steady state of a harvester under one sine, by shooting.
 //!
 //! The state at one phase of the excitation determines the state a period later: the *period map* `P` of the hybrid
-//! system, impacts and sticking included, is computed by the embedded core. A motion of one period is a fixed point
+//! system, impacts, sticking, contact and the switching of a bridge included, is computed by the embedded core. A motion of
+//! one period is a fixed point
 //!
 //! ```text
 //! P(x) = x
@@ -21,7 +22,7 @@ mod orbit;
 mod period_map;
 mod resonance;
 
-pub use self::newton::{FixedPoint, Linearisation, Map};
+pub use self::newton::{FixedPoint, Linearisation, Map, NotFound};
 pub use self::orbit::{Orbit, Response, Verdict};
-pub use self::period_map::{ForcedSystem, Spent, StateOf, Total};
-pub use self::resonance::{DEFAULT_POINTS, Resonance, resonance};
+pub use self::period_map::{Coordinates, ForcedSystem, Spent, Total};
+pub use self::resonance::{BestLoad, DEFAULT_POINTS, Peak, Resonance, best_load, resonance};

@@ -77,6 +77,7 @@ impl Storage {
     /// drawn.
     pub(super) fn outcome(&self, voltage: f64, [diodes, leaked, drawn]: [f64; 3]) -> StoreOutcome {
         StoreOutcome {
+            mean_store_current_a: None,
             store_voltage_v: Some(voltage),
             stored_energy_j: (!self.is_bus()).then(|| self.energy(voltage)),
             diode_loss_j: Some(diodes),

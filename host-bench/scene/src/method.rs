@@ -230,11 +230,19 @@ impl Options {
             ),
         ])?;
         // The storage behind a bridge fills: its voltage is not periodic.
-        let bridge = !matches!(scene.load, Load::Resistor { .. });
-        if bridge && self.steady_state {
-            return refuse("load.kind: must be \"resistor\" for a periodic steady state");
+        if self.steady_state && matches!(scene.load, Load::RectifiedStore(_)) {
+            return refuse(
+                "load.kind: must be \"resistor\" or \"dc-bus\" for a periodic steady state; --storage-voltage holds \
+                 the voltage of a storage",
+            );
         }
+        let bridge = !matches!(scene.load, Load::Resistor { .. });
         let by_peer = matches!(self.method, Method::TrBdf2 | Method::Rk4 | Method::Newmark);
+        if self.steady_state && by_peer && is_bump_stop {
+            return refuse(
+                "--method: must be auto or discrete-gradient for a periodic steady state of this scene",
+            );
+        }
         if bridge && by_peer && is_bump_stop {
             return refuse("load.kind: must be \"resistor\" for this scene by this method");
         }

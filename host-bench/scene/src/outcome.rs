@@ -138,6 +138,9 @@ pub struct SteadyState {
     pub steady_state: &'static str,
     /// Magnitude of the orbit's largest Floquet multiplier; `None` without an orbit.
     pub largest_multiplier: Option<f64>,
+    /// Without an orbit: the change of the state over a period that the search left, in units of half the range of each
+    /// coordinate (the root of the sum of the squares).
+    pub steady_state_residual: Option<f64>,
     /// Simulated periods of the whole search, and of the run if there was one.
     pub simulated_periods: f64,
 }
@@ -147,6 +150,10 @@ pub struct SteadyState {
 pub struct StoreOutcome {
     /// Voltage of the storage or bus in V.
     pub store_voltage_v: Option<f64>,
+    /// Mean current into the storage or bus over the window in A: the charge that it takes per second. `None` where it
+    /// was not integrated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_store_current_a: Option<f64>,
     /// Energy in the storage in J; `None` for a bus.
     pub stored_energy_j: Option<f64>,
     /// Energy lost in the diodes over the whole run in J.

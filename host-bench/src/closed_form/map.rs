@@ -194,6 +194,7 @@ mod tests {
                 mean_power_w: power,
                 rms_voltage_v: 1.0,
                 amplitude_m: 1.0,
+                mean_store_current_a: None,
                 reason,
                 margin: 0.5,
             },

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::files::{Outputs, make_folder};
+use super::storage_voltage::StorageVoltage;
 use super::sweep::picture::{self, Quantity};
 use super::sweep::{Axis, points_of, values};
 use super::{NODE, Unused, check_overrides, print, progress};
@@ -42,6 +43,8 @@ pub struct ClosedFormArguments {
     /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
+    #[command(flatten)]
+    storage_voltage: StorageVoltage,
     /// Compare with the trajectory over amplitude, frequency and load around the scene's own
     #[arg(long)]
     map: bool,
@@ -74,8 +77,10 @@ fn axis(key: &'static str) -> impl Fn(&str) -> Result<Axis, String> + Clone + Se
 
 /// Prints the closed form of the scene, or the map of its error.
 pub fn run(arguments: &ClosedFormArguments) -> Result<(), Failure> {
-    let scene = scene_file::read(&arguments.scene, &arguments.overrides)?;
-    check_overrides(&arguments.overrides, if arguments.map { &[NODE] } else { &UNUSED })?;
+    let mut scene = scene_file::read(&arguments.scene, &arguments.overrides)?;
+    let unused: &[Unused] = if arguments.map { &[NODE] } else { &UNUSED };
+    check_overrides(&arguments.overrides, &arguments.storage_voltage.unused(unused))?;
+    arguments.storage_voltage.hold(&mut scene)?;
     let found = estimate(&scene, arguments.precision)?;
     if !arguments.map {
         let mut named = fields(&json!({ "scene": scene.name() }));

@@ -1,13 +1,18 @@
-//! `resonance`: the frequencies at which the steady state of a scene has its largest amplitude and voltage.
+//! `resonance`: the frequencies at which the steady state of a scene has its largest amplitude, voltage and power.
+
+mod short_open;
+
+use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::{NODE, SceneArguments, Unused, check_overrides, print};
-use crate::embedded::resonance_peak;
+use super::storage_voltage::StorageVoltage;
+use super::{NODE, SceneArguments, Unused, check_overrides, print, tell};
+use crate::embedded::{Search, search};
 use crate::method::Failure;
-use crate::outcome::text;
-use crate::scene_file;
-use crate::steady_state::DEFAULT_POINTS;
+use crate::outcome::{Fields, fields, text};
+use crate::scene_file::{self, Load, Scene};
+use crate::steady_state::{DEFAULT_POINTS, Resonance};
 
 /// Keys that the search does not use.
 const UNUSED: [Unused; 3] = [
@@ -17,6 +22,8 @@ const UNUSED: [Unused; 3] = [
 ];
 /// Most frequencies of a scan.
 const MOST_POINTS: usize = 100_000;
+/// Time from one line about the progress to the next.
+const TOLD_EVERY: Duration = Duration::from_secs(3);
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct ResonanceArguments {
@@ -31,11 +38,17 @@ pub struct ResonanceArguments {
     /// Frequencies of the scan from which the peaks are narrowed down
     #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_POINTS)]
     points: usize,
+    /// Compare the resonances with short-circuited and open terminals: their frequencies, the coupling factor, and the
+    /// largest power into a resistor at both; the load of the scene is not used
+    #[arg(long, conflicts_with = "storage_voltage")]
+    short_open: bool,
+    #[command(flatten)]
+    storage_voltage: StorageVoltage,
 }
 
 /// Follows the steady state over the range and prints its peaks.
 pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
-    let ResonanceArguments { from, to, points, .. } = *arguments;
+    let ResonanceArguments { from, to, points, short_open, storage_voltage, .. } = *arguments;
     let refuse = |text: String| Err(Failure::Input(text));
     for (name, value) in [("--from", from), ("--to", to)] {
         if !(value > 0.0 && value <= 1e6) {
@@ -48,14 +61,46 @@ pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
     if !(3..=MOST_POINTS).contains(&points) {
         return refuse(format!("--points {points}: must be from 3 to {MOST_POINTS}"));
     }
-    let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
-    check_overrides(&arguments.scene.overrides, &UNUSED)?;
-    let (found, periods) = resonance_peak(&scene, [from, to], points, &arguments.scene.options)?;
-    let Some(found) = found else {
-        return Err(Failure::Step(format!("no stable orbit of one period from {from} to {to} Hz")));
+    let mut scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
+    let load: Unused = ("load", "--short-open gives the loads");
+    let unused = [&UNUSED[..], if short_open { std::slice::from_ref(&load) } else { &[] }].concat();
+    check_overrides(&arguments.scene.overrides, &storage_voltage.unused(&unused))?;
+    storage_voltage.hold(&mut scene)?;
+    let mut progress = Progress::new();
+    let range_hz = [from, to];
+    let found = if short_open {
+        short_open::compared(&scene, range_hz, points, &arguments.scene.options, &mut progress)?
+    } else {
+        let search = Search { range_hz, points, with_power: true };
+        let (found, periods) = peaks(&scene, &search, arguments, &mut progress)?;
+        described(&scene, &found, periods)
     };
+    print(&text(&found, arguments.scene.format))
+}
+
+/// The peaks of a scene, and the simulated periods that they took.
+fn peaks(
+    scene: &Scene,
+    range: &Search,
+    arguments: &ResonanceArguments,
+    progress: &mut Progress,
+) -> Result<(Resonance, f64), Failure> {
+    let (found, periods) = search(scene, range, &arguments.scene.options, &mut || progress.one_more())?;
+    Ok((found.ok_or_else(|| no_orbit(range.range_hz))?, periods))
+}
+
+/// There is nothing to follow.
+fn no_orbit([from, to]: [f64; 2]) -> Failure {
+    Failure::Step(format!(
+        "no stable orbit of one period from {from} to {to} Hz: `run --steady-state` at one frequency tells what shooting \
+         leaves, and `sweep` without --steady-state gives the response of the runs"
+    ))
+}
+
+/// Names and values of the peaks.
+fn described(scene: &Scene, found: &Resonance, periods: f64) -> Fields {
     let without = found.responses.iter().filter(|(_, response)| response.is_none()).count();
-    let fields = json!({
+    let mut named = fields(&json!({
         "scene": scene.name(),
         "peak_frequency_hz": found.amplitude.frequency_hz,
         "peak_amplitude_m": found.amplitude.value,
@@ -65,9 +110,50 @@ pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
         "max_rms_voltage_v": found.rms_voltage.value,
         "max_rms_voltage_within_hz": found.rms_voltage.within_hz,
         "max_rms_voltage_at_edge": found.rms_voltage.at_edge,
+    }));
+    if let Some(peak) = found.mean_power {
+        named.extend(fields(&json!({
+            "max_mean_power_frequency_hz": peak.frequency_hz,
+            "max_mean_power_w": peak.value,
+            "max_mean_power_within_hz": peak.within_hz,
+            "max_mean_power_at_edge": peak.at_edge,
+        })));
+        if !matches!(scene.load, Load::Resistor { .. }) {
+            let there = found.responses.iter().find(|(frequency, _)| *frequency == peak.frequency_hz);
+            let current = there.and_then(|(_, response)| Some(response.as_ref()?.mean_current_a));
+            named.extend(fields(&json!({ "max_mean_power_current_a": current })));
+        }
+    }
+    named.extend(fields(&json!({
         "frequencies": found.responses.len(),
         "frequencies_without_stable_orbit": without,
         "simulated_periods": periods,
-    });
-    print(&text(&fields, arguments.scene.format))
+    })));
+    named
+}
+
+/// Tells on standard error every few seconds how far a search is. How many frequencies a peak takes is not known before.
+pub(super) struct Progress {
+    began: Instant,
+    told: Instant,
+    done: usize,
+}
+
+impl Progress {
+    fn new() -> Self {
+        let began = Instant::now();
+        Self { began, told: began, done: 0 }
+    }
+
+    fn one_more(&mut self) {
+        if self.told.elapsed() >= TOLD_EVERY {
+            tell(&format!(
+                "{} steady states, {:.0} s elapsed",
+                self.done,
+                self.began.elapsed().as_secs_f64()
+            ));
+            self.told = Instant::now();
+        }
+        self.done += 1;
+    }
 }

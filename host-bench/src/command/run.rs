@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::files::Outputs;
+use super::storage_voltage::StorageVoltage;
 use super::{NODE, SceneArguments, check_overrides, print, tell};
 use crate::accuracy::{imbalance, run_with_accuracy};
 use crate::method::{Failure, Options};
@@ -23,6 +24,8 @@ pub struct RunArguments {
     /// there is none that is stable
     #[arg(long)]
     steady_state: bool,
+    #[command(flatten)]
+    storage_voltage: StorageVoltage,
     /// Run once only: without the accuracy statement, and a bump-stop scene with its default steps
     #[arg(long)]
     no_accuracy: bool,
@@ -36,8 +39,11 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         ..arguments.scene.options
     };
     options.check()?;
-    let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
-    check_overrides(&arguments.scene.overrides, &[NODE])?;
+    let held = arguments.storage_voltage;
+    held.check(arguments.steady_state)?;
+    let mut scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
+    check_overrides(&arguments.scene.overrides, &held.unused(&[NODE]))?;
+    held.hold(&mut scene)?;
     let outputs = Outputs::of(&arguments.scene.scene, &arguments.scene.overrides)?;
     if let Some(file) = &arguments.trace {
         outputs.check("--trace", file)?;

@@ -14,11 +14,12 @@ pub use self::axis::Axis;
 use self::picture::Quantity;
 use self::shooting::{Compared, compared};
 use super::files::{Outputs, make_folder};
+use super::storage_voltage::StorageVoltage;
 use super::{NODE, SceneArguments, check_keys, print, progress, tell};
 use crate::method::{Failure, Options};
 use crate::outcome::{self, Fields, Format, Outcome, fields, number, rows_csv};
 use crate::run::try_run_scene;
-use crate::scene_file::{self, Override, Scene, SceneError};
+use crate::scene_file::{self, Override, Scene};
 
 /// Most points of a grid.
 const MOST: usize = 1_000_000;
@@ -39,6 +40,8 @@ pub struct SweepArguments {
     /// run where there is none that is stable
     #[arg(long)]
     steady_state: bool,
+    #[command(flatten)]
+    storage_voltage: StorageVoltage,
     /// Make the runs as well, and tell on standard error how much longer they take
     #[arg(long, requires = "steady_state")]
     compare: bool,
@@ -59,6 +62,7 @@ struct Point {
 pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let options = Options { steady_state: arguments.steady_state, ..arguments.scene.options };
     options.check()?;
+    arguments.storage_voltage.check(arguments.steady_state)?;
     let axes = &arguments.axes;
     let count = check_axes(axes)?;
     let outputs = Outputs::of(&arguments.scene.scene, &arguments.scene.overrides)?;
@@ -67,7 +71,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         .try_for_each(|index| options.check_scene(&scene(arguments, &values(axes, index))?))?;
     let overrides = arguments.scene.overrides.iter().map(|change| ("--set", change.key()));
     let keys = overrides.chain(axes.iter().map(|axis| ("--over", axis.key.as_str())));
-    check_keys(&keys.collect::<Vec<_>>(), &[NODE])?;
+    check_keys(&keys.collect::<Vec<_>>(), &arguments.storage_voltage.unused(&[NODE]))?;
     if let Some(folder) = &arguments.output {
         outputs.check_in("--output", folder, &FILES)?;
     }
@@ -194,11 +198,13 @@ pub(super) fn values(axes: &[Axis], index: usize) -> Vec<f64> {
     values
 }
 
-fn scene(arguments: &SweepArguments, values: &[f64]) -> Result<Scene, SceneError> {
+fn scene(arguments: &SweepArguments, values: &[f64]) -> Result<Scene, Failure> {
     let mut overrides = arguments.scene.overrides.clone();
     let axes = arguments.axes.iter().zip(values);
     overrides.extend(axes.map(|(axis, value)| Override::new(&axis.key, &number(*value))));
-    scene_file::read(&arguments.scene.scene, &overrides)
+    let mut scene = scene_file::read(&arguments.scene.scene, &overrides)?;
+    arguments.storage_voltage.hold(&mut scene)?;
+    Ok(scene)
 }
 
 fn named<'a>(axes: &'a [Axis], point: &'a Point) -> impl Iterator<Item = (&'a str, f64)> {

@@ -261,5 +261,6 @@ fn the_reference_refuses_what_has_no_limit_and_the_core_what_it_has_not() {
     );
     refused(&["run", SHIPPED, "--tolerance", "1e-4"], &["--tolerance", "must not be given", "--step"]);
     refused(&["run", SHIPPED, "--step", "1e-6", "--long-step", "0.5"], &["--long-step 0.5", "at most"]);
-    refused(&["run", SHIPPED, "--steady-state"], &["bump-stop", "periodic steady state"]);
+    let steady = ["run", SHIPPED, "--steady-state", "--method", "rk4"];
+    refused(&steady, &["bump-stop", "--method", "discrete-gradient", "periodic steady state"]);
 }

@@ -3,6 +3,7 @@
 use super::tool::{SHIPPED, accepted, file, folder, refused};
 
 const SLIDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
+const RECTIFIED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/rectified.toml");
 /// Two loads, two amplitudes and three frequencies.
 const SMALL: [&str; 8] = [
     "--map",
@@ -79,10 +80,39 @@ fn a_beam_behind_a_bridge_has_a_closed_form_too() {
     assert!((store / bus - 1.0).abs() < 1e-2, "{store:e} {bus:e}");
 }
 
+/// A plate and a slider behind a bridge at a constant voltage: the power is that voltage times the charge per second.
+#[test]
+fn a_triboelectric_scene_behind_a_bridge_has_a_closed_form_at_a_constant_voltage() {
+    let of = |arguments: &[&str]| -> serde_json::Value {
+        let found = accepted(&[&["closed-form"], arguments, &["--format", "json"]].concat());
+        serde_json::from_str(&found).expect("one JSON object")
+    };
+    let small = ["--set", "excitation.amplitude_g=0.05", "--set", "excitation.frequency_hz=18"];
+    let held = of(&[&[RECTIFIED, "--storage-voltage", "1"], &small[..]].concat());
+    let number = |found: &serde_json::Value, key: &str| found[key].as_f64().expect("a number");
+    assert_eq!(held["holds"], true, "{held}");
+    assert!(number(&held, "mean_power_w") > 0.0);
+    let ratio = number(&held, "mean_power_w") / number(&held, "mean_store_current_a");
+    assert!((ratio - 1.0).abs() < 1e-12, "{held}");
+    let bus = "load={kind='dc-bus',voltage_v=20,diode_drop_v=0.3}";
+    let slider = of(&[SLIDING, "--set", bus]);
+    assert_eq!(slider["holds"], true, "{slider}");
+    let single = of(&[SLIDING, "--set", bus, "--precision", "f32"]);
+    assert!((number(&single, "mean_power_w") / number(&slider, "mean_power_w") - 1.0).abs() < 1e-3);
+}
+
 #[test]
 fn what_has_no_closed_form_is_refused() {
-    let bridge = "load={kind='dc-bus',voltage_v=3,diode_drop_v=0.3}";
-    refused(&["closed-form", SHIPPED, "--set", bridge], &["load.kind", "must be \"resistor\""]);
+    let store =
+        "load={kind='rectified-store',capacitance_f=1e-6,diode_drop_v=0.3,leakage_ohm=1e9,initial_v=0}";
+    refused(&["closed-form", SHIPPED, "--set", store], &["load.kind", "\"resistor\"", "--storage-voltage"]);
+    refused(&["closed-form", SHIPPED, "--storage-voltage", "3"], &["load.kind", "must be a bridge"]);
+    let held = ["closed-form", SHIPPED, "--set", store, "--storage-voltage"];
+    refused(&[&held[..], &["-1"]].concat(), &["--storage-voltage -1", "from 0"]);
+    refused(
+        &["closed-form", RECTIFIED, "--storage-voltage", "3", "--set", "load.initial_v=1"],
+        &["load.initial_v", "--storage-voltage holds"],
+    );
     let silence = std::fs::read_to_string(SHIPPED).expect("the shipped scene");
     let (before, after) = silence.split_once("[excitation]").expect("a section");
     let (_, run) = after.split_once("[run]").expect("a section");

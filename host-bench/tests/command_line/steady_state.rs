@@ -2,6 +2,8 @@
 
 use super::tool::{SHIPPED, accepted, file, folder, host_bench, refused};
 
+const RECTIFIED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/rectified.toml");
+const BEAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
 /// A fast core, and a short run for where there is no orbit.
 const FAST: [&str; 6] = ["--tolerance", "1e-3", "--set", "run.duration_s=1", "--set", "run.settle_s=0.5"];
 
@@ -51,6 +53,53 @@ fn the_resonance_is_printed() {
     assert!((frequency - 19.4477).abs() < 2e-3, "{frequency}");
     assert_eq!(found["peak_at_edge"], false);
     assert!(found["max_rms_voltage_v"].as_f64().is_some_and(|voltage| voltage > 0.0));
+}
+
+/// Behind a bridge the storage is held, and power and charge per second are printed.
+#[test]
+fn the_resonance_behind_a_bridge_is_that_at_a_held_voltage() {
+    let range =
+        ["resonance", RECTIFIED, "--from", "18", "--to", "19.4", "--points", "7", "--tolerance", "1e-3"];
+    let held = ["--storage-voltage", "2", "--set", "excitation.amplitude_g=0.05", "--format", "json"];
+    let found: serde_json::Value =
+        serde_json::from_str(&accepted(&[&range[..], &held[..]].concat())).expect("one JSON object");
+    let number = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("no {key}: {found}"));
+    let ratio = number("max_mean_power_w") / number("max_mean_power_current_a");
+    assert!((ratio - 2.0).abs() < 1e-6, "{found}");
+    refused(&range, &["rectified.toml", "load.kind", "--storage-voltage"]);
+    refused(&["run", RECTIFIED, "--storage-voltage", "2"], &["--storage-voltage", "--steady-state"]);
+    let run =
+        ["run", RECTIFIED, "--storage-voltage", "2", "--steady-state", "--no-accuracy", "--format", "json"];
+    let found: serde_json::Value =
+        serde_json::from_str(&accepted(&[&run[..], &FAST[..]].concat())).expect("one JSON object");
+    assert_eq!((&found["steady_state"], &found["store_voltage_v"]), (&"stable-period-1".into(), &2.0.into()));
+    assert!(found["mean_store_current_a"].as_f64().is_some_and(|current| current > 0.0));
+}
+
+/// The beam is stiffer with open terminals, by the closed form of its first mode.
+#[test]
+fn the_resonances_with_short_circuited_and_open_terminals_are_compared() {
+    let range = ["resonance", BEAM, "--short-open", "--from", "237", "--to", "248", "--points", "8"];
+    let few = ["--set", "parameters.beam_modes=1", "--format", "json"];
+    let found: serde_json::Value =
+        serde_json::from_str(&accepted(&[&range[..], &few[..]].concat())).expect("one JSON object");
+    let number = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("no {key}: {found}"));
+    // ω² + θ²/C, with θ = 0.04149795 and C = 15.93 nF.
+    let natural = 239.705_436_f64;
+    let open = (natural.powi(2) + (0.041_497_95 / std::f64::consts::TAU).powi(2) / 15.93e-9).sqrt();
+    assert!((number("undamped_short_circuit_frequency_hz") - natural).abs() < 1e-5);
+    assert!((number("undamped_open_circuit_frequency_hz") - open).abs() < 1e-4, "{found}");
+    // The peak of a damped mode is at √(1 − 2ζ²) of its frequency.
+    let damped = natural * (1.0 - 2e-4_f64).sqrt();
+    assert!((number("short_circuit_frequency_hz") - damped).abs() < 1e-3, "{found}");
+    let factor = number("coupling_factor_squared");
+    assert!((factor / number("undamped_coupling_factor_squared") - 1.0).abs() < 2e-3, "{found}");
+    assert!((number("short_circuit_peak_power_w") / number("open_circuit_peak_power_w") - 1.0).abs() < 0.02);
+    refused(
+        &[&range[..], &["--set", "load.resistance_ohm=1"]].concat(),
+        &["load.resistance_ohm", "--short-open"],
+    );
+    refused(&[&range[..], &["--storage-voltage", "1"]].concat(), &["--storage-voltage"]);
 }
 
 #[test]

@@ -25,3 +25,4 @@ mod sliding_rows;
 mod small_voltages;
 mod stability;
 mod steady_state;
+mod steady_state_scenes;

@@ -36,12 +36,15 @@ pub const DEFAULT_SHORT_STEP_S: f64 = 1e-6;
 /// Step in free flight where none is given, in s.
 const DEFAULT_LONG_STEP_S: f64 = 2e-5;
 
+/// The method of the core, as the command line writes it.
+pub(super) const METHOD: &str = "discrete-gradient";
+
 /// The core's parameters of a scene whose load is a resistor; a bridge is taken as it is while it blocks.
 pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyChoices<S>> {
     parameters_with(model, resistance(load))
 }
 
-fn resistance<S: Scalar>(load: Load) -> Resistive<AnyLoad<S>> {
+pub(super) fn resistance<S: Scalar>(load: Load) -> Resistive<AnyLoad<S>> {
     Resistive(AnyLoad { resistance: S::from_f64(load.resistance_ohm()) })
 }
 
@@ -151,10 +154,10 @@ fn steps(options: &Options) -> Result<[f64; 2], Failure> {
 }
 
 /// A harvester of the core, its initial values, and its lengths of step near contact and in free flight in s.
-type Prepared<S, L, const B: usize, const R: usize> =
+pub(super) type Prepared<S, L, const B: usize, const R: usize> =
     (Harvester<S, AnyChoices<S, L>, B, R>, Start<S, B, R>, [S; 2]);
 
-fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
+pub(super) fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     (scene, model, options): (&Scene, &BumpStop, &Options),
     load: L,
 ) -> Result<Prepared<S, L, B, R>, Failure> {
@@ -193,7 +196,7 @@ fn run_with<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
 }
 
 /// The refusal of a length of step by the core.
-fn refuse_step<S: Scalar>(error: ParameterError<S>) -> Failure {
+pub(super) fn refuse_step<S: Scalar>(error: ParameterError<S>) -> Failure {
     Failure::Input(format!("--step, --long-step: {error}"))
 }
 
@@ -205,7 +208,7 @@ fn to_end<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usi
 ) -> Result<Outcome, Failure> {
     let Setting { scene, excitation, .. } = setting;
     let state = harvester.start(start, &excitation).map_err(|error| refuse_start(scene, &error))?;
-    Run { setting, harvester, report: model, method: "discrete-gradient" }.measured(state, &scene.run)
+    Run { setting, harvester, report: model, method: METHOD }.measured(state, &scene.run)
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
@@ -278,7 +281,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
 }
 
 /// Numbers of modes of beam and rod that the scene keeps.
-fn modes(model: &BumpStop) -> [usize; 2] {
+pub(super) fn modes(model: &BumpStop) -> [usize; 2] {
     [model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)]
 }
 

@@ -235,6 +235,8 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             particular: report.particular(harvester, &found, state),
             store: harvester.outputs(state).storage.map(|storage| StoreOutcome {
                 store_voltage_v: number(storage.voltage),
+                mean_store_current_a: ledger
+                    .and_then(|_| number(window.integrals().mean(PowerIndex::CurrentMagnitude))),
                 stored_energy_j: storage.capacitance.is_finite().then(|| storage.energy().to_f64()),
                 diode_loss_j: spent(PowerIndex::Diodes),
                 leaked_energy_j: spent(PowerIndex::Leakage),

@@ -1,140 +1,174 @@
-//! The periodic steady state of a triboelectric scene, and its resonance, by shooting.
+//! The periodic steady state of a scene, and its resonance, by shooting.
+//!
+//! Triboelectric scenes, bare or behind a bridge into a bus of constant voltage, and bump-stop are one [`Kind`] each.
+
+mod beam;
+mod triboelectric;
 
 use std::time::Instant as Stopwatch;
 
-use model_core::hybrid::Automaton;
-use model_core::integrate::{ExponentialRadau, Method as Integrator, RungeKutta4, TrBdf2};
-use model_core::observer::ALL_POWERS;
 use model_core::scalar::Mathematics;
-use model_core::scene::Scene as CoreScene;
 
+use self::beam::beam;
+use self::triboelectric::{Bare, Bridged};
+use super::Search;
 use super::excitation::{HostExcitation, Setting, with_setting};
-use super::triboelectric::{Prepared, STATES, Simulated, Triboelectric, prepared};
-use crate::steady_state::{ForcedSystem, Orbit, Resonance, Response, Spent, Verdict, resonance};
-use harvester_scene::method::{Failure, Method, Options};
+use super::report::Report;
+use super::run::Run;
+use crate::steady_state::{
+    BestLoad, Coordinates, ForcedSystem, Orbit, Resonance, Response, Spent, Verdict, best_load, resonance,
+};
+use harvester_scene::method::{Failure, Options};
 use harvester_scene::outcome::{Outcome, Particular, SteadyState};
-use harvester_scene::scene_file::{Excitation, RunSpan, Scene};
+use harvester_scene::scene_file::{Excitation, Load, Model, RunSpan, Scene};
 
-/// An orbit of a scene of the core.
-type OrbitOf<A> = Orbit<<A as Automaton<f64, STATES, ALL_POWERS>>::Mode, STATES, ALL_POWERS>;
+/// One kind of scene, with the orbit that it has found last.
+trait Kind {
+    /// The outcome of one period of the stable orbit to which the motion from the scene's start goes; of the whole run
+    /// where there is none.
+    fn steady(&self, setting: Setting<'_, f64>) -> Result<Outcome, Failure>;
 
-/// The steady state of a scene by shooting; the scene's own run where it has no stable orbit of one period.
-pub(super) fn steady_state<M: Mathematics<f64>, T: Triboelectric>(
-    setting: Setting<'_, f64>,
-    model: &T,
-) -> Result<Outcome, Failure> {
-    let prepared = prepared::<f64, M, T>(setting, model)?;
-    let typical = model.typical(&prepared.core);
-    match setting.options.method {
-        Method::Rk4 => prepared.steady(RungeKutta4, &model.start(), &typical),
-        Method::TrBdf2 => prepared.steady(TrBdf2, &model.start(), &typical),
-        _ => prepared.steady(ExponentialRadau, &model.start(), &typical),
+    /// The response of the stable orbit that continues the last one, or else of the one from the scene's start.
+    fn follow(&mut self, setting: Setting<'_, f64>, spent: &mut Spent) -> Result<Option<Response>, Failure>;
+}
+
+/// The kind of a scene.
+fn kind<'a, M: Mathematics<f64> + 'a>(scene: &'a Scene) -> Box<dyn Kind + 'a> {
+    let resistive = matches!(scene.load, Load::Resistor { .. });
+    match &scene.model {
+        Model::ContactSeparation(model) if resistive => Box::new(Bare::<M, _>::new(model)),
+        Model::ContactSeparation(model) => Box::new(Bridged::<M, _>::new(model)),
+        Model::Sliding(model) if resistive => Box::new(Bare::<M, _>::new(model)),
+        Model::Sliding(model) => Box::new(Bridged::<M, _>::new(model)),
+        Model::BumpStop(model) => beam(scene, model),
     }
 }
 
-/// The peaks over `points` frequencies of a range in Hz, and the simulated periods that they took.
-pub(super) fn peaks<M: Mathematics<f64>, T: Triboelectric>(
-    (scene, model): (&Scene, &T),
-    range: [f64; 2],
-    points: usize,
+/// The steady state of a scene by shooting; the scene's own run where it has no stable orbit of one period.
+pub(super) fn steady_state<M: Mathematics<f64>>(setting: Setting<'_, f64>) -> Result<Outcome, Failure> {
+    kind::<M>(setting.scene).steady(setting)
+}
+
+/// The peaks over the frequencies of a search, and the simulated periods that they took; calls `done` after each frequency.
+pub(super) fn peaks<M: Mathematics<f64>>(
+    scene: &Scene,
+    search: &Search,
     options: &Options,
+    done: &mut dyn FnMut(),
 ) -> Result<(Option<Resonance>, f64), Failure> {
-    let (mut known, mut spent) = (None, Spent::default());
-    let found = resonance(range, points, |frequency_hz| {
-        let mut scene = scene.clone();
+    let (mut kind, mut spent) = (kind::<M>(scene), Spent::default());
+    let mut scene = scene.clone();
+    let found = resonance(search.range_hz, search.points, search.with_power, |frequency_hz| {
         if let Excitation::Sine(tone) = &mut scene.excitation {
             tone.frequency_hz = frequency_hz;
         }
-        with_setting::<f64, M, _>(&scene, options, |setting| {
-            let prepared = prepared::<f64, M, T>(setting, model)?;
-            let typical = model.typical(&prepared.core);
-            match options.method {
-                Method::Rk4 => {
-                    prepared.followed(RungeKutta4, &model.start(), &typical, &mut known, &mut spent)
-                }
-                Method::TrBdf2 => prepared.followed(TrBdf2, &model.start(), &typical, &mut known, &mut spent),
-                _ => prepared.followed(ExponentialRadau, &model.start(), &typical, &mut known, &mut spent),
-            }
-        })
+        done();
+        with_setting::<f64, M, _>(&scene, options, |setting| kind.follow(setting, &mut spent))
     })?;
     Ok((found, spent.periods))
 }
 
-impl<A, T> Prepared<'_, f64, A, T>
-where
-    A: CoreScene<f64, STATES, ALL_POWERS> + Copy,
-    T: Triboelectric,
-{
-    fn forced<'a, I>(
-        &'a self,
-        simulation: &'a Simulated<f64, A, I, STATES>,
-    ) -> ForcedSystem<'a, A, HostExcitation<'a, f64>, I, STATES, ALL_POWERS> {
-        ForcedSystem {
-            harvester: simulation.scene(),
-            excitation: &self.setting.excitation,
-            frequency_hz: self.setting.scene.excitation.single_frequency().unwrap_or(f64::NAN),
-            driver: simulation.driver(),
+/// The resistance that takes the most power at the frequency of the scene, and the simulated periods that it took; calls
+/// `done` after each resistance.
+pub(super) fn best_resistance<M: Mathematics<f64>>(
+    scene: &Scene,
+    options: &Options,
+    done: &mut dyn FnMut(),
+) -> Result<(Option<BestLoad>, f64), Failure> {
+    let mut scene = Scene { load: Load::Resistor { resistance_ohm: 1.0 }, ..scene.clone() };
+    let like = scene.clone();
+    let (mut kind, mut spent) = (kind::<M>(&like), Spent::default());
+    let found = best_load(|resistance_ohm| {
+        scene.load = Load::Resistor { resistance_ohm };
+        done();
+        with_setting::<f64, M, _>(&scene, options, |setting| kind.follow(setting, &mut spent))
+    })?;
+    Ok((found, spent.periods))
+}
+
+/// A harvester under the sine of a scene.
+fn forced<'a, H>(
+    harvester: &'a H,
+    setting: &'a Setting<'_, f64>,
+) -> ForcedSystem<'a, H, HostExcitation<'a, f64>> {
+    ForcedSystem {
+        harvester,
+        excitation: &setting.excitation,
+        frequency_hz: setting.scene.excitation.single_frequency().unwrap_or(f64::NAN),
+    }
+}
+
+/// [`Kind::steady`] for a run from `start` of a harvester whose coordinates are of the size `typical`.
+fn steady<H: Coordinates, R: Report<f64, H>>(
+    run: &Run<'_, f64, H, R>,
+    start: H::State,
+    typical: &[f64],
+) -> Result<Outcome, Failure> {
+    let forced = forced(run.harvester, &run.setting);
+    let began = Stopwatch::now();
+    let mut spent = Spent::default();
+    let verdict =
+        forced.steady_state(start, typical, &mut spent).map_err(|error| run.step_failure(&error, &start))?;
+    let (from, span) = match &verdict {
+        Verdict::StablePeriodOne(orbit) => {
+            let settle_s = run.harvester.clock(&orbit.start).seconds::<f64>();
+            (orbit.start, RunSpan { duration_s: settle_s + 1.0 / forced.frequency_hz, settle_s })
+        }
+        Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound(_) => {
+            (start, run.setting.scene.run)
+        }
+    };
+    let mut outcome = run.measured(from, &span)?;
+    let simulated_s = span.duration_s - run.harvester.clock(&from).seconds::<f64>();
+    outcome.steady_state = Some(SteadyState {
+        steady_state: verdict.name(),
+        largest_multiplier: verdict.orbit().map(Orbit::largest_multiplier),
+        steady_state_residual: verdict.residual(),
+        simulated_periods: spent.periods + simulated_s * forced.frequency_hz,
+    });
+    outcome.warnings.extend(warning(&verdict));
+    outcome.steps += spent.work.steps;
+    outcome.rejected_steps += spent.work.rejected;
+    outcome.newton_iterations += spent.work.iterations;
+    outcome.events += spent.work.events;
+    outcome.wall_s = began.elapsed().as_secs_f64();
+    if outcome.is_of_an_orbit() {
+        // Each period is like the others: parts of one, from another phase in another run, are no samples.
+        let parts = outcome.block_energies_j.len() as f64;
+        outcome.block_energies_j.fill(outcome.delivered_energy_j.unwrap_or(0.0) / parts);
+        // An orbit has no first impact or contact.
+        match &mut outcome.particular {
+            Particular::ContactSeparation(motion) => motion.first_impact_s = None,
+            Particular::BumpStop(motion) => motion.first_contact_s = None,
+            Particular::Sliding(_) => {}
         }
     }
+    Ok(outcome)
+}
 
-    /// The outcome of one period of the stable orbit to which the motion from `start` goes; of the whole run where there
-    /// is none.
-    fn steady<I: Integrator<f64>>(
-        &self,
-        integrator: I,
-        start: &A::Start,
-        typical: &[f64; STATES],
-    ) -> Result<Outcome, Failure> {
-        let simulation = self.simulation(integrator);
-        let state = self.start(&simulation, start)?;
-        let (run, forced) = (self.run(&simulation), self.forced(&simulation));
-        let began = Stopwatch::now();
-        let mut spent = Spent::default();
-        let verdict = forced
-            .steady_state(state, typical, &mut spent)
-            .map_err(|error| run.step_failure(&error, &state))?;
-        let (from, span) = match &verdict {
-            Verdict::StablePeriodOne(orbit) => {
-                let settle_s = orbit.start.clock.seconds::<f64>();
-                (orbit.start, RunSpan { duration_s: settle_s + 1.0 / forced.frequency_hz, settle_s })
-            }
-            Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound => {
-                (state, self.setting.scene.run)
-            }
-        };
-        let mut outcome = run.measured(from, &span)?;
-        let simulated_s = span.duration_s - from.clock.seconds::<f64>();
-        outcome.steady_state = Some(SteadyState {
-            steady_state: verdict.name(),
-            largest_multiplier: verdict.orbit().map(Orbit::largest_multiplier),
-            simulated_periods: spent.periods + simulated_s * forced.frequency_hz,
-        });
-        outcome.steps += spent.work.steps;
-        outcome.rejected_steps += spent.work.rejected;
-        outcome.newton_iterations += spent.work.iterations;
-        outcome.events += spent.work.events;
-        outcome.wall_s = began.elapsed().as_secs_f64();
-        if outcome.is_of_an_orbit()
-            && let Particular::ContactSeparation(motion) = &mut outcome.particular
-        {
-            // An orbit has no first impact.
-            motion.first_impact_s = None;
-        }
-        Ok(outcome)
-    }
+/// What to know where the numbers are not those of an orbit.
+fn warning<T>(verdict: &Verdict<T>) -> Option<String> {
+    let why = match verdict {
+        Verdict::StablePeriodOne(_) => return None,
+        Verdict::NotReached(_) => "the transient does not reach the stable orbit of one period".to_owned(),
+        Verdict::UnstablePeriodOne(_) => "the orbit of one period is unstable".to_owned(),
+        Verdict::NotFound(left) if left.residual.is_finite() => format!(
+            "shooting found no orbit of one period: the state still changes by {:.1e} of its half range over a period",
+            left.residual
+        ),
+        Verdict::NotFound(_) => "shooting found no orbit of one period: the period map fails".to_owned(),
+    };
+    Some(format!("steady state: {why}; the numbers are those of the run, transient included up to settle_s"))
+}
 
-    /// The response of the orbit that `known` leads to, or the start.
-    fn followed<I: Integrator<f64>>(
-        &self,
-        integrator: I,
-        start: &A::Start,
-        typical: &[f64; STATES],
-        known: &mut Option<OrbitOf<A>>,
-        spent: &mut Spent,
-    ) -> Result<Option<Response>, Failure> {
-        let simulation = self.simulation(integrator);
-        let state = self.start(&simulation, start)?;
-        let found = self.forced(&simulation).followed(known, state, typical, spent);
-        found.map_err(|error| self.run(&simulation).step_failure(&error, &state))
-    }
+/// [`Kind::follow`] for a harvester with a start, and coordinates of the size `typical`.
+fn follow<H: Coordinates, R: Report<f64, H>>(
+    run: &Run<'_, f64, H, R>,
+    start: H::State,
+    typical: &[f64],
+    known: &mut Option<Orbit<H::State>>,
+    spent: &mut Spent,
+) -> Result<Option<Response>, Failure> {
+    let found = forced(run.harvester, &run.setting).followed(known, start, typical, spent);
+    found.map_err(|error| run.step_failure(&error, &start))
 }

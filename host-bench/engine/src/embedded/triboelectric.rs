@@ -6,6 +6,7 @@ use model_core::integrate::{
     AnyStepControl, Cubic, ExponentialRadau, Method as Integrator, RungeKutta4, TrBdf2,
 };
 use model_core::observer::{ALL_POWERS, AcceptedStep, Motion, Outputs, PowerIndex};
+use model_core::part::storage::AnyStorage;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::rectified::{ElectricalPort, Rectified};
 use model_core::scene::{Harvester, Scene as CoreScene, Simulation};
@@ -117,21 +118,34 @@ pub(super) fn prepared<'a, S: Scalar, M: Mathematics<S>, T: Triboelectric>(
     Ok(Prepared { setting, core, model, control })
 }
 
-/// Runs the scene from its start to its end.
-pub(super) fn run<S: Scalar, M: Mathematics<S>, T: Triboelectric>(
-    setting: Setting<'_, S>,
-    model: &T,
-) -> Result<Outcome, Failure> {
+/// A scene of the core behind a bridge.
+type Bridged<'a, S, M, T> = Prepared<'a, S, Rectified<S, <T as Triboelectric>::Core<S, M>, AnyStorage<S>>, T>;
+
+/// All that a run of a scene behind a bridge needs.
+pub(super) fn behind_bridge<'a, S: Scalar, M: Mathematics<S>, T: Triboelectric>(
+    setting: Setting<'a, S>,
+    model: &'a T,
+) -> Result<Bridged<'a, S, M, T>, Failure> {
     let Setting { scene, options, .. } = setting;
-    let Some(bridge) = bridge(scene.load) else {
-        return prepared::<S, M, T>(setting, model)?.to_end::<STATES>(&model.start());
-    };
+    let bridge = bridge(scene.load)
+        .ok_or_else(|| Failure::of_file(scene, "load.kind: must be a bridge, is \"resistor\""))?;
     let inner = model.core::<S, M>(scene)?;
     let motion_s = model.explicit_step(&inner, scene.load);
     let core =
         Rectified::new(inner, bridge).map_err(|error| Failure::of_file(scene, format!("load.{error}")))?;
     let control = step_control(scene, options, explicit_step(motion_s, scene.load))?;
-    Prepared { setting, core, model, control }.to_end(&model.start())
+    Ok(Prepared { setting, core, model, control })
+}
+
+/// Runs the scene from its start to its end.
+pub(super) fn run<S: Scalar, M: Mathematics<S>, T: Triboelectric>(
+    setting: Setting<'_, S>,
+    model: &T,
+) -> Result<Outcome, Failure> {
+    if matches!(setting.scene.load, Load::Resistor { .. }) {
+        return prepared::<S, M, T>(setting, model)?.to_end::<STATES>(&model.start());
+    }
+    behind_bridge::<S, M, T>(setting, model)?.to_end(&model.start())
 }
 
 impl<'a, S: Scalar, A: Copy, T: Triboelectric> Prepared<'a, S, A, T> {

@@ -38,9 +38,8 @@ impl Linearisation {
     }
 
     /// The change of the image that a small change of the point makes.
-    pub fn image<const N: usize>(&self, change: &[f64; N]) -> [f64; N] {
-        let image = &self.jacobian * DVector::from_column_slice(change);
-        std::array::from_fn(|index| image[index])
+    pub fn image(&self, change: &[f64]) -> Vec<f64> {
+        (&self.jacobian * DVector::from_column_slice(change)).as_slice().to_vec()
     }
 
     /// The solution of `(I − J) step = residual` among the unknowns; `None` if there is none.
@@ -69,47 +68,64 @@ impl Linearisation {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub struct FixedPoint<const N: usize> {
-    pub point: [f64; N],
+pub struct FixedPoint {
+    pub point: Vec<f64>,
     /// The map there.
     pub linearisation: Linearisation,
 }
 
+/// The iteration has not found a fixed point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NotFound {
+    /// The least distance of a point that was tried from its image, in units of the scale of each entry: the root of the
+    /// sum of the squares. Infinite if the map failed at the start.
+    pub residual: f64,
+}
+
 /// A map of a vector, which fails where it returns `None`, and the scale of each entry.
 #[expect(missing_debug_implementations, reason = "a closure has none")]
-pub struct Map<'a, const N: usize> {
+pub struct Map<'a> {
     /// The map.
-    pub apply: &'a mut dyn FnMut(&[f64; N]) -> Option<[f64; N]>,
+    pub apply: &'a mut dyn FnMut(&[f64]) -> Option<Vec<f64>>,
     /// The scale of each entry.
-    pub scale: [f64; N],
+    pub scale: Vec<f64>,
     /// Step, in units of the scale, below which a point counts as found.
     pub accuracy: f64,
 }
 
-impl<const N: usize> Map<'_, N> {
-    /// The fixed point that the iteration finds from `start`; `None` if it finds none.
+impl Map<'_> {
+    /// The fixed point that the iteration finds from `start`.
     ///
     /// `known` is a linearisation of the map nearby, if there is one.
-    pub fn fixed_point(&mut self, start: [f64; N], known: Option<Linearisation>) -> Option<FixedPoint<N>> {
+    ///
+    /// # Errors
+    /// The residual that is left.
+    pub fn fixed_point(
+        &mut self,
+        start: Vec<f64>,
+        known: Option<Linearisation>,
+    ) -> Result<FixedPoint, NotFound> {
         let mut point = start;
-        let mut image = (self.apply)(&point)?;
+        let mut image = (self.apply)(&point).ok_or(NotFound { residual: f64::INFINITY })?;
+        let mut least = NotFound { residual: self.scaled(&image, &point).norm() };
         let mut fresh = known.is_none();
         let mut linear = match known {
             Some(linear) => linear,
-            None => self.linearise(&point, &image)?,
+            None => self.linearise(&point, &image).ok_or(least)?,
         };
         for _ in 0..MOST_ITERATIONS {
             let residual = self.scaled(&image, &point);
+            least.residual = least.residual.min(residual.norm());
             let step = linear.step(&residual);
             if let Some(step) = step.as_ref().filter(|step| fresh && step.amax() < self.accuracy) {
-                return Some(FixedPoint { point: self.moved(&point, step), linearisation: linear });
+                return Ok(FixedPoint { point: self.moved(&point, step), linearisation: linear });
             }
             let next = step.as_ref().and_then(|step| self.descend(&point, step, residual.norm()));
             let Some((next, next_image)) = next else {
                 if fresh {
-                    return None;
+                    return Err(least);
                 }
-                linear = self.linearise(&point, &image)?;
+                linear = self.linearise(&point, &image).ok_or(least)?;
                 fresh = true;
                 continue;
             };
@@ -119,20 +135,23 @@ impl<const N: usize> Map<'_, N> {
             let small = step.is_some_and(|step| step.amax() < self.accuracy);
             fresh = small || remaining > POOR * residual.norm();
             if fresh {
-                linear = self.linearise(&point, &image)?;
+                linear = self.linearise(&point, &image).ok_or(least)?;
             }
         }
-        None
+        // The last iteration may have arrived.
+        let residual = self.scaled(&image, &point);
+        least.residual = least.residual.min(residual.norm());
+        match linear.step(&residual) {
+            Some(step) if fresh && step.amax() < self.accuracy => {
+                Ok(FixedPoint { point: self.moved(&point, &step), linearisation: linear })
+            }
+            _ => Err(least),
+        }
     }
 
     /// The farthest point along `step` at which the residual is less, with its image. A step below the accuracy is taken
     /// whole, because the residual may be noise.
-    fn descend(
-        &mut self,
-        point: &[f64; N],
-        step: &DVector<f64>,
-        residual: f64,
-    ) -> Option<([f64; N], [f64; N])> {
+    fn descend(&mut self, point: &[f64], step: &DVector<f64>, residual: f64) -> Option<(Vec<f64>, Vec<f64>)> {
         let mut part = 1.0;
         while part >= SMALLEST_PART {
             let next = self.moved(point, &(step * part));
@@ -147,30 +166,34 @@ impl<const N: usize> Map<'_, N> {
         None
     }
 
-    fn linearise(&mut self, point: &[f64; N], image: &[f64; N]) -> Option<Linearisation> {
-        let mut jacobian = DMatrix::zeros(N, N);
-        let mut handed_on: [bool; N] = std::array::from_fn(|index| image[index] == point[index]);
-        for column in 0..N {
-            let mut beside = *point;
+    fn linearise(&mut self, point: &[f64], image: &[f64]) -> Option<Linearisation> {
+        let size = point.len();
+        let mut jacobian = DMatrix::zeros(size, size);
+        let mut handed_on: Vec<bool> =
+            point.iter().zip(image).map(|(before, after)| before == after).collect();
+        for column in 0..size {
+            let mut beside = point.to_vec();
             beside[column] += DIFFERENCE * self.scale[column];
             // The difference after rounding.
             let difference = (beside[column] - point[column]) / self.scale[column];
             let beside_image = (self.apply)(&beside)?;
             jacobian.set_column(column, &(self.scaled(&beside_image, image) / difference));
-            for index in 0..N {
+            for index in 0..size {
                 handed_on[index] &= beside_image[index] == beside[index];
             }
         }
-        let unknowns = (0..N).filter(|&index| !handed_on[index]).collect();
+        let unknowns = (0..size).filter(|&index| !handed_on[index]).collect();
         Some(Linearisation { jacobian, unknowns })
     }
 
     /// `(one − other) / scale`.
-    fn scaled(&self, one: &[f64; N], other: &[f64; N]) -> DVector<f64> {
-        DVector::from_fn(N, |index, _| (one[index] - other[index]) / self.scale[index])
+    fn scaled(&self, one: &[f64], other: &[f64]) -> DVector<f64> {
+        let entries = one.iter().zip(other).zip(&self.scale);
+        DVector::from_iterator(one.len(), entries.map(|((one, other), scale)| (one - other) / scale))
     }
 
-    fn moved(&self, point: &[f64; N], step: &DVector<f64>) -> [f64; N] {
-        std::array::from_fn(|index| point[index] + self.scale[index] * step[index])
+    fn moved(&self, point: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        let entries = point.iter().zip(&self.scale).zip(step.iter());
+        entries.map(|((entry, scale), step)| entry + scale * step).collect()
     }
 }

@@ -2,28 +2,41 @@
 
 use model_core::clock::Instant;
 use model_core::excitation::Excitation;
-use model_core::hybrid::{Automaton, Driver, HybridState, StepError, Work};
-use model_core::integrate::{AnyStepControl, Method, Point};
+use model_core::hybrid::{StepError, Work};
 use model_core::observer::{AcceptedStep, Event, Observer};
+use model_core::scene::Harvester;
 
-/// Attempts per call of the driver: the counts of a call fit in 32 bits.
+/// Attempts per call of a harvester: the counts of a call fit in 32 bits.
 const BUDGET: u32 = 1 << 24;
+
+/// A harvester whose state has coordinates, the unknowns of a periodic motion.
+///
+/// The other parts of a state, such as its mode, are those of a *pattern*: a state of the transient at the same phase.
+pub trait Coordinates: Harvester<f64> {
+    /// Parts into which the period is divided to find the extremes of the coordinates; 1 if
+    /// [`Outputs::state`](model_core::observer::Outputs::state) has the coordinates at every step.
+    const PARTS: u32;
+
+    /// The coordinates of a state, in the units of the state.
+    fn coordinates(&self, state: &Self::State) -> Vec<f64>;
+
+    /// The state with the clock and the mode of `pattern` at other coordinates, under the base acceleration at its clock in
+    /// m/s²; `None` if there is no such state.
+    fn at(&self, pattern: &Self::State, coordinates: &[f64], acceleration: f64) -> Option<Self::State>;
+
+    /// Whether two states have the same mode, so that a small change of the one leads to the other.
+    fn is_like(&self, one: &Self::State, other: &Self::State) -> bool;
+}
 
 /// A harvester under one sine.
 #[derive(Debug)]
-pub struct ForcedSystem<'a, A, E, I, const N: usize, const P: usize> {
-    pub harvester: &'a A,
+pub struct ForcedSystem<'a, H, E> {
+    pub harvester: &'a H,
     /// The base acceleration: one sine.
     pub excitation: &'a E,
     /// Frequency of the sine in Hz.
     pub frequency_hz: f64,
-    /// The driver that takes the steps.
-    pub driver: &'a Driver<I, AnyStepControl<f64>>,
 }
-
-/// A state of a harvester of the core.
-pub type StateOf<A, const N: usize, const P: usize> =
-    HybridState<f64, <A as Automaton<f64, N, P>>::Mode, N, P>;
 
 /// Work of a whole run: a long one has more steps than fit in 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -59,12 +72,7 @@ pub struct Spent {
     pub work: Total,
 }
 
-impl<A, E, I, const N: usize, const P: usize> ForcedSystem<'_, A, E, I, N, P>
-where
-    A: Automaton<f64, N, P>,
-    E: Excitation<f64>,
-    I: Method<f64>,
-{
+impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
     /// The instant `periods` periods after the start, at most the last instant of the clock.
     pub(super) fn instant(&self, periods: f64) -> Instant {
         Instant::from_seconds(periods / self.frequency_hz).unwrap_or(Instant::from_ticks(u64::MAX))
@@ -73,102 +81,127 @@ where
     /// Advances `state` to `until`.
     pub(super) fn advance<O: Observer<f64>>(
         &self,
-        state: &mut StateOf<A, N, P>,
+        state: &mut H::State,
         until: Instant,
         observer: &mut O,
         spent: &mut Spent,
     ) -> Result<(), StepError<f64>> {
-        let from = state.clock;
-        while state.clock < until {
-            let advance =
-                self.driver.advance(self.harvester, state, self.excitation, until, BUDGET, observer)?;
+        let from = self.harvester.clock(state);
+        while self.harvester.clock(state) < until {
+            let advance = self.harvester.advance(state, self.excitation, until, BUDGET, observer)?;
             spent.work.add(&advance.work);
         }
-        let ticks = state.clock.ticks().saturating_sub(from.ticks());
+        let ticks = self.harvester.clock(state).ticks().saturating_sub(from.ticks());
         spent.periods += Instant::from_ticks(ticks).seconds::<f64>() * self.frequency_hz;
         Ok(())
     }
 
-    /// `pattern` at another state vector, with its clock, mode and memory.
-    pub(super) fn at(&self, pattern: &StateOf<A, N, P>, vector: &[f64; N]) -> StateOf<A, N, P> {
-        let input = self.excitation.acceleration(pattern.clock);
-        let mut state = *pattern;
-        state.point = Point::at(&self.harvester.flow(pattern.mode), *vector, input);
-        state
+    /// Advances `state` to `until` and watches it on its way.
+    pub(super) fn watched(
+        &self,
+        state: &mut H::State,
+        until: Instant,
+        spent: &mut Spent,
+    ) -> Result<Watch, StepError<f64>> {
+        let mut watch = Watch::new(H::PARTS == 1);
+        let from = self.harvester.clock(state).ticks();
+        let length = until.ticks().saturating_sub(from);
+        for part in 1..=u64::from(H::PARTS) {
+            let end = Instant::from_ticks(from + length / u64::from(H::PARTS) * part);
+            let end = if part == u64::from(H::PARTS) { until } else { end };
+            self.advance(state, end, &mut watch, spent)?;
+            if H::PARTS > 1 {
+                watch.see(&self.harvester.coordinates(state));
+            }
+        }
+        Ok(watch)
     }
 
-    /// The state vector one period after `vector`, which has the clock and the mode of `pattern`; `None` if the mode then
+    /// `pattern` at other coordinates, with its clock, mode and memory.
+    pub(super) fn at(&self, pattern: &H::State, vector: &[f64]) -> Option<H::State> {
+        let acceleration = self.excitation.acceleration(self.harvester.clock(pattern));
+        self.harvester.at(pattern, vector, acceleration)
+    }
+
+    /// The coordinates one period after `vector`, which has the clock and the mode of `pattern`; `None` if the mode then
     /// is another, or a step cannot be taken.
     pub(super) fn period<O: Observer<f64>>(
         &self,
-        pattern: &StateOf<A, N, P>,
-        vector: &[f64; N],
+        pattern: &H::State,
+        vector: &[f64],
         observer: &mut O,
         spent: &mut Spent,
-    ) -> Option<[f64; N]> {
-        let mut state = self.at(pattern, vector);
-        let until = Instant::from_ticks(state.clock.ticks().saturating_add(self.instant(1.0).ticks()));
+    ) -> Option<Vec<f64>> {
+        let mut state = self.at(pattern, vector)?;
+        let from = self.harvester.clock(&state).ticks();
+        let until = Instant::from_ticks(from.saturating_add(self.instant(1.0).ticks()));
         self.advance(&mut state, until, observer, spent).ok()?;
-        (state.mode == pattern.mode).then_some(state.point.state)
+        self.harvester.is_like(&state, pattern).then(|| self.harvester.coordinates(&state))
     }
 }
 
-/// The smooth stretches of a motion, and the extremes of each state.
+/// The smooth stretches of a motion, and the extremes of each coordinate.
 #[derive(Debug)]
-pub(super) struct Watch<const N: usize> {
+pub(super) struct Watch {
     stretches: Vec<Stretch>,
     event: bool,
-    lowest: [f64; N],
-    highest: [f64; N],
+    /// Whether the outputs have the coordinates.
+    reads_state: bool,
+    lowest: Vec<f64>,
+    highest: Vec<f64>,
 }
 
 #[derive(Debug)]
 struct Stretch {
-    stick: bool,
+    /// Whether the mass sticks, or beam and stop touch.
+    held: bool,
     from: u64,
     to: u64,
 }
 
-impl<const N: usize> Watch<N> {
-    pub(super) fn new() -> Self {
-        Self {
-            stretches: Vec::new(),
-            event: true,
-            lowest: [f64::INFINITY; N],
-            highest: [f64::NEG_INFINITY; N],
-        }
+impl Watch {
+    fn new(reads_state: bool) -> Self {
+        let (lowest, highest) = (Vec::new(), Vec::new());
+        Self { stretches: Vec::new(), event: true, reads_state, lowest, highest }
     }
 
-    /// Half the range of each state, at least a thousandth of its typical size.
-    pub(super) fn scale(&self, typical: &[f64; N]) -> [f64; N] {
-        std::array::from_fn(|index| {
-            let half = 0.5 * (self.highest[index] - self.lowest[index]);
-            half.max(1e-3 * typical[index])
-        })
+    /// Half the range of each coordinate, at least a thousandth of its typical size.
+    pub(super) fn scale(&self, typical: &[f64]) -> Vec<f64> {
+        let ranges = self.lowest.iter().zip(&self.highest).zip(typical);
+        ranges.map(|((lowest, highest), typical)| (0.5 * (highest - lowest)).max(1e-3 * typical)).collect()
     }
 
-    /// Ticks from the start of the watch to the middle of the longest smooth stretch, without stick if there is such a
-    /// stretch; 0 for a motion without events.
+    /// Ticks from the start of the watch to the middle of the longest smooth stretch, without stick or contact if there is
+    /// such a stretch; 0 for a motion without events.
     pub(super) fn calmest(&self) -> u64 {
         let [first, _, ..] = &self.stretches[..] else { return 0 };
-        let longest = self.stretches.iter().max_by_key(|stretch| (!stretch.stick, stretch.to - stretch.from));
+        let longest = self.stretches.iter().max_by_key(|stretch| (!stretch.held, stretch.to - stretch.from));
         longest.map_or(0, |stretch| stretch.from.midpoint(stretch.to) - first.from)
+    }
+
+    /// Widens the extremes to some coordinates.
+    fn see(&mut self, coordinates: &[f64]) {
+        self.lowest.resize(coordinates.len(), f64::INFINITY);
+        self.highest.resize(coordinates.len(), f64::NEG_INFINITY);
+        for ((lowest, highest), &entry) in self.lowest.iter_mut().zip(&mut self.highest).zip(coordinates) {
+            *lowest = lowest.min(entry);
+            *highest = highest.max(entry);
+        }
     }
 }
 
-impl<const N: usize> Observer<f64> for Watch<N> {
+impl Observer<f64> for Watch {
     fn step(&mut self, step: &AcceptedStep<'_, f64>) {
         let (from, to) = (step.from.ticks(), step.until().ticks());
+        let held = step.start.stick || step.contact.peak_force > 0.0;
         match self.stretches.last_mut() {
-            Some(stretch) if !self.event => stretch.to = to,
-            _ => self.stretches.push(Stretch { stick: step.start.stick, from, to }),
+            Some(stretch) if !self.event && stretch.held == held => stretch.to = to,
+            _ => self.stretches.push(Stretch { held, from, to }),
         }
         self.event = false;
-        for state in [step.start.state, step.end.state] {
-            for (index, &entry) in state.iter().enumerate().take(N) {
-                self.lowest[index] = self.lowest[index].min(entry);
-                self.highest[index] = self.highest[index].max(entry);
-            }
+        if self.reads_state {
+            self.see(step.start.state);
+            self.see(step.end.state);
         }
     }
 

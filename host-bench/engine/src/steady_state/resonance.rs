@@ -1,4 +1,5 @@
-//! The frequencies at which a steady state has its largest amplitude and its largest voltage.
+//! The frequencies at which a steady state has its largest amplitude, voltage and power, and the resistance that takes the
+//! most power.
 
 use serde::Serialize;
 
@@ -8,6 +9,12 @@ use super::orbit::Response;
 pub const DEFAULT_POINTS: usize = 41;
 /// Width in Hz to which a peak is narrowed down.
 const WITHIN_HZ: f64 = 2e-5;
+/// Resistances in Ω between which the best one is sought, as powers of ten.
+const RESISTANCES: [f64; 2] = [0.0, 13.0];
+/// Resistances of the first scan for each power of ten.
+const EACH_DECADE: usize = 2;
+/// Width to which the natural logarithm of the best resistance is narrowed down.
+const WITHIN_RATIO: f64 = 1e-3;
 /// Evaluations after which the search for a peak ends.
 const MOST_EVALUATIONS: usize = 60;
 
@@ -32,6 +39,8 @@ pub struct Resonance {
     pub amplitude: Peak,
     /// Of the RMS voltage in V.
     pub rms_voltage: Peak,
+    /// Of the mean power in W, if it was asked for and there is any.
+    pub mean_power: Option<Peak>,
     /// All responses that were computed, in rising order of frequency; `None` where there is no stable
     /// orbit.
     pub responses: Vec<(f64, Option<Response>)>,
@@ -40,10 +49,12 @@ pub struct Resonance {
 /// Scans `points` frequencies from `from` to `to` in Hz in rising order, then narrows down both peaks.
 ///
 /// `respond` gives the response at a frequency. Frequencies follow each other closely, so that `respond` can follow an
-/// orbit. The result is `None` if no frequency of the scan has a response.
+/// orbit. The result is `None` if no frequency of the scan has a response. The peak of the power is sought only
+/// `with_power`.
 pub fn resonance<F>(
     [from, to]: [f64; 2],
     points: usize,
+    with_power: bool,
     mut respond: impl FnMut(f64) -> Result<Option<Response>, F>,
 ) -> Result<Option<Resonance>, F> {
     let last = points.max(3) - 1;
@@ -52,15 +63,48 @@ pub fn resonance<F>(
     for index in 0..=last {
         responses.push((frequency(index), respond(frequency(index))?));
     }
-    let mut peaks = Vec::new();
-    for measure in [amplitude, voltage] {
-        responses.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let Some(peak) = narrowed(&mut responses, measure, &mut respond)? else { return Ok(None) };
-        peaks.push(peak);
-    }
+    let mut peak = |responses: &mut Vec<_>, measure| {
+        responses.sort_by(|one: &(f64, _), other: &(f64, _)| one.0.total_cmp(&other.0));
+        narrowed(responses, WITHIN_HZ, measure, &mut respond)
+    };
+    let Some(amplitude) = peak(&mut responses, amplitude)? else { return Ok(None) };
+    let Some(rms_voltage) = peak(&mut responses, voltage)? else { return Ok(None) };
+    let has_power = responses.iter().any(|(_, found)| found.as_ref().is_some_and(|found| power(found) > 0.0));
+    let mean_power = if with_power && has_power { peak(&mut responses, power)? } else { None };
     responses.sort_by(|one, other| one.0.total_cmp(&other.0));
-    let [amplitude, rms_voltage] = peaks[..] else { return Ok(None) };
-    Ok(Some(Resonance { amplitude, rms_voltage, responses }))
+    Ok(Some(Resonance { amplitude, rms_voltage, mean_power, responses }))
+}
+
+/// The load that takes the most power.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BestLoad {
+    pub resistance_ohm: f64,
+    pub mean_power_w: f64,
+}
+
+/// Scans resistances from 1 Ω to 10 TΩ and narrows down the largest mean power. `None` if no resistance has a response, or
+/// the largest power is at an end of the range.
+///
+/// `respond` gives the response at a resistance in Ω; resistances follow each other, so that `respond` can follow an orbit.
+pub fn best_load<F>(
+    mut respond: impl FnMut(f64) -> Result<Option<Response>, F>,
+) -> Result<Option<BestLoad>, F> {
+    let [first, last] = RESISTANCES;
+    let count = ((last - first) * EACH_DECADE as f64) as usize;
+    let mut at = |logarithm: f64| respond(logarithm.exp());
+    let mut responses = Vec::new();
+    for index in 0..=count {
+        let logarithm = (first + index as f64 / EACH_DECADE as f64) * std::f64::consts::LN_10;
+        responses.push((logarithm, at(logarithm)?));
+    }
+    let found = narrowed(&mut responses, WITHIN_RATIO, power, &mut at)?;
+    Ok(found
+        .filter(|peak| !peak.at_edge && peak.value > 0.0)
+        .map(|peak| BestLoad { resistance_ohm: peak.frequency_hz.exp(), mean_power_w: peak.value }))
+}
+
+fn power(response: &Response) -> f64 {
+    response.mean_power_w
 }
 
 fn amplitude(response: &Response) -> f64 {
@@ -71,11 +115,12 @@ fn voltage(response: &Response) -> f64 {
     response.rms_voltage_v
 }
 
-/// The peak between the neighbours of the largest response so far, by Brent's method: a parabola
+/// The peak between the neighbours of the largest response so far to a width `within`, by Brent's method: a parabola
 /// through the three best points where that converges, a golden section where it does not
 /// (R. P. Brent, *Algorithms for Minimization without Derivatives*, 1973, chapter 5).
 fn narrowed<F>(
     responses: &mut Vec<(f64, Option<Response>)>,
+    within: f64,
     measure: fn(&Response) -> f64,
     respond: &mut impl FnMut(f64) -> Result<Option<Response>, F>,
 ) -> Result<Option<Peak>, F> {
@@ -94,12 +139,12 @@ fn narrowed<F>(
     let (mut step, mut before) = (0.0_f64, 0.0_f64);
     for _ in 0..MOST_EVALUATIONS {
         let middle = 0.5 * (low + high);
-        if (first.0 - middle).abs() + 0.5 * (high - low) <= 2.0 * WITHIN_HZ {
+        if (first.0 - middle).abs() + 0.5 * (high - low) <= 2.0 * within {
             break;
         }
         let parabola = vertex(first, second, third)
             .filter(|change| change.abs() < 0.5 * before.abs())
-            .filter(|change| (low + WITHIN_HZ..high - WITHIN_HZ).contains(&(first.0 + change)));
+            .filter(|change| (low + within..high - within).contains(&(first.0 + change)));
         (before, step) = match parabola {
             Some(change) => (step, change),
             None => {
@@ -107,8 +152,8 @@ fn narrowed<F>(
                 (longer, SECTION * longer)
             }
         };
-        if step.abs() < WITHIN_HZ {
-            step = WITHIN_HZ.copysign(step);
+        if step.abs() < within {
+            step = within.copysign(step);
         }
         let frequency = first.0 + step;
         let response = respond(frequency)?;
@@ -127,7 +172,7 @@ fn narrowed<F>(
         }
     }
     let within_hz = (high - first.0).max(first.0 - low);
-    let at_edge = ends.iter().any(|end| (end - first.0).abs() <= 2.0 * WITHIN_HZ);
+    let at_edge = ends.iter().any(|end| (end - first.0).abs() <= 2.0 * within);
     Ok(Some(Peak { frequency_hz: first.0, value: first.1, within_hz, at_edge }))
 }
 

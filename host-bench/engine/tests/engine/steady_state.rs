@@ -1,16 +1,17 @@
 //! The peak finder on a response with a known peak; fixed points of a known map.
 
-use harvester_engine::steady_state::{Map, Response, resonance};
+use harvester_engine::steady_state::{Map, Response, best_load, resonance};
 
 /// An affine map with the eigenvalues 0.999 and ½ ± ½ i.
-fn affine([x, y, z]: &[f64; 3]) -> Option<[f64; 3]> {
-    Some([0.5 * x - 0.5 * y + 1.0, 0.5 * x + 0.5 * y, 0.999 * z + 0.1 * x + 2.0])
+fn affine(point: &[f64]) -> Option<Vec<f64>> {
+    let [x, y, z] = point else { return None };
+    Some(vec![0.5 * x - 0.5 * y + 1.0, 0.5 * x + 0.5 * y, 0.999 * z + 0.1 * x + 2.0])
 }
 
 #[test]
 fn the_fixed_point_of_an_affine_map_has_its_eigenvalues() {
-    let mut map = Map { apply: &mut affine, scale: [1.0, 2.0, 100.0], accuracy: 1e-7 };
-    let found = map.fixed_point([3.0, -7.0, 0.0], None).expect("converges");
+    let mut map = Map { apply: &mut affine, scale: vec![1.0, 2.0, 100.0], accuracy: 1e-7 };
+    let found = map.fixed_point(vec![3.0, -7.0, 0.0], None).expect("converges");
     // (I − A) x = b: x = y = 1 and z = (0.1 + 2)/0.001.
     for (value, expected) in found.point.iter().zip([1.0, 1.0, 2100.0]) {
         assert!((value / expected - 1.0).abs() < 1e-6, "{:?}", found.point);
@@ -25,12 +26,13 @@ fn the_fixed_point_of_an_affine_map_has_its_eigenvalues() {
 #[test]
 fn an_entry_that_is_handed_on_is_no_unknown() {
     let mut count = 0;
-    let mut apply = |[x, y]: &[f64; 2]| {
+    let mut apply = |point: &[f64]| {
+        let [x, y] = point else { return None };
         count += 1;
-        Some([0.2 * x * x + 0.1 * y, *y])
+        Some(vec![0.2 * x * x + 0.1 * y, *y])
     };
-    let mut map = Map { apply: &mut apply, scale: [1.0, 1.0], accuracy: 1e-9 };
-    let found = map.fixed_point([0.3, 2.0], None).expect("converges");
+    let mut map = Map { apply: &mut apply, scale: vec![1.0, 1.0], accuracy: 1e-9 };
+    let found = map.fixed_point(vec![0.3, 2.0], None).expect("converges");
     // 0.2 x² − x + 0.2 = 0.
     let exact = (1.0 - (1.0 - 0.16_f64).sqrt()) / 0.4;
     assert!((found.point[0] - exact).abs() < 1e-9, "{:?}", found.point);
@@ -43,30 +45,59 @@ fn an_entry_that_is_handed_on_is_no_unknown() {
 
 #[test]
 fn a_map_without_a_fixed_point_has_none() {
-    let mut apply = |[x]: &[f64; 1]| Some([x + 1.0 + x * x]);
-    let mut map = Map { apply: &mut apply, scale: [1.0], accuracy: 1e-9 };
-    assert_eq!(map.fixed_point([0.7], None), None);
+    let mut apply = |point: &[f64]| Some(point.iter().map(|x| x + 1.0 + x * x).collect());
+    let mut map = Map { apply: &mut apply, scale: vec![1.0], accuracy: 1e-9 };
+    // |x + 1 + x² − x| is at least 1.
+    let left = map.fixed_point(vec![0.7], None).expect_err("there is none");
+    assert!((1.0..1.5).contains(&left.residual), "{left:?}");
+}
+
+fn response(amplitude_m: f64, rms_voltage_v: f64) -> Response {
+    Response { amplitude_m, rms_voltage_v, mean_power_w: 0.0, mean_current_a: 0.0 }
 }
 
 #[test]
 fn both_peaks_of_a_lorentzian_are_found() {
     let mut evaluations = 0;
     let line = |f: f64, centre: f64, width: f64| 1.0 / (1.0 + ((f - centre) / width).powi(2)).sqrt();
-    let found = resonance([19.0, 21.0], 21, |f| {
+    let found = resonance([19.0, 21.0], 21, false, |f| {
         evaluations += 1;
-        Ok::<_, ()>(
-            (f < 20.55)
-                .then(|| Response { amplitude_m: line(f, 20.0317, 0.1), rms_voltage_v: line(f, 20.43, 0.3) }),
-        )
+        Ok::<_, ()>((f < 20.55).then(|| response(line(f, 20.0317, 0.1), line(f, 20.43, 0.3))))
     });
     let found = found.expect("no error").expect("a peak");
     assert!((found.amplitude.frequency_hz - 20.0317).abs() < 1e-4, "{:?}", found.amplitude);
     assert!((found.rms_voltage.frequency_hz - 20.43).abs() < 1e-4, "{:?}", found.rms_voltage);
     assert!(!found.amplitude.at_edge && found.amplitude.within_hz < 1e-4);
     assert!(evaluations < 50, "{evaluations}");
-    let rising =
-        resonance([19.0, 20.0], 11, |f| Ok::<_, ()>(Some(Response { amplitude_m: f, rms_voltage_v: -f })));
+    let rising = resonance([19.0, 20.0], 11, false, |f| Ok::<_, ()>(Some(response(f, -f))));
     let rising = rising.expect("no error").expect("a peak");
     assert!(rising.amplitude.at_edge && rising.rms_voltage.at_edge);
-    assert_eq!(resonance([19.0, 20.0], 11, |_| Ok::<_, ()>(None)), Ok(None));
+    assert_eq!(resonance([19.0, 20.0], 11, false, |_| Ok::<_, ()>(None)), Ok(None));
+}
+
+/// The power of a source with the inner resistance 3 MΩ, largest into a load of as much.
+#[test]
+fn the_best_load_is_that_of_the_source() {
+    let inner = 3e6;
+    let taken = |ohms: f64| Response { mean_power_w: ohms / (ohms + inner).powi(2), ..response(0.0, 0.0) };
+    let found = best_load(|ohms| Ok::<_, ()>(Some(taken(ohms)))).expect("no error").expect("a peak");
+    assert!((found.resistance_ohm / inner - 1.0).abs() < 1e-3, "{found:?}");
+    assert!((found.mean_power_w * 4.0 * inner - 1.0).abs() < 1e-6, "{found:?}");
+    // A source of current delivers the more the larger the load.
+    let rising = |ohms: f64| Response { mean_power_w: ohms, ..response(0.0, 0.0) };
+    assert_eq!(best_load(|ohms| Ok::<_, ()>(Some(rising(ohms)))), Ok(None));
+}
+
+/// The peak of the power is sought if it is asked for.
+#[test]
+fn the_peak_of_the_power_is_found() {
+    let respond = |f: f64| {
+        let mean_power_w = 1.0 / (1.0 + ((f - 20.2) / 0.2).powi(2));
+        Ok::<_, ()>(Some(Response { mean_power_w, ..response(1.0 - (f - 19.7).powi(2), 1.0) }))
+    };
+    let found = resonance([19.0, 21.0], 21, true, respond).expect("no error").expect("a peak");
+    let power = found.mean_power.expect("it was asked for");
+    assert!((power.frequency_hz - 20.2).abs() < 1e-4 && (power.value - 1.0).abs() < 1e-6, "{power:?}");
+    let without = resonance([19.0, 21.0], 21, false, respond).expect("no error").expect("a peak");
+    assert_eq!(without.mean_power, None);
 }

@@ -197,6 +197,17 @@ impl Load {
             Self::RectifiedStore(_) | Self::DcBus { .. } => f64::INFINITY,
         }
     }
+
+    /// The same bridge into a bus of constant voltage in V, as large a storage is; `None` for a resistor.
+    #[must_use]
+    pub fn held_at(self, voltage_v: f64) -> Option<Self> {
+        match self {
+            Self::Resistor { .. } => None,
+            Self::RectifiedStore(RectifiedStore { diode_drop_v, .. }) | Self::DcBus { diode_drop_v, .. } => {
+                Some(Self::DcBus { voltage_v, diode_drop_v })
+            }
+        }
+    }
 }
 
 /// A storage capacitor behind a full bridge.
