@@ -143,6 +143,17 @@ impl Frequency {
         Some(Self { upper: (units >> 32) as u64, lower: units as u32 })
     }
 
+    /// A frequency in units of 2⁻⁹⁶ cycles per tick; at most one cycle in two ticks.
+    pub(crate) fn from_units(units: u128) -> Self {
+        let units = units.min(1 << 95);
+        Self { upper: (units >> 32) as u64, lower: units as u32 }
+    }
+
+    /// The frequency in units of 2⁻⁹⁶ cycles per tick.
+    pub(crate) fn units(self) -> u128 {
+        (u128::from(self.upper) << 32) | u128::from(self.lower)
+    }
+
     /// Fraction of the present cycle at `at`, in units of 2⁻⁶⁴.
     #[inline]
     pub(crate) fn phase(self, at: Instant) -> u64 {
@@ -156,7 +167,7 @@ impl Frequency {
 
     /// Ticks in a cycle, rounded down; `None` where the number does not fit in 64 bits.
     pub(crate) fn whole_ticks_per_cycle(self) -> Option<u64> {
-        let units = (u128::from(self.upper) << 32) | u128::from(self.lower);
+        let units = self.units();
         // Long division of 2⁹⁶ bit by bit, because no other code of a firmware links a 128-bit division.
         let (mut quotient, mut remainder) = (0_u128, 0_u128);
         for bit in (0..=96).rev() {

@@ -4,11 +4,16 @@
 //! base in the positive direction of the relative coordinate, so the force on the mass is `−m a`.
 
 mod any;
+mod burst;
+mod density;
+mod integers;
+mod random;
 mod sample_grid;
 mod sampled;
 mod silence;
 mod sine;
 mod stream;
+mod sweep;
 mod tone_meter;
 mod tones;
 
@@ -18,11 +23,15 @@ use crate::oscillator::{Kernel, Response};
 use crate::scalar::Scalar;
 
 pub use any::AnyExcitation;
+pub use burst::Burst;
+pub use density::{DENSITY_FREQUENCY, SPECTRAL_DENSITY, SpectralDensity};
+pub use random::{Random, SpectralLine};
 pub use sampled::{AfterLastSample, Sampled};
 pub use silence::Silence;
 pub use sine::Sine;
 pub(crate) use stream::is_acceleration;
 pub use stream::{LARGEST_SAMPLE, Stream, StreamError};
+pub use sweep::{Sweep, SweepLaw};
 pub use tone_meter::{SpectralPeak, ToneMeter, ToneMeterState};
 pub use tones::Tones;
 
@@ -81,7 +90,8 @@ pub trait Excitation<S: Scalar> {
 
     /// The response of an oscillator over a step of `ticks` from `at`; `kernel` is of this step.
     ///
-    /// By default that to the parabola through three accelerations. Sines, tones, samples and silence are exact.
+    /// By default that to the parabola through three accelerations. The types of this module are exact, but for
+    /// [`Sweep`], which states its error.
     #[inline]
     fn response(&self, at: Instant, ticks: u32, kernel: &Kernel<S>) -> Response<S> {
         kernel.to_parabola([0, ticks / 2, ticks].map(|offset| self.acceleration(at.after(offset))))
@@ -89,7 +99,7 @@ pub trait Excitation<S: Scalar> {
 
     /// The line over a step of `ticks` from `at`, `step` in s; `start` is the acceleration at `at`.
     ///
-    /// By default of the parabola through three accelerations. A sine, samples and silence are exact.
+    /// By default of the parabola through three accelerations, as of [`Tones`]; the other types of this module are exact.
     #[inline]
     fn line(&self, at: Instant, ticks: u32, _step: S, start: S) -> Line<S> {
         let [middle, end] = [ticks / 2, ticks].map(|offset| self.acceleration(at.after(offset)));
@@ -119,7 +129,8 @@ impl<S: Scalar, E: Excitation<S> + ?Sized> Excitation<S> for &E {
 pub enum ExcitationError {
     /// The amplitude is not finite.
     Amplitude,
-    /// The frequency is negative, not finite, or above 1 MHz; for a sampled trace also if it is zero.
+    /// The frequency is negative, not finite, or above 1 MHz; for a sampled trace also if it is zero, for a burst or a
+    /// sweep also if it is too low, for a sweep also if the two are too close.
     Frequency,
     /// The phase is not finite.
     Phase,
@@ -130,18 +141,50 @@ pub enum ExcitationError {
         /// Index of the sample.
         index: usize,
     },
+    /// A spectral density has fewer than two points.
+    TooFewPoints,
+    /// A point of a spectral density is out of bounds, or its frequency is not above that of the point before.
+    Point {
+        /// Index of the point.
+        index: usize,
+    },
+    /// A random acceleration has no line, or more than its capacity.
+    Lines,
+    /// The length of a shock, a burst or a sweep is out of bounds.
+    Duration,
+    /// The start of a shock or a burst is out of bounds.
+    Start,
+    /// The period of a shock or a burst is out of bounds, or shorter than it.
+    Period,
 }
 
 impl core::fmt::Display for ExcitationError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Amplitude => write!(f, "amplitude must be finite"),
-            Self::Frequency => {
-                write!(f, "frequency must be from 0 to 1e6 Hz, and above 0 for a sampled trace")
-            }
+            Self::Frequency => write!(
+                f,
+                "frequency must be from 0 to 1e6 Hz, above 0 for a sampled trace, from 1e-6 Hz for a burst, and from \
+                 1e-3 Hz with a quotient of at least 1.001 for a sweep"
+            ),
             Self::Phase => write!(f, "phase must be finite"),
             Self::TooFewSamples => write!(f, "a sampled trace must have at least two samples"),
             Self::Sample { index } => write!(f, "sample {index} must be finite"),
+            Self::TooFewPoints => write!(f, "a spectral density must have at least two points"),
+            Self::Point { index } => write!(
+                f,
+                "point {index} of the spectral density must be from 1e-3 to 1e5 Hz, above the point before, and from \
+                 1e-12 to 1e8 (m/s²)²/Hz"
+            ),
+            Self::Lines => write!(f, "lines must be at least 1 and at most the capacity"),
+            Self::Duration => {
+                write!(
+                    f,
+                    "duration must be from 1e-6 to 1e6 s of a shock or a burst, from 1e-3 to 1e5 s of a sweep"
+                )
+            }
+            Self::Start => write!(f, "start must be from 0 to 1e6 s"),
+            Self::Period => write!(f, "period must be from 1e-6 to 1e6 s, and not shorter than the burst"),
         }
     }
 }
@@ -149,51 +192,6 @@ impl core::fmt::Display for ExcitationError {
 impl core::error::Error for ExcitationError {}
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::clock::seconds_of_ticks;
-
-    /// Mean and half the rise of the nearest line, by Gauss's rule in `pieces` parts of the step.
-    fn by_quadrature(excitation: &impl Excitation<f64>, at: Instant, ticks: u32, pieces: u32) -> [f64; 2] {
-        let (mut mean, mut tilt) = (0.0, 0.0);
-        for piece in 0..pieces {
-            for node in [-0.6_f64.sqrt(), 0.0, 0.6_f64.sqrt()] {
-                let place = (f64::from(piece) + 0.5 * (1.0 + node)) / f64::from(pieces);
-                let offset = (place * f64::from(ticks)).round();
-                let place = offset / f64::from(ticks);
-                let weight = if node == 0.0 { 8.0 } else { 5.0 } / 18.0 / f64::from(pieces);
-                let value = excitation.acceleration(at.after(offset as u32));
-                mean += weight * value;
-                tilt += 3.0 * weight * (2.0 * place - 1.0) * value;
-            }
-        }
-        [mean, tilt]
-    }
-
-    #[test]
-    fn the_line_over_a_step_has_the_mean_and_the_moment_of_the_acceleration() {
-        let sine = Sine::<f64>::new(3.0, 700.0, 0.4).expect("valid");
-        let mut tones = Tones::<f64, 2>::new();
-        for tone in [sine, Sine::new(2.0, 450.0, 1.0).expect("valid")] {
-            tones.push(tone).expect("it fits");
-        }
-        let samples: Vec<f64> = (0..64).map(|n| f64::from(n * n % 17) - 8.0).collect();
-        let trace = Sampled::new(&samples, 3e4, AfterLastSample::Repeat).expect("valid");
-        for k in 0..40_u64 {
-            // Up to 0.9 radians of the sine, and six samples.
-            let (at, ticks) = (Instant::from_ticks(k * 1_234_567_891), 1_300_000 * (k as u32 + 1));
-            let step = seconds_of_ticks(ticks);
-            let close = |excitation: &dyn Excitation<f64>, pieces, bound: f64| {
-                let line = excitation.line(at, ticks, step, excitation.acceleration(at));
-                let [mean, tilt] = by_quadrature(&excitation, at, ticks, pieces);
-                let error = (line.mean - mean).abs().max((line.tilt - tilt).abs());
-                assert!(error < bound, "{k}: {line:?} {mean} {tilt}");
-                assert_eq!(line.end, excitation.acceleration(at.after(ticks)));
-            };
-            close(&sine, 8, 1.2e-4);
-            close(&trace, 4000, 2e-3);
-            // The line of a sum is that of a parabola.
-            close(&tones, 8, 2e-2);
-        }
-    }
-}
+mod test_support;
+#[cfg(test)]
+mod tests;

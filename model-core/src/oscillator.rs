@@ -141,6 +141,21 @@ impl<S: Scalar> Kernel<S> {
         }
     }
 
+    /// The response to the acceleration `Σ c_n θⁿ`, where `θ` goes from 0 to 1 over the step; `c_n` in m/s².
+    #[must_use]
+    #[inline]
+    pub fn to_cubic(&self, [start, linear, square, cube]: [S; 4]) -> Response<S> {
+        let Self { step, impulse, ramps: [zeroth, first, second, third], .. } = *self;
+        // `Rₙ` is the response to `τⁿ/n!`.
+        let (square, cube) = (square + square, S::from_f64(6.0) * cube);
+        Response {
+            displacement: step * step * (zeroth * start + first * linear + second * square + third * cube),
+            velocity: step * (impulse * start + zeroth * linear + first * square + second * cube),
+            start,
+            end: start + linear + S::from_f64(0.5) * square + S::from_f64(1.0 / 6.0) * cube,
+        }
+    }
+
     /// The response to the acceleration `start · cos Ωτ + rate · sin(Ωτ)/Ω` with `Ω` in rad/s, at any `Ω`, the
     /// resonance included.
     #[must_use]
@@ -277,6 +292,12 @@ mod tests {
             let expected = by_small_steps(&oscillator, h, parabola);
             let samples = [parabola(0.0), parabola(0.5 * h), parabola(h)];
             assert_close(kernel.to_parabola(samples), expected, parabola(h), 2e-14);
+            let cubic = |t: f64| parabola(t) - 4e6 * t * t * t;
+            let expected = by_small_steps(&oscillator, h, cubic);
+            let coefficients = [1.0, 200.0 * h, 3e4 * h * h, -4e6 * h * h * h];
+            assert_close(kernel.to_cubic(coefficients), expected, cubic(h), 2e-14);
+            let found = small.to_cubic(coefficients.map(|coefficient| coefficient as f32));
+            assert_close(found, expected, cubic(h), 2e-6);
             for frequency in [1e-3, 50.0, 125.99, 126.0, 200.0] {
                 let sine = |t: f64| 2.0 * (frequency * t).cos() + 0.7 * (frequency * t).sin();
                 // A sine limits the step too.

@@ -178,6 +178,28 @@ pub(crate) fn turns_of_radians<S: Scalar>(radians: S) -> Option<u64> {
     Some(if turns < S::ZERO { units.wrapping_neg() } else { units })
 }
 
+/// Number of terms of the series of the logarithm; `z^(2n)` is then below a rounding of `f64`.
+const LOGARITHM_TERMS: u32 = 12;
+
+/// `ln x` of a positive normal number, to a few roundings; not-a-number otherwise.
+///
+/// With `x = m 2ⁿ`, `1/√2 ≤ m < √2`, and `z = (m − 1)/(m + 1)`: `ln x = n ln 2 + 2 (z + z³/3 + z⁵/5 + …)`.
+pub(crate) fn logarithm<S: Scalar>(x: S) -> S {
+    let parts = x.decompose().filter(|parts| !parts.negative && parts.mantissa != 0);
+    let Some(parts) = parts else { return S::from_f64(f64::NAN) };
+    let mut exponent = parts.exponent + 64 - parts.mantissa.leading_zeros().cast_signed();
+    let mut mantissa = x * S::power_of_two(-exponent);
+    if mantissa < S::from_f64(core::f64::consts::FRAC_1_SQRT_2) {
+        mantissa += mantissa;
+        exponent -= 1;
+    }
+    let z = (mantissa - S::ONE) / (mantissa + S::ONE);
+    let square = z * z;
+    let series =
+        (1..LOGARITHM_TERMS).rev().fold(S::ZERO, |sum, n| square * (S::ONE / S::from_u32(2 * n + 1) + sum));
+    S::from_i32(exponent) * S::from_f64(core::f64::consts::LN_2) + S::from_f64(2.0) * (z + z * series)
+}
+
 /// Number of terms of the arcsine series; 4⁻ⁿ is then below a rounding of `f64`.
 const ARCSINE_TERMS: u32 = 28;
 

@@ -1,14 +1,14 @@
 //! An excitation chosen at run time, for hosts that read scene files.
 
-use super::{Excitation, Line, Sampled, Silence, Sine, Tones};
+use super::{Burst, Excitation, Line, Random, Sampled, Silence, Sine, Sweep, Tones};
 use crate::any::forward;
 use crate::clock::Instant;
 use crate::oscillator::{Kernel, Response};
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 
-/// An excitation chosen at run time, with at most `TONES` sines in a sum.
+/// An excitation chosen at run time, with at most `TONES` sines in a sum, and at most as many lines of a random one.
 #[derive(Debug, Clone, PartialEq)]
-pub enum AnyExcitation<'a, S, const TONES: usize, M = Polynomial> {
+pub enum AnyExcitation<'a, S: Scalar, const TONES: usize, M = Polynomial> {
     /// A base at rest.
     Silence,
     /// One sine.
@@ -17,6 +17,12 @@ pub enum AnyExcitation<'a, S, const TONES: usize, M = Polynomial> {
     Tones(Tones<S, TONES, M>),
     /// A recorded trace.
     Sampled(Sampled<'a, S>),
+    /// Shocks of half a sine, or bursts of sines.
+    Burst(Burst<S, M>),
+    /// A sine of changing frequency.
+    Sweep(Sweep<S, M>),
+    /// A random acceleration with a spectral density.
+    Random(Random<S, TONES, M>),
 }
 
 impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExcitation<'_, S, TONES, M> {
@@ -26,6 +32,9 @@ impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExci
             Self::Sine(sine) => sine,
             Self::Tones(tones) => tones,
             Self::Sampled(trace) => trace,
+            Self::Burst(burst) => burst,
+            Self::Sweep(sweep) => sweep,
+            Self::Random(random) => random,
         }
         fn acceleration(&self, at: Instant) -> S;
         fn jerk(&self, at: Instant) -> S;
@@ -38,13 +47,18 @@ impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExci
         match self {
             Self::Sine(sine) => sine.resolved_ticks(),
             Self::Tones(tones) => tones.resolved_ticks(),
-            Self::Silence | Self::Sampled(_) => u32::MAX,
+            Self::Sweep(sweep) => sweep.resolved_ticks(),
+            Self::Random(random) => random.resolved_ticks(),
+            Self::Silence | Self::Sampled(_) | Self::Burst(_) => u32::MAX,
         }
     }
 
     fn smooth_ticks(&self, at: Instant) -> u32 {
         match self {
             Self::Sampled(trace) => trace.smooth_ticks(at),
+            Self::Burst(burst) => burst.smooth_ticks(at),
+            Self::Sweep(sweep) => sweep.smooth_ticks(at),
+            Self::Random(random) => random.smooth_ticks(at),
             Self::Silence | Self::Sine(_) | Self::Tones(_) => u32::MAX,
         }
     }

@@ -18,16 +18,24 @@ pub(super) fn line_between_samples<S: Scalar>(
     if theta >= step_in_samples {
         return Line::between(start, before + theta * (after - before));
     }
-    line_of_pieces(excitation, at, ticks, start)
+    line_of_pieces(excitation, (at, ticks), start, |at, ticks, start| {
+        Line::between(start, excitation.acceleration(at.after(ticks)))
+    })
 }
 
-/// The line over a step of an acceleration that is linear between its kinks, from the pieces: exact but for a jump at the
-/// last sample of a trace.
+/// The line over a step from the lines over its pieces, which end at the kinks of the acceleration; `line_of` gives that
+/// of a piece from its start, its ticks and the acceleration at its start.
 ///
-/// With `u` from −1 to 1 over the step, the mean is half of `∫ a du`, and half the rise 3/2 of `∫ a u du`.
+/// With `u` from −1 to 1 over the step, the mean is half of `∫ a du`, and half the rise 3/2 of `∫ a u du`. Of samples it
+/// is exact but for a jump at the last one of a trace.
 #[cold]
 #[inline(never)]
-fn line_of_pieces<S: Scalar>(excitation: &impl Excitation<S>, at: Instant, ticks: u32, start: S) -> Line<S> {
+pub(super) fn line_of_pieces<S: Scalar>(
+    excitation: &impl Excitation<S>,
+    (at, ticks): (Instant, u32),
+    start: S,
+    line_of: impl Fn(Instant, u32, S) -> Line<S>,
+) -> Line<S> {
     let half = S::from_f64(0.5);
     let place = |offset: u32| {
         let twice = S::from_u32(offset) / S::from_u32(ticks);
@@ -37,16 +45,15 @@ fn line_of_pieces<S: Scalar>(excitation: &impl Excitation<S>, at: Instant, ticks
     let mut until = excitation.smooth_ticks(at).min(ticks);
     let (mut mean, mut moment) = (S::ZERO, S::ZERO);
     loop {
-        let right = excitation.acceleration(at.after(until));
+        let piece = line_of(at.after(from), until - from, left);
         let (begin, end) = (place(from), place(until));
         let (length, middle) = (end - begin, half * (begin + end));
-        let average = half * (left + right);
-        mean += length * average;
-        moment += length * (middle * average + (right - left) * length * S::from_f64(1.0 / 12.0));
+        mean += length * piece.mean;
+        moment += length * (middle * piece.mean + piece.tilt * length * S::from_f64(1.0 / 6.0));
         if until >= ticks {
-            return Line { mean: half * mean, tilt: S::from_f64(1.5) * moment, end: right };
+            return Line { mean: half * mean, tilt: S::from_f64(1.5) * moment, end: piece.end };
         }
-        (from, left) = (until, right);
+        (from, left) = (until, piece.end);
         until = until.saturating_add(excitation.smooth_ticks(at.after(until))).min(ticks);
     }
 }

@@ -15,6 +15,7 @@ mod energy_correction;
 mod energy_cost;
 mod energy_planner;
 mod estimator;
+mod excitations;
 mod exponential_radau;
 mod hidden_crossings;
 mod listening;
