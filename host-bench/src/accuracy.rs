@@ -11,6 +11,7 @@ use self::difference::{delivers, difference, is_same};
 use crate::embedded::DEFAULT_SHORT_STEP_S;
 use crate::method::{Failure, Method, Options, Precision};
 use crate::outcome::{Accuracy, Outcome};
+use crate::resolution::too_few_lines;
 use crate::run::run_scene;
 use crate::scene_file::{Draw, Excitation, Load, Model, Scene, Trace};
 
@@ -62,6 +63,7 @@ pub(crate) fn run_with_steps(scene: &Scene, options: &Options) -> Result<(Outcom
     }
     doubts.extend(imbalance(&outcome));
     outcome.warnings.splice(..0, doubts);
+    outcome.warnings.extend(too_few_lines(scene, &outcome));
     Ok((outcome, options))
 }
 

@@ -126,9 +126,7 @@ fn shipped(name: &str) -> Result<Scene, Failure> {
 fn sine(scene: &Scene) -> Result<&Tone, Failure> {
     match &scene.excitation {
         Excitation::Sine(tone) => Ok(tone),
-        Excitation::Sines(_) | Excitation::File(_) | Excitation::Silence => {
-            Err(Failure::of_file(scene, "excitation.kind must be \"sine\""))
-        }
+        _ => Err(Failure::of_file(scene, "excitation.kind must be \"sine\"")),
     }
 }
 

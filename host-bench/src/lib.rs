@@ -10,7 +10,9 @@ mod needs;
 pub mod on_target;
 mod peer;
 mod report;
+mod resolution;
 pub mod run;
+pub mod seeds;
 pub mod stability;
 mod work_precision;
 

@@ -13,6 +13,7 @@ mod command_line {
     mod refused_scenes;
     mod refused_spellings;
     mod refused_traces;
+    mod seeds;
     mod sliding;
     mod steady_state;
     mod step_errors;

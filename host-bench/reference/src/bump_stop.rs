@@ -102,7 +102,7 @@ pub(super) fn run(
     mut watch: impl FnMut(&Event),
 ) -> Result<Outcome, StepFailure> {
     let began = Instant::now();
-    let base = Base(&scene.excitation).from(0.0);
+    let base = Base(&scene.excitation).pieces_from(0.0);
     let system = System::new(model, scene.load, &base);
     let (closed, stiffness) = system.closed_contact(model);
     let highest = system.highest_frequency(stiffness).max(base.highest_frequency());
@@ -127,7 +127,7 @@ pub(super) fn run(
         events: 0,
         steps: 0,
     };
-    let mut schedule = Schedule::new(scene, STRETCH as f64 * step, step);
+    let mut schedule = Schedule::in_pieces(scene, STRETCH as f64 * step, step);
     while let Some(stretch) = schedule.next() {
         march.meter.ledger.in_window = stretch.in_window;
         system.set_base(&mut march.vector, &stretch.base);

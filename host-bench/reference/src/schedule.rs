@@ -11,6 +11,8 @@ const STORM: u32 = 10_000;
 #[derive(Debug)]
 pub(super) struct Schedule<'a> {
     base: Base<'a>,
+    /// Whether a stretch has a few sines and a cubic only.
+    in_pieces: bool,
     run: RunSpan,
     /// Longest stretch in s.
     longest: f64,
@@ -41,7 +43,13 @@ impl<'a> Schedule<'a> {
     /// The run of a scene, in stretches of at most `longest` seconds.
     pub(super) fn new(scene: &'a Scene, longest: f64, progress: f64) -> Self {
         let base = Base(&scene.excitation);
-        Self { base, run: scene.run, longest, progress, time: 0.0, storm: 0, storm_began: 0.0 }
+        let in_pieces = false;
+        Self { base, in_pieces, run: scene.run, longest, progress, time: 0.0, storm: 0, storm_began: 0.0 }
+    }
+
+    /// The same, with a base acceleration of a few sines and a cubic in each stretch.
+    pub(super) fn in_pieces(scene: &'a Scene, longest: f64, progress: f64) -> Self {
+        Self { in_pieces: true, ..Self::new(scene, longest, progress) }
     }
 
     /// The next stretch; `None` at the end of the run.
@@ -50,7 +58,7 @@ impl<'a> Schedule<'a> {
             let start = self.time;
             let in_window = start >= self.run.settle_s;
             let boundary = if in_window { self.run.duration_s } else { self.run.settle_s };
-            let base = self.base.from(start);
+            let base = if self.in_pieces { self.base.pieces_from(start) } else { self.base.from(start) };
             let span = (boundary - start).min(base.smooth_for()).min(self.longest);
             // A span lost in the rounding of absolute time is skipped.
             if span <= 8.0 * f64::EPSILON * start {

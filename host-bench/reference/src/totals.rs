@@ -8,7 +8,7 @@ use super::ledger::{Ledger, integral};
 use super::recorder::Recorder;
 use super::storage::Storage;
 use harvester_scene::outcome::{Accuracy, CreatedEnergy, Outcome, Particular, Recording};
-use harvester_scene::scene_file::Scene;
+use harvester_scene::scene_file::{Random, Scene};
 
 /// Work of the integrator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -74,6 +74,7 @@ impl Totals {
             created: self
                 .created_energy
                 .map(|created| CreatedEnergy::new(created, self.delivered_energy, self.remainder)),
+            base_rms_m_per_s2: scene.excitation.random().map(Random::rms_m_per_s2),
             energy_residual: self.ledger.residual(self.remainder, self.storage, energy),
             steps: self.effort.steps,
             rejected_steps: self.effort.rejected,

@@ -2,7 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use crate::scene_file::{Excitation, Tone, Trace};
+mod sweep;
+
+use self::sweep::LocalSweep;
+use crate::scene_file::{Burst, Excitation, Tone, Trace};
+
+/// Knots in a period of the highest frequency where a cubic joins them. Its error is 4·10⁻⁶ of the amplitude.
+const KNOTS: f64 = 32.0;
 
 /// Base acceleration over the whole run.
 #[derive(Debug, Clone, Copy)]
@@ -16,6 +22,21 @@ impl Base<'_> {
             Excitation::Sine(tone) => LocalBase::of_tones(std::slice::from_ref(tone), start),
             Excitation::Sines(tones) => LocalBase::of_tones(tones, start),
             Excitation::File(trace) => LocalBase::of_trace(trace, start),
+            Excitation::Burst(burst) => LocalBase::of_burst(burst, start),
+            Excitation::Sweep(sweep) => {
+                let sweep = LocalSweep::new(sweep, start);
+                LocalBase { smooth_for: sweep.left(), sweep: Some(sweep), ..LocalBase::default() }
+            }
+            Excitation::Random(random) => LocalBase::of_tones(&random.tones, start),
+        }
+    }
+
+    /// As [`Base::from`], for a system that is linear in a few sines and a cubic: of many sines and of a sweep the cubic
+    /// with their values and rates at the ends of a short stretch.
+    pub fn pieces_from(&self, start: f64) -> LocalBase {
+        match self.0 {
+            Excitation::Random(_) | Excitation::Sweep(_) => self.from(start).cubic(),
+            _ => self.from(start),
         }
     }
 }
@@ -27,14 +48,24 @@ impl Base<'_> {
 pub struct LocalBase {
     /// Amplitude in m/s², angular frequency in rad/s and phase in rad at the local origin of each sine.
     sines: Vec<[f64; 3]>,
-    value: f64,
-    slope: f64,
+    sweep: Option<LocalSweep>,
+    /// Coefficients of the powers of local time.
+    cubic: [f64; 4],
+    is_cubic: bool,
     smooth_for: f64,
+    highest_frequency: f64,
 }
 
 impl Default for LocalBase {
     fn default() -> Self {
-        Self { sines: Vec::new(), value: 0.0, slope: 0.0, smooth_for: f64::INFINITY }
+        Self {
+            sines: Vec::new(),
+            sweep: None,
+            cubic: [0.0; 4],
+            is_cubic: false,
+            smooth_for: f64::INFINITY,
+            highest_frequency: 0.0,
+        }
     }
 }
 
@@ -48,7 +79,46 @@ impl LocalBase {
             let phase = TAU * (turns.fract() + rest) + tone.phase_rad;
             [tone.amplitude_m_per_s2, TAU * tone.frequency_hz, phase]
         };
-        Self { sines: tones.iter().map(local).collect(), ..Self::default() }
+        let highest_frequency = tones.iter().fold(0.0, |highest, tone| f64::max(highest, tone.frequency_hz));
+        Self { sines: tones.iter().map(local).collect(), highest_frequency, ..Self::default() }
+    }
+
+    fn of_burst(burst: &Burst, start: f64) -> Self {
+        // Rounding may place the time of a corner just before it.
+        let tiny = 4.0 * f64::EPSILON * start.max(burst.start_s);
+        let since = start - burst.start_s;
+        let sine = |amplitude_m_per_s2, elapsed, smooth_for| {
+            let tone = Tone { amplitude_m_per_s2, frequency_hz: burst.frequency_hz(), phase_rad: 0.0 };
+            Self { smooth_for, ..Self::of_tones(&[tone], elapsed) }
+        };
+        // Without an amplitude: the number of sines must not change within a run.
+        let silence = |smooth_for| sine(0.0, 0.0, smooth_for);
+        if since < -tiny {
+            return silence(-since);
+        }
+        let number = burst.period_s.map_or(0.0, |period| ((since + tiny) / period).floor().max(0.0));
+        let elapsed = since - number * burst.period_s.unwrap_or(0.0);
+        let left = burst.length_s() - elapsed;
+        if left <= tiny {
+            return silence(burst.period_s.map_or(f64::INFINITY, |period| period - elapsed));
+        }
+        sine(burst.amplitude_m_per_s2, elapsed, left)
+    }
+
+    /// The cubic with the values and the rates at both ends of a short stretch.
+    fn cubic(&self) -> Self {
+        let span = self.smooth_for.min(1.0 / (KNOTS * self.highest_frequency()));
+        let [[from, rate], [to, last_rate]] = [0.0, span].map(|t| [self.at(t), self.rate_at(t)]);
+        let mean_rate = (to - from) / span;
+        let square = (3.0 * mean_rate - 2.0 * rate - last_rate) / span;
+        let cube = (rate + last_rate - 2.0 * mean_rate) / (span * span);
+        Self {
+            cubic: [from, rate, square, cube],
+            is_cubic: true,
+            smooth_for: span,
+            highest_frequency: self.highest_frequency(),
+            ..Self::default()
+        }
     }
 
     fn of_trace(trace: &Trace, start: f64) -> Self {
@@ -64,8 +134,7 @@ impl LocalBase {
             (Some(from), Some(to)) => {
                 let slope = (to - from) * trace.rate_hz;
                 Self {
-                    value: from + (to - from) * (position - index),
-                    slope,
+                    cubic: [from + (to - from) * (position - index), slope, 0.0, 0.0],
                     smooth_for: (index + 1.0) / trace.rate_hz - start,
                     ..Self::default()
                 }
@@ -80,7 +149,20 @@ impl LocalBase {
         let sines = self.sines.iter();
         let sum: f64 =
             sines.map(|[amplitude, frequency, phase]| amplitude * (frequency * t + phase).sin()).sum();
-        sum + self.value + self.slope * t
+        let [value, slope, square, cube] = self.cubic;
+        let sweep = self.sweep.as_ref().map_or(0.0, |sweep| sweep.at(t)[0]);
+        sum + sweep + value + t * (slope + t * (square + t * cube))
+    }
+
+    /// Its rate in m/s³.
+    fn rate_at(&self, t: f64) -> f64 {
+        let sines = self.sines.iter();
+        let sum: f64 = sines
+            .map(|[amplitude, frequency, phase]| amplitude * frequency * (frequency * t + phase).cos())
+            .sum();
+        let [_, slope, square, cube] = self.cubic;
+        let sweep = self.sweep.as_ref().map_or(0.0, |sweep| sweep.at(t)[1]);
+        sum + sweep + slope + t * (2.0 * square + t * 3.0 * cube)
     }
 
     /// Amplitude in m/s², angular frequency in rad/s and phase in rad at the local origin of each sine.
@@ -88,9 +170,14 @@ impl LocalBase {
         &self.sines
     }
 
-    /// The straight line that adds to the sines: value in m/s² at the local origin, and slope in m/s³.
-    pub fn line(&self) -> [f64; 2] {
-        [self.value, self.slope]
+    /// Whether the acceleration has a part besides the sines that is no straight line.
+    pub fn is_cubic(&self) -> bool {
+        self.is_cubic
+    }
+
+    /// The cubic that adds to the sines: coefficients of the powers of local time, in m/s² per power of a second.
+    pub fn powers(&self) -> [f64; 4] {
+        self.cubic
     }
 
     /// Seconds from the local origin to the next kink; infinite if there is none.
@@ -100,13 +187,14 @@ impl LocalBase {
 
     /// Highest frequency in Hz; 0 if the acceleration is a straight line.
     pub fn highest_frequency(&self) -> f64 {
-        self.sines.iter().fold(0.0, |highest, [_, frequency, _]| f64::max(highest, frequency / TAU))
+        self.sweep.as_ref().map_or(self.highest_frequency, LocalSweep::highest_frequency)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene_file::{BurstShape, Random, Sweep};
 
     fn trace(repeat: bool) -> Excitation {
         Excitation::File(Trace { samples_m_per_s2: [0.0, 1.0, -2.0, 0.5].into(), rate_hz: 4.0, repeat })
@@ -132,6 +220,68 @@ mod tests {
         let here = Base(&excitation).from(0.3);
         assert!((here.smooth_for() - 0.2).abs() < 1e-15);
         assert!((here.at(0.1) - here.at(0.0) + 1.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn bursts_end_and_begin_again() {
+        let shape = BurstShape::Cycles { frequency_hz: 50.0, cycles: 2 };
+        let burst = Burst { amplitude_m_per_s2: 3.0, shape, start_s: 0.1, period_s: Some(0.25) };
+        let excitation = Excitation::Burst(burst);
+        for (time, expected, left) in [
+            (0.0, 0.0, 0.1),
+            (0.1, 0.0, 0.04),
+            (0.105, 3.0, 0.035),
+            (0.14, 0.0, 0.21),
+            (0.2, 0.0, 0.15),
+            (0.35, 0.0, 0.04),
+            (25.105, 3.0, 0.035),
+        ] {
+            let here = Base(&excitation).from(time);
+            assert!((here.at(0.0) - expected).abs() < 1e-11, "{time}");
+            assert!((here.smooth_for() - left).abs() < 1e-12, "{time}: {}", here.smooth_for());
+        }
+        let shape = BurstShape::HalfSine { duration_s: 0.01 };
+        let shock = Burst { amplitude_m_per_s2: 3.0, shape, start_s: 0.0, period_s: None };
+        let excitation = Excitation::Burst(shock);
+        assert!((Base(&excitation).from(0.0).at(0.005) - 3.0).abs() < 1e-14);
+        let after = Base(&excitation).from(0.02);
+        assert_eq!((after.at(0.3), after.smooth_for()), (0.0, f64::INFINITY));
+    }
+
+    #[test]
+    fn cubics_join_many_sines_and_sweeps() {
+        let random = Random::new(vec![[10.0, 1.0], [200.0, 0.1]], 64, 3).expect("valid");
+        let rms = random.rms_m_per_s2();
+        let sweep = |logarithmic, [from_hz, to_hz]: [f64; 2]| {
+            let sweep_s = 3.0;
+            Excitation::Sweep(Sweep {
+                amplitude_m_per_s2: 2.0,
+                from_hz,
+                to_hz,
+                sweep_s,
+                logarithmic,
+                phase_rad: 0.3,
+            })
+        };
+        for (excitation, size) in [
+            (Excitation::Random(random), rms),
+            (sweep(true, [5.0, 90.0]), 2.0),
+            (sweep(false, [90.0, 5.0]), 2.0),
+        ] {
+            let base = Base(&excitation);
+            for k in 0..200 {
+                let start = f64::from(k) * 0.041;
+                let (exact, piece) = (base.from(start), base.pieces_from(start));
+                for part in [0.0, 0.25, 0.5, 1.0] {
+                    let t = part * piece.smooth_for();
+                    assert!((piece.at(t) - exact.at(t)).abs() < 1.2e-5 * size, "{k} {part}");
+                }
+                // The same instant from another origin.
+                let late = base.from(start + 0.001);
+                let within = exact.smooth_for() > 0.002;
+                assert!(!within || (late.at(0.001) - exact.at(0.002)).abs() < 1e-9 * size, "{k}");
+            }
+        }
     }
 
     #[test]

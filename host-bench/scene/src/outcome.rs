@@ -48,6 +48,9 @@ pub struct Outcome {
     /// Energy that the force law created in the window. Absent in bump-stop scenes.
     #[serde(flatten)]
     pub created: Option<CreatedEnergy>,
+    /// Root mean square of a random base acceleration in m/s², by its spectral density. Absent for any other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_rms_m_per_s2: Option<f64>,
     /// Residual of the energy ledger of the whole run, over the larger of `∫ |base power| dt` and the peak stored
     /// energy.
     pub energy_residual: Option<f64>,

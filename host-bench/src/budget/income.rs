@@ -8,7 +8,7 @@
 use crate::embedded::{WholeDay, whole_day};
 use crate::method::{Failure, Options, Precision};
 use crate::run::run_scene;
-use crate::scene_file::{Excitation, Load, Model, Node, Scene, Trace};
+use crate::scene_file::{Excitation, Load, Model, Node, Scene};
 
 /// Relative tolerance of the step control of a triboelectric scene, as in firmware.
 const NODE_TOLERANCE: f64 = 0.05;
@@ -100,7 +100,7 @@ fn curve(
         // A harvester at rest has no power; a short run would still have the transient of its start.
         return Ok(vec![(0.0, 0.0)]);
     }
-    let excitation = scaled(&scene.excitation, factor);
+    let excitation = scene.excitation.scaled(factor);
     let mut power = |load: Load| -> Result<f64, Failure> {
         let scene = Scene { load, excitation: excitation.clone(), ..scene.clone() };
         let outcome = run_scene(&scene, options)?;
@@ -120,20 +120,6 @@ fn curve(
         Ok((voltage_v, power(Load::DcBus { voltage_v, diode_drop_v: storage.diode_drop_v })?))
     });
     points.collect()
-}
-
-/// An excitation with its amplitudes multiplied.
-fn scaled(excitation: &Excitation, factor: f64) -> Excitation {
-    let mut scaled = excitation.clone();
-    match &mut scaled {
-        Excitation::Sine(tone) => tone.amplitude_m_per_s2 *= factor,
-        Excitation::Sines(tones) => tones.iter_mut().for_each(|tone| tone.amplitude_m_per_s2 *= factor),
-        Excitation::File(Trace { samples_m_per_s2, .. }) => {
-            *samples_m_per_s2 = samples_m_per_s2.iter().map(|sample| sample * factor).collect();
-        }
-        Excitation::Silence => {}
-    }
-    scaled
 }
 
 /// The income of every step of the day, and the day itself.

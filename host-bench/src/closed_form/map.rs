@@ -94,7 +94,7 @@ fn at(scene: &Scene, place: Place) -> Scene {
     let mut scene = scene.clone();
     let phase_rad = match &scene.excitation {
         Excitation::Sine(tone) => tone.phase_rad,
-        Excitation::Sines(_) | Excitation::File(_) | Excitation::Silence => 0.0,
+        _ => 0.0,
     };
     let Place { resistance_ohm, amplitude_m_per_s2, frequency_hz } = place;
     scene.excitation = Excitation::Sine(Tone { amplitude_m_per_s2, frequency_hz, phase_rad });

@@ -17,7 +17,7 @@ use crate::on_target::core::Core;
 use crate::on_target::{self, Bench, Measurement};
 use crate::outcome::{Fields, Format, fields, name, rows_csv, small, table};
 use crate::run::run_scene;
-use crate::scene_file::{self, Excitation, Override, Scene};
+use crate::scene_file::{self, Override, Scene};
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct NeedsArguments {
@@ -61,7 +61,7 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.emit {
         outputs.check("--emit", file)?;
     }
-    if arguments.core.is_some() && matches!(scene.excitation, Excitation::File(_)) {
+    if arguments.core.is_some() && !scene.excitation.is_one_of_sines() {
         return Err(Failure::Input("--core: must be with a sine, sines or silence".to_owned()));
     }
     let study = Study::new(&scene, accuracy)?;

@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use super::files::Outputs;
 use super::storage_voltage::StorageVoltage;
-use super::{NODE, SceneArguments, check_overrides, print, tell};
+use super::{NODE, SceneArguments, check_overrides, one_more, print, progress, tell};
 use crate::accuracy::{imbalance, run_with_accuracy};
 use crate::method::{Failure, Options};
+use crate::resolution::too_few_lines;
 use crate::run::run_scene;
-use crate::scene_file;
+use crate::scene_file::{self, Scene};
+use crate::seeds::{self, Statistics};
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct RunArguments {
@@ -29,6 +31,10 @@ pub struct RunArguments {
     /// Run once only: without the accuracy statement, and a bump-stop scene with its default steps
     #[arg(long)]
     no_accuracy: bool,
+    /// Run a scene with a random excitation with this many seeds, from its own on, on all cores: means over the seeds, with
+    /// their confidence intervals
+    #[arg(long, value_name = "COUNT", conflicts_with_all = ["trace", "steady_state"], allow_hyphen_values = true)]
+    seeds: Option<i64>,
 }
 
 /// Runs the scene, writes the trace and prints the outcome; nothing of either if it fails.
@@ -48,9 +54,13 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.trace {
         outputs.check("--trace", file)?;
     }
+    if let Some(count) = arguments.seeds {
+        return run_seeds(arguments, &scene, &options, count);
+    }
     let outcome = if arguments.no_accuracy {
         let mut outcome = run_scene(&scene, &options)?;
         outcome.warnings.splice(..0, imbalance(&outcome));
+        outcome.warnings.extend(too_few_lines(&scene, &outcome));
         outcome
     } else {
         run_with_accuracy(&scene, &options)?
@@ -62,4 +72,17 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         tell(&format!("warning: {warning}"));
     }
     print(&outcome.text(arguments.scene.format))
+}
+
+/// Runs the scene with several seeds and prints the statistics over them.
+fn run_seeds(arguments: &RunArguments, scene: &Scene, options: &Options, count: i64) -> Result<(), Failure> {
+    let seeds = seeds::Seeds::new(scene, count)?;
+    let bar = progress(seeds.count());
+    let found = Statistics::of(scene, options, &seeds, !arguments.no_accuracy, || one_more(&bar));
+    bar.finish_and_clear();
+    let found = found?;
+    for warning in &found.warnings {
+        tell(&format!("warning: {warning}"));
+    }
+    print(&found.text(arguments.scene.format)?)
 }

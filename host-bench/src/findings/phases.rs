@@ -437,7 +437,7 @@ fn free_rod(history: &History) -> f64 {
     let free = history.samples.iter().zip(near).filter(|(sample, near)| *near && sample.force_n == 0.0);
     let acceleration = match &history.scene.excitation {
         Excitation::Sine(tone) => tone.amplitude_m_per_s2,
-        Excitation::Sines(_) | Excitation::File(_) | Excitation::Silence => f64::NAN,
+        _ => f64::NAN,
     };
     let still = stop(&history.scene).map_or(f64::NAN, |stop| {
         0.5 * stop.density_kg_per_m3 * acceleration * stop.length_m.powi(2) / stop.young_modulus_pa

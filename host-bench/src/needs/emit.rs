@@ -175,7 +175,7 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
         ))
     }
 
-    /// The excitation of the scene; a trace stays in its file.
+    /// The excitation of the scene; a trace stays in its file, and the module has none but sines and silence.
     fn excitation(&self, text: &mut String) {
         let tone =
             |tone: &Tone| [tone.amplitude_m_per_s2, tone.frequency_hz, tone.phase_rad].map(number).join(", ");
@@ -190,7 +190,9 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
                 (format!("Tones<f32, {}>", tones.len()), value)
             }
             Excitation::Silence => ("Silence".to_owned(), "    Some(Silence)\n".to_owned()),
-            Excitation::File(_) => return,
+            Excitation::File(_) | Excitation::Burst(_) | Excitation::Sweep(_) | Excitation::Random(_) => {
+                return;
+            }
         };
         let _ = write!(
             text,
@@ -204,7 +206,7 @@ pub fn excitation() -> Option<{of_type}> {{
 
     /// A test of the mean power, where the scene has an excitation.
     fn test(&self, text: &mut String) {
-        if matches!(self.scene.excitation, Excitation::File(_)) {
+        if !self.scene.excitation.is_one_of_sines() {
             return;
         }
         text.push_str(

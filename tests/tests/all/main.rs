@@ -9,6 +9,7 @@ mod bump_stop_store;
 mod closed_form;
 mod convergence;
 mod dense_solve;
+mod excitations;
 mod exponential_radau;
 mod findings;
 mod ledger;

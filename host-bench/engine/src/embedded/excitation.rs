@@ -1,10 +1,13 @@
 //! The excitation of a scene file as one of the core's.
 
-use model_core::excitation::{AfterLastSample, Excitation, ExcitationError, Sampled, Silence, Sine, Tones};
+use model_core::excitation::{
+    AfterLastSample, Burst, Excitation, ExcitationError, Random, Sampled, Silence, Sine, SpectralDensity,
+    Sweep, SweepLaw, Tones,
+};
 use model_core::scalar::{Mathematics, Scalar};
 
 use harvester_scene::method::{Failure, Options};
-use harvester_scene::scene_file::{self, Scene, Tone};
+use harvester_scene::scene_file::{self, BurstShape, Scene, Tone};
 
 /// Sines that a sum may have.
 const MOST_TONES: usize = 32;
@@ -58,6 +61,16 @@ where
             let after = if trace.repeat { AfterLastSample::Repeat } else { AfterLastSample::Silence };
             with(&Sampled::new(&samples, S::from_f64(trace.rate_hz), after).map_err(refuse)?)
         }
+        scene_file::Excitation::Burst(given) => with(&burst::<S, M>(given).map_err(refuse)?),
+        scene_file::Excitation::Sweep(given) => with(&sweep::<S, M>(given).map_err(refuse)?),
+        scene_file::Excitation::Random(given) => {
+            let points: Vec<[S; 2]> = given.density.iter().map(|point| point.map(S::from_f64)).collect();
+            let density = SpectralDensity::new(&points).map_err(refuse)?;
+            // On the heap: its capacity is that of the most lines.
+            let random =
+                Random::<S, { scene_file::Random::MOST_LINES }, M>::new(&density, given.lines, given.seed);
+            with(&*random.map(Box::new).map_err(refuse)?)
+        }
     }
 }
 
@@ -66,5 +79,28 @@ fn sine<S: Scalar, M: Mathematics<S>>(tone: &Tone) -> Result<Sine<S, M>, Excitat
         S::from_f64(tone.amplitude_m_per_s2),
         S::from_f64(tone.frequency_hz),
         S::from_f64(tone.phase_rad),
+    )
+}
+
+fn burst<S: Scalar, M: Mathematics<S>>(burst: &scene_file::Burst) -> Result<Burst<S, M>, ExcitationError> {
+    let amplitude = S::from_f64(burst.amplitude_m_per_s2);
+    let once = match burst.shape {
+        BurstShape::HalfSine { duration_s } => Burst::half_sine(amplitude, S::from_f64(duration_s)),
+        BurstShape::Cycles { frequency_hz, cycles } => {
+            Burst::cycles(amplitude, S::from_f64(frequency_hz), cycles)
+        }
+    };
+    let once = once?.starting_at(S::from_f64(burst.start_s))?;
+    burst.period_s.map_or(Ok(once), |period| once.every(S::from_f64(period)))
+}
+
+fn sweep<S: Scalar, M: Mathematics<S>>(sweep: &scene_file::Sweep) -> Result<Sweep<S, M>, ExcitationError> {
+    let law = if sweep.logarithmic { SweepLaw::Logarithmic } else { SweepLaw::Linear };
+    Sweep::new(
+        S::from_f64(sweep.amplitude_m_per_s2),
+        [sweep.from_hz, sweep.to_hz].map(S::from_f64),
+        S::from_f64(sweep.sweep_s),
+        law,
+        S::from_f64(sweep.phase_rad),
     )
 }

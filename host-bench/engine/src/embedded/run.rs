@@ -21,7 +21,7 @@ use super::{DEFAULT_TOLERANCE, precision_name};
 use crate::steady_state::Total;
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
 use harvester_scene::outcome::{Accuracy, CreatedEnergy, Outcome, Recording, StoreOutcome};
-use harvester_scene::scene_file::{RunSpan, Scene};
+use harvester_scene::scene_file::{Random, RunSpan, Scene};
 
 /// The refusal of a parameter by the core.
 pub(super) fn refuse_parameter(scene: &Scene, error: &dyn Display) -> Failure {
@@ -226,6 +226,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 let delivered = window.delivered_energy().to_f64();
                 CreatedEnergy::new(created.to_f64(), delivered, remainder(ledger))
             }),
+            base_rms_m_per_s2: scene.excitation.random().map(Random::rms_m_per_s2),
             energy_residual: ledger.and_then(|ledger| report.residual(&ledger.residual())).map(S::to_f64),
             steps: total.steps,
             rejected_steps: total.rejected,

@@ -28,6 +28,8 @@ pub(super) struct Layout {
     beam: usize,
     rod: usize,
     tones: usize,
+    /// The straight line of the base acceleration and its slope, or its cubic and three derivatives.
+    powers: usize,
     has_power: bool,
 }
 
@@ -57,19 +59,20 @@ impl Layout {
         self.storage() + 1
     }
 
-    /// The straight line of the base acceleration and its slope.
-    fn line(&self) -> [usize; 2] {
-        [self.one() + 1, self.one() + 2]
+    /// The polynomial of the base acceleration and its derivatives.
+    fn polynomial(&self) -> std::ops::Range<usize> {
+        self.one() + 1..self.one() + 1 + self.powers
     }
 
     /// Sine and cosine of a tone.
     fn tone(&self, tone: usize) -> [usize; 2] {
-        [self.one() + 3 + 2 * tone, self.one() + 4 + 2 * tone]
+        let after = self.polynomial().end + 2 * tone;
+        [after, after + 1]
     }
 
     /// Current in A of a draw of constant power, as a straight line, and its slope.
     pub(super) fn draw(&self) -> [usize; 2] {
-        let after = self.one() + 3 + 2 * self.tones;
+        let after = self.polynomial().end + 2 * self.tones;
         [after, after + 1]
     }
 
@@ -154,7 +157,8 @@ impl System {
         let storage = Storage::of(load);
         let has_power = storage.is_some_and(|storage| matches!(storage.draw, Draw::Power { .. }));
         let tones = base.sines().len();
-        let layout = Layout { beam: modes.beam.len(), rod: modes.rod.len(), tones, has_power };
+        let powers = if base.is_cubic() { 4 } else { 2 };
+        let layout = Layout { beam: modes.beam.len(), rod: modes.rod.len(), tones, powers, has_power };
         let size = layout.size();
         let zero = || vec![0.0; size];
         let resistance = load.resistance_ohm();
@@ -201,9 +205,11 @@ impl System {
 
     /// The generators of the base acceleration.
     fn add_base(&mut self, base: &LocalBase) {
-        let [line, slope] = self.layout.line();
-        self.base[line] = 1.0;
-        self.free[(line, slope)] = 1.0;
+        let polynomial = self.layout.polynomial();
+        self.base[polynomial.start] = 1.0;
+        for place in polynomial.skip(1) {
+            self.free[(place - 1, place)] = 1.0;
+        }
         for (tone, [_, angular_frequency, _]) in base.sines().iter().enumerate() {
             let [sine, cosine] = self.layout.tone(tone);
             self.base[sine] = 1.0;
@@ -340,7 +346,8 @@ impl System {
 
     /// Sets the generators to the base acceleration from its local origin on.
     pub(super) fn set_base(&self, vector: &mut [f64], base: &LocalBase) {
-        for (place, entry) in self.layout.line().into_iter().zip(base.line()) {
+        let [value, slope, square, cube] = base.powers();
+        for (place, entry) in self.layout.polynomial().zip([value, slope, 2.0 * square, 6.0 * cube]) {
             vector[place] = entry;
         }
         for (tone, [amplitude, _, phase]) in base.sines().iter().enumerate() {

@@ -5,8 +5,9 @@ use toml::de::DeTable;
 use super::document::{Content, Origin, convert};
 
 /// Keys of which a table has one: an override of one replaces the other.
-const ALTERNATIVES: [[&str; 2]; 3] = [
+const ALTERNATIVES: [[&str; 2]; 4] = [
     ["amplitude_g", "amplitude_m_per_s2"],
+    ["spectral_density_g2_per_hz", "spectral_density_m2_per_s3"],
     ["settle_s", "settle_periods"],
     ["duration_s", "duration_periods"],
 ];

@@ -1,13 +1,14 @@
 //! A scene as plain numbers in SI units: what a scene file says once it has been checked.
 
 mod bump_stop;
+mod excitation;
 mod node;
 mod sliding;
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 pub use self::bump_stop::{BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters};
+pub use self::excitation::{Burst, BurstShape, Excitation, Random, Sweep, Tone, Trace};
 pub use self::node::{Action, HOURS, Node, Storage};
 pub use self::sliding::{Sliding, SlidingParameters, SlidingStart};
 use super::document::SceneError;
@@ -260,69 +261,6 @@ pub struct Lockout {
     pub turn_on_v: f64,
     /// It is disconnected where the store falls to this voltage, in V.
     pub turn_off_v: f64,
-}
-
-/// What shakes the base.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Excitation {
-    /// One sine.
-    Sine(Tone),
-    /// A sum of sines.
-    Sines(Vec<Tone>),
-    /// A recorded acceleration.
-    File(Trace),
-    /// A base at rest.
-    Silence,
-}
-
-impl Excitation {
-    /// Frequency in Hz if the excitation is one sine that is not constant.
-    #[must_use]
-    pub fn single_frequency(&self) -> Option<f64> {
-        match self {
-            Self::Sine(tone) if tone.frequency_hz > 0.0 => Some(tone.frequency_hz),
-            _ => None,
-        }
-    }
-
-    /// The excitation with accelerations times `factor`.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
-        let larger = |tone: &Tone| Tone { amplitude_m_per_s2: tone.amplitude_m_per_s2 * factor, ..*tone };
-        match self {
-            Self::Sine(tone) => Self::Sine(larger(tone)),
-            Self::Sines(tones) => Self::Sines(tones.iter().map(larger).collect()),
-            Self::File(trace) => {
-                let samples = trace.samples_m_per_s2.iter().map(|sample| sample * factor);
-                Self::File(Trace { samples_m_per_s2: samples.collect(), ..trace.clone() })
-            }
-            Self::Silence => Self::Silence,
-        }
-    }
-}
-
-/// One sine: `a(t) = amplitude · sin(2π · frequency · t + phase)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tone {
-    /// Amplitude in m/s².
-    pub amplitude_m_per_s2: f64,
-    /// Frequency in Hz.
-    pub frequency_hz: f64,
-    /// Phase in rad.
-    pub phase_rad: f64,
-}
-
-/// A recorded base acceleration: samples at a fixed rate, the first at time zero, joined by
-/// straight lines.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Trace {
-    /// Samples in m/s², scale applied; at least two.
-    pub samples_m_per_s2: Arc<[f64]>,
-    /// Samples per second.
-    pub rate_hz: f64,
-    /// Whether it starts again one sample interval after its last sample; if not, it is at least as
-    /// long as the run.
-    pub repeat: bool,
 }
 
 /// How long to simulate, and from when to measure.

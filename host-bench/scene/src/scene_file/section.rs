@@ -196,6 +196,34 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// A list of pairs of numbers, from two to `most`, which must be there.
+    pub(super) fn points(&mut self, key: &'static str, most: usize) -> Result<Vec<[f64; 2]>, SceneError> {
+        let wanted = format!("a list of 2 to {most} points, each a list of two numbers");
+        let items = match self.find(key).map(|node| &node.content) {
+            None => return Err(self.missing(key, &wanted)),
+            Some(Content::List(items)) if (2..=most).contains(&items.len()) => items,
+            Some(_) => return Err(self.refuse(key, format!("must be {wanted}"))),
+        };
+        let point = |item: &Node| match &item.content {
+            Content::List(pair) => match pair.as_slice() {
+                [
+                    Node { content: Content::Number(x, _), .. },
+                    Node { content: Content::Number(y, _), .. },
+                ] => Some([*x, *y]),
+                _ => None,
+            },
+            _ => None,
+        };
+        let points: Vec<[f64; 2]> = items.iter().map_while(point).collect();
+        match items.get(points.len()) {
+            None => Ok(points),
+            Some(bad) => {
+                let index = points.len();
+                Err(self.refuse(key, format!("item {index} is {}: must be {wanted}", bad.content)))
+            }
+        }
+    }
+
     /// A text, if the value is one.
     pub(super) fn text(&mut self, key: &'static str) -> Option<&'a str> {
         match self.find(key).map(|node| &node.content) {

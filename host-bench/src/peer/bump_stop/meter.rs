@@ -4,7 +4,7 @@ use model_core::integrate::Cubic;
 
 use super::system::{State, System};
 use crate::outcome::{Accuracy, BumpStopOutcome, Outcome, Particular};
-use crate::scene_file::Scene;
+use crate::scene_file::{Random, Scene};
 
 #[derive(Debug, Clone, Copy)]
 struct Sample {
@@ -128,6 +128,7 @@ impl<'a> Meter<'a> {
             mean_voltage_v: Some(self.voltage / length),
             delivered_energy_j: Some(delivered_energy),
             created: None,
+            base_rms_m_per_s2: scene.excitation.random().map(Random::rms_m_per_s2),
             // These methods keep no energy ledger.
             energy_residual: None,
             steps: 0,

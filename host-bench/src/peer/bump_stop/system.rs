@@ -201,13 +201,13 @@ impl<'a> BaseAcceleration<'a> {
 
     pub(super) fn new(excitation: &'a Excitation) -> Self {
         let base = Base(excitation);
-        Self { base, here: base.from(0.0), from: 0.0, to: 0.0 }
+        Self { base, here: base.pieces_from(0.0), from: 0.0, to: 0.0 }
     }
 
     /// Acceleration in m/s² at a time in s.
     pub(super) fn at(&mut self, time: f64) -> f64 {
         if !(self.from..self.to).contains(&time) {
-            self.here = self.base.from(time);
+            self.here = self.base.pieces_from(time);
             (self.from, self.to) = (time, time + self.here.smooth_for().min(Self::STRETCH));
         }
         self.here.at(time - self.from)

@@ -105,7 +105,7 @@ fn typical<P: Parts<f64>, const B: usize, const R: usize>(
     let mass = per_area * from.beam_width_m * from.beam_length_m;
     let base = match &setting.scene.excitation {
         Excitation::Sine(tone) => tone.amplitude_m_per_s2 / (TAU * tone.frequency_hz),
-        Excitation::Sines(_) | Excitation::File(_) | Excitation::Silence => 0.0,
+        _ => 0.0,
     };
     // Without excitation any size serves.
     let rate = mass.sqrt() * if base > 0.0 { AMPLIFICATION * base } else { 1.0 };

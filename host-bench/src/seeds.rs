@@ -1,0 +1,266 @@
+//! Statistics of a scene with a random excitation over several seeds.
+
+mod student;
+
+use comfy_table::presets;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use self::student::quantile;
+use crate::accuracy::{imbalance, run_with_steps};
+use crate::command::json_text;
+use crate::method::{Failure, Options};
+use crate::outcome::{self, Accuracy, Fields, Format, Outcome, fields, rows_csv};
+use crate::run::run_scene;
+use crate::scene_file::{Excitation, Scene};
+
+/// Seeds of one command.
+const COUNTS: [i64; 2] = [2, 100_000];
+/// The highest seed that a scene file takes.
+const HIGHEST_SEED: u64 = 4_294_967_295;
+/// Probability of the confidence interval.
+const CONFIDENCE: f64 = 0.95;
+/// Numbers of an outcome that are not results of the motion.
+const NO_RESULTS: [&str; 9] = [
+    "duration_s",
+    "settle_s",
+    "wall_s",
+    "steps",
+    "rejected_steps",
+    "newton_iterations",
+    "base_rms_m_per_s2",
+    "natural_frequency_hz",
+    "energy_residual",
+];
+
+/// Successive seeds, from that of a scene on.
+#[derive(Debug, Clone, Copy)]
+pub struct Seeds {
+    first: u64,
+    count: u64,
+}
+
+impl Seeds {
+    /// `count` seeds from that of the scene on.
+    ///
+    /// # Errors
+    /// A scene without a seed, or a count out of bounds.
+    pub fn new(scene: &Scene, count: i64) -> Result<Self, Failure> {
+        let [least, most] = COUNTS;
+        if !(least..=most).contains(&count) {
+            let text = format!("--seeds {count}: must be a whole number from {least} to {most}");
+            return Err(Failure::Input(text));
+        }
+        let Some(random) = scene.excitation.random() else {
+            return Err(Failure::of_file(scene, "excitation.kind: must be \"random\" with --seeds"));
+        };
+        let (first, count) = (random.seed, count.unsigned_abs());
+        if first + count - 1 > HIGHEST_SEED {
+            let text = format!("--seeds {count}: the last seed must be at most {HIGHEST_SEED}");
+            return Err(Failure::Input(text));
+        }
+        Ok(Self { first, count })
+    }
+
+    /// The number of seeds.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.count as usize
+    }
+}
+
+/// A quantity over the seeds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// Number of seeds that have it: with an event that some runs lack, fewer than all.
+    pub count: usize,
+    /// Mean over the seeds.
+    pub mean: f64,
+    /// Standard deviation of one seed, with one degree of freedom less than seeds; none of one seed.
+    pub standard_deviation: Option<f64>,
+    /// Lower end of the 95 % confidence interval of the mean by Student's t distribution; none of one seed.
+    pub confidence_low: Option<f64>,
+    /// Its upper end.
+    pub confidence_high: Option<f64>,
+    /// Smallest of the seeds.
+    pub least: f64,
+    /// Largest of the seeds.
+    pub largest: f64,
+}
+
+impl Spread {
+    /// Of the values of the seeds; `None` of no value.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let number = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / number;
+        let deviation = (values.len() > 1).then(|| {
+            let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+            (squares / (number - 1.0)).sqrt()
+        });
+        let freedom = u32::try_from(values.len()).unwrap_or(u32::MAX).saturating_sub(1);
+        let half = deviation.map(|deviation| quantile(freedom, CONFIDENCE) * deviation / number.sqrt());
+        (!values.is_empty()).then(|| Self {
+            count: values.len(),
+            mean,
+            standard_deviation: deviation,
+            confidence_low: half.map(|half| mean - half),
+            confidence_high: half.map(|half| mean + half),
+            least: values.iter().copied().fold(f64::INFINITY, f64::min),
+            largest: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        })
+    }
+}
+
+/// The statistics of a scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Statistics {
+    scene: &'static str,
+    method: String,
+    precision: &'static str,
+    math: &'static str,
+    duration_s: f64,
+    settle_s: f64,
+    base_rms_m_per_s2: Option<f64>,
+    /// First and last seed.
+    seeds: [u64; 2],
+    confidence: f64,
+    /// Each quantity of an outcome, over the seeds.
+    statistics: serde_json::Map<String, serde_json::Value>,
+    /// Estimated relative error of the mean power of the first seed.
+    accuracy: Accuracy,
+    pub warnings: Vec<String>,
+    #[serde(skip)]
+    spreads: Vec<(String, Spread)>,
+}
+
+impl Statistics {
+    /// Runs a scene with each seed on all cores; `done` is called after each. With `accuracy` the first seed is run with
+    /// its accuracy statement, and the others by the steps that were chosen for it.
+    ///
+    /// # Errors
+    /// If a seed cannot be run to its end.
+    pub fn of(
+        scene: &Scene,
+        options: &Options,
+        seeds: &Seeds,
+        accuracy: bool,
+        done: impl Fn() + Sync,
+    ) -> Result<Self, Failure> {
+        let (first, options) =
+            if accuracy { run_with_steps(scene, options)? } else { (run_scene(scene, options)?, *options) };
+        done();
+        let others: Vec<Outcome> = (1..seeds.count)
+            .into_par_iter()
+            .map(|index| {
+                let seed = seeds.first + index;
+                let mut outcome = run_scene(&with_seed(scene, seed)?, &options)
+                    .map_err(|failure| failure.of_case(&format!("excitation.seed = {seed}")))?;
+                let unbalanced = imbalance(&outcome);
+                outcome.warnings.extend(unbalanced.map(|text| format!("excitation.seed = {seed}: {text}")));
+                done();
+                Ok(outcome)
+            })
+            .collect::<Result<_, Failure>>()?;
+        let rows: Vec<Fields> = std::iter::once(&first).chain(&others).map(fields).collect();
+        let spreads = spreads(&rows);
+        let of_spread = |(name, spread): &(String, Spread)| (name.clone(), fields(spread).into());
+        let later = others.into_iter().flat_map(|outcome| outcome.warnings);
+        Ok(Self {
+            scene: first.scene,
+            method: first.method,
+            precision: first.precision,
+            math: first.math,
+            duration_s: first.duration_s,
+            settle_s: first.settle_s,
+            base_rms_m_per_s2: first.base_rms_m_per_s2,
+            seeds: [seeds.first, seeds.first + seeds.count - 1],
+            confidence: CONFIDENCE,
+            statistics: spreads.iter().map(of_spread).collect(),
+            accuracy: first.accuracy,
+            warnings: first.warnings.into_iter().chain(later).collect(),
+            spreads,
+        })
+    }
+
+    /// The statistics as text, line break included.
+    ///
+    /// # Errors
+    /// If they cannot be written as JSON.
+    pub fn text(&self, format: Format) -> Result<String, Failure> {
+        match format {
+            Format::Json => json_text(self),
+            Format::Csv => {
+                let columns: Vec<String> = std::iter::once("quantity".to_owned())
+                    .chain(
+                        self.spreads
+                            .first()
+                            .into_iter()
+                            .flat_map(|(_, spread)| fields(spread).into_iter().map(|(name, _)| name)),
+                    )
+                    .collect();
+                Ok(rows_csv(&columns, &self.spreads.iter().map(row).collect::<Vec<_>>()))
+            }
+            Format::Table => Ok(self.table()),
+        }
+    }
+
+    fn table(&self) -> String {
+        let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5e}"));
+        let [first, last] = self.seeds;
+        let base = shown(self.base_rms_m_per_s2);
+        let heading = format!(
+            "{}, {}, {}: seeds {first} to {last}, {} s to {} s, base {base} m/s² RMS\n",
+            self.scene, self.method, self.precision, self.settle_s, self.duration_s
+        );
+        let headings = ["quantity", "mean", "95 % from", "to", "deviation", "least", "largest", "seeds"];
+        let rows = self.spreads.iter().map(|(name, spread)| {
+            let numbers = [
+                Some(spread.mean),
+                spread.confidence_low,
+                spread.confidence_high,
+                spread.standard_deviation,
+                Some(spread.least),
+                Some(spread.largest),
+            ];
+            let count = spread.count.to_string();
+            std::iter::once(name.clone()).chain(numbers.map(shown)).chain([count]).collect::<Vec<_>>()
+        });
+        heading + &outcome::table(presets::NOTHING, headings.to_vec(), rows, 1)
+    }
+}
+
+/// The spread of each number over the rows, in their order.
+fn spreads(rows: &[Fields]) -> Vec<(String, Spread)> {
+    let mut names: Vec<&String> = Vec::new();
+    for name in rows.iter().flat_map(Fields::keys) {
+        if !names.contains(&name) && !NO_RESULTS.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    let spread = |name: &String| {
+        let values: Vec<f64> =
+            rows.iter().filter_map(|row| row.get(name)?.as_f64()).filter(|value| value.is_finite()).collect();
+        Some((name.clone(), Spread::of(&values)?))
+    };
+    names.into_iter().filter_map(spread).collect()
+}
+
+/// A row of CSV.
+fn row((name, spread): &(String, Spread)) -> Fields {
+    let mut row = Fields::new();
+    row.insert("quantity".to_owned(), name.as_str().into());
+    row.extend(fields(spread));
+    row
+}
+
+fn with_seed(scene: &Scene, seed: u64) -> Result<Scene, Failure> {
+    let excitation = match &scene.excitation {
+        Excitation::Random(random) => {
+            let drawn = random.with_seed(seed).map_err(|error| Failure::of_file(scene, error))?;
+            Excitation::Random(drawn)
+        }
+        other => other.clone(),
+    };
+    Ok(Scene { excitation, ..scene.clone() })
+}
