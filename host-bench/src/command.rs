@@ -11,6 +11,7 @@ pub mod overview;
 pub mod resonance;
 pub mod run;
 pub mod stability;
+pub mod stop;
 mod storage_voltage;
 pub mod sweep;
 pub mod work_precision;

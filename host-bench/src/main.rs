@@ -6,7 +6,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use host_bench::command::{
     budget, closed_form, figures, findings, needs, on_target, overview, report, resonance, run, stability,
-    sweep, work_precision,
+    stop, sweep, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -39,6 +39,8 @@ enum Command {
     OnTarget(on_target::OnTargetArguments),
     /// Stiff and extreme scenes: each right, refused, or a named error
     Stability(stability::StabilityArguments),
+    /// What the stop of a bump-stop scene saves in stress at the clamp, and what it costs in power
+    Stop(stop::StopArguments),
     /// Run a scene over a grid of values
     Sweep(sweep::SweepArguments),
     /// Error against run time: methods, steps, tolerances, precisions, math backends
@@ -66,6 +68,7 @@ fn main() -> ExitCode {
             on_target::run(arguments).map_err(|error| Failure::Input(error.to_string()))
         }
         Some(Command::Stability(arguments)) => stability::run(arguments),
+        Some(Command::Stop(arguments)) => stop::run(arguments),
         Some(Command::Sweep(arguments)) => sweep::run(arguments),
         Some(Command::WorkPrecision(arguments)) => work_precision::run(arguments),
         #[cfg(feature = "peers")]

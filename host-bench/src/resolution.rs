@@ -19,7 +19,9 @@ fn resonances(scene: &Scene, outcome: &Outcome) -> (Vec<f64>, f64) {
             (found.into_iter().collect(), model.parameters.damping_ratio)
         }
         Model::BumpStop(model) => {
-            let found = outcome.bump_stop().map(|found| found.natural_frequencies_hz.clone());
+            let found = outcome.bump_stop().map(|found| {
+                [&found.beam_natural_frequencies_hz[..], &found.rod_natural_frequencies_hz].concat()
+            });
             (found.unwrap_or_default(), model.parameters.damping_ratio)
         }
     }

@@ -17,6 +17,7 @@ mod command_line {
     mod sliding;
     mod steady_state;
     mod step_errors;
+    mod stop;
     mod sweep;
     mod tool;
     mod trace_columns;

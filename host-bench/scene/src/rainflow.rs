@@ -83,6 +83,20 @@ impl Rainflow {
         self.ended().largest
     }
 
+    /// The range in the unit of the values whose cycles, one per second over `seconds`, do the same damage by Miner's rule
+    /// with an S–N curve of this exponent `m`: `(Σ n Δᵐ / seconds)^(1/m)`. Exact to half a class.
+    #[must_use]
+    pub fn equivalent_range(&self, exponent: f64, seconds: f64) -> f64 {
+        let ended = self.ended();
+        // Relative to the largest range, whose power may overflow.
+        let damage = ended.half_cycles.iter().map(|(class, half_cycles)| {
+            let range = ((*class as f64 + 0.5) / CLASSES_PER_DOUBLING).exp2().min(ended.largest);
+            0.5 * *half_cycles as f64 * (range / ended.largest).powf(exponent)
+        });
+        let damage: f64 = damage.sum();
+        if damage > 0.0 { ended.largest * (damage / seconds).powf(exponent.recip()) } else { 0.0 }
+    }
+
     /// Number of cycles, half cycles by their half, of at least a part of the largest range, from 0 to 1; the limit is
     /// exact to 1 %.
     #[must_use]
@@ -123,6 +137,19 @@ mod tests {
         assert_eq!(rainflow.largest_range(), 9.0);
         // 6, 8, 8 and 9: half cycles of at least half of the largest range.
         assert_eq!(rainflow.cycles(0.5), 2.0);
+    }
+
+    /// Half cycles of 3, 4 (three), 6, 8 (two) and 9 in two seconds, with the exponent 5.
+    #[test]
+    fn the_equivalent_range_is_the_mean_of_the_power() {
+        let sum: f64 = [3.0, 4.0, 4.0, 4.0, 6.0, 8.0, 8.0, 9.0].iter().map(|range: &f64| range.powi(5)).sum();
+        let expected = (0.5 * sum / 2.0).powf(0.2);
+        let found = of(&EXAMPLE).equivalent_range(5.0, 2.0);
+        assert!((found / expected - 1.0).abs() < 6e-3, "{found} {expected}");
+        assert_eq!(of(&[1.0; 5]).equivalent_range(5.0, 2.0), 0.0);
+        // One whole cycle per second: its range.
+        let steady: Vec<f64> = (0..=20).map(|index| if index % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        assert!((of(&steady).equivalent_range(5.0, 10.0) / 2.0 - 1.0).abs() < 6e-3);
     }
 
     #[test]

@@ -109,7 +109,7 @@ pub(super) fn points_of(axes: &[Axis]) -> Option<usize> {
 }
 
 /// The number of points; each key must be given once.
-fn check_axes(axes: &[Axis]) -> Result<usize, Failure> {
+pub(super) fn check_axes(axes: &[Axis]) -> Result<usize, Failure> {
     let count = points_of(axes)
         .filter(|count| *count <= MOST)
         .ok_or_else(|| Failure::Input(format!("--over: the grid must have at most {MOST} points")))?;

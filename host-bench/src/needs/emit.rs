@@ -5,7 +5,9 @@ mod component;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use self::component::{Component, bridge, force_law, load, number, restitution, stop, unit, with_fields};
+use self::component::{
+    Component, bridge, force_law, load, number, restitution, stop, tip_mass, unit, with_fields,
+};
 use super::numerics::{Control, Setting};
 use super::part::Part;
 use crate::method::{Failure, Method, Precision};
@@ -32,13 +34,14 @@ const MODULES: [(&str, &[&str]); 14] = [
     ("scene::rectified", &["Rectified"]),
 ];
 /// Names that the module of each kind of scene has.
-const OF_SCENE: [&str; 17] = [
+const OF_SCENE: [&str; 19] = [
     "Choices",
     "ContactSeparation",
     "DisplacementConstraint",
     "FieldLateralForce",
     "NoLateralForce",
     "NoStop",
+    "NoTipMass",
     "OneWay",
     "Parameters",
     "ResidualFlexibility",
@@ -48,6 +51,7 @@ const OF_SCENE: [&str; 17] = [
     "Start",
     "Stepper",
     "Stop",
+    "TipMass",
     "TwoWay",
     "BumpStop",
 ];
@@ -391,7 +395,11 @@ mod tests {
             Coupling::OneWay => unit("OneWay"),
         };
         let stop = model.stop.as_ref().map_or_else(|| unit("NoStop"), stop);
-        let choices_type = format!("Choices<{}, {}, {}>", circuit.of_type, stop.of_type, coupling.of_type);
+        let tip_mass = from.tip_mass.map_or_else(|| unit("NoTipMass"), |body| tip_mass(&body));
+        let choices_type = format!(
+            "Choices<{}, {}, {}, {}>",
+            circuit.of_type, stop.of_type, coupling.of_type, tip_mass.of_type
+        );
         let modes = [from.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)];
         let [beam, rod] = modes;
         let (short, long) = match self.setting.control {
@@ -412,7 +420,12 @@ mod tests {
             from.substrate_density_kg_per_m3,
         );
         let piezo = layer(from.piezo_thickness_m, from.piezo_young_modulus_pa, from.piezo_density_kg_per_m3);
-        let choices = choices_value(&[("load", circuit), ("stop", stop), ("coupling", coupling)]);
+        let choices = choices_value(&[
+            ("load", circuit),
+            ("stop", stop),
+            ("coupling", coupling),
+            ("tip_mass", tip_mass),
+        ]);
         let numbers = [
             ("beam_length", from.beam_length_m),
             ("beam_width", from.beam_width_m),

@@ -28,15 +28,17 @@ fn json_has_every_key_of_the_contract() {
     let keys: Vec<&str> = found.as_object().expect("an object").keys().map(String::as_str).collect();
     let wanted = "scene method precision math duration_s settle_s mean_power_w rms_voltage_v \
                   peak_voltage_v mean_voltage_v delivered_energy_j energy_residual steps rejected_steps \
-                  newton_iterations events wall_s accuracy warnings natural_frequencies_hz peak_tip_displacement_m \
+                  newton_iterations events wall_s accuracy warnings beam_natural_frequencies_hz \
+                  rod_natural_frequencies_hz peak_tip_displacement_m \
                   peak_stop_point_displacement_m contacts contacts_per_period contact_fraction \
                   first_contact_s peak_force_n mean_force_n clamp_curvature_peak_per_m clamp_curvature_rms_per_m \
                   clamp_strain_peak clamp_stress_peak_pa clamp_stress_rms_pa clamp_stress_largest_range_pa \
-                  clamp_stress_cycles piezo_clamp_strain_peak piezo_clamp_stress_peak_pa piezo_clamp_stress_rms_pa";
+                  clamp_stress_cycles clamp_stress_equivalent_range_pa piezo_clamp_strain_peak piezo_clamp_stress_peak_pa piezo_clamp_stress_rms_pa";
     assert_eq!(keys, wanted.split_whitespace().collect::<Vec<_>>());
     assert_eq!(found["scene"], "bump-stop");
-    let frequencies = found["natural_frequencies_hz"].as_array().expect("a list");
-    assert_eq!(frequencies.len(), 8);
+    let frequencies = found["beam_natural_frequencies_hz"].as_array().expect("a list");
+    let of_rod = found["rod_natural_frequencies_hz"].as_array().expect("a list");
+    assert_eq!([frequencies.len(), of_rod.len()], [6, 2]);
     assert!((frequencies[0].as_f64().expect("a number") - 239.705_436).abs() < 1e-6);
     assert!((number(&found, "first_contact_s") - 3.306_469_272e-3).abs() < 1e-12);
     assert_eq!(number(&found, "contacts"), 8.0);
@@ -263,4 +265,22 @@ fn the_reference_refuses_what_has_no_limit_and_the_core_what_it_has_not() {
     refused(&["run", SHIPPED, "--step", "1e-6", "--long-step", "0.5"], &["--long-step 0.5", "at most"]);
     let steady = ["run", SHIPPED, "--steady-state", "--method", "rk4"];
     refused(&steady, &["bump-stop", "--method", "discrete-gradient", "periodic steady state"]);
+}
+
+#[test]
+fn tip_masses_out_of_bounds_are_refused() {
+    let with = |change: &str| ["tip_mass.mass_kg=1e-3", change].map(str::to_owned);
+    for (change, parts) in [
+        ("tip_mass.mass_kg=-1", ["tip_mass.mass_kg", "a number from 0 to 1e3"]),
+        ("tip_mass.rotary_inertia_kg_m2=2e3", ["tip_mass.rotary_inertia_kg_m2", "a number from 0 to 1e3"]),
+        ("tip_mass.offset_m=0.6", ["tip_mass.offset_m", "10 lengths of the beam"]),
+        ("tip_mass.rotary_inertia_kg_m2=100", ["tip_mass.rotary_inertia_kg_m2", "square of its length"]),
+        ("tip_mass.inertia=1", ["tip_mass.inertia", "unknown key"]),
+    ] {
+        let [mass, change] = with(change);
+        refused_with(&[&mass, &change], &parts);
+    }
+    refused_with(&["tip_mass.offset_m=1e-3"], &["tip_mass.mass_kg", "missing"]);
+    refused_with(&["parameters.beam_thickness_m=1"], &["unknown key"]);
+    refused_with(&["tip_mass=1"], &["tip_mass", "table"]);
 }

@@ -22,6 +22,13 @@
 //! No term cancels or overflows: below `λ = 2` the differences of hyperbolic and circular functions are
 //! summed as series of one sign, and above it the hyperbolic functions are written in decaying exponentials.
 //! So the result in `f32` is accurate to rounding.
+//!
+//! With a rigid body at the tip, which has a rotary inertia and an offset, the modes are those of
+//! [`Cantilever::mode_with`].
+
+mod tip_mass;
+
+pub use tip_mass::TipMass;
 
 use crate::scalar::{Mathematics, Scalar, turns_of_radians};
 
@@ -125,15 +132,21 @@ impl<S: Scalar> Cantilever<S> {
             let ratio = mode.shape(place).value / mode.angular_frequency;
             sum += ratio * ratio;
         }
-        // Remaining modes: λ = (i − ½)π, and φ² is on average 1/m_b, at the tip 4/m_b; Σ (i − ½)⁻⁴ by the
-        // Euler–Maclaurin formula at the midpoints.
+        // φ² of the remaining modes is on average 1/m_b, at the tip 4/m_b.
+        let weight = if place >= S::ONE { S::from_f64(4.0) } else { S::ONE };
+        sum + self.remaining_compliance(last, weight)
+    }
+
+    /// Static compliance in m/N of the modes after `last`, with `λ = (i − ½)π` and `φ²` of `weight/m_b`: `Σ (i − ½)⁻⁴`
+    /// by the Euler–Maclaurin formula at the midpoints.
+    #[inline(always)]
+    fn remaining_compliance(&self, last: u32, weight: S) -> S {
         let n = S::from_u32(last);
         let cube = n * n * n;
         let fourths = S::from_f64(1.0 / 3.0) / cube - S::from_f64(1.0 / 6.0) / (cube * n * n);
         let cube_of_length = self.length * self.length * self.length;
-        let weight = if place >= S::ONE { S::from_f64(4.0) } else { S::ONE };
         let fourth_of_pi = S::from_f64(97.409_091_034_002_43);
-        sum + weight / fourth_of_pi * fourths * cube_of_length / self.bending_stiffness
+        weight / fourth_of_pi * fourths * cube_of_length / self.bending_stiffness
     }
 }
 

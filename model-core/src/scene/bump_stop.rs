@@ -41,6 +41,15 @@
 //! contact force is constant over a step in which the bridge conducts.
 //!
 //! The numbers of modes are type parameters, `B` of the beam and `R` of the rod.
+//!
+//! # Tip mass
+//!
+//! A rigid body of mass, rotary inertia and offset at the tip ([`TipMass`]) changes the modes only (`part::beam`), and
+//! with them every coefficient. The base acceleration acts on the body too, and by its offset on the rotation of the tip;
+//! `γ_i` contains both. The contact acts on the beam, at `X_c ≤ L_b`, not on the body beyond its tip. The charge of the
+//! electrodes, which cover the whole length of the beam, remains that of the slope at the tip, `θ_i = ν φ_i'(L_b)`.
+//! The static compliance and the static curvatures of all modes together do not depend on masses; only the curvature under
+//! the base acceleration has the moment `M (L_b + d)` of the body as well.
 
 mod choices;
 mod circuit;
@@ -59,6 +68,7 @@ mod state;
 mod step_set;
 mod stepper;
 mod stop;
+mod tip_mass;
 mod trial;
 
 pub use choices::{AnyChoices, AnyCoupling, Choices, OneWay, Parts, TwoWay};
@@ -70,7 +80,9 @@ pub use state::{Start, State, StateOf};
 use stepper::LEAST_BUDGET;
 pub use stepper::Stepper;
 pub use stop::Stop;
+pub use tip_mass::NoTipMass;
 
+pub use crate::part::beam::TipMass;
 use crate::scalar::Scalar;
 use choices::ContactOf;
 

@@ -3,3 +3,4 @@
 mod invariants;
 mod numbers;
 mod setup;
+mod tip_mass;

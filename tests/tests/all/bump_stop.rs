@@ -180,8 +180,8 @@ fn growth(angular_frequencies: &[f64], step: f64, is_linear: bool) -> f64 {
 #[test]
 fn a_linear_force_on_a_rigid_contact_is_not_stable_at_any_step() {
     let Model::BumpStop(model) = modes(["6", "0"], ["0", "1"], &[]).model else { panic!("another scene") };
-    let omegas: Vec<f64> =
-        model.natural_frequencies_hz().iter().map(|frequency| frequency * std::f64::consts::TAU).collect();
+    let [beam, _] = model.natural_frequencies_hz();
+    let omegas: Vec<f64> = beam.iter().map(|frequency| frequency * std::f64::consts::TAU).collect();
     assert_eq!(omegas.len(), 6);
     let limit = 2.0 + 3f64.sqrt();
     for step in [1e-7, 1e-6, 3e-6, 1e-5] {

@@ -6,6 +6,7 @@ mod bump_stop_clamp;
 mod bump_stop_figures;
 mod bump_stop_paper;
 mod bump_stop_store;
+mod bump_stop_tip_mass;
 mod closed_form;
 mod convergence;
 mod dense_solve;

@@ -15,7 +15,7 @@ use model_core::scalar::Scalar;
 use model_core::scene::Harvester as _;
 use model_core::scene::bump_stop::{
     AnyChoices, AnyContact, AnyCoupling, BumpStop as Harvester, Choices, Circuit, ClampMeter, Parameters,
-    Parts, Resistive, Restitution, Start, StateOf, Stepper, Stop,
+    Parts, Resistive, Restitution, Start, StateOf, Stepper, Stop, TipMass,
 };
 
 pub(super) use self::clamp::Clamp;
@@ -101,6 +101,11 @@ fn parameters_with<S: Scalar, L>(model: &BumpStop, load: L) -> Parameters<S, Any
                 Coupling::TwoWay => AnyCoupling::TwoWay,
                 Coupling::OneWay => AnyCoupling::OneWay,
             },
+            tip_mass: from.tip_mass.map(|body| TipMass {
+                mass: number(body.mass_kg),
+                rotary_inertia: number(body.rotary_inertia_kg_m2),
+                offset: number(body.offset_m),
+            }),
         },
     }
 }
@@ -247,8 +252,11 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
         let with_stop = |value: S| self.stop.as_ref().map(|_| value.to_f64());
         let contacts = u64::from(window.report().contacts);
         let modes = modes(self);
+        let [beam_natural_frequencies_hz, rod_natural_frequencies_hz] =
+            natural_frequencies_hz(harvester.scene(), modes);
         Particular::BumpStop(BumpStopOutcome {
-            natural_frequencies_hz: natural_frequencies_hz(harvester.scene(), modes),
+            beam_natural_frequencies_hz,
+            rod_natural_frequencies_hz,
             peak_tip_displacement_m: number(window.report().coordinate.magnitude()),
             peak_stop_point_displacement_m: with_stop(window.report().stop_point.magnitude()),
             contacts,
@@ -302,12 +310,13 @@ fn scaled<S: Scalar, P: Parts<S>, const B: usize, const R: usize>(
         .collect()
 }
 
-/// Of the modes that the scene keeps, the beam's first.
+/// Of the modes that the scene keeps of the beam, and of the rod.
 fn natural_frequencies_hz<S: Scalar, P: Parts<S>, const B: usize, const R: usize>(
     scene: &Harvester<S, P, B, R>,
     [beam_modes, rod_modes]: [usize; 2],
-) -> Vec<f64> {
+) -> [Vec<f64>; 2] {
+    let hertz = |omega: S| omega.to_f64() / std::f64::consts::TAU;
     let beam = (0..beam_modes).filter_map(|i| scene.beam_angular_frequency(i));
     let rod = (0..rod_modes).filter_map(|j| scene.rod_angular_frequency(j));
-    beam.chain(rod).map(|omega| omega.to_f64() / std::f64::consts::TAU).collect()
+    [beam.map(hertz).collect(), rod.map(hertz).collect()]
 }

@@ -187,6 +187,7 @@ impl<'a> Meter<'a> {
         let length = scene.run.window_s();
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * length);
         let Self { system, has_stop, .. } = self;
+        let [beam_natural_frequencies_hz, rod_natural_frequencies_hz] = system.modes.natural_frequencies_hz();
         let [motion, charge, storage_energy] = energies(system, self.stiffness, end);
         let Ledger { total, window, start, impact_loss, .. } = &self.ledger;
         let work = total[integral::BASE_WORK] - total[integral::DAMPING] - impact_loss;
@@ -206,7 +207,8 @@ impl<'a> Meter<'a> {
             events,
             effort: Effort { steps, ..Effort::default() },
             particular: Particular::BumpStop(BumpStopOutcome {
-                natural_frequencies_hz: system.modes.natural_frequencies_hz(),
+                beam_natural_frequencies_hz,
+                rod_natural_frequencies_hz,
                 peak_tip_displacement_m: Some(self.tip),
                 peak_stop_point_displacement_m: has_stop.then_some(self.stop_point),
                 contacts: self.contacts,
@@ -217,7 +219,7 @@ impl<'a> Meter<'a> {
                 mean_force_n: has_stop.then(|| (window[integral::FORCE] + self.momentum) / length),
                 clamp: Some(ClampOutcome::new(
                     [self.curvature, (self.curvature_squared / length).sqrt()],
-                    &self.cycles,
+                    (&self.cycles, length),
                     system.modes.fibres.map(|[distance, modulus]| {
                         move |curvature: f64| [distance * curvature, modulus * distance * curvature]
                     }),

@@ -23,6 +23,9 @@ pub struct ClampOutcome {
     pub clamp_stress_largest_range_pa: f64,
     /// Rainflow cycles of the stress (ASTM E1049) of at least a tenth of the largest range.
     pub clamp_stress_cycles: f64,
+    /// Range in Pa of the stress of the substrate whose cycles, one per second, do the same damage as the rainflow cycles
+    /// by Miner's rule with an S–N curve of the exponent 5.
+    pub clamp_stress_equivalent_range_pa: f64,
     /// Largest magnitude of the strain of the piezoelectric layer.
     pub piezo_clamp_strain_peak: f64,
     /// Largest magnitude of the stress of the piezoelectric layer in Pa.
@@ -33,14 +36,16 @@ pub struct ClampOutcome {
 
 /// Part of the largest range from which a cycle is counted.
 const COUNTED: f64 = 0.1;
+/// Exponent of the S–N curve of the equivalent range; 3 is usual of welds, 5 and more of smooth steel.
+const EXPONENT: f64 = 5.0;
 
 impl ClampOutcome {
-    /// Of the largest magnitude and the RMS of the curvature in 1/m and its rainflow count, and of the function of each
+    /// Of the largest magnitude and the RMS of the curvature in 1/m, its rainflow count over so many `seconds`, and of the function of each
     /// outer fibre, the substrate's first, from a curvature to the strain and the stress in Pa.
     #[must_use]
     pub fn new(
         [peak, rms]: [f64; 2],
-        curvature: &Rainflow,
+        (curvature, seconds): (&Rainflow, f64),
         [substrate, piezo]: [impl Fn(f64) -> [f64; 2]; 2],
     ) -> Self {
         let [strain, stress] = substrate(peak);
@@ -48,6 +53,7 @@ impl ClampOutcome {
         let [_, rms_stress] = substrate(rms);
         let [_, piezo_rms_stress] = piezo(rms);
         let [_, largest_range] = substrate(curvature.largest_range());
+        let [_, equivalent_range] = substrate(curvature.equivalent_range(EXPONENT, seconds));
         Self {
             clamp_curvature_peak_per_m: peak,
             clamp_curvature_rms_per_m: rms,
@@ -56,6 +62,7 @@ impl ClampOutcome {
             clamp_stress_rms_pa: rms_stress,
             clamp_stress_largest_range_pa: largest_range,
             clamp_stress_cycles: curvature.cycles(COUNTED),
+            clamp_stress_equivalent_range_pa: equivalent_range,
             piezo_clamp_strain_peak: piezo_strain,
             piezo_clamp_stress_peak_pa: piezo_stress,
             piezo_clamp_stress_rms_pa: piezo_rms_stress,
@@ -68,9 +75,10 @@ impl ClampOutcome {
 /// Without a stop there are no contacts, and the numbers of the stop are `None`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BumpStopOutcome {
-    /// Natural frequencies in Hz of the modes kept, short-circuit and undamped: those of the beam,
-    /// rising, then those of the rod, rising.
-    pub natural_frequencies_hz: Vec<f64>,
+    /// Natural frequencies in Hz of the modes kept of the beam with its tip mass, short-circuit and undamped, rising.
+    pub beam_natural_frequencies_hz: Vec<f64>,
+    /// Natural frequencies in Hz of the modes kept of the rod, undamped, rising; empty without a stop.
+    pub rod_natural_frequencies_hz: Vec<f64>,
     /// Largest magnitude in the window of the displacement of the beam's tip relative to the base, in m.
     pub peak_tip_displacement_m: Option<f64>,
     /// Largest magnitude in the window of the displacement in m of the beam at the stop; `None` without a stop.

@@ -1,11 +1,13 @@
-//! `[parameters]`, `[stop]` and `[initial]` of a bump-stop scene.
+//! `[parameters]`, `[tip_mass]`, `[stop]` and `[initial]` of a bump-stop scene.
 
-use model_core::scene::bump_stop::{Parameters, Restitution, Start, Stop};
+use model_core::scene::bump_stop::{Parameters, Restitution, Start, Stop, TipMass};
 
 use super::bounds::{Bound, Short, Table, between};
 use super::document::SceneError;
 use super::modes::BumpStopModes;
-use super::scene::{BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, Model, StopParameters};
+use super::scene::{
+    BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, Model, StopParameters, TipMassParameters,
+};
 use super::section::{Section, numbers};
 
 const PARAMETERS: &[Table] = &[Parameters::<f64, ()>::BOUNDS, &[("beam_modes", between(1.0, 20.0))]];
@@ -25,7 +27,10 @@ const FREQUENCY: model_core::bounds::Bounds<f64> = between(1e-2, 1e8);
 
 /// Reads the tables of the harvester.
 pub(super) fn model(root: &mut Section<'_>) -> Result<Model, SceneError> {
-    let parameters = parameters(root.table("parameters")?)?;
+    let mut parameters = parameters(root.table("parameters")?)?;
+    if let Some(section) = root.optional_table("tip_mass")? {
+        parameters.tip_mass = Some(tip_mass(section, &parameters)?);
+    }
     let stop = match root.optional_table("stop")? {
         Some(section) => Some(stop(section, &parameters)?),
         None => None,
@@ -47,11 +52,45 @@ fn parameters(mut section: Section<'_>) -> Result<BumpStopParameters, SceneError
         piezo_d31_m_per_v, piezo_permittivity_f_per_m, damping_ratio;
         beam_modes: section.whole_number("beam_modes")?,
         coupling: section.choice("coupling", &couplings)?,
+        tip_mass: None,
     });
-    let frequencies = BumpStopModes::new(&parameters, None).natural_frequencies_hz();
+    let [frequencies, _] = BumpStopModes::new(&parameters, None).natural_frequencies_hz();
     check(&section, "beam_length_m", "bending mode", &frequencies)?;
     section.finish()?;
     Ok(parameters)
+}
+
+/// Reads the tip mass of a beam that has none so far.
+fn tip_mass(mut section: Section<'_>, beam: &BumpStopParameters) -> Result<TipMassParameters, SceneError> {
+    section.bounded_by(&[TipMass::<f64>::BOUNDS]);
+    let body = TipMassParameters {
+        mass_kg: section.number("mass_kg")?,
+        rotary_inertia_kg_m2: section.number_or("rotary_inertia_kg_m2", Some(0.0))?,
+        offset_m: section.number_or("offset_m", Some(0.0))?,
+    };
+    let mass = BumpStopModes::new(beam, None).beam_mass;
+    let length = beam.beam_length_m;
+    let [masses, inertias, lengths] = TipMass::<f64>::LARGEST_RATIOS;
+    for (key, value, largest, of) in [
+        ("mass_kg", body.mass_kg, masses * mass, format!("{masses:e} masses of the beam")),
+        (
+            "rotary_inertia_kg_m2",
+            body.rotary_inertia_kg_m2,
+            inertias * mass * length * length,
+            format!("{inertias:e} masses of the beam times the square of its length"),
+        ),
+        ("offset_m", body.offset_m, lengths * length, format!("{lengths} lengths of the beam")),
+    ] {
+        if value > largest {
+            let reason = format!("must be at most {}, {of}", Short(largest));
+            return Err(section.refuse(key, reason));
+        }
+    }
+    let with = BumpStopParameters { tip_mass: Some(body), ..*beam };
+    let [frequencies, _] = BumpStopModes::new(&with, None).natural_frequencies_hz();
+    check(&section, "mass_kg", "bending mode", &frequencies)?;
+    section.finish()?;
+    Ok(body)
 }
 
 fn stop(mut section: Section<'_>, beam: &BumpStopParameters) -> Result<StopParameters, SceneError> {
@@ -90,8 +129,8 @@ fn stop(mut section: Section<'_>, beam: &BumpStopParameters) -> Result<StopParam
         let length = Short(beam.beam_length_m);
         return refuse("position_m", format!("must not be above parameters.beam_length_m = {length}"));
     }
-    let frequencies = BumpStopModes::new(beam, Some(&stop)).natural_frequencies_hz();
-    check(&section, "length_m", "rod mode", &frequencies[beam.beam_modes..])?;
+    let [_, frequencies] = BumpStopModes::new(beam, Some(&stop)).natural_frequencies_hz();
+    check(&section, "length_m", "rod mode", &frequencies)?;
     section.finish()?;
     Ok(stop)
 }

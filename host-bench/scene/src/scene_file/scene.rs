@@ -7,7 +7,9 @@ mod sliding;
 
 use std::path::PathBuf;
 
-pub use self::bump_stop::{BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters};
+pub use self::bump_stop::{
+    BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters, TipMassParameters,
+};
 pub use self::excitation::{Burst, BurstShape, Excitation, Random, Sweep, Tone, Trace};
 pub use self::node::{Action, HOURS, Node, Storage};
 pub use self::sliding::{Sliding, SlidingParameters, SlidingStart};

@@ -1,6 +1,8 @@
 //! The components of a scene as Rust source.
 
-use crate::scene_file::{Contact, Draw, ForceLaw, Load, Lockout, Restitution, StopParameters};
+use crate::scene_file::{
+    Contact, Draw, ForceLaw, Load, Lockout, Restitution, StopParameters, TipMassParameters,
+};
 
 /// A component: its type and its value, as Rust source.
 pub(super) struct Component {
@@ -78,6 +80,17 @@ pub(super) fn stop(stop: &StopParameters) -> Component {
     let fields = fields.map(|(field, value)| (field, number(value)));
     let fields = [fields.as_slice(), &[("contact", contact.value)]].concat();
     Component { of_type: format!("Stop<f32, {}>", contact.of_type), ..with_fields("Stop", &fields) }
+}
+
+pub(super) fn tip_mass(body: &TipMassParameters) -> Component {
+    with_fields(
+        "TipMass",
+        &[
+            ("mass", number(body.mass_kg)),
+            ("rotary_inertia", number(body.rotary_inertia_kg_m2)),
+            ("offset", number(body.offset_m)),
+        ],
+    )
 }
 
 /// The bridge, and the type of its storage; `None` where the load is a resistor.

@@ -113,7 +113,7 @@ impl<'a> Meter<'a> {
     pub(super) fn close(self, scene: &Scene, has_stop: bool, end: &State) -> Outcome {
         let length = scene.run.window_s();
         let periods = scene.excitation.single_frequency().map(|frequency| frequency * length);
-        let frequencies = self.system.modes.iter().map(|mode| mode.stiffness.sqrt() / std::f64::consts::TAU);
+        let [beam_natural_frequencies_hz, rod_natural_frequencies_hz] = self.system.natural_frequencies_hz();
         let delivered_energy = self.voltage_squared * self.system.conductance;
         Outcome {
             scene: scene.name(),
@@ -137,7 +137,8 @@ impl<'a> Meter<'a> {
             events: 0,
             wall_s: 0.0,
             particular: Particular::BumpStop(BumpStopOutcome {
-                natural_frequencies_hz: frequencies.collect(),
+                beam_natural_frequencies_hz,
+                rod_natural_frequencies_hz,
                 peak_tip_displacement_m: Some(self.peaks[TIP]),
                 peak_stop_point_displacement_m: has_stop.then_some(self.peaks[STOP_POINT]),
                 contacts: self.contacts,

@@ -118,6 +118,13 @@ impl System {
         (free + self.stiffness * mobility).sqrt()
     }
 
+    /// Natural frequencies in Hz of the beam and of the rod.
+    pub(super) fn natural_frequencies_hz(&self) -> [Vec<f64>; 2] {
+        let hertz = |mode: &Mode| mode.stiffness.sqrt() / std::f64::consts::TAU;
+        let (beam, rod) = self.modes.split_at(self.beam_modes);
+        [beam, rod].map(|modes| modes.iter().map(hertz).collect())
+    }
+
     /// The state with half the sum of its squares the energy in J of motion and charge.
     pub(super) fn scaled(&self, state: &State) -> Vec<f64> {
         let motion = self.modes.iter().zip(&state.motion);

@@ -5,6 +5,8 @@ use core::fmt::Debug;
 use super::circuit::{Circuit, Resistive};
 use super::contact_law::{AnyContact, NoStop};
 use super::stop::{Stop, StopChoice};
+use super::tip_mass::{NoTipMass, TipMassChoice};
+use crate::part::beam::TipMass;
 use crate::part::load::AnyLoad;
 use crate::part::rectifier::FullBridge;
 use crate::scalar::Scalar;
@@ -81,45 +83,54 @@ impl Coupling for AnyCoupling {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Choices<L, T = NoStop, K = TwoWay> {
+pub struct Choices<L, T = NoStop, K = TwoWay, M = NoTipMass> {
     /// The circuit at the terminals: a [`Resistive`] load, or, by [`Choices::behind`], a [`FullBridge`].
     pub load: L,
     /// The stop.
     pub stop: T,
     /// Whether the voltage acts back on the beam.
     pub coupling: K,
+    /// A rigid body at the tip of the beam: a [`TipMass`], or [`NoTipMass`].
+    pub tip_mass: M,
 }
 
 /// Every choice at run time, except the one between a load and a bridge.
-pub type AnyChoices<S, L = Resistive<AnyLoad<S>>> = Choices<L, Stop<S, AnyContact<S>>, AnyCoupling>;
+pub type AnyChoices<S, L = Resistive<AnyLoad<S>>> =
+    Choices<L, Stop<S, AnyContact<S>>, AnyCoupling, Option<TipMass<S>>>;
 
 impl<L> Choices<Resistive<L>> {
-    /// A load resistance, without stop, with two-way coupling.
+    /// A load resistance, without stop and tip mass, with two-way coupling.
     #[must_use]
     pub const fn new(load: L) -> Self {
-        Self { load: Resistive(load), stop: NoStop, coupling: TwoWay }
+        Self { load: Resistive(load), stop: NoStop, coupling: TwoWay, tip_mass: NoTipMass }
     }
 }
 
 impl<S, R> Choices<FullBridge<S, R>> {
-    /// A full bridge with its storage, without stop, with two-way coupling.
+    /// A full bridge with its storage, without stop and tip mass, with two-way coupling.
     #[must_use]
     pub const fn behind(bridge: FullBridge<S, R>) -> Self {
-        Self { load: bridge, stop: NoStop, coupling: TwoWay }
+        Self { load: bridge, stop: NoStop, coupling: TwoWay, tip_mass: NoTipMass }
     }
 }
 
-impl<L, T, K> Choices<L, T, K> {
+impl<L, T, K, M> Choices<L, T, K, M> {
     /// With a stop.
     #[must_use]
-    pub fn stop<Other>(self, stop: Other) -> Choices<L, Other, K> {
-        Choices { load: self.load, stop, coupling: self.coupling }
+    pub fn stop<Other>(self, stop: Other) -> Choices<L, Other, K, M> {
+        Choices { load: self.load, stop, coupling: self.coupling, tip_mass: self.tip_mass }
     }
 
     /// With another coupling.
     #[must_use]
-    pub fn coupling<Other>(self, coupling: Other) -> Choices<L, T, Other> {
-        Choices { load: self.load, stop: self.stop, coupling }
+    pub fn coupling<Other>(self, coupling: Other) -> Choices<L, T, Other, M> {
+        Choices { load: self.load, stop: self.stop, coupling, tip_mass: self.tip_mass }
+    }
+
+    /// With a tip mass.
+    #[must_use]
+    pub fn tip_mass<Other>(self, tip_mass: Other) -> Choices<L, T, K, Other> {
+        Choices { load: self.load, stop: self.stop, coupling: self.coupling, tip_mass }
     }
 }
 
@@ -133,4 +144,6 @@ parts! { S:
     T = Stop: StopChoice<S>,
     /// Whether the voltage acts back on the beam.
     K = Coupling: Coupling,
+    /// A rigid body at the tip of the beam.
+    M = TipMass: TipMassChoice<S>,
 }

@@ -2,9 +2,10 @@
 
 use super::circuit::Circuit;
 use super::stop::StopChoice;
+use super::tip_mass::TipMassChoice;
 use super::{BeamCoefficients, BumpStop, Choices, Parts, RodCoefficients};
 use crate::bounds::{Bounds, ParameterError, bounded};
-use crate::part::beam::Cantilever;
+use crate::part::beam::{BeamMode, Cantilever};
 use crate::part::monomorph::{Layer, Monomorph};
 use crate::part::rod::Rod;
 use crate::scalar::Scalar;
@@ -88,19 +89,14 @@ impl<S: Scalar, C> Parameters<S, C> {
         C: Parts<S>,
     {
         self.check()?;
-        let &Choices { load, stop, coupling } = self.choices.choices();
+        let &Choices { load, stop, coupling, tip_mass } = self.choices.choices();
         let [beam_modes, rod_modes] = mode_counts(modes, [B, R])?;
         let section = self.section();
-        let beam = Cantilever {
-            length: self.beam_length,
-            bending_stiffness: section.bending_stiffness,
-            mass_per_length: section.mass_per_length,
-            tip_mass: S::ZERO,
-        };
+        let beam = self.cantilever(&section);
         let (contact, stop) = (stop.contact(), stop.stop());
         let place = stop.map(|stop| stop.position / self.beam_length);
         let rod = stop.map(|stop| stop.rod());
-        let beam_coefficients = beam_coefficients(&beam, section.coupling, place, beam_modes);
+        let beam_coefficients = beam_coefficients(&beam, &tip_mass, section.coupling, place, beam_modes);
         let rod_coefficients = rod_coefficients(rod.as_ref(), rod_modes);
         for mode in &beam_coefficients {
             check_frequency("natural frequency of a beam mode", mode.angular_frequency)?;
@@ -110,8 +106,8 @@ impl<S: Scalar, C> Parameters<S, C> {
         }
         let stiffness = match (stop, place, rod) {
             (Some(stop), Some(place), Some(rod)) => {
-                let residual =
-                    beam.residual_compliance(place, beam_modes) + rod.residual_compliance(rod_modes);
+                let residual = tip_mass.residual_compliance(&beam, place, beam_modes)
+                    + rod.residual_compliance(rod_modes);
                 S::ONE / (residual + stop.contact_compliance)
             }
             _ => S::ZERO,
@@ -143,13 +139,34 @@ impl<S: Scalar, C> Parameters<S, C> {
         Monomorph::new(&self.substrate, &self.piezo, self.beam_width, self.piezo_d31, self.piezo_permittivity)
     }
 
+    /// The beam with a free end.
+    #[inline(always)]
+    pub(super) fn cantilever(&self, section: &Monomorph<S>) -> Cantilever<S> {
+        Cantilever {
+            length: self.beam_length,
+            bending_stiffness: section.bending_stiffness,
+            mass_per_length: section.mass_per_length,
+            tip_mass: S::ZERO,
+        }
+    }
+
+    /// Mode `number` of the beam with its tip mass, from 1, for parameters that [`Parameters::build`] accepts.
+    #[must_use]
+    pub fn beam_mode(&self, number: u32) -> BeamMode<S>
+    where
+        C: Parts<S>,
+    {
+        self.choices.choices().tip_mass.mode(&self.cantilever(&self.section()), number)
+    }
+
     fn check(&self) -> Result<(), ParameterError<S>>
     where
         C: Parts<S>,
     {
-        let Choices { load, stop, .. } = self.choices.choices();
+        let Choices { load, stop, tip_mass, .. } = self.choices.choices();
         self.check_numbers()?;
         load.check()?;
+        tip_mass.check(&self.cantilever(&self.section()))?;
         stop.stop().map_or(Ok(()), |stop| stop.check(self.beam_length))
     }
 }
@@ -170,8 +187,9 @@ fn mode_counts<S: Scalar>(
 
 /// Coefficients of the first `count` modes, at least one; `place` is the position of the stop over the length.
 #[inline(always)]
-fn beam_coefficients<S: Scalar, const B: usize>(
+fn beam_coefficients<S: Scalar, M: TipMassChoice<S>, const B: usize>(
     beam: &Cantilever<S>,
+    tip_mass: &M,
     coupling: S,
     place: Option<S>,
     count: u32,
@@ -185,7 +203,7 @@ fn beam_coefficients<S: Scalar, const B: usize>(
     };
     let mut coefficients = [zero; B];
     for (number, coefficient) in (1..).zip(&mut coefficients) {
-        let mode = beam.mode(number.min(count));
+        let mode = tip_mass.mode(beam, number.min(count));
         let tip = mode.shape(S::ONE);
         let taken = if number <= count { S::ONE } else { S::ZERO };
         *coefficient = BeamCoefficients {

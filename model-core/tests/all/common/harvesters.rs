@@ -110,6 +110,7 @@ pub(crate) fn bump_parameters_into<S: Scalar, L>(
                 contact: bump_stop::AnyContact::ResidualFlexibility,
             },
             coupling: bump_stop::AnyCoupling::TwoWay,
+            tip_mass: None,
         },
     }
 }

@@ -15,11 +15,13 @@ pub(crate) const MOST_MODES: usize = 20;
 pub(crate) struct Clamp<'a, S: Scalar> {
     meter: ClampMeter<S, HostExcitation<'a, S>, MOST_MODES>,
     cycles: Rainflow,
+    /// Length of the window so far.
+    seconds: f64,
 }
 
 impl<'a, S: Scalar> Clamp<'a, S> {
     pub(crate) fn new(meter: ClampMeter<S, HostExcitation<'a, S>, MOST_MODES>) -> Self {
-        Self { meter, cycles: Rainflow::default() }
+        Self { meter, cycles: Rainflow::default(), seconds: 0.0 }
     }
 
     pub(crate) fn outcome(&self) -> ClampOutcome {
@@ -32,7 +34,7 @@ impl<'a, S: Scalar> Clamp<'a, S> {
         let peak = self.meter.curvature().magnitude().to_f64();
         ClampOutcome::new(
             [peak, self.meter.rms_curvature().to_f64()],
-            &self.cycles,
+            (&self.cycles, self.seconds),
             [bent(&bending.substrate), bent(&bending.piezo)],
         )
     }
@@ -42,5 +44,6 @@ impl<S: Scalar> Observer<S> for Clamp<'_, S> {
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         self.meter.step(step);
         self.cycles.push(self.meter.last().to_f64());
+        self.seconds += step.step.to_f64();
     }
 }

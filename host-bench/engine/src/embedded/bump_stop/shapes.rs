@@ -1,7 +1,7 @@
 //! The shape of the beam at some instants of a run.
 
 use model_core::observer::{AcceptedStep, Observer};
-use model_core::part::beam::{BeamMode, Cantilever, Shape};
+use model_core::part::beam::{BeamMode, Shape};
 
 use super::observed::{model_of, observed};
 use super::parameters;
@@ -42,15 +42,8 @@ pub fn deflected_shapes(
 ) -> Result<Vec<DeflectedShape>, Failure> {
     let model = model_of(scene)?;
     let core = parameters::<f64>(model, scene.load);
-    let section = core.section();
-    let beam = Cantilever {
-        length: core.beam_length,
-        bending_stiffness: section.bending_stiffness,
-        mass_per_length: section.mass_per_length,
-        tip_mass: 0.0,
-    };
     let modes: Vec<BeamMode<f64>> =
-        (1..).take(model.parameters.beam_modes).map(|number| beam.mode(number)).collect();
+        (1..).take(model.parameters.beam_modes).map(|number| core.beam_mode(number)).collect();
     let station = |station: usize| {
         let place = station as f64 / stations as f64;
         (place * core.beam_length, modes.iter().map(|mode| mode.shape(place)).collect())

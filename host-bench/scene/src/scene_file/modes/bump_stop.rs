@@ -3,19 +3,24 @@
 //! The beam is a clamped-free Euler-Bernoulli beam of two layers; the rod is fixed at its base and free at its
 //! face. Modes are normalised to unit modal mass. The electrodes cover the whole length of the piezoelectric
 //! layer, so its coupling is that of the slope at the tip: Erturk and Inman, J. Vib. Acoust. 130 (2008).
+//! With a tip mass the beam has other modes and the same section.
+
+mod tip_mass;
 
 use std::f64::consts::{PI, TAU};
 
+use self::tip_mass::Body;
 use crate::scene_file::{BumpStop, BumpStopParameters, StopParameters};
 
 /// A bending mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamMode {
-    /// Root `λ` of `cos λ cosh λ = −1`.
+    /// `λ`, the wave number times the length: without a tip mass, root of `cos λ cosh λ = −1`.
     pub eigenvalue: f64,
     /// Angular frequency in rad/s, short-circuit and undamped.
     pub angular_frequency: f64,
-    /// `γ = ∫ m' φ dx` in √kg: participation factor of the base acceleration.
+    /// `γ = ∫ m' φ dx` in √kg, and the mass of a tip mass times the shape at its centre: participation factor of the
+    /// base acceleration.
     pub participation: f64,
     /// `θ` in N/(V √kg): force of one volt on the mode, and charge of one unit of it.
     pub coupling: f64,
@@ -47,7 +52,7 @@ pub struct BumpStopModes {
     pub capacitance: f64,
     /// Bending stiffness in N·m², short-circuit.
     pub bending_stiffness: f64,
-    /// Mass of the beam in kg.
+    /// Mass of the beam in kg, without the tip mass.
     pub beam_mass: f64,
     /// Static compliance in m/N of the beam's modes left out, at the point of contact.
     pub beam_residual: f64,
@@ -135,10 +140,9 @@ fn shape(eigenvalue: f64, place: f64) -> f64 {
 }
 
 impl BumpStop {
-    /// Natural frequencies in Hz of the modes kept, short-circuit and undamped: those of the beam,
-    /// rising, then those of the rod, rising.
+    /// Natural frequencies in Hz, rising, of the modes kept of the beam, short-circuit and undamped, and of the rod.
     #[must_use]
-    pub fn natural_frequencies_hz(&self) -> Vec<f64> {
+    pub fn natural_frequencies_hz(&self) -> [Vec<f64>; 2] {
         BumpStopModes::new(&self.parameters, self.stop.as_ref()).natural_frequencies_hz()
     }
 }
@@ -151,41 +155,54 @@ impl BumpStopModes {
         let beam_mass = section.mass_per_length * length;
         let root_mass = beam_mass.sqrt();
         let scale = (section.bending_stiffness / section.mass_per_length).sqrt() / (length * length);
-        let beam: Vec<BeamMode> = (0..from.beam_modes)
-            .map(|index| {
-                let eigenvalue = eigenvalue(index);
-                let ratio = shape_ratio(eigenvalue);
-                let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
-                let at_stop = stop.map_or(0.0, |stop| {
-                    if stop.position_m == length {
-                        2.0 * sign
-                    } else {
-                        shape(eigenvalue, stop.position_m / length)
-                    }
-                });
-                let slope_at_tip = sign * 2.0 * eigenvalue * ratio / (length * root_mass);
-                BeamMode {
-                    eigenvalue,
-                    angular_frequency: eigenvalue * eigenvalue * scale,
-                    participation: 2.0 * ratio * root_mass / eigenvalue,
-                    coupling: section.moment_per_volt * slope_at_tip,
-                    clamp_curvature: 2.0 * eigenvalue * eigenvalue / (length * length * root_mass),
-                    at_tip: 2.0 * sign / root_mass,
-                    at_stop: at_stop / root_mass,
+        let free = |index| {
+            let eigenvalue = eigenvalue(index);
+            let ratio = shape_ratio(eigenvalue);
+            let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
+            let at_stop = stop.map_or(0.0, |stop| {
+                if stop.position_m == length {
+                    2.0 * sign
+                } else {
+                    shape(eigenvalue, stop.position_m / length)
                 }
-            })
-            .collect();
+            });
+            let slope_at_tip = sign * 2.0 * eigenvalue * ratio / (length * root_mass);
+            BeamMode {
+                eigenvalue,
+                angular_frequency: eigenvalue * eigenvalue * scale,
+                participation: 2.0 * ratio * root_mass / eigenvalue,
+                coupling: section.moment_per_volt * slope_at_tip,
+                clamp_curvature: 2.0 * eigenvalue * eigenvalue / (length * length * root_mass),
+                at_tip: 2.0 * sign / root_mass,
+                at_stop: at_stop / root_mass,
+            }
+        };
+        let beam: Vec<BeamMode> = match &from.tip_mass {
+            None => (0..from.beam_modes).map(free).collect(),
+            Some(body) => {
+                let body = Body::new(body, beam_mass, length);
+                let place = stop.map(|stop| stop.position_m / length);
+                let eigenvalues = body.eigenvalues(from.beam_modes).into_iter();
+                eigenvalues.map(|eigenvalue| body.mode(eigenvalue, &section, length, place)).collect()
+            }
+        };
         let (rod, rod_residual) = stop.map_or((Vec::new(), 0.0), rod);
         let beam_residual = stop.map_or(0.0, |stop| {
             let kept: f64 = beam.iter().map(|mode| (mode.at_stop / mode.angular_frequency).powi(2)).sum();
-            stop.position_m.powi(3) / (3.0 * section.bending_stiffness) - kept
+            let residual = stop.position_m.powi(3) / (3.0 * section.bending_stiffness) - kept;
+            // Of a heavy tip mass at the contact the modes left out have less than the rounding.
+            if from.tip_mass.is_some() { residual.max(0.0) } else { residual }
         });
         let compliance = |mode: &BeamMode| mode.clamp_curvature / mode.angular_frequency.powi(2);
         let kept =
             |of: fn(&BeamMode) -> f64| beam.iter().map(|mode| compliance(mode) * of(mode)).sum::<f64>();
-        let moments =
-            [stop.map_or(0.0, |stop| stop.position_m), 0.5 * beam_mass * length, section.moment_per_volt]
-                .map(|moment| moment / section.bending_stiffness);
+        let weight = from.tip_mass.map_or(0.0, |body| body.mass_kg * (length + body.offset_m));
+        let moments = [
+            stop.map_or(0.0, |stop| stop.position_m),
+            0.5 * beam_mass * length + weight,
+            section.moment_per_volt,
+        ]
+        .map(|moment| moment / section.bending_stiffness);
         let clamp_residual = [
             moments[0] - kept(|mode| mode.at_stop),
             moments[1] - kept(|mode| mode.participation),
@@ -205,11 +222,11 @@ impl BumpStopModes {
         }
     }
 
-    /// Natural frequencies in Hz: those of the beam, rising, then those of the rod, rising.
-    pub fn natural_frequencies_hz(&self) -> Vec<f64> {
+    /// Natural frequencies in Hz, rising, of the beam and of the rod.
+    pub fn natural_frequencies_hz(&self) -> [Vec<f64>; 2] {
         let beam = self.beam.iter().map(|mode| mode.angular_frequency / TAU);
         let rod = self.rod.iter().map(|mode| mode.angular_frequency / TAU);
-        beam.chain(rod).collect()
+        [beam.collect(), rod.collect()]
     }
 
     /// Approach of beam and rod in m since rest, from their modal displacements in √kg·m.

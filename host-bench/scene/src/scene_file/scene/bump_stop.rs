@@ -42,6 +42,19 @@ pub struct BumpStopParameters {
     pub beam_modes: usize,
     /// Whether the voltage acts back on the beam.
     pub coupling: Coupling,
+    /// Table `[tip_mass]`; `None`: a free end.
+    pub tip_mass: Option<TipMassParameters>,
+}
+
+/// `[tip_mass]` of a bump-stop scene: a rigid body at the free end of the beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TipMassParameters {
+    /// Mass in kg.
+    pub mass_kg: f64,
+    /// Rotary inertia in kg·m² about the body's own centre of mass, for rotation in the plane of bending.
+    pub rotary_inertia_kg_m2: f64,
+    /// Distance in m of the body's centre of mass beyond the end of the beam, along the beam.
+    pub offset_m: f64,
 }
 
 /// Whether the voltage acts back on the beam.

@@ -35,6 +35,7 @@ fn parameters(position: f64, coupling: AnyCoupling) -> Parameters<f64, AnyChoice
                 contact: AnyContact::ResidualFlexibility,
             },
             coupling,
+            tip_mass: None,
         },
     }
 }

@@ -17,16 +17,19 @@ fn baseline<S: Scalar>(coupling: AnyCoupling, resistance: f64) -> Parameters<S, 
         piezo_d31: number(-190e-12),
         piezo_permittivity: number(15.93e-9),
         damping_ratio: number(0.01),
-        choices: Choices::new(AnyLoad { resistance: number(resistance) }).coupling(coupling).stop(Stop {
-            length: number(0.02),
-            section: number(4e-6),
-            young_modulus: number(70e9),
-            density: number(2700.0),
-            position: number(0.05),
-            gap: number(10e-6),
-            contact_compliance: S::ZERO,
-            contact: AnyContact::NoStop,
-        }),
+        choices: Choices::new(AnyLoad { resistance: number(resistance) })
+            .coupling(coupling)
+            .stop(Stop {
+                length: number(0.02),
+                section: number(4e-6),
+                young_modulus: number(70e9),
+                density: number(2700.0),
+                position: number(0.05),
+                gap: number(10e-6),
+                contact_compliance: S::ZERO,
+                contact: AnyContact::NoStop,
+            })
+            .tip_mass(None),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Published eigenvalues, closed sums over all modes, and the modes of a published unimorph.
 
 use super::*;
+use crate::scene_file::TipMassParameters;
 use crate::test_support::{bump_stop, close};
 
 /// The beam of the shipped scene.
@@ -213,11 +214,70 @@ fn the_published_unimorph() {
     let mut open: Vec<f64> =
         stiffness.symmetric_eigenvalues().iter().map(|square| square.sqrt() / TAU).collect();
     open.sort_by(f64::total_cmp);
-    let short = modes.natural_frequencies_hz();
+    let [short, _] = modes.natural_frequencies_hz();
     for (found, published) in [(short[0], 47.8), (short[1], 299.6), (open[0], 48.8), (open[1], 301.5)] {
         assert!((found - published).abs() < 0.1, "{found} {published}");
     }
     for (found, expected) in [(short[0], 47.809), (short[1], 299.615), (short[2], 838.931)] {
         close(found, expected, 2e-5);
+    }
+}
+
+/// The beam of the shipped scene with a body of so many beam masses, a radius of gyration and an offset in lengths.
+fn with_body(beam_modes: usize, [mass, gyration, offset]: [f64; 3]) -> BumpStopParameters {
+    let free = parameters(beam_modes);
+    let (length, mass) = (free.beam_length_m, mass * 3.9125e-3);
+    let body = TipMassParameters {
+        mass_kg: mass,
+        rotary_inertia_kg_m2: mass * (gyration * length).powi(2),
+        offset_m: offset * length,
+    };
+    BumpStopParameters { tip_mass: Some(body), ..free }
+}
+
+/// `λ²` of a point mass of the beam's mass: Math. Probl. Eng. (2017) 1568019, table 1, without rotary inertia.
+#[test]
+fn a_tip_mass_has_its_published_eigenvalues() {
+    let modes = BumpStopModes::new(&with_body(5, [1.0, 0.0, 0.0]), None);
+    for (mode, square) in modes.beam.iter().zip([1.557_298, 16.250_09, 50.895_84, 105.198_3, 179.232_0]) {
+        close(mode.eigenvalue.powi(2), square, 4e-7);
+    }
+    // Without mass it is the free end, in every number.
+    let (none, free) = (with_body(20, [0.0; 3]), parameters(20));
+    let middle = StopParameters { position_m: 20e-3, ..stop(2) };
+    let [none, free] = [none, free].map(|from| BumpStopModes::new(&from, Some(&middle)));
+    for (found, mode) in none.beam.iter().zip(&free.beam) {
+        close(found.angular_frequency, mode.angular_frequency, 1e-12);
+        close(found.participation, mode.participation, 1e-10);
+        close(found.coupling, mode.coupling, 1e-10);
+        close(found.clamp_curvature, mode.clamp_curvature, 1e-10);
+        close(found.at_tip, mode.at_tip, 1e-10);
+        assert!((found.at_stop - mode.at_stop).abs() < 1e-10 * mode.at_tip.abs());
+    }
+}
+
+/// Of all modes together mass, static deflection and static curvature are known; of twenty nearly all is there.
+#[test]
+fn the_modes_with_a_tip_mass_make_the_static_beam() {
+    for shape in [[0.01, 0.1, 0.1], [1.0, 0.0, 0.0], [2.0, 0.05, 0.08], [10.0, 0.3, 0.4], [300.0, 0.1, 0.2]] {
+        let from = with_body(20, shape);
+        let modes = BumpStopModes::new(&from, Some(&stop(2)));
+        assert_eq!(modes.beam.len(), 20);
+        let (length, rigidity) = (from.beam_length_m, modes.bending_stiffness);
+        let body = from.tip_mass.expect("there is a body");
+        let sum = |of: &dyn Fn(&BeamMode) -> f64| modes.beam.iter().map(of).sum::<f64>();
+        let square = |mode: &BeamMode| mode.angular_frequency.powi(2);
+        let whole = modes.beam_mass + body.mass_kg;
+        let mass = sum(&|mode| mode.participation.powi(2));
+        assert!(mass < whole * (1.0 + 1e-12) && mass > 0.97 * whole, "{shape:?} {}", mass / whole);
+        let cube = length.powi(3) / rigidity;
+        close(sum(&|mode| mode.at_tip.powi(2) / square(mode)), cube / 3.0, 1e-4);
+        let arm = length / 3.0 + 0.5 * body.offset_m;
+        let weight = modes.beam_mass * cube / 8.0 + body.mass_kg * length.powi(2) * arm / rigidity;
+        close(sum(&|mode| mode.at_tip * mode.participation / square(mode)), weight, 1e-6);
+        let moment = 0.5 * modes.beam_mass * length + body.mass_kg * (length + body.offset_m);
+        let bent = sum(&|mode| mode.clamp_curvature * mode.participation / square(mode));
+        close(bent, moment / rigidity, 1e-3);
+        close(bent + modes.clamp_residual[1], moment / rigidity, 1e-12);
     }
 }

@@ -1,0 +1,178 @@
+//! `stop`: what the stop of a bump-stop scene saves in bending at the clamp, and what it costs in power.
+
+use comfy_table::presets;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::sweep::{Axis, check_axes, values};
+use super::{NODE, SceneArguments, check_keys, print, progress};
+use crate::method::Failure;
+use crate::outcome::{self, ClampOutcome, Fields, Format, number, rows_csv};
+use crate::run::run_scene;
+use crate::scene_file::{self, Model, Override, Scene, contains};
+
+/// Numbers of a run that are compared with those without the stop, and the part by which the stop lowers each.
+const COMPARED: [[&str; 2]; 5] = [
+    ["clamp_stress_peak_pa", "clamp_stress_peak_saved"],
+    ["clamp_stress_rms_pa", "clamp_stress_rms_saved"],
+    ["clamp_stress_largest_range_pa", "clamp_stress_largest_range_saved"],
+    ["clamp_stress_equivalent_range_pa", "clamp_stress_equivalent_range_saved"],
+    ["mean_power_w", "mean_power_lost"],
+];
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct StopArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Values for a key of the scene, such as stop.gap_m; repeat it for a grid
+    #[arg(long = "over", value_name = "KEY=FROM:TO:COUNT[:log]")]
+    axes: Vec<Axis>,
+}
+
+/// A run, with the stop or without, at some values of the axes.
+struct Row {
+    /// The value of each axis; none of an axis of the stop where there is no stop.
+    values: Vec<Option<f64>>,
+    with_stop: bool,
+    scene: Scene,
+    numbers: Fields,
+}
+
+/// Runs the scene with its stop and without it at each point, and prints the comparison.
+pub fn run(arguments: &StopArguments) -> Result<(), Failure> {
+    let StopArguments { scene: SceneArguments { options, .. }, axes } = arguments;
+    options.check()?;
+    let count = check_axes(axes)?;
+    let overrides = arguments.scene.overrides.iter().map(|change| ("--set", change.key()));
+    let keys = overrides.chain(axes.iter().map(|axis| ("--over", axis.key.as_str())));
+    check_keys(&keys.collect::<Vec<_>>(), &[NODE])?;
+    let mut rows = rows(arguments, count)?;
+    for row in &rows {
+        options.check_scene(&row.scene)?;
+    }
+    let bar = progress(rows.len());
+    rows.par_iter_mut().try_for_each(|row| {
+        let outcome = run_scene(&row.scene, options)?;
+        bar.inc(1);
+        let particular = outcome.bump_stop();
+        let Some(clamp) = particular.and_then(|found| found.clamp) else {
+            return Err(Failure::Input("--method: this method does not measure the bending".to_owned()));
+        };
+        let contacts = particular.and_then(|found| found.contacts_per_period);
+        row.numbers = numbers(&clamp, outcome.mean_power_w, contacts);
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    let rows: Vec<Fields> = rows.iter().map(|row| fields(axes, row, &rows)).collect();
+    print(&match arguments.scene.format {
+        Format::Json => format!("{:#}\n", json!(rows)),
+        Format::Csv => rows_csv(rows.first().map(Fields::keys).into_iter().flatten(), &rows),
+        Format::Table => table(axes, &rows),
+    })
+}
+
+/// The runs without a stop, then those with it. Points that differ in the stop only have one run without it.
+fn rows(arguments: &StopArguments, count: usize) -> Result<Vec<Row>, Failure> {
+    let axes = &arguments.axes;
+    let (mut free, mut stopped): (Vec<Row>, Vec<Row>) = (Vec::new(), Vec::new());
+    for index in 0..count {
+        let values = values(axes, index);
+        let mut overrides = arguments.scene.overrides.clone();
+        overrides.extend(axes.iter().zip(&values).map(|(axis, at)| Override::new(&axis.key, &number(*at))));
+        let scene = scene_file::read(&arguments.scene.scene, &overrides)?;
+        let kept = without_stop(axes, &values);
+        if !free.iter().any(|row| row.values == kept) {
+            free.push(Row {
+                values: kept,
+                with_stop: false,
+                scene: unstopped(&scene)?,
+                numbers: Fields::new(),
+            });
+        }
+        let values = values.into_iter().map(Some).collect();
+        stopped.push(Row { values, with_stop: true, scene, numbers: Fields::new() });
+    }
+    free.extend(stopped);
+    Ok(free)
+}
+
+/// The values of the axes that are not of the stop.
+fn without_stop(axes: &[Axis], values: &[f64]) -> Vec<Option<f64>> {
+    let kept = |(axis, value): (&Axis, &f64)| (!contains("stop", &axis.key)).then_some(*value);
+    axes.iter().zip(values).map(kept).collect()
+}
+
+/// The scene without its stop.
+fn unstopped(scene: &Scene) -> Result<Scene, Failure> {
+    let mut scene = scene.clone();
+    let Model::BumpStop(model) = &mut scene.model else {
+        return Err(Failure::of_file(&scene, "must be a bump-stop scene here"));
+    };
+    if model.stop.take().is_none() {
+        return Err(Failure::of_file(&scene, "stop: is missing; there is nothing to compare"));
+    }
+    model.initial.rod_modal_displacement.clear();
+    model.initial.rod_modal_velocity.clear();
+    Ok(scene)
+}
+
+/// The numbers of a run that are printed.
+fn numbers(clamp: &ClampOutcome, mean_power_w: Option<f64>, contacts_per_period: Option<f64>) -> Fields {
+    let mut numbers = outcome::fields(clamp);
+    numbers.retain(|name, _| name.contains("stress"));
+    numbers.insert("mean_power_w".to_owned(), json!(mean_power_w));
+    numbers.insert("contacts_per_period".to_owned(), json!(contacts_per_period));
+    numbers
+}
+
+/// A row with what the stop saves and costs: parts of the values without it, `null` in the row without it and where
+/// these values are 0.
+fn fields(axes: &[Axis], row: &Row, rows: &[Row]) -> Fields {
+    let keys = axes.iter().map(|axis| axis.key.clone());
+    let mut fields: Fields = keys.zip(row.values.iter().map(|value| json!(value))).collect();
+    fields.insert("with_stop".to_owned(), row.with_stop.into());
+    fields.extend(row.numbers.clone());
+    let values: Vec<f64> = row.values.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+    let kept = without_stop(axes, &values);
+    let free = rows.iter().find(|other| row.with_stop && !other.with_stop && other.values == kept);
+    for [name, part] in COMPARED {
+        let saved = free.and_then(|free| {
+            let [without, with] = [free, row].map(|row| row.numbers.get(name).and_then(Value::as_f64));
+            without.filter(|without| *without != 0.0).zip(with).map(|(without, with)| 1.0 - with / without)
+        });
+        fields.insert(part.to_owned(), json!(saved));
+    }
+    fields
+}
+
+/// Columns of the table: heading, key, factor, digits.
+const COLUMNS: [(&str, &str, f64, usize); 11] = [
+    ("peak MPa", "clamp_stress_peak_pa", 1e-6, 3),
+    ("RMS MPa", "clamp_stress_rms_pa", 1e-6, 3),
+    ("cycles", "clamp_stress_cycles", 1.0, 1),
+    ("equivalent MPa", "clamp_stress_equivalent_range_pa", 1e-6, 3),
+    ("power uW", "mean_power_w", 1e6, 3),
+    ("contacts/period", "contacts_per_period", 1.0, 2),
+    ("peak saved %", "clamp_stress_peak_saved", 100.0, 1),
+    ("RMS %", "clamp_stress_rms_saved", 100.0, 1),
+    ("range %", "clamp_stress_largest_range_saved", 100.0, 1),
+    ("equivalent %", "clamp_stress_equivalent_range_saved", 100.0, 1),
+    ("power lost %", "mean_power_lost", 100.0, 1),
+];
+
+fn table(axes: &[Axis], rows: &[Fields]) -> String {
+    let value = |row: &Fields, key: &str| row.get(key).and_then(Value::as_f64);
+    let keys = axes.iter().map(|axis| axis.key.as_str());
+    let headings: Vec<&str> = keys.chain(["stop"]).chain(COLUMNS.map(|(heading, ..)| heading)).collect();
+    let lines = rows.iter().map(|row| {
+        let shown =
+            |key: &str| value(row, key).map_or_else(|| "-".to_owned(), |value| format!("{value:.4e}"));
+        let with = if row.get("with_stop") == Some(&Value::Bool(true)) { "yes" } else { "none" };
+        let numbers = COLUMNS.map(|(_, key, factor, digits)| {
+            let number = value(row, key).map(|value| format!("{:.digits$}", factor * value));
+            number.unwrap_or_else(|| "-".to_owned())
+        });
+        axes.iter().map(|axis| shown(&axis.key)).chain([with.to_owned()]).chain(numbers).collect::<Vec<_>>()
+    });
+    outcome::table(presets::NOTHING, headings, lines, axes.len() + 1)
+}

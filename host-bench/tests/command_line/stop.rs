@@ -1,0 +1,82 @@
+//! The comparison of a bump-stop scene with and without its stop.
+
+use super::tool::{SHIPPED, accepted, refused};
+
+const TIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-tip.toml");
+const NONE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
+const LOADED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-tip-mass.toml");
+
+const SHORT: [&str; 6] =
+    ["--set", "parameters.beam_modes=4", "--set", "run.duration_s=0.2", "--set", "run.settle_s=0.1"];
+
+fn rows(arguments: &[&str]) -> Vec<serde_json::Value> {
+    let arguments = [arguments, &SHORT, &["--format", "json"]].concat();
+    serde_json::from_str(&accepted(&arguments)).expect("a list")
+}
+
+#[track_caller]
+fn number(row: &serde_json::Value, key: &str) -> f64 {
+    row[key].as_f64().unwrap_or_else(|| panic!("{key} is a number in {row}"))
+}
+
+/// One run without the stop for all positions: that of the scene that is shipped without it.
+#[test]
+fn each_position_stands_beside_the_run_without_a_stop() {
+    let set = ["--set", "stop.rod_modes=1", "--over", "stop.position_m=25e-3:50e-3:2"];
+    let found = rows(&[&["stop", TIP][..], &set].concat());
+    let [free, middle, tip] = &found[..] else { panic!("three rows: {found:?}") };
+    assert_eq!(free["stop.position_m"], serde_json::Value::Null);
+    assert_eq!([number(middle, "stop.position_m"), number(tip, "stop.position_m")], [25e-3, 50e-3]);
+    let options = ["--step", "1e-6", "--long-step", "2e-5", "--no-accuracy", "--format", "json"];
+    let run = accepted(&[&["run", NONE][..], &SHORT, &options].concat());
+    let run: serde_json::Value = serde_json::from_str(&run).expect("an object");
+    for key in ["clamp_stress_peak_pa", "clamp_stress_equivalent_range_pa", "mean_power_w"] {
+        assert_eq!(free[key], run[key], "{key}");
+    }
+    for row in [middle, tip] {
+        for [key, part] in [
+            ["clamp_stress_peak_pa", "clamp_stress_peak_saved"],
+            ["clamp_stress_rms_pa", "clamp_stress_rms_saved"],
+            ["clamp_stress_equivalent_range_pa", "clamp_stress_equivalent_range_saved"],
+            ["mean_power_w", "mean_power_lost"],
+        ] {
+            let expected = 1.0 - number(row, key) / number(free, key);
+            assert!((number(row, part) - expected).abs() < 1e-12, "{part}");
+            assert!(expected > 0.2, "{part}: near the resonance a stop saves and costs: {expected}");
+        }
+        assert!(number(row, "contacts_per_period") > 1.0);
+    }
+    assert_eq!(free["clamp_stress_peak_saved"], serde_json::Value::Null);
+}
+
+/// A key that is not of the stop has a run without it at each of its values.
+#[test]
+fn another_key_has_a_run_without_a_stop_at_each_value() {
+    let found =
+        rows(&["stop", LOADED, "--over", "excitation.amplitude_m_per_s2=1:2:2", "--set", "stop.gap_m=1e-2"]);
+    let stops: Vec<bool> = found.iter().map(|row| row["with_stop"] == true).collect();
+    assert_eq!(stops, [false, false, true, true]);
+    // The gap is too wide for contact: the stop saves and costs nothing.
+    for row in &found[2..] {
+        assert!(
+            number(row, "clamp_stress_peak_saved").abs() < 1e-9
+                && number(row, "mean_power_lost").abs() < 1e-9
+        );
+    }
+    assert!(
+        (number(&found[1], "clamp_stress_peak_pa") / number(&found[0], "clamp_stress_peak_pa") - 2.0).abs()
+            < 1e-6
+    );
+    let table = accepted(&[&["stop", LOADED][..], &SHORT].concat());
+    assert!(table.lines().count() == 3 && table.contains("peak saved %"), "{table}");
+}
+
+#[test]
+fn what_has_no_stop_or_no_bending_is_refused() {
+    refused(&["stop", SHIPPED], &["must be a bump-stop scene"]);
+    refused(&["stop", NONE], &["stop", "is missing"]);
+    refused(&["stop", TIP, "--over", "stop.gap_m=1e-5:2e-5"], &["--over", "COUNT"]);
+    refused(&["stop", TIP, "--over", "stop.gap_m=-1:1:2"], &["stop.gap_m", "0 to 1"]);
+    let method = ["stop", TIP, "--method", "newmark"];
+    refused(&[&method[..], &SHORT].concat(), &["--method", "bending"]);
+}
