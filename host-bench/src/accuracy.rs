@@ -8,7 +8,7 @@
 mod difference;
 
 use self::difference::{delivers, difference, is_same};
-use crate::embedded::DEFAULT_SHORT_STEP_S;
+use crate::embedded::{DEFAULT_SHORT_STEP_S, default_accuracy};
 use crate::method::{Failure, Method, Options, Precision};
 use crate::outcome::{Accuracy, Outcome};
 use crate::resolution::too_few_lines;
@@ -49,11 +49,25 @@ pub fn run_with_accuracy(scene: &Scene, options: &Options) -> Result<Outcome, Fa
 
 /// As [`run_with_accuracy`], with the options of the run: its halvings are those that were chosen.
 pub(crate) fn run_with_steps(scene: &Scene, options: &Options) -> Result<(Outcome, Options), Failure> {
+    run_with_companions(scene, options, &mut Companions::default())
+}
+
+/// Runs of one scene in double precision to compare with, by their options. Runs in single and in double precision are
+/// compared with the same.
+#[derive(Debug, Default)]
+pub(crate) struct Companions(Vec<(Options, Option<Outcome>)>);
+
+/// As [`run_with_steps`], with the runs to compare with that are known, all of this scene; new ones are added.
+pub(crate) fn run_with_companions(
+    scene: &Scene,
+    options: &Options,
+    companions: &mut Companions,
+) -> Result<(Outcome, Options), Failure> {
     let asked = options.accuracy;
     // The halvings meet it; the run itself has no rule for it.
-    let accuracy = if has_own_steps(scene, options) { None } else { asked };
+    let accuracy = if has_own_steps(scene, options) { None } else { asked.or(by_default(scene, options)) };
     let mut options = Options { blocks: true, accuracy, ..*options };
-    let mut finer = Halvings { scene, options, runs: Vec::new() };
+    let mut finer = Halvings { scene, options, companions };
     options.halvings = chosen_halvings(&mut finer, asked);
     let mut outcome = run_scene(scene, &options)?;
     let mut doubts = Vec::new();
@@ -67,21 +81,23 @@ pub(crate) fn run_with_steps(scene: &Scene, options: &Options) -> Result<(Outcom
     Ok((outcome, options))
 }
 
-/// Runs in double precision to compare with, each computed once: by the number of halvings.
+/// The runs in double precision to compare with, by the number of halvings.
 struct Halvings<'a> {
     scene: &'a Scene,
     options: Options,
-    runs: Vec<(u32, Option<Outcome>)>,
+    companions: &'a mut Companions,
 }
 
 impl Halvings<'_> {
     /// The run with this number of halvings; `None` if it cannot be run to its end.
     fn get(&mut self, halvings: u32) -> Option<Outcome> {
-        if let Some((_, run)) = self.runs.iter().find(|(number, _)| *number == halvings) {
+        let options = in_double_precision(&self.options, halvings);
+        let Companions(known) = &mut *self.companions;
+        if let Some((_, run)) = known.iter().find(|(other, _)| *other == options) {
             return run.clone();
         }
-        let run = companion(self.scene, &in_double_precision(&self.options, halvings));
-        self.runs.push((halvings, run.clone()));
+        let run = companion(self.scene, &options);
+        known.push((options, run.clone()));
         run
     }
 }
@@ -94,6 +110,13 @@ pub fn imbalance(outcome: &Outcome) -> Option<String> {
              probably too coarse, or the method unstable"
         )
     })
+}
+
+/// The accuracy by which a run without options chooses its tolerance: the runs to compare with have the same.
+fn by_default(scene: &Scene, options: &Options) -> Option<f64> {
+    let adapts = has_tolerance(scene, options) && options.tolerance.is_none();
+    let by_accuracy = matches!(options.method, Method::Auto | Method::ExponentialRadau);
+    (adapts && by_accuracy).then(|| default_accuracy(options.chosen_precision()))
 }
 
 /// Whether the library runs a bump-stop scene: by steps, which an accuracy can choose.

@@ -13,6 +13,7 @@ mod report;
 mod resolution;
 pub mod run;
 pub mod seeds;
+mod shift;
 pub mod stability;
 mod work_precision;
 

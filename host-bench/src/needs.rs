@@ -24,13 +24,12 @@ use crate::method::{Failure, Options, Precision};
 use crate::outcome::Outcome;
 use crate::run::run_scene;
 use crate::scene_file::{Excitation, Model, Scene};
+use crate::shift::{SHIFT, shaken};
 
 /// Accuracy of the full run over the stated one: triboelectric, and bump-stop, whose cost rises faster.
 const FULL: [f64; 2] = [0.01, 0.25];
 /// Estimated error of the full run over the stated accuracy, up to which the verdicts are sound.
 const SOUND: f64 = 0.5;
-/// Relative change of the base acceleration that shows a chaotic motion.
-const SHIFT: f64 = 1e-9;
 /// Change of the mean power under it over the accuracy, above which the motion is chaotic.
 const CHAOTIC: f64 = 0.1;
 /// Sampling error of the mean power over the accuracy up to which the window of a chaotic motion is lengthened.
@@ -168,11 +167,11 @@ impl Study {
 
     /// Whether the run of a scene changes under a slightly larger base acceleration.
     fn changes_under_a_shift(&self, scene: &Scene, run: &Outcome, options: &Options) -> bool {
-        let excitation = scene.excitation.scaled(1.0 + SHIFT);
-        let shifted = Scene { excitation, ..scene.clone() };
-        // A run that ends otherwise is as far from the other as can be.
-        run_scene(&shifted, options)
-            .map_or(true, |other| Change::between(run, &other, false).largest() > CHAOTIC * self.accuracy)
+        // A base at rest excites no chaos. A run that ends otherwise is as far from the other as can be.
+        shaken(scene, SHIFT).is_some_and(|shifted| {
+            run_scene(&shifted, options)
+                .map_or(true, |other| Change::between(run, &other, false).largest() > CHAOTIC * self.accuracy)
+        })
     }
 
     /// What changes without some parts, by the options of the full run.

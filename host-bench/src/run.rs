@@ -35,7 +35,12 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 
 /// As [`run_scene`], with a run that stopped on its way as text.
 pub(crate) fn try_run_scene(scene: &Scene, options: &Options) -> Result<Result<Outcome, String>, Failure> {
-    match run_scene(scene, options) {
+    stopped_as_text(run_scene(scene, options))
+}
+
+/// A run that stopped on its way as text, and bad input as a failure.
+pub(crate) fn stopped_as_text(run: Result<Outcome, Failure>) -> Result<Result<Outcome, String>, Failure> {
+    match run {
         Ok(outcome) => Ok(Ok(outcome)),
         Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => Ok(Err(error)),
         Err(error @ Failure::Input(_)) => Err(error),

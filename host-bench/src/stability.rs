@@ -4,9 +4,11 @@
 //! A case is a shipped scene with some of its keys changed, so that `run` of the command line runs it too. Its run is
 //! judged with its accuracy statement by runs that are more accurate.
 
+mod build;
 mod case;
 mod cause;
 mod chaos;
+mod day;
 mod exact;
 mod grid;
 mod judge;
@@ -16,8 +18,10 @@ mod random;
 mod rows;
 mod summary;
 
+pub(crate) use build::build;
 pub use case::Case;
 pub use cause::cause;
+pub(crate) use day::{Compared, DAY_S, comparison, pairs};
 pub use exact::Quantity;
 pub use grid::{Extent, Kind, grid};
 pub use judge::{Class, Effort, Finding, Judge, judge};

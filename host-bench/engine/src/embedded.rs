@@ -26,10 +26,10 @@ use harvester_scene::method::{Failure, Math, Method, Options, Precision};
 use harvester_scene::outcome::Outcome;
 use harvester_scene::scene_file::{Model, Scene};
 
-pub use auto::{DEFAULT_ACCURACY, tolerance as tolerance_for};
+pub use auto::{default_accuracy, tolerance as tolerance_for};
 pub use bump_stop::{
-    ContactInterval, DEFAULT_SHORT_STEP_S, DeflectedShape, ShapePoint, contact_intervals, deflected_shapes,
-    parameters as bump_stop_parameters,
+    ContactInterval, DEFAULT_SHORT_STEP_S, DeflectedShape, ShapePoint, chattering_phases, contact_intervals,
+    deflected_shapes, parameters as bump_stop_parameters,
 };
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use sliding::parameters as sliding_parameters;
@@ -41,11 +41,7 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// Runs a scene on the embedded core.
 pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
-    let precision = options.precision.unwrap_or(match options.math {
-        Some(Math::Micromath) => Precision::F32,
-        _ => Precision::F64,
-    });
-    match (precision, options.math.unwrap_or(Math::Polynomial)) {
+    match (options.chosen_precision(), options.math.unwrap_or(Math::Polynomial)) {
         (Precision::F64, Math::Polynomial) => run_as::<f64, Polynomial>(scene, options),
         (Precision::F64, Math::Libm) => run_as::<f64, Libm>(scene, options),
         (Precision::F32, Math::Polynomial) => run_as::<f32, Polynomial>(scene, options),

@@ -12,8 +12,8 @@ pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome, ClampOutcome};
 pub use self::created::{CreatedEnergy, created_energy_warning};
 pub use self::format::Format;
 pub use self::format::{
-    Fields, cell, csv, csv_line, csv_sections, fields, name, number, optional_number, rows_csv, small, table,
-    text,
+    Fields, cell, csv, csv_line, csv_sections, fields, flattened, name, number, optional_number, rows_csv,
+    small, table, text,
 };
 
 /// The result of one run.

@@ -1,5 +1,6 @@
 //! `stability`: the grids of stiff and extreme scenes, and random scenes.
 
+mod days;
 mod judged;
 
 use std::path::PathBuf;
@@ -30,7 +31,10 @@ pub struct StabilityArguments {
     /// Which random scenes
     #[arg(long, value_name = "N", default_value_t = 0, requires = "random")]
     seed: u64,
-    /// Append a row for each case to this file; a file with rows is continued
+    /// Run each shipped scene for 86,400 simulated seconds in f32 and in f64 in place of the grid, and compare the mean powers
+    #[arg(long, conflicts_with_all = ["grid", "random", "output", "report"])]
+    day: bool,
+    /// Append a row for each case to this file; a file with rows of this build is continued
     #[arg(long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
     /// Folder of the page with the maps of the grid, and of its cases as CSV [default: report/stability]
@@ -52,6 +56,9 @@ const BY_REFERENCE: usize = 7;
 /// # Errors
 /// If a shipped scene cannot be read, if a file cannot be written, or if a case is wrong or broken.
 pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
+    if arguments.day {
+        return days::run(arguments.scene, arguments.format);
+    }
     let outputs = Outputs::of_shipped(SHIPPED_SCENES);
     if let Some(file) = &arguments.output {
         outputs.check(OUTPUT, file)?;

@@ -16,9 +16,10 @@ use self::shooting::{Compared, compared};
 use super::files::{Outputs, make_folder};
 use super::storage_voltage::StorageVoltage;
 use super::{NODE, SceneArguments, check_keys, print, progress, tell};
+use crate::accuracy::run_with_accuracy;
 use crate::method::{Failure, Options};
-use crate::outcome::{self, Fields, Format, Outcome, fields, number, rows_csv};
-use crate::run::try_run_scene;
+use crate::outcome::{self, Fields, Format, Outcome, fields, flattened, number, rows_csv, small};
+use crate::run::{run_scene, stopped_as_text};
 use crate::scene_file::{self, Override, Scene};
 
 /// Most points of a grid.
@@ -45,6 +46,9 @@ pub struct SweepArguments {
     /// Make the runs as well, and tell on standard error how much longer they take
     #[arg(long, requires = "steady_state")]
     compare: bool,
+    /// Run each point once only: without the accuracy statement, and a bump-stop scene with its default steps
+    #[arg(long)]
+    no_accuracy: bool,
 }
 
 /// One point of the grid and its outcome.
@@ -89,7 +93,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     if let Some(costs) = shooting::told(points.iter().filter_map(|point| point.compared.as_ref())) {
         tell(&costs);
     }
-    if let Some(warning) = warning(axes, &points) {
+    for warning in [most_created(axes, &points), first_inaccurate(&points)].into_iter().flatten() {
         tell(&format!("warning: {warning}"));
     }
     if let Some(folder) = &arguments.output {
@@ -128,7 +132,8 @@ impl Point {
     /// Runs the point at these values of the axes.
     fn of(arguments: &SweepArguments, options: &Options, values: Vec<f64>) -> Result<Self, Failure> {
         let scene = scene(arguments, &values)?;
-        let found = try_run_scene(&scene, options)?;
+        let run = if arguments.no_accuracy { run_scene } else { run_with_accuracy };
+        let found = stopped_as_text(run(&scene, options))?;
         let compared = match &found {
             Ok(outcome) => compared(&scene, outcome, arguments)?,
             Err(_) => None,
@@ -155,11 +160,12 @@ fn write(
 
 /// The warning of the point whose force law created the largest share of the delivered energy, with the number of the
 /// points that warn. A row has its own warnings in JSON and CSV.
-fn warning(axes: &[Axis], points: &[Point]) -> Option<String> {
+fn most_created(axes: &[Axis], points: &[Point]) -> Option<String> {
     let warned = points.iter().filter_map(|point| {
         let outcome = point.found.as_ref().ok()?;
         let share = outcome.created.and_then(|created| created.created_energy_share).map_or(0.0, f64::abs);
-        Some((point, outcome.warnings.first()?, share))
+        let warning = outcome.warnings.iter().find(|warning| !is_of_accuracy(warning))?;
+        Some((point, warning, share))
     });
     let count = warned.clone().count();
     let (point, warning, _) = warned.max_by(|(.., one), (.., other)| one.total_cmp(other))?;
@@ -169,6 +175,21 @@ fn warning(axes: &[Axis], points: &[Point]) -> Option<String> {
 /// The values of a point, for a sentence.
 fn place(axes: &[Axis], point: &Point) -> String {
     named(axes, point).map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ")
+}
+
+/// Whether a warning is about the accuracy of the numbers.
+fn is_of_accuracy(warning: &str) -> bool {
+    warning.starts_with("accuracy:")
+}
+
+/// How many points have a warning of their accuracy, and the first of them.
+fn first_inaccurate(points: &[Point]) -> Option<String> {
+    let all = points.iter().filter_map(|point| {
+        point.found.as_ref().ok()?.warnings.iter().find(|warning| is_of_accuracy(warning))
+    });
+    let warnings: Vec<&String> = all.collect();
+    let first = warnings.first()?;
+    Some(format!("at {} of {} points, the first: {first}", warnings.len(), points.len()))
 }
 
 fn none_failed(axes: &[Axis], points: &[Point]) -> Result<(), Failure> {
@@ -222,7 +243,7 @@ fn row(axes: &[Axis], point: &Point) -> Fields {
 }
 
 fn csv(axes: &[Axis], points: &[Point]) -> String {
-    let rows: Vec<Fields> = points.iter().map(|point| row(axes, point)).collect();
+    let rows: Vec<Fields> = points.iter().map(|point| flattened(row(axes, point))).collect();
     let run = points.iter().position(|point| point.found.is_ok());
     let mut columns: Vec<String> = match run {
         Some(run) => rows[run].keys().cloned().collect(),
@@ -242,16 +263,21 @@ fn table(axes: &[Axis], points: &[Point]) -> String {
     let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5e}"));
     let keys = axes.iter().map(|axis| axis.key.as_str());
     let steady = points.iter().any(|point| point.compared.is_some());
-    let names = ["mean_power_w", "rms_voltage_v", "steps"].into_iter();
+    let names = ["mean_power_w", "stated_error", "rms_voltage_v", "steps"].into_iter();
     let headings = keys.chain(names).chain(steady.then_some("steady_state")).chain(["error"]);
     let rows = points.iter().map(|point| {
         let values = point.values.iter().map(|value| shown(Some(*value)));
         let (found, error) = match &point.found {
             Ok(outcome) => (
-                [shown(outcome.mean_power_w), shown(outcome.rms_voltage_v), outcome.steps.to_string()],
+                [
+                    shown(outcome.mean_power_w),
+                    small(outcome.accuracy.total),
+                    shown(outcome.rms_voltage_v),
+                    outcome.steps.to_string(),
+                ],
                 String::new(),
             ),
-            Err(error) => ([shown(None), shown(None), shown(None)], error.clone()),
+            Err(error) => ([(); 4].map(|()| shown(None)), error.clone()),
         };
         let verdict = steady.then(|| match point.found.as_ref().map(|outcome| &outcome.steady_state) {
             Ok(Some(found)) => found.steady_state.to_owned(),

@@ -4,13 +4,11 @@ use super::sampling::{EVERY_S, History, Sample, stop};
 use super::scenes::{Changes, NEAR_RESONANCE, PAPER, each_of, scene};
 use super::statistics::{correlation, largest, mean, median, root_mean_square, share_above, smallest};
 use super::{Bound, Check, Measured};
-use crate::embedded::{ContactInterval, contact_intervals};
+use crate::embedded::{ContactInterval, chattering_phases, contact_intervals};
 use crate::method::{Failure, Options};
 use crate::scene_file::modes::BumpStopModes;
 use crate::scene_file::{Excitation, Model};
 
-/// Longest pause within a chattering phase, in periods.
-const PAUSE: f64 = 0.125;
 /// Time before and after a contact that belongs to the contact phase, in periods.
 const MARGIN: f64 = 0.0625;
 /// Length in s of the samples whose spectrum is taken: whole periods of 44 and of 220 Hz.
@@ -32,10 +30,8 @@ impl Phases {
         Self { contacts, period_s }
     }
 
-    /// The chattering phases: contacts less than an eighth of a period apart.
     fn chattering(&self) -> impl Iterator<Item = &[ContactInterval]> {
-        let pause_s = PAUSE * self.period_s;
-        self.contacts.chunk_by(move |one, next| next.begins_s - one.ends_s < pause_s)
+        chattering_phases(&self.contacts, self.period_s)
     }
 
     /// First and last instant in s of each chattering phase.

@@ -3,15 +3,27 @@
 use super::exact::{Numbers, Quantity, relative, tighter};
 use crate::method::Options;
 use crate::outcome::standard_error_of_sum;
-use crate::scene_file::{Excitation, Model, Scene};
+use crate::scene_file::Scene;
+use crate::shift::{SHIFT, displaced, shaken};
 
-/// Relative change of the base acceleration, or of the start.
-const SHIFT: f64 = 1e-9;
 /// Standard errors by which the statistics of two runs of a chaotic motion may differ: 3 in 1000 differ by more.
 const STANDARD_ERRORS: f64 = 3.0;
 /// Standard deviations of a few runs by which the largest motion of another may differ from their mean: by Student's
 /// distribution with four degrees of freedom one in 100 differs by more.
 const DEVIATIONS: f64 = 5.0;
+/// Standard error of the difference over the mean above which the statistics are too uncertain to agree or differ.
+const MOST_UNCERTAIN: f64 = 0.2;
+
+/// How the statistics of a run compare with those of an ensemble.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Comparison {
+    /// They agree within their sampling error.
+    Agree,
+    /// They do, but their sampling error is more than a fifth of the mean.
+    Undecided,
+    /// They differ.
+    Differ,
+}
 
 /// The more accurate run of a scene, and those with a displaced start or a changed base acceleration.
 #[derive(Debug)]
@@ -36,20 +48,26 @@ impl Ensemble {
 
     /// Whether a run has the statistics of these: the mean power within the sampling error of both, the largest motion
     /// within the scatter.
-    pub(super) fn contains(&self, found: &Numbers, quantity: Quantity) -> bool {
+    pub(super) fn compare(&self, found: &Numbers, quantity: Quantity) -> Comparison {
         let count = self.0.len() as f64;
         let mean = self.0.iter().map(|run| run.value(quantity)).sum::<f64>() / count;
         let apart = (found.value(quantity) - mean).abs();
-        match quantity {
+        // Of the difference, and how many of it are allowed.
+        let (error, most) = match quantity {
             Quantity::Power => {
                 let of_mean: f64 = self.0.iter().map(|run| sampling_error(run).powi(2)).sum();
-                let error = (sampling_error(found).powi(2) + of_mean / count.powi(2)).sqrt();
-                apart <= STANDARD_ERRORS * error * mean.abs()
+                let relative = (sampling_error(found).powi(2) + of_mean / count.powi(2)).sqrt();
+                (relative * mean.abs(), STANDARD_ERRORS)
             }
             Quantity::Motion => {
                 let squares: f64 = self.0.iter().map(|run| (run.value(quantity) - mean).powi(2)).sum();
-                apart <= DEVIATIONS * (squares / (count - 1.0)).sqrt()
+                ((squares / (count - 1.0)).sqrt(), DEVIATIONS)
             }
+        };
+        match apart <= most * error {
+            true if error <= MOST_UNCERTAIN * mean.abs() => Comparison::Agree,
+            true => Comparison::Undecided,
+            false => Comparison::Differ,
         }
     }
 }
@@ -67,31 +85,6 @@ fn sampling_error(run: &Numbers) -> f64 {
     let whole: f64 = run.block_energies_j.iter().sum();
     let error = standard_error_of_sum(&run.block_energies_j) / whole.abs();
     if error.is_finite() { error } else { 0.0 }
-}
-
-/// The scene with a larger base acceleration; `None` if the base is at rest.
-fn shaken(scene: &Scene, shift: f64) -> Option<Scene> {
-    let is_at_rest = matches!(scene.excitation, Excitation::Silence);
-    let excitation = scene.excitation.scaled(1.0 + shift);
-    (!is_at_rest).then(|| Scene { excitation, ..scene.clone() })
-}
-
-/// The scene with a start displaced by a part of the gap or of the radius of the patch; `None` for a beam.
-fn displaced(scene: &Scene, shift: f64) -> Option<Scene> {
-    let mut scene = scene.clone();
-    match &mut scene.model {
-        Model::ContactSeparation(model) => {
-            let gap = model.initial.gap_m.unwrap_or(model.parameters.initial_gap_m);
-            model.initial.gap_m = Some(gap * (1.0 + shift));
-        }
-        Model::Sliding(model) => {
-            let displacement = model.initial.displacement_m.unwrap_or(0.0);
-            model.initial.displacement_m = Some(displacement + model.parameters.patch_radius_m * shift);
-        }
-        // No length suits every scene of a beam at rest.
-        Model::BumpStop(_) => return None,
-    }
-    Some(scene)
 }
 
 #[cfg(test)]
@@ -117,7 +110,10 @@ mod tests {
         let run = |energies: [f64; 4], power_w| Numbers::with(power_w, energies.to_vec());
         let runs = Ensemble(vec![run([1.0, 1.2, 0.8, 1.0], 4.0), run([0.8, 1.0, 1.2, 1.0], 4.0)]);
         assert!(runs.diverges(Quantity::Power, 0.01));
-        assert!(runs.contains(&run([1.2, 1.1, 0.9, 1.0], 4.2), Quantity::Power));
-        assert!(!runs.contains(&run([2.2, 2.1, 1.9, 2.0], 8.2), Quantity::Power));
+        let compare = |energies, power_w| runs.compare(&run(energies, power_w), Quantity::Power);
+        assert_eq!(compare([1.2, 1.1, 0.9, 1.0], 4.2), Comparison::Agree);
+        assert_eq!(compare([2.2, 2.1, 1.9, 2.0], 8.2), Comparison::Differ);
+        // Nearly all of the energy in one part: a standard error as large as the mean.
+        assert_eq!(compare([0.0, 0.0, 8.2, 0.0], 8.2), Comparison::Undecided);
     }
 }

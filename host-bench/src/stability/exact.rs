@@ -22,6 +22,8 @@ const REFERENCE_TOLERANCE: f64 = 1e-10;
 pub(super) struct Numbers {
     /// Mean power in W.
     power_w: f64,
+    /// Whether the energy delivered is 0, or within the reference's tolerance of what the storage holds.
+    is_nothing: bool,
     /// Peak gap, amplitude of the slider, or peak displacement of the tip in m.
     motion_m: f64,
     /// RMS voltage in V.
@@ -43,8 +45,10 @@ pub enum Quantity {
 impl Numbers {
     /// Of a run; `None` without a measuring window.
     pub(super) fn of(outcome: &Outcome) -> Option<Self> {
+        let stored_j = outcome.store.as_ref().and_then(|store| store.stored_energy_j).unwrap_or(0.0);
         Some(Self {
             power_w: outcome.mean_power_w?,
+            is_nothing: outcome.delivered_energy_j?.abs() <= REFERENCE_TOLERANCE * stored_j.max(0.0),
             motion_m: outcome.largest_motion_m()?,
             voltage_v: outcome.rms_voltage_v.unwrap_or(0.0),
             block_energies_j: outcome.block_energies_j.clone(),
@@ -54,12 +58,14 @@ impl Numbers {
     /// Of a run of this mean power in W and these energies in J.
     #[cfg(test)]
     pub(super) fn with(power_w: f64, block_energies_j: Vec<f64>) -> Self {
-        Self { power_w, motion_m: 0.0, voltage_v: 0.0, block_energies_j }
+        Self { power_w, is_nothing: power_w == 0.0, motion_m: 0.0, voltage_v: 0.0, block_energies_j }
     }
 
-    /// The quantity by which two runs are compared: the power, unless both have none.
+    /// The quantity by which two runs are compared: the power, unless one has none and the other no more than its
+    /// tolerance.
     pub(super) fn quantity(&self, other: &Self) -> Quantity {
-        if self.power_w == 0.0 && other.power_w == 0.0 { Quantity::Motion } else { Quantity::Power }
+        let one_has_none = self.power_w == 0.0 || other.power_w == 0.0;
+        if one_has_none && self.is_nothing && other.is_nothing { Quantity::Motion } else { Quantity::Power }
     }
 
     /// The relative difference of a quantity from that of `exact`.

@@ -72,7 +72,7 @@ fn shipped(kind: Kind) -> Case {
 }
 
 /// Small storages behind the bridge that discharge between two charges, and one of a usual size.
-const STORES: [&str; 8] = [
+const STORES: [&str; 10] = [
     "capacitance_f=1e-9,leakage_ohm=inf,draw={kind=\"resistor\",value=1e4}",
     "capacitance_f=1e-11,leakage_ohm=inf,draw={kind=\"resistor\",value=1e6}",
     "capacitance_f=1e-12,leakage_ohm=inf,draw={kind=\"resistor\",value=1e4}",
@@ -81,10 +81,14 @@ const STORES: [&str; 8] = [
     "capacitance_f=1e-11,leakage_ohm=1e4,draw={kind=\"power\",value=1e-9,turn_on_v=1,turn_off_v=0.5}",
     "capacitance_f=5e-12,leakage_ohm=inf,draw={kind=\"resistor\",value=1e9}",
     "capacitance_f=1e-6,leakage_ohm=1e9,draw={kind=\"power\",value=1e-6,turn_on_v=1,turn_off_v=0.5}",
+    "capacitance_f=1e-9,leakage_ohm=inf,draw={kind=\"current\",value=1e-8,turn_on_v=1,turn_off_v=0.5}",
+    "capacitance_f=1e-11,leakage_ohm=1e9,draw={kind=\"current\",value=1e-6,turn_on_v=0.6,turn_off_v=0.5}",
 ];
 
 /// Force laws of the triboelectric grids.
 const FORCE_LAWS: [&str; 2] = ["transferred-charge", "gap-field"];
+/// The law without a force: the motion does not depend on the circuit, so that few cases show it.
+const NO_FORCE: &str = "none";
 
 /// Charges at the start that small loads take up within nanoseconds, in a triboelectric scene.
 fn start_charges(base: &Case) -> Vec<Case> {

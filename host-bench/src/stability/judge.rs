@@ -1,14 +1,14 @@
 //! Judges the run of a case by runs that are more accurate.
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
 use super::Case;
-use super::chaos::Ensemble;
+use super::chaos::{Comparison, Ensemble};
 use super::exact::{Numbers, Quantity, by_reference, tighter};
-use crate::accuracy::run_with_steps;
+use crate::accuracy::{Companions, run_with_companions};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::Outcome;
 use crate::scene_file::{Scene, SceneError};
@@ -26,6 +26,9 @@ pub enum Class {
     /// It is not, but the more accurate run diverges from one with a start displaced or a base acceleration changed by
     /// 10⁻⁹, and the statistics of all these runs agree.
     Chaotic,
+    /// As chaotic, but the standard error of the statistics is more than a fifth of their mean: they can be told
+    /// neither to agree nor to differ.
+    Undecided,
     /// It is not, and a warning that begins with `accuracy:` says so.
     Warned,
     /// The scene is refused before the run.
@@ -109,6 +112,7 @@ pub struct Judge {
     /// The more accurate run, and whether it is the reference.
     exact: OnceCell<Option<(Numbers, bool)>>,
     ensemble: OnceCell<Ensemble>,
+    companions: RefCell<Companions>,
 }
 
 impl Judge {
@@ -116,7 +120,14 @@ impl Judge {
     #[must_use]
     pub fn new(case: &Case, effort: Effort) -> Self {
         let options = Options { most_attempts: Some(effort.most_attempts), ..case.options() };
-        Self { scene: case.read(), options, effort, exact: OnceCell::new(), ensemble: OnceCell::new() }
+        Self {
+            scene: case.read(),
+            options,
+            effort,
+            exact: OnceCell::new(),
+            ensemble: OnceCell::new(),
+            companions: RefCell::default(),
+        }
     }
 
     /// Runs the case in a precision with its accuracy statement, and judges it.
@@ -131,7 +142,8 @@ impl Judge {
 
     fn finding_of(&self, scene: &Scene, precision: Precision) -> Finding {
         let options = Options { precision: Some(precision), ..self.options };
-        let (outcome, options) = match run_with_steps(scene, &options) {
+        let companions = &mut self.companions.borrow_mut();
+        let (outcome, options) = match run_with_companions(scene, &options, companions) {
             Ok(found) => found,
             Err(Failure::Input(reason)) => return Finding::new(Class::Refused, reason),
             Err(Failure::Step(reason)) => return Finding::new(Class::NamedError, reason),
@@ -156,13 +168,15 @@ impl Judge {
         finding.quantity = Some(quantity);
         finding.error = Some(error);
         finding.by_reference = *by_reference;
-        finding.class = match finding.is_warned {
-            _ if error <= allowed => Class::Right,
-            _ if self.is_chaotic(scene, &options, &found, quantity, allowed) => Class::Chaotic,
-            true => Class::Warned,
-            false => Class::Wrong,
+        let is_off = !(error <= allowed);
+        let comparison = is_off.then(|| self.compared(scene, &options, (&found, quantity, allowed)));
+        finding.class = match (comparison, finding.is_warned) {
+            (None, _) => Class::Right,
+            (Some(Comparison::Agree), _) => Class::Chaotic,
+            (Some(_), true) => Class::Warned,
+            (Some(Comparison::Undecided), false) => Class::Undecided,
+            (Some(Comparison::Differ), false) => Class::Wrong,
         };
-        let is_off = error > allowed;
         finding.reason = if is_off { found.difference(exact, quantity) } else { String::new() };
         finding
     }
@@ -177,16 +191,20 @@ impl Judge {
         exact.as_ref()
     }
 
-    fn is_chaotic(
+    /// How a run that is off by more than `allowed` compares with those from slightly displaced starts. Where these do
+    /// not diverge, chaos excuses nothing.
+    fn compared(
         &self,
         scene: &Scene,
         options: &Options,
-        found: &Numbers,
-        quantity: Quantity,
-        allowed: f64,
-    ) -> bool {
+        (found, quantity, allowed): (&Numbers, Quantity, f64),
+    ) -> Comparison {
         let ensemble = self.ensemble.get_or_init(|| Ensemble::of(scene, options));
-        ensemble.diverges(quantity, allowed) && ensemble.contains(found, quantity)
+        if ensemble.diverges(quantity, allowed) {
+            ensemble.compare(found, quantity)
+        } else {
+            Comparison::Differ
+        }
     }
 }
 

@@ -229,6 +229,7 @@ fn colour(class: Class) -> &'static str {
     match class {
         Class::Right => "#009E73",
         Class::Chaotic => "#0072B2",
+        Class::Undecided => "#F0E442",
         Class::Warned => "#E69F00",
         Class::Refused => "#D0D7DE",
         Class::NamedError => "#8C959F",

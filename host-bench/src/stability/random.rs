@@ -184,7 +184,13 @@ impl Drawing {
     /// What both triboelectric scenes have.
     fn triboelectric(&mut self) {
         let damping = self.source.logarithmic(1e-4, 10.0);
-        let law = self.source.one_of(["transferred-charge", "gap-field"]);
+        let law = self.source.one_of([
+            "transferred-charge",
+            "gap-field",
+            "transferred-charge",
+            "gap-field",
+            "none",
+        ]);
         let charge = self.source.one_of(["frozen", "relaxing"]);
         self.set_number("parameters.damping_ratio", damping);
         self.set("parameters.force_law", law);
@@ -236,17 +242,18 @@ impl Drawing {
             false => text(self.source.logarithmic(1e3, 1e12)),
         };
         let draw = match self.source.uniform(0.0, 1.0) {
-            ..0.7 => String::new(),
-            ..0.85 => {
+            ..0.6 => String::new(),
+            ..0.75 => {
                 let resistance = text(self.source.logarithmic(1e3, 1e12));
                 format!(",draw={{kind=\"resistor\",value={resistance}}}")
             }
-            _ => {
-                let power = text(self.source.logarithmic(1e-12, 1e-3));
+            kind => {
+                let kind = if kind < 0.9 { "power" } else { "current" };
+                let value = text(self.source.logarithmic(1e-12, 1e-3));
                 let on = self.source.logarithmic(1e-2, 1e2);
                 let off = text(on * self.source.uniform(0.3, 0.99));
                 let on = text(on);
-                format!(",draw={{kind=\"power\",value={power},turn_on_v={on},turn_off_v={off}}}")
+                format!(",draw={{kind=\"{kind}\",value={value},turn_on_v={on},turn_off_v={off}}}")
             }
         };
         self.set(

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::build::build;
 use super::{Case, Class, Effort, Finding, Judge, Quantity};
 use crate::outcome::{cell, csv_line, fields};
 
@@ -24,10 +25,12 @@ pub(crate) struct Row {
     pub(crate) reason: String,
     /// The arguments with which the command line runs the case.
     pub(crate) arguments: String,
+    /// The program that judged it, as by [`build`](super::build).
+    pub(crate) build: String,
 }
 
 /// Columns of CSV.
-const COLUMNS: [&str; 11] = [
+const COLUMNS: [&str; 12] = [
     "number",
     "scene",
     "precision",
@@ -39,6 +42,7 @@ const COLUMNS: [&str; 11] = [
     "by_reference",
     "reason",
     "arguments",
+    "build",
 ];
 
 impl Row {
@@ -64,6 +68,7 @@ impl Row {
             by_reference,
             reason,
             arguments: case.arguments(),
+            build: build().to_owned(),
         }
     }
 
@@ -100,6 +105,7 @@ mod tests {
             by_reference: false,
             reason: "a, \"b\"".to_owned(),
             arguments: "run x --set 'load={kind=\"dc-bus\"}'".to_owned(),
+            build: "0.1.0-0123".to_owned(),
         };
         assert!(fields(&row).keys().eq(COLUMNS));
         let judged = Row { number: 8, quantity: Some(Quantity::Motion), error: Some(1e-3), ..row.clone() };

@@ -1,6 +1,7 @@
 //! Options that make no sense.
 
 use host_bench::embedded;
+use host_bench::method::Precision;
 use host_bench::reference::ReferenceOptions;
 
 use super::tool::{SHIPPED, accepted, folder, refused};
@@ -98,7 +99,8 @@ fn help_names_the_defaults_that_hold() {
     let help = accepted(&["run", "--help"]);
     let lines: Vec<&str> = help.lines().map(str::trim).collect();
     for (option, default) in [
-        ("--accuracy", format!("{:e}", embedded::DEFAULT_ACCURACY)),
+        ("--accuracy", format!("default: {:e}", embedded::default_accuracy(Precision::F64))),
+        ("--accuracy", format!("{:e} in f32", embedded::default_accuracy(Precision::F32))),
         ("--tolerance", format!("{:e} with tr-bdf2", embedded::DEFAULT_TOLERANCE)),
         ("--tolerance", format!("{:e} with the reference", ReferenceOptions::default().tolerance)),
         ("--precision", "default: f64; f32 with micromath".to_owned()),

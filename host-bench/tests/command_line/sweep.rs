@@ -79,6 +79,24 @@ fn one_axis_makes_curves() {
 }
 
 #[test]
+fn each_point_states_its_accuracy_unless_told_not_to() {
+    let over = ["--over", "load.resistance_ohm=1e7:1e8:2:log", "--format", "csv"];
+    let stated = |options: &[&str]| -> Vec<f64> {
+        let text = accepted(&[&["sweep", SHIPPED], &SHORT[..], &over, options].concat());
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let heading = reader.headers().expect("a heading").clone();
+        let column = heading.iter().position(|name| name == "accuracy_total").expect("a column");
+        let cells = reader.records().map(|row| row.expect("a row")[column].parse());
+        cells.filter_map(Result::ok).collect()
+    };
+    let totals = stated(&[]);
+    assert!(totals.len() == 2 && totals.iter().all(|total| (1e-5..5e-3).contains(total)), "{totals:?}");
+    assert_eq!(stated(&["--no-accuracy"]), Vec::<f64>::new());
+    let table = accepted(&[&["sweep", SHIPPED], &SHORT[..], &over[..2]].concat());
+    assert!(table.lines().next().is_some_and(|line| line.contains("stated_error")), "{table}");
+}
+
+#[test]
 fn a_bad_grid_is_refused_and_nothing_is_written() {
     let folder = folder("bad-grid");
     let output = folder.join("made");

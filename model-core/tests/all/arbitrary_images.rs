@@ -4,7 +4,7 @@
 
 use crate::common::harvesters::{bump, contact, sine_samples, slide};
 use crate::common::{Random, finished};
-use model_core::energy::estimator::{Interpolation, Sample, SampleFormat, Settings};
+use model_core::energy::estimator::{Estimate, Interpolation, Sample, SampleFormat, Settings};
 use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, Capacitor, CorrectionParameters, Estimator,
     IncomeParameters, StorageParameters,
@@ -178,6 +178,24 @@ fn a_tone_meter_of_arbitrary_bytes_is_refused_or_works() {
     });
 }
 
+/// Every number of an estimate is one.
+fn assert_finite<S: Scalar>(estimate: &Estimate<S>) {
+    let of = &estimate.uncertainty;
+    let always = [
+        estimate.energy,
+        estimate.mean_power,
+        estimate.seconds,
+        of.rounding,
+        of.irregularity,
+        of.uncertain_seconds,
+        of.unknown_seconds,
+    ];
+    let sometimes = [estimate.bias, of.step, of.sampling, of.relative];
+    let all: Vec<f64> =
+        always.into_iter().chain(sometimes.into_iter().flatten()).map(Scalar::to_f64).collect();
+    assert!(all.iter().all(|number| number.is_finite()), "{estimate:?}");
+}
+
 fn arbitrary_estimators<S: Scalar, H: Harvester<S> + Copy>(harvester: H, usual: u32) {
     let settings = Settings {
         rate: S::from_f64(400.0),
@@ -204,7 +222,7 @@ fn arbitrary_estimators<S: Scalar, H: Harvester<S> + Copy>(harvester: H, usual: 
             let _progress = restored.push_acceleration(S::ONE, 40);
             let _progress = restored.push_missing(1, 40);
         }
-        let _estimate = restored.estimate();
+        assert_finite(&restored.estimate());
     });
 }
 

@@ -118,6 +118,35 @@ fn found() -> Vec<Case> {
             ],
             Precision::F64,
         ),
+        // The storage is full: what the reference delivers, 10⁻¹² of what it holds, is below its own tolerance.
+        Case::of(
+            "sliding",
+            &[
+                "parameters.beam_length_m=6.785e-2",
+                "parameters.beam_width_m=1.789e-2",
+                "parameters.beam_thickness_m=5.882e-4",
+                "parameters.young_modulus_pa=1.552e11",
+                "parameters.density_kg_per_m3=5.814e3",
+                "parameters.slider_mass_kg=7.453e-3",
+                "parameters.patch_radius_m=1.219e-2",
+                "parameters.dielectric_thickness_m=4.235e-5",
+                "parameters.relative_permittivity=1.300e0",
+                "parameters.charge_density_c_per_m2=1.092e-4",
+                "parameters.damping_ratio=8.117e0",
+                "parameters.force_law=none",
+                "parameters.kinetic_friction_active=3.435e-2",
+                "parameters.static_friction_active=3.438e-2",
+                "parameters.kinetic_friction_inert=1.750e-1",
+                "parameters.static_friction_inert=1.752e-1",
+                "initial.displacement_m=3.065e-6",
+                "initial.velocity_m_per_s=-7.920e-5",
+                "load={kind=\"rectified-store\",capacitance_f=1.290e-9,initial_v=3.441e-2,diode_drop_v=0.0,\
+                 leakage_ohm=inf,draw={kind=\"power\",value=1.021e-9,turn_on_v=4.831,turn_off_v=2.701}}",
+                "excitation={kind=\"sine\",amplitude_m_per_s2=8.732e-1,frequency_hz=1.095e1,phase_rad=5.619e-1}",
+                "run={duration_s=1.580,settle_s=0.4741}",
+            ],
+            Precision::F32,
+        ),
     ]
 }
 

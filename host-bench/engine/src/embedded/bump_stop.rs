@@ -20,7 +20,7 @@ use model_core::scene::bump_stop::{
 
 pub(super) use self::clamp::Clamp;
 use self::clamp::MOST_MODES;
-pub use self::contacts::{ContactInterval, contact_intervals};
+pub use self::contacts::{ContactInterval, chattering_phases, contact_intervals};
 pub use self::shapes::{DeflectedShape, ShapePoint, deflected_shapes};
 use super::bridge::bridge;
 use super::excitation::{HostExcitation, Setting};

@@ -11,7 +11,7 @@ use model_core::observer::PowerIndex;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
-use super::auto::{self, DEFAULT_ACCURACY};
+use super::auto;
 use super::blocks::Blocks;
 use super::bump_stop::Clamp;
 use super::excitation::Setting;
@@ -91,7 +91,10 @@ pub(super) fn step_control<S: Scalar>(
         (None, tolerance, method) => {
             let tolerance = tolerance.unwrap_or_else(|| match method {
                 Method::TrBdf2 => DEFAULT_TOLERANCE,
-                _ => auto::tolerance(scene, options.accuracy.unwrap_or(DEFAULT_ACCURACY)),
+                _ => {
+                    let by_default = auto::default_accuracy(options.chosen_precision());
+                    auto::tolerance(scene, options.accuracy.unwrap_or(by_default))
+                }
             });
             Adaptive::new(S::from_f64(tolerance * finer))
                 .map(AnyStepControl::Adaptive)

@@ -57,7 +57,7 @@ pub fn text(of: &impl Serialize, format: Format) -> String {
 }
 
 /// The fields with those of a nested object in its place, as `object_field`.
-fn flattened(fields: Fields) -> Fields {
+pub fn flattened(fields: Fields) -> Fields {
     let of = |(name, value): (String, Value)| match value {
         Value::Object(nested) => {
             nested.into_iter().map(|(field, value)| (format!("{name}_{field}"), value)).collect::<Vec<_>>()

@@ -1,5 +1,5 @@
 //! Judges a list of cases on all cores. With a file, the row of a case is appended when the case is judged, and a case
-//! whose row the file has is not run again.
+//! whose row the file has is not run again. A file with rows of another build is refused.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::OUTPUT;
 use crate::command::{one_more, progress};
 use crate::method::Failure;
-use crate::stability::{Case, Effort, Row};
+use crate::stability::{Case, Effort, Row, build};
 
 /// A large odd number: its multiples modulo 2⁶⁴ have no order.
 const SHUFFLE: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -69,6 +69,14 @@ fn taken_up(path: &Path, cases: &[Case]) -> Result<Vec<Row>, Failure> {
     let is_another = |row: &&Row| cases.get(row.number).is_none_or(|case| case.arguments() != row.arguments);
     if let Some(row) = rows.iter().find(is_another) {
         return Err(refuse(path, format!("has another case {} than this list of cases", row.number)));
+    }
+    if let Some(row) = rows.iter().find(|row| row.build != build()) {
+        let reason = format!(
+            "has rows of another build ({}, this one is {}): remove it or give another file",
+            row.build,
+            build()
+        );
+        return Err(refuse(path, reason));
     }
     if whole.len() < text.len() {
         write(whole)?;
@@ -129,6 +137,10 @@ mod tests {
         assert_eq!(rows(&cases(3), |_| EFFORT, Some(&path)), Ok(all));
         let other = taken_up(&path, &cases(4)).expect_err("other cases").to_string();
         assert!(other.contains("another case"), "{other}");
+        let of_another = fs::read_to_string(&path).expect("is there").replace(build(), "0.0.9-unknown");
+        fs::write(&path, of_another).expect("is writable");
+        let other = taken_up(&path, &cases(3)).expect_err("another build").to_string();
+        assert!(other.contains("rows of another build (0.0.9-unknown, "), "{other}");
         fs::write(&path, "a,b\n1,2\n").expect("is writable");
         assert!(taken_up(&path, &cases(3)).is_err());
         let _ = fs::remove_file(&path);

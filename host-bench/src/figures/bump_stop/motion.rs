@@ -1,5 +1,6 @@
 //! The motion over the last periods of a run.
 
+use crate::embedded::{ContactInterval, chattering_phases};
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
 use crate::scene_file::{RunSpan, Scene};
@@ -23,9 +24,6 @@ pub const ROD: usize = 3;
 pub const VOLTAGE: usize = 4;
 /// Contact force.
 pub const CONTACT_FORCE: usize = 5;
-
-/// Shortest pause between two clusters of contacts, in periods of the base.
-const PAUSE: f64 = 0.125;
 
 /// Samples over the periods that are shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,19 +73,15 @@ impl Motion {
         rows.filter_map(|row| Some((1e6 * (row[TIME] - from), row.get(column)? * scale))).collect()
     }
 
-    /// First and last instant in s of the longest cluster of contacts that is shown.
+    /// First and last instant in s of the longest chattering phase that is shown.
     pub fn longest_cluster(&self) -> Option<[f64; 2]> {
-        let mut clusters: Vec<[f64; 2]> = Vec::new();
         let touching =
             self.rows.iter().filter(|row| row.get(CONTACT_FORCE).is_some_and(|force| *force > 0.0));
-        let pause = PAUSE / self.frequency;
-        for row in touching {
-            match clusters.last_mut() {
-                Some([_, end]) if row[TIME] - *end < pause => *end = row[TIME],
-                _ => clusters.push([row[TIME]; 2]),
-            }
-        }
-        clusters.into_iter().max_by(|one, other| (one[1] - one[0]).total_cmp(&(other[1] - other[0])))
+        let samples: Vec<ContactInterval> =
+            touching.map(|row| ContactInterval { begins_s: row[TIME], ends_s: row[TIME] }).collect();
+        let phases = chattering_phases(&samples, 1.0 / self.frequency);
+        let spans = phases.filter_map(|phase| Some([phase.first()?.begins_s, phase.last()?.ends_s]));
+        spans.max_by(|one, other| (one[1] - one[0]).total_cmp(&(other[1] - other[0])))
     }
 
     /// First and last instant in s of the longest contact within two instants in s.

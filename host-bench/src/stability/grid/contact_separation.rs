@@ -1,6 +1,6 @@
 //! The contact-separation cases.
 
-use super::{Extent, FORCE_LAWS, Kind, noise, shipped, start_charges, stores};
+use super::{Extent, FORCE_LAWS, Kind, NO_FORCE, noise, shipped, start_charges, stores};
 use crate::stability::Case;
 
 /// Periods of the base that a case runs, and after which it is measured: sixteen are, one for each part of the window.
@@ -15,6 +15,8 @@ const RESTITUTIONS: [f64; 5] = [0.0, 0.5, 0.99, 0.9, 1.0];
 const DECADES: [i32; 19] = [-3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 /// Frequencies of the base in Hz, and of the loads in Ω at which they are taken.
 const FREQUENCIES: [f64; 8] = [1.0, 5.0, 20.0, 25.0, 40.0, 200.0, 1e3, 1e4];
+/// The frequencies in Hz that are taken without an electrostatic force too.
+const FORCELESS: [f64; 2] = [20.0, 200.0];
 const LOADS: [f64; 7] = [0.0, 1.0, 1e3, 1e6, 1e8, 1e10, f64::INFINITY];
 
 pub(super) fn settings(extent: Extent) -> Vec<Case> {
@@ -72,7 +74,8 @@ fn frequencies() -> Vec<Case> {
     let mut settings = Vec::new();
     for frequency_hz in FREQUENCIES {
         for resistance_ohm in LOADS {
-            for law in FORCE_LAWS {
+            let without = FORCELESS.contains(&frequency_hz).then_some(NO_FORCE);
+            for law in FORCE_LAWS.into_iter().chain(without) {
                 let case = base()
                     .with_number("load.resistance_ohm", resistance_ohm)
                     .with_number("excitation.frequency_hz", frequency_hz)

@@ -1,6 +1,6 @@
 //! The sliding cases.
 
-use super::{Extent, FORCE_LAWS, Kind, noise, shipped, start_charges, stores};
+use super::{Extent, FORCE_LAWS, Kind, NO_FORCE, noise, shipped, start_charges, stores};
 use crate::stability::Case;
 
 /// Load resistances in Ω, both limits among them.
@@ -19,6 +19,7 @@ const DRIVES: [[f64; 2]; 7] =
 
 pub(super) fn settings(extent: Extent) -> Vec<Case> {
     let mut settings = resistances(extent);
+    settings.extend(forceless());
     settings.extend(small_motions());
     settings.extend(start_charges(&base()));
     settings.extend(storages());
@@ -79,6 +80,17 @@ fn resistances(extent: Extent) -> Vec<Case> {
                 }
             }
         }
+    }
+    settings
+}
+
+/// Load resistance against base, without an electrostatic force.
+fn forceless() -> Vec<Case> {
+    let mut settings = Vec::new();
+    for resistance_ohm in [1.0, 1e6, 1e8] {
+        let case = base().with_number("load.resistance_ohm", resistance_ohm);
+        let case = rubbing(case.with("parameters.force_law", NO_FORCE), FRICTIONS[2]);
+        settings.extend(DRIVES.map(|drive| driven(case.clone(), drive)));
     }
     settings
 }

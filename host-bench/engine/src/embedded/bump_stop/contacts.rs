@@ -23,6 +23,17 @@ impl ContactInterval {
     }
 }
 
+/// Longest pause within a chattering phase, in periods of the base.
+const PAUSE: f64 = 0.125;
+
+/// The chattering phases of some contacts in order of time: contacts less than an eighth of the period in s apart.
+pub fn chattering_phases(
+    contacts: &[ContactInterval],
+    period_s: f64,
+) -> impl Iterator<Item = &[ContactInterval]> {
+    contacts.chunk_by(move |one, next| next.begins_s - one.ends_s < PAUSE * period_s)
+}
+
 /// The contacts of a bump-stop scene that begin in its measuring window, in order of time, on the embedded core in
 /// double precision.
 pub fn contact_intervals(scene: &Scene, options: &Options) -> Result<Vec<ContactInterval>, Failure> {
