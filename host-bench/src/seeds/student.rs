@@ -7,7 +7,7 @@ use harvester_scene::root::far_side;
 fn probability(freedom: u32, t: f64) -> f64 {
     let angle = (t / f64::from(freedom).sqrt()).atan();
     let (sine, square) = (angle.sin(), angle.cos().powi(2));
-    let first = if freedom % 2 == 0 { 2 } else { 3 };
+    let first = if freedom.is_multiple_of(2) { 2 } else { 3 };
     // `1 + 1/2 cos² + …` of an even number, `cos + 2/3 cos³ + …` of an odd one.
     let (mut term, mut sum) = (1.0, 0.0);
     let mut n = first;
@@ -16,7 +16,7 @@ fn probability(freedom: u32, t: f64) -> f64 {
         term *= square * f64::from(n - 1) / f64::from(n);
         n += 2;
     }
-    if freedom % 2 == 0 {
+    if freedom.is_multiple_of(2) {
         sine * sum
     } else {
         std::f64::consts::FRAC_2_PI * (angle + sine * angle.cos() * sum)

@@ -82,7 +82,7 @@ fn a_word_that_is_not_one_of_the_choices() {
         ("parameters.stick_charge", "\"frozen\" or \"relaxing\""),
         ("parameters.restitution.kind", "\"constant\" or \"velocity-dependent\""),
         ("load.kind", "\"resistor\""),
-        ("excitation.kind", "\"sine\" or \"sines\" or \"file\" or \"silence\""),
+        ("excitation.kind", "\"sine\" or \"sines\" or \"file\" or \"half-sine\""),
     ] {
         for (value, shown) in [("Exact", "\"Exact\""), ("3", "3"), ("\"\"", "\"\""), ("true", "true")] {
             refused_with(&[&format!("{key}={value}")], &[key, shown, choice]);
