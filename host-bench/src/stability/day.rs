@@ -196,7 +196,7 @@ mod tests {
     fn every_kind_has_a_whole_day() {
         for kind in Kind::value_variants() {
             let days = pairs(Some(*kind), DAY_S);
-            assert!(days.iter().any(|pair| pair.durations_s[0] == DAY_S), "{kind:?}");
+            assert!(days.iter().any(|pair| pair.durations_s[0] >= DAY_S), "{kind:?}");
         }
         assert_eq!(pairs(None, DAY_S).len(), 5);
     }

@@ -45,6 +45,9 @@ fn switched(random: &mut Random, dwell: f64) -> Vec<f64> {
         .collect()
 }
 
+/// Draws the powers of an income.
+type Income = fn(&mut Random) -> Vec<f64>;
+
 /// True energy in J from step `from` to step `to` of a power that is linear between its values.
 fn energy(powers: &[f64], from: usize, to: usize) -> f64 {
     powers[from..=to].windows(2).map(|pair| 0.5 * (pair[0] + pair[1]) * f64::from(STEP)).sum()
@@ -105,7 +108,7 @@ fn within(values: &[f64], bound: f64) -> f64 {
 #[test]
 fn the_stated_bound_of_two_deviations_holds_in_95_of_100_hours() {
     let mut random = Random(15);
-    let incomes: [(&str, fn(&mut Random) -> Vec<f64>); 5] = [
+    let incomes: [(&str, Income); 5] = [
         ("minutes", |random| correlated(random, 0.2, 600.0)),
         ("hours", |random| correlated(random, 0.3, 7200.0)),
         ("half a day", |random| correlated(random, 0.3, 43_200.0)),

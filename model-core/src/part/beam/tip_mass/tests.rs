@@ -75,10 +75,11 @@ fn boundary_conditions(body: &TipMass<f64>, lambda: f64) -> f64 {
             determinant = -determinant;
         }
         determinant *= rows[column][column];
-        for row in column + 1..4 {
-            let factor = rows[row][column] / rows[column][column];
-            for other in column..4 {
-                rows[row][other] -= factor * rows[column][other];
+        let pivot_row = rows[column];
+        for row in &mut rows[column + 1..] {
+            let factor = row[column] / pivot_row[column];
+            for (entry, of_pivot) in row.iter_mut().zip(pivot_row).skip(column) {
+                *entry -= factor * of_pivot;
             }
         }
     }
