@@ -9,9 +9,6 @@ use crate::part::storage::StorageElement;
 use crate::scalar::Scalar;
 use crate::scene::coupled::{Derivatives, ModeFactor};
 
-/// Roundings of `s ΔQ/C_s` that the storage voltage of a step may have.
-const GAINED_ROUNDINGS: f64 = 8.0;
-
 /// The flow of one mode; `M` is the mode of the harvester.
 #[derive(Debug, Clone, Copy)]
 pub struct Flow<'a, S, H, R, M> {
@@ -32,18 +29,6 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Flow<'_, S, H, R, H:
     #[inline]
     fn is_stick(&self) -> bool {
         self.scene.harvester.is_stick(self.mode.inner)
-    }
-
-    /// The magnitude of a change of `B` in V without what rounding may have made.
-    ///
-    /// A storage that is small against the harvester's capacitance passes on what it is given. `B` then falls by kilovolts
-    /// in a conduction, while `V_s = B + s ΔQ/C_s` is of volts: its rounding is that of the two large voltages, and no
-    /// shorter step reduces it.
-    #[cold]
-    fn beyond_rounding(&self, state: &[S; STATES], change: S) -> S {
-        let at = self.scene.electrics(self.mode, state);
-        let rounding = S::from_f64(GAINED_ROUNDINGS) * S::EPSILON * at.gained.abs() / at.share;
-        (change.abs() - rounding).max(S::ZERO)
     }
 
     /// All powers; see [`PowerIndex`].
@@ -268,10 +253,9 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         if !R::CHARGES {
             return size;
         }
-        let threshold = self.scene.bridge.threshold(state[STORAGE]);
-        let storage = if threshold < S::ZERO { self.beyond_rounding(state, storage) } else { storage.abs() };
+        let threshold = self.scene.bridge.threshold(state[STORAGE]).max(self.scene.voltage_floor);
         // The reciprocal is the same for every change in a step.
-        let per_threshold = S::ONE / threshold.max(self.scene.voltage_floor);
-        size.max(storage * per_threshold)
+        let per_threshold = S::ONE / threshold;
+        size.max(storage.abs() * per_threshold)
     }
 }
