@@ -63,6 +63,7 @@ variants! {
     bump_stop::others,
     bump_stop::precision,
     estimators::all,
+    response_map::all,
     emitted::bench,
     node::following,
     node::listening,

@@ -8,6 +8,7 @@ pub mod estimators;
 pub mod node;
 pub mod node_parts;
 pub mod peer;
+pub mod response_map;
 pub mod run;
 pub mod sliding;
 

@@ -6,6 +6,7 @@ pub mod closed_form;
 pub mod command;
 pub mod figures;
 pub mod findings;
+pub mod map;
 mod needs;
 pub mod on_target;
 mod peer;

@@ -14,7 +14,7 @@ mod grid;
 mod judge;
 mod map;
 mod page;
-mod random;
+pub(crate) mod random;
 mod rows;
 mod summary;
 

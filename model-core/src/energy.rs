@@ -13,6 +13,7 @@ mod ledger;
 mod listening;
 mod meter;
 mod queries;
+pub mod response_map;
 mod storage;
 mod truncated_normal;
 
@@ -26,6 +27,7 @@ pub use income::IncomeParameters;
 pub use ledger::{Ledger, Residual};
 pub use listening::{Heard, Listening, ListeningParameters, ListeningState};
 pub use meter::{Integrals, Peak, PowerMeter, RunMeter, RunReport};
+pub use response_map::{Response, ResponseMap};
 pub use storage::{Storage, StorageParameters};
 
 pub use crate::part::storage::Capacitor;

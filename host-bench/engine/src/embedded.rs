@@ -9,6 +9,7 @@ mod bridge;
 mod bump_stop;
 mod contact_separation;
 mod excitation;
+mod held;
 mod recorder;
 mod report;
 mod run;
@@ -32,6 +33,7 @@ pub use bump_stop::{
     deflected_shapes, parameters as bump_stop_parameters,
 };
 pub use contact_separation::parameters as contact_separation_parameters;
+pub use held::{Found, Held, Motion, damping_ratio, fingerprint, natural_frequency_hz, with_held};
 pub use sliding::parameters as sliding_parameters;
 pub use store_in_loop::{Midnight, StoreInLoop, Stretch};
 pub use whole_day::{Daily, WholeDay, whole_day};

@@ -64,10 +64,15 @@ impl Outputs {
 
     /// Writes a file whole or not at all: to a temporary file beside it, which is then renamed.
     pub(crate) fn write(&self, file: &Path, text: &str) -> Result<(), Failure> {
+        self.write_bytes(file, text.as_bytes())
+    }
+
+    /// As [`Outputs::write`], of bytes.
+    pub(crate) fn write_bytes(&self, file: &Path, bytes: &[u8]) -> Result<(), Failure> {
         let refuse = |reason: String| Failure::Input(format!("{}: {reason}", file.display()));
         let (target, replaced) = self.target(file).map_err(refuse)?;
         let part = part_of(&target);
-        let written = write_new(&part, text, replaced.as_ref()).and_then(|()| fs::rename(&part, &target));
+        let written = write_new(&part, bytes, replaced.as_ref()).and_then(|()| fs::rename(&part, &target));
         written.map_err(|error| {
             // Removes the temporary file, if it was made.
             let _ = fs::remove_file(&part);
@@ -124,9 +129,9 @@ fn try_beside(file: &Path) -> io::Result<()> {
 }
 
 /// Writes a new file with the permissions of the one that it replaces.
-fn write_new(part: &Path, text: &str, replaced: Option<&Metadata>) -> io::Result<()> {
+fn write_new(part: &Path, bytes: &[u8], replaced: Option<&Metadata>) -> io::Result<()> {
     let mut file = File::create_new(part)?;
-    file.write_all(text.as_bytes())?;
+    file.write_all(bytes)?;
     replaced.map_or(Ok(()), |replaced| file.set_permissions(replaced.permissions()))
 }
 

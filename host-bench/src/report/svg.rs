@@ -67,3 +67,23 @@ pub(crate) fn power_of_ten(exponent: f64) -> String {
         .collect();
     format!("10{text}")
 }
+
+/// The colour of a value, from dark blue over green to yellow. Lightness rises evenly, so that the map reads in grey too.
+pub(crate) fn shade(value: f64, low: f64, high: f64) -> RGBColor {
+    const STOPS: [[f64; 3]; 5] = [
+        [68.0, 1.0, 84.0],
+        [59.0, 82.0, 139.0],
+        [33.0, 145.0, 140.0],
+        [94.0, 201.0, 98.0],
+        [253.0, 231.0, 37.0],
+    ];
+    let part = if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 };
+    let position = part * (STOPS.len() - 1) as f64;
+    let index = (position as usize).min(STOPS.len() - 2);
+    let rest = position - index as f64;
+    let channel = |which: usize| {
+        let [from, to] = [STOPS[index][which], STOPS[index + 1][which]];
+        (from + rest * (to - from)).round() as u8
+    };
+    RGBColor(channel(0), channel(1), channel(2))
+}

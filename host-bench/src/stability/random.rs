@@ -1,6 +1,6 @@
 //! Random scenes over the whole range of the bounds. A case follows from a seed and its number alone.
 
-mod source;
+pub(crate) mod source;
 
 use self::source::Source;
 use super::Case;

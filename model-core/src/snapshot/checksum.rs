@@ -54,9 +54,16 @@ impl Checksum {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fingerprint(Checksum);
 
+impl Default for Fingerprint {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Fingerprint {
     /// The fingerprint before any input.
-    pub(crate) const fn new() -> Self {
+    #[must_use]
+    pub const fn new() -> Self {
         Self(Checksum::START)
     }
 
@@ -81,7 +88,8 @@ impl Fingerprint {
     }
 
     /// The number.
-    pub(crate) fn value(self) -> u32 {
+    #[must_use]
+    pub fn value(self) -> u32 {
         self.0.value()
     }
 }

@@ -18,6 +18,7 @@ mod limits;
 mod on_target_bits;
 mod published_rows;
 mod rectified;
+mod response_map;
 mod sensor_node;
 mod sliding_agreement;
 mod sliding_convergence;

@@ -2,6 +2,7 @@
 
 mod clamp;
 mod contacts;
+mod held;
 mod observed;
 mod shapes;
 
@@ -21,6 +22,7 @@ use model_core::scene::bump_stop::{
 pub(super) use self::clamp::Clamp;
 use self::clamp::MOST_MODES;
 pub use self::contacts::{ContactInterval, chattering_phases, contact_intervals};
+pub(super) use self::held::{held, identify};
 pub use self::shapes::{DeflectedShape, ShapePoint, deflected_shapes};
 use super::bridge::bridge;
 use super::excitation::{HostExcitation, Setting};

@@ -34,11 +34,18 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
         closed_form("sliding"),
         closed_form("bump-stop"),
     ];
-    let found = rows::measure(bench, &const { named("estimators::all") }, cases)?;
+    let mut found = rows::measure(bench, &const { named("estimators::all") }, cases)?;
+    let look_up = |motions| Case::new("look-up", "contact-separation", motions);
+    let cases = vec![
+        look_up("one motion"),
+        look_up("two motions"),
+        Case { by_sample: true, ..Case::new("estimator", "strongest-sine", "bank of lines") },
+    ];
+    found.extend(rows::measure(bench, &const { named("response_map::all") }, cases)?);
     let columns = [rows::CORE, ESTIMATE, PER_CALL, PER_SECOND, rows::STACK];
     let note =
         "Samples at 400 a second (contact-separation, strongest sine), 367 (sliding) and 3520 (bump-stop).
-A closed form is called once a second. Each estimate has the host's bits.";
+A closed form or a response map is called once a second. Each estimate has the host's bits.";
     output.rows(&found, &columns, 2, note);
     let estimates: Vec<Estimate> = found
         .iter()

@@ -2,14 +2,14 @@
 
 /// A sequence of random numbers.
 #[derive(Debug)]
-pub(super) struct Source(u64);
+pub(crate) struct Source(u64);
 
 /// The increment of SplitMix64: the golden ratio in 64 bits.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl Source {
     /// The sequence of a number under a seed.
-    pub(super) fn new(seed: u64, number: u64) -> Self {
+    pub(crate) fn new(seed: u64, number: u64) -> Self {
         let mut by_seed = Self(seed);
         Self(by_seed.bits() ^ number.wrapping_mul(GOLDEN))
     }
@@ -22,28 +22,28 @@ impl Source {
     }
 
     /// From `lowest` to `highest`, uniform.
-    pub(super) fn uniform(&mut self, lowest: f64, highest: f64) -> f64 {
+    pub(crate) fn uniform(&mut self, lowest: f64, highest: f64) -> f64 {
         let part = (self.bits() >> 11) as f64 / (1_u64 << 53) as f64;
         lowest + part * (highest - lowest)
     }
 
     /// From `lowest` to `highest`, both above 0, with a uniform logarithm.
-    pub(super) fn logarithmic(&mut self, lowest: f64, highest: f64) -> f64 {
+    pub(crate) fn logarithmic(&mut self, lowest: f64, highest: f64) -> f64 {
         self.uniform(lowest.ln(), highest.ln()).exp()
     }
 
     /// Whether an event of this probability happens.
-    pub(super) fn chance(&mut self, probability: f64) -> bool {
+    pub(crate) fn chance(&mut self, probability: f64) -> bool {
         self.uniform(0.0, 1.0) < probability
     }
 
     /// One of some values, each as probable as another.
-    pub(super) fn one_of<T: Copy, const N: usize>(&mut self, values: [T; N]) -> T {
+    pub(crate) fn one_of<T: Copy, const N: usize>(&mut self, values: [T; N]) -> T {
         values[(self.bits() % N as u64) as usize]
     }
 
     /// A magnitude as by [`Source::logarithmic`] with a random sign.
-    pub(super) fn signed(&mut self, lowest: f64, highest: f64) -> f64 {
+    pub(crate) fn signed(&mut self, lowest: f64, highest: f64) -> f64 {
         self.one_of([-1.0, 1.0]) * self.logarithmic(lowest, highest)
     }
 }

@@ -10,13 +10,18 @@ use crate::snapshot::{Fingerprint, Snapshot, snapshot_fields};
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Includes all coefficients of this harvester in a fingerprint.
     pub(super) fn identify(&self, fingerprint: &mut Fingerprint) {
+        self.identify_first([B, R], fingerprint);
+    }
+
+    /// Includes all coefficients of a harvester with so many modes of beam and rod, which are the first of this one.
+    pub fn identify_first(&self, [beam, rod]: [usize; 2], fingerprint: &mut Fingerprint) {
         fingerprint.name("bump-stop");
-        fingerprint.count(self.beam.len() as u32);
-        fingerprint.count(self.rod.len() as u32);
-        for mode in &self.beam {
+        fingerprint.count(beam as u32);
+        fingerprint.count(rod as u32);
+        for mode in self.beam.iter().take(beam) {
             fingerprint.numbers(&[mode.angular_frequency, mode.base, mode.contact, mode.tip, mode.voltage]);
         }
-        for mode in &self.rod {
+        for mode in self.rod.iter().take(rod) {
             fingerprint.numbers(&[mode.angular_frequency, mode.base, mode.contact]);
         }
         fingerprint.numbers(&[self.damping_ratio, self.capacitance, self.gap, self.stiffness]);

@@ -1,0 +1,400 @@
+//! A harvester under one sine of a held frequency, taken from one steady motion to the next by changes of the amplitude.
+//!
+//! The amplitude changes at a zero of the sine, so the acceleration is continuous. The state goes on, so a series of
+//! rising amplitudes follows one steady motion until it ends, and a falling one follows another.
+
+use model_core::clock::Instant;
+use model_core::energy::{RunMeter, RunReport};
+use model_core::excitation::{Excitation, Sine};
+use model_core::hybrid::StepError;
+use model_core::integrate::ExponentialRadau;
+use model_core::observer::{Observer, PowerIndex};
+use model_core::scalar::{Polynomial, Scalar};
+use model_core::scene::{Harvester, Scene as CoreScene, rectified};
+use model_core::snapshot::Fingerprint;
+
+use super::bridge::bridge;
+use super::bump_stop;
+use super::excitation::{HostExcitation, Setting, with_setting};
+use super::run::{BUDGET, refuse_parameter};
+use super::triboelectric::{STATES, Triboelectric, behind_bridge, prepared};
+use crate::steady_state::{Coordinates, ForcedSystem, Spent, Verdict};
+use harvester_scene::method::{Failure, Method, Options, Precision, refuse_first};
+use harvester_scene::scene_file::{Excitation as SceneExcitation, Load, Model, Scene, Tone};
+
+/// Windows of transient after which a motion that has not settled counts as not periodic.
+const MOST_WINDOWS: usize = 16;
+/// The first of them, which are not measured then.
+const SETTLING: usize = 4;
+/// Fewest periods in a window.
+const SHORTEST_WINDOW: f64 = 8.0;
+/// Relative change from window to window below which a transient has settled, twice in succession.
+const SETTLED: f64 = 1e-3;
+
+/// How a steady motion was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Found {
+    /// By shooting: a stable orbit of one period that the motion approaches.
+    Orbit,
+    /// By a transient until its power no longer changed.
+    Transient,
+    /// As a mean over a motion whose power goes on changing.
+    Mean,
+}
+
+/// A steady motion at one amplitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Mean power into the load in W; of a bus, charge per second in A.
+    pub value: f64,
+    /// Whether the motion has impacts or contact, or of a slider whether it moves.
+    pub is_upper: bool,
+    pub found: Found,
+}
+
+/// A harvester under a sine of a held frequency.
+pub trait Held {
+    /// Changes the amplitude, in m/s², and goes on until the motion is steady.
+    fn settle(&mut self, amplitude: f64) -> Result<Motion, Failure>;
+
+    /// Keeps the state, and gives its number.
+    fn keep(&mut self) -> usize;
+
+    /// Goes back to a kept state.
+    fn go_back(&mut self, number: usize);
+
+    /// Goes back to the start of the scene.
+    fn rest(&mut self);
+
+    /// Simulated periods so far.
+    fn periods(&self) -> f64;
+}
+
+/// The caller's function, behind a reference: the sweep is compiled in this crate and not in the caller's.
+type With<'a> = &'a mut dyn FnMut(&mut dyn Held) -> Result<(), Failure>;
+
+/// Calls `with` with the harvester of a scene under a sine of `frequency_hz`. Its load is a resistor, or a bridge into a bus.
+pub fn with_held<R>(
+    scene: &Scene,
+    frequency_hz: f64,
+    options: &Options,
+    with: impl FnOnce(&mut dyn Held) -> Result<R, Failure>,
+) -> Result<R, Failure> {
+    options.check()?;
+    options.check_scene(scene)?;
+    let is_own = match scene.model {
+        Model::BumpStop(_) => matches!(options.method, Method::Auto | Method::DiscreteGradient),
+        Model::ContactSeparation(_) | Model::Sliding(_) => {
+            matches!(options.method, Method::Auto | Method::ExponentialRadau)
+        }
+    };
+    refuse_first(&[
+        (!is_own, "--method: must be auto for steady motions over the amplitude"),
+        (options.precision == Some(Precision::F32), "--precision f32: must be f64 for steady motions"),
+        (options.math.is_some(), "--math: must not be given for steady motions over the amplitude"),
+    ])?;
+    let mut scene = scene.clone();
+    scene.excitation = SceneExcitation::Sine(Tone { amplitude_m_per_s2: 0.0, frequency_hz, phase_rad: 0.0 });
+    let (mut with, mut found) = (Some(with), None);
+    let mut call = |held: &mut dyn Held| {
+        found = with.take().map(|with| with(held));
+        Ok(())
+    };
+    with_setting::<f64, Polynomial, _>(&scene, options, |setting| match &scene.model {
+        Model::ContactSeparation(model) => triboelectric(setting, model, frequency_hz, &mut call),
+        Model::Sliding(model) => triboelectric(setting, model, frequency_hz, &mut call),
+        Model::BumpStop(model) => bump_stop::held(setting, model, frequency_hz, &mut call),
+    })?;
+    found.unwrap_or_else(|| unreachable!("a harvester that started calls once"))
+}
+
+/// The fingerprint of the harvester of a scene in `f32`, as a node has it: its parameters, and its load or the diodes of
+/// its bridge; not the voltage of a storage.
+pub fn fingerprint(scene: &Scene) -> Result<u32, Failure> {
+    let mut fingerprint = Fingerprint::new();
+    match &scene.model {
+        Model::ContactSeparation(model) => identify(scene, model, &mut fingerprint)?,
+        Model::Sliding(model) => identify(scene, model, &mut fingerprint)?,
+        Model::BumpStop(model) => bump_stop::identify(scene, model, &mut fingerprint)?,
+    }
+    if let Some(bridge) = bridge::<f32>(scene.load) {
+        fingerprint.numbers(&[bridge.diode_drop]);
+    }
+    Ok(fingerprint.value())
+}
+
+fn identify<T: Triboelectric>(
+    scene: &Scene,
+    model: &T,
+    fingerprint: &mut Fingerprint,
+) -> Result<(), Failure> {
+    let core = model.core::<f32, Polynomial>(scene)?;
+    CoreScene::<f32, STATES, 0>::identify(&core, fingerprint);
+    Ok(())
+}
+
+/// A triboelectric scene, with a resistor or behind a bridge.
+fn triboelectric<T: Triboelectric>(
+    setting: Setting<'_, f64>,
+    model: &T,
+    frequency_hz: f64,
+    with: With<'_>,
+) -> Result<(), Failure> {
+    let Setting { scene, .. } = setting;
+    let is_slider = matches!(scene.model, Model::Sliding(_));
+    if matches!(scene.load, Load::Resistor { .. }) {
+        let prepared = prepared::<f64, Polynomial, T>(setting, model)?;
+        let simulation = prepared.simulation::<_, STATES>(ExponentialRadau);
+        let start = prepared.start(&simulation, &model.start())?;
+        let shoot = Shoot { typical: model.typical(&prepared.core).to_vec() };
+        return with(&mut Sweep::new(setting, &simulation, start, frequency_hz, is_slider, shoot));
+    }
+    let prepared = behind_bridge::<f64, Polynomial, T>(setting, model)?;
+    let simulation = prepared.simulation::<_, { rectified::STATES }>(ExponentialRadau);
+    let start = prepared.start(&simulation, &model.start())?;
+    // The voltage of a bus does not change.
+    let typical = [&model.typical(prepared.core.harvester())[..], &[1.0]].concat();
+    with(&mut Sweep::new(setting, &simulation, start, frequency_hz, is_slider, Shoot { typical }))
+}
+
+/// Finds the orbit of one period that a motion approaches.
+pub(super) trait Shooting<H: Harvester<f64>> {
+    /// A state on the orbit, at some instant of the first period; `None` if there is no such orbit.
+    fn orbit(
+        &self,
+        harvester: &H,
+        from: &H::State,
+        excitation: HostExcitation<'_, f64>,
+        frequency_hz: f64,
+        periods: &mut f64,
+    ) -> Result<Option<H::State>, StepError<f64>>;
+}
+
+/// A harvester whose steady motion is found by its transient alone: a beam, whose many modes each cost a period of the period
+/// map, and whose motion with contact is rarely of one period.
+pub(super) struct NoShooting;
+
+impl<H: Harvester<f64>> Shooting<H> for NoShooting {
+    fn orbit(
+        &self,
+        _harvester: &H,
+        _from: &H::State,
+        _excitation: HostExcitation<'_, f64>,
+        _frequency_hz: f64,
+        _periods: &mut f64,
+    ) -> Result<Option<H::State>, StepError<f64>> {
+        Ok(None)
+    }
+}
+
+/// Shooting on the period map.
+struct Shoot {
+    /// Size of each coordinate in a wide motion.
+    typical: Vec<f64>,
+}
+
+impl<H: Coordinates> Shooting<H> for Shoot {
+    fn orbit(
+        &self,
+        harvester: &H,
+        from: &H::State,
+        excitation: HostExcitation<'_, f64>,
+        frequency_hz: f64,
+        periods: &mut f64,
+    ) -> Result<Option<H::State>, StepError<f64>> {
+        let system = ForcedSystem { harvester, excitation: &excitation, frequency_hz };
+        let mut spent = Spent::default();
+        let verdict = system.steady_state(*from, &self.typical, &mut spent);
+        *periods += spent.periods;
+        Ok(match verdict? {
+            Verdict::StablePeriodOne(orbit) => Some(orbit.start),
+            Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound(_) => None,
+        })
+    }
+}
+
+/// A harvester on its way through the amplitudes. Between two calls its state is at a zero of the sine, at time zero.
+pub(super) struct Sweep<'a, H: Harvester<f64>, T> {
+    setting: Setting<'a, f64>,
+    harvester: &'a H,
+    shooting: T,
+    start: H::State,
+    state: H::State,
+    kept: Vec<H::State>,
+    frequency_hz: f64,
+    is_slider: bool,
+    /// Periods in a window of a transient.
+    window: f64,
+    periods: f64,
+}
+
+impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
+    pub(super) fn new(
+        setting: Setting<'a, f64>,
+        harvester: &'a H,
+        start: H::State,
+        frequency_hz: f64,
+        is_slider: bool,
+        shooting: T,
+    ) -> Self {
+        // A free motion falls to 1/e of its amplitude in 1/(2π ζ) of its periods.
+        let window = (0.5 / (std::f64::consts::PI * damping_ratio(setting.scene))).ceil();
+        Self {
+            setting,
+            harvester,
+            shooting,
+            start,
+            state: start,
+            kept: Vec::new(),
+            frequency_hz,
+            is_slider,
+            window: window.clamp(SHORTEST_WINDOW, 200.0),
+            periods: 0.0,
+        }
+    }
+
+    /// Advances by a number of periods of the sine from `from`, in periods.
+    fn advance<O: Observer<f64>>(
+        &mut self,
+        excitation: HostExcitation<'_, f64>,
+        until_periods: f64,
+        observer: &mut O,
+    ) -> Result<(), Failure> {
+        let until =
+            Instant::from_seconds(until_periods / self.frequency_hz).unwrap_or(Instant::from_ticks(u64::MAX));
+        while self.harvester.clock(&self.state) < until {
+            self.harvester
+                .advance(&mut self.state, &excitation, until, BUDGET, observer)
+                .map_err(|error| self.failure(&error))?;
+        }
+        Ok(())
+    }
+
+    fn failure(&self, error: &StepError<f64>) -> Failure {
+        Failure::Step(format!("{error}: at {} Hz", self.frequency_hz))
+    }
+
+    /// The mean power, or charge per second, of a meter.
+    fn value(&self, meter: &RunMeter<f64>) -> f64 {
+        let power = meter.integrals().mean(PowerIndex::Load);
+        match self.setting.scene.load {
+            Load::DcBus { voltage_v, .. } => power / voltage_v,
+            Load::Resistor { .. } | Load::RectifiedStore(_) => power,
+        }
+    }
+
+    fn is_upper(&self, report: &RunReport<f64>) -> bool {
+        if self.is_slider { report.stick_fraction < 1.0 } else { report.impacts + report.contacts > 0 }
+    }
+
+    /// The motion on the orbit that shooting finds, if it does.
+    fn by_shooting(&mut self, excitation: HostExcitation<'_, f64>) -> Result<Option<Motion>, Failure> {
+        let found = self.shooting.orbit(
+            self.harvester,
+            &self.state,
+            excitation,
+            self.frequency_hz,
+            &mut self.periods,
+        );
+        let Some(on_orbit) = found.map_err(|error| self.failure(&error))? else { return Ok(None) };
+        self.state = on_orbit;
+        let mut meter = RunMeter::starting_at(&self.harvester.outputs(&self.state));
+        let phase = self.harvester.clock(&self.state).seconds::<f64>() * self.frequency_hz;
+        self.advance(excitation, phase + 1.0, &mut meter)?;
+        self.advance(excitation, phase.ceil() + 1.0, &mut ())?;
+        self.periods += 1.0 + phase.ceil() - phase;
+        let is_upper = self.is_upper(&meter.report());
+        // What is left of the charge of a slider that is stuck flows off.
+        let value = if self.is_slider && !is_upper { 0.0 } else { self.value(&meter) };
+        Ok(Some(Motion { value, is_upper, found: Found::Orbit }))
+    }
+
+    /// The motion after a transient, or its mean.
+    fn by_transient(&mut self, excitation: HostExcitation<'_, f64>) -> Result<Motion, Failure> {
+        let mut values: Vec<f64> = Vec::new();
+        let mut settled = 0;
+        for window in 1..=MOST_WINDOWS {
+            let mut meter = RunMeter::starting_at(&self.harvester.outputs(&self.state));
+            self.advance(excitation, self.window * window as f64, &mut meter)?;
+            self.periods += self.window;
+            let is_upper = self.is_upper(&meter.report());
+            let value = self.value(&meter);
+            if self.is_slider && !is_upper {
+                return Ok(Motion { value: 0.0, is_upper, found: Found::Transient });
+            }
+            let is_close = values.last().is_some_and(|last| (value - last).abs() <= SETTLED * value.abs());
+            settled = if is_close { settled + 1 } else { 0 };
+            values.push(value);
+            if settled == 2 {
+                return Ok(Motion { value, is_upper, found: Found::Transient });
+            }
+            if window == MOST_WINDOWS {
+                let measured = &values[SETTLING..];
+                let value = measured.iter().sum::<f64>() / measured.len() as f64;
+                return Ok(Motion { value, is_upper, found: Found::Mean });
+            }
+        }
+        unreachable!("the last window returns")
+    }
+}
+
+impl<H: Harvester<f64>, T: Shooting<H>> Held for Sweep<'_, H, T> {
+    fn settle(&mut self, amplitude: f64) -> Result<Motion, Failure> {
+        let sine = Sine::<f64, Polynomial>::new(amplitude, self.frequency_hz, 0.0)
+            .map_err(|error| Failure::of_file(self.setting.scene, format!("excitation: {error}")))?;
+        let excitation: HostExcitation<'_, f64> = &sine as &dyn Excitation<f64>;
+        let motion = match self.by_shooting(excitation)? {
+            Some(motion) => motion,
+            None => self.by_transient(excitation)?,
+        };
+        self.harvester.set_clock(&mut self.state, Instant::START);
+        Ok(motion)
+    }
+
+    fn keep(&mut self) -> usize {
+        self.kept.push(self.state);
+        self.kept.len() - 1
+    }
+
+    fn go_back(&mut self, number: usize) {
+        self.state = self.kept[number];
+    }
+
+    fn rest(&mut self) {
+        self.state = self.start;
+    }
+
+    fn periods(&self) -> f64 {
+        self.periods
+    }
+}
+
+/// Damping ratio of the slowest motion of a scene.
+pub fn damping_ratio(scene: &Scene) -> f64 {
+    match &scene.model {
+        Model::ContactSeparation(model) => model.parameters.damping_ratio,
+        Model::Sliding(model) => model.parameters.damping_ratio,
+        Model::BumpStop(model) => model.parameters.damping_ratio,
+    }
+}
+
+/// Natural frequency in Hz of the slowest motion of a scene.
+pub fn natural_frequency_hz(scene: &Scene) -> Result<f64, Failure> {
+    let of = |angular: f64| angular / std::f64::consts::TAU;
+    match &scene.model {
+        Model::ContactSeparation(model) => {
+            let core = Triboelectric::core::<f64, Polynomial>(model, scene)?;
+            Ok(of(core.angular_frequency().to_f64()))
+        }
+        Model::Sliding(model) => {
+            let core = Triboelectric::core::<f64, Polynomial>(model, scene)?;
+            Ok(of(core.angular_frequency().to_f64()))
+        }
+        Model::BumpStop(model) => {
+            let core = bump_stop::parameters::<f64>(model, Load::Resistor { resistance_ohm: f64::INFINITY })
+                .build_first::<20, 20>(model.parameters.beam_modes, 0)
+                .map_err(|error| refuse_parameter(scene, &error))?;
+            Ok(of(core.beam_angular_frequency(0).unwrap_or(f64::NAN)))
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! `map`: the income of a scene over amplitude and frequency, for a node to look up.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use serde_json::json;
+
+use super::files::Outputs;
+use super::{NODE, SceneArguments, Unused, check_overrides, one_more, print, progress, tell};
+use crate::map::{self, Heard, Map, Request, Said, Step};
+use crate::method::Failure;
+use crate::outcome::{self, Fields, text};
+use crate::scene_file;
+
+/// Keys that a map does not use.
+const UNUSED: [Unused; 3] = [
+    NODE,
+    ("run", "a map has the steady motions, whatever the length of a run"),
+    ("excitation", "--amplitude and --frequency give the excitation"),
+];
+/// Most slices.
+const MOST_SLICES: usize = 16;
+
+/// A range: two positive numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Range([f64; 2]);
+
+impl FromStr for Range {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (low, high) = text.split_once(':').ok_or_else(|| format!("{text}: must be LO:HI"))?;
+        let number = |text: &str| text.parse::<f64>().map_err(|_| format!("{text}: must be a number"));
+        let range = [number(low)?, number(high)?];
+        if range[0] > 0.0 && range[0] < range[1] && range[1].is_finite() {
+            Ok(Self(range))
+        } else {
+            Err(format!("{text}: must be two numbers above 0, the lower one first"))
+        }
+    }
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct MapArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Lowest and highest amplitude in m/s²
+    #[arg(long, value_name = "LO:HI")]
+    amplitude: Range,
+    /// Lowest and highest frequency in Hz
+    #[arg(long, value_name = "LO:HI")]
+    frequency: Range,
+    /// Voltage of the storage behind a bridge in V; several, rising, for a slice each
+    #[arg(long, value_name = "V,…", value_delimiter = ',')]
+    voltage: Vec<f64>,
+    /// Median of the relative error to aim at
+    #[arg(long, value_name = "REL", default_value_t = 0.02)]
+    error: f64,
+    /// Random places of each slice, off the nodes, by which the bounds are measured, and as many others that check them
+    #[arg(long, value_name = "COUNT", default_value_t = 300)]
+    places: usize,
+    /// Seed of the random places
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    seed: u64,
+    /// Random inputs (a line, two lines, noise) of which the bank of lines and the map are asked, against trajectories
+    #[arg(long, value_name = "COUNT", default_value_t = 0)]
+    inputs: usize,
+    /// Write the map into this file: .rs constants for firmware, .bin bytes; and a picture beside it
+    #[arg(long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// Makes the map, writes it, and prints how well it agrees with the model.
+pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
+    let request = request(arguments)?;
+    let overrides = &arguments.scene.overrides;
+    let scene = scene_file::read(&arguments.scene.scene, overrides)?;
+    check_overrides(overrides, &UNUSED)?;
+    let files = arguments.output.as_deref().map(files).transpose()?;
+    let outputs = Outputs::of(&arguments.scene.scene, overrides)?;
+    for file in files.iter().flatten() {
+        outputs.check("--output", file)?;
+    }
+    let bar = progress(0);
+    let step = |step| match step {
+        Step::More(count) => bar.inc_length(count as u64),
+        Step::Done => one_more(&bar),
+    };
+    let found = map::map(&scene, &request, &arguments.scene.options, &step)?;
+    bar.finish_and_clear();
+    let file_name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    if let (Some([map_file, picture]), Some(_)) = (&files, &arguments.output) {
+        let name = file_name(&arguments.scene.scene);
+        if map_file.extension() == Some(OsStr::new("rs")) {
+            outputs.write(map_file, &map::module(&found, &name, &command(arguments)))?;
+        } else {
+            outputs.write_bytes(map_file, &map::bytes(&found))?;
+        }
+        outputs.write(picture, &map::draw(&found, 0, &name)?)?;
+    }
+    if found.agreement.median > request.error {
+        tell(&format!(
+            "the median error of {:.2} % is above the {:.2} % of --error; the bounds in the map allow for it",
+            100.0 * found.agreement.median,
+            100.0 * request.error
+        ));
+    }
+    let mut numbers = fields(&found, scene.name());
+    if arguments.inputs > 0 {
+        let bar = progress(arguments.inputs);
+        let options = &arguments.scene.options;
+        let heard = map::heard(&scene, &found, arguments.inputs, request.seed, options, &|| one_more(&bar))?;
+        bar.finish_and_clear();
+        numbers.extend(inputs(&heard));
+    }
+    print(&text(&numbers, arguments.scene.format))
+}
+
+/// How what a node says of random inputs agrees with the trajectories, for each kind.
+fn inputs(heard: &[Heard]) -> Fields {
+    let mut all = Fields::default();
+    for (kind, name) in map::KINDS.into_iter().zip(["line", "two_lines", "noise"]) {
+        let of_kind = heard.iter().filter(|heard| heard.kind == kind && heard.truth > 0.0);
+        let (mut errors, mut holds, mut lines, mut flagged, mut silent) = (Vec::new(), 0, 0, 0, 0);
+        for Heard { truth, said, .. } in of_kind {
+            match *said {
+                Said::Line { value, low, high } => {
+                    lines += 1;
+                    holds += usize::from((low..=high).contains(truth));
+                    errors.push((value / truth - 1.0).abs());
+                }
+                Said::Broadband { value, is_linear: true } => errors.push((value / truth - 1.0).abs()),
+                Said::Broadband { is_linear: false, .. } => flagged += 1,
+                Said::Nothing => silent += 1,
+            }
+        }
+        errors.sort_by(f64::total_cmp);
+        let at = |part: f64| errors.get((errors.len() as f64 * part) as usize).copied();
+        let numbers = json!({
+            "estimates": errors.len(),
+            "flagged": flagged,
+            "silent": silent,
+            "median_error": at(0.5),
+            "error_90_percent": at(0.9),
+            "bounds_hold": (lines > 0).then(|| holds as f64 / f64::from(lines)),
+        });
+        let named = outcome::fields(&numbers);
+        all.extend(named.into_iter().map(|(key, value)| (format!("{name}_{key}"), value)));
+    }
+    all
+}
+
+fn request(arguments: &MapArguments) -> Result<Request, Failure> {
+    let refuse = |text: String| Err(Failure::Input(text));
+    let Range(amplitudes) = arguments.amplitude;
+    let Range(frequencies) = arguments.frequency;
+    if amplitudes[0] < 1e-3 || amplitudes[1] > 1e4 {
+        return refuse(format!("--amplitude {}:{}: must be from 1e-3 to 1e4", amplitudes[0], amplitudes[1]));
+    }
+    if frequencies[1] > 1e5 {
+        return refuse(format!("--frequency {}:{}: must be to 1e5", frequencies[0], frequencies[1]));
+    }
+    let MapArguments { voltage, error, places, .. } = arguments;
+    if !(*error > 0.0 && *error <= 1.0) {
+        return refuse(format!("--error {error}: must be above 0, to 1"));
+    }
+    if !(30..=10_000).contains(places) {
+        return refuse(format!("--places {places}: must be from 30 to 10000"));
+    }
+    if voltage.len() > MOST_SLICES || voltage.iter().any(|voltage| !(1e-2..=1e3).contains(voltage)) {
+        return refuse(format!("--voltage: must be up to {MOST_SLICES} voltages from 0.01 to 1000"));
+    }
+    if voltage.windows(2).any(|pair| pair[0] >= pair[1]) {
+        return refuse("--voltage: must rise".to_owned());
+    }
+    Ok(Request {
+        amplitudes,
+        frequencies,
+        voltages: voltage.clone(),
+        error: *error,
+        places: *places,
+        seed: arguments.seed,
+    })
+}
+
+/// The file of the map and that of its picture.
+fn files(map: &Path) -> Result<[PathBuf; 2], Failure> {
+    match map.extension().and_then(OsStr::to_str) {
+        Some("rs" | "bin") => Ok([map.to_owned(), map.with_extension("svg")]),
+        _ => Err(Failure::Input(format!("--output {}: must end in .rs or .bin", map.display()))),
+    }
+}
+
+/// The command that makes the map again.
+fn command(arguments: &MapArguments) -> String {
+    let MapArguments { scene, amplitude: Range([low, high]), frequency: Range([from, to]), .. } = arguments;
+    let mut text = format!(
+        "host-bench map {} --amplitude {low}:{high} --frequency {from}:{to}",
+        scene.scene.file_name().unwrap_or_default().to_string_lossy()
+    );
+    if !arguments.voltage.is_empty() {
+        let voltages: Vec<String> = arguments.voltage.iter().map(f64::to_string).collect();
+        text += &format!(" --voltage {}", voltages.join(","));
+    }
+    text += &format!(" --error {} --places {} --seed {}", arguments.error, arguments.places, arguments.seed);
+    let numerics = [
+        ("--accuracy", scene.options.accuracy),
+        ("--tolerance", scene.options.tolerance),
+        ("--step", scene.options.step_s),
+        ("--long-step", scene.options.long_step_s),
+    ];
+    for (option, value) in numerics {
+        if let Some(value) = value {
+            text += &format!(" {option} {value:e}");
+        }
+    }
+    for change in &scene.overrides {
+        text += &format!(" --set {}={}", change.key(), change.value());
+    }
+    text
+}
+
+fn fields(found: &Map, scene: &str) -> Fields {
+    let Map { image, axes, agreement, .. } = found;
+    let columns = found.slices.iter().flatten();
+    let with_both =
+        columns.clone().filter(|column| column.found && column.rising > column.falling * 1.0001).count();
+    outcome::fields(&json!({
+        "scene": scene,
+        "fingerprint": format!("{:#010x}", image.fingerprint),
+        "bytes": image.bytes(),
+        "slices": found.slices.len(),
+        "columns": axes.frequencies.len(),
+        "resonance_hz": axes.centre_hz,
+        "half_bandwidth_hz": axes.half_bandwidth_hz,
+        "columns_with_boundary": columns.filter(|column| column.found).count(),
+        "columns_with_two_motions": with_both,
+        "margin": found.margin,
+        "places": agreement.places,
+        "median_error": agreement.median,
+        "error_90_percent": agreement.percentile_90,
+        "largest_error": agreement.largest,
+        "far_places": agreement.far_places,
+        "regime_right": agreement.regime_right,
+        "bounds_hold": agreement.bounds_hold,
+        "power_over_density": found.broadband.map(|[factor, _]| factor),
+        "largest_density": found.broadband.map(|[_, largest]| largest),
+        "median_bounds_ratio": agreement.median_bounds_ratio,
+        "simulated_periods": found.periods,
+    }))
+}

@@ -1,0 +1,235 @@
+//! Response maps: the steady motions of a scene over amplitude and frequency by the full model, and the image of them that
+//! a node looks its income up in ([`model_core::energy::ResponseMap`]).
+//!
+//! At each column of the map one harvester is taken through rising and then through falling amplitudes, so that both
+//! steady motions are found where there are two, and the boundaries at which each ends are narrowed down by bisection. The
+//! bounds are the errors at random places; a second set of places checks them.
+
+mod agreement;
+mod axes;
+mod column;
+mod emit;
+mod image;
+mod inputs;
+mod picture;
+mod places;
+#[cfg(test)]
+mod tests;
+
+use rayon::prelude::*;
+
+pub use self::agreement::{Agreement, Judged};
+pub use self::axes::Axes;
+pub use self::column::Column;
+pub use self::emit::{bytes, module};
+pub use self::image::Image;
+pub use self::inputs::{Heard, KINDS, Kind, Said, heard};
+pub use self::picture::draw;
+pub use self::places::{Place, Truth};
+
+use self::agreement::{bounds, judge, margin};
+use self::image::{Content, SliceBounds};
+use self::places::{random, truth};
+use crate::embedded::{fingerprint, with_held};
+use crate::method::{Failure, Options};
+use crate::scene_file::{Load, Scene};
+
+/// What a map is to cover, and how well it is to be tested.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Lowest and highest amplitude in m/s².
+    pub amplitudes: [f64; 2],
+    /// Lowest and highest frequency in Hz.
+    pub frequencies: [f64; 2],
+    /// Voltages of the storage in V, rising; empty for a resistor.
+    pub voltages: Vec<f64>,
+    /// Median of the relative error to aim at.
+    pub error: f64,
+    /// Random places in a slice by which the bounds are measured, and as many others that check them.
+    pub places: usize,
+    /// Of the random places.
+    pub seed: u64,
+}
+
+/// A map, what it was made of, and what it was tested by.
+#[derive(Debug, Clone)]
+pub struct Map {
+    pub image: Image,
+    pub axes: Axes,
+    /// The columns of each slice.
+    pub slices: Vec<Vec<Column>>,
+    /// The places that check it.
+    pub checked: Vec<Judged>,
+    pub agreement: Agreement,
+    /// Margin beside a boundary, as a part of the amplitude.
+    pub margin: f64,
+    /// Yield over the one-sided spectral density of broadband shaking, in W/((m/s²)²/Hz), and the largest density.
+    pub broadband: Option<[f64; 2]>,
+    /// Simulated periods in all.
+    pub periods: f64,
+}
+
+/// How far a map is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// So many columns and places are to come.
+    More(usize),
+    /// One of them is done.
+    Done,
+}
+
+/// Makes the map of a scene; `step` hears how far it is.
+///
+/// The columns are doubled once if the median of the error is above the one that is aimed at; the better map is returned.
+pub fn map(
+    scene: &Scene,
+    request: &Request,
+    options: &Options,
+    step: &(impl Fn(Step) + Sync),
+) -> Result<Map, Failure> {
+    let scenes = scenes(scene, request)?;
+    let [coarse, fine] = axes::COLUMN_BITS;
+    let first = with_columns(&scenes, request, options, coarse, step)?;
+    if first.agreement.median <= request.error {
+        return Ok(first);
+    }
+    let second = with_columns(&scenes, request, options, fine, step)?;
+    Ok(if second.agreement.median < first.agreement.median { second } else { first })
+}
+
+/// The scene of each slice: at a fixed voltage of the storage behind a bridge.
+fn scenes(scene: &Scene, request: &Request) -> Result<Vec<Scene>, Failure> {
+    let refuse = |text: &str| Err(Failure::of_file(scene, text));
+    let bus = |voltage_v: f64, diode_drop_v: f64| Scene {
+        load: Load::DcBus { voltage_v, diode_drop_v },
+        ..scene.clone()
+    };
+    match (scene.load, &request.voltages[..]) {
+        (Load::Resistor { resistance_ohm }, []) => {
+            if resistance_ohm > 0.0 && resistance_ohm.is_finite() {
+                Ok(vec![scene.clone()])
+            } else {
+                refuse("load.resistance_ohm: must be above 0 and finite for a map of the power in it")
+            }
+        }
+        (Load::Resistor { .. }, _) => refuse("load.kind: is \"resistor\", must be a bridge with --voltage"),
+        (Load::DcBus { voltage_v, .. }, []) if voltage_v > 0.0 => Ok(vec![scene.clone()]),
+        (Load::DcBus { .. }, []) => refuse("load.voltage_v: must be above 0 for a map of the charge"),
+        (Load::RectifiedStore(_), []) => {
+            refuse("load.kind: is \"rectified-store\", needs --voltage for a map")
+        }
+        (Load::DcBus { diode_drop_v, .. }, voltages) => {
+            Ok(voltages.iter().map(|&voltage| bus(voltage, diode_drop_v)).collect())
+        }
+        (Load::RectifiedStore(store), voltages) => {
+            Ok(voltages.iter().map(|&voltage| bus(voltage, store.diode_drop_v)).collect())
+        }
+    }
+}
+
+fn with_columns(
+    scenes: &[Scene],
+    request: &Request,
+    options: &Options,
+    bits: u32,
+    step: &(impl Fn(Step) + Sync),
+) -> Result<Map, Failure> {
+    let axes = Axes::new(&scenes[0], request, bits)?;
+    let count = request.places * scenes.len();
+    step(Step::More(scenes.len() * axes.frequencies.len() + 2 * count));
+    let made: Vec<(Column, f64)> = (0..scenes.len() * axes.frequencies.len())
+        .into_par_iter()
+        .map(|index| {
+            let frequency_hz = axes.frequencies[index % axes.frequencies.len()];
+            let scene = &scenes[index / axes.frequencies.len()];
+            let made = with_held(scene, frequency_hz, options, |held| {
+                let column = column::column(held, frequency_hz, request.amplitudes)?;
+                Ok((column, held.periods()))
+            });
+            step(Step::Done);
+            made
+        })
+        .collect::<Result<_, _>>()?;
+    let mut periods: f64 = made.iter().map(|(_, periods)| periods).sum();
+    let columns: Vec<Column> = made.into_iter().map(|(column, _)| column).collect();
+    let slices: Vec<Vec<Column>> = columns.chunks(axes.frequencies.len()).map(<[_]>::to_vec).collect();
+    let voltages: Vec<f64> = scenes
+        .iter()
+        .map(|scene| match scene.load {
+            Load::DcBus { voltage_v, .. } => voltage_v,
+            Load::Resistor { .. } | Load::RectifiedStore(_) => 0.0,
+        })
+        .collect();
+    let mut content = Content {
+        axes: &axes,
+        fingerprint: fingerprint(&scenes[0])?,
+        voltages: &voltages,
+        is_current: matches!(scenes[0].load, Load::DcBus { .. }),
+        slices: &slices,
+        margin: 0.0,
+        bounds: &[],
+    };
+    let places = random(&axes, scenes.len(), request.seed, 2 * count);
+    let measured: Vec<(Truth, f64)> = places
+        .par_iter()
+        .map(|place| {
+            let truth = with_held(&scenes[place.slice], place.frequency_hz, options, |held| {
+                let [rising, falling] = boundaries(&content, place);
+                Ok((truth(held, place, rising.max(falling))?, held.periods()))
+            });
+            step(Step::Done);
+            truth
+        })
+        .collect::<Result<_, _>>()?;
+    periods += measured.iter().map(|(_, periods)| periods).sum::<f64>();
+    let known: Vec<(Place, Truth, [f64; 2])> = places
+        .iter()
+        .zip(&measured)
+        .map(|(place, (truth, _))| (*place, *truth, boundaries(&content, place)))
+        .collect();
+    let (calibrating, checking) = known.split_at(count);
+    content.margin = margin(calibrating);
+    let unbounded: Vec<SliceBounds> = vec![Default::default(); scenes.len()];
+    content.bounds = &unbounded;
+    let measured = bounds(&content, &judged(&content.image()?, &voltages, calibrating)?);
+    content.bounds = &measured;
+    let mut image = content.image()?;
+    let checked = judged(&image, &voltages, checking)?;
+    let agreement = Agreement::of(&checked);
+    image.state(&agreement);
+    let margin = (content.margin / 2048.0).exp2() - 1.0;
+    let broadband = content.linear().map(|found| [found.factor, found.largest]);
+    Ok(Map { image, axes, slices, checked, agreement, margin, broadband, periods })
+}
+
+/// The levels of both boundaries at a place, by the columns beside it.
+fn boundaries(content: &Content<'_>, place: &Place) -> [f64; 2] {
+    let (below, part) = content.axes.column(place.frequency_hz);
+    let columns = &content.slices[place.slice];
+    let between = |get: fn(&Column) -> f64| {
+        let [low, high] = [get(&columns[below]), get(&columns[below + 1])];
+        low + (high - low) * part
+    };
+    [between(|column| column.rising), between(|column| column.falling)]
+}
+
+/// What the map tells at places with known motions.
+fn judged(
+    image: &Image,
+    voltages: &[f64],
+    known: &[(Place, Truth, [f64; 2])],
+) -> Result<Vec<Judged>, Failure> {
+    let map = image.map()?;
+    Ok(known
+        .iter()
+        .map(|&(place, truth, boundaries)| {
+            let (amplitude, frequency) = (place.amplitude as f32, place.frequency_hz as f32);
+            let told = match voltages[place.slice] {
+                0.0 => map.at(amplitude, frequency),
+                // The slice itself: between two slices there are the bounds of both.
+                _ => map.in_slice_at(place.slice, amplitude, frequency),
+            };
+            judge(told, boundaries, place, truth)
+        })
+        .collect())
+}

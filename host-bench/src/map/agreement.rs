@@ -1,0 +1,226 @@
+//! How well a map agrees with the full model at random places: errors, regimes, and the bounds that follow.
+
+use model_core::energy::Response;
+use model_core::energy::response_map::{BOUNDS, Bounded, Branch};
+
+use super::axes::level_of;
+use super::image::{Bounds, Content, SliceBounds};
+use super::places::{Place, Truth};
+
+/// The largest error found in a part and in those beside it, times this, is the bound.
+const ALLOWANCE: f64 = 1.25;
+/// The least bound in octaves: the roundings of levels and values.
+const LEAST: f64 = 1.0 / 128.0;
+/// The least and the largest margin beside a boundary, in levels: 1 % and 10 % of the amplitude.
+const MARGINS: [f64; 2] = [29.4, 281.6];
+/// Distance in levels from a boundary beyond which the regime should be right: 10 % of the amplitude.
+const NEAR_A_BOUNDARY: f64 = 281.6;
+
+/// A place with the steady motions there and what the map says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Judged {
+    pub place: Place,
+    pub truth: Truth,
+    pub told: Response,
+    /// Relative errors of the values told for the lower and the upper motion, where both map and model have it.
+    pub errors: [Option<f64>; 2],
+    /// Whether the map tells the motions that there are.
+    pub regime: bool,
+    /// Whether the place is more than 10 % of the amplitude from both boundaries.
+    pub is_far: bool,
+    /// Whether the value of every motion that there is lies within the bounds told.
+    pub holds: bool,
+}
+
+impl Judged {
+    /// The larger error.
+    #[must_use]
+    pub fn error(&self) -> Option<f64> {
+        self.errors.into_iter().flatten().reduce(f64::max)
+    }
+}
+
+/// The agreement over many places.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Agreement {
+    /// Places by which the bounds were measured, and as many that check them.
+    pub places: usize,
+    /// Median of the relative error.
+    pub median: f64,
+    /// 90th percentile of the relative error.
+    pub percentile_90: f64,
+    pub largest: f64,
+    /// Share of the places at which the bounds hold.
+    pub bounds_hold: f64,
+    /// Share of the places more than 10 % of the amplitude from a boundary at which the map tells the motions that there
+    /// are.
+    pub regime_right: f64,
+    /// Number of those places.
+    pub far_places: usize,
+    /// Median of the ratio of the upper to the lower bound.
+    pub median_bounds_ratio: f64,
+}
+
+impl Agreement {
+    /// Of the places that check a map.
+    pub(super) fn of(checked: &[Judged]) -> Self {
+        let mut errors: Vec<f64> = checked.iter().flat_map(|judged| judged.errors).flatten().collect();
+        errors.sort_by(f64::total_cmp);
+        let mut ratios: Vec<f64> = checked
+            .iter()
+            .filter_map(|judged| judged.told.income())
+            .filter(|income| income.low > 0.0)
+            .map(|income| f64::from(income.high / income.low))
+            .collect();
+        ratios.sort_by(f64::total_cmp);
+        let at = |sorted: &[f64], part: f64| {
+            sorted.get(((sorted.len() as f64 * part) as usize).min(sorted.len().saturating_sub(1))).copied()
+        };
+        let share = |of: &[&Judged], has: fn(&Judged) -> bool| {
+            of.iter().filter(|judged| has(judged)).count() as f64 / of.len().max(1) as f64
+        };
+        let all: Vec<&Judged> = checked.iter().collect();
+        let far: Vec<&Judged> = checked.iter().filter(|judged| judged.is_far).collect();
+        Self {
+            places: checked.len(),
+            median: at(&errors, 0.5).unwrap_or(0.0),
+            percentile_90: at(&errors, 0.9).unwrap_or(0.0),
+            largest: at(&errors, 1.0).unwrap_or(0.0),
+            bounds_hold: share(&all, |judged| judged.holds),
+            regime_right: share(&far, |judged| judged.regime),
+            far_places: far.len(),
+            median_bounds_ratio: at(&ratios, 0.5).unwrap_or(1.0),
+        }
+    }
+}
+
+/// What is told of each motion; `None` of one that is not told.
+fn told_of(told: &Response) -> [Option<Bounded>; 2] {
+    match *told {
+        Response::One { branch: Branch::Lower, income } => [Some(income), None],
+        Response::One { branch: Branch::Upper, income } => [None, Some(income)],
+        Response::Two { lower, upper } => [Some(lower), Some(upper)],
+        Response::Outside(_) => [None, None],
+    }
+}
+
+/// Compares what a map tells with the steady motions; `boundaries` are the levels of both boundaries there.
+pub(super) fn judge(told: Response, boundaries: [f64; 2], place: Place, truth: Truth) -> Judged {
+    let of = told_of(&told);
+    let there = [truth.lower, truth.upper];
+    let error = |index: usize| match (of[index], there[index]) {
+        (Some(told), Some(truth)) if truth > 0.0 => Some((f64::from(told.value) / truth - 1.0).abs()),
+        _ => None,
+    };
+    let overall = told.income();
+    let within = |index: usize| match (of[index].or(overall), there[index]) {
+        (Some(told), Some(truth)) => (f64::from(told.low)..=f64::from(told.high)).contains(&truth),
+        (None, Some(_)) => false,
+        (_, None) => true,
+    };
+    let at = level_of(place.amplitude);
+    Judged {
+        place,
+        truth,
+        told,
+        errors: [error(0), error(1)],
+        regime: (0..2).all(|index| of[index].is_some() == there[index].is_some()),
+        is_far: boundaries.iter().all(|boundary| (at - boundary).abs() > NEAR_A_BOUNDARY),
+        holds: within(0) && within(1),
+    }
+}
+
+/// The margin beside the boundaries, in levels: the farthest from one at which the regime is not as the boundaries say.
+pub(super) fn margin(measured: &[(Place, Truth, [f64; 2])]) -> f64 {
+    let farthest = measured
+        .iter()
+        .filter_map(|(place, truth, [rising, falling])| {
+            let at = level_of(place.amplitude);
+            // By how much a boundary lies on the wrong side of the place.
+            let lower = if truth.lower.is_some() == (at <= *rising) { 0.0 } else { (at - rising).abs() };
+            let upper = if truth.upper.is_some() == (at >= *falling) { 0.0 } else { (at - falling).abs() };
+            Some(lower.max(upper)).filter(|distance| *distance <= MARGINS[1])
+        })
+        .fold(0.0, f64::max);
+    (ALLOWANCE * farthest).clamp(MARGINS[0], MARGINS[1])
+}
+
+/// The bounds of each slice, from what a map without bounds tells at places with known motions.
+pub(super) fn bounds(content: &Content<'_>, judged: &[Judged]) -> Vec<SliceBounds> {
+    (0..content.slices.len())
+        .map(|slice| {
+            [0, 1].map(|branch| {
+                let mut largest: Bounds = [[0.0; 2]; BOUNDS];
+                for found in judged.iter().filter(|judged| judged.place.slice == slice) {
+                    let there = [found.truth.lower, found.truth.upper][branch];
+                    if let (Some(told), Some(truth)) = (told_of(&found.told)[branch], there)
+                        && told.value > 0.0
+                    {
+                        let Place { frequency_hz, amplitude, .. } = found.place;
+                        let part = content.part(slice, branch, frequency_hz, amplitude);
+                        let octaves = (truth.max(1e-300) / f64::from(told.value)).log2();
+                        largest[part][0] = largest[part][0].max(-octaves);
+                        largest[part][1] = largest[part][1].max(octaves);
+                    }
+                }
+                spread(&largest)
+            })
+        })
+        .collect()
+}
+
+/// The largest of each part and of those beside it in the same rows, with an allowance.
+fn spread(largest: &Bounds) -> Bounds {
+    let half = BOUNDS / 2;
+    std::array::from_fn(|part| {
+        let first = part / half * half;
+        let beside = part.saturating_sub(1).max(first)..=(part + 1).min(first + half - 1);
+        let of = |side: usize| beside.clone().map(|other| largest[other][side]).fold(0.0, f64::max);
+        [ALLOWANCE * of(0) + LEAST, ALLOWANCE * of(1) + LEAST]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one(branch: Branch, value: f32) -> Response {
+        Response::One { branch, income: Bounded { value, low: 0.9 * value, high: 1.2 * value } }
+    }
+
+    #[test]
+    fn a_place_is_judged_by_every_motion_there() {
+        let place = Place { slice: 0, frequency_hz: 20.0, amplitude: 1.0 };
+        let at = level_of(1.0);
+        let far = [at + 500.0, at + 400.0];
+        let judged = judge(one(Branch::Lower, 2.0), far, place, Truth { lower: Some(1.9), upper: None });
+        assert!(judged.regime && judged.holds && judged.is_far);
+        assert!((judged.error().unwrap_or(0.0) - 0.1 / 1.9).abs() < 1e-6);
+        // Another motion that the map does not tell.
+        let judged = judge(one(Branch::Lower, 2.0), far, place, Truth { lower: Some(1.9), upper: Some(9.0) });
+        assert!(!judged.regime && !judged.holds);
+        // The other motion only: wrong, and within the bounds by chance.
+        let judged = judge(one(Branch::Lower, 2.0), far, place, Truth { lower: None, upper: Some(2.1) });
+        assert!(!judged.regime && judged.holds && judged.error().is_none());
+        let near = [at + 100.0, at + 400.0];
+        let judged = judge(one(Branch::Upper, 2.0), near, place, Truth { lower: None, upper: Some(3.0) });
+        assert!(judged.regime && !judged.holds && !judged.is_far);
+    }
+
+    #[test]
+    fn a_bound_covers_its_neighbours_and_no_other_rows() {
+        let mut largest: Bounds = [[0.0; 2]; BOUNDS];
+        largest[3] = [0.2, 0.1];
+        largest[8] = [0.4, 0.3];
+        let spread = spread(&largest);
+        for (part, found) in spread.iter().enumerate() {
+            let expected = match part {
+                2..=4 => [0.25 + LEAST, 0.125 + LEAST],
+                8 | 9 => [0.5 + LEAST, 0.375 + LEAST],
+                _ => [LEAST; 2],
+            };
+            let off = (0..2).map(|side| (found[side] - expected[side]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-12, "{part}: {found:?}");
+        }
+    }
+}

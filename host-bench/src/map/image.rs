@@ -1,0 +1,347 @@
+//! The words of a map.
+
+use model_core::energy::ResponseMap;
+use model_core::energy::response_map::{
+    BOUNDS, CURRENT, DENSITY_OCTAVES, HEAD, LEVELS_PER_OCTAVE, LOWER, MAGIC, NEAR, POWER_OCTAVES, Spacing,
+    TAIL, UPPER, VERSION, level, row, row_distance, seal,
+};
+
+use super::agreement::Agreement;
+use super::axes::{Axes, amplitude_of};
+use super::column::{Column, along};
+use crate::method::Failure;
+
+/// Rows of each of two branches: two in an octave.
+const ROWS: u32 = 12;
+
+/// The largest amplitude in m/s² up to which the lower branch of a column is within a tenth of the square law.
+fn straight(column: &Column, over_square: f64) -> f64 {
+    let bends = |&&(level, value): &&(f64, f64)| {
+        (value / (over_square * amplitude_of(level).powi(2)) - 1.0).abs() > 0.1
+    };
+    let end = column.lower.iter().find(bends).map_or(column.rising, |&(level, _)| level);
+    amplitude_of(end)
+}
+
+/// Largest deviation in octaves of the lower branch from the square of the amplitude, over an octave.
+const LINEAR: f64 = 0.1;
+
+/// What broadband shaking yields on the lower branch.
+pub(super) struct Broadband {
+    /// Mean power in W, or charge per second in A, over the density in (m/s²)²/Hz.
+    pub(super) factor: f64,
+    /// Largest density in (m/s²)²/Hz.
+    pub(super) largest: f64,
+}
+
+/// The words of a map, and the fingerprint of its scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    pub words: Vec<u16>,
+    pub fingerprint: u32,
+}
+
+/// Parts of a branch that have bounds of their own: those of the columns near the boundary, then the others. Each has the
+/// parts by which the true value may be lower and higher, in octaves.
+pub(super) type Bounds = [[f64; 2]; BOUNDS];
+
+/// What is measured for a slice: bounds of the lower and of the upper branch.
+pub(super) type SliceBounds = [Bounds; 2];
+
+/// All that is in an image.
+pub(super) struct Content<'a> {
+    pub(super) axes: &'a Axes,
+    pub(super) fingerprint: u32,
+    /// Voltage of each slice in V; one of 0 with a resistor.
+    pub(super) voltages: &'a [f64],
+    pub(super) is_current: bool,
+    pub(super) slices: &'a [Vec<Column>],
+    /// Margin beside a boundary, in levels.
+    pub(super) margin: f64,
+    pub(super) bounds: &'a [SliceBounds],
+}
+
+/// The boundaries of a slice in levels, and where each branch is.
+pub(super) struct Curves {
+    pub(super) rising: Vec<f64>,
+    pub(super) falling: Vec<f64>,
+}
+
+impl Content<'_> {
+    /// Whether any column has an upper motion within the map.
+    pub(super) fn has_upper(&self) -> bool {
+        let highest = f64::from(self.axes.levels[1]);
+        self.slices.iter().flatten().any(|column| {
+            !column.upper.is_empty() && column.falling.min(column.rising) <= highest + self.margin
+        })
+    }
+
+    fn has_lower(&self) -> bool {
+        self.slices.iter().flatten().any(|column| column.lower.iter().any(|(_, value)| *value > 0.0))
+    }
+
+    /// The boundaries of a slice; of a map with one branch the highest level.
+    pub(super) fn curves(&self, slice: usize) -> Curves {
+        let highest = f64::from(self.axes.levels[1]);
+        let of = |get: fn(&Column) -> f64| -> Vec<f64> {
+            let clip = |level: f64| level.round().clamp(0.0, 65535.0);
+            let column = |column: &Column| if self.has_upper() { clip(get(column)) } else { highest };
+            self.slices[slice].iter().map(column).collect()
+        };
+        Curves { rising: of(|column| column.rising), falling: of(|column| column.falling) }
+    }
+
+    /// Binary logarithm of the number of rows in an octave: of a single branch there are twice as many.
+    fn row_bits(&self) -> u32 {
+        if self.has_lower() && self.has_upper() { 1 } else { 2 }
+    }
+
+    /// Rows of a branch.
+    fn rows(&self) -> u32 {
+        ROWS << (self.row_bits() - 1)
+    }
+
+    /// Spacing of the rows of the lower (0) or the upper (1) branch: the closest that reach over the map.
+    pub(super) fn spacing(&self, branch: usize) -> Spacing {
+        let [lowest, highest] = self.axes.levels.map(f64::from);
+        let farthest = (0..self.slices.len())
+            .map(|slice| {
+                let curves = self.curves(slice);
+                let distances: Vec<f64> = match branch {
+                    0 => curves
+                        .rising
+                        .iter()
+                        .map(|rising| rising.min(highest + BEYOND_ROWS) - lowest)
+                        .collect(),
+                    _ => curves.falling.iter().map(|falling| highest - falling).collect(),
+                };
+                distances.into_iter().fold(0.0, f64::max)
+            })
+            .fold(0.0, f64::max);
+        let bits = self.row_bits();
+        let reaches = |shift: &u32| {
+            f64::from(row_distance(self.rows() - 1, Spacing { shift: *shift, bits })) >= farthest
+        };
+        Spacing { shift: (4..=12).find(reaches).unwrap_or(12), bits }
+    }
+
+    /// Binary logarithms of the values of a branch: for each column its rows.
+    fn values(&self, slice: usize, branch: usize) -> Vec<Vec<f64>> {
+        let curves = self.curves(slice);
+        let spacing = self.spacing(branch);
+        let columns = &self.slices[slice];
+        let own: Vec<Option<Vec<f64>>> = columns
+            .iter()
+            .enumerate()
+            .map(|(index, column)| {
+                let distance = |row: u32| f64::from(row_distance(row, spacing));
+                (0..self.rows())
+                    .map(|row| match branch {
+                        0 => along(&column.lower, curves.rising[index] - distance(row)),
+                        _ => along(&column.upper, curves.falling[index] + distance(row)),
+                    })
+                    .collect()
+            })
+            .collect();
+        // A column without this motion has the values of the nearest one with it: it is asked only beside that one.
+        (0..columns.len())
+            .map(|index| {
+                let nearest = (0..columns.len())
+                    .filter(|&other| own[other].is_some())
+                    .min_by_key(|&other| other.abs_diff(index));
+                nearest
+                    .and_then(|other| own[other].clone())
+                    .unwrap_or_else(|| vec![0.0; self.rows() as usize])
+            })
+            .collect()
+    }
+
+    /// The image.
+    pub(super) fn image(&self) -> Result<Image, Failure> {
+        let branches: Vec<usize> = [self.has_lower(), self.has_upper()]
+            .iter()
+            .enumerate()
+            .filter_map(|(index, has)| has.then_some(index))
+            .collect();
+        let values: Vec<Vec<Vec<Vec<f64>>>> = (0..self.slices.len())
+            .map(|slice| branches.iter().map(|&branch| self.values(slice, branch)).collect())
+            .collect();
+        let all = values.iter().flatten().flatten().flatten().copied();
+        let (least, most) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), v| (l.min(v), m.max(v)));
+        if !(least.is_finite() && most.is_finite()) {
+            return Err(Failure::Step("no steady motion of this map yields anything".to_owned()));
+        }
+        // The largest value is below the end of the range; 32 octaves below it values are those of the lowest level.
+        let octaves = most.floor() - 30.0;
+        let encode = |value: f64| {
+            ((value - octaves) * f64::from(LEVELS_PER_OCTAVE)).round().clamp(0.0, 65535.0) as u16
+        };
+        let mut words = self.head(&branches, octaves);
+        for &voltage in self.voltages {
+            words.push(level(voltage as f32).and_then(|level| u16::try_from(level).ok()).unwrap_or(0));
+        }
+        for (slice, of_slice) in values.iter().enumerate() {
+            let curves = self.curves(slice);
+            words.extend(curves.rising.iter().map(|&level| level as u16));
+            if branches.contains(&1) {
+                words.extend(curves.falling.iter().map(|&level| level as u16));
+            }
+            for (&branch, of_branch) in branches.iter().zip(of_slice) {
+                words.extend(of_branch.iter().flatten().map(|&value| encode(value)));
+                words.extend(self.bounds[slice][branch].map(packed));
+            }
+        }
+        words.extend([0; TAIL]);
+        seal(&mut words);
+        let image = Image { words, fingerprint: self.fingerprint };
+        image.map()?;
+        Ok(image)
+    }
+
+    fn head(&self, branches: &[usize], octaves: f64) -> Vec<u16> {
+        let axes = self.axes;
+        let [factor, density] = self.broadband();
+        let spaced = |branch: usize| {
+            let Spacing { shift, bits } = self.spacing(branch);
+            shift as u16 | (bits as u16) << 8
+        };
+        let flags =
+            [(self.is_current, CURRENT), (branches.contains(&0), LOWER), (branches.contains(&1), UPPER)];
+        let flags = flags.iter().filter(|(is, _)| *is).fold(0, |flags, (_, flag)| flags | flag);
+        let signed = |number: i32| (number as i16).cast_unsigned();
+        let head: [u16; HEAD] = [
+            MAGIC,
+            VERSION,
+            0,
+            self.fingerprint as u16,
+            (self.fingerprint >> 16) as u16,
+            flags,
+            axes.bits as u16 | ((self.rows() as u16) << 8),
+            self.slices.len() as u16,
+            axes.resonance as u16,
+            (axes.resonance >> 16) as u16,
+            signed(axes.shift),
+            axes.slope as u16,
+            signed(axes.first),
+            axes.span as u16,
+            axes.factor as u16,
+            axes.factor_shift as u16,
+            spaced(0),
+            spaced(1),
+            axes.levels[0] as u16,
+            axes.levels[1] as u16,
+            self.margin.ceil() as u16,
+            signed(octaves as i32),
+            0,
+            0,
+            0,
+            0,
+            factor,
+            density,
+        ];
+        head.to_vec()
+    }
+
+    /// Levels of the power over the density of broadband shaking and of the largest density, by the first slice; zeros where
+    /// the lower branch at the lowest amplitude is not linear.
+    fn broadband(&self) -> [u16; 2] {
+        let Some(Broadband { factor, largest }) = self.linear() else { return [0; 2] };
+        let word = |number: f64, octaves: i32| {
+            let level = (number.log2() + f64::from(octaves)) * f64::from(LEVELS_PER_OCTAVE);
+            level.round().clamp(0.0, 65535.0) as u16
+        };
+        [word(factor, POWER_OCTAVES), word(largest, DENSITY_OCTAVES)]
+    }
+
+    /// The yield over the density, `2 ∫ h df`, and the largest density; `None` unless every column's lower branch is as the
+    /// square of the amplitude at its lowest amplitudes.
+    pub(super) fn linear(&self) -> Option<Broadband> {
+        let columns = self.slices.first()?;
+        let octave = f64::from(LEVELS_PER_OCTAVE);
+        let mut over_square = Vec::new();
+        for column in columns {
+            let (start, _) = *column.lower.first()?;
+            // A boundary this near leaves no room for a slope.
+            if column.rising < start + octave {
+                return None;
+            }
+            let [low, high] = [start, start + octave].map(|level| along(&column.lower, level));
+            let (low, high) = (low?, high?);
+            if (high - low - 2.0).abs() > LINEAR {
+                return None;
+            }
+            over_square.push(low.exp2() / amplitude_of(start).powi(2));
+        }
+        let frequencies = &self.axes.frequencies;
+        let centre = self.axes.centre_hz;
+        let mut integral = 0.0;
+        for (pair, value) in frequencies.windows(2).zip(over_square.windows(2)) {
+            let (ratio, width) = ((value[1] / value[0]).ln(), pair[1] - pair[0]);
+            // The integral of an exponential through both values.
+            let mean = if ratio.abs() < 1e-6 { value[0] } else { (value[1] - value[0]) / ratio };
+            integral += mean * width;
+        }
+        for (edge, value) in
+            [(frequencies.first()?, over_square.first()?), (frequencies.last()?, over_square.last()?)]
+        {
+            integral += (edge - centre).abs() * value;
+        }
+        let (below, _) = self.axes.column(centre);
+        let [linear, rising] = [below, below + 1]
+            .map(|index| (straight(&columns[index], over_square[index]), amplitude_of(columns[index].rising)))
+            .into_iter()
+            .fold([f64::INFINITY; 2], |[a, b], (linear, rising)| [a.min(linear), b.min(rising)]);
+        let pi_bandwidth = std::f64::consts::PI * self.axes.half_bandwidth_hz;
+        let largest = (rising * rising / (9.0 * pi_bandwidth)).min(linear * linear / (2.0 * pi_bandwidth));
+        Some(Broadband { factor: 2.0 * integral, largest })
+    }
+
+    /// The part of a branch that a place is in, by its frequency and amplitude.
+    pub(super) fn part(&self, slice: usize, branch: usize, frequency_hz: f64, amplitude: f64) -> usize {
+        let (below, place) = self.axes.column(frequency_hz);
+        let curves = self.curves(slice);
+        let curve = if branch == 0 { &curves.rising } else { &curves.falling };
+        let boundary = curve[below] + (curve[below + 1] - curve[below]) * place;
+        let at = f64::from(level(amplitude as f32).unwrap_or(0));
+        let distance = if branch == 0 { boundary - at } else { at - boundary };
+        let spacing = self.spacing(branch);
+        let (row, _) = row(distance.max(0.0) as u32, spacing);
+        (below >> (self.axes.bits - 3)) + if row < NEAR << (spacing.bits - 1) { 0 } else { BOUNDS / 2 }
+    }
+}
+
+/// How far above the map the rows of the lower branch reach from, at most: the boundary is not sought farther.
+const BEYOND_ROWS: f64 = super::column::BEYOND;
+
+/// The word of a pair of bounds in octaves: rounded up, at most two octaves.
+fn packed([lower, higher]: [f64; 2]) -> u16 {
+    let byte = |octaves: f64| (octaves * 128.0).ceil().clamp(0.0, 255.0) as u16;
+    byte(lower) | (byte(higher) << 8)
+}
+
+impl Image {
+    /// The map as a node has it.
+    pub fn map(&self) -> Result<ResponseMap<&[u16]>, Failure> {
+        ResponseMap::new(&self.words[..], self.fingerprint)
+            .map_err(|error| Failure::Step(format!("the map cannot be written: {error}")))
+    }
+
+    /// Writes what was measured into the image.
+    pub(super) fn state(&mut self, agreement: &Agreement) {
+        let part = |value: f64| (value * 1e4).round().clamp(0.0, 65535.0) as u16;
+        let numbers = [
+            agreement.places.min(65535) as u16,
+            part(agreement.median),
+            part(agreement.percentile_90),
+            part(agreement.bounds_hold),
+        ];
+        self.words[22..26].copy_from_slice(&numbers);
+        seal(&mut self.words);
+    }
+
+    /// Size in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        2 * self.words.len()
+    }
+}

@@ -1,0 +1,106 @@
+//! A whole map of a linear harvester against its closed form, and what is refused.
+
+use super::*;
+use crate::closed_form::estimate;
+use crate::method::Precision;
+use crate::scene_file::{Excitation, Override, Tone, read, shipped};
+use model_core::energy::Response;
+
+fn scene(name: &str, changes: &[(&str, &str)]) -> Scene {
+    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
+    read(&shipped(name), &overrides).expect("a shipped scene")
+}
+
+fn request(amplitudes: [f64; 2], frequencies: [f64; 2]) -> Request {
+    Request { amplitudes, frequencies, voltages: Vec::new(), error: 0.5, places: 30, seed: 1 }
+}
+
+/// Power of the closed form in W at amplitude and frequency in m/s² and Hz.
+fn closed_form(scene: &Scene, amplitude_m_per_s2: f64, frequency_hz: f64) -> f64 {
+    let tone = Tone { amplitude_m_per_s2, frequency_hz, phase_rad: 0.0 };
+    let scene = Scene { excitation: Excitation::Sine(tone), ..scene.clone() };
+    estimate(&scene, Precision::F64).expect("a closed form").mean_power_w
+}
+
+#[test]
+fn axes_place_columns_over_the_whole_range_and_find_them_again() {
+    let scene = scene("contact-separation", &[]);
+    for range in [[17.0, 23.0], [20.0, 20.3], [20.5, 26.0], [5.0, 60.0]] {
+        let axes = Axes::new(&scene, &request([0.1, 4.0], range), 5).expect("in bounds");
+        assert_eq!(axes.frequencies.len(), 33);
+        for (end, found) in range.into_iter().zip([axes.frequencies[0], axes.frequencies[32]]) {
+            // A unit of the detuning, far from the resonance.
+            assert!((found - end).abs() < 0.02 * axes.half_bandwidth_hz, "{end} {found}");
+        }
+        for (index, &frequency) in axes.frequencies.iter().enumerate() {
+            let (below, part) = axes.column(frequency);
+            assert!((below as f64 + part - index as f64).abs() < 0.03, "{index} {below} {part}");
+        }
+    }
+    // 20.13 Hz, softened by the charge, and the damping ratio of 0.005.
+    let axes = Axes::new(&scene, &request([0.1, 4.0], [17.0, 23.0]), 5).expect("in bounds");
+    assert!((axes.centre_hz - 20.13).abs() < 1.0, "{}", axes.centre_hz);
+    assert!((0.08..0.3).contains(&axes.half_bandwidth_hz), "{}", axes.half_bandwidth_hz);
+}
+
+#[test]
+fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
+    let changes = [("parameters.beam_modes", "2")];
+    let scene = scene("bump-stop-none", &changes);
+    let options = Options { step_s: Some(1e-4), long_step_s: Some(1e-4), ..Options::default() };
+    let request = request([1.0, 2.0], [225.0, 255.0]);
+    let axes = Axes::new(&scene, &request, 3).expect("in bounds");
+    let columns: Vec<Column> = axes
+        .frequencies
+        .iter()
+        .map(|&frequency| {
+            with_held(&scene, frequency, &options, |held| column::column(held, frequency, request.amplitudes))
+                .expect("a steady motion")
+        })
+        .collect();
+    let unbounded: Vec<SliceBounds> = vec![Default::default()];
+    let content = Content {
+        axes: &axes,
+        fingerprint: 7,
+        voltages: &[0.0],
+        is_current: false,
+        slices: &[columns],
+        margin: 30.0,
+        bounds: &unbounded,
+    };
+    let image = content.image().expect("an image");
+    let map = image.map().expect("a map");
+    for (index, &frequency) in axes.frequencies.iter().enumerate() {
+        for amplitude in [1.0, 1.3, 2.0] {
+            let exact = closed_form(&scene, amplitude, frequency);
+            // The ends are within a unit of the frequency.
+            let inner = frequency
+                + if index == 0 {
+                    0.01
+                } else if index == 8 {
+                    -0.01
+                } else {
+                    0.0
+                };
+            let Response::One { income, .. } = map.at(amplitude as f32, inner as f32) else {
+                panic!("{frequency} is inside")
+            };
+            let error = f64::from(income.value) / exact - 1.0;
+            assert!(error.abs() < 6e-3, "{frequency} {amplitude}: {error}");
+        }
+    }
+    assert!(matches!(map.at(0.9, 240.0), Response::Outside(_)));
+}
+
+#[test]
+fn a_map_needs_power_or_a_voltage() {
+    let amplitudes = request([0.1, 4.0], [17.0, 23.0]);
+    let refused = |scene: &Scene, request: &Request| scenes(scene, request).is_err();
+    for load in ["0", "inf"] {
+        assert!(refused(&scene("contact-separation", &[("load.resistance_ohm", load)]), &amplitudes));
+    }
+    assert!(refused(&scene("rectified", &[]), &amplitudes));
+    let voltages = Request { voltages: vec![2.0, 3.0], ..amplitudes };
+    assert!(refused(&scene("contact-separation", &[]), &voltages));
+    assert_eq!(scenes(&scene("rectified", &[]), &voltages).expect("a bridge").len(), 2);
+}

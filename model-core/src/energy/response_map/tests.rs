@@ -1,0 +1,272 @@
+//! Maps with known values: what is stored is read, between nodes by the stated rule, outside not at all.
+
+use super::*;
+
+const FINGERPRINT: u32 = 0x1234_5678;
+const COLUMNS: u32 = 9;
+const ROWS: u32 = 4;
+const SPACING: Spacing = Spacing { shift: 10, bits: 1 };
+
+/// What a test map has.
+#[derive(Clone, Copy)]
+struct Plan {
+    flags: u16,
+    /// Levels of the rising and the falling boundary, at every column.
+    boundaries: [u16; 2],
+    voltages: &'static [u16],
+    /// Level of the value on a branch (0 lower, 1 upper) of a slice, at a column and a row.
+    value: fn(usize, u32, u32, u32) -> u16,
+}
+
+/// Boundaries at 1 and 2 m/s², levels of values shifted by −20 octaves.
+const BOTH: Plan = Plan {
+    flags: LOWER | UPPER,
+    boundaries: [17 * 2048, 16 * 2048],
+    voltages: &[0],
+    value: |_, branch, column, row| (1000 + 20_000 * branch + 100 * column + 10 * row) as u16,
+};
+
+/// Resonance at 20 Hz, half-bandwidth 0.1 Hz, from −8 to 8 in 2¹² of the detuning; amplitudes from 1/4 to 8 m/s².
+fn built(plan: &Plan) -> Vec<u16> {
+    let slice = |index: usize| {
+        let mut words = Vec::new();
+        let curves = if plan.flags & UPPER == 0 { 1 } else { 2 };
+        for boundary in &plan.boundaries[..curves] {
+            words.extend([*boundary; COLUMNS as usize]);
+        }
+        for (branch, flag) in [LOWER, UPPER].into_iter().enumerate() {
+            if plan.flags & flag != 0 {
+                for column in 0..COLUMNS {
+                    words.extend((0..ROWS).map(|row| (plan.value)(index, branch as u32, column, row)));
+                }
+                // A quarter octave lower, half an octave higher; far rows twice that.
+                words.extend([64 << 8 | 32; BOUNDS / 2]);
+                words.extend([128 << 8 | 64; BOUNDS / 2]);
+            }
+        }
+        words
+    };
+    let half_bandwidth = 0.1_f64 * f64::from(1 << 15);
+    let span = 2 * 8 * 1024_u16;
+    let mut words = vec![
+        MAGIC,
+        VERSION,
+        0,
+        FINGERPRINT as u16,
+        (FINGERPRINT >> 16) as u16,
+        plan.flags,
+        3 | (ROWS as u16) << 8,
+        plan.voltages.len() as u16,
+        (20 << 15 & 0xffff) as u16,
+        (20 << 15 >> 16) as u16,
+        15,
+        (f64::from(1 << 24) / half_bandwidth).round() as u16,
+        (-8 * 1024_i16).cast_unsigned(),
+        span,
+        1 << 13,
+        14,
+        1 << 8 | 10,
+        1 << 8 | 10,
+        14 * 2048,
+        19 * 2048,
+        40,
+        (-20_i16).cast_unsigned(),
+        300,
+        123,
+        456,
+        9700,
+        (20 * 2048) as u16,
+        (24 * 2048) as u16,
+    ];
+    words.extend(plan.voltages);
+    for index in 0..plan.voltages.len() {
+        words.extend(slice(index));
+    }
+    words.extend([0; TAIL]);
+    seal(&mut words);
+    words
+}
+
+fn one(response: Response) -> (Branch, Bounded) {
+    match response {
+        Response::One { branch, income } => (branch, income),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_stored_node_is_read_from_words_and_from_bytes() {
+    let words = built(&BOTH);
+    let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    let of_bytes = ResponseMap::new(&bytes[..], FINGERPRINT).expect("valid");
+    // The resonance is column 4. The last row, 3, is an octave above the falling boundary of 1 m/s².
+    assert_eq!(row_distance(3, SPACING), 2048);
+    let (branch, income) = one(map.at(4.0, 20.0));
+    assert_eq!(branch, Branch::Upper);
+    let expected = number(21_000 + 400 + 30 - 20 * 2048);
+    assert_eq!(income.value, expected);
+    assert_eq!(of_bytes.at(4.0, 20.0), map.at(4.0, 20.0));
+    // The lower branch, 1.15 octaves below the rising boundary of 2 m/s².
+    let level_of = level(0.9).expect("positive");
+    let (_, income) = one(map.at(0.9, 20.0));
+    let distance = (17 * 2048 - level_of) as u32;
+    let (row, above) = super::row(distance, SPACING);
+    let exact = if row == 2 { 1420.0 + 10.0 * f64::from(above) / 1024.0 } else { 1430.0 };
+    let found = f64::from(income.value).log2() * 2048.0 + 20.0 * 2048.0;
+    assert!((found - exact).abs() < 1.5, "{found} {exact}");
+}
+
+#[test]
+fn bounds_are_those_of_their_part() {
+    let words = built(&BOTH);
+    let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+    let (_, income) = one(map.at(0.9, 20.0));
+    let octaves = |part: f32| f64::from(part).log2();
+    assert!((octaves(income.low / income.value) + 0.25).abs() < 1e-3, "{income:?}");
+    assert!((octaves(income.high / income.value) - 0.5).abs() < 1e-3, "{income:?}");
+}
+
+#[test]
+fn between_the_boundaries_both_branches_are_told_and_the_lower_counts() {
+    let words = built(&BOTH);
+    let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+    for amplitude in [1.0_f32, 1.5, 2.0] {
+        let response = map.at(amplitude, 20.05);
+        let Response::Two { lower, upper } = response else { panic!("{response:?}") };
+        assert!(upper.low > lower.high);
+        let income = response.income().expect("inside");
+        assert_eq!((income.value, income.low, income.high), (lower.value, lower.low, upper.high));
+    }
+    // The margin is 40 levels, 1.4 %.
+    assert!(matches!(map.at(2.04, 20.05), Response::One { branch: Branch::Upper, .. }));
+    assert!(matches!(map.at(0.98, 20.05), Response::One { branch: Branch::Lower, .. }));
+}
+
+#[test]
+fn beyond_an_edge_there_is_no_value() {
+    let words = built(&BOTH);
+    let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+    let outside = |amplitude, frequency| match map.at(amplitude, frequency) {
+        Response::Outside(outside) => outside,
+        inside => panic!("{amplitude} {frequency}: {inside:?}"),
+    };
+    // sinh 2 half-bandwidths on both sides.
+    let reach = 2.0_f32.sinh() * 0.1;
+    assert!(map.at(1.0, 20.0 + 0.999 * reach).income().is_some());
+    assert_eq!(outside(1.0, 20.0 + 1.004 * reach), Outside::FrequencyAbove);
+    assert_eq!(outside(1.0, 20.0 - 1.004 * reach), Outside::FrequencyBelow);
+    assert_eq!(outside(1.0, 1e-9), Outside::FrequencyBelow);
+    assert_eq!(outside(1.0, 8000.0), Outside::FrequencyAbove);
+    assert_eq!(outside(0.2499, 20.0), Outside::AmplitudeBelow);
+    assert_eq!(outside(0.0, 20.0), Outside::AmplitudeBelow);
+    assert_eq!(outside(8.01, 20.0), Outside::AmplitudeAbove);
+    for bad in [f32::NAN, f32::INFINITY, -1.0] {
+        assert_eq!(outside(bad, 20.0), Outside::NoNumber);
+        assert_eq!(outside(1.0, bad), Outside::NoNumber);
+    }
+    assert_eq!(outside(1.0, 0.0), Outside::NoNumber);
+}
+
+#[test]
+fn a_map_with_one_branch_has_no_other_and_one_without_a_lower_branch_yields_nothing_there() {
+    let single = Plan { flags: LOWER, boundaries: [19 * 2048; 2], ..BOTH };
+    let words = built(&single);
+    let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+    assert_eq!(one(map.at(7.9, 20.0)).0, Branch::Lower);
+    let stuck = Plan { flags: UPPER, ..BOTH };
+    let words = built(&stuck);
+    let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+    assert_eq!(one(map.at(0.5, 20.0)), (Branch::Lower, Bounded::default()));
+    let Response::Two { lower, upper } = map.at(1.5, 20.0) else { panic!("two motions") };
+    assert_eq!(lower, Bounded::default());
+    assert!(upper.value > 0.0);
+}
+
+#[test]
+fn between_two_voltages_the_bounds_of_both_hold() {
+    let plan = Plan {
+        flags: LOWER | UPPER | CURRENT,
+        voltages: &[17 * 2048, 18 * 2048],
+        value: |slice, branch, column, row| {
+            (1000 + 500 * slice as u32 + 20_000 * branch + 100 * column + 10 * row) as u16
+        },
+        ..BOTH
+    };
+    let words = built(&plan);
+    let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+    assert!(map.is_current());
+    assert_eq!((map.slices(), map.voltage(0), map.voltage(1)), (2, 2.0, 4.0));
+    let [low, high] = [2.0, 4.0].map(|voltage| one(map.at_voltage(4.0, 20.0, voltage)).1);
+    let (_, middle) = one(map.at_voltage(4.0, 20.0, 3.0));
+    assert_eq!((middle.low, middle.high, middle.value), (low.low, high.high, high.value));
+    for beyond in [1.99, 4.01] {
+        assert_eq!(map.at_voltage(4.0, 20.0, beyond), Response::Outside(Outside::Voltage));
+    }
+    assert_eq!(map.at_voltage(4.0, 20.0, f32::NAN), Response::Outside(Outside::NoNumber));
+}
+
+#[test]
+fn maps_of_another_harvester_and_damaged_ones_are_refused() {
+    let words = built(&BOTH);
+    assert_eq!(ResponseMap::new(&words[..], 1).err(), Some(MapError::ForeignHarvester { of: FINGERPRINT }));
+    let last = words.len() - 1;
+    for index in 0..words.len() {
+        for bit in [0, 7, 15] {
+            let mut flipped = words.clone();
+            flipped[index] ^= 1 << bit;
+            assert!(ResponseMap::new(&flipped[..], FINGERPRINT).is_err(), "{index}");
+        }
+    }
+    assert!(matches!(ResponseMap::new(&words[..last], FINGERPRINT), Err(MapError::TooShort { .. })));
+    assert_eq!(ResponseMap::new(&[0_u16; 4][..], FINGERPRINT).err(), Some(MapError::NotAMap));
+    let bytes: &[u8] = &[];
+    assert_eq!(ResponseMap::new(bytes, FINGERPRINT).err(), Some(MapError::NotAMap));
+}
+
+#[test]
+fn any_words_with_a_valid_checksum_are_refused_or_answer_without_panic() {
+    // A linear congruential generator: the words need no quality.
+    let mut seed = 1_u32;
+    let mut random = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        seed >> 16
+    };
+    let mut accepted = 0;
+    for _ in 0..20_000 {
+        let mut words = built(&BOTH);
+        for _ in 0..1 + random() % 3 {
+            let index = 5 + random() as usize % (words.len() - 5 - TAIL);
+            words[index] = random() as u16;
+        }
+        seal(&mut words);
+        if let Ok(map) = ResponseMap::new(&words[..], FINGERPRINT) {
+            accepted += 1;
+            for _ in 0..8 {
+                let amplitude = f32::from_bits(random() << 16 | random());
+                let frequency = f32::from_bits(random() << 16 | random());
+                for place in [(amplitude, frequency), (1.0, 20.0), (7.0, 19.8), (amplitude, 20.0)] {
+                    if let Some(income) = map.at(place.0, place.1).income() {
+                        assert!(income.low <= income.high, "{income:?}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(accepted > 1000, "{accepted}");
+}
+
+#[test]
+fn broadband_shaking_yields_in_proportion_to_its_density_and_is_flagged_above_the_largest() {
+    let words = built(&BOTH);
+    let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+    // The factor is 2^−20, the largest density 1.
+    for density in [1e-3_f32, 0.1, 0.9] {
+        let found = map.broadband(density).expect("linear");
+        assert!((found.value * f32::from_bits((127 + 20) << 23) / density - 1.0).abs() < 2e-3, "{found:?}");
+        assert!(found.is_linear);
+    }
+    assert!(map.broadband(1.1).is_some_and(|found| !found.is_linear));
+    assert_eq!(map.broadband(0.0), Some(Broadband { value: 0.0, is_linear: true }));
+    assert_eq!(map.broadband(f32::NAN), None);
+}

@@ -1,0 +1,376 @@
+//! The strongest line near a resonance, and the spectral density there, from 16-bit samples in integers: a bank of
+//! Goertzel's bins for the price of one.
+//!
+//! A bin of Goertzel's recursion takes a multiplication and two additions a sample, so a bank over the resonance takes as
+//! many times that as it has bins. Here the samples are first multiplied with *one* reference at a frequency beside the
+//! resonance and summed over sections of `m` samples, in 32 bits. The reference has a whole number `k` of periods in a
+//! section, so it needs a table of `m` entries, and gravity, its harmonics and those of the section's rate vanish exactly
+//! but for rounding. Then each bin is a sum over the `P` sections of a block,
+//!
+//! ```text
+//! X_b = Σ_p z_p e^(−2πi b p/P),   z_p = Σ_n x_n e^(−2πi k n/m),   f_b = (k + b/P) r/m,
+//! ```
+//!
+//! with `r` the rate of the samples: exact up to the attenuation of the sections, `sinc(b/P)`, which is divided out. A Hann
+//! window, `Y_b = X_b − (X_(b−1) + X_(b+1))/2`, keeps lines apart that are two bins or more from each other. The place of a
+//! line between two bins follows from the ratio of the two (M. Jain and others, IEEE Trans. Instrum. Meas. 28, 1979, with
+//! the window's ratio (2 r − 1)/(r + 1)).
+//!
+//! A line at a distance of `d` section rates from the reference, beyond the bins, appears at the fraction of `d`, attenuated
+//! to `sinc(d)`: by at least 13 dB, and by 30 dB or more where it falls within a tenth of a section rate of the reference.
+
+#[cfg(test)]
+mod tests;
+
+use super::ExcitationError;
+use crate::scalar::{Mathematics, Polynomial, Scalar};
+use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
+
+/// Unit of the reference: sums of 128 samples of 16 bits fit in 32 bits.
+const REFERENCE: f32 = 256.0;
+/// Unit of the rotation of the bins.
+const ROTATION: f32 = 2048.0;
+/// Bits that a normalised section has at most.
+const SECTION_BITS: u32 = 13;
+/// Most samples in a section.
+const MOST_SAMPLES: usize = 128;
+/// Most sections in a block.
+const MOST_SECTIONS: usize = 32;
+/// Most bins, and one.
+const MOST_BINS: usize = MOST_SECTIONS / 2 + 2;
+/// Bins to each side of a line that its lobe reaches.
+const LOBE: u32 = 2;
+/// Equivalent noise bandwidth of a Hann window, in bins.
+const NOISE_BINS: f32 = 1.5;
+
+/// What a block says about the band of the resonance.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Lines {
+    /// Amplitude of the strongest line in m/s²; 0 without one.
+    pub amplitude: f32,
+    /// Its frequency in Hz.
+    pub frequency: f32,
+    /// Part of the band's power that is in this line, 0 to 1.
+    pub purity: f32,
+    /// One-sided spectral density of the acceleration near the resonance, all lines included, in (m/s²)²/Hz: the mean over
+    /// the bins within a half-bandwidth and one bin of the resonance. Of noise it scatters by a half in a block; average
+    /// over blocks.
+    pub density: f32,
+    /// The same without the bins of the strongest line: what else the resonance hears; 0 if the line has all of them.
+    pub rest: f32,
+}
+
+/// A bank of bins beside a resonance, for sections of at most `M` samples and blocks of `P` sections.
+///
+/// `P` is a power of two from 8 to 32; the bins reach a quarter of a section's rate to both sides of the reference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LineBank<const M: usize, const P: usize> {
+    /// Cosine and minus sine of the reference, as words: both are loaded at once.
+    reference: [[i32; 2]; M],
+    /// Cosine and minus sine of `p/P` turns.
+    rotation: [[i16; 2]; P],
+    samples: usize,
+    /// Frequency of the reference in Hz.
+    reference_hz: f32,
+    /// Distance of two bins in Hz.
+    bin_hz: f32,
+    /// Bins of the density, from the reference: the lowest and the highest.
+    near: [i32; 2],
+    /// m/s² of one count.
+    unit: f32,
+}
+
+/// The sums of a [`LineBank`] between two samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LineBankState<const P: usize> {
+    /// Samples of this section so far.
+    place: u32,
+    /// Whole sections of this block.
+    count: u32,
+    section: [i32; 2],
+    sections: [[i32; 2]; P],
+}
+
+impl<const P: usize> Default for LineBankState<P> {
+    fn default() -> Self {
+        Self { place: 0, count: 0, section: [0; 2], sections: [[0; 2]; P] }
+    }
+}
+
+impl<const M: usize, const P: usize> LineBank<M, P> {
+    /// Bins to each side of the reference.
+    const REACH: i32 = P as i32 / 4;
+
+    /// A bank for `rate` samples per second of `unit` m/s² a count, beside a resonance at `frequency` in Hz of a half-bandwidth
+    /// in Hz.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Frequency`]: the rate is not from 1 to 10⁵, or the resonance not from two section rates to 0.45 of
+    /// the rate, or the half-bandwidth not positive and within the bins. [`ExcitationError::TooFewSamples`]: a block is
+    /// shorter than the harvester's memory, `Q/(π f) = 1/(2π · half-bandwidth)`, or `M` is not from 16 to 128.
+    /// [`ExcitationError::Amplitude`]: the unit is not positive.
+    pub fn new(rate: f32, frequency: f32, half_bandwidth: f32, unit: f32) -> Result<Self, ExcitationError> {
+        const { assert!(P.is_power_of_two() && P >= 8 && P <= MOST_SECTIONS, "8, 16 or 32 sections") };
+        if !(16..=MOST_SAMPLES).contains(&M) {
+            return Err(ExcitationError::TooFewSamples);
+        }
+        if !(unit > 0.0 && unit.is_finite()) {
+            return Err(ExcitationError::Amplitude);
+        }
+        let in_bounds = (1.0..=1e5).contains(&rate) && frequency > 0.0 && frequency <= 0.45 * rate;
+        if !(in_bounds && half_bandwidth > 0.0) {
+            return Err(ExcitationError::Frequency);
+        }
+        let (samples, cycles) = Self::section(rate, frequency).ok_or(ExcitationError::Frequency)?;
+        let section_rate = rate / real(samples);
+        let reference_hz = section_rate * real(cycles);
+        let bin_hz = section_rate / real(P);
+        let low = (frequency - half_bandwidth - reference_hz) / bin_hz - 1.0;
+        let high = (frequency + half_bandwidth - reference_hz) / bin_hz + 1.0;
+        let reach = f32::from_i32(Self::REACH) + 1.0;
+        if !(low > -reach && high < reach) {
+            return Err(ExcitationError::Frequency);
+        }
+        // A block lasts 1/bin_hz.
+        if bin_hz > core::f32::consts::TAU * half_bandwidth {
+            return Err(ExcitationError::TooFewSamples);
+        }
+        let mut bank = Self {
+            reference: [[0; 2]; M],
+            rotation: [[0; 2]; P],
+            samples,
+            reference_hz,
+            bin_hz,
+            near: [floor(low) + 1, floor(high)],
+            unit,
+        };
+        for (n, entry) in bank.reference.iter_mut().enumerate().take(samples) {
+            *entry = turned(n * cycles, samples, REFERENCE).map(i32::from);
+        }
+        bank.balance();
+        for (p, entry) in bank.rotation.iter_mut().enumerate() {
+            *entry = turned(p, P, ROTATION);
+        }
+        Ok(bank)
+    }
+
+    /// Takes from the reference what rounding left of its mean, a unit from each of the first entries.
+    fn balance(&mut self) {
+        let sum = self.reference.iter().fold([0_i32; 2], |[a, b], [c, s]| [a + c, b + s]);
+        for entry in self.reference.iter_mut().enumerate() {
+            let (index, [cosine, sine]) = entry;
+            let unit = |sum: i32| if index < sum.unsigned_abs() as usize { sum.signum() } else { 0 };
+            *cosine -= unit(sum[0]);
+            *sine -= unit(sum[1]);
+        }
+    }
+
+    /// The section, of at least half of `M` samples, whose reference is nearest to the resonance: samples and periods.
+    fn section(rate: f32, frequency: f32) -> Option<(usize, usize)> {
+        let mut best: Option<(f32, usize, usize)> = None;
+        for samples in M.div_ceil(2)..=M {
+            let periods = frequency * real(samples) / rate;
+            let cycles = (periods + 0.5) as usize;
+            let off = (real(cycles) * rate / real(samples) - frequency).abs();
+            // Of equal ones the longer, as its section needs fewer rotations.
+            if cycles >= 2 && best.is_none_or(|(least, ..)| off <= least) {
+                best = Some((off, samples, cycles));
+            }
+        }
+        best.map(|(_, samples, cycles)| (samples, cycles))
+    }
+
+    /// Samples in a block.
+    #[must_use]
+    pub fn block(&self) -> usize {
+        self.samples * P
+    }
+
+    /// Frequency of the reference in Hz.
+    #[must_use]
+    pub fn reference_frequency(&self) -> f32 {
+        self.reference_hz
+    }
+
+    /// The state before the first sample.
+    #[must_use]
+    pub fn start(&self) -> LineBankState<P> {
+        LineBankState::default()
+    }
+
+    /// Takes samples until a block is full: gives the number of samples taken, and the lines if it is.
+    ///
+    /// Call it again with the samples that are left.
+    #[inline]
+    pub fn take(&self, state: &mut LineBankState<P>, samples: &[i16]) -> (usize, Option<Lines>) {
+        let mut taken = 0;
+        while let Some(left) = samples.get(taken..)
+            && !left.is_empty()
+        {
+            let from = state.place as usize;
+            let reference = self.reference.get(from..self.samples).unwrap_or(&[]);
+            let [mut cosine, mut sine] = state.section;
+            let count = left.len().min(reference.len());
+            for (&sample, &[c, s]) in left.iter().zip(reference) {
+                let sample = i32::from(sample);
+                cosine = cosine.wrapping_add(sample * c);
+                sine = sine.wrapping_add(sample * s);
+            }
+            state.section = [cosine, sine];
+            state.place += count as u32;
+            taken += count;
+            if state.place as usize >= self.samples && self.end_section(state) {
+                let lines = self.lines(state);
+                *state = LineBankState::default();
+                return (taken, Some(lines));
+            }
+        }
+        (taken, None)
+    }
+
+    /// Ends a section; whether it was the last of its block.
+    fn end_section(&self, state: &mut LineBankState<P>) -> bool {
+        if let Some(entry) = state.sections.get_mut(state.count as usize) {
+            *entry = state.section;
+        }
+        state.section = [0; 2];
+        state.place = 0;
+        state.count += 1;
+        state.count as usize >= P
+    }
+
+    /// The lines of a full block.
+    #[cold]
+    #[inline(never)]
+    fn lines(&self, state: &LineBankState<P>) -> Lines {
+        let sums = state.sections.iter().flatten();
+        let largest = sums.fold(0, |largest: u32, sum| largest.max(sum.unsigned_abs()));
+        let shift = (32 - largest.leading_zeros()).saturating_sub(SECTION_BITS);
+        let sections = state.sections.map(|section| section.map(|sum| sum >> shift));
+        let squares = self.squares(&sections);
+        // Counts times samples, of one unit of a bin.
+        let scale = f32::from_u32(1 << shift) * (1.0 / (REFERENCE * ROTATION));
+        let (mut strongest, mut place, mut beside) = (0.0_f32, 0, [0.0_f32; 2]);
+        let (mut total, mut near, mut near_count) = (0.0_f32, 0.0_f32, 0);
+        let mut below = 0.0;
+        for (index, &here) in squares.iter().enumerate().take(2 * Self::REACH as usize + 1) {
+            let bin = index as i32 - Self::REACH;
+            let above = squares.get(index + 1).copied().unwrap_or(0.0);
+            if here > strongest {
+                (strongest, place, beside) = (here, bin, [below, above]);
+            }
+            total += here;
+            if bin >= self.near[0] && bin <= self.near[1] {
+                near += here / self.droop_square(f32::from_i32(bin));
+                near_count += 1;
+            }
+            below = here;
+        }
+        if !(strongest > 0.0) {
+            return Lines::default();
+        }
+        let mut rest = 0.0_f32;
+        for (index, &square) in squares.iter().enumerate().take(2 * Self::REACH as usize + 1) {
+            let bin = index as i32 - Self::REACH;
+            if bin >= self.near[0] && bin <= self.near[1] && bin.abs_diff(place) > LOBE {
+                rest += square / self.droop_square(f32::from_i32(bin));
+            }
+        }
+        let (larger, towards) = if beside[1] > beside[0] { (beside[1], 1.0) } else { (beside[0], -1.0) };
+        let ratio = Scalar::sqrt(larger / strongest);
+        let off = towards * Scalar::max((2.0 * ratio - 1.0) / (ratio + 1.0), 0.0);
+        let bins = f32::from_i32(place) + off;
+        let samples = real(self.block());
+        // The lobe of the window is sinc(x)/(1 − x²), and a sine of amplitude 1 has the sum N/2.
+        let lobe = sinc(off) / (1.0 - off * off);
+        let peak = Scalar::sqrt(strongest / self.droop_square(bins)) * scale / lobe;
+        let of_line = (strongest + beside[0] + beside[1]) / total;
+        // 2 |Σ w x e|²/(r Σ w²), with Σ w² = 3/2 N and the rate r of N bins.
+        let noise = NOISE_BINS * samples * samples * self.bin_hz * f32::from_i32(near_count.max(1));
+        let density = 2.0 * scale * scale / noise * self.unit * self.unit;
+        Lines {
+            amplitude: 2.0 * peak / samples * self.unit,
+            frequency: self.reference_hz + bins * self.bin_hz,
+            purity: Scalar::min(of_line, 1.0),
+            density: density * near,
+            rest: density * rest,
+        }
+    }
+
+    /// Square of the attenuation of a section at a distance of `bins` from the reference.
+    fn droop_square(&self, bins: f32) -> f32 {
+        let droop = sinc(bins / real(P));
+        droop * droop
+    }
+
+    /// Squares of the magnitudes of the bins with the window of Hann, the lowest first, and zeros.
+    fn squares(&self, sections: &[[i32; 2]; P]) -> [f32; MOST_BINS] {
+        let mut squares = [0.0; MOST_BINS];
+        let mut below = self.bin(sections, -Self::REACH - 1);
+        let mut here = self.bin(sections, -Self::REACH);
+        for (index, square) in squares.iter_mut().enumerate().take(2 * Self::REACH as usize + 1) {
+            let above = self.bin(sections, index as i32 - Self::REACH + 1);
+            let part = |index: usize| {
+                let of = |bin: [f32; 2]| if index == 0 { bin[0] } else { bin[1] };
+                of(here) - 0.5 * (of(below) + of(above))
+            };
+            *square = part(0) * part(0) + part(1) * part(1);
+            (below, here) = (here, above);
+        }
+        squares
+    }
+
+    /// A bin without a window.
+    fn bin(&self, sections: &[[i32; 2]; P], bin: i32) -> [f32; 2] {
+        let (mut real, mut imaginary) = (0_i32, 0_i32);
+        let mut turn = 0_usize;
+        for &[a, b] in sections {
+            let [c, s] = self.rotation.get(turn & (P - 1)).map_or([0, 0], |pair| pair.map(i32::from));
+            real = real.wrapping_add(a * c - b * s);
+            imaginary = imaginary.wrapping_add(a * s + b * c);
+            turn = turn.wrapping_add(bin as usize);
+        }
+        [f32::from_i32(real), f32::from_i32(imaginary)]
+    }
+}
+
+/// A count as a number.
+fn real(count: usize) -> f32 {
+    f32::from_u32(count as u32)
+}
+
+/// The largest whole number that is not above `number`, which is within a thousand of 0.
+fn floor(number: f32) -> i32 {
+    (number + 1024.0) as i32 - 1024
+}
+
+/// Cosine and minus sine of `part/whole` turns, times `unit`, rounded.
+fn turned(part: usize, whole: usize, unit: f32) -> [i16; 2] {
+    // The upper word of the phase is enough.
+    let phase = u64::from((part % whole) as u32 * (u32::MAX / whole as u32)) << 32;
+    let round = |number: f32| (number * unit + 4096.5) as i32 - 4096;
+    let cosine: f32 = Polynomial::cosine_of_turns(phase);
+    let sine: f32 = Polynomial::sine_of_turns(phase);
+    [round(cosine) as i16, round(-sine) as i16]
+}
+
+/// `sin(πx)/(πx)` to 10⁻⁴ for |x| up to 0.6, by its series.
+fn sinc(x: f32) -> f32 {
+    let y = x * x;
+    1.0 - y * (1.644_934 - y * (0.811_742_4 - y * (0.190_751_8 - y * 0.026_147_8)))
+}
+
+snapshot_fields!(impl [const P: usize] LineBankState<P> { place, count, section, sections }
+    if |state| (state.place as usize) < MOST_SAMPLES && (state.count as usize) < P);
+
+impl<const M: usize, const P: usize> Configuration for LineBank<M, P> {
+    type State = LineBankState<P>;
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("line bank");
+        fingerprint.numbers(&[self.reference_hz, self.bin_hz, self.unit]);
+        fingerprint.count(self.samples as u32);
+        fingerprint.count(P as u32);
+    }
+}

@@ -1,0 +1,126 @@
+//! Lines, noise and large samples with known results.
+
+use super::*;
+use std::f64::consts::TAU;
+
+/// 20.13 Hz at 400 samples per second, 1 mg a count.
+fn bank() -> LineBank<80, 16> {
+    LineBank::new(400.0, 20.13, 0.1, 9.81e-3).expect("in bounds")
+}
+
+fn lines<const M: usize, const P: usize>(
+    bank: &LineBank<M, P>,
+    rate: f64,
+    signal: impl Fn(f64) -> f64,
+) -> Vec<Lines> {
+    let count = bank.block() * 4;
+    let unit = f64::from(bank.unit);
+    let samples: Vec<i16> = (0..count).map(|n| (signal(n as f64 / rate) / unit).round() as i16).collect();
+    let (mut state, mut found, mut left) = (bank.start(), Vec::new(), &samples[..]);
+    while !left.is_empty() {
+        // As a FIFO hands them over.
+        let burst = left.len().min(171);
+        let (taken, block) = bank.take(&mut state, &left[..burst]);
+        found.extend(block);
+        left = &left[taken..];
+    }
+    found
+}
+
+#[test]
+fn a_line_on_gravity_is_found_wherever_it_is_between_the_bins() {
+    let bank = bank();
+    for step in 0..40 {
+        let frequency = f64::from(bank.reference_frequency()) + 0.025 * f64::from(step - 20);
+        for amplitude in [0.2, 2.0, 20.0] {
+            let found = lines(&bank, 400.0, |t| 9.81 + amplitude * (TAU * frequency * t + 0.7).sin());
+            assert_eq!(found.len(), 4);
+            for line in found {
+                let off = (f64::from(line.amplitude) / amplitude - 1.0).abs();
+                let far = (f64::from(line.frequency) - frequency).abs();
+                assert!(off < 0.006 && far < 0.003 && line.purity > 0.97, "{frequency} {amplitude} {line:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn gravity_and_harmonics_alone_are_no_line() {
+    let bank = bank();
+    let f = f64::from(bank.reference_frequency());
+    let found =
+        lines(&bank, 400.0, |t| 9.81 + 5.0 * (TAU * 2.0 * f * t).sin() + 3.0 * (TAU * 3.0 * f * t).cos());
+    assert!(found.iter().all(|line| line.amplitude < 0.02), "{found:?}");
+    assert!(lines(&bank, 400.0, |_| 9.81).iter().all(|line| line.amplitude == 0.0));
+}
+
+#[test]
+fn the_stronger_of_two_lines_is_found_and_is_not_pure() {
+    let bank = bank();
+    let found = lines(&bank, 400.0, |t| (TAU * 20.1 * t).sin() + 0.5 * (TAU * 21.1 * t + 1.0).sin());
+    for line in &found {
+        assert!((line.amplitude - 1.0).abs() < 0.02 && (line.frequency - 20.1).abs() < 0.02, "{line:?}");
+        // 1²/(1² + 0.5²).
+        assert!((line.purity - 0.8).abs() < 0.03, "{line:?}");
+        assert_eq!(line.rest, 0.0);
+    }
+    // A weak line at the resonance beside a strong one off it.
+    for line in lines(&bank, 400.0, |t| (TAU * 21.4 * t).sin() + 0.05 * (TAU * 20.1 * t + 1.0).sin()) {
+        assert!(line.purity > 0.98 && (line.frequency - 21.4).abs() < 0.02, "{line:?}");
+        // Its mean square over the two bins near the resonance, which hold nearly all of it, and leakage at −40 dB.
+        assert_eq!(bank.near, [-1, 0]);
+        let exact = 0.5 * 0.05_f32.powi(2) / (2.0 * bank.bin_hz);
+        assert!((line.rest / exact - 1.0).abs() < 0.25, "{line:?} {exact}");
+    }
+}
+
+#[test]
+fn the_density_of_white_noise_is_its_variance_over_half_the_rate() {
+    let bank = LineBank::<80, 16>::new(400.0, 20.13, 0.1, 1e-3).expect("in bounds");
+    let mut seed = 7_u64;
+    let mut uniform = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let (mut state, mut sum, mut count) = (bank.start(), 0.0, 0.0);
+    for _ in 0..400 * bank.block() {
+        // Variance 3²/12 (m/s²)².
+        let sample = (3.0 * uniform() / 1e-3).round() as i16;
+        if let (_, Some(line)) = bank.take(&mut state, &[sample]) {
+            sum += f64::from(line.density);
+            count += 1.0;
+        }
+    }
+    let exact = 0.75 / 200.0;
+    // Three bins of which neighbours share two thirds: about 0.8 of independent ones, over 400 blocks.
+    assert!((sum / count / exact - 1.0).abs() < 0.12, "{} {exact}", sum / count);
+}
+
+#[test]
+fn what_cannot_be_resolved_is_refused() {
+    let new = |rate, frequency, half, unit| LineBank::<80, 16>::new(rate, frequency, half, unit).err();
+    assert_eq!(new(400.0, 20.0, 0.1, 1e-3), None);
+    assert_eq!(new(400.0, 190.0, 0.1, 1e-3), Some(ExcitationError::Frequency));
+    assert_eq!(new(400.0, 5.0, 0.1, 1e-3), Some(ExcitationError::Frequency));
+    assert_eq!(new(400.0, 20.0, 0.0, 1e-3), Some(ExcitationError::Frequency));
+    assert_eq!(new(400.0, 20.0, f32::NAN, 1e-3), Some(ExcitationError::Frequency));
+    // 3.2 s are shorter than the memory of 8 s.
+    assert_eq!(new(400.0, 20.0, 0.02, 1e-3), Some(ExcitationError::TooFewSamples));
+    // A band wider than the bins.
+    assert_eq!(new(400.0, 20.0, 2.0, 1e-3), Some(ExcitationError::Frequency));
+    assert_eq!(new(400.0, 20.0, 0.1, 0.0), Some(ExcitationError::Amplitude));
+    assert_eq!(LineBank::<8, 16>::new(400.0, 20.0, 0.1, 1e-3).err(), Some(ExcitationError::TooFewSamples));
+}
+
+#[test]
+fn the_largest_samples_do_not_overflow() {
+    let bank = LineBank::<128, 32>::new(1600.0, 40.0, 0.1, 1e-3).expect("in bounds");
+    let f = TAU * f64::from(bank.reference_frequency());
+    for line in lines(&bank, 1600.0, |t| if (f * t + 1e-3).sin() > 0.0 { 32.767 } else { -32.768 }) {
+        // The fundamental of a square wave.
+        assert!(
+            (f64::from(line.amplitude) / (32.767 * 4.0 / std::f64::consts::PI) - 1.0).abs() < 0.01,
+            "{line:?}"
+        );
+    }
+}
