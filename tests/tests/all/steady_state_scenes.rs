@@ -30,7 +30,9 @@ fn shot(scene: &Scene, options: &Options) -> Outcome {
     let found = outcome.steady_state.as_ref().expect("it was sought");
     assert_eq!(found.steady_state, "stable-period-1", "{:?}: {:?}", scene.load, outcome.warnings);
     assert_eq!(found.steady_state_residual, None);
-    assert!(outcome.warnings.is_empty(), "{:?}", outcome.warnings);
+    // The paper's force law creates energy, which is no error of the orbit.
+    let others = outcome.warnings.iter().find(|warning| !warning.contains("creates energy"));
+    assert_eq!(others, None);
     outcome
 }
 
