@@ -1,5 +1,6 @@
 //! Tracks the mean of the samples: gravity and the bias of the sensor.
 
+use crate::excitation::LARGEST_SAMPLE;
 use crate::scalar::{Scalar, add_increment};
 use crate::snapshot::snapshot_fields;
 
@@ -27,4 +28,7 @@ impl<S: Scalar> Bias<S> {
     }
 }
 
-snapshot_fields!(impl [S: Scalar] Bias<S> { mean, remainder, samples });
+snapshot_fields!(impl [S: Scalar] Bias<S> { mean, remainder, samples } if |bias| {
+    let largest = S::from_f64(LARGEST_SAMPLE);
+    bias.mean.abs() <= largest && bias.remainder.abs() <= largest
+});
