@@ -1,8 +1,8 @@
 //! `on-target`: what the models cost on a microcontroller.
 
 mod cores;
+mod estimate_energy;
 mod estimators;
-mod knowing;
 mod leave_outs;
 mod node;
 mod output;

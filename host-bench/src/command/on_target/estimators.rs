@@ -1,6 +1,6 @@
 //! What an estimate costs for each sample, and a closed form for each call.
 
-use super::knowing::{self, Estimate};
+use super::estimate_energy::{self, Estimate};
 use super::output::Output;
 use super::rows::{self, Case, Column, RADAU, Steps};
 use crate::on_target::node::Kind;
@@ -55,6 +55,11 @@ A closed form or a response map is called once a second. Each estimate has the h
             Estimate::sampled(row, if filter { Code::Filter } else { Code::Trajectory })
         })
         .collect();
-    knowing::report(bench.core(), &estimates, knowing::income(Kind::of(bench.core()))?, output);
+    estimate_energy::report(
+        bench.core(),
+        &estimates,
+        estimate_energy::income(Kind::of(bench.core()))?,
+        output,
+    );
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use serde_json::json;
 
 use super::announce;
-use super::knowing::{self, Estimate, mean_income};
+use super::estimate_energy::{self, Estimate, mean_income};
 use super::output::Output;
 use crate::on_target::core::Core;
 use crate::on_target::node::Kind;
@@ -66,6 +66,6 @@ Each logged value has the host's bits. The whole firmware, trace and log include
         "income_w": income,
     }));
     let estimate = Estimate::of_node(&Bench::new(core, limit)?, Kind::of(core))?;
-    knowing::report(core, &[estimate], income, output);
+    estimate_energy::report(core, &[estimate], income, output);
     Ok(())
 }

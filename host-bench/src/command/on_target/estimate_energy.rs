@@ -26,7 +26,7 @@ impl Estimate {
     /// A workload that is fed samples, by its measured row.
     pub(super) fn sampled(row: &Row, code: Code) -> Self {
         let counted = row.counted();
-        let name = format!("{}, {}", row.case.name, row.case.scene);
+        let name = row.workload.name.clone();
         let samples = (counted.steps as f64 / counted.seconds).round() as u32;
         Self { name, samples, instructions: counted.instructions_per_second(), code }
     }
