@@ -14,6 +14,9 @@ const ENERGY_ROUNDINGS: f64 = 32.0;
 /// terms times a rounding.
 const SUM_ROUNDINGS: f64 = 2.0;
 
+/// Largest energy in J and largest sum of errors that an image may have: their products are finite in `f32`.
+const LARGEST_SUM: f64 = 1e12;
+
 /// Delivered energy and its errors, summed over steps.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnergyAccumulator<S> {
@@ -96,6 +99,12 @@ impl<S: Scalar> Observer<S> for EnergyAccumulator<S> {
 
 snapshot_fields!(impl [S: Scalar] EnergyAccumulator<S> {
     energy, energy_error, state_error, time, period_energy, impact,
+} if |sums| {
+    let largest = S::from_f64(LARGEST_SUM);
+    let energies = sums.energy.value().abs().max(sums.period_energy.abs()) <= largest;
+    energies && [&sums.energy_error, &sums.state_error].iter().all(|sum| {
+        sum.value() >= S::ZERO && sum.value() <= largest
+    })
 });
 
 #[cfg(test)]
