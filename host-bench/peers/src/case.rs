@@ -58,7 +58,17 @@ pub const CASES: [Case; 9] = [
             "run.settle_periods=12",
         ],
     },
-    Case { name: "contact-bridge", file: "rectified", overrides: &[CONTACT_RUN[0], CONTACT_RUN[1]] },
+    // The core of this comparison has the force law of the first paper.
+    Case {
+        name: "contact-bridge",
+        file: "rectified",
+        overrides: &[
+            CONTACT_RUN[0],
+            CONTACT_RUN[1],
+            "parameters.force_law=transferred-charge",
+            "excitation.frequency_hz=20.0",
+        ],
+    },
     Case { name: "sliding-bridge", file: "sliding", overrides: &[STORE, SLIDING_RUN[0], SLIDING_RUN[1]] },
     Case {
         name: "bump-stop-bridge",
