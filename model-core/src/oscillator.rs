@@ -224,23 +224,26 @@ impl<S: Scalar> Response<S> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    /// The response to `acceleration` by 4,000 steps of RK4.
-    fn by_small_steps(
+    /// Steps of RK4 for the response over a step.
+    const STEPS: u32 = 4_000;
+
+    /// Position and velocity after `time` from rest under `acceleration`, by steps of RK4.
+    pub(crate) fn by_small_steps(
         oscillator: &Oscillator<f64>,
-        step: f64,
+        time: f64,
+        steps: u32,
         acceleration: impl Fn(f64) -> f64,
     ) -> [f64; 2] {
-        const STEPS: u32 = 4_000;
-        let h = step / f64::from(STEPS);
+        let h = time / f64::from(steps);
         let rate = |t: f64, [x, v]: [f64; 2]| {
             [v, acceleration(t) - oscillator.damping * v - oscillator.stiffness * x]
         };
         let along = |y: [f64; 2], h: f64, k: [f64; 2]| [y[0] + h * k[0], y[1] + h * k[1]];
         let mut y = [0.0; 2];
-        for n in 0..STEPS {
+        for n in 0..steps {
             let t = f64::from(n) * h;
             let k1 = rate(t, y);
             let k2 = rate(t + 0.5 * h, along(y, 0.5 * h, k1));
@@ -285,15 +288,15 @@ mod tests {
             let kernel = Kernel::new(&oscillator, h);
             let small = Kernel::new(&single(&oscillator), h as f32);
             let line = |t: f64| 2.0 - 300.0 * t;
-            let expected = by_small_steps(&oscillator, h, line);
+            let expected = by_small_steps(&oscillator, h, STEPS, line);
             assert_close(kernel.to_line(2.0, -300.0), expected, line(h), 2e-14);
             assert_close(small.to_line(2.0, -300.0), expected, line(h), 1e-6);
             let parabola = |t: f64| 1.0 + 200.0 * t + 3e4 * t * t;
-            let expected = by_small_steps(&oscillator, h, parabola);
+            let expected = by_small_steps(&oscillator, h, STEPS, parabola);
             let samples = [parabola(0.0), parabola(0.5 * h), parabola(h)];
             assert_close(kernel.to_parabola(samples), expected, parabola(h), 2e-14);
             let cubic = |t: f64| parabola(t) - 4e6 * t * t * t;
-            let expected = by_small_steps(&oscillator, h, cubic);
+            let expected = by_small_steps(&oscillator, h, STEPS, cubic);
             let coefficients = [1.0, 200.0 * h, 3e4 * h * h, -4e6 * h * h * h];
             assert_close(kernel.to_cubic(coefficients), expected, cubic(h), 2e-14);
             let found = small.to_cubic(coefficients.map(|coefficient| coefficient as f32));
@@ -304,7 +307,7 @@ mod tests {
                 let h = oscillator.longest_step(frequency.max(126.0));
                 let kernel = Kernel::new(&oscillator, h);
                 let small = Kernel::new(&single(&oscillator), h as f32);
-                let expected = by_small_steps(&oscillator, h, sine);
+                let expected = by_small_steps(&oscillator, h, STEPS, sine);
                 let rate = 0.7 * frequency;
                 assert_close(kernel.to_sine(2.0, rate, frequency), expected, sine(h), 2e-13);
                 let found = small.to_sine(2.0, rate as f32, frequency as f32);

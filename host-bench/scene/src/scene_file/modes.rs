@@ -3,6 +3,7 @@
 
 mod bump_stop;
 mod cantilever;
+mod quadrature;
 
 pub use self::bump_stop::BumpStopModes;
 pub use self::cantilever::Cantilever;

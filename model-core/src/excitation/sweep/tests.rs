@@ -1,5 +1,6 @@
 use super::super::test_support::{advance, checksum, oscillator};
 use super::*;
+use crate::oscillator::tests::by_small_steps;
 use core::f64::consts::TAU;
 
 fn at(seconds: f64) -> Instant {
@@ -70,28 +71,6 @@ fn a_sweep_loses_no_phase_in_a_simulated_day() {
     }
 }
 
-/// The motion under a sweep by RK4 with small steps, from the closed forms.
-fn by_small_steps(law: SweepLaw, frequencies: [f64; 2], seconds: f64, until: f64) -> [f64; 2] {
-    let steps = 200_000;
-    let h = until / f64::from(steps);
-    let own = TAU * 30.0;
-    let rate = |t: f64, [x, v]: [f64; 2]| {
-        let force = 3.0 * (TAU * turns(law, frequencies, seconds, t).fract() + 0.4).sin();
-        [v, force - own * own * x - 2.0 * 0.02 * own * v]
-    };
-    let along = |y: [f64; 2], h: f64, k: [f64; 2]| [y[0] + h * k[0], y[1] + h * k[1]];
-    let mut y = [0.0; 2];
-    for n in 0..steps {
-        let t = f64::from(n) * h;
-        let k1 = rate(t, y);
-        let k2 = rate(t + 0.5 * h, along(y, 0.5 * h, k1));
-        let k3 = rate(t + 0.5 * h, along(y, 0.5 * h, k2));
-        let k4 = rate(t + h, along(y, h, k3));
-        y = core::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
-    }
-    y
-}
-
 #[test]
 fn an_oscillator_follows_a_sweep_through_its_resonance_and_back() {
     for (law, frequencies, seconds) in [
@@ -107,7 +86,8 @@ fn an_oscillator_follows_a_sweep_through_its_resonance_and_back() {
             let next = at(until * seconds);
             advance(&sweep, &oscillator, &mut motion, [now, next]);
             now = next;
-            let exact = by_small_steps(law, frequencies, seconds, until * seconds);
+            let acceleration = |t| 3.0 * (TAU * turns(law, frequencies, seconds, t).fract() + 0.4).sin();
+            let exact = by_small_steps(&oscillator, until * seconds, 200_000, acceleration);
             // Relative to the static deflection; at the resonance it is up to 25 times that, and so is the error.
             let own = TAU * 30.0;
             let error = (own * (motion[0] - exact[0])).hypot(motion[1] - exact[1]) / (3.0 / own);

@@ -19,6 +19,7 @@
 
 use std::f64::consts::TAU;
 
+use super::quadrature::means;
 use crate::root::far_side;
 use crate::scene_file::SlidingParameters;
 
@@ -71,7 +72,7 @@ impl Cantilever {
 }
 
 /// `Σ u^(4k+n) / (4k+n)! · ratio^k`: Krylov's function `Kn` for a ratio of 1.
-fn series(n: u32, ratio: f64, u: f64) -> f64 {
+pub(super) fn series(n: u32, ratio: f64, u: f64) -> f64 {
     let fourth = ratio * u * u * u * u;
     let mut term = (1..=n).fold(1.0, |term, k| term * u / f64::from(k));
     let (mut sum, mut k) = (term, n);
@@ -111,25 +112,9 @@ impl Shape {
         self.bend * series(2, 1.0, u) - self.shear * series(3, 1.0, u)
     }
 
-    /// Means over the length of the shape and of its square: the Gauss-Legendre rule of five points on eight
-    /// pieces, exact to rounding for so smooth a function.
+    /// Means over the length of the shape and of its square; eight pieces are exact to rounding for so smooth a function.
     fn means(&self, eigenvalue: f64) -> [f64; 2] {
-        const PIECES: u32 = 8;
-        let root = (10f64 / 7.0).sqrt();
-        let [inner, outer] = [(5.0 - 2.0 * root).sqrt() / 3.0, (5.0 + 2.0 * root).sqrt() / 3.0];
-        let [near, far] = [(322.0 + 13.0 * 70f64.sqrt()) / 900.0, (322.0 - 13.0 * 70f64.sqrt()) / 900.0];
-        let points = [(-outer, far), (-inner, near), (0.0, 128.0 / 225.0), (inner, near), (outer, far)];
-        let mut means = [0.0, 0.0];
-        for piece in 0..PIECES {
-            for (abscissa, weight) in points {
-                let place = (f64::from(piece) + 0.5 + 0.5 * abscissa) / f64::from(PIECES);
-                let value = self.at(eigenvalue * place);
-                let weight = 0.5 * weight / f64::from(PIECES);
-                means[0] += weight * value;
-                means[1] += weight * value * value;
-            }
-        }
-        means
+        means(8, |place| self.at(eigenvalue * place))
     }
 }
 

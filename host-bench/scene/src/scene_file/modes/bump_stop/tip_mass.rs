@@ -10,6 +10,8 @@
 
 use std::convert::Infallible;
 
+use super::super::cantilever::series;
+use super::super::quadrature::means;
 use super::{BeamMode, Section, eigenvalue as eigenvalue_of_a_free_end};
 use crate::root::far_side;
 use crate::scene_file::TipMassParameters;
@@ -21,6 +23,8 @@ const LEAST: f64 = 1e-3;
 /// First step of the search for sign changes, and how often it is halved while a root is missed.
 const STEP: f64 = 0.02;
 const HALVINGS: u32 = 10;
+/// Pieces of the quadrature: on each the argument of the highest mode grows by 0.5.
+const PIECES: u32 = 128;
 
 /// The body in masses and lengths of the beam.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +37,7 @@ pub(super) struct Body {
 /// `f` and `g` and their first three derivatives by `u`, at `u`.
 fn solutions(eigenvalue: f64, u: f64) -> [[f64; 4]; 2] {
     if eigenvalue < SERIES {
-        let [zero, one, two, three] = [0, 1, 2, 3].map(|order| krylov(order, u));
+        let [zero, one, two, three] = [0, 1, 2, 3].map(|order| series(order, 1.0, u));
         return [[two, one, zero, three], [three, two, one, zero]];
     }
     let (sine, cosine) = u.sin_cos();
@@ -51,18 +55,6 @@ fn solutions(eigenvalue: f64, u: f64) -> [[f64; 4]; 2] {
         rising - edge * (sine - cosine),
     ];
     [falls, rises]
-}
-
-/// `Σ u^(4k + order) / (4k + order)!`.
-fn krylov(order: u32, u: f64) -> f64 {
-    let mut term = (1..=order).fold(1.0, |term, k| term * u / f64::from(k));
-    let (mut sum, mut k) = (term, order);
-    while term.abs() > 0.1 * f64::EPSILON * sum.abs() {
-        term *= u.powi(4) / (f64::from(k + 1) * f64::from(k + 2) * f64::from(k + 3) * f64::from(k + 4));
-        sum += term;
-        k += 4;
-    }
-    sum
 }
 
 impl Body {
@@ -143,7 +135,7 @@ impl Body {
             let [one, other] = solutions(eigenvalue, eigenvalue * place);
             [0, 1, 2, 3].map(|derivative| p * one[derivative] + q * other[derivative])
         };
-        let [mean, mean_square] = means(|place| shape(place)[0]);
+        let [mean, mean_square] = means(PIECES, |place| shape(place)[0]);
         let [value, slope, ..] = shape(1.0);
         let turn = eigenvalue * slope;
         let centre = value + self.offset * turn;
@@ -163,24 +155,4 @@ impl Body {
             at_stop: place.map_or(0.0, |place| scale * shape(place)[0]),
         }
     }
-}
-
-/// Means of a function and of its square from 0 to 1: Gauss's rule of five points on 128 pieces, on each of which the
-/// argument of the highest mode grows by 0.5.
-fn means(of: impl Fn(f64) -> f64) -> [f64; 2] {
-    const PIECES: u32 = 128;
-    let root = (10f64 / 7.0).sqrt();
-    let [inner, outer] = [(5.0 - 2.0 * root).sqrt() / 3.0, (5.0 + 2.0 * root).sqrt() / 3.0];
-    let [near, far] = [(322.0 + 13.0 * 70f64.sqrt()) / 900.0, (322.0 - 13.0 * 70f64.sqrt()) / 900.0];
-    let points = [(-outer, far), (-inner, near), (0.0, 128.0 / 225.0), (inner, near), (outer, far)];
-    let mut means = [0.0, 0.0];
-    for piece in 0..PIECES {
-        for (abscissa, weight) in points {
-            let value = of((f64::from(piece) + 0.5 + 0.5 * abscissa) / f64::from(PIECES));
-            let weight = 0.5 * weight / f64::from(PIECES);
-            means[0] += weight * value;
-            means[1] += weight * value * value;
-        }
-    }
-    means
 }
