@@ -61,14 +61,26 @@ struct Days<'a> {
 
 impl Days<'_> {
     fn last<S: Scalar, const SLOTS: usize>(&self) -> Result<NodeDay, Failure> {
-        let Self { node, income, learning_days, in_loop } = *self;
+        let Self { node, income, learning_days, .. } = *self;
         let mut plant = ChargedStorage::new(&node.storage, node.standing_power_w, income);
         let mut controller = Controller::<S, SLOTS>::new(node, plant.voltage())?;
         for _ in 0..learning_days {
             day(node, &mut plant, &mut controller)?;
         }
-        let Some((scene, options)) = in_loop else { return day(node, &mut plant, &mut controller) };
-        let Load::RectifiedStore(load) = scene.load else { return day(node, &mut plant, &mut controller) };
+        let smallest_capacitance_f = controller.smallest_capacitance();
+        let shown = self.shown(plant, &mut controller)?;
+        Ok(NodeDay { smallest_capacitance_f, ..shown })
+    }
+
+    /// The day after the learning days.
+    fn shown<S: Scalar, const SLOTS: usize>(
+        &self,
+        mut plant: ChargedStorage<'_>,
+        controller: &mut Controller<'_, S, SLOTS>,
+    ) -> Result<NodeDay, Failure> {
+        let Self { node, in_loop, .. } = *self;
+        let Some((scene, options)) = in_loop else { return day(node, &mut plant, controller) };
+        let Load::RectifiedStore(load) = scene.load else { return day(node, &mut plant, controller) };
         let midnight = Midnight {
             scene,
             diode_drop_v: load.diode_drop_v,
@@ -80,7 +92,7 @@ impl Days<'_> {
         };
         midnight.with_store_in_loop(|looped| {
             let mut plant = LoopedStorage::new(looped, &node.storage, node.standing_power_w);
-            day(node, &mut plant, &mut controller)
+            day(node, &mut plant, controller)
         })
     }
 }
@@ -92,7 +104,6 @@ fn day<S: Scalar, const SLOTS: usize>(
 ) -> Result<NodeDay, Failure> {
     *plant.account() = StorageAccount::default();
     let predicted = controller.sustainable_rates();
-    let smallest_capacitance_f = controller.smallest_capacitance();
     let mut record = Record::new(node, plant.energy());
     for second in (0..DAY_S).step_by(node.update_s as usize) {
         if plant.is_supplied() {
@@ -113,8 +124,7 @@ fn day<S: Scalar, const SLOTS: usize>(
             record.budget_error_j = record.budget_error_j.max(error);
         }
     }
-    let day = record.day(&predicted, *plant.account(), controller.ledger_residual());
-    Ok(NodeDay { smallest_capacitance_f, ..day })
+    Ok(record.day(&predicted, *plant.account(), controller.ledger_residual()))
 }
 
 /// What is recorded of a day.
