@@ -24,9 +24,12 @@ macro_rules! integers {
 
 integers!(u8, u16, u32, u64, i8, i16, i32, i64);
 
+/// Largest magnitude of a number in a state, in any SI unit: its square is finite in `f32`, and no state comes near it.
+const LARGEST: f64 = 1e15;
+
 macro_rules! floats {
     ($($float:ty),*) => {$(
-        /// The bits of the number; reading refuses a number that is not finite.
+        /// The bits of the number; reading refuses a number that is not finite or above [`LARGEST`] in magnitude.
         impl Snapshot for $float {
             const BYTES: usize = size_of::<Self>();
 
@@ -38,7 +41,7 @@ macro_rules! floats {
             #[inline]
             fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
                 let value = Self::from_bits(Snapshot::read(from)?);
-                if value.is_finite() { Ok(value) } else { Err(SnapshotError::NoState) }
+                if value.abs() <= LARGEST as Self { Ok(value) } else { Err(SnapshotError::NoState) }
             }
         }
     )*};

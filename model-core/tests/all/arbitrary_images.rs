@@ -204,7 +204,8 @@ fn arbitrary_estimators<S: Scalar, H: Harvester<S> + Copy>(harvester: H, usual: 
             let _progress = restored.push_acceleration(S::ONE, 40);
             let _progress = restored.push_missing(1, 40);
         }
-        let _estimate = restored.estimate();
+        let estimate = restored.estimate();
+        assert!(estimate.energy.is_finite(), "{estimate:?} {:?}", restored.state());
     });
 }
 

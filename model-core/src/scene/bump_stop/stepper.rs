@@ -340,7 +340,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         work: &mut Work,
     ) -> Result<(), StepError<S>> {
         let (state, end) = (&*pair.now, &*pair.next);
-        if !(end.gap.abs() + end.strain_charge.abs()).is_finite() {
+        if !(end.gap.abs() + end.strain_charge.abs() + trial.delivered.abs()).is_finite() {
             let failure = StepFailure::OutsideDomain { quantity: "gap coordinate", value: end.gap };
             return Err(StepError { failure, at: state.clock });
         }
