@@ -61,8 +61,8 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.emit {
         outputs.check("--emit", file)?;
     }
-    if arguments.core.is_some() && !scene.excitation.is_one_of_sines() {
-        return Err(Failure::Input("--core: must be with a sine, sines or silence".to_owned()));
+    if arguments.core.is_some() && scene.excitation.is_recorded() {
+        return Err(Failure::Input("--core: must not be with a recorded acceleration".to_owned()));
     }
     let study = Study::new(&scene, accuracy)?;
     for warning in &study.full.warnings {

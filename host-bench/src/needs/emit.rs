@@ -1,6 +1,7 @@
 //! The cut scene as a Rust module for firmware: types, constants, method and step.
 
 mod component;
+mod excitation;
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -11,14 +12,12 @@ use self::component::{
 use super::numerics::{Control, Setting};
 use super::part::Part;
 use crate::method::{Failure, Method, Precision};
-use crate::scene_file::{
-    BumpStop, ContactSeparation, Coupling, Excitation, Model, Scene, Sliding, StickCharge, Tone,
-};
+use crate::scene_file::{BumpStop, ContactSeparation, Coupling, Model, Scene, Sliding, StickCharge};
 use model_core::clock::Instant;
 
 /// Modules of the library with the names that a scene may use.
 const MODULES: [(&str, &[&str]); 14] = [
-    ("excitation", &["Silence", "Sine", "Tones"]),
+    ("excitation", &["Burst", "Random", "Silence", "Sine", "SpectralDensity", "Sweep", "SweepLaw", "Tones"]),
     ("integrate", &["Adaptive", "ExponentialRadau", "FixedStep", "RungeKutta4", "TrBdf2"]),
     ("part::draw", &["CurrentDraw", "Lockout", "NoDraw", "PowerDraw", "ResistiveDraw"]),
     ("part::force_law", &["GapField", "NoForce", "TransferredCharge"]),
@@ -124,8 +123,7 @@ pub fn start() -> {start_type} {{
 }}
 "
         );
-        self.excitation(&mut text);
-        self.test(&mut text);
+        text += &excitation::source(&self.scene.excitation);
         Ok(format!("{}{}{text}", self.head(), self.imports(&text)))
     }
 
@@ -177,71 +175,6 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
             number(self.mean_power_w),
             number(self.accuracy),
         ))
-    }
-
-    /// The excitation of the scene; a trace stays in its file, and the module has none but sines and silence.
-    fn excitation(&self, text: &mut String) {
-        let tone =
-            |tone: &Tone| [tone.amplitude_m_per_s2, tone.frequency_hz, tone.phase_rad].map(number).join(", ");
-        let (of_type, value) = match &self.scene.excitation {
-            Excitation::Sine(sine) => {
-                ("Sine<f32>".to_owned(), format!("    Sine::new({}).ok()\n", tone(sine)))
-            }
-            Excitation::Sines(tones) => {
-                let push = |sine| format!("    tones.push(Sine::new({}).ok()?).ok()?;\n", tone(sine));
-                let pushed: String = tones.iter().map(push).collect();
-                let value = format!("    let mut tones = Tones::new();\n{pushed}    Some(tones)\n");
-                (format!("Tones<f32, {}>", tones.len()), value)
-            }
-            Excitation::Silence => ("Silence".to_owned(), "    Some(Silence)\n".to_owned()),
-            Excitation::File(_) | Excitation::Burst(_) | Excitation::Sweep(_) | Excitation::Random(_) => {
-                return;
-            }
-        };
-        let _ = write!(
-            text,
-            "
-/// The base acceleration of the scene; `None` if it is refused.
-pub fn excitation() -> Option<{of_type}> {{
-{value}}}
-"
-        );
-    }
-
-    /// A test of the mean power, where the scene has an excitation.
-    fn test(&self, text: &mut String) {
-        if !self.scene.excitation.is_one_of_sines() {
-            return;
-        }
-        text.push_str(
-            "
-#[cfg(test)]
-mod tests {
-    use model_core::clock::{Instant, TICKS_PER_SECOND};
-    use model_core::energy::PowerMeter;
-    use model_core::scene::Harvester;
-
-    use super::{ACCURACY, MEAN_POWER, WINDOW_TICKS, excitation, harvester, start};
-
-    #[test]
-    fn the_mean_power_is_that_of_the_full_scene() {
-        let (Some(harvester), Some(excitation)) = (harvester(), excitation()) else { panic!(\"refused\") };
-        let mut state = harvester.start(&start(), &excitation).expect(\"starts\");
-        let mut meter = PowerMeter::new();
-        for ticks in WINDOW_TICKS {
-            meter = PowerMeter::new();
-            let until = Instant::from_ticks(ticks);
-            let advance = harvester.advance(&mut state, &excitation, until, u32::MAX, &mut meter);
-            assert!(advance.is_ok());
-        }
-        let [settled, end] = WINDOW_TICKS;
-        let seconds = (end - settled) as f32 / TICKS_PER_SECOND as f32;
-        let change = meter.delivered_energy() / seconds / MEAN_POWER - 1.0;
-        assert!(change.abs() <= ACCURACY, \"{change}\");
-    }
-}
-",
-        );
     }
 
     fn contact_separation(&self, model: &ContactSeparation) -> Pieces {

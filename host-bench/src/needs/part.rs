@@ -20,6 +20,10 @@ pub(crate) enum Part {
     ResidualCompliance,
     /// The compliance in series with the contact.
     ContactCompliance,
+    /// The rotary inertia of the tip mass.
+    RotaryInertia,
+    /// The distance of the centre of the tip mass beyond the end of the beam.
+    TipMassOffset,
     /// The effect of the voltage on the beam.
     TwoWayCoupling,
     /// The electrostatic force on the motion.
@@ -53,6 +57,8 @@ impl Part {
             Self::Stop => "stop".to_owned(),
             Self::ResidualCompliance => "residual compliance (a constraint instead)".to_owned(),
             Self::ContactCompliance => "contact compliance".to_owned(),
+            Self::RotaryInertia => "rotary inertia of the tip mass".to_owned(),
+            Self::TipMassOffset => "offset of the tip mass".to_owned(),
             Self::TwoWayCoupling => "two-way coupling".to_owned(),
             Self::ElectrostaticForce => "electrostatic force".to_owned(),
             Self::LateralForce => "lateral force".to_owned(),
@@ -114,6 +120,13 @@ impl Part {
                     Self::TwoWayCoupling => model.parameters.coupling = Coupling::OneWay,
                     Self::Stop => model.stop = None,
                     _ => {}
+                }
+                if let Some(body) = &mut model.parameters.tip_mass {
+                    match self {
+                        Self::RotaryInertia => body.rotary_inertia_kg_m2 = 0.0,
+                        Self::TipMassOffset => body.offset_m = 0.0,
+                        _ => {}
+                    }
                 }
                 if let Self::Rod | Self::Stop | Self::RodModes(_) = self {
                     let kept = if let Self::RodModes(kept) = self { kept } else { 0 };
@@ -185,6 +198,10 @@ pub(crate) fn parts(scene: &Scene, full: &Outcome) -> Vec<Part> {
         Model::BumpStop(model) => {
             let two_way = model.parameters.coupling == Coupling::TwoWay;
             let mut parts: Vec<Part> = two_way.then_some(Part::TwoWayCoupling).into_iter().collect();
+            if let Some(body) = model.parameters.tip_mass {
+                parts.extend((body.rotary_inertia_kg_m2 > 0.0).then_some(Part::RotaryInertia));
+                parts.extend((body.offset_m != 0.0).then_some(Part::TipMassOffset));
+            }
             if let Some(stop) = &model.stop {
                 parts.push(Part::Stop);
                 let flexible = stop.contact == Contact::ResidualFlexibility;

@@ -61,10 +61,10 @@ impl Excitation {
         if let Self::Random(random) = self { Some(random) } else { None }
     }
 
-    /// Whether it is a sine, a sum of sines or silence, which the module of a cut scene can hold.
+    /// Whether it is recorded, and not given by a few numbers.
     #[must_use]
-    pub fn is_one_of_sines(&self) -> bool {
-        matches!(self, Self::Sine(_) | Self::Sines(_) | Self::Silence)
+    pub fn is_recorded(&self) -> bool {
+        matches!(self, Self::File(_))
     }
 }
 
