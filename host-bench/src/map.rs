@@ -51,6 +51,43 @@ pub struct Request {
     pub seed: u64,
 }
 
+/// Most slices.
+const MOST_SLICES: usize = 16;
+
+impl Request {
+    /// Checks the numbers against their bounds.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] with the first number outside its bounds, under its name on the command line.
+    pub fn check(&self) -> Result<(), Failure> {
+        let refuse = |text: String| Err(Failure::Input(text));
+        let range = |name: &str, [low, high]: [f64; 2], [lowest, highest]: [f64; 2]| {
+            if lowest <= low && low < high && high <= highest {
+                return Ok(());
+            }
+            refuse(format!(
+                "{name} {low}:{high}: must be from {lowest:e} to {highest:e}, the lower one first"
+            ))
+        };
+        range("amplitude", self.amplitudes, [1e-3, 1e4])?;
+        range("frequency", self.frequencies, [1e-6, 1e5])?;
+        let Self { voltages, error, places, .. } = self;
+        if !(*error > 0.0 && *error <= 1.0) {
+            return refuse(format!("error {error}: must be above 0, to 1"));
+        }
+        if !(30..=10_000).contains(places) {
+            return refuse(format!("places {places}: must be from 30 to 10000"));
+        }
+        if voltages.len() > MOST_SLICES || voltages.iter().any(|voltage| !(1e-2..=1e3).contains(voltage)) {
+            return refuse(format!("voltage: must be up to {MOST_SLICES} voltages from 0.01 to 1000"));
+        }
+        if voltages.windows(2).any(|pair| pair[0] >= pair[1]) {
+            return refuse("voltage: must rise".to_owned());
+        }
+        Ok(())
+    }
+}
+
 /// A map, what it was made of, and what it was tested by.
 #[derive(Debug, Clone)]
 pub struct Map {

@@ -19,8 +19,6 @@ const UNUSED: [Unused; 3] = [
     ("run", "a map has the steady motions, whatever the length of a run"),
     ("excitation", "--amplitude and --frequency give the excitation"),
 ];
-/// Most slices.
-const MOST_SLICES: usize = 16;
 
 /// A range: two positive numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,36 +150,14 @@ fn inputs(heard: &[Heard]) -> Fields {
 }
 
 fn request(arguments: &MapArguments) -> Result<Request, Failure> {
-    let refuse = |text: String| Err(Failure::Input(text));
-    let Range(amplitudes) = arguments.amplitude;
-    let Range(frequencies) = arguments.frequency;
-    if amplitudes[0] < 1e-3 || amplitudes[1] > 1e4 {
-        return refuse(format!("--amplitude {}:{}: must be from 1e-3 to 1e4", amplitudes[0], amplitudes[1]));
+    let (Range(amplitudes), Range(frequencies)) = (arguments.amplitude, arguments.frequency);
+    let MapArguments { voltage, error, places, seed, .. } = arguments;
+    let voltages = voltage.clone();
+    let request = Request { amplitudes, frequencies, voltages, error: *error, places: *places, seed: *seed };
+    match request.check() {
+        Err(Failure::Input(text)) => Err(Failure::Input(format!("--{text}"))),
+        checked => checked.map(|()| request),
     }
-    if frequencies[1] > 1e5 {
-        return refuse(format!("--frequency {}:{}: must be to 1e5", frequencies[0], frequencies[1]));
-    }
-    let MapArguments { voltage, error, places, .. } = arguments;
-    if !(*error > 0.0 && *error <= 1.0) {
-        return refuse(format!("--error {error}: must be above 0, to 1"));
-    }
-    if !(30..=10_000).contains(places) {
-        return refuse(format!("--places {places}: must be from 30 to 10000"));
-    }
-    if voltage.len() > MOST_SLICES || voltage.iter().any(|voltage| !(1e-2..=1e3).contains(voltage)) {
-        return refuse(format!("--voltage: must be up to {MOST_SLICES} voltages from 0.01 to 1000"));
-    }
-    if voltage.windows(2).any(|pair| pair[0] >= pair[1]) {
-        return refuse("--voltage: must rise".to_owned());
-    }
-    Ok(Request {
-        amplitudes,
-        frequencies,
-        voltages: voltage.clone(),
-        error: *error,
-        places: *places,
-        seed: arguments.seed,
-    })
 }
 
 /// The file of the map and that of its picture.

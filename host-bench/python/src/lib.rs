@@ -1,0 +1,216 @@
+//! The native half of the Python package `vibration_harvester`: results as JSON text and arrays as bytes, which
+//! `vibration_harvester/__init__.py` turns into dictionaries and NumPy arrays.
+//!
+//! Options are those of the command line, parsed and checked by the same code. The interpreter lock is released while
+//! the engine runs.
+
+use std::path::PathBuf;
+
+use clap::Parser;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use host_bench::accuracy::run_with_accuracy;
+use host_bench::method::{Failure, Options};
+use host_bench::outcome::{Format, Outcome, fields, number, text};
+use host_bench::run::run_scene;
+use host_bench::scene_file::{self, Override, Scene};
+use model_core::energy::response_map::{Branch, Response};
+use rayon::prelude::*;
+
+#[pymodule(name = "_native")]
+mod native {
+    #[pymodule_export]
+    use super::{Map, map, run, sweep};
+}
+
+/// The options of `run` and `sweep` as the command line has them.
+#[derive(clap::Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+struct Given {
+    #[command(flatten)]
+    options: Options,
+}
+
+/// Bad input is a `ValueError`, a run that could not be stepped to its end a `RuntimeError`.
+fn raised(failure: Failure) -> PyErr {
+    match failure {
+        Failure::Input(text) => PyValueError::new_err(text),
+        Failure::Step(text) | Failure::StepLimitExceeded(text) => PyRuntimeError::new_err(text),
+    }
+}
+
+/// Parses options such as `["--tolerance", "1e-3"]`.
+fn options(given: &[String]) -> Result<Options, Failure> {
+    let options = Given::try_parse_from(given)
+        .map_err(|error| {
+            let text = error.to_string();
+            Failure::Input(text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned())
+        })?
+        .options;
+    options.check()?;
+    Ok(options)
+}
+
+fn overrides(set: &[(String, String)]) -> Vec<Override> {
+    set.iter().map(|(key, value)| Override::new(key, value)).collect()
+}
+
+fn outcome(scene: &Scene, options: &Options, states_accuracy: bool) -> Result<Outcome, Failure> {
+    if states_accuracy { run_with_accuracy(scene, options) } else { run_scene(scene, options) }
+}
+
+/// Columns of a recording, and its rows one after the other as the bytes of doubles of this machine.
+type Trace = (Vec<&'static str>, Py<PyBytes>);
+
+/// Runs a scene: the result of `run --format json`, and the recorded motion where `trace_every_s` is given.
+#[pyfunction]
+fn run(
+    py: Python<'_>,
+    scene: PathBuf,
+    set: Vec<(String, String)>,
+    given: Vec<String>,
+    how: (Option<f64>, bool, bool),
+) -> PyResult<(String, Option<Trace>)> {
+    let (trace_every_s, steady_state, states_accuracy) = how;
+    let found = py.detach(|| {
+        let options = Options { trace_every_s, steady_state, ..options(&given)? };
+        options.check()?;
+        let scene = scene_file::read(&scene, &overrides(&set)).map_err(Failure::from)?;
+        outcome(&scene, &options, states_accuracy)
+    });
+    let found = found.map_err(raised)?;
+    let trace = found.trace.as_ref().map(|recording| {
+        let bytes: Vec<u8> = recording.rows.iter().flatten().flat_map(|value| value.to_ne_bytes()).collect();
+        (recording.columns.to_vec(), PyBytes::new(py, &bytes).unbind())
+    });
+    Ok((found.text(Format::Json), trace))
+}
+
+/// Runs a scene at all combinations of the values of `over`, on all cores: one JSON object for each, the last key fastest.
+/// A run that fails is an object with `error`.
+#[pyfunction]
+fn sweep(
+    py: Python<'_>,
+    scene: PathBuf,
+    set: Vec<(String, String)>,
+    over: Vec<(String, Vec<f64>)>,
+    given: Vec<String>,
+    how: (bool, bool),
+) -> PyResult<Vec<String>> {
+    let (steady_state, states_accuracy) = how;
+    let found: Result<Vec<String>, Failure> = py.detach(|| {
+        let options = Options { steady_state, ..options(&given)? };
+        let count = over.iter().map(|(_, values)| values.len()).product();
+        let scenes: Result<Vec<Scene>, Failure> = (0..count)
+            .into_par_iter()
+            .map(|index| {
+                let mut changes = overrides(&set);
+                changes.extend(point(&over, index));
+                let scene = scene_file::read(&scene, &changes).map_err(Failure::from)?;
+                options.check_scene(&scene)?;
+                Ok(scene)
+            })
+            .collect();
+        let run = |scene: &Scene| match outcome(scene, &options, states_accuracy) {
+            Ok(found) => Ok(found.text(Format::Json)),
+            Err(Failure::Input(text)) => Err(Failure::Input(text)),
+            Err(failure) => Ok(text(&serde_json::json!({ "error": failure.to_string() }), Format::Json)),
+        };
+        scenes?.par_iter().map(run).collect()
+    });
+    found.map_err(raised)
+}
+
+/// The values of a point; the last key runs fastest.
+fn point(over: &[(String, Vec<f64>)], index: usize) -> Vec<Override> {
+    let mut rest = index;
+    let change = |(key, values): &(String, Vec<f64>)| {
+        let value = values[rest % values.len()];
+        rest /= values.len();
+        Override::new(key, &number(value))
+    };
+    over.iter().rev().map(change).collect()
+}
+
+/// A response map of a scene.
+#[pyclass(frozen)]
+struct Map {
+    found: host_bench::map::Map,
+    name: String,
+}
+
+/// Makes the response map of a scene.
+#[pyfunction]
+fn map(
+    py: Python<'_>,
+    scene: PathBuf,
+    set: Vec<(String, String)>,
+    ranges: [[f64; 2]; 2],
+    voltages: Vec<f64>,
+    places: (f64, usize, u64),
+    given: Vec<String>,
+) -> PyResult<Map> {
+    let ([amplitudes, frequencies], (error, places, seed)) = (ranges, places);
+    let found = py.detach(|| {
+        let options = options(&given)?;
+        let scene = scene_file::read(&scene, &overrides(&set)).map_err(Failure::from)?;
+        let request = host_bench::map::Request { amplitudes, frequencies, voltages, error, places, seed };
+        request.check()?;
+        let found = host_bench::map::map(&scene, &request, &options, &|_| ())?;
+        Ok(Map { found, name: scene.name().to_owned() })
+    });
+    found.map_err(raised)
+}
+
+#[pymethods]
+impl Map {
+    /// How well the map agrees with the full model, as JSON.
+    fn agreement(&self) -> String {
+        text(&fields(&self.found.agreement), Format::Json)
+    }
+
+    /// The map as a node has it: little-endian words.
+    fn image<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &host_bench::map::bytes(&self.found))
+    }
+
+    /// The map as a Rust module; `command` is named in its head.
+    fn module(&self, command: &str) -> String {
+        host_bench::map::module(&self.found, &self.name, command)
+    }
+
+    /// A picture of the map as SVG.
+    fn picture(&self) -> PyResult<String> {
+        host_bench::map::draw(&self.found, 0, &self.name).map_err(raised)
+    }
+
+    /// Looks places up, as a node does: value, lower and upper bound of each as the bytes of doubles, not-a-number outside
+    /// the map; and 0 for the lower motion, 1 for the upper, 2 for both, 3 outside.
+    fn at<'py>(
+        &self,
+        py: Python<'py>,
+        places: Vec<[f64; 2]>,
+        voltage: Option<f64>,
+    ) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyBytes>)> {
+        let map = self.found.image.map().map_err(raised)?;
+        let (mut values, mut motions) = (Vec::new(), Vec::new());
+        for [amplitude, frequency] in places.into_iter().map(|place| place.map(|number| number as f32)) {
+            let found = match voltage {
+                Some(voltage) => map.at_voltage(amplitude, frequency, voltage as f32),
+                None => map.at(amplitude, frequency),
+            };
+            let income = found.income();
+            let numbers = income.map_or([f64::NAN; 3], |of| [of.value, of.low, of.high].map(f64::from));
+            values.extend(numbers.iter().flat_map(|number| number.to_ne_bytes()));
+            motions.push(match found {
+                Response::One { branch: Branch::Lower, .. } => 0,
+                Response::One { branch: Branch::Upper, .. } => 1,
+                Response::Two { .. } => 2,
+                Response::Outside(_) => 3,
+            });
+        }
+        Ok((PyBytes::new(py, &values), PyBytes::new(py, &motions)))
+    }
+}

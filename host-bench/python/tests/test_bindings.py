@@ -1,0 +1,95 @@
+"""The bindings against the command line and against closed forms: python -m unittest discover host-bench/python/tests"""
+
+import json
+import os
+import pathlib
+import subprocess
+import threading
+import unittest
+
+import numpy as np
+
+import vibration_harvester as vh
+
+ROOT = pathlib.Path(__file__).parents[3]
+SCENE = ROOT / "host-bench" / "scenes" / "contact-separation-passive.toml"
+SHORT = {"run.duration_s": 0.5, "run.settle_s": 0.1}
+
+
+class Bindings(unittest.TestCase):
+    def test_a_run_is_that_of_the_command_line(self):
+        binary = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "host-bench"
+        command = [binary, "run", SCENE, "--format", "json", "--tolerance", "1e-4"]
+        command += [f"--set={key}={value}" for key, value in SHORT.items()]
+        expected = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+        found = vh.run(SCENE, set=SHORT, tolerance=1e-4)
+        self.assertEqual(found.keys(), expected.keys())
+        for name in expected.keys() - {"wall_s"}:
+            self.assertEqual(found[name], expected[name], name)
+
+    def test_a_trace_has_the_rms_voltage_of_the_run(self):
+        found = vh.run(SCENE, set=SHORT, trace_every=1e-4, states_accuracy=False)
+        trace = found["trace"]
+        self.assertTrue(all(column.dtype == float for column in trace.values()))
+        self.assertAlmostEqual(trace["time_s"][-1], 0.5, places=9)
+        window = trace["time_s"] >= 0.1
+        rms = np.sqrt(np.mean(trace["voltage_v"][window] ** 2))
+        self.assertAlmostEqual(rms / found["rms_voltage_v"], 1.0, delta=2e-3)
+
+    def test_a_sweep_has_an_axis_for_each_key(self):
+        over = {"load.resistance_ohm": [1e7, 1e8, 1e9], "excitation.amplitude_m_per_s2": np.array([1.0, 2.0])}
+        swept = vh.sweep(SCENE, over, set=SHORT, states_accuracy=False)
+        self.assertEqual(swept["mean_power_w"].shape, (3, 2))
+        one = vh.run(
+            SCENE,
+            set={**SHORT, "load.resistance_ohm": 1e9, "excitation.amplitude_m_per_s2": 1.0},
+            states_accuracy=False,
+        )
+        self.assertEqual(swept["mean_power_w"][2, 0], one["mean_power_w"])
+        self.assertEqual(swept["load.resistance_ohm"][2, 0], 1e9)
+        self.assertEqual(list(swept["error"].ravel()), [None] * 6)
+        # P R = (RMS voltage)², whatever the model does.
+        product = swept["mean_power_w"] * swept["load.resistance_ohm"]
+        np.testing.assert_allclose(product, swept["rms_voltage_v"] ** 2, rtol=1e-6)
+
+    def test_bad_input_is_a_value_error_with_the_text_of_the_command_line(self):
+        with self.assertRaisesRegex(ValueError, "load.resistance_ohm.*-1"):
+            vh.run(SCENE, set={"load.resistance_ohm": -1.0})
+        with self.assertRaisesRegex(ValueError, "tolerence"):
+            vh.run(SCENE, tolerence=1e-3)
+        with self.assertRaisesRegex(ValueError, "amplitude"):
+            vh.map(SCENE, amplitude=(4, 0.5), frequency=(18, 22))
+
+    def test_values_are_written_as_in_a_scene_file(self):
+        law = {"kind": "constant", "coefficient": 0.5}
+        long = {"run.duration_s": 2.0, "run.settle_s": 1.0}
+        found = vh.run(SCENE, set={**long, "parameters.restitution": law}, states_accuracy=False)
+        other = vh.run(SCENE, set=long, states_accuracy=False)
+        self.assertNotEqual(found["mean_power_w"], other["mean_power_w"])
+
+    def test_a_map_of_a_linear_harvester_follows_the_square_law(self):
+        scene = ROOT / "host-bench" / "scenes" / "bump-stop-none.toml"
+        change = {"parameters.beam_modes": 1, "parameters.coupling": "one-way"}
+        mapped = vh.map(scene, (1.0, 8.0), (230, 250), places=30, set=change, step=2e-5)
+        self.assertLess(mapped.agreement["median"], 0.02)
+        frequencies = np.array([235.0, 240.0])
+        two, four = (mapped.at(amplitude, frequencies) for amplitude in (2.0, 4.0))
+        np.testing.assert_allclose(four["value"] / two["value"], 4.0, rtol=0.02)
+        self.assertTrue(np.all((two["low"] <= two["value"]) & (two["value"] <= two["high"])))
+        self.assertEqual(list(two["motion"]), [0, 0])
+        outside = mapped.at(100.0, 240.0)
+        self.assertTrue(np.isnan(outside["value"]) and outside["motion"] == 3)
+        self.assertIn("pub static MAP", mapped.module())
+        self.assertTrue(mapped.picture.startswith("<svg"))
+
+    def test_other_threads_run_meanwhile(self):
+        done = threading.Event()
+        threading.Thread(target=lambda: (vh.run(SCENE, states_accuracy=False), done.set())).start()
+        turns = 0
+        while not done.is_set():
+            turns += 1
+        self.assertGreater(turns, 100)
+
+
+if __name__ == "__main__":
+    unittest.main()
