@@ -77,6 +77,8 @@ pub struct LineBank<const M: usize, const P: usize> {
     bin_hz: f32,
     /// Bins of the density, from the reference: the lowest and the highest.
     near: [i32; 2],
+    /// What the power of each bin is multiplied with, the lowest first: the square of what the sections attenuate it by.
+    gain: [f32; MOST_BINS],
     /// m/s² of one count.
     unit: f32,
 }
@@ -143,6 +145,9 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
             reference_hz,
             bin_hz,
             near: [floor(low) + 1, floor(high)],
+            gain: core::array::from_fn(|index| {
+                1.0 / Self::droop_square(f32::from_i32(index as i32 - Self::REACH))
+            }),
             unit,
         };
         for (n, entry) in bank.reference.iter_mut().enumerate().take(samples) {
@@ -262,7 +267,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
             }
             total += here;
             if bin >= self.near[0] && bin <= self.near[1] {
-                near += here / self.droop_square(f32::from_i32(bin));
+                near += here * self.gain_of(index);
                 near_count += 1;
             }
             below = here;
@@ -274,7 +279,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         for (index, &square) in squares.iter().enumerate().take(2 * Self::REACH as usize + 1) {
             let bin = index as i32 - Self::REACH;
             if bin >= self.near[0] && bin <= self.near[1] && bin.abs_diff(place) > LOBE {
-                rest += square / self.droop_square(f32::from_i32(bin));
+                rest += square * self.gain_of(index);
             }
         }
         let (larger, towards) = if beside[1] > beside[0] { (beside[1], 1.0) } else { (beside[0], -1.0) };
@@ -284,7 +289,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         let samples = real(self.block());
         // The lobe of the window is sinc(x)/(1 − x²), and a sine of amplitude 1 has the sum N/2.
         let lobe = sinc(off) / (1.0 - off * off);
-        let peak = Scalar::sqrt(strongest / self.droop_square(bins)) * scale / lobe;
+        let peak = Scalar::sqrt(strongest / Self::droop_square(bins)) * scale / lobe;
         let of_line = (strongest + beside[0] + beside[1]) / total;
         // 2 |Σ w x e|²/(r Σ w²), with Σ w² = 3/2 N and the rate r of N bins.
         let noise = NOISE_BINS * samples * samples * self.bin_hz * f32::from_i32(near_count.max(1));
@@ -299,9 +304,13 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     }
 
     /// Square of the attenuation of a section at a distance of `bins` from the reference.
-    fn droop_square(&self, bins: f32) -> f32 {
+    fn droop_square(bins: f32) -> f32 {
         let droop = sinc(bins / real(P));
         droop * droop
+    }
+
+    fn gain_of(&self, index: usize) -> f32 {
+        self.gain.get(index).copied().unwrap_or(1.0)
     }
 
     /// Squares of the magnitudes of the bins with the window of Hann, the lowest first, and zeros.
@@ -311,18 +320,17 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         let mut here = self.bin(sections, -Self::REACH);
         for (index, square) in squares.iter_mut().enumerate().take(2 * Self::REACH as usize + 1) {
             let above = self.bin(sections, index as i32 - Self::REACH + 1);
-            let part = |index: usize| {
-                let of = |bin: [f32; 2]| if index == 0 { bin[0] } else { bin[1] };
-                of(here) - 0.5 * (of(below) + of(above))
-            };
-            *square = part(0) * part(0) + part(1) * part(1);
+            // In integers: software floating point takes several times as many instructions.
+            let part = |here: i32, below: i32, above: i32| f32::from_i32(here - ((below + above) >> 1));
+            let [real, imaginary] = [part(here[0], below[0], above[0]), part(here[1], below[1], above[1])];
+            *square = real * real + imaginary * imaginary;
             (below, here) = (here, above);
         }
         squares
     }
 
-    /// A bin without a window.
-    fn bin(&self, sections: &[[i32; 2]; P], bin: i32) -> [f32; 2] {
+    /// A bin without a window: parts below 2³⁰, of sections of [`SECTION_BITS`] bits.
+    fn bin(&self, sections: &[[i32; 2]; P], bin: i32) -> [i32; 2] {
         let (mut real, mut imaginary) = (0_i32, 0_i32);
         let mut turn = 0_usize;
         for &[a, b] in sections {
@@ -331,7 +339,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
             imaginary = imaginary.wrapping_add(a * s + b * c);
             turn = turn.wrapping_add(bin as usize);
         }
-        [f32::from_i32(real), f32::from_i32(imaginary)]
+        [real, imaginary]
     }
 }
 
