@@ -110,6 +110,8 @@ pub(super) fn judge(told: Response, boundaries: [f64; 2], place: Place, truth: T
     let there = [truth.lower, truth.upper];
     let error = |index: usize| match (of[index], there[index]) {
         (Some(told), Some(truth)) if truth > 0.0 => Some((f64::from(told.value) / truth - 1.0).abs()),
+        // All of what is told is wrong.
+        (Some(told), Some(_)) if told.value > 0.0 => Some(1.0),
         _ => None,
     };
     let overall = told.income();
@@ -130,16 +132,17 @@ pub(super) fn judge(told: Response, boundaries: [f64; 2], place: Place, truth: T
     }
 }
 
-/// The margin beside the boundaries, in levels: the farthest from one at which the regime is not as the boundaries say.
+/// The margin beside the boundaries, in levels: the farthest from one at which the regime is not as the boundaries say, at
+/// most [`MARGINS`].
 pub(super) fn margin(measured: &[(Place, Truth, [f64; 2])]) -> f64 {
     let farthest = measured
         .iter()
-        .filter_map(|(place, truth, [rising, falling])| {
+        .map(|(place, truth, [rising, falling])| {
             let at = level_of(place.amplitude);
             // By how much a boundary lies on the wrong side of the place.
             let lower = if truth.lower.is_some() == (at <= *rising) { 0.0 } else { (at - rising).abs() };
             let upper = if truth.upper.is_some() == (at >= *falling) { 0.0 } else { (at - falling).abs() };
-            Some(lower.max(upper)).filter(|distance| *distance <= MARGINS[1])
+            lower.max(upper)
         })
         .fold(0.0, f64::max);
     (ALLOWANCE * farthest).clamp(MARGINS[0], MARGINS[1])
@@ -150,7 +153,7 @@ pub(super) fn bounds(content: &Content<'_>, judged: &[Judged]) -> Vec<SliceBound
     (0..content.slices.len())
         .map(|slice| {
             [0, 1].map(|branch| {
-                let mut largest: Bounds = [[0.0; 2]; BOUNDS];
+                let mut largest: [Option<[f64; 2]>; BOUNDS] = [None; BOUNDS];
                 for found in judged.iter().filter(|judged| judged.place.slice == slice) {
                     let there = [found.truth.lower, found.truth.upper][branch];
                     if let (Some(told), Some(truth)) = (told_of(&found.told)[branch], there)
@@ -159,8 +162,8 @@ pub(super) fn bounds(content: &Content<'_>, judged: &[Judged]) -> Vec<SliceBound
                         let Place { frequency_hz, amplitude, .. } = found.place;
                         let part = content.part(slice, branch, frequency_hz, amplitude);
                         let octaves = (truth.max(1e-300) / f64::from(told.value)).log2();
-                        largest[part][0] = largest[part][0].max(-octaves);
-                        largest[part][1] = largest[part][1].max(octaves);
+                        let [lower, higher] = largest[part].unwrap_or_default();
+                        largest[part] = Some([lower.max(-octaves), higher.max(octaves)]);
                     }
                 }
                 spread(&largest)
@@ -169,13 +172,16 @@ pub(super) fn bounds(content: &Content<'_>, judged: &[Judged]) -> Vec<SliceBound
         .collect()
 }
 
-/// The largest of each part and of those beside it in the same rows, with an allowance.
-fn spread(largest: &Bounds) -> Bounds {
+/// The largest of each part and of those beside it in the same rows, with an allowance; of all parts where none of these
+/// was measured.
+fn spread(largest: &[Option<[f64; 2]>; BOUNDS]) -> Bounds {
     let half = BOUNDS / 2;
     std::array::from_fn(|part| {
         let first = part / half * half;
         let beside = part.saturating_sub(1).max(first)..=(part + 1).min(first + half - 1);
-        let of = |side: usize| beside.clone().map(|other| largest[other][side]).fold(0.0, f64::max);
+        let near = &largest[beside];
+        let measured = if near.iter().any(Option::is_some) { near } else { &largest[..] };
+        let of = |side: usize| measured.iter().flatten().map(|found| found[side]).fold(0.0, f64::max);
         [ALLOWANCE * of(0) + LEAST, ALLOWANCE * of(1) + LEAST]
     })
 }
@@ -209,14 +215,19 @@ mod tests {
 
     #[test]
     fn a_bound_covers_its_neighbours_and_no_other_rows() {
-        let mut largest: Bounds = [[0.0; 2]; BOUNDS];
-        largest[3] = [0.2, 0.1];
-        largest[8] = [0.4, 0.3];
+        let mut largest = [Some([0.0; 2]); BOUNDS];
+        largest[3] = Some([0.2, 0.1]);
+        largest[8] = Some([0.4, 0.3]);
+        for unmeasured in &mut largest[11..14] {
+            *unmeasured = None;
+        }
         let spread = spread(&largest);
         for (part, found) in spread.iter().enumerate() {
             let expected = match part {
                 2..=4 => [0.25 + LEAST, 0.125 + LEAST],
                 8 | 9 => [0.5 + LEAST, 0.375 + LEAST],
+                // Nothing was measured there: the largest of all.
+                12 => [0.5 + LEAST, 0.375 + LEAST],
                 _ => [LEAST; 2],
             };
             let off = (0..2).map(|side| (found[side] - expected[side]).abs()).fold(0.0, f64::max);

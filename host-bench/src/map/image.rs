@@ -246,11 +246,14 @@ impl Content<'_> {
     /// the lower branch at the lowest amplitude is not linear.
     fn broadband(&self) -> [u16; 2] {
         let Some(Broadband { factor, largest }) = self.linear() else { return [0; 2] };
-        let word = |number: f64, octaves: i32| {
-            let level = (number.log2() + f64::from(octaves)) * f64::from(LEVELS_PER_OCTAVE);
-            level.round().clamp(0.0, 65535.0) as u16
-        };
-        [word(factor, POWER_OCTAVES), word(largest, DENSITY_OCTAVES)]
+        let level =
+            |number: f64, octaves: i32| (number.log2() + f64::from(octaves)) * f64::from(LEVELS_PER_OCTAVE);
+        let factor = level(factor, POWER_OCTAVES).round();
+        // A yield that the word does not hold is none: a clipped one would be told as the truth.
+        if !(1.0..=65535.0).contains(&factor) {
+            return [0; 2];
+        }
+        [factor as u16, level(largest, DENSITY_OCTAVES).round().clamp(0.0, 65535.0) as u16]
     }
 
     /// The yield over the density, `2 ∫ h df`, and the largest density; `None` unless every column's lower branch is as the

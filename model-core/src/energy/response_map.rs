@@ -266,17 +266,17 @@ impl<W: Words> ResponseMap<W> {
 
     /// The yield under shaking of a one-sided spectral density in (m/s²)²/Hz near the resonance, as
     /// [`Lines::density`](crate::excitation::Lines::density), averaged over blocks; `None` for a map without a linear lower
-    /// branch, and for a density that is negative or not finite.
+    /// branch, and for a density that is negative or from 2⁶⁴ on.
     #[must_use]
     pub fn broadband(&self, density: f32) -> Option<Broadband> {
         let [factor, largest] = [26, 27].map(|index| i32::from(self.words.word(index)));
-        let level = level(density)?;
+        let level = level_of_density(density)?;
         if factor == 0 {
             return None;
         }
-        let shift = (POWER_OCTAVES + AMPLITUDE_OCTAVES) * LEVELS_PER_OCTAVE;
-        let value = if density > 0.0 { number(level + factor - shift) } else { 0.0 };
-        let is_linear = level + (DENSITY_OCTAVES - AMPLITUDE_OCTAVES) * LEVELS_PER_OCTAVE <= largest;
+        let value =
+            if density > 0.0 { number(level + factor - POWER_OCTAVES * LEVELS_PER_OCTAVE) } else { 0.0 };
+        let is_linear = level + DENSITY_OCTAVES * LEVELS_PER_OCTAVE <= largest;
         Some(Broadband { value, is_linear })
     }
 
@@ -371,8 +371,18 @@ impl<W: Words> ResponseMap<W> {
         let bounds = i32::from(self.words.word(start + head.nodes() + part));
         // From 1/128 octaves to levels.
         let (lower, higher) = ((bounds & 0xff) << 4, (bounds >> 8) << 4);
-        Bounded { value: number(level), low: number(level - lower), high: number(level + higher) }
+        // The largest byte is no bound: the model may yield nothing.
+        let low = if bounds & 0xff == 0xff { 0.0 } else { number(level - lower) };
+        Bounded { value: number(level), low, high: number(level + higher) }
     }
+}
+
+/// The level of a density, not shifted; −80 octaves at 2⁻⁸⁰ and less. `None` for a negative one and from 2⁶⁴ on.
+fn level_of_density(density: f32) -> Option<i32> {
+    /// Octaves by which the exponent is raised: densities are small, and levels begin at 2⁻¹⁶.
+    const RAISED: i32 = 64;
+    let raised = density.to_bits().checked_add(RAISED.cast_unsigned() << 23)?;
+    level(f32::from_bits(raised)).map(|level| level - (AMPLITUDE_OCTAVES + RAISED) * LEVELS_PER_OCTAVE)
 }
 
 /// The answer between two slices: the value of the nearer one, and the bounds of both.

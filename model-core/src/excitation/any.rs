@@ -53,6 +53,10 @@ impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExci
         }
     }
 
+    fn resolved_ticks_at(&self, at: Instant) -> u32 {
+        if let Self::Burst(burst) = self { burst.resolved_ticks_at(at) } else { self.resolved_ticks() }
+    }
+
     fn smooth_ticks(&self, at: Instant) -> u32 {
         match self {
             Self::Sampled(trace) => trace.smooth_ticks(at),

@@ -13,7 +13,8 @@ use crate::scalar::{Mathematics, Polynomial, Scalar};
 /// A whole number of half cycles of a sine, once or periodically; zero before, between and after.
 ///
 /// `a(t) = A sin(2π f (t − t₀))` for `0 ≤ t − t₀ < n/2f`: with one half cycle a half-sine shock. Start, length and period
-/// are whole ticks, steps end at the start and at the end of each burst, and the response to it is exact.
+/// are whole ticks. The event-driven methods end a step at the start and at the end of each burst and respond exactly to it;
+/// the fixed steps of bump-stop see the mean and the first moment of the acceleration over a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Burst<S, M = Polynomial> {
@@ -140,6 +141,16 @@ impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Burst<S, M> {
         within.map_or(S::ZERO, |elapsed| {
             self.amplitude * self.angular_frequency * M::cosine_of_turns(self.phase(elapsed))
         })
+    }
+
+    /// Before a burst a step reaches into it by at most 0.9 radians.
+    fn resolved_ticks_at(&self, at: Instant) -> u32 {
+        let Place { within, left } = self.place(at);
+        if within.is_some() {
+            self.resolved
+        } else {
+            u32::try_from(left).unwrap_or(u32::MAX).max(self.resolved)
+        }
     }
 
     /// To the next start or end, and within a burst at most 0.9 radians.

@@ -9,6 +9,9 @@ pub const DENSITY_FREQUENCY: Bounds<f64> = Bounds { lowest: 1e-3, highest: 1e5 }
 /// Values of a spectral density in (m/s²)²/Hz.
 pub const SPECTRAL_DENSITY: Bounds<f64> = Bounds { lowest: 1e-12, highest: 1e8 };
 
+/// Least quotient of the frequencies of two neighbouring points.
+const LEAST_QUOTIENT: f64 = 1.001;
+
 /// A one-sided spectral density of acceleration, `S(f)` in (m/s²)²/Hz, as vibration standards give it.
 ///
 /// Between two points `ln S` is linear in `ln f`: a constant number of decibels for each octave. Below the first and
@@ -22,8 +25,8 @@ impl<'a, S: Scalar> SpectralDensity<'a, S> {
     /// The density through `points`, each a frequency in Hz and a density in (m/s²)²/Hz.
     ///
     /// # Errors
-    /// Fewer than two points, a frequency that is not above that of the point before, or a number out of
-    /// [`DENSITY_FREQUENCY`] or [`SPECTRAL_DENSITY`]; the error has the index of the point.
+    /// Fewer than two points, a frequency that is not above that of the point before by at least a thousandth, or a number out
+    /// of [`DENSITY_FREQUENCY`] or [`SPECTRAL_DENSITY`]; the error has the index of the point.
     pub fn new(points: &'a [[S; 2]]) -> Result<Self, ExcitationError> {
         if points.len() < 2 {
             return Err(ExcitationError::TooFewPoints);
@@ -34,7 +37,8 @@ impl<'a, S: Scalar> SpectralDensity<'a, S> {
         let mut last = S::ZERO;
         for (index, &[frequency, density]) in points.iter().enumerate() {
             let valid = within(frequency, DENSITY_FREQUENCY) && within(density, SPECTRAL_DENSITY);
-            if !(valid && frequency > last) {
+            // In a narrower band rounding moves the lines.
+            if !(valid && frequency >= last * S::from_f64(LEAST_QUOTIENT)) {
                 return Err(ExcitationError::Point { index });
             }
             last = frequency;

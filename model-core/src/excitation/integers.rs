@@ -54,7 +54,7 @@ fn logarithm_of_mantissa(number: u64) -> u64 {
     logarithm
 }
 
-/// `log₂ (high/low)` in units of 2⁻⁵⁷ for `low ≤ high`, at most 2⁷ low; both are above 0.
+/// `log₂ (high/low)` in units of 2⁻⁵⁷ for `low ≤ high`, a quotient below 2⁶⁵; both are above 0.
 pub(super) fn octaves(low: u128, high: u128) -> u64 {
     // Within a factor of 2⁶³; the quotient then has its highest bit at 63 or above.
     let quotient = divide(high, 63, low).max(1 << 63);

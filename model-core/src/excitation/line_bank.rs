@@ -17,7 +17,8 @@
 //! the window's ratio (2 r − 1)/(r + 1)).
 //!
 //! A line at a distance of `d` section rates from the reference, beyond the bins, appears at the fraction of `d`, attenuated
-//! to `sinc(d)`: by at least 13 dB, and by 30 dB or more where it falls within a tenth of a section rate of the reference.
+//! to `sinc(d)`: by at least 10 dB at the nearest that appears among the bins, three quarters of a section rate, and by 20 dB at
+//! nine tenths.
 
 #[cfg(test)]
 mod tests;
@@ -108,23 +109,23 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     /// in Hz.
     ///
     /// # Errors
-    /// [`ExcitationError::Frequency`]: the rate is not from 1 to 10⁵, or the resonance not from two section rates to 0.45 of
-    /// the rate, or the half-bandwidth not positive and within the bins. [`ExcitationError::TooFewSamples`]: a block is
-    /// shorter than the harvester's memory, `Q/(π f) = 1/(2π · half-bandwidth)`, or `M` is not from 16 to 128.
-    /// [`ExcitationError::Amplitude`]: the unit is not positive.
+    /// [`ExcitationError::Section`], [`ExcitationError::Unit`], [`ExcitationError::Rate`], [`ExcitationError::Resonance`],
+    /// [`ExcitationError::Block`].
     pub fn new(rate: f32, frequency: f32, half_bandwidth: f32, unit: f32) -> Result<Self, ExcitationError> {
         const { assert!(P.is_power_of_two() && P >= 8 && P <= MOST_SECTIONS, "8, 16 or 32 sections") };
         if !(16..=MOST_SAMPLES).contains(&M) {
-            return Err(ExcitationError::TooFewSamples);
+            return Err(ExcitationError::Section);
         }
         if !(unit > 0.0 && unit.is_finite()) {
-            return Err(ExcitationError::Amplitude);
+            return Err(ExcitationError::Unit);
         }
-        let in_bounds = (1.0..=1e5).contains(&rate) && frequency > 0.0 && frequency <= 0.45 * rate;
-        if !(in_bounds && half_bandwidth > 0.0) {
-            return Err(ExcitationError::Frequency);
+        if !(1.0..=1e5).contains(&rate) {
+            return Err(ExcitationError::Rate);
         }
-        let (samples, cycles) = Self::section(rate, frequency).ok_or(ExcitationError::Frequency)?;
+        if !(frequency > 0.0 && frequency <= 0.45 * rate && half_bandwidth > 0.0) {
+            return Err(ExcitationError::Resonance);
+        }
+        let (samples, cycles) = Self::section(rate, frequency).ok_or(ExcitationError::Resonance)?;
         let section_rate = rate / real(samples);
         let reference_hz = section_rate * real(cycles);
         let bin_hz = section_rate / real(P);
@@ -132,11 +133,11 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         let high = (frequency + half_bandwidth - reference_hz) / bin_hz + 1.0;
         let reach = f32::from_i32(Self::REACH) + 1.0;
         if !(low > -reach && high < reach) {
-            return Err(ExcitationError::Frequency);
+            return Err(ExcitationError::Resonance);
         }
         // A block lasts 1/bin_hz.
         if bin_hz > core::f32::consts::TAU * half_bandwidth {
-            return Err(ExcitationError::TooFewSamples);
+            return Err(ExcitationError::Block);
         }
         let mut bank = Self {
             reference: [[0; 2]; M],

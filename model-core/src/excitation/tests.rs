@@ -121,6 +121,10 @@ fn an_excitation_chosen_at_run_time_has_the_bits_of_its_type() {
     ];
     for (typed, chosen) in pairs {
         assert_eq!(typed.resolved_ticks(), chosen.resolved_ticks());
+        for tenth in 0..20 {
+            let at = Instant::from_ticks(tenth << 35);
+            assert_eq!(typed.resolved_ticks_at(at), chosen.resolved_ticks_at(at));
+        }
         assert_eq!(typed.angular_frequency().to_bits(), chosen.angular_frequency().to_bits());
         for k in 0..50 {
             let (at, ticks) = (Instant::from_ticks(k * 987_654_321), 20_000_000);

@@ -9,7 +9,9 @@ use model_core::part::load::Resistor;
 use model_core::part::restitution::ConstantRestitution;
 use model_core::scalar::Scalar;
 use model_core::scene::contact_separation::{Choices, Parameters, Start};
-use model_core::scene::{Harvester, Simulation};
+use model_core::scene::{Harvester, Simulation, bump_stop};
+
+use crate::common::harvesters::bump_parameters;
 
 /// Delivered energy and end of a run that is divided as told.
 fn run<S: Scalar>(excitation: &impl Excitation<S>, budget: u32, stops: &[f64]) -> (S, S) {
@@ -83,4 +85,30 @@ fn excitations<S: Scalar>() {
 fn the_bits_of_a_run_do_not_depend_on_its_division() {
     excitations::<f64>();
     excitations::<f32>();
+}
+
+/// Energy delivered by a beam with three modes far from its stop, with a step in s.
+fn delivered_by_a_beam(excitation: &impl Excitation<f64>, step: f64) -> f64 {
+    let mut parameters = bump_parameters::<f64>();
+    parameters.choices.stop.gap = 1e-2;
+    let scene = parameters.build::<3, 1>().expect("in bounds");
+    let beam = bump_stop::Stepper::new(scene, step.min(1e-5), step).expect("in bounds");
+    let mut state = beam.start(&bump_stop::Start::default(), excitation).expect("starts");
+    let mut meter = PowerMeter::new();
+    let until = Instant::from_seconds(0.02).expect("in range");
+    let advance = beam.advance(&mut state, excitation, until, u32::MAX, &mut meter).expect("runs");
+    assert_eq!(advance.ended, Ended::Finished);
+    meter.delivered_energy()
+}
+
+#[test]
+fn a_long_step_of_a_beam_resolves_a_burst_at_its_third_mode() {
+    let scene = bump_parameters::<f64>().build::<3, 1>().expect("in bounds");
+    // The capacitance raises this mode by less than its bandwidth.
+    let third = scene.open_circuit_angular_frequency(2).expect("a mode") / core::f64::consts::TAU;
+    let burst =
+        Burst::<f64>::cycles(300.0, third, 12).and_then(|burst| burst.starting_at(1e-3)).expect("valid");
+    let [coarse, fine] = [180e-6, 2e-6].map(|step| delivered_by_a_beam(&burst, step));
+    // A sine is resolved by steps of 0.9 radians too, over which the voltage is linear. Unresolved it is 31 % less.
+    assert!((coarse / fine - 1.0).abs() < 0.2, "{coarse:e} {fine:e}");
 }

@@ -132,6 +132,10 @@ impl<S: Scalar, E: Excitation<S>> Excitation<S> for Daily<S, E> {
         factor * self.base.jerk(at) + rate * self.base.acceleration(at)
     }
 
+    fn resolved_ticks_at(&self, at: Instant) -> u32 {
+        self.base.resolved_ticks_at(at)
+    }
+
     fn resolved_ticks(&self) -> u32 {
         self.base.resolved_ticks()
     }

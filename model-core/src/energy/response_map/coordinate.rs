@@ -42,7 +42,7 @@ fn entry<T: Copy + Into<u32>, const N: usize>(table: &[T; N], index: u32) -> u32
 }
 
 /// The level of an amplitude in m/s² or of a voltage in V, shifted by [`AMPLITUDE_OCTAVES`]: 0 at 2⁻¹⁶ and less, below
-/// 2¹⁷ for every finite number; `None` for a negative number and for one that is not finite.
+/// 2¹⁹ for every finite number; `None` for a negative number and for one that is not finite.
 #[inline]
 #[must_use]
 pub fn level(number: f32) -> Option<i32> {

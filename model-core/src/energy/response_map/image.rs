@@ -30,7 +30,8 @@
 //! lower branch, then that at which a falling sweep leaves the upper one; with one branch, the levels from which its rows
 //! count. Then, for each branch, lower first: for each column its rows, each the level of the value, and sixteen words of
 //! bounds, eight parts of the columns for the first rows ([`NEAR`]), then eight for the others; a word has the part by which
-//! the true value may be higher in its upper byte and that by which it may be lower in its lower byte, in 1/128 octaves.
+//! the true value may be higher in its upper byte and that by which it may be lower in its lower byte, in 1/128 octaves;
+//! 255 in the lower byte is no lower bound.
 
 use core::fmt;
 

@@ -261,7 +261,7 @@ fn broadband_shaking_yields_in_proportion_to_its_density_and_is_flagged_above_th
     let words = built(&BOTH);
     let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
     // The factor is 2^−20, the largest density 1.
-    for density in [1e-3_f32, 0.1, 0.9] {
+    for density in [1e-12_f32, 1e-9, 1e-6, 1e-3, 0.1, 0.9] {
         let found = map.broadband(density).expect("linear");
         assert!((found.value * f32::from_bits((127 + 20) << 23) / density - 1.0).abs() < 2e-3, "{found:?}");
         assert!(found.is_linear);

@@ -100,16 +100,32 @@ fn the_density_of_white_noise_is_its_variance_over_half_the_rate() {
 fn what_cannot_be_resolved_is_refused() {
     let new = |rate, frequency, half, unit| LineBank::<80, 16>::new(rate, frequency, half, unit).err();
     assert_eq!(new(400.0, 20.0, 0.1, 1e-3), None);
-    assert_eq!(new(400.0, 190.0, 0.1, 1e-3), Some(ExcitationError::Frequency));
-    assert_eq!(new(400.0, 5.0, 0.1, 1e-3), Some(ExcitationError::Frequency));
-    assert_eq!(new(400.0, 20.0, 0.0, 1e-3), Some(ExcitationError::Frequency));
-    assert_eq!(new(400.0, 20.0, f32::NAN, 1e-3), Some(ExcitationError::Frequency));
+    assert_eq!(new(400.0, 190.0, 0.1, 1e-3), Some(ExcitationError::Resonance));
+    assert_eq!(new(400.0, 5.0, 0.1, 1e-3), Some(ExcitationError::Resonance));
+    assert_eq!(new(0.5, 0.1, 0.1, 1e-3), Some(ExcitationError::Rate));
+    assert_eq!(new(400.0, 20.0, 0.0, 1e-3), Some(ExcitationError::Resonance));
+    assert_eq!(new(400.0, 20.0, f32::NAN, 1e-3), Some(ExcitationError::Resonance));
     // 3.2 s are shorter than the memory of 8 s.
-    assert_eq!(new(400.0, 20.0, 0.02, 1e-3), Some(ExcitationError::TooFewSamples));
+    assert_eq!(new(400.0, 20.0, 0.02, 1e-3), Some(ExcitationError::Block));
     // A band wider than the bins.
-    assert_eq!(new(400.0, 20.0, 2.0, 1e-3), Some(ExcitationError::Frequency));
-    assert_eq!(new(400.0, 20.0, 0.1, 0.0), Some(ExcitationError::Amplitude));
-    assert_eq!(LineBank::<8, 16>::new(400.0, 20.0, 0.1, 1e-3).err(), Some(ExcitationError::TooFewSamples));
+    assert_eq!(new(400.0, 20.0, 2.0, 1e-3), Some(ExcitationError::Resonance));
+    assert_eq!(new(400.0, 20.0, 0.1, 0.0), Some(ExcitationError::Unit));
+    assert_eq!(LineBank::<8, 16>::new(400.0, 20.0, 0.1, 1e-3).err(), Some(ExcitationError::Section));
+}
+
+#[test]
+fn a_line_beyond_the_bins_appears_attenuated() {
+    let bank = LineBank::<80, 16>::new(400.0, 20.0, 0.1, 1e-3).expect("in bounds");
+    let section_rate = 5.0;
+    for part in [0.75_f64, 0.85, 0.9] {
+        let frequency = f64::from(bank.reference_frequency()) + part * section_rate;
+        let attenuated = (std::f64::consts::PI * part).sin() / (std::f64::consts::PI * part);
+        for line in lines(&bank, 400.0, |t| 1.0 * (TAU * frequency * t).sin()) {
+            // The droop of its place among the bins is divided out.
+            let found = f64::from(line.amplitude);
+            assert!(found > 0.9 * attenuated && found < 1.15 * attenuated, "{part}: {found} {attenuated}");
+        }
+    }
 }
 
 #[test]

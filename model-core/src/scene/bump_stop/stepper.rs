@@ -158,7 +158,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
             }
             // Every step resolves the excitation.
-            let resolved = excitation.resolved_ticks();
+            let resolved = excitation.resolved_ticks_at(pair.now.clock);
             let left = pair.now.clock.ticks_until(until, resolved);
             let left = if CUT { left } else { left.max(self.short().ticks.min(resolved)) };
             if !pair.now.closed && self.fly(left, &mut level, pair, excitation, observer, &mut work)? {

@@ -49,6 +49,8 @@ const HALVINGS: u32 = 30;
 const MOST_CENTRINGS: u32 = 8;
 /// Residual of the mean force relative to that of the spring at the amplitude.
 const CENTRED: f64 = 1e-6;
+/// The same, up to which the motion is balanced: the higher harmonics that are left out are larger.
+const BALANCED: f64 = 1e-3;
 /// Least amplitude that is tried, as a part of the largest.
 const LEAST: f64 = 1e-3;
 /// Largest valid second and third harmonic of the motion together, as a part of the first.
@@ -121,6 +123,13 @@ struct Drive<S> {
     natural: S,
 }
 
+impl<S: Scalar> Drive<S> {
+    /// The mean force that is left at the mean position, as a part of the amplitude by which it would move it.
+    fn unbalanced(&self, motion: &Motion<S>, period: &Period<S>) -> S {
+        period.mean.abs() / (self.natural * self.natural * motion.amplitude).max(S::TINY)
+    }
+}
+
 impl<S: Scalar, H: RegularMotion<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// Mean power into a storage held at `storage_voltage` in V, under the base acceleration `amplitude · sin(2π ·
     /// frequency · t)` in m/s² and Hz, of the motion without impacts, or without stick and on the active patch. The
@@ -144,7 +153,7 @@ impl<S: Scalar, H: RegularMotion<S>, R: StorageElement<S>> Rectified<S, H, R> {
                 validity: Validity::Holds { margin: if hold > S::ZERO { held } else { S::ZERO } },
             };
         }
-        let (motion, period, short) = self.motion(&drive, threshold);
+        let (motion, period) = self.motion(&drive, threshold);
         let needs = self.needs(&motion, &period, &drive);
         let reach = motion.amplitude / self.harvester.room(motion.mean).max(S::TINY);
         let in_transient = H::COEXISTS && needs.is_above;
@@ -157,7 +166,7 @@ impl<S: Scalar, H: RegularMotion<S>, R: StorageElement<S>> Rectified<S, H, R> {
             rms_voltage: period.square.sqrt(),
             amplitude: motion.amplitude,
             validity: Validity::of([
-                (Reason::NotBalanced, short),
+                (Reason::NotBalanced, drive.unbalanced(&motion, &period) * S::from_f64(1.0 / BALANCED)),
                 (H::BEYOND, reach),
                 (Reason::ImpactsInTransient, if in_transient { reach + reach } else { S::ZERO }),
                 (Reason::Sticks, ratio(hold, needs.pull)),
@@ -189,33 +198,27 @@ impl<S: Scalar, H: RegularMotion<S>, R: StorageElement<S>> Rectified<S, H, R> {
         force.magnitude() / stiffness.abs().max(S::TINY)
     }
 
-    /// The motion of the least amplitude that needs at least the drive, its period, and 0 or, without one in the room,
-    /// infinity.
-    fn motion(&self, drive: &Drive<S>, threshold: S) -> (Motion<S>, Period<S>, S) {
+    /// The motion of the least amplitude that needs at least the drive, or one beyond the room, and its period.
+    fn motion(&self, drive: &Drive<S>, threshold: S) -> (Motion<S>, Period<S>) {
         let [rest, _] = self.harvester.rest();
         let room = self.harvester.room(rest);
         let step = room / S::from_u32(TRIED);
         let mut low = S::ZERO;
-        let mut centre = rest;
-        let mut found = None;
-        for number in 0..=TRIED {
-            let high = if number == 0 { S::from_f64(LEAST) * room } else { step * S::from_u32(number) };
-            let (motion, period) = self.centred(centre, high, drive, threshold);
-            centre = motion.mean;
-            let enough = self.needs(&motion, &period, drive).drive >= drive.acceleration;
-            found = Some((motion, period));
-            if enough {
+        let (mut motion, mut period) = self.centred(rest, S::from_f64(LEAST) * room, drive, threshold);
+        let falls_short = |motion: &Motion<S>, period: &Period<S>| {
+            !(self.needs(motion, period, drive).drive >= drive.acceleration)
+        };
+        for number in 1..=TRIED {
+            if !falls_short(&motion, &period) {
                 break;
             }
-            low = high;
+            low = motion.amplitude;
+            (motion, period) = self.centred(motion.mean, step * S::from_u32(number), drive, threshold);
         }
-        let Some((mut motion, mut period)) = found else {
-            return (Motion { mean: rest, amplitude: S::ZERO }, Period::NONE, S::INFINITY);
-        };
-        if !(self.needs(&motion, &period, drive).drive >= drive.acceleration) {
+        if falls_short(&motion, &period) {
             // The largest motion needs less: beyond it.
             motion.amplitude *= S::from_f64(1.01);
-            return (motion, period, S::ZERO);
+            return (motion, period);
         }
         let mut high = motion.amplitude;
         for _ in 0..HALVINGS {
@@ -227,7 +230,7 @@ impl<S: Scalar, H: RegularMotion<S>, R: StorageElement<S>> Rectified<S, H, R> {
                 low = middle;
             }
         }
-        (motion, period, S::ZERO)
+        (motion, period)
     }
 
     fn needs(&self, motion: &Motion<S>, period: &Period<S>, drive: &Drive<S>) -> Needs<S> {
@@ -241,7 +244,7 @@ impl<S: Scalar, H: RegularMotion<S>, R: StorageElement<S>> Rectified<S, H, R> {
         let mut period = self.period(&motion, drive, threshold);
         let stiffness = drive.natural * drive.natural;
         for _ in 0..MOST_CENTRINGS {
-            if period.mean.abs() <= S::from_f64(CENTRED) * stiffness * amplitude {
+            if drive.unbalanced(&motion, &period) <= S::from_f64(CENTRED) {
                 break;
             }
             motion.mean += period.mean / stiffness;
