@@ -5,6 +5,7 @@ pub mod closed_form;
 pub mod figures;
 mod files;
 pub mod findings;
+pub mod keys;
 pub mod map;
 pub mod needs;
 pub mod on_target;

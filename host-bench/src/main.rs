@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use clap::error::ErrorKind;
 use host_bench::command::{
-    budget, closed_form, figures, findings, map, needs, on_target, overview, report, resonance, run,
+    budget, closed_form, figures, findings, keys, map, needs, on_target, overview, report, resonance, run,
     stability, stop, sweep, work_precision,
 };
 use host_bench::method::Failure;
@@ -29,10 +29,14 @@ enum Command {
     Figures(figures::FiguresArguments),
     /// What the two papers find, measured on the shipped scenes
     Findings(findings::FindingsArguments),
+    /// Every key of scene files: unit, bounds, default, meaning
+    Keys(keys::KeysArguments),
     /// The income over amplitude and frequency, for a node to look up
     Map(map::MapArguments),
     /// Which parts of a scene its mean power needs, and what runs the scene without the others
     Needs(needs::NeedsArguments),
+    /// A commented template of a scene file
+    New(keys::NewArguments),
     /// The frequency at which the steady state of a scene responds most
     Resonance(resonance::ResonanceArguments),
     /// Run one scene
@@ -63,8 +67,10 @@ fn main() -> ExitCode {
         Some(Command::ClosedForm(arguments)) => closed_form::run(arguments),
         Some(Command::Figures(arguments)) => figures::run(arguments),
         Some(Command::Findings(arguments)) => findings::run(arguments),
+        Some(Command::Keys(arguments)) => keys::run(arguments),
         Some(Command::Map(arguments)) => map::run(arguments),
         Some(Command::Needs(arguments)) => needs::run(arguments),
+        Some(Command::New(arguments)) => keys::new(arguments),
         Some(Command::Resonance(arguments)) => resonance::run(arguments),
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::OnTarget(arguments)) => {

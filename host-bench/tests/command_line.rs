@@ -6,6 +6,7 @@ mod command_line {
     mod closed_form;
     mod created_energy;
     mod good_runs;
+    mod keys;
     mod needs;
     mod outputs;
     mod presets;

@@ -53,9 +53,9 @@ impl Precision {
 pub enum Math {
     /// The polynomials of the core.
     Polynomial,
-    /// The crate `libm`: accurate to an ulp.
+    /// The crate libm: accurate to an ulp.
     Libm,
-    /// The crate `micromath`: small and coarse, single precision only.
+    /// The crate micromath: small and coarse, single precision only.
     Micromath,
 }
 
@@ -78,7 +78,7 @@ pub struct Options {
     /// Step in seconds of a bump-stop scene in free flight, at least that near contact [default: --step, 2e-5 without]
     #[arg(long = "long-step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
     pub long_step_s: Option<f64>,
-    /// Relative error of the mean power to aim at, by exponential Radau or in `run` of a bump-stop scene; tolerance or steps
+    /// Relative error of the mean power to aim at, by exponential Radau, and by run in a bump-stop scene; tolerance or steps
     /// follow [default: 1e-6; 1e-5 in f32; 1e-3 in a bump-stop scene]
     #[arg(long, value_name = "REL", conflicts_with_all = ["step_s", "tolerance"], allow_hyphen_values = true)]
     pub accuracy: Option<f64>,

@@ -9,6 +9,7 @@ mod bump_stop;
 mod contact_separation;
 mod document;
 mod excitation;
+pub mod key;
 mod load;
 pub mod modes;
 mod node;
@@ -18,17 +19,34 @@ mod run_span;
 mod scene;
 mod section;
 mod sliding;
+mod template;
 mod trace;
+mod triboelectric;
 
 use std::path::{Path, PathBuf};
 
+pub(crate) use self::bounds::Short;
 use self::document::Document;
 pub use self::document::SceneError;
+use self::key::{Kind, Table, Value, other};
 pub use self::overrides::{Override, contains, replaces};
 pub use self::scene::*;
 use self::section::{Reader, Section};
+pub use self::template::{template, templates};
 /// Acceleration of gravity in m/s²: the factor of `amplitude_g`.
 pub use model_core::part::GRAVITY;
+
+/// All keys of a scene file.
+pub static KEYS: Table = Table {
+    selector: "scene",
+    kinds: &[&contact_separation::KIND, &sliding::KIND, &bump_stop::KIND],
+    keys: &[
+        other("load", Value::Table(&load::TABLE), "What is connected to the harvester"),
+        other("excitation", Value::Table(&excitation::TABLE), "The acceleration of the base"),
+        other("run", Value::Table(&run_span::TABLE), "How long to simulate, and from when to measure"),
+        other("node", Value::Table(&node::TABLE), "A sensor node, for the command budget").or_said("none"),
+    ],
+};
 
 /// Reads and checks a scene file, with `overrides` put in first, in their order.
 ///
@@ -54,8 +72,17 @@ pub fn read_with_node(file: &Path, overrides: &[Override]) -> Result<(Scene, Nod
 /// If the scene file cannot be read, or has no `[excitation]`.
 pub fn files(file: &Path, overrides: &[Override]) -> Result<Vec<PathBuf>, SceneError> {
     let document = Document::read(file, overrides)?;
-    let recording = trace::path(&mut Section::root(&document).table("excitation")?);
+    let recording = trace::path(&mut Section::root(&document, &KEYS).table("excitation")?);
     Ok(std::iter::once(file.to_owned()).chain(recording).collect())
+}
+
+/// The file as JSON, unchecked; infinity is the largest number, which JSON has in its place.
+///
+/// # Errors
+/// If the file cannot be read or is not TOML.
+#[cfg(test)]
+pub(crate) fn as_json(file: &Path, overrides: &[Override]) -> Result<serde_json::Value, SceneError> {
+    Document::read(file, overrides).map(|document| document.content.as_json())
 }
 
 /// The path of a scene file in `host-bench/scenes`, by its name without ending.
@@ -66,13 +93,13 @@ pub fn shipped(name: &str) -> PathBuf {
 
 fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>), SceneError> {
     let document = Document::read(file, overrides)?;
-    let mut root = Section::root(&document);
-    let scenes: [(&str, Reader<Model>); 3] = [
-        ("contact-separation", contact_separation::model),
-        ("sliding", sliding::model),
-        ("bump-stop", bump_stop::model),
+    let mut root = Section::root(&document, &KEYS);
+    let scenes: [(&Kind, Reader<Model>); 3] = [
+        (&contact_separation::KIND, contact_separation::model),
+        (&sliding::KIND, sliding::model),
+        (&bump_stop::KIND, bump_stop::model),
     ];
-    let model = root.choice("scene", &scenes)?(&mut root)?;
+    let model = root.kind(&scenes)?(&mut root)?;
     let (load, part) = load::load(root.table("load")?)?;
     let excitation = excitation::excitation(root.table("excitation")?)?;
     let run = run_span::run_span(root.table("run")?, &excitation)?;

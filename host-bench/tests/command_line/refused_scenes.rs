@@ -200,7 +200,7 @@ fn a_missing_key_is_named_with_its_bound() {
 #[test]
 fn numbers_that_do_not_fit_together() {
     refused_with(&["run.settle_s=15"], &["run.settle_s = 15", "before the end of the run at 15 s"]);
-    refused_with(&["run.duration_s=10"], &["run.settle_s = 10.0", "at 10 s", ":33:"]);
+    refused_with(&["run.duration_s=10"], &["run.settle_s = 10.0", "at 10 s", ":34:"]);
     refused_with(
         &["parameters.stiffness_n_per_m=1e9", "parameters.mass_kg=1e-12"],
         &["parameters.stiffness_n_per_m = 1e9", "natural frequency", "from 1e-3 to 1e4"],

@@ -1,13 +1,13 @@
-//! The bounds of the numbers of a scene file.
-//!
-//! A parameter of the core has the core's bounds; a reader states the bounds of its other keys.
+//! The bounds of the numbers of a scene file, and how a message writes them.
 
 use std::fmt;
 
 use model_core::bounds::Bounds;
 
-/// Names of numbers and their bounds in SI units; a name is a key, or the core's name of a parameter.
-pub(super) type Table = &'static [(&'static str, Bounds<f64>)];
+use super::key::{Key, Value};
+
+/// The core's names of parameters and their bounds in SI units.
+pub(super) type CoreTable = &'static [(&'static str, Bounds<f64>)];
 
 /// From `lowest` to `highest`.
 pub(super) const fn between(lowest: f64, highest: f64) -> Bounds<f64> {
@@ -23,17 +23,32 @@ pub(super) struct Bound {
 }
 
 impl Bound {
-    /// The bound of a key by the first of the tables that has it.
-    pub(super) fn of(key: &str, tables: &[Table]) -> Self {
-        // A key without a row must not pass unchecked.
-        let range = row(key, tables).map_or(between(f64::NAN, f64::NAN), |(_, range)| *range);
-        Self { range, or_limits: key == "resistance_ohm" }
+    /// The bound of each number of a key's value; nothing is within that of a key which is no number.
+    pub(super) fn of(key: &Key) -> Self {
+        let (range, or_limits) = match key.value {
+            Value::NumberOrLimits(range) => (range, true),
+            Value::Number(range)
+            | Value::Whole(range)
+            | Value::Numbers(range, _)
+            | Value::Points(range, _)
+            | Value::Column(range)
+            | Value::ColumnOrFalse(range) => (range, false),
+            _ => return Self::default(),
+        };
+        Self { range, or_limits }
     }
 
     /// Whether the value is allowed; not-a-number never is.
     pub(super) fn contains(&self, value: f64) -> bool {
         (self.range.lowest..=self.range.highest).contains(&value)
             || self.or_limits && (value == 0.0 || value == f64::INFINITY)
+    }
+}
+
+impl Default for Bound {
+    /// Nothing is within.
+    fn default() -> Self {
+        between(f64::NAN, f64::NAN).into()
     }
 }
 
@@ -51,38 +66,8 @@ impl fmt::Display for Bound {
     }
 }
 
-/// The name and the bounds of a key in the first of the tables that has it.
-pub(super) fn row(key: &str, tables: &[Table]) -> Option<&'static (&'static str, Bounds<f64>)> {
-    let rows = || tables.iter().copied().flatten();
-    let alias = alias(key);
-    rows().find(|(name, _)| names(name, key)).or_else(|| rows().find(|(name, _)| names(name, alias)))
-}
-
-/// Whether a parameter of the core, `part.field`, is the one of a key, `field` or `field_unit`.
-fn names(name: &str, key: &str) -> bool {
-    let field = name.rsplit('.').next().unwrap_or(name);
-    key.strip_prefix(field).is_some_and(|unit| unit.is_empty() || unit.starts_with('_'))
-}
-
-/// The core's name of the parameter with the bounds of a key, where the key does not begin with its field.
-fn alias(key: &str) -> &str {
-    match key {
-        "leakage_ohm" => "leakage_resistance",
-        "initial_v" => "initial_voltage",
-        "highest_v" => "highest_voltage",
-        // These have the bounds of what each may at most be; the reader compares the two.
-        "turn_off_v" => "turn_on",
-        "position_m" => "length",
-        "kinetic_friction_active" => "static_friction_active",
-        "kinetic_friction_inert" => "static_friction_inert",
-        "modal_displacement" | "rod_modal_displacement" => "modal displacement",
-        "modal_velocity" | "rod_modal_velocity" => "modal velocity",
-        key => key,
-    }
-}
-
 /// A number as short as it can be written exactly.
-pub(super) struct Short(pub(super) f64);
+pub(crate) struct Short(pub(crate) f64);
 
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

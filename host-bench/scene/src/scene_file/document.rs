@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::KEYS;
+use super::key::{Kind, Table, Value};
 use super::overrides::{Override, alternatives};
 
 /// Longest value that a message repeats in full.
@@ -93,6 +95,22 @@ pub(super) enum Content {
     Table(Vec<(String, Node)>),
 }
 
+#[cfg(test)]
+impl Content {
+    pub(super) fn as_json(&self) -> serde_json::Value {
+        match self {
+            Self::Number(value, _) => value.clamp(f64::MIN, f64::MAX).into(),
+            Self::Text(text) | Self::Date(text) => text.as_str().into(),
+            Self::Boolean(value) => (*value).into(),
+            Self::List(items) => items.iter().map(|item| item.content.as_json()).collect(),
+            Self::Table(entries) => {
+                let entries = entries.iter().map(|(key, node)| (key.clone(), node.content.as_json()));
+                serde_json::Value::Object(entries.collect())
+            }
+        }
+    }
+}
+
 impl fmt::Display for Content {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -131,7 +149,17 @@ impl Document {
             let line = line_of(&String::from_utf8_lossy(&error.as_bytes()[..valid]), valid);
             fault(Some(line), "is not UTF-8 text".to_owned())
         })?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let mut document = Self::parse(file, &text)?;
+        for change in overrides {
+            document.put(change)?;
+        }
+        Ok(document)
+    }
+
+    /// The tree of a text; `file` is blamed.
+    pub(super) fn parse(file: &Path, text: &str) -> Result<Self, SceneError> {
+        let fault = |line, reason: String| SceneError::of_file(file, line, reason);
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let table = DeTable::parse(text).map_err(|error| {
             let line = error.span().map(|span| line_of(text, span.start));
             let reason = format!("is not TOML: {}", error.message().replace('\n', "; "));
@@ -145,21 +173,18 @@ impl Document {
         })?;
         let origin = |start: usize| Origin::Line(line_of(text, start));
         let content = Content::Table(convert_table(table.get_ref(), &origin));
-        let mut document = Self { file: file.to_owned(), content };
-        for change in overrides {
-            document.put(change)?;
-        }
-        Ok(document)
+        Ok(Self { file: file.to_owned(), content })
     }
 
     fn put(&mut self, change: &Override) -> Result<(), SceneError> {
         let node = Node { content: change.content(), origin: Origin::Override };
         let key = change.key();
         let refuse = |reason: &str| SceneError::of_value(&self.file, key, &node, reason);
-        let (tables, last) = match key.rsplit_once('.') {
+        let (tables, last): (Vec<&str>, &str) = match key.rsplit_once('.') {
             Some((tables, last)) => (tables.split('.').collect(), last.trim()),
             None => (Vec::new(), key),
         };
+        let kinds = Kinds::of(&self.content, &tables, last, &node.content);
         let mut content = &mut self.content;
         for part in tables {
             content = match inner(content, part.trim()) {
@@ -171,12 +196,72 @@ impl Document {
             for other in alternatives(last) {
                 entries.retain(|(key, _)| key != other);
             }
+            if let Some(kinds) = kinds {
+                entries.retain(|(key, node)| node.origin == Origin::Override || kinds.keep(key));
+            }
         }
         match inner(content, last) {
             Some(found) => *found = node,
             None => return Err(refuse("leads to no table")),
         }
         Ok(())
+    }
+}
+
+/// The kind that a table has, and the one that an override gives it.
+#[derive(Debug, Clone, Copy)]
+struct Kinds {
+    before: &'static Kind,
+    after: &'static Kind,
+}
+
+impl Kinds {
+    /// The kinds of the table that `tables` leads to, if the value of its key `last` says its kind.
+    fn of(content: &Content, tables: &[&str], last: &str, value: &Content) -> Option<Self> {
+        // The tables of one scene are not those of another.
+        if tables.is_empty() {
+            return None;
+        }
+        let (mut table, mut content) = (&KEYS, content);
+        for part in tables.iter().map(|part| part.trim()) {
+            content = match content {
+                Content::List(items) => &items.get(part.parse::<usize>().ok()?)?.content,
+                _ => {
+                    let key = table.key(part, kind_of(table, content))?;
+                    let (Value::Table(inner) | Value::Tables(inner)) = key.value else { return None };
+                    table = inner;
+                    entry(content, part)?
+                }
+            };
+        }
+        let (before, Content::Text(word)) = (kind_of(table, content)?, value) else { return None };
+        (last == table.selector).then_some(())?;
+        Some(Self { before, after: table.kind(word)? })
+    }
+
+    /// Whether a key of the file means the same in both kinds; what is unknown is kept, to be refused.
+    fn keep(self, name: &str) -> bool {
+        let of = |kind: &'static Kind| kind.keys.iter().find(|key| key.name == name);
+        match (of(self.before), of(self.after)) {
+            (Some(before), Some(after)) => before.unit == after.unit,
+            (before, _) => before.is_none(),
+        }
+    }
+}
+
+fn kind_of(table: &Table, content: &Content) -> Option<&'static Kind> {
+    match entry(content, table.selector)? {
+        Content::Text(word) => table.kind(word),
+        _ => None,
+    }
+}
+
+fn entry<'a>(content: &'a Content, key: &str) -> Option<&'a Content> {
+    match content {
+        Content::Table(entries) => {
+            entries.iter().find(|(name, _)| name == key).map(|(_, node)| &node.content)
+        }
+        _ => None,
     }
 }
 

@@ -1,8 +1,9 @@
 //! `[excitation]`.
 
 use super::GRAVITY;
-use super::bounds::{Bound, Short, Table, between};
+use super::bounds::{Bound, Short, between};
 use super::document::SceneError;
+use super::key::{Key, Kind, Table, Value, number, other, whole, words};
 use super::scene::{Burst, BurstShape, Excitation, Random, Sweep, Tone};
 use super::section::{Reader, Section};
 use super::trace;
@@ -10,48 +11,118 @@ use super::trace::HIGHEST_ACCELERATION;
 use model_core::bounds::Bounds;
 use model_core::excitation::DENSITY_FREQUENCY;
 
-/// Bounds of `[excitation]`; a column of a file may have a number.
-const EXCITATION: &[Table] = &[&[
-    ("amplitude_m_per_s2", between(0.0, HIGHEST_ACCELERATION)),
-    ("amplitude_g", between(0.0, 1e4)),
-    ("frequency_hz", between(0.0, 1e6)),
-    ("phase_rad", between(-1e3, 1e3)),
-    ("rate_hz", between(1e-3, 1e6)),
-    ("scale_m_per_s2", between(-1e6, 1e6)),
-    ("column", between(1.0, 10_000.0)),
-    ("time_column", between(1.0, 10_000.0)),
-    ("duration_s", between(1e-6, 1e6)),
-    ("cycles", between(1.0, 1e6)),
-    ("start_s", between(0.0, 1e6)),
-    ("period_s", between(1e-6, 1e6)),
-    ("from_hz", SWEEP_FREQUENCY),
-    ("to_hz", SWEEP_FREQUENCY),
-    ("sweep_s", between(1e-3, 1e5)),
-    ("spectral_density_g2_per_hz", between(1e-13, 1e6)),
-    ("spectral_density_m2_per_s3", between(1e-12, 1e8)),
-    ("seed", between(0.0, 4_294_967_295.0)),
-    ("lines", between(16.0, Random::MOST_LINES as f64)),
-]];
+/// `[excitation]`.
+pub(super) static TABLE: Table =
+    Table::of_kinds(&[&SINE, &SINES, &trace::FILE, &RANDOM, &HALF_SINE, &BURSTS, &SWEEP, &SILENCE]);
+
+static SINE: Kind = Kind { word: "sine", meaning: "A sin(2π f t + phase)", keys: TONE };
+static SINES: Kind = Kind {
+    word: "sines",
+    meaning: "A sum of sines",
+    keys: &[other("tones", Value::Tables(&TONES), "The sines, each with the keys of a sine")],
+};
+static TONES: Table = Table::of(TONE);
+const TONE: &[Key] =
+    &[METRIC, IN_GRAVITIES, number("frequency_hz", "Hz", between(0.0, 1e6), "Frequency"), PHASE];
+static RANDOM: Kind = Kind {
+    word: "random",
+    meaning: "A random acceleration with a one-sided spectral density",
+    keys: &[
+        other(
+            "spectral_density_g2_per_hz",
+            Value::Points(between(1e-13, 1e6), MOST_POINTS),
+            "Spectral density: points of frequency and density, straight in logarithmic axes",
+        )
+        .unit("g²/Hz")
+        .limit("frequencies 1e-3 to 1e5 Hz, rising")
+        .instead_of("spectral_density_m2_per_s3"),
+        other(
+            "spectral_density_m2_per_s3",
+            Value::Points(between(1e-12, 1e8), MOST_POINTS),
+            "The same in (m/s²)²/Hz",
+        )
+        .unit("m²/s³")
+        .limit("frequencies 1e-3 to 1e5 Hz, rising")
+        .instead_of("spectral_density_g2_per_hz"),
+        whole("seed", "", between(0.0, 4_294_967_295.0), "Seed of frequencies and phases"),
+        whole(
+            "lines",
+            "",
+            between(16.0, Random::MOST_LINES as f64),
+            "Sines that the acceleration is a sum of",
+        )
+        .or_number(1024.0),
+    ],
+};
+static HALF_SINE: Kind = Kind {
+    word: "half-sine",
+    meaning: "Shocks of half a sine",
+    keys: &[
+        METRIC,
+        IN_GRAVITIES,
+        number("duration_s", "s", between(1e-6, 1e6), "Length of a shock"),
+        START,
+        PERIOD,
+    ],
+};
+static BURSTS: Kind = Kind {
+    word: "bursts",
+    meaning: "Bursts of whole cycles of a sine",
+    keys: &[
+        METRIC,
+        IN_GRAVITIES,
+        number("frequency_hz", "Hz", between(1e-6, 1e6), "Frequency in a burst"),
+        whole("cycles", "", between(1.0, 1e6), "Cycles of a burst").limit("at most 1e6 s"),
+        START,
+        PERIOD,
+    ],
+};
+static SWEEP: Kind = Kind {
+    word: "sweep",
+    meaning: "A sine whose frequency goes up and down",
+    keys: &[
+        METRIC,
+        IN_GRAVITIES,
+        number("from_hz", "Hz", SWEEP_FREQUENCY, "Frequency at the start"),
+        number("to_hz", "Hz", SWEEP_FREQUENCY, "Frequency at the other end")
+            .limit("a factor of at least 1.001 apart"),
+        number("sweep_s", "s", between(1e-3, 1e5), "Time from one end to the other"),
+        other("law", Value::Words(&words(&LAWS)), "Frequency over time"),
+        PHASE,
+    ],
+};
+static SILENCE: Kind = Kind { word: "silence", meaning: "A base at rest", keys: &[] };
+
+const METRIC: Key = number(
+    "amplitude_m_per_s2",
+    "m/s²",
+    between(0.0, HIGHEST_ACCELERATION),
+    "Amplitude of the base acceleration",
+)
+.instead_of("amplitude_g");
+const IN_GRAVITIES: Key = number("amplitude_g", "g", between(0.0, 1e4), "The same in g = 9.81 m/s²")
+    .instead_of("amplitude_m_per_s2");
+const PHASE: Key = number("phase_rad", "rad", between(-1e3, 1e3), "Phase at the time 0").or_number(0.0);
+const START: Key = number("start_s", "s", between(0.0, 1e6), "Start of the first one").or_number(0.0);
+const PERIOD: Key = number("period_s", "s", between(1e-6, 1e6), "Time from one to the next")
+    .limit("at least the length of one")
+    .or_said("only one");
+const LAWS: [(&str, bool); 2] = [("linear", false), ("logarithmic", true)];
 
 /// Frequencies of a sweep in Hz.
 const SWEEP_FREQUENCY: Bounds<f64> = between(1e-3, 1e6);
-/// Bounds of a burst, whose frequency is not 0.
-const BURST: &[Table] = &[&[("frequency_hz", between(1e-6, 1e6))], EXCITATION[0]];
 /// Least quotient of the frequencies of a sweep.
 const LEAST_RATIO: f64 = 1.001;
 /// Longest burst in s.
 const LONGEST_BURST: f64 = 1e6;
-/// Lines of a random acceleration, where the file says nothing.
-const LINES: f64 = 1024.0;
 /// Most points of a spectral density.
 const MOST_POINTS: usize = 1000;
 
 /// Reads `[excitation]`, and the trace it names.
 pub(super) fn excitation(mut section: Section<'_>) -> Result<Excitation, SceneError> {
-    section.bounded_by(EXCITATION);
-    let kinds: [(&str, Reader<Excitation>); 8] = [
-        ("sine", |section| tone(section).map(Excitation::Sine)),
-        ("sines", |section| {
+    let kinds: [(&Kind, Reader<Excitation>); 8] = [
+        (&SINE, |section| tone(section).map(Excitation::Sine)),
+        (&SINES, |section| {
             section
                 .tables("tones")?
                 .into_iter()
@@ -59,21 +130,20 @@ pub(super) fn excitation(mut section: Section<'_>) -> Result<Excitation, SceneEr
                 .collect::<Result<_, _>>()
                 .map(Excitation::Sines)
         }),
-        ("file", |section| trace::trace(section).map(Excitation::File)),
-        ("half-sine", |section| half_sine(section).map(Excitation::Burst)),
-        ("bursts", |section| bursts(section).map(Excitation::Burst)),
-        ("sweep", |section| sweep(section).map(Excitation::Sweep)),
-        ("random", |section| random(section).map(Excitation::Random)),
-        ("silence", |_| Ok(Excitation::Silence)),
+        (&trace::FILE, |section| trace::trace(section).map(Excitation::File)),
+        (&HALF_SINE, |section| half_sine(section).map(Excitation::Burst)),
+        (&BURSTS, |section| bursts(section).map(Excitation::Burst)),
+        (&SWEEP, |section| sweep(section).map(Excitation::Sweep)),
+        (&RANDOM, |section| random(section).map(Excitation::Random)),
+        (&SILENCE, |_| Ok(Excitation::Silence)),
     ];
-    let excitation = section.choice("kind", &kinds)?(&mut section)?;
+    let excitation = section.kind(&kinds)?(&mut section)?;
     section.finish()?;
     Ok(excitation)
 }
 
 /// Reads a table that is a tone.
 fn whole_tone(mut section: Section<'_>) -> Result<Tone, SceneError> {
-    section.bounded_by(EXCITATION);
     let tone = tone(&mut section)?;
     section.finish()?;
     Ok(tone)
@@ -83,7 +153,7 @@ fn tone(section: &mut Section<'_>) -> Result<Tone, SceneError> {
     Ok(Tone {
         amplitude_m_per_s2: amplitude(section)?,
         frequency_hz: section.number("frequency_hz")?,
-        phase_rad: section.number_or("phase_rad", Some(0.0))?,
+        phase_rad: section.number("phase_rad")?,
     })
 }
 
@@ -111,7 +181,6 @@ fn half_sine(section: &mut Section<'_>) -> Result<Burst, SceneError> {
 }
 
 fn bursts(section: &mut Section<'_>) -> Result<Burst, SceneError> {
-    section.bounded_by(BURST);
     let amplitude_m_per_s2 = amplitude(section)?;
     let frequency_hz = section.number("frequency_hz")?;
     let cycles = section.whole_number("cycles")?;
@@ -130,7 +199,7 @@ fn repeated(
     amplitude_m_per_s2: f64,
     shape: BurstShape,
 ) -> Result<Burst, SceneError> {
-    let start_s = section.number_or("start_s", Some(0.0))?;
+    let start_s = section.number("start_s")?;
     let period_s = section.optional_number("period_s")?;
     let burst = Burst { amplitude_m_per_s2, shape, start_s, period_s };
     let length = burst.length_s();
@@ -155,8 +224,8 @@ fn sweep(section: &mut Section<'_>) -> Result<Sweep, SceneError> {
         from_hz,
         to_hz,
         sweep_s: section.number("sweep_s")?,
-        logarithmic: section.choice("law", &[("linear", false), ("logarithmic", true)])?,
-        phase_rad: section.number_or("phase_rad", Some(0.0))?,
+        logarithmic: section.choice("law", &LAWS)?,
+        phase_rad: section.number("phase_rad")?,
     })
 }
 
@@ -174,7 +243,7 @@ fn random(section: &mut Section<'_>) -> Result<Random, SceneError> {
         }
     };
     let density = density(section, key, unit)?;
-    let lines = if section.has("lines") { section.whole_number("lines")? } else { LINES as usize };
+    let lines = section.whole_number("lines")?;
     let seed = section.whole_number("seed")?;
     // The bound of the lines is below 2³².
     let drawn = Random::new(density, lines as u32, seed as u64);
@@ -183,7 +252,7 @@ fn random(section: &mut Section<'_>) -> Result<Random, SceneError> {
 
 /// The points of a spectral density in (m/s²)²/Hz; `unit` is that of the file in it.
 fn density(section: &mut Section<'_>, key: &'static str, unit: f64) -> Result<Vec<[f64; 2]>, SceneError> {
-    let given = section.points(key, MOST_POINTS)?;
+    let given = section.points(key)?;
     let frequencies = Bound::from(DENSITY_FREQUENCY);
     // In either unit within that of the library.
     let densities = section.bound(key);

@@ -10,26 +10,119 @@ use model_core::part::preset::Preset;
 use model_core::part::rectifier::FullBridge;
 use model_core::part::storage::{DcBus, StorageCapacitor};
 
-use super::bounds::{Short, Table};
+use super::bounds::{CoreTable, Short};
 use super::document::SceneError;
-use super::preset;
+use super::key::{Key, Kind, Table, Value, core, number, other};
+use super::preset::{self, PRESET};
 use super::scene::{Draw, Load, Lockout, RectifiedStore};
 use super::section::{Reader, Section};
 
-/// Bounds of `[load]`.
-const LOAD: &[Table] = &[
-    Resistor::<f64>::BOUNDS,
-    FullBridge::<f64, ()>::BOUNDS,
-    StorageCapacitor::<f64, ()>::BOUNDS,
-    DcBus::<f64>::BOUNDS,
-];
+const STORE: CoreTable = StorageCapacitor::<f64, ()>::BOUNDS;
+const OF_PART: &str = "the preset's, else required";
 
-/// The number of a draw, by its kind, and the thresholds.
-const RESISTIVE_DRAW: &[Table] =
-    &[&[("value", ResistiveDraw::<f64>::BOUNDS[0].1)], CoreLockout::<f64>::BOUNDS];
-const CURRENT_DRAW: &[Table] = &[&[("value", CurrentDraw::<f64>::BOUNDS[0].1)], CoreLockout::<f64>::BOUNDS];
-const POWER_DRAW: &[Table] =
-    &[&[("value", PowerDraw::<f64>::BOUNDS[0].1)], PowerDraw::<f64>::BOUNDS, CoreLockout::<f64>::BOUNDS];
+/// `[load]`.
+pub(super) static TABLE: Table = Table::of_kinds(&[&RESISTOR, &DC_BUS, &RECTIFIED_STORE]);
+
+static RESISTOR: Kind = Kind {
+    word: "resistor",
+    meaning: "A resistor",
+    keys: &[other(
+        "resistance_ohm",
+        Value::NumberOrLimits(core(Resistor::<f64>::BOUNDS, "resistance")),
+        "Resistance; 0: short circuit, inf: open circuit",
+    )
+    .unit("Ω")],
+};
+static DC_BUS: Kind = Kind {
+    word: "dc-bus",
+    meaning: "A full bridge into a bus of constant voltage",
+    keys: &[
+        number("voltage_v", "V", core(DcBus::<f64>::BOUNDS, "bus.voltage"), "Voltage of the bus")
+            .limit("at least the preset's cold-start voltage"),
+        DIODE_DROP,
+        PRESET,
+    ],
+};
+static RECTIFIED_STORE: Kind = Kind {
+    word: "rectified-store",
+    meaning: "A full bridge into a storage capacitor",
+    keys: &[
+        number("capacitance_f", "F", core(STORE, "storage.capacitance"), "Capacitance of the storage"),
+        DIODE_DROP,
+        number(
+            "leakage_ohm",
+            "Ω",
+            core(STORE, "storage.leakage_resistance"),
+            "Leakage resistance; inf: no leakage",
+        )
+        .or_said(OF_PART),
+        number(
+            "initial_v",
+            "V",
+            core(STORE, "storage.initial_voltage"),
+            "Voltage of the storage at the start",
+        ),
+        PRESET,
+        other("draw", Value::Table(&DRAW), "What the node draws from the storage").or_said("no draw"),
+    ],
+};
+const DIODE_DROP: Key = number(
+    "diode_drop_v",
+    "V",
+    core(FullBridge::<f64, ()>::BOUNDS, "diode_drop"),
+    "Forward voltage of each of the two diodes that conduct at a time",
+)
+.or_said(OF_PART);
+
+static DRAW: Table = Table::of_kinds(&[&NO_DRAW, &RESISTIVE_DRAW, &CURRENT_DRAW, &POWER_DRAW]);
+static NO_DRAW: Kind = Kind { word: "none", meaning: "No draw", keys: &[] };
+static RESISTIVE_DRAW: Kind = Kind {
+    word: "resistor",
+    meaning: "A resistor, connected always or between thresholds",
+    keys: &[
+        number("value", "Ω", core(ResistiveDraw::<f64>::BOUNDS, "draw.resistance"), "Resistance"),
+        TURN_ON.or_said("the preset's, else always connected"),
+        TURN_OFF.or_said("the preset's, else always connected"),
+    ],
+};
+static CURRENT_DRAW: Kind = Kind {
+    word: "current",
+    meaning: "A constant current",
+    keys: &[
+        number("value", "A", core(CurrentDraw::<f64>::BOUNDS, "draw.current"), "Current"),
+        TURN_ON,
+        TURN_OFF,
+    ],
+};
+static POWER_DRAW: Kind = Kind {
+    word: "power",
+    meaning: "A constant power",
+    keys: &[
+        number(
+            "value",
+            "W",
+            core(PowerDraw::<f64>::BOUNDS, "draw.power"),
+            "Power; with a preset that of the node",
+        ),
+        TURN_ON,
+        number("turn_off_v", "V", core(PowerDraw::<f64>::BOUNDS, "draw.turn_off"), TURN_OFF_MEANING)
+            .limit("below `turn_on_v`")
+            .or_said(OF_PART),
+    ],
+};
+const TURN_ON: Key = number(
+    "turn_on_v",
+    "V",
+    core(CoreLockout::<f64>::BOUNDS, "draw.turn_on"),
+    "The draw is connected where the storage rises to this voltage",
+)
+.or_said(OF_PART);
+const TURN_OFF_MEANING: &str = "The draw is disconnected where the storage falls to this voltage";
+// This has the bounds of what it may at most be; the reader compares the two.
+const TURN_OFF: Key =
+    number("turn_off_v", "V", core(CoreLockout::<f64>::BOUNDS, "draw.turn_on"), TURN_OFF_MEANING)
+        .limit("below `turn_on_v`")
+        .or_said(OF_PART);
 
 /// A part that a table may name.
 type Part = Option<Preset<f64>>;
@@ -37,10 +130,9 @@ type DrawReader = fn(&mut Section<'_>, Part) -> Result<Draw, SceneError>;
 
 /// Reads `[load]`, and the part that it names.
 pub(super) fn load(mut section: Section<'_>) -> Result<(Load, Part), SceneError> {
-    section.bounded_by(LOAD);
-    let kinds: [(&str, Reader<(Load, Part)>); 3] =
-        [("resistor", resistor), ("rectified-store", rectified_store), ("dc-bus", dc_bus)];
-    let found = section.choice("kind", &kinds)?(&mut section)?;
+    let kinds: [(&Kind, Reader<(Load, Part)>); 3] =
+        [(&RESISTOR, resistor), (&RECTIFIED_STORE, rectified_store), (&DC_BUS, dc_bus)];
+    let found = section.kind(&kinds)?(&mut section)?;
     section.finish()?;
     Ok(found)
 }
@@ -80,15 +172,18 @@ fn dc_bus(section: &mut Section<'_>) -> Result<(Load, Part), SceneError> {
 
 /// Reads `[load.draw]`.
 fn draw(mut section: Section<'_>, part: Part) -> Result<Draw, SceneError> {
-    let kinds: [(&str, DrawReader); 4] =
-        [("none", |_, _| Ok(Draw::None)), ("resistor", resistive), ("current", current), ("power", power)];
-    let draw = section.choice("kind", &kinds)?(&mut section, part)?;
+    let kinds: [(&Kind, DrawReader); 4] = [
+        (&NO_DRAW, |_, _| Ok(Draw::None)),
+        (&RESISTIVE_DRAW, resistive),
+        (&CURRENT_DRAW, current),
+        (&POWER_DRAW, power),
+    ];
+    let draw = section.kind(&kinds)?(&mut section, part)?;
     section.finish()?;
     Ok(draw)
 }
 
 fn resistive(section: &mut Section<'_>, part: Part) -> Result<Draw, SceneError> {
-    section.bounded_by(RESISTIVE_DRAW);
     let resistance_ohm = section.number("value")?;
     // A resistor may stay connected down to an empty store: no thresholds, or both 0.
     let given = section.has("turn_on_v") || section.has("turn_off_v");
@@ -100,14 +195,12 @@ fn resistive(section: &mut Section<'_>, part: Part) -> Result<Draw, SceneError> 
 }
 
 fn current(section: &mut Section<'_>, part: Part) -> Result<Draw, SceneError> {
-    section.bounded_by(CURRENT_DRAW);
     let current_a = section.number("value")?;
     let lockout = thresholds(section, part)?;
     Ok(Draw::Current { current_a, lockout: check(section, lockout)? })
 }
 
 fn power(section: &mut Section<'_>, part: Part) -> Result<Draw, SceneError> {
-    section.bounded_by(POWER_DRAW);
     let node_w = section.number("value")?;
     let power_w = part.map_or(node_w, |part| part.power_at_store(node_w));
     let lockout = thresholds(section, part)?;

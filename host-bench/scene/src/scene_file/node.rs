@@ -3,56 +3,95 @@
 use model_core::energy::{IncomeParameters, StorageParameters};
 use model_core::part::preset::Preset;
 
-use super::bounds::{Table, between};
+use super::bounds::{CoreTable, between};
 use super::document::SceneError;
-use super::preset;
+use super::key::{Table, Value, core, number, other, whole};
+use super::preset::{self, PRESET};
 use super::scene::{Action, Draw, HOURS, Load, Lockout, Node, Storage};
 use super::section::Section;
 
-/// Bounds of `[node]`.
-const NODE: &[Table] = &[
-    IncomeParameters::<f64>::BOUNDS,
-    &[
-        ("update_s", between(1.0, 3600.0)),
-        ("decision_s", between(1.0, 3600.0)),
-        ("slots_per_day", between(24.0, 144.0)),
-        ("standing_power_w", between(0.0, 1e3)),
-    ],
-];
-/// Bounds of `[node.storage]`; the capacitance is also one of the core's capacitor.
-const STORAGE: &[Table] = &[
-    &[
-        ("capacitance_f", between(1e-9, 1e4)),
-        ("initial_v", between(0.0, 1e3)),
-        ("turn_on_v", between(0.0, 1e3)),
-        ("turn_off_v", between(0.0, 1e3)),
-    ],
-    StorageParameters::<f64>::BOUNDS,
-];
-/// Bounds of `[node.day]` and `[[node.actions]]`.
-const DAY_AND_ACTIONS: &[Table] = &[&[
-    ("hours", between(0.0, 1e3)),
-    ("energy_j", between(1e-12, 1e3)),
-    ("duration_s", between(0.0, 86_400.0)),
-    ("every_s", between(1.0, 86_400.0)),
-]];
+const INCOME: CoreTable = IncomeParameters::<f64>::BOUNDS;
+const STORE: CoreTable = StorageParameters::<f64>::BOUNDS;
+const OF_PART: &str = "the preset's, else required";
+const OF_LOAD: &str = "that of a rectified-store in `[load]`, else required";
+
+/// `[node]`.
+pub(super) static TABLE: Table = Table::of(&[
+    whole("update_s", "s", between(1.0, 3600.0), "Time between two updates of the energy budget")
+        .limit("divides 86400"),
+    whole("decision_s", "s", between(1.0, 3600.0), "Time between two decisions about actions")
+        .limit("a multiple of `update_s` that divides 86400")
+        .or_said("`update_s`"),
+    other("slots_per_day", Value::Among(&SLOTS), "Slots of the day in which the income is remembered"),
+    number("standing_power_w", "W", between(0.0, 1e3), "Power that the node takes always, upper bound")
+        .or_number(0.0),
+    number("time_constant_s", "s", core(INCOME, "time_constant"), "Time constant of the mean of the income")
+        .or_number(14_400.0),
+    // What Kansal et al. (2007) find good.
+    number("day_weight", "1", core(INCOME, "day_weight"), "Weight of the newest day in the mean of a slot")
+        .or_number(0.5),
+    other("storage", Value::Table(&STORAGE), "The storage of the node").or_said(OF_LOAD),
+    other("day", Value::Table(&DAY_TABLE), "How the excitation changes over the day").or_said("it does not"),
+    other("actions", Value::Tables(&ACTIONS), "What the node does, the most important first"),
+]);
+
+static STORAGE: Table = Table::of(&[
+    PRESET,
+    // The capacitance is also one of the core's capacitor behind a bridge.
+    number("capacitance_f", "F", between(1e-9, 1e4), "Capacitance").or_said(OF_LOAD),
+    number("leakage_ohm", "Ω", core(STORE, "leakage_resistance"), "Leakage resistance; inf: no leakage")
+        .or_said("the preset's or that of `[load]`, else required"),
+    number("initial_v", "V", between(0.0, 1e3), "Voltage at the start")
+        .limit("at most `highest_v`")
+        .or_said(OF_LOAD),
+    number(
+        "charging_efficiency",
+        "1",
+        core(STORE, "charging_efficiency"),
+        "Part of the income that is stored",
+    )
+    .or_said(OF_PART),
+    number(
+        "discharging_efficiency",
+        "1",
+        core(STORE, "discharging_efficiency"),
+        "Part of the stored energy that reaches the node",
+    )
+    .or_said(OF_PART),
+    number("highest_v", "V", core(STORE, "highest_voltage"), "Voltage at which further income is shunted")
+        .or_said(OF_PART),
+    number("turn_on_v", "V", between(0.0, 1e3), "Voltage at which the node is switched on")
+        .limit("below `highest_v`")
+        .or_said(OF_PART),
+    number("turn_off_v", "V", between(0.0, 1e3), "Voltage at which the node is switched off")
+        .limit("below `turn_on_v`")
+        .or_said(OF_PART),
+]);
+
+static DAY_TABLE: Table = Table::of(&[other(
+    "hours",
+    Value::Numbers(between(0.0, 1e3), "hour from midnight"),
+    "Factors of the amplitude, 24, one for each hour from midnight",
+)
+.unit("1")]);
+
+static ACTIONS: Table = Table::of(&[
+    other("name", Value::Text, "Its name").limit("unique, not empty"),
+    number("energy_j", "J", between(1e-12, 1e3), "What it takes at the node, upper bound"),
+    number("duration_s", "s", between(0.0, 86_400.0), "How long it takes, upper bound"),
+    number("every_s", "s", between(1.0, 86_400.0), "Time from one to the next that is wished for"),
+]);
 
 /// Seconds in a day.
 const DAY: usize = 86_400;
 /// Slots that the core's budget is compiled for here.
 const SLOTS: [usize; 4] = [24, 48, 96, 144];
-/// Weight of the newest day that Kansal et al. (2007) find good.
-const DAY_WEIGHT: f64 = 0.5;
-/// Four hours.
-const TIME_CONSTANT_S: f64 = 14_400.0;
-
 /// Reads `[node]` of a scene whose load is `load`, with the part that `[load]` names.
 pub(super) fn node(
     mut section: Section<'_>,
     load: Load,
     part: Option<Preset<f64>>,
 ) -> Result<Node, SceneError> {
-    section.bounded_by(NODE);
     let update_s = divisor_of(&mut section, "update_s", DAY)?;
     let decision_s = if section.has("decision_s") {
         let seconds = divisor_of(&mut section, "decision_s", DAY)?;
@@ -64,16 +103,13 @@ pub(super) fn node(
         update_s
     };
     let slots_per_day = section.whole_number("slots_per_day")?;
-    if !SLOTS.contains(&slots_per_day) {
-        return Err(section.refuse("slots_per_day", "must be 24, 48, 96 or 144"));
-    }
     let node = Node {
         update_s: update_s as u32,
         decision_s: decision_s as u32,
         slots_per_day,
-        standing_power_w: section.optional_number("standing_power_w")?.unwrap_or(0.0),
-        time_constant_s: section.optional_number("time_constant_s")?.unwrap_or(TIME_CONSTANT_S),
-        day_weight: section.optional_number("day_weight")?.unwrap_or(DAY_WEIGHT),
+        standing_power_w: section.number("standing_power_w")?,
+        time_constant_s: section.number("time_constant_s")?,
+        day_weight: section.number("day_weight")?,
         storage: storage(&mut section, load, part)?,
         hours: match section.optional_table("day")? {
             Some(table) => hours(table)?,
@@ -109,7 +145,6 @@ fn storage(
         (None, Some(_)) => section.empty("storage"),
         (None, None) => section.table("storage")?,
     };
-    table.bounded_by(STORAGE);
     if let Some(store) = of_load {
         one_storage(&mut table, store.draw)?;
     }
@@ -185,8 +220,7 @@ fn in_order(section: &Section<'_>, storage: &Storage) -> Result<(), SceneError> 
 
 /// Reads `[node.day]`.
 fn hours(mut section: Section<'_>) -> Result<[f64; HOURS], SceneError> {
-    section.bounded_by(DAY_AND_ACTIONS);
-    let factors = section.optional_numbers("hours", HOURS, "hour from midnight")?;
+    let factors = section.optional_numbers("hours", HOURS)?;
     let Some(factors) = factors.and_then(|factors| <[f64; HOURS]>::try_from(factors).ok()) else {
         return Err(section.must_be("hours", &format!("{HOURS} numbers")));
     };
@@ -198,7 +232,6 @@ fn hours(mut section: Section<'_>) -> Result<[f64; HOURS], SceneError> {
 fn actions(section: &mut Section<'_>) -> Result<Vec<Action>, SceneError> {
     let mut actions: Vec<Action> = Vec::new();
     for mut table in section.tables("actions")? {
-        table.bounded_by(DAY_AND_ACTIONS);
         let Some(name) = table.text("name").map(str::to_owned).filter(|name| !name.trim().is_empty()) else {
             return Err(table.must_be("name", "a text that is not empty"));
         };

@@ -2,15 +2,9 @@
 
 use toml::de::DeTable;
 
+use super::KEYS;
 use super::document::{Content, Origin, convert};
-
-/// Keys of which a table has one: an override of one replaces the other.
-const ALTERNATIVES: [[&str; 2]; 4] = [
-    ["amplitude_g", "amplitude_m_per_s2"],
-    ["spectral_density_g2_per_hz", "spectral_density_m2_per_s3"],
-    ["settle_s", "settle_periods"],
-    ["duration_s", "duration_periods"],
-];
+use super::key::walk;
 
 /// A value to put into the document before it is read: `a.b=c`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -64,10 +58,15 @@ impl std::str::FromStr for Override {
     }
 }
 
-/// The other names of the quantity that the last part of a key names.
+/// The other name of the quantity that the last part of a key names.
 pub(super) fn alternatives(last: &str) -> impl Iterator<Item = &'static str> {
-    let pairs = ALTERNATIVES.iter().filter(move |pair| pair.contains(&last));
-    pairs.flatten().copied().filter(move |other| *other != last)
+    let mut other = None;
+    walk(&KEYS, &mut |key| {
+        if key.name == last {
+            other = other.or(key.instead_of);
+        }
+    });
+    other.into_iter()
 }
 
 /// Whether setting `key` discards what was set at `before`: the same key, a table around it, or its alternative.

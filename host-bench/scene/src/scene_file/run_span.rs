@@ -1,24 +1,32 @@
 //! `[run]`.
 
-use super::bounds::{Short, Table, between};
+use super::bounds::{Short, between};
 use super::document::SceneError;
+use super::key::{Table, number};
 use super::scene::{Excitation, RunSpan};
 use super::section::Section;
 
 /// Shortest measuring window in s.
 const SHORTEST_WINDOW: f64 = 1e-9;
 
-/// Bounds of `[run]`.
-const RUN: &[Table] = &[&[
-    ("duration_s", between(1e-6, 1e7)),
-    ("settle_s", between(0.0, 1e7)),
-    ("duration_periods", between(0.0, 1e12)),
-    ("settle_periods", between(0.0, 1e12)),
-]];
+/// `[run]`.
+pub(super) static TABLE: Table = Table::of(&[
+    number("duration_s", "s", between(1e-6, 1e7), "End of the run").instead_of("duration_periods"),
+    number("duration_periods", "periods of the sine", between(0.0, 1e12), "The same in periods")
+        .limit("1e-6 to 1e7 s; an excitation of one sine")
+        .instead_of("duration_s"),
+    number("settle_s", "s", between(0.0, 1e7), "Results are measured from this time to the end")
+        .limit("before the end of the run")
+        .or_number(0.0)
+        .instead_of("settle_periods"),
+    number("settle_periods", "periods of the sine", between(0.0, 1e12), "The same in periods")
+        .limit("0 to 1e7 s; an excitation of one sine")
+        .or_number(0.0)
+        .instead_of("settle_s"),
+]);
 
 /// Reads `[run]`.
 pub(super) fn run_span(mut section: Section<'_>, excitation: &Excitation) -> Result<RunSpan, SceneError> {
-    section.bounded_by(RUN);
     let (duration_key, duration) = span(&mut section, excitation, ["duration_s", "duration_periods"])?;
     let Some(duration_s) = duration else {
         let wanted = section.bound(duration_key).to_string();

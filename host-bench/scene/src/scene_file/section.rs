@@ -1,24 +1,24 @@
-//! One table of a scene file, read key by key; what nobody asked for is refused.
+//! One table of a scene file, read key by key; what has no row in the table of its keys is refused.
 
 use strsim::damerau_levenshtein;
 
-use super::bounds::{Bound, Short, Table, row};
+use super::bounds::{Bound, Short};
 use super::document::{Content, Document, Node, Origin, SceneError};
-use super::scene::{ForceLaw, StickCharge};
+use super::key::{Default, Key, Kind, Table, Value};
 
 /// Most letters by which a misspelt key differs.
 const MOST_EDITS: usize = 2;
 
-/// A table and the keys that were asked of it.
+/// A table of the file, and the keys that it may have.
 #[derive(Debug)]
 pub(super) struct Section<'a> {
     document: &'a Document,
     /// Keys that lead here, each with its dot.
     prefix: String,
     entries: &'a [(String, Node)],
-    known: Vec<&'static str>,
-    /// The bounds of its numbers.
-    tables: &'static [Table],
+    table: &'static Table,
+    /// Its kind, once that is read.
+    kind: Option<&'static Kind>,
 }
 
 /// Reads what a table says with one of the words of a choice.
@@ -33,13 +33,13 @@ macro_rules! numbers {
 pub(super) use numbers;
 
 impl<'a> Section<'a> {
-    /// The whole document.
-    pub(super) fn root(document: &'a Document) -> Self {
+    /// The whole document, with the keys of `table`.
+    pub(super) fn root(document: &'a Document, table: &'static Table) -> Self {
         let entries: &[_] = match &document.content {
             Content::Table(entries) => entries,
             _ => &[],
         };
-        Self { document, prefix: String::new(), entries, known: Vec::new(), tables: &[] }
+        Self { document, prefix: String::new(), entries, table, kind: None }
     }
 
     /// The full name of a key here.
@@ -47,11 +47,18 @@ impl<'a> Section<'a> {
         format!("{}{key}", self.prefix)
     }
 
-    fn find(&mut self, key: &'static str) -> Option<&'a Node> {
-        if !self.known.contains(&key) {
-            self.known.push(key);
-        }
-        self.peek(key)
+    /// The row of a key that is asked for.
+    fn row(&self, key: &str) -> Option<&'static Key> {
+        let row = self.table.key(key, self.kind);
+        debug_assert!(row.is_some() || key == self.table.selector, "{}: has no row", self.name(key));
+        row
+    }
+
+    /// The names of the keys that may be here.
+    fn known(&self) -> impl Iterator<Item = &'static str> {
+        let selector = Some(self.table.selector).filter(|name| !name.is_empty());
+        let of_kind = self.kind.map_or(&[][..], |kind| kind.keys);
+        selector.into_iter().chain(of_kind.iter().chain(self.table.keys).map(|key| key.name))
     }
 
     fn peek(&self, key: &str) -> Option<&'a Node> {
@@ -59,8 +66,8 @@ impl<'a> Section<'a> {
     }
 
     /// Whether the key is there.
-    pub(super) fn has(&mut self, key: &'static str) -> bool {
-        self.find(key).is_some()
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.peek(key).is_some()
     }
 
     /// An error about the value of a key, or about its absence.
@@ -99,8 +106,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A key of the file that nobody asked for, that has not the bounds of another, and that differs from `key` in its
-    /// unit or in a few letters.
+    /// A key of the file that is unknown, and that differs from `key` in its unit or in a few letters.
     fn misspelt(&self, key: &str) -> Option<(&'a str, &'a Node)> {
         let close = |written: &str| {
             let same_quantity = key.split_once('_').is_some_and(|(quantity, _)| written == quantity)
@@ -108,10 +114,7 @@ impl<'a> Section<'a> {
             let edits = damerau_levenshtein(&written.to_lowercase(), key);
             same_quantity || edits <= MOST_EDITS.min(key.len() / 3)
         };
-        let name = |key: &str| row(key, self.tables).map(|(name, _)| name);
-        let is_another = |written: &str| {
-            self.known.contains(&written) || name(written).is_some() && name(written) != name(key)
-        };
+        let is_another = |written: &str| self.known().any(|name| name == written);
         let mut entries = self.entries.iter().map(|(written, node)| (written.as_str(), node));
         entries.find(|(written, _)| !is_another(written) && close(written))
     }
@@ -123,25 +126,29 @@ impl<'a> Section<'a> {
 
     /// The bound of a key.
     pub(super) fn bound(&self, key: &str) -> Bound {
-        Bound::of(key, self.tables)
+        // A key without a row must not pass unchecked.
+        self.row(key).map_or_else(Bound::default, Bound::of)
     }
 
-    /// Reads the numbers from here on by these bounds.
-    pub(super) fn bounded_by(&mut self, tables: &'static [Table]) {
-        self.tables = tables;
+    /// The number that a key has by its row where it is not given.
+    fn default(&self, key: &str) -> Option<f64> {
+        match self.row(key)?.default {
+            Default::Number(number) => Some(number),
+            _ => None,
+        }
     }
 
     /// A number, if the key is there.
     pub(super) fn optional_number(&mut self, key: &'static str) -> Result<Option<f64>, SceneError> {
         let bound = self.bound(key);
-        match self.find(key).map(|node| &node.content) {
+        match self.peek(key).map(|node| &node.content) {
             None => Ok(None),
             Some(Content::Number(value, _)) if bound.contains(*value) => Ok(Some(*value)),
             Some(_) => Err(self.refuse(key, format!("must be {bound}"))),
         }
     }
 
-    /// A number that must be there.
+    /// A number that must be there unless its row has a default.
     pub(super) fn number(&mut self, key: &'static str) -> Result<f64, SceneError> {
         self.number_or(key, None)
     }
@@ -149,33 +156,48 @@ impl<'a> Section<'a> {
     /// A number that must be there unless there is a `default` for it.
     pub(super) fn number_or(&mut self, key: &'static str, default: Option<f64>) -> Result<f64, SceneError> {
         let given = self.optional_number(key)?;
-        given.or(default).ok_or_else(|| self.missing(key, &self.bound(key).to_string()))
+        given.or(default).or(self.default(key)).ok_or_else(|| self.missing(key, &self.bound(key).to_string()))
     }
 
-    /// A whole number that must be there.
+    /// A whole number that must be there unless its row has a default.
     pub(super) fn whole_number(&mut self, key: &'static str) -> Result<usize, SceneError> {
-        let bound = self.bound(key);
-        let wanted = format!("a whole number from {} to {}", bound.range.lowest, bound.range.highest);
-        match self.find(key).map(|node| &node.content) {
-            None => Err(self.missing(key, &wanted)),
-            Some(Content::Number(value, _)) if bound.contains(*value) && value.fract() == 0.0 => {
+        let (bound, among) = match self.row(key).map(|row| row.value) {
+            Some(Value::Among(numbers)) => (Bound::default(), numbers),
+            _ => (self.bound(key), &[][..]),
+        };
+        let wanted = match among.split_last() {
+            Some((last, others)) => {
+                let others: Vec<String> = others.iter().map(usize::to_string).collect();
+                format!("{} or {last}", others.join(", "))
+            }
+            None => format!("a whole number from {} to {}", bound.range.lowest, bound.range.highest),
+        };
+        match self.peek(key).map(|node| &node.content) {
+            None => self.default(key).map(|value| value as usize).ok_or_else(|| self.missing(key, &wanted)),
+            Some(Content::Number(value, _))
+                if value.fract() == 0.0
+                    && (bound.contains(*value) || among.iter().any(|number| *number as f64 == *value)) =>
+            {
                 Ok(*value as usize)
             }
             Some(_) => Err(self.refuse(key, format!("must be {wanted}"))),
         }
     }
 
-    /// A list of `count` numbers, one for `each`, if the key is there.
+    /// A list of `count` numbers, if the key is there.
     pub(super) fn optional_numbers(
         &mut self,
         key: &'static str,
         count: usize,
-        each: &str,
     ) -> Result<Option<Vec<f64>>, SceneError> {
         let bound = self.bound(key);
+        let each = match self.row(key).map(|row| row.value) {
+            Some(Value::Numbers(_, each)) => each,
+            _ => "",
+        };
         let (lowest, highest) = (Short(bound.range.lowest), Short(bound.range.highest));
         let wanted = format!("{count} numbers, each from {lowest} to {highest}");
-        let items = match self.find(key).map(|node| &node.content) {
+        let items = match self.peek(key).map(|node| &node.content) {
             None => return Ok(None),
             Some(Content::List(items)) => items,
             Some(_) => return Err(self.refuse(key, format!("must be a list of {wanted}"))),
@@ -196,10 +218,14 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A list of pairs of numbers, from two to `most`, which must be there.
-    pub(super) fn points(&mut self, key: &'static str, most: usize) -> Result<Vec<[f64; 2]>, SceneError> {
+    /// A list of pairs of numbers, which must be there.
+    pub(super) fn points(&mut self, key: &'static str) -> Result<Vec<[f64; 2]>, SceneError> {
+        let most = match self.row(key).map(|row| row.value) {
+            Some(Value::Points(_, most)) => most,
+            _ => 0,
+        };
         let wanted = format!("a list of 2 to {most} points, each a list of two numbers");
-        let items = match self.find(key).map(|node| &node.content) {
+        let items = match self.peek(key).map(|node| &node.content) {
             None => return Err(self.missing(key, &wanted)),
             Some(Content::List(items)) if (2..=most).contains(&items.len()) => items,
             Some(_) => return Err(self.refuse(key, format!("must be {wanted}"))),
@@ -226,48 +252,25 @@ impl<'a> Section<'a> {
 
     /// A text, if the value is one.
     pub(super) fn text(&mut self, key: &'static str) -> Option<&'a str> {
-        match self.find(key).map(|node| &node.content) {
+        match self.peek(key).map(|node| &node.content) {
             Some(Content::Text(text)) => Some(text),
             _ => None,
         }
     }
 
-    /// `true` or `false`; `default` if the key is not there.
-    pub(super) fn flag(&mut self, key: &'static str, default: bool) -> Result<bool, SceneError> {
-        match self.find(key).map(|node| &node.content) {
-            None => Ok(default),
-            Some(Content::Boolean(value)) => Ok(*value),
-            Some(_) => Err(self.refuse(key, "must be true or false")),
+    /// `true` or `false`, which must be there unless its row has a default.
+    pub(super) fn flag(&mut self, key: &'static str) -> Result<bool, SceneError> {
+        match (self.peek(key).map(|node| &node.content), self.row(key).map(|row| row.default)) {
+            (None, Some(Default::Flag(default))) => Ok(default),
+            (None, _) => Err(self.missing(key, "true or false")),
+            (Some(Content::Boolean(value)), _) => Ok(*value),
+            (Some(_), _) => Err(self.refuse(key, "must be true or false")),
         }
     }
 
     /// Whether the key is there and `false`.
     pub(super) fn is_false(&mut self, key: &'static str) -> bool {
-        self.find(key).is_some_and(|node| node.content == Content::Boolean(false))
-    }
-
-    /// `true` or `false`, which must be there.
-    pub(super) fn required_flag(&mut self, key: &'static str) -> Result<bool, SceneError> {
-        if !self.has(key) {
-            return Err(self.missing(key, "true or false"));
-        }
-        self.flag(key, false)
-    }
-
-    /// The electrostatic force law of a triboelectric harvester.
-    pub(super) fn force_law(&mut self) -> Result<ForceLaw, SceneError> {
-        let laws = [
-            ("transferred-charge", ForceLaw::TransferredCharge),
-            ("gap-field", ForceLaw::GapField),
-            ("none", ForceLaw::None),
-        ];
-        self.choice("force_law", &laws)
-    }
-
-    /// What the charge of a triboelectric harvester does in stick.
-    pub(super) fn stick_charge(&mut self) -> Result<StickCharge, SceneError> {
-        let choices = [("frozen", StickCharge::Frozen), ("relaxing", StickCharge::Relaxing)];
-        self.choice("stick_charge", &choices)
+        self.peek(key).is_some_and(|node| node.content == Content::Boolean(false))
     }
 
     /// One of a few words.
@@ -286,11 +289,20 @@ impl<'a> Section<'a> {
         found.map(|(_, value)| *value).ok_or_else(|| self.refuse(key, format!("must be {wanted}")))
     }
 
+    /// What is read with the kind that the selector names; the keys from here on are those of this kind.
+    pub(super) fn kind<T: Copy>(&mut self, kinds: &[(&'static Kind, T)]) -> Result<T, SceneError> {
+        let choices: Vec<(&str, (&'static Kind, T))> =
+            kinds.iter().map(|(kind, read)| (kind.word, (*kind, *read))).collect();
+        let (kind, read) = self.choice(self.table.selector, &choices)?;
+        self.kind = Some(kind);
+        Ok(read)
+    }
+
     /// A table, if the key is there.
     pub(super) fn optional_table(&mut self, key: &'static str) -> Result<Option<Section<'a>>, SceneError> {
-        match self.find(key).map(|node| &node.content) {
+        match self.peek(key).map(|node| &node.content) {
             None => Ok(None),
-            Some(Content::Table(entries)) => Ok(Some(self.inner(&self.name(key), entries))),
+            Some(Content::Table(entries)) => Ok(Some(self.inner(key, &self.name(key), entries))),
             Some(_) => Err(self.refuse(key, "must be a table")),
         }
     }
@@ -302,37 +314,36 @@ impl<'a> Section<'a> {
 
     /// A table without a key, in place of one that may be left out.
     pub(super) fn empty(&self, key: &'static str) -> Section<'a> {
-        self.inner(&self.name(key), &[])
+        self.inner(key, &self.name(key), &[])
     }
 
     /// A list of tables, not empty.
     pub(super) fn tables(&mut self, key: &'static str) -> Result<Vec<Section<'a>>, SceneError> {
         const WANTED: &str = "a list of tables, at least one";
-        let items = match self.find(key).map(|node| &node.content) {
+        let items = match self.peek(key).map(|node| &node.content) {
             None => return Err(self.missing(key, WANTED)),
             Some(Content::List(items)) if !items.is_empty() => items,
             Some(_) => return Err(self.refuse(key, format!("must be {WANTED}"))),
         };
         let inner = items.iter().enumerate().map(|(index, item)| match &item.content {
-            Content::Table(entries) => Ok(self.inner(&format!("{}[{index}]", self.name(key)), entries)),
+            Content::Table(entries) => Ok(self.inner(key, &format!("{}[{index}]", self.name(key)), entries)),
             _ => Err(self.refuse(key, format!("must be {WANTED}"))),
         });
         inner.collect()
     }
 
-    fn inner(&self, name: &str, entries: &'a [(String, Node)]) -> Section<'a> {
-        Section {
-            document: self.document,
-            prefix: format!("{name}."),
-            entries,
-            known: Vec::new(),
-            tables: &[],
-        }
+    fn inner(&self, key: &str, name: &str, entries: &'a [(String, Node)]) -> Section<'a> {
+        static NO_KEYS: Table = Table::of(&[]);
+        let table = match self.row(key).map(|row| row.value) {
+            Some(Value::Table(table) | Value::Tables(table)) => table,
+            _ => &NO_KEYS,
+        };
+        Section { document: self.document, prefix: format!("{name}."), entries, table, kind: None }
     }
 
-    /// Refuses what nobody asked for.
+    /// Refuses what has no row.
     pub(super) fn finish(self) -> Result<(), SceneError> {
-        match self.entries.iter().find(|(key, _)| !self.known.contains(&key.as_str())) {
+        match self.entries.iter().find(|(key, _)| !self.known().any(|name| name == key)) {
             None => Ok(()),
             Some((key, node)) => {
                 // An override makes the tables that lead to it: blame the key that was given.
@@ -342,7 +353,8 @@ impl<'a> Section<'a> {
                     name = format!("{name}.{key}");
                     node = inner;
                 }
-                let reason = format!("unknown key; known here: {}", self.known.join(", "));
+                let reason =
+                    format!("unknown key; known here: {}", self.known().collect::<Vec<_>>().join(", "));
                 Err(SceneError::of_value(&self.document.file, &name, node, reason))
             }
         }

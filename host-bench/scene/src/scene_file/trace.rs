@@ -7,12 +7,39 @@ mod wave;
 
 use std::path::PathBuf;
 
+use super::bounds::between;
 use super::document::SceneError;
+use super::key::{Default, Kind, Value, number, other};
 use super::scene::Trace;
 use super::section::Section;
 
 /// Largest acceleration of the base in m/s².
 pub(super) const HIGHEST_ACCELERATION: f64 = 1e5;
+
+pub(super) static FILE: Kind = Kind {
+    word: "file",
+    meaning: "A recorded acceleration",
+    keys: &[
+        other("path", Value::Text, "CSV or WAV file, relative to the scene file"),
+        other(
+            "column",
+            Value::Column(between(1.0, 10_000.0)),
+            "Column of the samples, by its name or its number from 1; the channel of a WAV file",
+        )
+        .or(Default::Said("`acceleration_m_per_s2`, or the only one")),
+        other(
+            "time_column",
+            Value::ColumnOrFalse(between(1.0, 10_000.0)),
+            "Column of the times, or false: no column has times; CSV only",
+        )
+        .or(Default::Said("the first whose heading names a time")),
+        number("rate_hz", "Hz", between(1e-3, 1e6), "Samples per second")
+            .or(Default::Said("that of the times or of the WAV file, else required")),
+        number("scale_m_per_s2", "m/s²", between(-1e6, 1e6), "Acceleration for each unit of the file"),
+        other("repeat", Value::Flag, "Whether the recording begins again at its end")
+            .or(Default::Flag(false)),
+    ],
+};
 
 /// Which column of a table, or channel of a recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,7 +158,7 @@ pub(super) fn path(section: &mut Section<'_>) -> Option<PathBuf> {
 /// Reads the keys of an excitation from a file, and the file.
 pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
     let scale = section.number("scale_m_per_s2")?;
-    let repeat = section.flag("repeat", false)?;
+    let repeat = section.flag("repeat")?;
     let column = Column::optional(section, "column", Column::WANTED)?;
     let Some(full) = path(section) else {
         return Err(section.must_be("path", "the name of a CSV or WAV file"));
@@ -140,6 +167,9 @@ pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
     let bound = section.bound("rate_hz");
     let is_wave = full.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("wav"));
     let (samples, rate_hz) = if is_wave {
+        if section.has("time_column") {
+            return Err(section.refuse("time_column", "unknown key for a WAV file, which has no times"));
+        }
         wave::samples(&full, column.as_ref(), scale, rate_hz, bound)
     } else {
         let clock = AskedClock::read(section)?;

@@ -1,0 +1,133 @@
+//! The keys of scene files as a page, and for a terminal.
+
+use super::rows::{Row, rows};
+use crate::scene_file::KEYS;
+
+/// A table of the file with its rows.
+struct Part {
+    title: String,
+    note: &'static str,
+    rows: Vec<Row>,
+}
+
+/// The tables in their order.
+fn parts(scene: Option<&str>) -> Vec<Part> {
+    let mut parts: Vec<(Option<&'static str>, String, Part)> = Vec::new();
+    let mut notes: Vec<(Option<&'static str>, String, Row)> = Vec::new();
+    for row in rows(scene) {
+        if row.is_table {
+            let path =
+                if row.table.is_empty() { row.key.to_owned() } else { format!("{}.{}", row.table, row.key) };
+            notes.push((row.scene, path, row));
+            continue;
+        }
+        let same =
+            |(scene, path, _): &&mut (Option<&str>, String, Part)| *scene == row.scene && *path == row.table;
+        match parts.iter_mut().rev().find(same) {
+            Some((_, _, part)) => part.rows.push(row),
+            None => {
+                let note = notes.iter().find(|(scene, path, _)| *scene == row.scene && *path == row.table);
+                let title = title(&row, note.map(|(_, _, note)| note));
+                let meaning = note.map_or("", |(_, _, note)| note.meaning);
+                parts.push((row.scene, row.table.clone(), Part { title, note: meaning, rows: vec![row] }));
+            }
+        }
+    }
+    parts.into_iter().map(|(_, _, part)| part).collect()
+}
+
+/// The heading of a table.
+fn title(first: &Row, table: Option<&Row>) -> String {
+    let Some(table) = table else { return "The whole file".to_owned() };
+    let name = if table.bounds == "a list of tables" {
+        format!("`[[{}]]`", first.table)
+    } else {
+        format!("`[{}]`", first.table)
+    };
+    let of = first.scene.map_or(String::new(), |scene| format!(" of {scene}"));
+    match table.default.as_str() {
+        "required" => format!("{name}{of}"),
+        default => format!("{name}{of}, optional: {default}"),
+    }
+}
+
+/// The page `docs/keys.md`, of one scene or of all.
+#[must_use]
+pub fn markdown(scene: Option<&str>) -> String {
+    let mut page = String::from(
+        "# Keys of scene files\n\nEvery key with its unit, its bounds (ends included), its default and its meaning, as the \
+         reader checks\nthem. What the keys do is in [scene-files.md](scene-files.md). This page is what `cargo run \
+         --release -- keys\n--format markdown` prints.\n",
+    );
+    let kinds = KEYS.kinds.iter().filter(|kind| scene.is_none_or(|scene| scene == kind.word));
+    for kind in kinds {
+        page += &format!("\n* `scene = \"{}\"`: {}.", kind.word, kind.meaning);
+    }
+    page.push('\n');
+    for part in parts(scene) {
+        page += &format!("\n## {}\n\n", part.title);
+        if !part.note.is_empty() {
+            page += &format!("{}.\n\n", part.note);
+        }
+        let has_kinds = part.rows.iter().any(|row| row.kind.is_some());
+        let (head, rule) = if has_kinds { ("| kind ", "| --- ") } else { ("", "") };
+        page += &format!(
+            "{head}| key | unit | bounds | default | meaning |\n{rule}| --- | --- | --- | --- | --- |\n"
+        );
+        for row in &part.rows {
+            let kind = match (has_kinds, row.kind) {
+                (true, Some(kind)) => format!("| `\"{kind}\"` "),
+                (true, None) => "| ".to_owned(),
+                (false, _) => String::new(),
+            };
+            let Row { key, unit, bounds, default, meaning, .. } = row;
+            // A vertical bar would end the cell.
+            let meaning = meaning.replace('|', "\\|");
+            page += &format!("{kind}| `{key}` | {unit} | {bounds} | {default} | {meaning} |\n");
+        }
+    }
+    page
+}
+
+/// The keys for a terminal, of one scene or of all.
+#[must_use]
+pub fn text(scene: Option<&str>) -> String {
+    let mut text = String::new();
+    for part in parts(scene) {
+        let note = if part.note.is_empty() { String::new() } else { format!(": {}", part.note) };
+        text += &format!("{}{note}\n", plain(&part.title));
+        let cells: Vec<[String; 5]> = part
+            .rows
+            .iter()
+            .map(|row| {
+                let kind = row.kind.unwrap_or_default().to_owned();
+                [kind, row.key.to_owned(), row.unit.to_owned(), plain(&row.bounds), plain(&row.default)]
+            })
+            .collect();
+        // A long cell does not widen the others.
+        let width = |column: usize| {
+            let widths =
+                cells.iter().map(|cells| cells[column].chars().count()).filter(|width| *width <= WIDEST);
+            // A column of long cells only is not aligned, and not left out.
+            let empty = cells.iter().all(|cells| cells[column].is_empty());
+            widths.max().unwrap_or(0).max(usize::from(!empty))
+        };
+        let widths: [usize; 5] = std::array::from_fn(width);
+        for (cells, row) in cells.iter().zip(&part.rows) {
+            text.push(' ');
+            for (cell, width) in cells.iter().zip(widths).filter(|(_, width)| *width > 0) {
+                text += &format!(" {cell:<width$} ");
+            }
+            text += &format!(" {}\n", plain(row.meaning));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Widest cell in letters that the others of its column are aligned with.
+const WIDEST: usize = 44;
+
+fn plain(text: &str) -> String {
+    text.replace('`', "")
+}

@@ -1,0 +1,222 @@
+//! The tables of the keys of a scene file: unit, bounds, default and meaning of each.
+//!
+//! The readers check by these tables; the pages about the keys, the templates and the schema are made of them.
+
+use model_core::bounds::Bounds;
+
+use super::bounds::CoreTable;
+
+/// A key of a scene file.
+#[derive(Debug, Clone, Copy)]
+pub struct Key {
+    /// Its name, with the unit.
+    pub name: &'static str,
+    /// Unit of its value; empty where it has none.
+    pub unit: &'static str,
+    /// What its value may be.
+    pub value: Value,
+    /// What holds where it is not given.
+    pub default: Default,
+    /// The key that gives the same quantity otherwise: only one of the two may be given.
+    pub instead_of: Option<&'static str>,
+    /// A bound by other keys; empty where there is none.
+    pub limit: &'static str,
+    /// One line.
+    pub meaning: &'static str,
+}
+
+/// What the value of a key may be.
+#[derive(Debug, Clone, Copy)]
+pub enum Value {
+    /// A number.
+    Number(Bounds<f64>),
+    /// A number, 0 or infinity.
+    NumberOrLimits(Bounds<f64>),
+    /// A whole number.
+    Whole(Bounds<f64>),
+    /// One of a few whole numbers.
+    Among(&'static [usize]),
+    /// A list of numbers, one for each of these.
+    Numbers(Bounds<f64>, &'static str),
+    /// A list of pairs of a frequency in Hz and a number, from two to so many.
+    Points(Bounds<f64>, usize),
+    /// One of a few words.
+    Words(&'static [&'static str]),
+    /// The name of a commercial part.
+    Part,
+    /// `true` or `false`.
+    Flag,
+    /// A text.
+    Text,
+    /// A column by its name or its number.
+    Column(Bounds<f64>),
+    /// A column, or `false` for none.
+    ColumnOrFalse(Bounds<f64>),
+    /// A table.
+    Table(&'static Table),
+    /// A list of tables, at least one.
+    Tables(&'static Table),
+}
+
+/// What holds where a key is not given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Default {
+    /// It must be given.
+    Required,
+    /// This number.
+    Number(f64),
+    /// This flag.
+    Flag(bool),
+    /// What the text says.
+    Said(&'static str),
+}
+
+/// A table of a scene file.
+#[derive(Debug, Clone, Copy)]
+pub struct Table {
+    /// Keys of every kind.
+    pub keys: &'static [Key],
+    /// The key that says the kind; empty where there is one kind only.
+    pub selector: &'static str,
+    /// The kinds.
+    pub kinds: &'static [&'static Kind],
+}
+
+/// A kind of a table.
+#[derive(Debug, Clone, Copy)]
+pub struct Kind {
+    /// The value of the selector.
+    pub word: &'static str,
+    /// Its keys, beside those of every kind.
+    pub keys: &'static [Key],
+    /// One line.
+    pub meaning: &'static str,
+}
+
+impl Table {
+    /// A table of one kind.
+    pub(super) const fn of(keys: &'static [Key]) -> Self {
+        Self { keys, selector: "", kinds: &[] }
+    }
+
+    /// A table whose key `kind` says its kind.
+    pub(super) const fn of_kinds(kinds: &'static [&'static Kind]) -> Self {
+        Self { keys: &[], selector: "kind", kinds }
+    }
+
+    /// The kind with this word.
+    #[must_use]
+    pub fn kind(&self, word: &str) -> Option<&'static Kind> {
+        self.kinds.iter().copied().find(|kind| kind.word == word)
+    }
+
+    /// The key with this name, of the given kind if it is not of every one.
+    #[must_use]
+    pub fn key(&self, name: &str, kind: Option<&Kind>) -> Option<&'static Key> {
+        let of_kind = kind.map_or(&[][..], |kind| kind.keys);
+        of_kind.iter().chain(self.keys).find(|key| key.name == name)
+    }
+}
+
+const fn key(name: &'static str, unit: &'static str, value: Value, meaning: &'static str) -> Key {
+    Key { name, unit, value, default: Default::Required, instead_of: None, limit: "", meaning }
+}
+
+/// A number that must be given.
+pub(super) const fn number(
+    name: &'static str,
+    unit: &'static str,
+    bounds: Bounds<f64>,
+    meaning: &'static str,
+) -> Key {
+    key(name, unit, Value::Number(bounds), meaning)
+}
+
+/// A whole number that must be given.
+pub(super) const fn whole(
+    name: &'static str,
+    unit: &'static str,
+    bounds: Bounds<f64>,
+    meaning: &'static str,
+) -> Key {
+    key(name, unit, Value::Whole(bounds), meaning)
+}
+
+/// A value without a unit that must be given.
+pub(super) const fn other(name: &'static str, value: Value, meaning: &'static str) -> Key {
+    key(name, "", value, meaning)
+}
+
+impl Key {
+    pub(super) const fn or(mut self, default: Default) -> Self {
+        self.default = default;
+        self
+    }
+
+    pub(super) const fn or_number(self, default: f64) -> Self {
+        self.or(Default::Number(default))
+    }
+
+    pub(super) const fn or_said(self, default: &'static str) -> Self {
+        self.or(Default::Said(default))
+    }
+
+    pub(super) const fn instead_of(mut self, other: &'static str) -> Self {
+        self.instead_of = Some(other);
+        self
+    }
+
+    pub(super) const fn limit(mut self, limit: &'static str) -> Self {
+        self.limit = limit;
+        self
+    }
+
+    pub(super) const fn unit(mut self, unit: &'static str) -> Self {
+        self.unit = unit;
+        self
+    }
+}
+
+/// The words of a choice.
+pub(super) const fn words<T: Copy, const N: usize>(choices: &[(&'static str, T); N]) -> [&'static str; N] {
+    let mut words = [""; N];
+    let mut index = 0;
+    while index < N {
+        words[index] = choices[index].0;
+        index += 1;
+    }
+    words
+}
+
+/// The bounds that the core has for one of its parameters, by the name that the core's errors have.
+pub(super) const fn core(table: CoreTable, name: &str) -> Bounds<f64> {
+    let mut index = 0;
+    while index < table.len() {
+        if same(table[index].0, name) {
+            return table[index].1;
+        }
+        index += 1;
+    }
+    panic!("the core has no parameter of this name")
+}
+
+/// Whether two texts are the same, where the compiler computes.
+const fn same(one: &str, other: &str) -> bool {
+    let (one, other) = (one.as_bytes(), other.as_bytes());
+    let mut index = 0;
+    while index < one.len() && index < other.len() && one[index] == other[index] {
+        index += 1;
+    }
+    index == one.len() && index == other.len()
+}
+
+/// Shows all keys of a table and of the tables in it.
+pub fn walk(table: &'static Table, seen: &mut dyn FnMut(&'static Key)) {
+    let of_kinds = table.kinds.iter().flat_map(|kind| kind.keys);
+    for key in of_kinds.chain(table.keys) {
+        seen(key);
+        if let Value::Table(inner) | Value::Tables(inner) = key.value {
+            walk(inner, seen);
+        }
+    }
+}

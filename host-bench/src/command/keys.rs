@@ -1,0 +1,74 @@
+//! `keys` and `new`: what a scene file may say, and a template of one.
+
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+
+use super::files::Outputs;
+use super::{json_text, print, tell};
+use crate::method::Failure;
+use crate::scene_file::{template, templates};
+use harvester_scene::keys;
+
+/// How to print the keys.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+enum KeysFormat {
+    /// Text for people.
+    #[default]
+    Table,
+    /// The page docs/keys.md.
+    Markdown,
+    /// A list of objects, one for each key.
+    Json,
+    /// JSON Schema (draft 7) of all scene files, for editors.
+    Schema,
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct KeysArguments {
+    /// Only the keys of this scene
+    #[arg(value_name = "SCENE", value_parser = PossibleValuesParser::new(keys::scenes()))]
+    scene: Option<String>,
+    /// Output format
+    #[arg(long, value_enum, default_value_t)]
+    format: KeysFormat,
+}
+
+/// Prints the keys.
+pub fn run(arguments: &KeysArguments) -> Result<(), Failure> {
+    let scene = arguments.scene.as_deref();
+    match arguments.format {
+        KeysFormat::Table => print(&keys::text(scene)),
+        KeysFormat::Markdown => print(&keys::markdown(scene)),
+        KeysFormat::Json => print(&json_text(&keys::rows(scene))?),
+        KeysFormat::Schema if scene.is_some() => {
+            Err(Failure::Input("--format schema: is of all scenes, must be without SCENE".to_owned()))
+        }
+        KeysFormat::Schema => print(&format!("{:#}\n", keys::schema())),
+    }
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct NewArguments {
+    /// Which scene
+    #[arg(value_name = "SCENE", value_parser = PossibleValuesParser::new(templates()))]
+    scene: String,
+    /// Write the template to this file, which must not exist; without it: to standard output
+    #[arg(long, value_name = "FILE.toml")]
+    output: Option<PathBuf>,
+}
+
+/// Writes or prints a template.
+pub fn new(arguments: &NewArguments) -> Result<(), Failure> {
+    let text = template(&arguments.scene)
+        .ok_or_else(|| Failure::Input(format!("{}: has no template", arguments.scene)))?;
+    let Some(file) = &arguments.output else { return print(&text) };
+    if file.symlink_metadata().is_ok() {
+        return Err(Failure::Input(format!("--output {}: exists, must be a new file", file.display())));
+    }
+    let outputs = Outputs::of_shipped([]);
+    outputs.check("--output", file)?;
+    outputs.write(file, &text)?;
+    tell(&format!("{}: a scene for `run {0}`; all keys: `keys`", file.display()));
+    Ok(())
+}
