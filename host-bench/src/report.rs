@@ -3,6 +3,7 @@
 mod chart;
 pub(crate) mod html;
 pub(crate) mod plot;
+pub(crate) mod setting;
 pub(crate) mod svg;
 
 use std::fmt::Write;

@@ -5,6 +5,7 @@ mod command_line {
     mod bump_stop;
     mod closed_form;
     mod created_energy;
+    mod figures;
     mod good_runs;
     mod keys;
     mod needs;

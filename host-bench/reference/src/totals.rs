@@ -87,7 +87,11 @@ impl Totals {
             accuracy: Accuracy::default(),
             warnings: Vec::new(),
             block_energies_j: Vec::new(),
-            trace: self.recorder.map(|recorder| Recording { columns, rows: recorder.rows }),
+            trace: self.recorder.map(|recorder| Recording {
+                columns,
+                rows: recorder.rows,
+                impacts_s: Vec::new(),
+            }),
         }
     }
 }

@@ -239,4 +239,6 @@ pub struct Recording {
     pub columns: &'static [&'static str],
     /// One value for each column.
     pub rows: Vec<Vec<f64>>,
+    /// Instants of impacts in s. Only the embedded core records them.
+    pub impacts_s: Vec<f64>,
 }

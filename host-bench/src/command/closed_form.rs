@@ -6,13 +6,14 @@ use serde_json::json;
 
 use super::files::{Outputs, make_folder};
 use super::storage_voltage::StorageVoltage;
-use super::sweep::picture::{self, Quantity};
+use super::sweep::picture::{self, Quantity, Words};
 use super::sweep::{Axis, points_of, values};
 use super::{NODE, Unused, check_overrides, print, progress};
 use crate::closed_form::estimate;
 use crate::closed_form::map::{Place, Point, Summary, map};
 use crate::method::{Failure, Precision};
 use crate::outcome::{Fields, Format, fields, rows_csv, text};
+use crate::report::setting::with_unit;
 use crate::scene_file::{self, Excitation, Load, Override, Scene};
 
 /// Keys that a closed form does not use without the map.
@@ -202,11 +203,16 @@ fn pictures(scene: &str, axes: &[Axis; 3], points: &[Point]) -> Result<Vec<(Stri
     let drawn = (0..resistance.count()).zip(points.chunks(size.max(1))).filter_map(|(index, points)| {
         let shown =
             |point: &Point| point.estimate.holds().then(|| point.error().clamp(SMALLEST, 1.0).log10());
-        let quantity =
-            Quantity { name: "log10 of the error of mean power", values: points.iter().map(shown).collect() };
-        let title = format!("{scene}, {:.3e} ohm: closed form against trajectory", resistance.value(index));
+        let quantity = Quantity {
+            name: "log10 of the error of mean power",
+            unit: "",
+            values: points.iter().map(shown).collect(),
+        };
+        let load = with_unit(resistance.value(index), "Ω");
+        let title = format!("{scene}, {load}: closed form against trajectory");
         let name = picture_name(index);
-        match picture::draw(&title, rest, &[quantity]) {
+        let words = Words { title: &title, without: "a trajectory is needed", marked: (&[], "") };
+        match picture::draw(words, rest, &[quantity]) {
             Ok(picture) => picture.map(|picture| Ok((name, picture))),
             Err(error) => Some(Err(Failure::Input(error))),
         }

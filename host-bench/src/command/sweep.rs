@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 pub use self::axis::Axis;
-use self::picture::Quantity;
+use self::picture::{Quantity, Words};
 use self::shooting::{Compared, compared};
 use super::files::{Outputs, make_folder};
 use super::storage_voltage::StorageVoltage;
@@ -19,6 +19,7 @@ use super::{NODE, SceneArguments, check_keys, print, progress, tell};
 use crate::accuracy::run_with_accuracy;
 use crate::method::{Failure, Options};
 use crate::outcome::{self, Fields, Format, Outcome, fields, flattened, number, rows_csv, small};
+use crate::report::setting::setting;
 use crate::run::{run_scene, stopped_as_text};
 use crate::scene_file::{self, Override, Scene};
 
@@ -151,8 +152,25 @@ fn write(
 ) -> Result<(), Failure> {
     let [table, drawing] = FILES.map(|name| folder.join(name));
     let axes = &arguments.axes;
-    let title = format!("{}, {:?}", arguments.scene.scene.display(), arguments.scene.options.method);
-    let picture = picture::draw(&title, axes, &quantities(points)).map_err(Failure::Input)?;
+    let file = arguments.scene.scene.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let keys: Vec<&str> = axes.iter().filter(|axis| axis.count() > 1).map(|axis| axis.key.as_str()).collect();
+    let first = points.first().map_or(&[][..], |point| &point.values);
+    let method =
+        points.iter().find_map(|point| point.found.as_ref().ok()).map(|outcome| outcome.method.clone());
+    let parameters = setting(&scene(arguments, first)?, &keys);
+    let title = format!("{file}, {}: {parameters}", method.unwrap_or_else(|| "no run".to_owned()));
+    let unstable: Vec<bool> = points
+        .iter()
+        .map(|point| {
+            point.found.as_ref().is_ok_and(|run| run.steady_state.is_some() && !run.is_of_an_orbit())
+        })
+        .collect();
+    let words = Words {
+        title: &title,
+        without: "the run failed",
+        marked: (&unstable, "no stable orbit: of the run"),
+    };
+    let picture = picture::draw(words, axes, &quantities(points)).map_err(Failure::Input)?;
     make_folder(folder)?;
     outputs.write(&table, &csv(axes, points))?;
     picture.map_or(Ok(()), |picture| outputs.write(&drawing, &picture))
@@ -291,12 +309,13 @@ fn table(axes: &[Axis], points: &[Point]) -> String {
 }
 
 fn quantities(points: &[Point]) -> Vec<Quantity> {
-    let quantity = |name, of: fn(&Outcome) -> Option<f64>| Quantity {
+    let quantity = |name, unit, of: fn(&Outcome) -> Option<f64>| Quantity {
         name,
+        unit,
         values: points.iter().map(|point| point.found.as_ref().ok().and_then(of)).collect(),
     };
     vec![
-        quantity("mean power [W]", |outcome| outcome.mean_power_w),
-        quantity("RMS voltage [V]", |outcome| outcome.rms_voltage_v),
+        quantity("mean power", "W", |outcome| outcome.mean_power_w),
+        quantity("RMS voltage", "V", |outcome| outcome.rms_voltage_v),
     ]
 }

@@ -12,6 +12,7 @@ pub use self::motion::{CONTACT_FORCE, Motion, ROD, STOP_POINT, TIP, VOLTAGE};
 
 use super::{Chapter, Figure, Panel, each, shipped, sine};
 use crate::method::Failure;
+use crate::report::setting::setting;
 use crate::scene_file::{Model, Scene};
 
 /// The shipped scenes of the figures: the stop at the tip, at mid-span, and none.
@@ -44,19 +45,21 @@ pub fn build(done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
         return Err(Failure::Input("five scenes were read".to_owned()));
     };
     let (note, stiff_note) = (note(tip_scene)?, note(stiff_tip)?);
+    let (with_gap, stiff_base) = (setting(tip_scene, &[]), setting(stiff_tip, &[]));
+    let charged_base = setting(&shipped(CHARGING)?, &[]);
     let shapes = shapes::of([(tip_scene, tip), (mid_scene, mid)], done)?;
     let modes = convergence::in_modes([stiff_tip, stiff_mid], done)?;
     let steps = convergence::in_step(stiff_tip, done)?;
     let figures = || -> Result<Vec<Figure>, String> {
         Ok(vec![
-            history::six(tip, &note)?,
-            chatter::seven(tip, gap_m(tip_scene), &note)?,
-            history::eight([tip, none], &note)?,
-            history::nine([tip, mid, none], &note)?,
-            shapes::ten(&shapes, &note)?,
-            charging::eleven([tip_store, mid_store, no_stop_store], &note)?,
-            convergence::modes_figure(&modes, &stiff_note)?,
-            convergence::step_figure(&steps, &stiff_note)?,
+            history::six(tip, [&with_gap, &note])?,
+            chatter::seven(tip, gap_m(tip_scene), [&with_gap, &note])?,
+            history::eight([tip, none], [&with_gap, &note])?,
+            history::nine([tip, mid, none], [&with_gap, &note])?,
+            shapes::ten(&shapes, [&with_gap, &note])?,
+            charging::eleven([tip_store, mid_store, no_stop_store], [&charged_base, &note])?,
+            convergence::modes_figure(&modes, [&stiff_base, &stiff_note])?,
+            convergence::step_figure(&steps, [&stiff_base, &stiff_note])?,
         ])
     };
     Ok(Chapter {

@@ -45,14 +45,16 @@ pub(crate) fn runs() -> usize {
 /// Makes the figures on all cores; `done` is called after each run.
 pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
     let start = start(base)?;
+    let of_base = format!("{} g", sine(base)?.amplitude_m_per_s2 / GRAVITY);
+    let of = [of_base.as_str(), &start];
     let sweeps = sweeps(base, &pairs(), RESPONSES, RESPONSE_TOLERANCE, done)?;
-    let nine = history::nine(base, STRONG, MOTION_TOLERANCE, &start, done)?;
+    let nine = history::nine(base, STRONG, MOTION_TOLERANCE, of, done)?;
     let diagram = diagram(base, STRONG, DIAGRAM, MOTION_TOLERANCE, done)?;
     let rest = || -> Result<[Figure; 3], String> {
         Ok([
-            response::eight(&sweeps, RESPONSES, &start)?,
-            bifurcation::ten(&diagram, STRONG, DIAGRAM, &start)?,
-            response::eleven(&sweeps, RESPONSES, &start)?,
+            response::eight(&sweeps, RESPONSES, of)?,
+            bifurcation::ten(&diagram, STRONG, DIAGRAM, of)?,
+            response::eleven(&sweeps, RESPONSES, of)?,
         ])
     };
     let [eight, ten, eleven] = rest().map_err(Failure::Input)?;

@@ -28,19 +28,20 @@ pub(crate) fn runs() -> usize {
 /// Makes the figures on all cores; `done` is called after each resonance.
 pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
     let natural = Case::natural_frequency_hz(base)?;
+    let base_g = format!("{} g", sine(base)?.amplitude_m_per_s2 / GRAVITY);
     let note = format!(
-        "Base acceleration {} g; natural frequency without friction {natural:.4} Hz. Charge densities, \
-         resistances and acceleration are chosen.",
-        sine(base)?.amplitude_m_per_s2 / GRAVITY
+        "Base acceleration {base_g}; natural frequency without friction {natural:.4} Hz. Charge densities, \
+         resistances and acceleration are chosen."
     );
+    let of = [base_g.as_str(), &note];
     let curves = each(&response::cases(), done, |case| response::Response::of(base, case))?;
     let peaks = each(&resistance::cases(), done, |case| case.peak(base))?;
     let figures = || -> Result<Vec<Figure>, String> {
         Ok(vec![
-            response::three(&curves, &note)?,
-            response::four(&curves, &note)?,
-            response::five(&curves, &note)?,
-            resistance::six(&peaks, natural, &note)?,
+            response::three(&curves, of)?,
+            response::four(&curves, of)?,
+            response::five(&curves, of)?,
+            resistance::six(&peaks, natural, of)?,
             resistance::charge_sweep(&peaks, natural, &note),
             resistance::resistance_sweep(&peaks, natural, &note),
         ])

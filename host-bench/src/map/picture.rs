@@ -5,7 +5,9 @@ use plotters::prelude::*;
 use super::axes::amplitude_of;
 use super::{Map, Place};
 use crate::method::Failure;
-use crate::report::svg::{Area, Drawn, FONT, VERMILION, extremes, power_of_ten, shade, svg, tick};
+use crate::report::svg::{
+    Area, Drawn, FONT, Ticked, VERMILION, extremes, logarithmic_label, logarithmic_ticks, shade, svg,
+};
 
 /// Width and height.
 const SIZE: (u32, u32) = (900, 640);
@@ -30,7 +32,10 @@ pub fn draw(map: &Map, slice: usize, title: &str) -> Result<String, Failure> {
         .collect();
     let (least, most) = extremes(values.iter().flatten().copied());
     let picture = svg(SIZE, |area| {
-        let area = area.titled(title, (FONT, 18))?;
+        let mut area = area.titled(title, (FONT, 18))?;
+        if values.iter().any(Option::is_none) {
+            area = area.titled("white: the map has no income here", LABEL)?;
+        }
         let (body, scale) = area.split_horizontally(SIZE.0.cast_signed() - 130);
         field(&body, map, slice, &values, [least, most])?;
         bar(&scale, unit, [least, most])
@@ -42,11 +47,12 @@ fn field(area: &Area<'_>, map: &Map, slice: usize, values: &[Option<f64>], ends:
     let axes = &map.axes;
     let [low, high] = axes.amplitudes.map(f64::log10);
     let [across, up] = CELLS;
+    let rows = logarithmic_ticks(low, high, 8);
     let mut chart = ChartBuilder::on(area)
         .margin(10)
         .x_label_area_size(40)
         .y_label_area_size(80)
-        .build_cartesian_2d(0.0..1.0, low..high)?;
+        .build_cartesian_2d(0.0..1.0, Ticked::new([low, high], &rows))?;
     chart
         .configure_mesh()
         .disable_mesh()
@@ -55,7 +61,7 @@ fn field(area: &Area<'_>, map: &Map, slice: usize, values: &[Option<f64>], ends:
         .y_desc("amplitude [m/s²]")
         .label_style(LABEL)
         .x_label_formatter(&|part: &f64| format!("{:.2}", axes.frequency(part.clamp(0.0, 1.0))))
-        .y_label_formatter(&|place: &f64| tick(10f64.powf(*place)))
+        .y_label_formatter(&|place: &f64| logarithmic_label(*place, &rows))
         .draw()?;
     chart.draw_series(values.iter().enumerate().filter_map(|(index, value)| {
         let [column, row] = [index % across, index / across].map(|index| index as f64);
@@ -92,20 +98,19 @@ fn field(area: &Area<'_>, map: &Map, slice: usize, values: &[Option<f64>], ends:
 fn bar(area: &Area<'_>, unit: &str, [least, most]: [f64; 2]) -> Drawn {
     const SHADES: usize = 64;
     let most = most.max(least + 1e-6);
+    let ticks = logarithmic_ticks(least, most, 10);
     let mut chart = ChartBuilder::on(area)
         .margin(10)
         .margin_bottom(50)
         .y_label_area_size(70)
-        .build_cartesian_2d(0.0..1.0, least..most)?;
+        .build_cartesian_2d(0.0..1.0, Ticked::new([least, most], &ticks))?;
     chart
         .configure_mesh()
         .disable_mesh()
         .disable_x_axis()
         .label_style(LABEL)
         .y_desc(unit)
-        .y_label_formatter(&|place: &f64| {
-            if (place - place.round()).abs() < 1e-9 { power_of_ten(*place) } else { String::new() }
-        })
+        .y_label_formatter(&|place: &f64| logarithmic_label(*place, &ticks))
         .draw()?;
     chart.draw_series((0..SHADES).map(|index| {
         let edge = |index: usize| least + (most - least) * index as f64 / SHADES as f64;

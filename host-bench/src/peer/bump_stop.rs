@@ -46,7 +46,8 @@ pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<
         Method::TrBdf2 => "tr-bdf2",
         _ => "newmark",
     };
-    let trace = march.recorder.map(|recorder| Recording { columns: &BUMP_STOP_COLUMNS, rows: recorder.rows });
+    let recording = |rows| Recording { columns: &BUMP_STOP_COLUMNS, rows, impacts_s: Vec::new() };
+    let trace = march.recorder.map(|recorder| recording(recorder.rows));
     Ok(Outcome {
         method: method.to_owned(),
         steps: march.steps,

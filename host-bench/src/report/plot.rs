@@ -7,31 +7,32 @@ use std::fmt::Write;
 
 use plotters::prelude::*;
 
-use super::svg::{Area, Drawn, FONT, GRID, power_of_ten, range, svg, tick};
+use super::svg::{
+    Area, Drawn, FONT, GRID, Ticked, extremes, linear_ticks, logarithmic_label, logarithmic_ticks, range,
+    svg, tick, width_of,
+};
 
 /// An axis: its title and its span.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Axis {
     /// The quantity with its unit.
-    pub(crate) title: &'static str,
+    pub(crate) title: String,
     /// Its first and its last value.
     pub(crate) span: [f64; 2],
-    /// Approximate number of labels; a logarithmic axis labels the powers of ten.
+    /// Approximate number of labels.
     pub(crate) ticks: usize,
     logarithmic: bool,
 }
 
 impl Axis {
     /// Equal distances for equal differences.
-    pub(crate) fn linear(title: &'static str, span: [f64; 2], ticks: usize) -> Self {
-        Self { title, span, ticks, logarithmic: false }
+    pub(crate) fn linear(title: impl Into<String>, span: [f64; 2], ticks: usize) -> Self {
+        Self { title: title.into(), span, ticks, logarithmic: false }
     }
 
-    /// Equal distances for equal ratios, and a number at each power of ten.
-    pub(crate) fn logarithmic(title: &'static str, span: [f64; 2]) -> Self {
-        let decades = (span[1] / span[0]).log10().abs().ceil();
-        // More than the powers of ten, so that none is left out.
-        Self { title, span, ticks: decades as usize + 2, logarithmic: true }
+    /// Equal distances for equal ratios.
+    pub(crate) fn logarithmic(title: impl Into<String>, span: [f64; 2]) -> Self {
+        Self { title: title.into(), span, ticks: 12, logarithmic: true }
     }
 
     /// The place of a value on a linear scale.
@@ -39,15 +40,19 @@ impl Axis {
         if self.logarithmic { value.log10() } else { value }
     }
 
-    /// The number at a place.
-    fn label(&self, place: f64) -> String {
-        // A sum of steps that should be 0 may differ by rounding.
-        let place = if place.abs() < 1e-9 * (self.span[1] - self.span[0]).abs() { 0.0 } else { place };
-        match (self.logarithmic, (place - place.round()).abs() < 1e-9) {
-            (false, _) => tick(place),
-            (true, true) => power_of_ten(place),
-            (true, false) => String::new(),
+    /// Places of the ticks.
+    fn places(&self) -> Vec<f64> {
+        let [first, last] = self.span.map(|value| self.place(value));
+        if self.logarithmic {
+            logarithmic_ticks(first, last, self.ticks)
+        } else {
+            linear_ticks(first, last, self.ticks)
         }
+    }
+
+    /// The number at a place among all of them.
+    fn label(&self, place: f64, all: &[f64]) -> String {
+        if self.logarithmic { logarithmic_label(place, all) } else { tick(place) }
     }
 }
 
@@ -59,6 +64,8 @@ pub(crate) enum Mark {
     Dashes(f64),
     /// A dot for each, of this diameter.
     Dots(f64),
+    /// A ring around each, of this diameter.
+    Rings(f64),
 }
 
 /// Points with a colour and a mark.
@@ -68,8 +75,12 @@ pub(crate) struct Curve {
     pub(crate) name: String,
     pub(crate) colour: RGBColor,
     pub(crate) mark: Mark,
+    /// A line has a gap at a point that is not a number.
     pub(crate) points: Vec<(f64, f64)>,
 }
+
+/// Least part of the height of a curve that a jump has, and how much larger than the differences beside it it is.
+const JUMP: [f64; 2] = [0.08, 5.0];
 
 impl Curve {
     pub(crate) fn new(
@@ -79,6 +90,34 @@ impl Curve {
         points: impl IntoIterator<Item = (f64, f64)>,
     ) -> Self {
         Self { name: name.into(), colour, mark, points: points.into_iter().collect() }
+    }
+
+    /// The same with a gap at each jump: where two neighbours differ by much more than those beside them, a line between
+    /// them would be no measured slope.
+    pub(crate) fn broken_at_jumps(self) -> Self {
+        let points = &self.points;
+        let (low, high) = extremes(points.iter().map(|point| point.1));
+        let difference = |index: Option<usize>| {
+            let pair = index.and_then(|index| Some([points.get(index)?.1, points.get(index + 1)?.1]));
+            pair.map_or(0.0, |[one, next]| (next - one).abs())
+        };
+        let jumps = |index: usize| {
+            let beside = difference(index.checked_sub(1)).max(difference(Some(index + 1)));
+            let here = difference(Some(index));
+            here > JUMP[0] * (high - low) && here > JUMP[1] * beside
+        };
+        // Fewer points have no neighbours to compare with.
+        if points.len() < 5 {
+            return self;
+        }
+        let mut broken = Vec::with_capacity(points.len());
+        for (index, point) in points.iter().enumerate() {
+            broken.push(*point);
+            if jumps(index) {
+                broken.push((f64::NAN, f64::NAN));
+            }
+        }
+        Self { points: broken, ..self }
     }
 
     /// A line of this width with a dot of this diameter at each point.
@@ -119,6 +158,13 @@ const RIGHT: i32 = 26;
 const TITLE: (&str, u32) = (FONT, 20);
 const TEXT: (&str, u32) = (FONT, 18);
 
+/// The font of a title that is not wider than its plot.
+fn title_of(title: &str, width: i32) -> (&'static str, u32) {
+    let sizes = (13..=TITLE.1).rev();
+    let mut fitting = sizes.filter(|size| width_of(title, *size) <= width);
+    (TITLE.0, fitting.next().unwrap_or(13))
+}
+
 /// The plots, one above the other and equally high, as SVG text.
 pub(crate) fn draw(size: (u32, u32), plots: &[Plot]) -> Result<String, String> {
     let mut paths = String::new();
@@ -135,14 +181,17 @@ pub(crate) fn draw(size: (u32, u32), plots: &[Plot]) -> Result<String, String> {
 
 /// Draws the axes, and appends the paths of the curves to `paths`.
 fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
-    let mut area = area.titled(&plot.title, TITLE)?;
-    if plot.curves.iter().any(|curve| !curve.name.is_empty()) {
-        let (above, below) = area.split_vertically(LEGEND);
-        legend(&above, &plot.curves, paths)?;
+    let (columns, _) = area.get_pixel_range();
+    let mut area = area.titled(&plot.title, title_of(&plot.title, columns.end - columns.start))?;
+    let names = entries(&plot.curves, columns.end - columns.start);
+    if let Some(last) = names.last() {
+        let (above, below) = area.split_vertically(LEGEND * (last.row + 1));
+        legend(&above, &names, paths)?;
         area = below;
     }
     let [left, right] = plot.across.span.map(|value| plot.across.place(value));
     let [low, high] = plot.up.span.map(|value| plot.up.place(value));
+    let [columns, rows] = [plot.across.places(), plot.up.places()];
     let mut chart = ChartBuilder::on(&area)
         .margin_top(8)
         .margin_left(MARGIN)
@@ -150,19 +199,17 @@ fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
         .margin_right(RIGHT)
         .x_label_area_size(50)
         .y_label_area_size(LEFT)
-        .build_cartesian_2d(left..right, low..high)?;
+        .build_cartesian_2d(Ticked::new([left, right], &columns), Ticked::new([low, high], &rows))?;
     chart
         .configure_mesh()
-        .x_desc(plot.across.title)
-        .y_desc(plot.up.title)
-        .x_labels(plot.across.ticks)
-        .y_labels(plot.up.ticks)
+        .x_desc(plot.across.title.as_str())
+        .y_desc(plot.up.title.as_str())
         .label_style(TEXT)
         .axis_desc_style(TEXT)
         .bold_line_style(GRID)
         .light_line_style(TRANSPARENT)
-        .x_label_formatter(&|x| plot.across.label(*x))
-        .y_label_formatter(&|y| plot.up.label(*y))
+        .x_label_formatter(&|x| plot.across.label(*x, &columns))
+        .y_label_formatter(&|y| plot.up.label(*y, &rows))
         .draw()?;
     // The last pixel of the library's range is part of the axis.
     let (columns, rows) = chart.plotting_area().get_pixel_range();
@@ -185,21 +232,45 @@ fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
     Ok(())
 }
 
-/// Names the curves in one row.
-fn legend(area: &Area<'_>, curves: &[Curve], paths: &mut String) -> Drawn {
+/// The name of a curve in the legend: its row, and its left edge.
+struct Entry<'a> {
+    curve: &'a Curve,
+    row: i32,
+    left: i32,
+}
+
+/// Length of the line before a name, its distance to the name, and that to the next.
+const SAMPLE: [i32; 3] = [26, 7, 16];
+
+/// The names of the curves in rows that are not wider than `width`.
+fn entries(curves: &[Curve], width: i32) -> Vec<Entry<'_>> {
+    let (mut row, mut left) = (0, MARGIN + LEFT);
+    let mut entries = Vec::new();
+    for curve in curves.iter().filter(|curve| !curve.name.is_empty()) {
+        let wide = SAMPLE[0] + SAMPLE[1] + width_of(&curve.name, TEXT.1);
+        if left > MARGIN + LEFT && left + wide > width - MARGIN {
+            (row, left) = (row + 1, MARGIN + LEFT);
+        }
+        entries.push(Entry { curve, row, left });
+        left += wide + SAMPLE[2];
+    }
+    entries
+}
+
+/// Draws the names of the curves.
+fn legend(area: &Area<'_>, entries: &[Entry<'_>], paths: &mut String) -> Drawn {
     let (columns, rows) = area.get_pixel_range();
-    let named: Vec<&Curve> = curves.iter().filter(|curve| !curve.name.is_empty()).collect();
-    let width =
-        (columns.end - columns.start - MARGIN - LEFT - RIGHT) / i32::try_from(named.len()).unwrap_or(1);
-    let middle = LEGEND / 2;
-    for (curve, left) in named.iter().zip((MARGIN + LEFT..).step_by(usize::try_from(width).unwrap_or(1))) {
-        let ends = [left, left + 26].map(|x| [f64::from(columns.start + x), f64::from(rows.start + middle)]);
+    for &Entry { curve, row, left } in entries {
+        let middle = LEGEND * row + LEGEND / 2;
+        let ends =
+            [left, left + SAMPLE[0]].map(|x| [f64::from(columns.start + x), f64::from(rows.start + middle)]);
         let between = [0.5 * (ends[0][0] + ends[1][0]), ends[0][1]];
         match curve.mark {
-            Mark::Dots(_) => path(paths, curve.colour, curve.mark, std::iter::once(between)),
+            Mark::Dots(_) | Mark::Rings(_) => path(paths, curve.colour, curve.mark, std::iter::once(between)),
             Mark::Line(_) | Mark::Dashes(_) => path(paths, curve.colour, curve.mark, ends.into_iter()),
         }
-        area.draw(&Text::new(curve.name.as_str(), (left + 33, middle - 8), TEXT.into_font()))?;
+        let place = (left + SAMPLE[0] + SAMPLE[1], middle - 8);
+        area.draw(&Text::new(curve.name.as_str(), place, TEXT.into_font()))?;
     }
     Ok(())
 }
@@ -221,16 +292,29 @@ fn level(points: &mut Vec<[i64; 2]>) {
     *points = kept;
 }
 
-/// A path through the points, or of dots at them, to a tenth of a pixel; dots in one place are drawn once.
+/// A path through the points, with gaps at those that are no number, or of dots at them, to a tenth of a pixel; dots in one
+/// place are drawn once.
 fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<Item = [f64; 2]>) {
-    let mut tenths: Vec<[i64; 2]> =
-        points.map(|point| point.map(|place| (10.0 * place).round() as i64)).collect();
-    if let Mark::Dots(_) = mark {
-        tenths.sort_unstable();
+    if let Mark::Rings(width) = mark {
+        let points: Vec<[f64; 2]> = points.collect();
+        path(paths, colour, Mark::Dots(width), points.iter().copied());
+        path(paths, WHITE, Mark::Dots(0.55 * width), points.into_iter());
+        return;
     }
-    tenths.dedup();
-    if !matches!(mark, Mark::Dots(_)) {
-        level(&mut tenths);
+    let is_dots = matches!(mark, Mark::Dots(_));
+    let points: Vec<[f64; 2]> = points.collect();
+    let mut parts: Vec<Vec<[i64; 2]>> = points
+        .split(|point| point.iter().any(|place| place.is_nan()))
+        .map(|part| part.iter().map(|point| point.map(|place| (10.0 * place).round() as i64)).collect())
+        .collect();
+    for part in &mut parts {
+        if is_dots {
+            part.sort_unstable();
+        }
+        part.dedup();
+        if !is_dots {
+            level(part);
+        }
     }
     let RGBColor(red, green, blue) = colour;
     let _ = write!(paths, "<path fill=\"none\" stroke=\"#{red:02X}{green:02X}{blue:02X}\" ");
@@ -239,19 +323,97 @@ fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<
         Mark::Dashes(width) => {
             write!(paths, "stroke-width=\"{width}\" stroke-linejoin=\"round\" stroke-dasharray=\"7 5\"")
         }
-        Mark::Dots(width) => write!(paths, "stroke-width=\"{width}\" stroke-linecap=\"round\""),
+        Mark::Dots(width) | Mark::Rings(width) => {
+            write!(paths, "stroke-width=\"{width}\" stroke-linecap=\"round\"")
+        }
     };
     paths.push_str(" d=\"");
     let tenth = |value: i64| {
         let text = format!("{:.1}", value as f64 / 10.0);
         text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
     };
-    for (index, &[x, y]) in tenths.iter().enumerate() {
-        let letter = if index == 0 || matches!(mark, Mark::Dots(_)) { 'M' } else { 'L' };
-        let _ = write!(paths, "{letter}{} {}", tenth(x), tenth(y));
-        if let Mark::Dots(_) = mark {
-            paths.push_str("h0");
+    for part in parts {
+        for (index, [x, y]) in part.into_iter().enumerate() {
+            let letter = if index == 0 || is_dots { 'M' } else { 'L' };
+            let _ = write!(paths, "{letter}{} {}", tenth(x), tenth(y));
+            if is_dots {
+                paths.push_str("h0");
+            }
         }
     }
     paths.push_str("\"/>\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::svg::{BLUE, GREEN};
+
+    fn plot(across: Axis, curves: Vec<Curve>) -> String {
+        let up = Axis::linear("value", [0.0, 1.0], 5);
+        draw((560, 430), &[Plot { title: "Title".to_owned(), across, up, curves }]).expect("a picture")
+    }
+
+    /// Texts of a picture with their places.
+    fn texts(svg: &str) -> Vec<(f64, f64, String)> {
+        let attribute = |element: &str, name: &str| {
+            let from = element.find(&format!("{name}=\""))? + name.len() + 2;
+            element[from..].split('"').next()?.parse::<f64>().ok()
+        };
+        let elements = svg.split("<text").skip(1).filter_map(|element| {
+            let content = element.split_once('>')?.1.split("</text").next()?.trim().to_owned();
+            Some((attribute(element, " x")?, attribute(element, " y")?, content))
+        });
+        elements.collect()
+    }
+
+    #[test]
+    fn each_decade_has_its_own_number() {
+        let svg = plot(Axis::logarithmic("load resistance [Ω]", [1e5, 1e10]), Vec::new());
+        let labels: Vec<String> = texts(&svg).into_iter().map(|text| text.2).collect();
+        for decade in ["10⁵", "10⁶", "10⁷", "10⁸", "10⁹", "10¹⁰"] {
+            assert_eq!(labels.iter().filter(|label| *label == decade).count(), 1, "{decade} in {labels:?}");
+        }
+        assert!(!labels.iter().any(|label| label == "10⁰"), "{labels:?}");
+    }
+
+    #[test]
+    fn names_in_the_legend_do_not_touch() {
+        let names = ["0 Ω", "10 MΩ", "50 MΩ", "100 MΩ", "10 GΩ", "a rather long name of a curve"];
+        let curves = names.map(|name| Curve::new(name, BLUE, Mark::Line(1.0), [(0.0, 0.0), (1.0, 1.0)]));
+        let found = entries(&curves, 560);
+        assert_eq!(found.len(), names.len());
+        for pair in found.windows(2) {
+            let end = pair[0].left + SAMPLE[0] + SAMPLE[1] + width_of(&pair[0].curve.name, TEXT.1);
+            assert!(pair[1].row > pair[0].row || pair[1].left >= end + 10, "{}", pair[0].curve.name);
+            assert!(end <= 560, "{}", pair[0].curve.name);
+        }
+        assert!(found.last().is_some_and(|entry| entry.row >= 1), "one row is too short");
+        // Each name stands in the picture.
+        let svg = plot(Axis::linear("x", [0.0, 1.0], 5), curves.to_vec());
+        for name in names {
+            assert_eq!(texts(&svg).iter().filter(|text| text.2 == name).count(), 1, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_jump_is_a_gap_and_a_slope_is_not() {
+        let gaps = |values: &[f64]| {
+            let points = values.iter().enumerate().map(|(index, value)| (index as f64, *value));
+            let curve = Curve::new("", BLUE, Mark::Line(1.0), points).broken_at_jumps();
+            curve.points.iter().filter(|point| point.1.is_nan()).count()
+        };
+        assert_eq!(gaps(&[1.0, 1.1, 1.2, 5.0, 5.1, 5.2]), 1);
+        assert_eq!(gaps(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), 0);
+        assert_eq!(gaps(&[0.0, 0.1, 1.0, 3.0, 4.0, 4.1]), 0);
+        // A resonance that is resolved.
+        let resonance: Vec<f64> = (-20..=20).map(|x| 1.0 / (1.0 + f64::from(x * x) / 4.0)).collect();
+        assert_eq!(gaps(&resonance), 0);
+        let curve = Curve::new("", GREEN, Mark::Line(1.0), [(0.0, 0.0), (f64::NAN, f64::NAN), (1.0, 1.0)]);
+        let svg = plot(Axis::linear("x", [0.0, 1.0], 5), vec![curve]);
+        let path =
+            svg.split("stroke=\"#009E73\"").nth(1).expect("the curve").split("d=\"").nth(1).expect("a path");
+        let path = path.split('"').next().expect("an end");
+        assert_eq!((path.matches('M').count(), path.matches('L').count()), (2, 0), "{path}");
+    }
 }

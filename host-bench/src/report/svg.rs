@@ -1,6 +1,10 @@
 //! The SVG text around a drawing, and the fonts, colours and ticks of all pictures.
 
+use std::ops::Range;
+
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 /// The drawing library's area.
@@ -46,6 +50,78 @@ pub(crate) fn tick(value: f64) -> String {
     }
 }
 
+/// Ticks of an axis at equal distances of 1, 2 or 5 times a power of ten, about so many, from `low` to `high`.
+pub(crate) fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
+    let span = (high - low).abs();
+    if !(span > 0.0 && span.is_finite()) {
+        return vec![low];
+    }
+    let rough = span / count.max(1) as f64;
+    let decade = 10f64.powf(rough.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade);
+    let step = steps.into_iter().find(|step| *step >= 0.999 * rough).unwrap_or(decade);
+    // Half a pixel of rounding belongs to the axis.
+    let slack = 1e-6 * span;
+    let (first, last) = (low.min(high) - slack, low.max(high) + slack);
+    let numbers = (first / step).ceil() as i64..=(last / step).floor() as i64;
+    numbers.map(|number| number as f64 * step).collect()
+}
+
+/// Exponents of the ticks of a logarithmic axis from `low` to `high`, both exponents of ten: whole decades, or 1, 2 and 5
+/// in each where there are few.
+pub(crate) fn logarithmic_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
+    let (low, high) = (low.min(high) - 1e-9, low.max(high) + 1e-9);
+    let within = |exponent: &f64| (low..=high).contains(exponent);
+    let decades = || (low.floor() as i64..=high.ceil() as i64).map(|decade| decade as f64);
+    let whole: Vec<f64> = decades().filter(within).collect();
+    if whole.len() > 2 {
+        let every = whole.len().div_ceil(count.max(2));
+        return whole.into_iter().step_by(every).collect();
+    }
+    let few = [1.0_f64, 2.0, 5.0].map(f64::log10);
+    let finer: Vec<f64> = decades().flat_map(|decade| few.map(|part| decade + part)).filter(within).collect();
+    if finer.len() > 2 {
+        return finer;
+    }
+    let ticks = linear_ticks(10f64.powf(low), 10f64.powf(high), count);
+    ticks.into_iter().filter(|value| *value > 0.0).map(f64::log10).collect()
+}
+
+/// The numbers at the ticks of a logarithmic axis, whose exponents are given.
+pub(crate) fn logarithmic_label(exponent: f64, all: &[f64]) -> String {
+    let whole = all.iter().all(|exponent| (exponent - exponent.round()).abs() < 1e-9);
+    if whole { power_of_ten(exponent) } else { tick(10f64.powf(exponent)) }
+}
+
+/// An axis with ticks of one's own, as the drawing library wants it.
+pub(crate) struct Ticked {
+    axis: RangedCoordf64,
+    ticks: Vec<f64>,
+}
+
+impl Ticked {
+    pub(crate) fn new([first, last]: [f64; 2], ticks: &[f64]) -> Self {
+        Self { axis: (first..last).into(), ticks: ticks.to_vec() }
+    }
+}
+
+impl Ranged for Ticked {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.axis.map(value, limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
+        self.ticks.clone()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.axis.range()
+    }
+}
+
 /// The least and the largest of the values; infinite without any.
 pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
@@ -86,4 +162,31 @@ pub(crate) fn shade(value: f64, low: f64, high: f64) -> RGBColor {
         (from + rest * (to - from)).round() as u8
     };
     RGBColor(channel(0), channel(1), channel(2))
+}
+
+/// The width in pixels that a text takes at most in the viewer's font, of a size as the drawing library counts it.
+pub(crate) fn width_of(text: &str, size: u32) -> i32 {
+    // An SVG calls 1/1.24 of it the size; letters of common fonts are up to 0.62 of that wide on average.
+    (text.chars().count() as f64 * 0.62 * f64::from(size) / 1.24).ceil() as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_within_the_axis() {
+        assert_eq!(linear_ticks(0.0, 10.0, 5), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+        assert_eq!(linear_ticks(2.1e-6, 1.9e-5, 4), [5.0, 10.0, 15.0].map(|value| value * 1e-6));
+        assert_eq!(linear_ticks(1.0, 1.0, 5), [1.0]);
+        assert_eq!(logarithmic_ticks(5.0, 10.0, 8), [5.0, 6.0, 7.0, 8.0, 9.0, 10.0]);
+        // Half decades are 3162.278 and the like: not a tick.
+        let labels = |low: f64, high: f64| -> Vec<String> {
+            let ticks = logarithmic_ticks(low.log10(), high.log10(), 8);
+            ticks.iter().map(|exponent| logarithmic_label(*exponent, &ticks)).collect()
+        };
+        assert_eq!(labels(1e3, 1e4), ["1000", "2000", "5000", "1e4"]);
+        assert_eq!(labels(2.5, 4.6), ["2.5", "3", "3.5", "4", "4.5"]);
+        assert_eq!(labels(1e6, 1e9), ["10⁶", "10⁷", "10⁸", "10⁹"]);
+    }
 }

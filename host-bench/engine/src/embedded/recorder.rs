@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use model_core::clock::Instant;
 use model_core::integrate::Cubic;
-use model_core::observer::{AcceptedStep, Motion, Observer};
+use model_core::observer::{AcceptedStep, Event, Motion, Observer};
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
@@ -17,17 +17,19 @@ pub(super) struct Recorder<'a, S: Scalar, H, R> {
     excitation: HostExcitation<'a, S>,
     every: f64,
     rows: Vec<Vec<f64>>,
+    impacts_s: Vec<f64>,
     harvester: PhantomData<H>,
 }
 
 impl<'a, S: Scalar, H, R> Recorder<'a, S, H, R> {
     /// A row for each `every` seconds.
     pub(super) fn new(report: &'a R, excitation: HostExcitation<'a, S>, every: f64) -> Self {
-        Self { report, excitation, every, rows: Vec::new(), harvester: PhantomData }
+        Self { report, excitation, every, rows: Vec::new(), impacts_s: Vec::new(), harvester: PhantomData }
     }
 
-    pub(super) fn into_rows(self) -> Vec<Vec<f64>> {
-        self.rows
+    /// The rows, and the instants of impacts in s.
+    pub(super) fn into_parts(self) -> (Vec<Vec<f64>>, Vec<f64>) {
+        (self.rows, self.impacts_s)
     }
 }
 
@@ -54,6 +56,12 @@ where
                 start.voltage.to_f64() + rise * fraction
             });
             self.rows.push(std::iter::once(time).chain(row).chain(storage).collect());
+        }
+    }
+
+    fn event(&mut self, event: &Event<'_, S>) {
+        if event.impact_speed.is_some() {
+            self.impacts_s.push(event.at.seconds());
         }
     }
 }

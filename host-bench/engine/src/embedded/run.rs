@@ -11,6 +11,8 @@ use model_core::observer::PowerIndex;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
+use crate::progress;
+
 use super::auto;
 use super::blocks::Blocks;
 use super::bump_stop::Clamp;
@@ -143,6 +145,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         let every = options.trace_every_s.unwrap_or(f64::INFINITY);
         let mut recorder = Recorder::new(self.report, excitation, every);
         let mut total = Total::default();
+        progress::begin();
         let [settled, end] = ends_of(scene, span)?;
         let began = Stopwatch::now();
         // One pass over each stretch; the recorder joins in only if a trace was asked for.
@@ -164,10 +167,9 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             self.advance(&mut state, until, &mut total, &mut (&mut whole, &mut others))?;
         }
         let wall_s = began.elapsed().as_secs_f64();
-        let trace = options.trace_every_s.map(|_| Recording {
-            columns: self.report.columns(harvester.outputs(&state).storage.is_some()),
-            rows: recorder.into_rows(),
-        });
+        let (rows, impacts_s) = recorder.into_parts();
+        let columns = self.report.columns(harvester.outputs(&state).storage.is_some());
+        let trace = options.trace_every_s.map(|_| Recording { columns, rows, impacts_s });
         Ok(Outcome { trace, ..self.outcome(&state, span, &meters, &total, wall_s) })
     }
 
@@ -179,7 +181,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         total: &mut Total,
         observer: &mut impl model_core::observer::Observer<S>,
     ) -> Result<(), Failure> {
-        let Self { setting: Setting { options, excitation, .. }, harvester, .. } = *self;
+        let Self { setting: Setting { scene, options, excitation, .. }, harvester, .. } = *self;
         while harvester.clock(state) < until {
             let left = options.most_attempts.map_or(u64::MAX, |most| most.saturating_sub(total.attempts()));
             if left == 0 {
@@ -190,6 +192,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 .advance(state, &excitation, until, budget, observer)
                 .map_err(|error| self.step_failure(&error, state))?;
             total.add(&advance.work);
+            progress::report(harvester.clock(state).seconds::<f64>() / scene.run.duration_s);
         }
         Ok(())
     }

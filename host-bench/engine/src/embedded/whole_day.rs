@@ -7,6 +7,8 @@ use model_core::integrate::ExponentialRadau;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
+use crate::progress;
+
 use super::excitation::{Setting, with_setting};
 use super::refuse_bump_stop;
 use super::run::{BUDGET, remainder};
@@ -76,6 +78,7 @@ fn day<S: Scalar, T: Triboelectric>(
     let mut ledger = Ledger::open(&simulation.outputs(&state));
     let mut energies_j = Vec::new();
     let mut steps = 0;
+    progress::begin();
     for end in (interval_s..=DAY_S).step_by(interval_s as usize) {
         let mut meter = PowerMeter::new();
         let until = Instant::from_whole_seconds(end);
@@ -86,6 +89,7 @@ fn day<S: Scalar, T: Triboelectric>(
                 .map_err(|error| prepared.run(&simulation).step_failure(&error, &state))?;
             steps += u64::from(advance.work.steps);
         }
+        progress::report(f64::from(end) / f64::from(DAY_S));
         energies_j.push(meter.delivered_energy().to_f64());
     }
     let energy_residual = model.residual(&ledger.residual()).map(S::to_f64);

@@ -49,7 +49,7 @@ impl Charging {
 }
 
 /// Figure 11, of the storage with the stop at the tip, at mid-span, and without one.
-pub(super) fn eleven([tip, mid, none]: [&Charging; 3], note: &str) -> Result<Figure, String> {
+pub(super) fn eleven([tip, mid, none]: [&Charging; 3], [base, note]: [&str; 2]) -> Result<Figure, String> {
     let cases =
         [("no stop", BLUE, none), ("stop at mid-span", BLACK, mid), ("stop at the tip", VERMILION, tip)];
     let curves: Vec<Curve> = cases
@@ -58,7 +58,7 @@ pub(super) fn eleven([tip, mid, none]: [&Charging; 3], note: &str) -> Result<Fig
         .collect();
     let last = curves.iter().flat_map(|curve| &curve.points).map(|point| point.0).fold(0.0, f64::max);
     let plot = Plot {
-        title: "Figure 11".to_owned(),
+        title: format!("Figure 11: {base}"),
         across: Axis::linear("time since the start [s]", [0.0, last], 6),
         up: Axis::linear("voltage of the storage [V]", [0.0, height(&curves)[1]], 6),
         curves,

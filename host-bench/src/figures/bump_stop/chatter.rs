@@ -14,7 +14,7 @@ const AFTER_S: f64 = 1e-4;
 const LOWEST: f64 = -0.6;
 
 /// Figure 7; `gap` is that at rest in m.
-pub(super) fn seven(tip: &Motion, gap: f64, note: &str) -> Result<Figure, String> {
+pub(super) fn seven(tip: &Motion, gap: f64, [base, note]: [&str; 2]) -> Result<Figure, String> {
     let [first, last] = tip.longest_cluster().ok_or("no contact with the stop at the tip")?;
     let [rests, leaves] = tip.longest_contact([first, last]).ok_or("no contact in the cluster")?;
     let span = [rests - BEFORE_S, rests + AFTER_S];
@@ -40,8 +40,8 @@ pub(super) fn seven(tip: &Motion, gap: f64, note: &str) -> Result<Figure, String
         curves,
     };
     let plots = [
-        plot("Figure 7: displacement", "displacement [µm]", LOWEST, 7, places),
-        plot("Contact force", "contact force [N]", 0.0, 6, vec![force]),
+        plot(&format!("Figure 7, displacement: {base}"), "displacement [µm]", LOWEST, 7, places),
+        plot(&format!("Figure 7, contact force: {base}"), "contact force [N]", 0.0, 6, vec![force]),
     ];
     Ok(Figure {
         label: "Figure 7",

@@ -127,7 +127,7 @@ pub(super) fn in_step(scene: &Scene, done: &(dyn Fn() + Sync)) -> Result<Vec<Ste
 const STROKES: [f64; 2] = [1.6, 6.0];
 
 /// RMS voltage over the number of beam modes.
-pub(super) fn modes_figure(points: &[ModesPoint], note: &str) -> Result<Figure, String> {
+pub(super) fn modes_figure(points: &[ModesPoint], [base, note]: [&str; 2]) -> Result<Figure, String> {
     let places = ["tip", "mid-span"];
     let panel = |(index, (letter, place)): (usize, (char, &str))| {
         let here = || points.iter().filter(move |([place, ..], _)| *place == index);
@@ -138,7 +138,7 @@ pub(super) fn modes_figure(points: &[ModesPoint], note: &str) -> Result<Figure, 
         });
         let highest = here().map(|(_, found)| found.rms_voltage).fold(0.0, f64::max);
         let plot = Plot {
-            title: format!("Convergence in modes ({letter}): stop at the {place}"),
+            title: format!("Modes ({letter}): stop at the {place}, {base}"),
             across: Axis::linear("modes of the beam", [0.0, 21.0], 11),
             up: Axis::linear("RMS voltage [V]", [0.0, 1.1 * highest], 8),
             curves: curves.collect(),
@@ -180,7 +180,7 @@ pub(super) fn modes_figure(points: &[ModesPoint], note: &str) -> Result<Figure, 
 }
 
 /// RMS voltage and peak force over the step.
-pub(super) fn step_figure(points: &[StepPoint], note: &str) -> Result<Figure, String> {
+pub(super) fn step_figure(points: &[StepPoint], [base, note]: [&str; 2]) -> Result<Figure, String> {
     let row = |((law, step_s), found): &StepPoint| {
         let [voltage, mean, peak, contacts] = found.printed();
         [LAWS[*law].1.to_owned(), tick(1e6 * step_s), voltage, mean, peak, contacts]
@@ -212,13 +212,13 @@ pub(super) fn step_figure(points: &[StepPoint], note: &str) -> Result<Figure, St
             STEP_RUN.window_s(),
             STEP_RUN.settle_s
         ),
-        panels: step_panels(points)?,
+        panels: step_panels(points, base)?,
         table: crate::figures::table(headings, points.iter().map(row)),
         csv,
     })
 }
 
-fn step_panels(points: &[StepPoint]) -> Result<Vec<Panel>, String> {
+fn step_panels(points: &[StepPoint], base: &str) -> Result<Vec<Panel>, String> {
     let across = Axis::logarithmic("step near contact [s]", [0.9 * STEPS[0], 1.1 * STEPS[STEPS.len() - 1]]);
     let curves = |value: fn(&Found) -> f64| -> Vec<Curve> {
         let laws = LAWS.iter().enumerate();
@@ -235,13 +235,13 @@ fn step_panels(points: &[StepPoint]) -> Result<Vec<Panel>, String> {
     let span = [10f64.powf(low.floor()), 10f64.powf(high.ceil())];
     let plots = [
         Plot {
-            title: "Convergence in step (a): RMS voltage".to_owned(),
+            title: format!("Step (a), stop at the tip: {base}"),
             across: across.clone(),
             up: Axis::linear("RMS voltage [V]", [0.0, 1.2 * highest], 8),
             curves: voltages,
         },
         Plot {
-            title: "Convergence in step (b): peak force".to_owned(),
+            title: format!("Step (b), stop at the tip: {base}"),
             across,
             up: Axis::logarithmic("peak contact force [N]", span),
             curves: forces,

@@ -31,13 +31,15 @@ fn plot(title: &str, up: &'static str, curves: Vec<Curve>) -> Plot {
 }
 
 /// Figure 6.
-pub(super) fn six(tip: &Motion, note: &str) -> Result<Figure, String> {
+pub(super) fn six(tip: &Motion, [base, note]: [&str; 2]) -> Result<Figure, String> {
     let plots = [
         ("Figure 6 (a)", "displacement [µm]", BLUE, STOP_POINT, 1e6),
         ("Figure 6 (b)", "contact force [N]", VERMILION, CONTACT_FORCE, 1.0),
         ("Figure 6 (c)", "voltage [V]", GREEN, VOLTAGE, 1.0),
     ]
-    .map(|(title, up, colour, column, scale)| plot(title, up, vec![curve("", colour, tip, column, scale)]));
+    .map(|(title, up, colour, column, scale)| {
+        plot(&format!("{title}: {base}"), up, vec![curve("", colour, tip, column, scale)])
+    });
     Ok(Figure {
         label: "Figure 6",
         title: "Displacement, contact force and voltage with the stop at the tip",
@@ -55,12 +57,12 @@ pub(super) fn six(tip: &Motion, note: &str) -> Result<Figure, String> {
 }
 
 /// Figure 8.
-pub(super) fn eight([tip, none]: [&Motion; 2], note: &str) -> Result<Figure, String> {
+pub(super) fn eight([tip, none]: [&Motion; 2], [base, note]: [&str; 2]) -> Result<Figure, String> {
     let curves = vec![
         curve("without impact", BLUE, none, VOLTAGE, 1.0),
         curve("with impact, stop at the tip", VERMILION, tip, VOLTAGE, 1.0),
     ];
-    let plot = plot("Figure 8", "voltage [V]", curves);
+    let plot = plot(&format!("Figure 8: {base}"), "voltage [V]", curves);
     Ok(Figure {
         label: "Figure 8",
         title: "Voltage with and without impact",
@@ -75,7 +77,7 @@ pub(super) fn eight([tip, none]: [&Motion; 2], note: &str) -> Result<Figure, Str
 }
 
 /// Figure 9.
-pub(super) fn nine([tip, mid, none]: [&Motion; 3], note: &str) -> Result<Figure, String> {
+pub(super) fn nine([tip, mid, none]: [&Motion; 3], [base, note]: [&str; 2]) -> Result<Figure, String> {
     let curves = vec![
         curve("no stop", BLUE, none, VOLTAGE, 1.0),
         curve("stop at mid-span", BLACK, mid, VOLTAGE, 1.0),
@@ -88,7 +90,7 @@ pub(super) fn nine([tip, mid, none]: [&Motion; 3], note: &str) -> Result<Figure,
         let root = (squares / motion.rows.len() as f64).sqrt();
         [name.to_owned(), format!("{root:.3}"), format!("{highest:.3}")]
     });
-    let plot = plot("Figure 9", "voltage [V]", curves);
+    let plot = plot(&format!("Figure 9: {base}"), "voltage [V]", curves);
     Ok(Figure {
         label: "Figure 9",
         title: "Voltage for three places of the stop",

@@ -37,7 +37,7 @@ pub(super) fn of(motions: [(&Scene, &Motion); 2], done: &(dyn Fn() + Sync)) -> R
 }
 
 /// Figure 10.
-pub(super) fn ten(clusters: &[Cluster], note: &str) -> Result<Figure, String> {
+pub(super) fn ten(clusters: &[Cluster], [base, note]: [&str; 2]) -> Result<Figure, String> {
     let drawn = |(letter, place): (char, &str), cluster: &Cluster| {
         let curves: Vec<Curve> = cluster
             .shapes
@@ -52,7 +52,7 @@ pub(super) fn ten(clusters: &[Cluster], note: &str) -> Result<Figure, String> {
             .collect();
         let length = curves.first().and_then(|curve| curve.points.last()).map_or(1.0, |point| point.0);
         let plot = Plot {
-            title: format!("Figure 10 ({letter}): stop at {place}"),
+            title: format!("Figure 10 ({letter}): stop at {place}, {base}"),
             across: Axis::linear("distance from the clamp [mm]", [0.0, length], 6),
             up: Axis::linear("displacement towards the stop [µm]", height(&curves), 8),
             curves,

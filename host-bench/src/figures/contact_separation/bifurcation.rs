@@ -31,14 +31,14 @@ pub(super) fn ten(
     diagram: &[(f64, Vec<f64>)],
     [charge_density, resistance]: [f64; 2],
     grid: Grid,
-    start: &str,
+    [base, start]: [&str; 2],
 ) -> Result<Figure, String> {
     let all = || diagram.iter().flat_map(|(frequency, gaps)| gaps.iter().map(|gap| (*frequency, 1e3 * gap)));
     let (low, high) =
         all().fold((f64::INFINITY, 0.0_f64), |(low, high), (_, gap)| (low.min(gap), high.max(gap)));
     let low = if low.is_finite() { low } else { 0.0 };
     let plot = Plot {
-        title: format!("Figure 10: {charge_density} µC/m², {resistance} MΩ"),
+        title: format!("Figure 10: {charge_density} µC/m², {resistance} MΩ, {base}"),
         across: frequency_axis(grid.span(), 11),
         up: Axis::linear(
             "gap at the start of each period [mm]",

@@ -7,7 +7,7 @@ use super::{Figure, Panel, SETTLE, each};
 use crate::method::Failure;
 use crate::outcome::{csv, number};
 use crate::report::plot::{Axis, Curve, Mark, Plot};
-use crate::report::svg::{BLUE, VERMILION};
+use crate::report::svg::{BLACK, BLUE, VERMILION};
 use crate::scene_file::Scene;
 
 /// Frequencies in Hz: two at the onset of impacts, two at the upper edge of the band.
@@ -48,7 +48,7 @@ pub(super) fn nine(
     base: &Scene,
     [charge_density, resistance]: [f64; 2],
     tolerance: f64,
-    start: &str,
+    [base_g, start]: [&str; 2],
     done: &(dyn Fn() + Sync),
 ) -> Result<Figure, Failure> {
     let mut strips = Vec::new();
@@ -59,15 +59,16 @@ pub(super) fn nine(
         let case = Case { charge_density, resistance, frequency, settle: SETTLE };
         case.motion(base, tolerance, PER_PERIOD, from)
     })?;
+    let of = format!("{charge_density} µC/m², {resistance} MΩ, {base_g}");
     let panels: Result<Vec<Panel>, String> =
-        PAIRS.iter().zip(histories.chunks(2)).map(|(pair, histories)| panel(pair, histories)).collect();
+        PAIRS.iter().zip(histories.chunks(2)).map(|(pair, histories)| panel(pair, &of, histories)).collect();
     let [onset, after, edge, beyond] = FREQUENCIES;
     Ok(Figure {
         label: "Figure 9",
         title: "Time histories of the gap where impacts begin and end",
         caption: format!(
             "Gap over the last periods of four runs of {END} periods at {charge_density} µC/m² and {resistance} MΩ; \
-             at gap 0 the mass hits the dielectric. (a) At {onset:.2} Hz it comes close without touching, and the \
+             at gap 0, where a dot is, the mass hits the dielectric. (a) At {onset:.2} Hz it comes close without touching, and the \
              slow beat, left over from the start, fades. At {after:.2} Hz the beat stays: every so many periods the \
              mass hits the dielectric, with a long free flight between. (b) At {edge:.2} Hz it hits in every \
              period; at {beyond:.2} Hz impacts are gone and the motion is much smaller. {start}"
@@ -85,10 +86,10 @@ pub(super) fn nine(
     })
 }
 
-fn panel(pair: &Pair, histories: &[Motion]) -> Result<Panel, String> {
+fn panel(pair: &Pair, of: &str, histories: &[Motion]) -> Result<Panel, String> {
     let plots = histories.iter().zip(pair.strips).map(|(motion, (_, colour))| Plot {
         title: format!(
-            "{}: {:.2} Hz, {} impacts in the last {WINDOW} periods",
+            "{}: {:.2} Hz, {of}; {} impacts in the last {WINDOW} periods",
             pair.title, motion.frequency, motion.impacts
         ),
         across: Axis::linear(
@@ -96,13 +97,20 @@ fn panel(pair: &Pair, histories: &[Motion]) -> Result<Panel, String> {
             [f64::from(END - pair.periods), f64::from(END)],
             13,
         ),
-        up: Axis::linear("gap [mm]", [0.0, 6.0], 7),
-        curves: vec![Curve::new(
-            "",
-            colour,
-            Mark::Line(1.5),
-            motion.gaps.iter().map(|&(period, gap)| (period, 1e3 * gap)),
-        )],
+        // Dots at 0 stand above the axis.
+        up: Axis::linear("gap [mm]", [-0.3, 6.0], 7),
+        curves: curves(motion, colour),
     });
     Panel::new(format!("figure-9{}", pair.letter), SIZE, &plots.collect::<Vec<_>>())
+}
+
+/// The gap, and the impacts of those that have any.
+fn curves(motion: &Motion, colour: RGBColor) -> Vec<Curve> {
+    let gap = motion.gaps.iter().map(|&(period, gap)| (period, 1e3 * gap));
+    let impacts = motion.hits.iter().map(|period| (*period, 0.0));
+    let mut curves = vec![Curve::new("", colour, Mark::Line(1.5), gap)];
+    if !motion.hits.is_empty() {
+        curves.push(Curve::new("impact", BLACK, Mark::Dots(7.0), impacts));
+    }
+    curves
 }

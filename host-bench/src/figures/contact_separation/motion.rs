@@ -84,9 +84,12 @@ impl Case {
         let rows = outcome.trace.as_ref().map(|trace| trace.rows.as_slice()).unwrap_or_default();
         // The time of a row is its number times the distance of the rows. Rounding of the time may drop the last row.
         let periods = (0..self.end() * per_period).map(|row| f64::from(row) / f64::from(per_period));
+        let first = f64::from(from);
+        let instants = outcome.trace.iter().flat_map(|trace| trace.impacts_s.iter());
         let rows = periods.zip(rows).skip((from * per_period) as usize);
         Ok(Motion {
             frequency: self.frequency,
+            hits: instants.map(|instant| instant * self.frequency).filter(|hit| *hit >= first).collect(),
             gaps: rows.filter_map(|(period, row)| Some((period, *row.get(1)?))).collect(),
             impacts: found.impacts,
         })
@@ -105,6 +108,8 @@ pub(crate) struct Motion {
     pub frequency: f64,
     /// Periods since the start, gap in m.
     pub gaps: Vec<(f64, f64)>,
+    /// Periods since the start at which the mass hits the dielectric.
+    pub hits: Vec<f64>,
     /// Number of impacts in the measuring window.
     pub impacts: u64,
 }

@@ -89,16 +89,16 @@ pub(crate) fn sweeps(
 }
 
 /// Figure 8 from the sweeps.
-pub(super) fn eight(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure, String> {
+pub(super) fn eight(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> Result<Figure, String> {
     let wanted: Vec<&Sweep> = sweeps.iter().filter(|sweep| in_eight(sweep.resistance)).collect();
     let up = gap_axis(&wanted);
     let panel = |letter: char, resistance: f64| {
         let sweeps = wanted.iter().filter(|sweep| sweep.resistance == resistance);
         let curves = sweeps.zip(COLOURS).map(|(sweep, colour)| {
             let name = format!("{} µC/m²", sweep.charge_density);
-            Curve::new(name, colour, Mark::Line(1.8), sweep.points())
+            Curve::new(name, colour, Mark::Line(1.8), sweep.points()).broken_at_jumps()
         });
-        let title = format!("Figure 8 ({letter}): load {resistance} MΩ");
+        let title = format!("Figure 8 ({letter}): load {resistance} MΩ, {base}");
         drawn(8, letter, title, frequency_axis(grid.span(), 9), up.clone(), curves.collect())
     };
     Ok(Figure {
@@ -110,7 +110,7 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure,
              the mass towards the dielectric: the largest gap falls, and the band in which the mass hits the \
              dielectric moves to the left and, most of all with the large resistance, becomes wider. Ripples at \
              the left of a band are motions that do not repeat themselves; \
-             at single frequencies there the mass does not hit the dielectric. {start}"
+             at single frequencies there the mass does not hit the dielectric. A gap in a curve is a jump. {start}"
         ),
         table: bands(&wanted),
         panels: vec![panel('a', RESISTANCES[0])?, panel('b', RESISTANCES[2])?],
@@ -119,14 +119,14 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure,
 }
 
 /// Figure 11 from the sweeps.
-pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure, String> {
+pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> Result<Figure, String> {
     let [few, .., many] = CHARGE_DENSITIES;
     let wanted: Vec<&Sweep> = sweeps.iter().filter(|sweep| in_eleven(sweep.charge_density)).collect();
     let up = gap_axis(&wanted);
     let panel = |letter: char, density: f64, title: String, span: [f64; 2], up: Axis| {
         let sweeps = wanted.iter().filter(|sweep| sweep.charge_density == density);
         let curves = sweeps.zip(NESTED).map(|(sweep, (colour, mark))| {
-            Curve::new(format!("{} MΩ", sweep.resistance), colour, mark, sweep.points())
+            Curve::new(format!("{} MΩ", sweep.resistance), colour, mark, sweep.points()).broken_at_jumps()
         });
         drawn(11, letter, title, frequency_axis(span, 9), up, curves.collect())
     };
@@ -139,13 +139,13 @@ pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, start: &str) -> Result<Figure
              at (a) a small and (b) a large charge density, and (c) the upper part of (b) again, larger. At the \
              small charge density the load does nothing to the motion: the curves, drawn with different widths, \
              lie on each other. At the large one impacts begin at a lower frequency as the resistance grows, and \
-             the band is a little wider. {start}"
+             the band is a little wider. A gap in a curve is a jump. {start}"
         ),
         table: bands(&wanted),
         panels: vec![
-            panel('a', few, format!("Figure 11 (a): charge density {few} µC/m²"), grid.span(), up.clone())?,
-            panel('b', many, format!("Figure 11 (b): charge density {many} µC/m²"), grid.span(), up)?,
-            panel('c', many, format!("Figure 11 (c): {many} µC/m², local view"), LOCAL[0], near)?,
+            panel('a', few, format!("Figure 11 (a): {few} µC/m², {base}"), grid.span(), up.clone())?,
+            panel('b', many, format!("Figure 11 (b): {many} µC/m², {base}"), grid.span(), up)?,
+            panel('c', many, format!("Figure 11 (c): {many} µC/m², {base}, local view"), LOCAL[0], near)?,
         ],
         csv: numbers(&wanted),
     })

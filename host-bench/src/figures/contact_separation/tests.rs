@@ -94,3 +94,11 @@ fn frequencies_are_the_numbers_that_they_are_written_as() {
     let frequencies: Vec<f64> = Grid { from: 1883, to: 1887, step: 2 }.frequencies().collect();
     assert_eq!(frequencies, [18.83, 18.85, 18.87]);
 }
+
+#[test]
+fn each_impact_of_a_time_history_is_marked() {
+    for frequency in [18.83, 18.84, 20.15, 20.20] {
+        let motion = strong(frequency).motion(&base(), MOTION_TOLERANCE, 60, SETTLE).expect("it can be run");
+        assert_eq!(motion.hits.len() as u64, motion.impacts, "at {frequency} Hz");
+    }
+}

@@ -54,7 +54,7 @@ fn along(peaks: &[Peak], charge_density: f64) -> Vec<&Peak> {
 }
 
 /// Figure 6.
-pub(super) fn six(peaks: &[Peak], natural: f64, note: &str) -> Result<Figure, String> {
+pub(super) fn six(peaks: &[Peak], natural: f64, [base, note]: [&str; 2]) -> Result<Figure, String> {
     let shift = |peak: &Peak| 1e3 * (peak.frequency_hz - natural);
     let amplitude = |peak: &Peak| 1e3 * peak.amplitude_m;
     Ok(Figure {
@@ -74,10 +74,10 @@ pub(super) fn six(peaks: &[Peak], natural: f64, note: &str) -> Result<Figure, St
             DENSITIES[1]
         ),
         panels: vec![
-            looping(&along(peaks, DENSITIES[1]), shift, amplitude)?,
-            over_resistance('b', "shift of the peak [mHz]", peaks, shift)?,
-            over_resistance('c', "amplitude of the peak [mm]", peaks, amplitude)?,
-            rise(peaks)?,
+            looping(&along(peaks, DENSITIES[1]), base, shift, amplitude)?,
+            over_resistance(('b', base), "shift of the peak [mHz]", peaks, shift)?,
+            over_resistance(('c', base), "amplitude of the peak [mm]", peaks, amplitude)?,
+            rise(peaks, base)?,
         ],
         table: Vec::new(),
         csv: numbers(DENSITIES.iter().flat_map(|&density| along(peaks, density)), natural),
@@ -87,6 +87,7 @@ pub(super) fn six(peaks: &[Peak], natural: f64, note: &str) -> Result<Figure, St
 /// The curve that the peak runs along, with the resistances of figures 4 and 5 marked.
 fn looping(
     peaks: &[&Peak],
+    base: &str,
     shift: impl Fn(&Peak) -> f64,
     amplitude: impl Fn(&Peak) -> f64,
 ) -> Result<Panel, String> {
@@ -98,7 +99,7 @@ fn looping(
     });
     let (left, right) = range(line.points.iter().map(|point| point.0));
     let plot = Plot {
-        title: format!("Figure 6 (a): {} µC/m², loads from 0 Ω to {}", DENSITIES[1], ohms(SPAN[1])),
+        title: format!("Figure 6 (a): {} µC/m², {base}, loads from 0 Ω to {}", DENSITIES[1], ohms(SPAN[1])),
         across: Axis::linear("shift of the peak from the natural frequency [mHz]", [left, right], 6),
         up: Axis::linear("amplitude of the peak [mm]", height([&line]), 8),
         curves: std::iter::once(line).chain(marks).collect(),
@@ -120,7 +121,7 @@ fn level(value: f64) -> Curve {
 
 /// Both charge densities, one above the other.
 fn over_resistance(
-    letter: char,
+    (letter, base): (char, &str),
     title: &'static str,
     peaks: &[Peak],
     value: impl Fn(&Peak) -> f64,
@@ -129,7 +130,7 @@ fn over_resistance(
         let [line, dots] = above_short(peaks, density, "", &value);
         let curves = [level(value(of(peaks, density, 0.0)?)), line, dots];
         Some(Plot {
-            title: format!("Figure 6 ({letter}): {density} µC/m²"),
+            title: format!("Figure 6 ({letter}): {density} µC/m², {base}"),
             across: Axis::logarithmic("load resistance [Ω]", SPAN),
             up: Axis::linear(title, height(&curves), 6),
             curves: curves.into(),
@@ -139,14 +140,14 @@ fn over_resistance(
 }
 
 /// The rise of the amplitude before its fall, in parts of the amplitude of the short circuit.
-fn rise(peaks: &[Peak]) -> Result<Panel, String> {
+fn rise(peaks: &[Peak], base: &str) -> Result<Panel, String> {
     let curves = DENSITIES.into_iter().filter_map(|density| {
         let shorted = of(peaks, density, 0.0)?.amplitude_m;
         let value = |peak: &Peak| 1e2 * (peak.amplitude_m / shorted - 1.0);
         Some(above_short(peaks, density, &format!("{density} µC/m²"), value))
     });
     let plot = Plot {
-        title: "Figure 6 (d): the rise of the amplitude".to_owned(),
+        title: format!("Figure 6 (d): the rise of the amplitude, {base}"),
         across: Axis::logarithmic("load resistance [Ω]", [SPAN[0], 1e8]),
         up: Axis::linear("amplitude against 0 Ω [%]", [-0.04, 0.04], 8),
         curves: curves.flatten().chain([level(0.0)]).collect(),

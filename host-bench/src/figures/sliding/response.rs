@@ -100,6 +100,9 @@ fn panel(
     let (low, high) = if local.is_some() { range(peaks) } else { (0.0, 1.04 * peaks.fold(0.0, f64::max)) };
     // The local view begins below the lowest peak, by half the distance of the peaks.
     let low = if local.is_some() { low - 0.5 * (high - low) } else { low };
+    // A curve that is 0 throughout, as a voltage into 0 Ω, stands above the axis.
+    let silent = curves.iter().any(|curve| curve.points.iter().all(|point| point.1 == 0.0));
+    let low = if silent { -0.03 * high } else { low };
     let plot = Plot {
         title,
         across: Axis::linear("excitation frequency [Hz]", across, 7),
@@ -110,12 +113,12 @@ fn panel(
 }
 
 /// Figure 3.
-pub(super) fn three(all: &[Response], note: &str) -> Result<Figure, String> {
+pub(super) fn three(all: &[Response], [base, note]: [&str; 2]) -> Result<Figure, String> {
     let case = |charge_density| (f64::to_string(&charge_density), Case { charge_density, resistance: LOAD });
     let wanted = of(all, FIGURE_THREE.map(case));
     let load = ohms(LOAD);
     let drawn = |letter: char, shown| {
-        let title = format!("Figure 3 ({letter}): charge density in µC/m², {load}");
+        let title = format!("Figure 3 ({letter}): charge density in µC/m², {load}, {base}");
         panel(&format!("figure-3{letter}"), title, shown, [Some(WIDE.0), None], &wanted)
     };
     Ok(Figure {
@@ -145,9 +148,15 @@ fn at_density(all: &[Response], charge_density: f64) -> Vec<(String, &Response)>
 }
 
 /// Amplitude, local view of it, and voltage at one charge density.
-fn panels(number: u32, which: usize, wanted: &[(String, &Response)]) -> Result<Vec<Panel>, String> {
-    let title =
-        |letter: char, what: &str| format!("Figure {number} ({letter}): {} µC/m², {what}", DENSITIES[which]);
+fn panels(
+    number: u32,
+    which: usize,
+    base: &str,
+    wanted: &[(String, &Response)],
+) -> Result<Vec<Panel>, String> {
+    let title = |letter: char, what: &str| {
+        format!("Figure {number} ({letter}): {} µC/m², {base}, {what}", DENSITIES[which])
+    };
     let name = |letter: char| format!("figure-{number}{letter}");
     Ok(vec![
         panel(&name('a'), title('a', "amplitude"), AMPLITUDE, [Some(WIDE.0), None], wanted)?,
@@ -157,7 +166,7 @@ fn panels(number: u32, which: usize, wanted: &[(String, &Response)]) -> Result<V
 }
 
 /// Figure 4.
-pub(super) fn four(all: &[Response], note: &str) -> Result<Figure, String> {
+pub(super) fn four(all: &[Response], [base, note]: [&str; 2]) -> Result<Figure, String> {
     let wanted = at_density(all, DENSITIES[0]);
     Ok(Figure {
         label: "Figure 4",
@@ -168,14 +177,14 @@ pub(super) fn four(all: &[Response], note: &str) -> Result<Figure, String> {
              fall with growing resistance, by 2 %. {note}",
             DENSITIES[0]
         ),
-        panels: panels(4, 0, &wanted)?,
+        panels: panels(4, 0, base, &wanted)?,
         table: Vec::new(),
         csv: numbers(wanted.iter().map(|(_, response)| *response)),
     })
 }
 
 /// Figure 5.
-pub(super) fn five(all: &[Response], note: &str) -> Result<Figure, String> {
+pub(super) fn five(all: &[Response], [base, note]: [&str; 2]) -> Result<Figure, String> {
     let wanted = at_density(all, DENSITIES[1]);
     Ok(Figure {
         label: "Figure 5",
@@ -186,7 +195,7 @@ pub(super) fn five(all: &[Response], note: &str) -> Result<Figure, String> {
              with more it comes back to the right and falls further. {note}",
             DENSITIES[1]
         ),
-        panels: panels(5, 1, &wanted)?,
+        panels: panels(5, 1, base, &wanted)?,
         table: Vec::new(),
         csv: numbers(wanted.iter().map(|(_, response)| *response)),
     })

@@ -1,0 +1,117 @@
+//! The parameters of a scene in a few words, for the title of a picture; numbers with a prefix of their unit.
+
+use crate::scene_file::{Excitation, Load, Model, Scene};
+
+/// Prefixes of units and their powers of a thousand.
+const PREFIXES: [(&str, i32); 9] =
+    [("p", -4), ("n", -3), ("µ", -2), ("m", -1), ("", 0), ("k", 1), ("M", 2), ("G", 3), ("T", 4)];
+
+/// The prefix of a unit, and the factor to it, with which the magnitude is from 1 to 1000.
+pub(crate) fn prefix(magnitude: f64) -> (&'static str, f64) {
+    if !(magnitude > 0.0 && magnitude.is_finite()) {
+        return ("", 1.0);
+    }
+    // A magnitude that is a thousand but for rounding has the next prefix.
+    let power = ((magnitude.log10() + 1e-9) / 3.0).floor().clamp(-4.0, 4.0) as i32;
+    let found = PREFIXES.iter().find(|(_, other)| *other == power);
+    found.map_or(("", 1.0), |(name, power)| (*name, 1000f64.powi(-power)))
+}
+
+/// A value with its unit, such as 100 MΩ; a value without a magnitude has the unit alone.
+pub(crate) fn with_unit(value: f64, unit: &str) -> String {
+    let (prefix, factor) = prefix(value.abs());
+    let digits = format!("{:.4}", value * factor);
+    let digits = digits.trim_end_matches('0').trim_end_matches('.');
+    format!("{digits} {prefix}{unit}")
+}
+
+/// The parameters of a scene that a picture should name, without those of these keys.
+pub(crate) fn setting(scene: &Scene, without: &[&str]) -> String {
+    let mut parts: Vec<(&str, String)> = Vec::new();
+    match &scene.model {
+        Model::ContactSeparation(model) => parts.push(charge(model.parameters.charge_density_c_per_m2)),
+        Model::Sliding(model) => parts.push(charge(model.parameters.charge_density_c_per_m2)),
+        Model::BumpStop(model) => parts.push(match &model.stop {
+            Some(stop) => ("stop.gap_m", format!("gap {}", with_unit(stop.gap_m, "m"))),
+            None => ("stop", "no stop".to_owned()),
+        }),
+    }
+    parts.push(match scene.load {
+        Load::Resistor { resistance_ohm } if resistance_ohm.is_infinite() => {
+            ("load.resistance_ohm", "open circuit".to_owned())
+        }
+        Load::Resistor { resistance_ohm } => ("load.resistance_ohm", with_unit(resistance_ohm, "Ω")),
+        Load::RectifiedStore(store) => {
+            ("load.capacitance_f", format!("bridge into {}", with_unit(store.capacitance_f, "F")))
+        }
+        Load::DcBus { voltage_v, .. } => ("load.voltage_v", format!("bus of {}", with_unit(voltage_v, "V"))),
+    });
+    let amplitude = |value: f64| ("excitation.amplitude", format!("{} m/s²", rounded(value)));
+    match &scene.excitation {
+        Excitation::Sine(tone) => {
+            parts.push(amplitude(tone.amplitude_m_per_s2));
+            parts.push(("excitation.frequency_hz", format!("{} Hz", rounded(tone.frequency_hz))));
+        }
+        Excitation::Sines(tones) => parts.push(("excitation", format!("{} sines", tones.len()))),
+        Excitation::File(_) => parts.push(("excitation", "recorded base".to_owned())),
+        Excitation::Burst(burst) => parts.push(amplitude(burst.amplitude_m_per_s2)),
+        Excitation::Sweep(sweep) => {
+            parts.push(amplitude(sweep.amplitude_m_per_s2));
+            let span = format!("{} to {} Hz", rounded(sweep.from_hz), rounded(sweep.to_hz));
+            parts.push(("excitation.from_hz", span));
+        }
+        Excitation::Random(random) => {
+            parts.push(("excitation", format!("random, {} m/s² RMS", rounded(random.rms_m_per_s2()))));
+        }
+        Excitation::Silence => parts.push(("excitation", "base at rest".to_owned())),
+    }
+    let shown = parts.iter().filter(|(key, _)| !without.iter().any(|other| other.starts_with(key)));
+    shown.map(|(_, text)| text.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+fn charge(density: f64) -> (&'static str, String) {
+    ("parameters.charge_density_c_per_m2", with_unit(density, "C/m²"))
+}
+
+/// Four digits behind the point at most.
+fn rounded(value: f64) -> String {
+    let text = format!("{value:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene_file::{self, Override};
+
+    #[test]
+    fn a_unit_has_the_prefix_of_its_magnitude() {
+        for (value, expected) in [
+            (1.17487e-5, "11.7487 µW"),
+            (0.0, "0 W"),
+            (1e-3, "1 mW"),
+            (999.0, "999 W"),
+            (-2.5e3, "-2.5 kW"),
+            (1e-15, "0.001 pW"),
+        ] {
+            assert_eq!(with_unit(value, "W"), expected);
+        }
+        assert_eq!(with_unit(1e8, "Ω"), "100 MΩ");
+    }
+
+    #[test]
+    fn a_title_names_the_parameters_that_are_not_on_an_axis() {
+        let read = |name: &str, sets: &[Override]| {
+            scene_file::read(&scene_file::shipped(name), sets).expect("valid")
+        };
+        let scene = read("contact-separation-passive", &[]);
+        assert_eq!(setting(&scene, &[]), "50 µC/m², 100 MΩ, 1.962 m/s², 20.5 Hz");
+        assert_eq!(setting(&scene, &["excitation.frequency_hz"]), "50 µC/m², 100 MΩ, 1.962 m/s²");
+        assert_eq!(setting(&scene, &["excitation.amplitude_g", "load.resistance_ohm"]), "50 µC/m², 20.5 Hz");
+        assert_eq!(setting(&read("bump-stop", &[]), &[]), "gap 10 µm, 1 MΩ, 20 m/s², 220 Hz");
+        assert_eq!(
+            setting(&read("bump-stop-none", &[Override::new("load.resistance_ohm", "inf")]), &[]),
+            "no stop, open circuit, 20 m/s², 220 Hz"
+        );
+    }
+}
