@@ -1,6 +1,7 @@
 //! The command line through the real binary: what it refuses and how, and what a good run prints.
 
 mod command_line {
+    mod accuracy;
     mod budget;
     mod bump_stop;
     mod closed_form;
