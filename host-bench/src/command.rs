@@ -10,18 +10,22 @@ pub mod map;
 pub mod needs;
 pub mod on_target;
 pub mod overview;
+pub mod plot;
 pub mod resonance;
 pub mod run;
 pub mod stability;
 pub mod stop;
 mod storage_voltage;
 pub mod sweep;
+mod watch;
 pub mod work_precision;
 
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+pub use self::watch::be_quiet;
+use self::watch::{is_quiet, note};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::method::{Failure, Options};
@@ -106,7 +110,8 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 
 /// A bar on standard error, if that is a terminal.
 pub(crate) fn progress(count: usize) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr());
+    let target = if is_quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let bar = ProgressBar::with_draw_target(Some(count as u64), target);
     let template = ProgressStyle::with_template("{bar:40} {pos}/{len}  {elapsed} elapsed, {eta} to go");
     match template {
         Ok(style) => bar.with_style(style),
@@ -123,7 +128,7 @@ pub(crate) fn one_more(bar: &ProgressBar) {
     if bar.is_hidden() && done * 10 / all.max(1) > done.saturating_sub(1) * 10 / all.max(1) {
         let elapsed = bar.elapsed().as_secs_f64();
         let to_go = elapsed * (all - done) as f64 / done as f64;
-        tell(&format!("{done}/{all}  {elapsed:.0} s elapsed, {to_go:.0} s to go"));
+        note(&format!("{done}/{all}  {elapsed:.0} s elapsed, {to_go:.0} s to go"));
     }
 }
 

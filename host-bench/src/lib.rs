@@ -7,6 +7,7 @@ pub mod command;
 pub mod figures;
 pub mod findings;
 pub mod map;
+pub mod motion;
 mod needs;
 pub mod on_target;
 mod peer;

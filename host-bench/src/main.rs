@@ -1,12 +1,13 @@
 //! The command line of the harvester models.
 
+use std::io::Write;
 use std::process::ExitCode;
 
-use clap::Parser;
 use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser};
 use host_bench::command::{
-    budget, closed_form, figures, findings, keys, map, needs, on_target, overview, report, resonance, run,
-    stability, stop, sweep, work_precision,
+    be_quiet, budget, closed_form, figures, findings, keys, map, needs, on_target, overview, plot, report,
+    resonance, run, stability, stop, sweep, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -17,12 +18,20 @@ struct Arguments {
     /// Without one: error against run time in short, and a report in report/
     #[command(subcommand)]
     command: Option<Command>,
+    /// Tell errors and warnings only: no progress, no names of the files written
+    #[arg(long, short, global = true)]
+    quiet: bool,
 }
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
     /// Simulate a day of a sensor node: stored energy, income and actions
     Budget(budget::BudgetArguments),
+    /// A script by which a shell completes commands and options
+    Completions {
+        /// Which shell
+        shell: clap_complete::Shell,
+    },
     /// Mean power without a trajectory, whether that holds, and the map of its error
     ClosedForm(closed_form::ClosedFormArguments),
     /// Rebuild the figures of the two papers: sliding 3 to 6, contact-separation 8 to 11, bump-stop 6 to 11
@@ -37,6 +46,8 @@ enum Command {
     Needs(needs::NeedsArguments),
     /// A commented template of a scene file
     New(keys::NewArguments),
+    /// The motion of one run or of several as a picture
+    Plot(plot::PlotArguments),
     /// The frequency at which the steady state of a scene responds most
     Resonance(resonance::ResonanceArguments),
     /// Run one scene
@@ -61,9 +72,13 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return usage(&error),
     };
+    if arguments.quiet {
+        be_quiet();
+    }
     let done = match &arguments.command {
         None => overview::run(),
         Some(Command::Budget(arguments)) => budget::run(arguments),
+        Some(Command::Completions { shell }) => completions(*shell),
         Some(Command::ClosedForm(arguments)) => closed_form::run(arguments),
         Some(Command::Figures(arguments)) => figures::run(arguments),
         Some(Command::Findings(arguments)) => findings::run(arguments),
@@ -71,6 +86,7 @@ fn main() -> ExitCode {
         Some(Command::Map(arguments)) => map::run(arguments),
         Some(Command::Needs(arguments)) => needs::run(arguments),
         Some(Command::New(arguments)) => keys::new(arguments),
+        Some(Command::Plot(arguments)) => plot::run(arguments),
         Some(Command::Resonance(arguments)) => resonance::run(arguments),
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::OnTarget(arguments)) => {
@@ -87,6 +103,14 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => report(&failure),
     }
+}
+
+/// Prints the completions of a shell. A reader that closed its end is no error.
+fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), env!("CARGO_BIN_NAME"), &mut script);
+    let _ = std::io::stdout().write_all(&script);
+    Ok(())
 }
 
 /// Prints help as clap does, and an error as one line.

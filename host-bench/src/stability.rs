@@ -18,7 +18,7 @@ pub(crate) mod random;
 mod rows;
 mod summary;
 
-pub(crate) use build::build;
+pub(crate) use build::{build, fnv_1a};
 pub use case::Case;
 pub use cause::cause;
 pub(crate) use day::{Compared, DAY_S, comparison, pairs};

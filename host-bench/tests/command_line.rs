@@ -8,9 +8,11 @@ mod command_line {
     mod created_energy;
     mod figures;
     mod good_runs;
+    mod help;
     mod keys;
     mod needs;
     mod outputs;
+    mod plot;
     mod presets;
     mod refused_options;
     mod refused_scenes;

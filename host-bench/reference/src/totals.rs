@@ -84,6 +84,7 @@ impl Totals {
             particular: self.particular,
             store: self.storage.map(|storage| storage.outcome(voltage, losses)),
             steady_state: None,
+            flow: None,
             accuracy: Accuracy::default(),
             warnings: Vec::new(),
             block_energies_j: Vec::new(),

@@ -80,6 +80,9 @@ pub struct Outcome {
     /// The motion over time, if it was asked for; not part of the JSON object.
     #[serde(skip)]
     pub trace: Option<Recording>,
+    /// Where the energy of the whole run went; not part of the JSON object. Only the embedded core keeps it.
+    #[serde(skip)]
+    pub flow: Option<EnergyFlow>,
     /// Energy in J delivered in each of [`BLOCKS`] equal parts of the window, if they were asked for; not part of the
     /// JSON object.
     #[serde(skip)]
@@ -241,4 +244,39 @@ pub struct Recording {
     pub rows: Vec<Vec<f64>>,
     /// Instants of impacts in s. Only the embedded core records them.
     pub impacts_s: Vec<f64>,
+}
+
+/// Where the energy of a whole run went, in J.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnergyFlow {
+    /// Work of the base on the harvester.
+    pub base_j: f64,
+    /// Lost to damping and friction.
+    pub dissipated_j: f64,
+    /// Lost in impacts and contacts.
+    pub contact_j: f64,
+    /// Delivered to the resistor, or behind a bridge to the storage or bus.
+    pub delivered_j: f64,
+    /// Lost in the diodes of a bridge.
+    pub diodes_j: f64,
+    /// What the field gained from the motion less what the motion lost to the force.
+    pub created_j: f64,
+}
+
+impl EnergyFlow {
+    /// Names and energies: what comes in, where it goes, and what is left of it.
+    #[must_use]
+    pub fn parts(&self) -> Vec<(&'static str, f64)> {
+        let Self { base_j, dissipated_j, contact_j, delivered_j, diodes_j, created_j } = *self;
+        let left_j = base_j + created_j - dissipated_j - contact_j - delivered_j - diodes_j;
+        vec![
+            ("from the base", base_j),
+            ("created by the force law", created_j),
+            ("damping and friction", dissipated_j),
+            ("contact", contact_j),
+            ("diodes", diodes_j),
+            ("into the load", delivered_j),
+            ("left in motion and field", left_j),
+        ]
+    }
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
+use super::watch::Watch;
 use super::{check_overrides, print, tell};
 use crate::budget::outcome::Source;
 use crate::budget::{income, picture, simulate};
@@ -63,6 +64,7 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     if arguments.exact && !bridged {
         check_overrides(&arguments.overrides, &[("run", "--exact runs the whole day")])?;
     }
+    let watch = arguments.exact.then(Watch::new);
     let (income, warning, whole_day) = if arguments.exact && !bridged {
         let (income, day) = income::exact(&scene, &node, &options)?;
         (income, created_energy_warning(&scene, day.created), Some(day))
@@ -80,6 +82,7 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
         None
     };
     let day = simulate(&node, &income, learning_days, arguments.precision, in_loop)?;
+    drop(watch);
     let source = Source {
         scene: scene.name(),
         precision: arguments.precision.name(),

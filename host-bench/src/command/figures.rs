@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use comfy_table::presets;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{print, progress, tell};
+use super::{note, print, progress};
 use crate::figures::{self, Chapter, Figure, Subject};
 use crate::method::Failure;
 use crate::outcome::table;
@@ -15,6 +15,7 @@ use crate::outcome::table;
 const PAGE: &str = "index.html";
 
 #[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Run time: about 20 s on two cores")]
 pub struct FiguresArguments {
     /// Make the figures of one harvester only; may be repeated [default: all]
     #[arg(long, value_enum, value_name = "HARVESTER")]
@@ -55,7 +56,7 @@ pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
         outputs.write(&page, &figures::page(&chapter))?;
         let labels: Vec<&str> = chapter.figures.iter().map(|figure| figure.label).collect();
         bar.suspend(|| {
-            tell(&format!("figures: {}: {}: {}", subject.name(), labels.join(", "), page.display()));
+            note(&format!("figures: {}: {}: {}", subject.name(), labels.join(", "), page.display()));
             print(&tables(&chapter))
         })?;
     }

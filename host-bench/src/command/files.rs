@@ -30,6 +30,12 @@ impl Outputs {
         Ok(Self { inputs: files(scene, overrides)? })
     }
 
+    /// Of a command that reads these files too.
+    pub(crate) fn and(mut self, others: &[PathBuf]) -> Self {
+        self.inputs.extend(others.iter().cloned());
+        self
+    }
+
     /// Of a command that reads these shipped scenes.
     pub(crate) fn of_shipped<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         Self { inputs: names.into_iter().map(shipped).collect() }

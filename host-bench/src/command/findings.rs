@@ -8,6 +8,7 @@ use crate::method::Failure;
 use crate::outcome::{Format, csv};
 
 #[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Run time: half a minute on two cores")]
 pub struct FindingsArguments {
     /// Numbers of the findings to measure, such as 8,9 [default: all]
     #[arg(long, value_delimiter = ',', value_name = "NUMBERS")]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::builder::PossibleValuesParser;
 
 use super::files::Outputs;
-use super::{json_text, print, tell};
+use super::{json_text, note, print};
 use crate::method::Failure;
 use crate::scene_file::{template, templates};
 use harvester_scene::keys;
@@ -69,6 +69,6 @@ pub fn new(arguments: &NewArguments) -> Result<(), Failure> {
     let outputs = Outputs::of_shipped([]);
     outputs.check("--output", file)?;
     outputs.write(file, &text)?;
-    tell(&format!("{}: a scene for `run {0}`; all keys: `keys`", file.display()));
+    note(&format!("{}: a scene for `run {0}`; all keys: `keys`", file.display()));
     Ok(())
 }

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use serde_json::json;
 
 use super::files::Outputs;
-use super::{NODE, SceneArguments, Unused, check_overrides, one_more, print, progress, tell};
+use super::{NODE, SceneArguments, Unused, check_overrides, note, one_more, print, progress};
 use crate::map::{self, Heard, Map, Request, Said, Step};
 use crate::method::Failure;
 use crate::outcome::{self, Fields, text};
@@ -40,6 +40,7 @@ impl FromStr for Range {
 }
 
 #[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Run time: a minute or two of one core")]
 pub struct MapArguments {
     #[command(flatten)]
     scene: SceneArguments,
@@ -98,7 +99,7 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
         outputs.write(picture, &map::draw(&found, 0, &name)?)?;
     }
     if found.agreement.median > request.error {
-        tell(&format!(
+        note(&format!(
             "the median error of {:.2} % is above the {:.2} % of --error; the bounds in the map allow for it",
             100.0 * found.agreement.median,
             100.0 * request.error

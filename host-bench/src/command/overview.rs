@@ -1,7 +1,7 @@
 //! The default command: error against run time in short, and the report.
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{SHIPPED_SCENES, print, tell, work_precision};
+use super::{SHIPPED_SCENES, note, print, work_precision};
 use crate::method::Failure;
 use crate::report;
 use crate::work_precision::{Extent, table};
@@ -20,6 +20,6 @@ pub fn run() -> Result<(), Failure> {
     make_folder(&folder)?;
     let file = folder.join(PAGE);
     outputs.write(&file, &page)?;
-    tell(&format!("report: {}", file.display()));
+    note(&format!("report: {}", file.display()));
     Ok(())
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use super::storage_voltage::StorageVoltage;
-use super::{NODE, SceneArguments, Unused, check_overrides, print, tell};
+use super::{NODE, SceneArguments, Unused, check_overrides, note, print};
 use crate::embedded::{Search, search};
 use crate::method::Failure;
 use crate::outcome::{Fields, fields, text};
@@ -29,10 +29,10 @@ const TOLD_EVERY: Duration = Duration::from_secs(3);
 pub struct ResonanceArguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// Lowest frequency
+    /// Lowest frequency in Hz
     #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
     from: f64,
-    /// Highest frequency
+    /// Highest frequency in Hz
     #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
     to: f64,
     /// Frequencies of the scan from which the peaks are narrowed down
@@ -66,7 +66,7 @@ pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
     let unused = [&UNUSED[..], if short_open { std::slice::from_ref(&load) } else { &[] }].concat();
     check_overrides(&arguments.scene.overrides, &storage_voltage.unused(&unused))?;
     storage_voltage.hold(&mut scene)?;
-    let mut progress = Progress::new();
+    let mut progress = Progress::new(points);
     let range_hz = [from, to];
     let found = if short_open {
         short_open::compared(&scene, range_hz, points, &arguments.scene.options, &mut progress)?
@@ -132,25 +132,33 @@ fn described(scene: &Scene, found: &Resonance, periods: f64) -> Fields {
     named
 }
 
-/// Tells on standard error every few seconds how far a search is. How many frequencies a peak takes is not known before.
+/// Tells on standard error every few seconds how far a search is. How many frequencies a peak takes is estimated.
 pub(super) struct Progress {
     began: Instant,
     told: Instant,
     done: usize,
+    expected: usize,
 }
 
+/// Steady states that narrowing down the peaks takes, beside those of the scan: thrice a dozen.
+const NARROWING: usize = 36;
+
 impl Progress {
-    fn new() -> Self {
+    /// Of a search that scans this many points.
+    fn new(points: usize) -> Self {
         let began = Instant::now();
-        Self { began, told: began, done: 0 }
+        Self { began, told: began, done: 0, expected: points + NARROWING }
     }
 
     fn one_more(&mut self) {
         if self.told.elapsed() >= TOLD_EVERY {
-            tell(&format!(
-                "{} steady states, {:.0} s elapsed",
-                self.done,
-                self.began.elapsed().as_secs_f64()
+            let elapsed = self.began.elapsed().as_secs_f64();
+            // A search that takes longer than most has its own number as the expected one.
+            self.expected = self.expected.max(self.done + 1);
+            let to_go = elapsed * (self.expected - self.done) as f64 / self.done.max(1) as f64;
+            note(&format!(
+                "{} steady states of about {}, {elapsed:.0} s elapsed, about {to_go:.0} s to go",
+                self.done, self.expected
             ));
             self.told = Instant::now();
         }

@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use super::files::Outputs;
 use super::storage_voltage::StorageVoltage;
+use super::watch::Watch;
 use super::{NODE, SceneArguments, check_overrides, one_more, print, progress, tell};
 use crate::accuracy::{imbalance, run_with_accuracy};
 use crate::method::{Failure, Options};
+use crate::motion::{self, Series};
+use crate::report::setting::setting;
 use crate::resolution::too_few_lines;
 use crate::run::run_scene;
 use crate::scene_file::{self, Scene};
@@ -22,6 +25,9 @@ pub struct RunArguments {
     /// Seconds between the rows of the trace
     #[arg(long, value_name = "S", requires = "trace", allow_hyphen_values = true)]
     trace_every: Option<f64>,
+    /// Write a picture of the run to this file: time histories, phase portrait, spectrum, energy flow; plot has choices
+    #[arg(long, value_name = "FILE.svg", conflicts_with_all = ["seeds", "steady_state"])]
+    picture: Option<PathBuf>,
     /// Seek the periodic steady state under one sine by shooting, in place of the run; the run where
     /// there is none that is stable
     #[arg(long)]
@@ -39,7 +45,7 @@ pub struct RunArguments {
 
 /// Runs the scene, writes the trace and prints the outcome; nothing of either if it fails.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let options = Options {
+    let mut options = Options {
         trace_every_s: arguments.trace_every,
         steady_state: arguments.steady_state,
         ..arguments.scene.options
@@ -54,9 +60,15 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.trace {
         outputs.check("--trace", file)?;
     }
+    if let Some(file) = &arguments.picture {
+        outputs.check("--picture", file)?;
+        let every_s = motion::every_s(&scene, motion::span_s(&scene));
+        options.trace_every_s = options.trace_every_s.or(Some(every_s));
+    }
     if let Some(count) = arguments.seeds {
         return run_seeds(arguments, &scene, &options, count);
     }
+    let watch = Watch::new();
     let outcome = if arguments.no_accuracy {
         let mut outcome = run_scene(&scene, &options)?;
         outcome.warnings.splice(..0, imbalance(&outcome));
@@ -65,6 +77,13 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     } else {
         run_with_accuracy(&scene, &options)?
     };
+    drop(watch);
+    if let (Some(file), Some(every_s)) = (&arguments.picture, options.trace_every_s) {
+        let series = Series::of("run", &scene, &outcome);
+        let title = motion::title(&arguments.scene.scene, &outcome.method, &setting(&scene, &[]));
+        let picture = motion::draw(&motion::usual(&scene, &title, &series, every_s), &[series])?;
+        outputs.write(file, &picture)?;
+    }
     if let (Some(file), Some(recording)) = (&arguments.trace, &outcome.trace) {
         outputs.write(file, &recording.csv())?;
     }

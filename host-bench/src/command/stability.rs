@@ -8,12 +8,15 @@ use std::path::PathBuf;
 use clap::ValueEnum as _;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{SHIPPED_SCENES, json_text, print, tell};
+use super::{SHIPPED_SCENES, json_text, note, print};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::stability::{CASES, Case, Effort, Extent, Kind, Row, draw, grid, page, summary};
 
 #[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Run time: with --grid coarse 1, 3 and 5 minutes for the three scenes, the whole grid 25 minutes, on two cores"
+)]
 pub struct StabilityArguments {
     /// Which cases
     #[arg(long, value_enum, default_value_t)]
@@ -80,7 +83,7 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
     if has_page {
         outputs.write(&folder.join(CASES), &csv())?;
         outputs.write(&folder.join(PAGE), &page(&cases, &rows))?;
-        tell(&format!("report: {}", folder.join(PAGE).display()));
+        note(&format!("report: {}", folder.join(PAGE).display()));
     }
     none_fails(&rows)
 }

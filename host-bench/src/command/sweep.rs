@@ -2,6 +2,7 @@
 
 mod axis;
 pub(super) mod picture;
+mod rows;
 mod shooting;
 
 use std::path::{Path, PathBuf};
@@ -12,16 +13,18 @@ use serde_json::json;
 
 pub use self::axis::Axis;
 use self::picture::{Quantity, Words};
+use self::rows::Rows;
 use self::shooting::{Compared, compared};
 use super::files::{Outputs, make_folder};
 use super::storage_voltage::StorageVoltage;
-use super::{NODE, SceneArguments, check_keys, print, progress, tell};
+use super::{NODE, SceneArguments, check_keys, note, print, progress, tell};
 use crate::accuracy::run_with_accuracy;
 use crate::method::{Failure, Options};
-use crate::outcome::{self, Fields, Format, Outcome, fields, flattened, number, rows_csv, small};
+use crate::outcome::{self, Fields, Format, STABLE, fields, flattened, number, rows_csv, small};
 use crate::report::setting::setting;
 use crate::run::{run_scene, stopped_as_text};
 use crate::scene_file::{self, Override, Scene};
+use crate::stability::{build, fnv_1a};
 
 /// Most points of a grid.
 const MOST: usize = 1_000_000;
@@ -35,7 +38,8 @@ pub struct SweepArguments {
     /// Values for a key of the scene; repeat it for a grid
     #[arg(long = "over", value_name = "KEY=FROM:TO:COUNT[:log]", required = true)]
     axes: Vec<Axis>,
-    /// Write sweep.csv and sweep.svg into this folder
+    /// Write sweep.csv and sweep.svg into this folder; points are kept there as they are done, and a sweep that was
+    /// interrupted goes on from them when it is given again
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Seek the periodic steady state under one sine by shooting at each point, in place of the run; the
@@ -55,7 +59,7 @@ pub struct SweepArguments {
 /// One point of the grid and its outcome.
 struct Point {
     values: Vec<f64>,
-    found: Result<Outcome, String>,
+    found: Result<Fields, String>,
     /// The cost of the steady state against that of the run, if a steady state was sought.
     compared: Option<Compared>,
 }
@@ -80,11 +84,21 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.output {
         outputs.check_in("--output", folder, &FILES)?;
     }
+    let rows = match &arguments.output {
+        Some(folder) => {
+            make_folder(folder)?;
+            Some(Rows::open(folder, &identity(arguments)?)?)
+        }
+        None => None,
+    };
+    if let Some(done) = rows.as_ref().map(Rows::count).filter(|done| *done > 0) {
+        note(&format!("{done} of {count} points were done before"));
+    }
     let bar = progress(count);
     let points: Result<Vec<Point>, Failure> = (0..count)
         .into_par_iter()
         .map(|index| {
-            let point = Point::of(arguments, &options, values(axes, index));
+            let point = Point::of(arguments, &options, values(axes, index), (index, rows.as_ref()));
             bar.inc(1);
             point
         })
@@ -92,13 +106,16 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     let points = points?;
     if let Some(costs) = shooting::told(points.iter().filter_map(|point| point.compared.as_ref())) {
-        tell(&costs);
+        note(&costs);
     }
     for warning in [most_created(axes, &points), first_inaccurate(&points)].into_iter().flatten() {
         tell(&format!("warning: {warning}"));
     }
     if let Some(folder) = &arguments.output {
         write(arguments, folder, &outputs, &points)?;
+        if let Some(rows) = rows {
+            rows.remove();
+        }
     }
     print(&match arguments.scene.format {
         Format::Table => table(axes, &points),
@@ -130,8 +147,16 @@ pub(super) fn check_axes(axes: &[Axis]) -> Result<usize, Failure> {
 }
 
 impl Point {
-    /// Runs the point at these values of the axes.
-    fn of(arguments: &SweepArguments, options: &Options, values: Vec<f64>) -> Result<Self, Failure> {
+    /// Runs the point at these values of the axes, unless it was done before.
+    fn of(
+        arguments: &SweepArguments,
+        options: &Options,
+        values: Vec<f64>,
+        (index, rows): (usize, Option<&Rows>),
+    ) -> Result<Self, Failure> {
+        if let Some(found) = rows.and_then(|rows| rows.known(index)) {
+            return Ok(Self { values, found, compared: None });
+        }
         let scene = scene(arguments, &values)?;
         let run = if arguments.no_accuracy { run_scene } else { run_with_accuracy };
         let found = stopped_as_text(run(&scene, options))?;
@@ -139,8 +164,41 @@ impl Point {
             Ok(outcome) => compared(&scene, outcome, arguments)?,
             Err(_) => None,
         };
+        let found = found.map(|outcome| fields(&outcome));
+        rows.map_or(Ok(()), |rows| rows.add(index, &found))?;
         Ok(Self { values, found, compared })
     }
+
+    /// A number of its outcome.
+    fn number(&self, name: &str) -> Option<f64> {
+        self.found.as_ref().ok()?.get(name)?.as_f64()
+    }
+
+    /// A text of its outcome.
+    fn text(&self, name: &str) -> Option<&str> {
+        self.found.as_ref().ok()?.get(name)?.as_str()
+    }
+
+    /// The warnings of its outcome.
+    fn warnings(&self) -> impl Iterator<Item = &str> {
+        let list = self.found.as_ref().ok().and_then(|fields| fields.get("warnings")?.as_array());
+        list.into_iter().flatten().filter_map(|warning| warning.as_str())
+    }
+}
+
+/// Which sweep it is: the build, the files that are read, and what was asked for.
+fn identity(arguments: &SweepArguments) -> Result<String, Failure> {
+    // The same points in another folder or format are the same sweep.
+    let SweepArguments { scene, axes, steady_state, storage_voltage, compare, no_accuracy, output: _ } =
+        arguments;
+    let asked = (&scene.options, &scene.overrides, axes, steady_state, storage_voltage, compare, no_accuracy);
+    let mut asked = format!("{asked:?}").into_bytes();
+    for file in scene_file::files(&arguments.scene.scene, &arguments.scene.overrides)? {
+        let content = std::fs::read(&file)
+            .map_err(|error| Failure::Input(format!("{}: cannot be read: {error}", file.display())))?;
+        asked.extend(content);
+    }
+    Ok(format!("{} {:016x}", build(), fnv_1a(&asked)))
 }
 
 /// Writes the table, and the picture if there is one.
@@ -155,16 +213,11 @@ fn write(
     let file = arguments.scene.scene.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let keys: Vec<&str> = axes.iter().filter(|axis| axis.count() > 1).map(|axis| axis.key.as_str()).collect();
     let first = points.first().map_or(&[][..], |point| &point.values);
-    let method =
-        points.iter().find_map(|point| point.found.as_ref().ok()).map(|outcome| outcome.method.clone());
+    let method = points.iter().find_map(|point| point.text("method"));
     let parameters = setting(&scene(arguments, first)?, &keys);
-    let title = format!("{file}, {}: {parameters}", method.unwrap_or_else(|| "no run".to_owned()));
-    let unstable: Vec<bool> = points
-        .iter()
-        .map(|point| {
-            point.found.as_ref().is_ok_and(|run| run.steady_state.is_some() && !run.is_of_an_orbit())
-        })
-        .collect();
+    let title = format!("{file}, {}: {parameters}", method.unwrap_or("no run"));
+    let is_of_a_run = |point: &Point| point.text("steady_state").is_some_and(|verdict| verdict != STABLE);
+    let unstable: Vec<bool> = points.iter().map(is_of_a_run).collect();
     let words = Words {
         title: &title,
         without: "the run failed",
@@ -180,9 +233,8 @@ fn write(
 /// points that warn. A row has its own warnings in JSON and CSV.
 fn most_created(axes: &[Axis], points: &[Point]) -> Option<String> {
     let warned = points.iter().filter_map(|point| {
-        let outcome = point.found.as_ref().ok()?;
-        let share = outcome.created.and_then(|created| created.created_energy_share).map_or(0.0, f64::abs);
-        let warning = outcome.warnings.iter().find(|warning| !is_of_accuracy(warning))?;
+        let share = point.number("created_energy_share").map_or(0.0, f64::abs);
+        let warning = point.warnings().find(|warning| !is_of_accuracy(warning))?;
         Some((point, warning, share))
     });
     let count = warned.clone().count();
@@ -202,10 +254,8 @@ fn is_of_accuracy(warning: &str) -> bool {
 
 /// How many points have a warning of their accuracy, and the first of them.
 fn first_inaccurate(points: &[Point]) -> Option<String> {
-    let all = points.iter().filter_map(|point| {
-        point.found.as_ref().ok()?.warnings.iter().find(|warning| is_of_accuracy(warning))
-    });
-    let warnings: Vec<&String> = all.collect();
+    let all = points.iter().filter_map(|point| point.warnings().find(|warning| is_of_accuracy(warning)));
+    let warnings: Vec<&str> = all.collect();
     let first = warnings.first()?;
     Some(format!("at {} of {} points, the first: {first}", warnings.len(), points.len()))
 }
@@ -254,7 +304,7 @@ fn named<'a>(axes: &'a [Axis], point: &'a Point) -> impl Iterator<Item = (&'a st
 fn row(axes: &[Axis], point: &Point) -> Fields {
     let mut row: Fields = named(axes, point).map(|(key, value)| (key.to_owned(), value.into())).collect();
     match &point.found {
-        Ok(outcome) => row.extend(fields(outcome)),
+        Ok(fields) => row.extend(fields.clone()),
         Err(error) => row.extend([("error".to_owned(), error.as_str().into())]),
     }
     row
@@ -280,27 +330,24 @@ fn json(axes: &[Axis], points: &[Point]) -> String {
 fn table(axes: &[Axis], points: &[Point]) -> String {
     let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5e}"));
     let keys = axes.iter().map(|axis| axis.key.as_str());
-    let steady = points.iter().any(|point| point.compared.is_some());
+    let steady = points.iter().any(|point| point.text("steady_state").is_some());
     let names = ["mean_power_w", "stated_error", "rms_voltage_v", "steps"].into_iter();
     let headings = keys.chain(names).chain(steady.then_some("steady_state")).chain(["error"]);
     let rows = points.iter().map(|point| {
         let values = point.values.iter().map(|value| shown(Some(*value)));
         let (found, error) = match &point.found {
-            Ok(outcome) => (
+            Ok(fields) => (
                 [
-                    shown(outcome.mean_power_w),
-                    small(outcome.accuracy.total),
-                    shown(outcome.rms_voltage_v),
-                    outcome.steps.to_string(),
+                    shown(point.number("mean_power_w")),
+                    small(fields.get("accuracy").and_then(|accuracy| accuracy.get("total")?.as_f64())),
+                    shown(point.number("rms_voltage_v")),
+                    fields.get("steps").map_or_else(|| shown(None), ToString::to_string),
                 ],
                 String::new(),
             ),
             Err(error) => ([(); 4].map(|()| shown(None)), error.clone()),
         };
-        let verdict = steady.then(|| match point.found.as_ref().map(|outcome| &outcome.steady_state) {
-            Ok(Some(found)) => found.steady_state.to_owned(),
-            _ => shown(None),
-        });
+        let verdict = steady.then(|| point.text("steady_state").map_or_else(|| shown(None), str::to_owned));
         values.chain(found).chain(verdict).chain([error]).collect::<Vec<_>>()
     });
     let headings: Vec<&str> = headings.collect();
@@ -309,13 +356,10 @@ fn table(axes: &[Axis], points: &[Point]) -> String {
 }
 
 fn quantities(points: &[Point]) -> Vec<Quantity> {
-    let quantity = |name, unit, of: fn(&Outcome) -> Option<f64>| Quantity {
+    let quantity = |name, unit, field| Quantity {
         name,
         unit,
-        values: points.iter().map(|point| point.found.as_ref().ok().and_then(of)).collect(),
+        values: points.iter().map(|point| point.number(field)).collect(),
     };
-    vec![
-        quantity("mean power", "W", |outcome| outcome.mean_power_w),
-        quantity("RMS voltage", "V", |outcome| outcome.rms_voltage_v),
-    ]
+    vec![quantity("mean power", "W", "mean_power_w"), quantity("RMS voltage", "V", "rms_voltage_v")]
 }

@@ -24,7 +24,7 @@ pub struct WorkPrecisionArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
     /// Beside peers: the core alone and general integrators of other crates, on these scenes of a fixed list, or on all;
-    /// needs the feature `peers`
+    /// needs the feature peers
     #[arg(long, value_name = "NAME", num_args = 0.., conflicts_with_all = ["scenes", "overrides", "grid"])]
     peers: Option<Vec<String>>,
     /// With --peers: all rows as CSV

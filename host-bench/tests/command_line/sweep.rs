@@ -126,3 +126,63 @@ fn a_bad_grid_is_refused_and_nothing_is_written() {
     let axis = ["--over", "load.resistance_ohm=1:2:2", "--output", &taken];
     refused(&sweep(&axis), &["--output", "must be a folder"]);
 }
+
+#[test]
+fn an_interrupted_sweep_goes_on_from_its_points() {
+    let folder = folder("resumed");
+    let path = folder.to_str().expect("a plain path");
+    let over = ["--over", "load.resistance_ohm=1e6:1e8:3:log", "--over", "excitation.frequency_hz=19:20:2"];
+    let grid = sweep(&[&over[..], &["--output", path, "--format", "csv"]].concat());
+    let read = |name: &str| std::fs::read_to_string(folder.join(name));
+    accepted(&grid);
+    let whole = read("sweep.csv").expect("the table");
+    assert!(read("sweep.rows.jsonl").is_err(), "nothing is left of a whole sweep");
+    // A sweep is stopped after some points, in the middle of a line.
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_host-bench"))
+        .args(&grid)
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .expect("the binary starts");
+    let began = std::time::Instant::now();
+    let stopped = loop {
+        let rows = read("sweep.rows.jsonl").unwrap_or_default();
+        if rows.lines().count() > 2 || began.elapsed().as_secs() > 60 {
+            // It may have ended meanwhile.
+            let _ = child.kill();
+            break rows;
+        }
+        std::thread::yield_now();
+    };
+    child.wait().expect("it is stopped");
+    let lines: Vec<&str> = stopped.lines().collect();
+    assert!(lines.len() > 2, "{stopped}");
+    // As the rows were at that time, with a last line that is cut, and a number that no run gives.
+    let marked = lines[1].replacen("\"steps\":", "\"steps\":7000000", 1);
+    assert_ne!(marked, lines[1]);
+    std::fs::write(folder.join("sweep.rows.jsonl"), format!("{}\n{marked}\n{{\"point\": 3, \"fie", lines[0]))
+        .expect("rows");
+    let resumed = accepted(&grid);
+    assert_eq!(resumed.lines().count(), whole.lines().count());
+    // The point that was done is not run again; the others are those of the whole sweep.
+    let without_time = |text: &str| -> Vec<Vec<String>> {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let time = reader.headers().expect("a heading").iter().position(|name| name == "wall_s");
+        let rows = reader.records().map(|row| row.expect("a row"));
+        rows.map(|row| {
+            row.iter()
+                .enumerate()
+                .filter(|(at, _)| Some(*at) != time)
+                .map(|(_, cell)| cell.to_owned())
+                .collect()
+        })
+        .collect()
+    };
+    let (one, other) = (without_time(&whole), without_time(&resumed));
+    let differing: Vec<usize> = (0..one.len()).filter(|row| one[*row] != other[*row]).collect();
+    assert_eq!(differing.len(), 1, "{differing:?}");
+    assert!(other[differing[0]].iter().any(|cell| cell.starts_with("7000000")), "{other:?}");
+    // Points of another sweep are refused.
+    std::fs::write(folder.join("sweep.rows.jsonl"), format!("{}\n", lines[0])).expect("rows");
+    let another = sweep(&["--over", "load.resistance_ohm=1e6:1e8:2", "--output", path]);
+    refused(&another, &["sweep.rows.jsonl", "another sweep"]);
+}

@@ -22,7 +22,7 @@ use super::report::{Found, Report};
 use super::{DEFAULT_TOLERANCE, precision_name};
 use crate::steady_state::Total;
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
-use harvester_scene::outcome::{Accuracy, CreatedEnergy, Outcome, Recording, StoreOutcome};
+use harvester_scene::outcome::{Accuracy, CreatedEnergy, EnergyFlow, Outcome, Recording, StoreOutcome};
 use harvester_scene::scene_file::{Random, RunSpan, Scene};
 
 /// The refusal of a parameter by the core.
@@ -250,6 +250,17 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 drawn_energy_j: spent(PowerIndex::Draw),
             }),
             steady_state: None,
+            flow: ledger.map(|ledger| {
+                let spent = |power| ledger.integrals().integral(power).to_f64();
+                EnergyFlow {
+                    base_j: spent(PowerIndex::Base),
+                    dissipated_j: spent(PowerIndex::Dissipation),
+                    contact_j: ledger.lost_in_contact().to_f64(),
+                    delivered_j: spent(PowerIndex::Load),
+                    diodes_j: spent(PowerIndex::Diodes),
+                    created_j: spent(PowerIndex::FieldWork) - spent(PowerIndex::ElectrostaticWork),
+                }
+            }),
             accuracy: Accuracy::default(),
             warnings: Vec::new(),
             block_energies_j: meters

@@ -152,6 +152,7 @@ impl<'a> Meter<'a> {
             }),
             store: None,
             steady_state: None,
+            flow: None,
             accuracy: Accuracy::default(),
             warnings: Vec::new(),
             block_energies_j: Vec::new(),

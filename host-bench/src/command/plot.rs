@@ -1,0 +1,195 @@
+//! `plot`: the motion of one run or of several, as a picture.
+
+use std::path::PathBuf;
+
+use super::files::{Outputs, make_folder, report_folder};
+use super::watch::Watch;
+use super::{NODE, check_keys, note, print, tell};
+use crate::method::{Failure, Options};
+use crate::motion::{self, LogAxis, Series, View, Wanted};
+use crate::report::setting::setting;
+use crate::run::run_scene;
+use crate::scene_file::{self, Override, Scene};
+
+/// Most runs that are compared.
+const MOST_RUNS: usize = 6;
+
+/// A key and the values at which runs are compared.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Compared {
+    key: String,
+    values: Vec<String>,
+}
+
+impl std::str::FromStr for Compared {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parts = text.split_once('=').map(|(key, values)| (key.trim(), values.split(',').map(str::trim)));
+        match parts {
+            Some((key, values)) if !key.is_empty() && values.clone().all(|value| !value.is_empty()) => {
+                Ok(Self { key: key.to_owned(), values: values.map(str::to_owned).collect() })
+            }
+            _ => Err("must be KEY=VALUE,VALUE, for example load.resistance_ohm=1e6,1e8".to_owned()),
+        }
+    }
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct PlotArguments {
+    /// Scene file
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Traces to draw beside the run, as run --trace writes them
+    #[arg(value_name = "TRACE.csv")]
+    traces: Vec<PathBuf>,
+    #[command(flatten)]
+    options: Options,
+    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<Override>,
+    /// A run for each of these values of a key, beside each other
+    #[arg(long, value_name = "KEY=VALUE,VALUE…")]
+    compare: Option<Compared>,
+    /// What to show, separated by commas [default: all]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "VIEW")]
+    view: Vec<View>,
+    /// Columns of the time histories, separated by commas; the spectrum is that of the last [default: position, force,
+    /// power, voltage]
+    #[arg(long, value_delimiter = ',', value_name = "COLUMN")]
+    quantity: Vec<String>,
+    /// First instant in s of time histories and phase portrait [default: six periods before the end]
+    #[arg(long, value_name = "S")]
+    from: Option<f64>,
+    /// Their last instant in s [default: the end of the run]
+    #[arg(long, value_name = "S")]
+    to: Option<f64>,
+    /// Highest frequency in Hz of the spectrum [default: 20 times that of the excitation]
+    #[arg(long, value_name = "HZ")]
+    highest: Option<f64>,
+    /// Logarithmic axes of the spectrum, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "AXIS", default_value = "y")]
+    log: Vec<LogAxis>,
+    /// Write the picture to this file [default: report/plot.svg]
+    #[arg(long, value_name = "FILE.svg")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the scene, at each value that is compared, and draws the runs beside the traces.
+pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
+    let compared = arguments.compare.as_ref();
+    let keys = arguments.overrides.iter().map(|change| ("--set", change.key()));
+    let keys: Vec<(&str, &str)> = keys.chain(compared.map(|one| ("--compare", one.key.as_str()))).collect();
+    check_keys(&keys, &[NODE])?;
+    let scenes = scenes(arguments)?;
+    let (_, first) =
+        scenes.first().ok_or_else(|| Failure::Input("--compare: must have a value".to_owned()))?;
+    let span_s = span(arguments, first)?;
+    let every_s = motion::every_s(first, span_s);
+    let options = Options { trace_every_s: Some(every_s), ..arguments.options };
+    options.check()?;
+    let traces: Vec<Series> =
+        arguments.traces.iter().map(|file| Series::read(file)).collect::<Result<_, _>>()?;
+    let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?.and(&arguments.traces);
+    let file = match &arguments.output {
+        Some(file) => {
+            outputs.check("--output", file)?;
+            file.clone()
+        }
+        None => {
+            outputs.check_in("", &report_folder(), &["plot.svg"])?;
+            report_folder().join("plot.svg")
+        }
+    };
+    let watch = Watch::new();
+    let mut series = Vec::new();
+    let mut method = String::new();
+    for (name, scene) in &scenes {
+        let outcome = run_scene(scene, &options).map_err(|failure| failure.of_case(name))?;
+        outcome.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+        series.push(Series::of(name.as_str(), scene, &outcome));
+        method = outcome.method;
+    }
+    drop(watch);
+    series.extend(traces);
+    let without: Vec<&str> = compared.map(|one| one.key.as_str()).into_iter().collect();
+    let title = motion::title(&arguments.scene, &method, &setting(first, &without));
+    let usual = motion::usual(first, &title, &series[0], every_s);
+    let wanted = Wanted {
+        views: if arguments.view.is_empty() { usual.views } else { &arguments.view },
+        quantities: quantities(arguments, &series, &usual)?,
+        span_s,
+        highest_hz: arguments.highest.unwrap_or(usual.highest_hz),
+        logarithmic: &arguments.log,
+        ..usual
+    };
+    let picture = motion::draw(&wanted, &series)?;
+    if arguments.output.is_none() {
+        make_folder(&report_folder())?;
+    }
+    outputs.write(&file, &picture)?;
+    note("each run once, without an accuracy statement: `run` has one");
+    print(&format!("{}\n", file.display()))
+}
+
+/// The runs with their names.
+fn scenes(arguments: &PlotArguments) -> Result<Vec<(String, Scene)>, Failure> {
+    let Some(Compared { key, values }) = &arguments.compare else {
+        let scene = scene_file::read(&arguments.scene, &arguments.overrides)?;
+        return Ok(vec![("run".to_owned(), scene)]);
+    };
+    if values.len() > MOST_RUNS {
+        return Err(Failure::Input(format!(
+            "--compare {key}: {} values, must be at most {MOST_RUNS}",
+            values.len()
+        )));
+    }
+    let scene = |value: &String| {
+        let last = std::iter::once(Override::new(key, value));
+        let overrides: Vec<Override> = arguments.overrides.iter().cloned().chain(last).collect();
+        let short = key.rsplit('.').next().unwrap_or(key);
+        Ok((format!("{short} = {value}"), scene_file::read(&arguments.scene, &overrides)?))
+    };
+    values.iter().map(scene).collect()
+}
+
+/// First and last instant that are shown.
+fn span(arguments: &PlotArguments, scene: &Scene) -> Result<[f64; 2], Failure> {
+    let [from, to] = motion::span_s(scene);
+    let to = arguments.to.unwrap_or(if arguments.from.is_some() { scene.run.duration_s } else { to });
+    let from = arguments.from.unwrap_or(from.min(to));
+    let end = scene.run.duration_s;
+    if !(0.0..end).contains(&from) {
+        return Err(Failure::Input(format!(
+            "--from {from}: must be from 0 to the end of the run at {end} s"
+        )));
+    }
+    if !(to > from && to <= end) {
+        return Err(Failure::Input(format!(
+            "--to {to}: must be after {from} s, at most the end of the run at {end} s"
+        )));
+    }
+    if let Some(highest) = arguments.highest.filter(|highest| !(1e-3..=1e6).contains(highest)) {
+        return Err(Failure::Input(format!("--highest {highest}: must be from 1e-3 to 1e6 Hz")));
+    }
+    Ok([from, to])
+}
+
+/// The columns to show, each of which a run must have.
+fn quantities(
+    arguments: &PlotArguments,
+    series: &[Series],
+    usual: &Wanted<'_>,
+) -> Result<Vec<String>, Failure> {
+    if arguments.quantity.is_empty() {
+        return Ok(usual.quantities.clone());
+    }
+    let known = series.iter().flat_map(|one| one.columns());
+    for name in &arguments.quantity {
+        if !known.clone().any(|column| column == name) {
+            let all = series[0].columns().join(", ");
+            return Err(Failure::Input(format!("--quantity {name}: is no column; columns are {all}")));
+        }
+    }
+    Ok(arguments.quantity.clone())
+}

@@ -1,0 +1,152 @@
+//! The points of a sweep as they are done: an interrupted sweep goes on from them.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use serde_json::{Value, json};
+
+use crate::method::Failure;
+use crate::outcome::Fields;
+
+/// The file beside the table, one JSON object a line. It is removed when the table is whole.
+pub(super) const ROWS: &str = "sweep.rows.jsonl";
+
+/// Numbers of points with their outcome or error.
+type Known = BTreeMap<usize, Result<Fields, String>>;
+
+/// The points that are done, in a file.
+pub(super) struct Rows {
+    path: PathBuf,
+    file: Mutex<File>,
+    known: Known,
+}
+
+impl Rows {
+    /// Opens the file in this folder, or makes it. `identity` says which sweep it is of; points of another are refused.
+    pub(super) fn open(folder: &Path, identity: &str) -> Result<Self, Failure> {
+        let path = folder.join(ROWS);
+        let refuse = |reason: String| Failure::Input(format!("{}: {reason}", path.display()));
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(refuse(format!("cannot be read: {error}"))),
+        };
+        let mut lines = text.lines();
+        let first = lines.next().and_then(|line| serde_json::from_str::<Value>(line).ok());
+        if !text.is_empty() && first.as_ref().is_none_or(|first| first["sweep"] != identity) {
+            return Err(refuse(
+                "has the points of another sweep, or of another build; remove it, or give another folder"
+                    .to_owned(),
+            ));
+        }
+        // The last line may have been cut.
+        let known: Known = lines.filter_map(point).collect();
+        let whole: String = known.iter().map(|(number, found)| line(*number, found)).collect();
+        let written = fs::write(&path, format!("{}\n{whole}", json!({ "sweep": identity })))
+            .and_then(|()| OpenOptions::new().append(true).open(&path));
+        match written {
+            Ok(file) => Ok(Self { path: path.clone(), file: Mutex::new(file), known }),
+            Err(error) => Err(refuse(format!("cannot be written: {error}"))),
+        }
+    }
+
+    /// How many points are done.
+    pub(super) fn count(&self) -> usize {
+        self.known.len()
+    }
+
+    /// A point that was done before.
+    pub(super) fn known(&self, number: usize) -> Option<Result<Fields, String>> {
+        self.known.get(&number).cloned()
+    }
+
+    /// Writes a point that is done.
+    pub(super) fn add(&self, number: usize, found: &Result<Fields, String>) -> Result<(), Failure> {
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        file.write_all(line(number, found).as_bytes())
+            .and_then(|()| file.flush())
+            .map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", self.path.display())))
+    }
+
+    /// Removes the file: the table is whole.
+    pub(super) fn remove(self) {
+        // A file that stays is that of this sweep, and does no harm.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// A point as a line.
+fn line(number: usize, found: &Result<Fields, String>) -> String {
+    let point = match found {
+        Ok(fields) => json!({ "point": number, "fields": exact(Value::Object(fields.clone())) }),
+        Err(error) => json!({ "point": number, "error": error }),
+    };
+    format!("{point}\n")
+}
+
+/// The point of a line; `None` if the line is none.
+fn point(line: &str) -> Option<(usize, Result<Fields, String>)> {
+    let value: Value = serde_json::from_str(line).ok()?;
+    let number = usize::try_from(value.get("point")?.as_u64()?).ok()?;
+    if let Some(error) = value.get("error") {
+        return Some((number, Err(error.as_str()?.to_owned())));
+    }
+    match restored(value.get("fields")?.clone()) {
+        Value::Object(fields) => Some((number, Ok(fields))),
+        _ => None,
+    }
+}
+
+/// Before the bits of a number, in a text.
+const BITS: &str = "bits:";
+
+/// The value with its numbers that are no integers as texts of their bits: a number in decimals may be read as its neighbour.
+fn exact(value: Value) -> Value {
+    match value {
+        Value::Number(number) if number.is_f64() => {
+            let bits = number.as_f64().map(|value| format!("{BITS}{:016x}", value.to_bits()));
+            bits.map_or(Value::Null, Value::String)
+        }
+        Value::Array(items) => items.into_iter().map(exact).collect(),
+        Value::Object(fields) => {
+            Value::Object(fields.into_iter().map(|(name, value)| (name, exact(value))).collect())
+        }
+        other => other,
+    }
+}
+
+/// The inverse of [`exact`].
+fn restored(value: Value) -> Value {
+    match value {
+        Value::String(text) => {
+            let bits = text.strip_prefix(BITS).and_then(|digits| u64::from_str_radix(digits, 16).ok());
+            bits.map_or(Value::String(text), |bits| f64::from_bits(bits).into())
+        }
+        Value::Array(items) => items.into_iter().map(restored).collect(),
+        Value::Object(fields) => {
+            Value::Object(fields.into_iter().map(|(name, value)| (name, restored(value))).collect())
+        }
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_is_read_as_it_was_written() {
+        let fields = json!({
+            "power": 1.174_870_123_456_789e-5, "count": 3, "whole": 2.0, "none": null, "name": "bits of text",
+            "nested": { "error": 0.1 + 0.2 }, "list": ["a", 1e-300],
+        });
+        let Value::Object(fields) = fields else { panic!("an object") };
+        for found in [Ok(fields), Err("stopped at 1 s".to_owned())] {
+            assert_eq!(point(&line(7, &found)), Some((7, found)));
+        }
+        assert_eq!(point("{\"point\": 3, \"fie"), None);
+    }
+}

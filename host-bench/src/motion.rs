@@ -1,0 +1,284 @@
+//! Pictures of the motion of runs: time histories, phase portrait, spectrum, energy flow; several runs compared.
+
+mod energy;
+mod series;
+mod spectrum;
+
+use std::path::Path;
+
+use plotters::style::RGBColor;
+
+pub(crate) use self::series::{Series, quantity};
+
+use crate::method::Failure;
+use crate::report::plot::{self, Axis, Curve, Mark, Plot, height};
+use crate::report::setting::prefix;
+use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION};
+use crate::scene_file::Scene;
+
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum View {
+    /// Quantities over time.
+    History,
+    /// Velocity over position.
+    Phase,
+    /// Amplitudes over frequency, in the measuring window.
+    Spectrum,
+    /// Where the energy of the base goes, over the whole run.
+    Energy,
+}
+
+/// An axis of the spectrum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum LogAxis {
+    /// Frequency.
+    X,
+    /// Amplitude.
+    Y,
+    /// None.
+    None,
+}
+
+/// What to draw.
+#[derive(Debug, Clone)]
+pub(crate) struct Wanted<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) views: &'a [View],
+    /// Columns of the time histories; the first is that of the spectrum.
+    pub(crate) quantities: Vec<String>,
+    /// First and last instant in s of time histories and phase portrait.
+    pub(crate) span_s: [f64; 2],
+    /// First and last instant in s of the spectrum.
+    pub(crate) window_s: [f64; 2],
+    /// Largest frequency in Hz of the spectrum.
+    pub(crate) highest_hz: f64,
+    pub(crate) logarithmic: &'a [LogAxis],
+}
+
+const COLOURS: [RGBColor; 6] = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, BLACK];
+/// Width of the picture, height of a time history, and size of a portrait or a spectrum.
+const WIDTH: u32 = 1120;
+const STRIP: u32 = 230;
+const PANEL: (u32, u32) = (560, 430);
+/// Periods of the excitation that a time history shows, and rows in it.
+const SHOWN_PERIODS: f64 = 6.0;
+const SHOWN_ROWS: f64 = 3000.0;
+/// Most rows of a whole run.
+const MOST_ROWS: f64 = 1e6;
+/// Frequency of the highest line of a spectrum over that of the excitation.
+const HARMONICS: f64 = 20.0;
+/// Most impacts that are marked.
+const MOST_MARKS: usize = 300;
+
+/// What time histories show where nothing else is said: the last periods, or the last tenth of the window.
+pub(crate) fn span_s(scene: &Scene) -> [f64; 2] {
+    let end = scene.run.duration_s;
+    let periods = scene.excitation.single_frequency().map(|frequency| SHOWN_PERIODS / frequency);
+    let length = periods.unwrap_or(0.1 * scene.run.window_s()).min(scene.run.window_s());
+    [end - length, end]
+}
+
+/// The distance in s of the rows for a picture of these instants.
+pub(crate) fn every_s(scene: &Scene, [from, to]: [f64; 2]) -> f64 {
+    ((to - from) / SHOWN_ROWS).max(scene.run.duration_s / MOST_ROWS).max(1e-9)
+}
+
+/// The highest line of a spectrum in Hz, for rows at this distance in s.
+pub(crate) fn highest_hz(scene: &Scene, every_s: f64) -> f64 {
+    let aliased = 0.25 / every_s;
+    scene.excitation.single_frequency().map_or(aliased, |frequency| (HARMONICS * frequency).min(aliased))
+}
+
+/// What `run --picture` draws of a scene, whose rows are at this distance in s.
+pub(crate) fn usual<'a>(scene: &Scene, title: &'a str, series: &Series, every_s: f64) -> Wanted<'a> {
+    Wanted {
+        title,
+        views: &[View::History, View::Phase, View::Spectrum, View::Energy],
+        quantities: series.usual_quantities(),
+        span_s: span_s(scene),
+        window_s: [scene.run.settle_s, scene.run.duration_s],
+        highest_hz: highest_hz(scene, every_s),
+        logarithmic: &[LogAxis::Y],
+    }
+}
+
+/// The title of a picture: file, method and parameters.
+pub(crate) fn title(file: &Path, method: &str, setting: &str) -> String {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    format!("{name}, {method}: {setting}")
+}
+
+/// The picture as SVG text.
+pub(crate) fn draw(wanted: &Wanted<'_>, series: &[Series]) -> Result<String, Failure> {
+    let fault = |reason: String| Failure::Input(format!("the picture cannot be drawn: {reason}"));
+    let has = |view: View| wanted.views.contains(&view);
+    let mut parts: Vec<(u32, u32, String)> = Vec::new();
+    let mut below = 0;
+    if has(View::History) {
+        let plots: Vec<Plot> = wanted
+            .quantities
+            .iter()
+            .enumerate()
+            .map(|(index, name)| history(wanted, series, name, index == 0))
+            .collect();
+        let size = (WIDTH, STRIP * u32::try_from(plots.len()).unwrap_or(1));
+        parts.push((0, below, plot::draw(size, &plots).map_err(fault)?));
+        below += size.1;
+    }
+    let panels: Vec<Plot> = [
+        has(View::Phase).then(|| phase(wanted, series)).flatten(),
+        has(View::Spectrum).then(|| lines(wanted, series)).flatten(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    for (panel, left) in panels.iter().zip([0, PANEL.0]) {
+        parts.push((left, below, plot::draw(PANEL, std::slice::from_ref(panel)).map_err(fault)?));
+    }
+    if !panels.is_empty() {
+        below += PANEL.1;
+    }
+    if has(View::Energy)
+        && let Some((height, svg)) = energy::flow(WIDTH, series, COLOURS)
+    {
+        parts.push((0, below, svg));
+        below += height;
+    }
+    if parts.is_empty() {
+        return Err(fault("no run has what the views show".to_owned()));
+    }
+    Ok(together((WIDTH, below), &parts))
+}
+
+/// Pictures at their places in one.
+fn together((width, height): (u32, u32), parts: &[(u32, u32, String)]) -> String {
+    let mut text = format!(
+        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+         xmlns=\"http://www.w3.org/2000/svg\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n"
+    );
+    for (left, top, svg) in parts {
+        text += &svg.replacen("<svg ", &format!("<svg x=\"{left}\" y=\"{top}\" "), 1);
+    }
+    text + "</svg>\n"
+}
+
+/// Each run with its colour.
+fn coloured(series: &[Series]) -> impl Iterator<Item = (&Series, RGBColor)> {
+    series.iter().zip(COLOURS.into_iter().cycle())
+}
+
+/// The name of a run in a legend, which one run alone does not have.
+fn named(series: &[Series], one: &Series) -> String {
+    if series.len() > 1 { one.name.clone() } else { String::new() }
+}
+
+/// A quantity over time; the first of them has the title, and marks the impacts of a run alone.
+fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) -> Plot {
+    let [from, to] = wanted.span_s;
+    let within = |series: &Series| -> Vec<(f64, f64)> {
+        series.over_time(column).into_iter().filter(|(time, _)| (from..=to).contains(time)).collect()
+    };
+    let all: Vec<Vec<(f64, f64)>> = series.iter().map(within).collect();
+    let largest = all.iter().flatten().fold(0.0_f64, |largest, (_, value)| largest.max(value.abs()));
+    let (word, unit) = quantity(column);
+    let (sign, factor) = prefix(largest);
+    let mut curves: Vec<Curve> = coloured(series)
+        .zip(all)
+        .map(|((one, colour), points)| {
+            let scaled = points.into_iter().map(|(time, value)| (time, factor * value));
+            Curve::new(named(series, one), colour, Mark::Line(1.4), scaled)
+        })
+        .collect();
+    if let ([one], true) = (series, first) {
+        let marks: Vec<(f64, f64)> = one
+            .impacts_s
+            .iter()
+            .filter(|instant| (from..=to).contains(*instant))
+            .filter_map(|instant| Some((*instant, factor * one.at(column, *instant)?)))
+            .collect();
+        if (1..=MOST_MARKS).contains(&marks.len()) {
+            curves.push(Curve::new("impact", BLACK, Mark::Dots(6.0), marks));
+        }
+    }
+    let title = if first { wanted.title.to_owned() } else { String::new() };
+    let up = if unit.is_empty() { word } else { format!("{word} [{sign}{unit}]") };
+    Plot {
+        title,
+        across: Axis::linear("time [s]", [from, to], 10),
+        up: Axis::linear(up, height(&curves), 5),
+        curves,
+    }
+}
+
+/// Velocity over position; `None` if no run has both.
+fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Plot> {
+    let all: Vec<Vec<(f64, f64)>> = series.iter().map(|one| one.portrait(wanted.span_s)).collect();
+    let largest =
+        |of: fn(&(f64, f64)) -> f64| all.iter().flatten().map(of).fold(0.0_f64, |a, b| a.max(b.abs()));
+    let [(x_sign, x_factor), (y_sign, y_factor)] =
+        [prefix(largest(|point| point.0)), prefix(largest(|point| point.1))];
+    let column = series.iter().find_map(Series::position)?;
+    let curves: Vec<Curve> = coloured(series)
+        .zip(all)
+        .map(|((one, colour), points)| {
+            let scaled = points.into_iter().map(|(x, y)| (x_factor * x, y_factor * y));
+            Curve::new(named(series, one), colour, Mark::Line(1.1), scaled)
+        })
+        .collect();
+    let points = || curves.iter().flat_map(|curve| &curve.points);
+    let (left, right) = crate::report::svg::range(points().map(|point| point.0));
+    points().next()?;
+    Some(Plot {
+        title: "phase portrait".to_owned(),
+        across: Axis::linear(format!("{} [{x_sign}m]", quantity(column).0), [left, right], 6),
+        up: Axis::linear(format!("velocity [{y_sign}m/s]"), height(&curves), 7),
+        curves,
+    })
+}
+
+/// Amplitudes over frequency of the first quantity; `None` without rows in the window.
+fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Plot> {
+    let column = wanted.quantities.last()?;
+    let has = |axis: LogAxis| wanted.logarithmic.contains(&axis);
+    let all: Vec<Vec<(f64, f64)>> = series
+        .iter()
+        .map(|one| spectrum::amplitudes(&one.over_time(column), wanted.window_s, wanted.highest_hz))
+        .collect();
+    let largest = all.iter().flatten().fold(0.0_f64, |largest, point| largest.max(point.1));
+    if !(largest > 0.0) {
+        return None;
+    }
+    let (sign, factor) = prefix(largest);
+    let (word, unit) = quantity(column);
+    // Below a millionth of the largest line there is rounding.
+    let floor = 1e-6 * factor * largest;
+    let curves: Vec<Curve> = coloured(series)
+        .zip(all)
+        .map(|((one, colour), points)| {
+            let scaled = points
+                .into_iter()
+                .filter(|(frequency, _)| *frequency > 0.0 || !has(LogAxis::X))
+                .map(|(frequency, value)| (frequency, (factor * value).max(floor)));
+            Curve::new(named(series, one), colour, Mark::Line(1.1), scaled)
+        })
+        .collect();
+    let frequencies = || curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
+    let ends = [frequencies().fold(f64::INFINITY, f64::min), frequencies().fold(0.0, f64::max)];
+    let name = if unit.is_empty() { word } else { format!("{word} [{sign}{unit}]") };
+    let across = if has(LogAxis::X) {
+        Axis::logarithmic("frequency [Hz]", ends)
+    } else {
+        Axis::linear("frequency [Hz]", ends, 6)
+    };
+    let top = 1.3 * factor * largest;
+    let up = if has(LogAxis::Y) {
+        Axis::logarithmic(name, [floor, top])
+    } else {
+        Axis::linear(name, [0.0, top], 7)
+    };
+    Some(Plot { title: "spectrum: amplitude of each line".to_owned(), across, up, curves })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,69 @@
+//! Where the energy of the base goes, as bars.
+
+use std::fmt::Write;
+
+use plotters::style::RGBColor;
+
+use super::Series;
+use crate::report::html::escaped;
+use crate::report::setting::with_unit;
+use crate::report::svg::{FONT, width_of};
+
+const ROW: u32 = 22;
+const TOP: u32 = 40;
+/// Size of the text, as the drawing library counts it.
+const SIZE: u32 = 18;
+/// Left edge of the bars, and room at the right for the numbers.
+const LEFT: u32 = 280;
+const RIGHT: u32 = 130;
+
+/// A run with its colour, and the names and energies of its parts.
+type Known<'a> = (&'a Series, RGBColor, Vec<(&'static str, f64)>);
+
+/// The bars of all runs whose energy is known, and their height; `None` without any.
+pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Option<(u32, String)> {
+    let known: Vec<Known<'_>> = series
+        .iter()
+        .zip(colours.into_iter().cycle())
+        .filter_map(|(one, colour)| Some((one, colour, one.flow?.parts())))
+        .collect();
+    let names: Vec<&str> = known.first()?.2.iter().map(|(name, _)| *name).collect();
+    let rows = u32::try_from(names.len() * known.len()).ok()?;
+    let height = TOP + ROW * rows + 12 * u32::try_from(names.len()).ok()?;
+    let largest =
+        known.iter().flat_map(|(.., parts)| parts).fold(0.0_f64, |most, (_, value)| most.max(value.abs()));
+    let longest = known.iter().map(|(one, ..)| width_of(&one.name, SIZE)).max().filter(|_| known.len() > 1);
+    let right = RIGHT + u32::try_from(longest.unwrap_or(0)).unwrap_or(0).min(width / 3);
+    let scale = if largest > 0.0 { f64::from(width - LEFT - right) / largest } else { 0.0 };
+    let mut text = format!(
+        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\" \
+         font-family=\"{FONT}\" font-size=\"14.5\">\n<text x=\"{}\" y=\"20\" text-anchor=\"middle\">energy over the whole \
+         run</text>\n",
+        width / 2
+    );
+    let mut y = TOP;
+    for (index, name) in names.iter().enumerate() {
+        let _ = writeln!(text, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{name}</text>", LEFT - 8, y + 15);
+        for (one, RGBColor(red, green, blue), parts) in &known {
+            let value = parts.get(index).map_or(0.0, |(_, value)| *value);
+            let long = (scale * value.abs()).max(0.5);
+            // What is negative flows the other way: its bar is hollow.
+            let fill =
+                if value < 0.0 { "none".to_owned() } else { format!("#{red:02X}{green:02X}{blue:02X}") };
+            let of = if known.len() > 1 { format!("  {}", escaped(&one.name)) } else { String::new() };
+            let _ = writeln!(
+                text,
+                "<rect x=\"{LEFT}\" y=\"{}\" width=\"{long:.1}\" height=\"{}\" fill=\"{fill}\" \
+                 stroke=\"#{red:02X}{green:02X}{blue:02X}\"/>\n<text x=\"{:.1}\" y=\"{}\">{}{of}</text>",
+                y + 3,
+                ROW - 6,
+                f64::from(LEFT) + long + 6.0,
+                y + 15,
+                with_unit(value, "J"),
+            );
+            y += ROW;
+        }
+        y += 12;
+    }
+    Some((height, text + "</svg>\n"))
+}

@@ -1,0 +1,152 @@
+//! The rows of one run: recorded, or read from a trace.
+
+use std::path::Path;
+
+use crate::method::Failure;
+use crate::outcome::{EnergyFlow, Outcome};
+use crate::scene_file::{Load, Scene};
+
+/// The power into a resistor, which follows from the voltage.
+const POWER: &str = "power_w";
+/// Units at the end of the name of a column.
+const UNITS: [(&str, &str); 9] = [
+    ("_m_per_s2", "m/s²"),
+    ("_m_per_s", "m/s"),
+    ("_ohm", "Ω"),
+    ("_m", "m"),
+    ("_c", "C"),
+    ("_v", "V"),
+    ("_n", "N"),
+    ("_w", "W"),
+    ("_s", "s"),
+];
+
+/// A column in words, and its unit; empty where it has none.
+pub(crate) fn quantity(column: &str) -> (String, &'static str) {
+    let found = UNITS.iter().find_map(|(end, unit)| Some((column.strip_suffix(end)?, *unit)));
+    let (word, unit) = found.unwrap_or((column, ""));
+    (word.replace('_', " "), unit)
+}
+
+/// The rows of one run.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Series {
+    /// Its name among others.
+    pub(crate) name: String,
+    columns: Vec<String>,
+    rows: Vec<Vec<f64>>,
+    /// Instants of impacts in s.
+    pub(crate) impacts_s: Vec<f64>,
+    /// Where the energy went; unknown of a trace.
+    pub(crate) flow: Option<EnergyFlow>,
+}
+
+impl Series {
+    /// A run that was recorded. The power into a resistor is added to its columns.
+    pub(crate) fn of(name: impl Into<String>, scene: &Scene, outcome: &Outcome) -> Self {
+        let trace = outcome.trace.as_ref();
+        let mut columns: Vec<String> =
+            trace.map_or(&[][..], |trace| trace.columns).iter().map(|&name| name.to_owned()).collect();
+        let mut rows = trace.map(|trace| trace.rows.clone()).unwrap_or_default();
+        if let (Load::Resistor { resistance_ohm }, Some(at)) =
+            (scene.load, columns.iter().position(|column| column == "voltage_v"))
+            && resistance_ohm > 0.0
+            && resistance_ohm.is_finite()
+        {
+            columns.push(POWER.to_owned());
+            for row in &mut rows {
+                let voltage = row.get(at).copied().unwrap_or(f64::NAN);
+                row.push(voltage * voltage / resistance_ohm);
+            }
+        }
+        let impacts_s = trace.map(|trace| trace.impacts_s.clone()).unwrap_or_default();
+        Self { name: name.into(), columns, rows, impacts_s, flow: outcome.flow }
+    }
+
+    /// A file as `run --trace` writes it.
+    pub(crate) fn read(file: &Path) -> Result<Self, Failure> {
+        let refuse = |reason: String| Failure::Input(format!("{}: {reason}", file.display()));
+        let mut reader =
+            csv::Reader::from_path(file).map_err(|error| refuse(format!("cannot be read: {error}")))?;
+        let heading = reader.headers().map_err(|error| refuse(format!("has no heading: {error}")))?.clone();
+        let columns: Vec<String> = heading.iter().map(|name| name.trim().to_owned()).collect();
+        if columns.first().is_none_or(|name| name != "time_s") {
+            return Err(refuse("must be a trace of run --trace, whose first column is time_s".to_owned()));
+        }
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        for (index, record) in reader.records().enumerate() {
+            let line = index + 2;
+            let record = record.map_err(|error| refuse(format!("line {line}: {error}")))?;
+            let values: Result<Vec<f64>, String> = record
+                .iter()
+                .map(|cell| {
+                    cell.trim().parse::<f64>().map_err(|_| format!("line {line}: {cell:?} is no number"))
+                })
+                .collect();
+            rows.push(values.map_err(refuse)?);
+        }
+        if rows.len() < 2 {
+            return Err(refuse(format!("has {} rows, must have at least 2", rows.len())));
+        }
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Self { name, columns, rows, impacts_s: Vec::new(), flow: None })
+    }
+
+    /// The names of the columns beside the time.
+    pub(crate) fn columns(&self) -> &[String] {
+        self.columns.get(1..).unwrap_or_default()
+    }
+
+    /// The columns that a picture shows where none are asked for: position, force, voltages or power.
+    pub(crate) fn usual_quantities(&self) -> Vec<String> {
+        let has = |name: &&str| self.columns.iter().any(|column| column == name);
+        let wanted = [
+            "gap_m",
+            "displacement_m",
+            "tip_displacement_m",
+            "contact_force_n",
+            "store_voltage_v",
+            POWER,
+            "voltage_v",
+        ];
+        wanted.iter().filter(|name| has(name)).map(|&name| name.to_owned()).collect()
+    }
+
+    /// The column of the position.
+    pub(crate) fn position(&self) -> Option<&str> {
+        let column = ["gap_m", "displacement_m", "tip_displacement_m"];
+        self.columns.iter().map(String::as_str).find(|name| column.contains(name))
+    }
+
+    /// Time in s and value of a column; nothing if there is none of this name.
+    pub(crate) fn over_time(&self, column: &str) -> Vec<(f64, f64)> {
+        let Some(at) = self.columns.iter().position(|name| name == column) else { return Vec::new() };
+        self.rows.iter().filter_map(|row| Some((*row.first()?, *row.get(at)?))).collect()
+    }
+
+    /// The value of a column at an instant in s, on the line between two rows.
+    pub(crate) fn at(&self, column: &str, instant: f64) -> Option<f64> {
+        let points = self.over_time(column);
+        let after = points.partition_point(|(time, _)| *time <= instant);
+        let (before, after) = (points.get(after.checked_sub(1)?)?, points.get(after)?);
+        let part = (instant - before.0) / (after.0 - before.0);
+        Some(before.1 + part * (after.1 - before.1))
+    }
+
+    /// Position and velocity within two instants in s. Where the velocity is not recorded it is the difference of the
+    /// positions beside a row.
+    pub(crate) fn portrait(&self, [from, to]: [f64; 2]) -> Vec<(f64, f64)> {
+        let Some(column) = self.position() else { return Vec::new() };
+        let positions = self.over_time(column);
+        let recorded = self.over_time("velocity_m_per_s");
+        let velocity = |index: usize| match recorded.get(index) {
+            Some((_, velocity)) => Some(*velocity),
+            None => {
+                let (before, after) = (positions.get(index.checked_sub(1)?)?, positions.get(index + 1)?);
+                Some((after.1 - before.1) / (after.0 - before.0))
+            }
+        };
+        let within = positions.iter().enumerate().filter(|(_, (time, _))| (from..=to).contains(time));
+        within.filter_map(|(index, (_, position))| Some((*position, velocity(index)?))).collect()
+    }
+}

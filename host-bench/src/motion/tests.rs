@@ -1,0 +1,109 @@
+use std::f64::consts::TAU;
+
+use super::*;
+use crate::method::Options;
+use crate::run::run_scene;
+use crate::scene_file::{self, Override};
+
+#[test]
+fn the_spectrum_of_two_sines_has_their_amplitudes() {
+    let rows: Vec<(f64, f64)> = (0..20_000)
+        .map(|row| {
+            let time = f64::from(row) * 1e-4;
+            (time, 5.0 + 3.0 * (TAU * 20.0 * time).sin() + 0.5 * (TAU * 60.0 * time + 1.0).cos())
+        })
+        .collect();
+    let found = spectrum::amplitudes(&rows, [0.0, 2.0], 200.0);
+    let near = |frequency: f64| {
+        let around = found.iter().filter(|(other, _)| (other - frequency).abs() < 0.6);
+        around.fold(0.0_f64, |most, (_, amplitude)| most.max(*amplitude))
+    };
+    assert!((near(20.0) - 3.0).abs() < 0.01, "{}", near(20.0));
+    assert!((near(60.0) - 0.5).abs() < 0.01, "{}", near(60.0));
+    // The mean is not a line, and nothing is between the lines.
+    assert!(near(0.0) < 0.01 && near(40.0) < 1e-3 && near(150.0) < 1e-3);
+    assert_eq!(spectrum::amplitudes(&rows[..1], [0.0, 2.0], 200.0), []);
+}
+
+fn run(name: &str, sets: &[(&str, &str)], every_s: f64) -> (Scene, Series) {
+    let sets: Vec<Override> = sets.iter().map(|(key, value)| Override::new(key, value)).collect();
+    let scene = scene_file::read(&scene_file::shipped(name), &sets).expect("valid");
+    let options = Options { trace_every_s: Some(every_s), ..Options::default() };
+    let outcome = run_scene(&scene, &options).expect("it can be run");
+    let series = Series::of("run", &scene, &outcome);
+    (scene, series)
+}
+
+const SHORT: [(&str, &str); 1] = [("run", "{duration_s=1.0, settle_s=0.5}")];
+
+#[test]
+fn a_picture_has_its_quantities_with_units_its_impacts_and_its_flow() {
+    let (scene, series) = run("contact-separation-passive", &SHORT, 1e-4);
+    assert!(!series.impacts_s.is_empty());
+    // The mass is at the dielectric where it hits it.
+    for impact in &series.impacts_s {
+        let gap = series.at("gap_m", *impact).expect("within the rows");
+        assert!(gap.abs() < 2e-5, "{gap} m at {impact} s");
+    }
+    let svg = draw(&usual(&scene, "the title", &series, 1e-4), &[series]).expect("a picture");
+    for text in [
+        "the title",
+        "gap [mm]",
+        "voltage [V]",
+        "power [µW]",
+        "impact",
+        "phase portrait",
+        "velocity [mm/s]",
+        "frequency [Hz]",
+        "from the base",
+        "into the load",
+    ] {
+        assert!(svg.contains(text), "{text} is not in the picture");
+    }
+    assert!(!svg.contains("NaN"));
+}
+
+#[test]
+fn the_energy_of_the_base_is_that_of_its_parts() {
+    for (name, created) in
+        [("contact-separation-passive", false), ("contact-separation", true), ("bump-stop", false)]
+    {
+        let (_, series) = run(name, &SHORT, 1e-3);
+        let parts = series.flow.expect("of the core").parts();
+        let part = |wanted: &str| parts.iter().find(|(name, _)| *name == wanted).expect("a part").1;
+        let base = part("from the base");
+        assert!(
+            base > 0.0 && part("damping and friction") > 0.0 && part("contact") >= 0.0,
+            "{name}: {parts:?}"
+        );
+        // Only a law that is not derived from the field creates energy.
+        let share = part("created by the force law").abs() / base;
+        assert_eq!(share > 1e-3, created, "{name}: {parts:?}");
+        // What is left is the motion and the field at the end, less those at the start.
+        assert!(part("left in motion and field").abs() < 0.5 * base, "{name}: {parts:?}");
+    }
+}
+
+#[test]
+fn several_runs_are_named_and_a_bump_stop_has_a_portrait() {
+    let span = [("run", "{duration_s=0.1, settle_s=0.05}")];
+    let (scene, mut one) = run("bump-stop", &span, 2e-5);
+    one.name = "gap_m = 10 µm".to_owned();
+    let (_, mut other) = run("bump-stop", &[span[0], ("stop.gap_m", "30e-6")], 2e-5);
+    other.name = "gap_m = 30 µm".to_owned();
+    let wanted = usual(&scene, "the title", &one, 2e-5);
+    assert!(wanted.quantities.contains(&"contact_force_n".to_owned()));
+    let svg = draw(&wanted, &[one, other]).expect("a picture");
+    for text in
+        ["gap_m = 10 µm", "gap_m = 30 µm", "tip displacement [µm]", "contact force [N]", "velocity [mm/s]"]
+    {
+        assert!(svg.contains(text), "{text} is not in the picture");
+    }
+}
+
+#[test]
+fn a_column_is_words_and_a_unit() {
+    assert_eq!(quantity("base_acceleration_m_per_s2"), ("base acceleration".to_owned(), "m/s²"));
+    assert_eq!(quantity("gap_m"), ("gap".to_owned(), "m"));
+    assert_eq!(quantity("stuck"), ("stuck".to_owned(), ""));
+}

@@ -1,0 +1,76 @@
+//! The texts of `--help`.
+
+use super::tool::accepted;
+
+/// The names of the commands.
+fn commands() -> Vec<String> {
+    let help = accepted(&["--help"]);
+    let list = help.split("Commands:\n").nth(1).expect("the commands").split("\n\n").next().expect("an end");
+    let names = list.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    names
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|name| *name != "help")
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Each option of a help text: its line, and the text below it.
+fn options(help: &str) -> Vec<(String, String)> {
+    let mut options: Vec<(String, String)> = Vec::new();
+    for line in help.lines() {
+        let trimmed = line.trim();
+        // Options are indented by two or six letters, with their texts behind or below.
+        let is_option = trimmed.starts_with('-') && !trimmed.starts_with("- ");
+        if is_option {
+            options.push((trimmed.to_owned(), String::new()));
+        } else if let Some((_, text)) = options.last_mut() {
+            text.push_str(trimmed);
+            text.push(' ');
+        }
+    }
+    options
+}
+
+#[test]
+fn no_text_has_the_markup_of_the_documentation() {
+    let commands = commands();
+    assert!(commands.len() >= 17, "{commands:?}");
+    for command in &commands {
+        let help = accepted(&[command, "--help"]);
+        for markup in ["[`", "`]", "`", "::", "](", "crate::", "Self::"] {
+            assert!(!help.contains(markup), "{command} --help has {markup:?}: {help}");
+        }
+    }
+}
+
+#[test]
+fn each_number_has_its_unit_and_each_choice_its_default() {
+    // What a value is called tells its unit.
+    let units = [
+        ("<S>", [" s ", "econds"]),
+        ("<HZ>", ["Hz", "Hz"]),
+        ("<V>", [" V", " V"]),
+        ("<REL>", ["elative", "rror"]),
+    ];
+    for command in commands() {
+        for (option, text) in options(&accepted(&[&command, "--help"])) {
+            let all = format!("{option} {text}");
+            for (name, words) in units {
+                assert!(
+                    !option.contains(name) || words.iter().any(|word| all.contains(word)),
+                    "{command}: {all}"
+                );
+            }
+            let chooses = text.contains("Possible values") && !option.contains("--core");
+            assert!(!chooses || text.contains("[default: ") || text.contains("only"), "{command}: {all}");
+        }
+    }
+}
+
+#[test]
+fn slow_commands_state_how_long_they_take() {
+    for command in ["figures", "findings", "stability", "map"] {
+        let help = accepted(&[command, "--help"]);
+        assert!(help.contains("Run time:"), "{command}: {help}");
+    }
+}

@@ -1,0 +1,89 @@
+//! `plot`, `run --picture`, shell completions and `--quiet`.
+
+use super::tool::{PASSIVE, accepted, folder, host_bench, refused};
+
+const SHORT: [&str; 2] = ["--set", "run={duration_s=1.0,settle_s=0.5}"];
+
+#[test]
+fn a_plot_has_runs_and_traces() {
+    let folder = folder("plot");
+    let place = |name: &str| folder.join(name).to_str().expect("a plain path").to_owned();
+    let (trace, svg) = (place("trace.csv"), place("plot.svg"));
+    let mut run = vec!["run", PASSIVE, "--no-accuracy", "--trace", &trace, "--trace-every", "1e-3"];
+    run.extend(SHORT);
+    accepted(&run);
+    let mut plot =
+        vec!["plot", PASSIVE, &trace, "--compare", "load.resistance_ohm=1e6,1e8", "--output", &svg];
+    plot.extend(SHORT);
+    assert_eq!(accepted(&plot).trim(), svg);
+    let picture = std::fs::read_to_string(&svg).expect("the picture");
+    for text in [
+        "contact-separation-passive.toml, exponential-radau: 50 µC/m², 1.962 m/s², 20.5 Hz",
+        "resistance_ohm = 1e6",
+        "resistance_ohm = 1e8",
+        "trace.csv",
+        "gap [mm]",
+        "phase portrait",
+        "from the base",
+    ] {
+        assert!(picture.contains(text), "{text} is not in the picture");
+    }
+    // One quantity, one view.
+    let mut plot =
+        vec!["plot", PASSIVE, "--view", "history", "--quantity", "velocity_m_per_s", "--output", &svg];
+    plot.extend(SHORT);
+    accepted(&plot);
+    let picture = std::fs::read_to_string(&svg).expect("the picture");
+    assert!(picture.contains("velocity [mm/s]") && !picture.contains("phase portrait"));
+}
+
+#[test]
+fn a_bad_plot_is_refused_before_it_runs() {
+    let with =
+        |more: &[&str], parts: &[&str]| refused(&[&["plot", PASSIVE], &SHORT[..], more].concat(), parts);
+    with(&["--quantity", "speed"], &["--quantity speed", "gap_m, velocity_m_per_s"]);
+    with(&["--from", "2"], &["--from 2", "1 s"]);
+    with(&["--from", "0.5", "--to", "0.4"], &["--to 0.4"]);
+    with(&["--compare", "load.resistance_ohm"], &["--compare", "KEY=VALUE,VALUE"]);
+    with(&["no-such.csv"], &["no-such.csv", "cannot be read"]);
+    with(&[PASSIVE], &["must be a trace of run --trace"]);
+    with(&["--output", PASSIVE], &["--output", "which this command reads"]);
+}
+
+#[test]
+fn a_run_has_its_picture() {
+    let folder = folder("picture");
+    let svg = folder.join("run.svg").to_str().expect("a plain path").to_owned();
+    let mut run = vec!["run", PASSIVE, "--picture", &svg, "--format", "json"];
+    run.extend(SHORT);
+    let outcome: serde_json::Value = serde_json::from_str(&accepted(&run)).expect("an object");
+    assert!(outcome["accuracy"]["total"].is_number());
+    assert!(std::fs::read_to_string(&svg).expect("the picture").contains("phase portrait"));
+}
+
+#[test]
+fn shells_complete_commands_and_options() {
+    for (shell, part) in [("bash", "--trace-every"), ("zsh", "--trace-every"), ("fish", "trace-every")] {
+        let script = accepted(&["completions", shell]);
+        assert!(script.contains(part) && script.contains("resonance"), "{shell}");
+    }
+    refused(&["completions", "csh"], &["csh", "bash"]);
+}
+
+#[test]
+fn a_quiet_command_tells_warnings_only() {
+    let folder = folder("quiet");
+    let file = folder.join("sliding.toml").to_str().expect("a plain path").to_owned();
+    assert!(host_bench(&["--quiet", "new", "sliding", "--output", &file]).stderr.is_empty());
+    let output = host_bench(&[
+        "run",
+        "--quiet",
+        &file,
+        "--set",
+        "run.duration_periods=4",
+        "--set",
+        "run.settle_periods=1",
+    ]);
+    let told = String::from_utf8(output.stderr).expect("text");
+    assert!(told.lines().all(|line| line.starts_with("warning: ")), "{told}");
+}
