@@ -1,6 +1,7 @@
 //! Pictures of the motion of runs: time histories, phase portrait, spectrum, energy flow; several runs compared.
 
 mod energy;
+mod page;
 mod series;
 mod spectrum;
 
@@ -8,6 +9,7 @@ use std::path::Path;
 
 use plotters::style::RGBColor;
 
+pub(crate) use self::page::page;
 pub(crate) use self::series::{Series, quantity};
 
 use crate::method::Failure;
@@ -109,9 +111,21 @@ pub(crate) fn title(file: &Path, method: &str, setting: &str) -> String {
     format!("{name}, {method}: {setting}")
 }
 
+fn fault(reason: String) -> Failure {
+    Failure::Input(format!("the picture cannot be drawn: {reason}"))
+}
+
+/// What goes into a file of this name: a page if it ends so, else a picture.
+pub(crate) fn of_file(file: &Path, wanted: &Wanted<'_>, series: &[Series]) -> Result<String, Failure> {
+    if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html")) {
+        page(wanted, series)
+    } else {
+        draw(wanted, series)
+    }
+}
+
 /// The picture as SVG text.
 pub(crate) fn draw(wanted: &Wanted<'_>, series: &[Series]) -> Result<String, Failure> {
-    let fault = |reason: String| Failure::Input(format!("the picture cannot be drawn: {reason}"));
     let has = |view: View| wanted.views.contains(&view);
     let mut parts: Vec<(u32, u32, String)> = Vec::new();
     let mut below = 0;

@@ -70,8 +70,8 @@ pub struct PlotArguments {
     /// Logarithmic axes of the spectrum, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "AXIS", default_value = "y")]
     log: Vec<LogAxis>,
-    /// Write the picture to this file [default: report/plot.svg]
-    #[arg(long, value_name = "FILE.svg")]
+    /// Write the picture to this file, or to an .html file a page with zoom and hover [default: report/plot.svg]
+    #[arg(long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
@@ -123,7 +123,7 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
         logarithmic: &arguments.log,
         ..usual
     };
-    let picture = motion::draw(&wanted, &series)?;
+    let picture = motion::of_file(&file, &wanted, &series)?;
     if arguments.output.is_none() {
         make_folder(&report_folder())?;
     }

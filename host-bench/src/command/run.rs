@@ -25,8 +25,9 @@ pub struct RunArguments {
     /// Seconds between the rows of the trace
     #[arg(long, value_name = "S", requires = "trace", allow_hyphen_values = true)]
     trace_every: Option<f64>,
-    /// Write a picture of the run to this file: time histories, phase portrait, spectrum, energy flow; plot has choices
-    #[arg(long, value_name = "FILE.svg", conflicts_with_all = ["seeds", "steady_state"])]
+    /// Write a picture of the run to this file, .svg or .html: time histories, phase portrait, spectrum, energy flow; plot
+    /// has choices
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["seeds", "steady_state"])]
     picture: Option<PathBuf>,
     /// Seek the periodic steady state under one sine by shooting, in place of the run; the run where
     /// there is none that is stable
@@ -81,7 +82,8 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     if let (Some(file), Some(every_s)) = (&arguments.picture, options.trace_every_s) {
         let series = Series::of("run", &scene, &outcome);
         let title = motion::title(&arguments.scene.scene, &outcome.method, &setting(&scene, &[]));
-        let picture = motion::draw(&motion::usual(&scene, &title, &series, every_s), &[series])?;
+        let wanted = motion::usual(&scene, &title, &series, every_s);
+        let picture = motion::of_file(file, &wanted, &[series])?;
         outputs.write(file, &picture)?;
     }
     if let (Some(file), Some(recording)) = (&arguments.trace, &outcome.trace) {

@@ -107,3 +107,37 @@ fn a_column_is_words_and_a_unit() {
     assert_eq!(quantity("gap_m"), ("gap".to_owned(), "m"));
     assert_eq!(quantity("stuck"), ("stuck".to_owned(), ""));
 }
+
+/// The charts of a page.
+fn charts(page: &str) -> serde_json::Value {
+    let data = page.split("const charts = ").nth(1).expect("the data").split(";\n").next().expect("an end");
+    serde_json::from_str(&data.replace("<\\/", "</")).expect("JSON")
+}
+
+#[test]
+fn a_page_has_its_data_and_needs_no_network() {
+    let (scene, mut one) = run("contact-separation-passive", &SHORT, 1e-4);
+    one.name = "</script>".to_owned();
+    let mut other = one.clone();
+    other.name = "other".to_owned();
+    let wanted = usual(&scene, "a < b", &one, 1e-4);
+    let gap = one.over_time("gap_m");
+    let page = page(&wanted, &[one, other]).expect("a page");
+    for outside in ["<link", "src=", "@import", "url("] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    assert_eq!(page.matches("</script>").count(), 2, "no text ends a script");
+    assert!(page.contains("a &lt; b") && page.contains("from the base"));
+    let charts = charts(&page);
+    let all = charts.as_array().expect("charts");
+    assert_eq!(all.len(), wanted.quantities.len() + 1);
+    assert_eq!((&all[0]["up"], &all[0]["curves"][0]["name"]), (&"gap [mm]".into(), &"</script>".into()));
+    let shown: Vec<&(f64, f64)> =
+        gap.iter().filter(|(time, _)| (wanted.span_s[0]..=wanted.span_s[1]).contains(time)).collect();
+    let values = all[0]["curves"][0]["y"].as_array().expect("values");
+    assert_eq!(values.len(), shown.len());
+    for (value, (_, gap)) in values.iter().zip(shown) {
+        assert!((value.as_f64().expect("a number") - 1e3 * gap).abs() < 1e-5);
+    }
+    assert_eq!(all[wanted.quantities.len()]["logarithmic"], serde_json::json!([false, true]));
+}

@@ -35,6 +35,11 @@ impl Axis {
         Self { title: title.into(), span, ticks: 12, logarithmic: true }
     }
 
+    /// Whether equal distances are equal ratios.
+    pub(crate) fn is_logarithmic(&self) -> bool {
+        self.logarithmic
+    }
+
     /// The place of a value on a linear scale.
     fn place(&self, value: f64) -> f64 {
         if self.logarithmic { value.log10() } else { value }
