@@ -5,6 +5,7 @@ pub mod closed_form;
 pub mod figures;
 mod files;
 pub mod findings;
+pub mod fit;
 pub mod keys;
 pub mod map;
 pub mod needs;

@@ -6,6 +6,7 @@ pub mod closed_form;
 pub mod command;
 pub mod figures;
 pub mod findings;
+mod fit;
 pub mod map;
 pub mod motion;
 mod needs;

@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use host_bench::command::{
-    be_quiet, budget, closed_form, figures, findings, keys, map, needs, on_target, overview, plot, report,
-    resonance, run, stability, stop, sweep, work_precision,
+    be_quiet, budget, closed_form, figures, findings, fit, keys, map, needs, on_target, overview, plot,
+    report, resonance, run, stability, stop, sweep, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -38,6 +38,8 @@ enum Command {
     Figures(figures::FiguresArguments),
     /// What the two papers find, measured on the shipped scenes
     Findings(findings::FindingsArguments),
+    /// Fit parameters of a scene to measurements
+    Fit(fit::FitArguments),
     /// Every key of scene files: unit, bounds, default, meaning
     Keys(keys::KeysArguments),
     /// The income over amplitude and frequency, for a node to look up
@@ -82,6 +84,7 @@ fn main() -> ExitCode {
         Some(Command::ClosedForm(arguments)) => closed_form::run(arguments),
         Some(Command::Figures(arguments)) => figures::run(arguments),
         Some(Command::Findings(arguments)) => findings::run(arguments),
+        Some(Command::Fit(arguments)) => fit::run(arguments),
         Some(Command::Keys(arguments)) => keys::run(arguments),
         Some(Command::Map(arguments)) => map::run(arguments),
         Some(Command::Needs(arguments)) => needs::run(arguments),

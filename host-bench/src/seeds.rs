@@ -1,6 +1,6 @@
 //! Statistics of a scene with a random excitation over several seeds.
 
-mod student;
+pub(crate) mod student;
 
 use comfy_table::presets;
 use rayon::prelude::*;

@@ -7,6 +7,7 @@ mod command_line {
     mod closed_form;
     mod created_energy;
     mod figures;
+    mod fit;
     mod good_runs;
     mod help;
     mod keys;

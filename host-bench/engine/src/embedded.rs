@@ -34,6 +34,7 @@ pub use bump_stop::{
 };
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use held::{Found, Held, Motion, damping_ratio, fingerprint, natural_frequency_hz, with_held};
+pub use shooting::Memory;
 pub use sliding::parameters as sliding_parameters;
 pub use store_in_loop::{Midnight, StoreInLoop, Stretch};
 pub use whole_day::{Daily, WholeDay, whole_day};
@@ -74,6 +75,21 @@ pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure
 
 fn steady_state_as<M: Mathematics<f64>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     with_setting::<f64, M, _>(scene, options, shooting::steady_state::<M>)
+}
+
+/// As [`steady_state`], from a remembered orbit of the same harvester under another sine or with other parameters; and the
+/// orbit that was reached, if one was.
+///
+/// The orbit that continues the remembered one is taken where it is stable. Otherwise the motion goes on from the
+/// remembered orbit; without one it goes from the start. With `only` the result is then `None`.
+pub fn steady_state_from(
+    scene: &Scene,
+    options: &Options,
+    memory: Option<&Memory>,
+    only: bool,
+) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
+    let from = shooting::from_orbit::<Polynomial>;
+    with_setting::<f64, Polynomial, _>(scene, options, |setting| from(setting, memory, only))
 }
 
 /// The refusal of a bump-stop scene where only a triboelectric scene will do.

@@ -89,6 +89,9 @@ pub struct Options {
     /// Distance in s of the rows of the recorded motion.
     #[arg(skip)]
     pub trace_every_s: Option<f64>,
+    /// Whether a step ends at each row of the recorded motion, so that none is interpolated.
+    #[arg(skip)]
+    pub ends_at_rows: bool,
     /// Whether a run on the core keeps no energy ledger and meters the measuring window only, as firmware would: for
     /// measuring its run time.
     #[arg(skip)]

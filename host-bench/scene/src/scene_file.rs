@@ -9,6 +9,7 @@ mod bump_stop;
 mod contact_separation;
 mod document;
 mod excitation;
+mod fit;
 pub mod key;
 mod load;
 pub mod modes;
@@ -26,8 +27,9 @@ mod triboelectric;
 use std::path::{Path, PathBuf};
 
 pub(crate) use self::bounds::Short;
-use self::document::Document;
 pub use self::document::SceneError;
+use self::document::{Content, Document};
+pub use self::fit::Fit;
 use self::key::{Kind, Table, Value, other};
 pub use self::overrides::{Override, contains, replaces};
 pub use self::scene::*;
@@ -45,6 +47,8 @@ pub static KEYS: Table = Table {
         other("excitation", Value::Table(&excitation::TABLE), "The acceleration of the base"),
         other("run", Value::Table(&run_span::TABLE), "How long to simulate, and from when to measure"),
         other("node", Value::Table(&node::TABLE), "A sensor node, for the command budget").or_said("none"),
+        other("fit", Value::Table(&fit::TABLE), "Measurements and free keys, for the command fit")
+            .or_said("none"),
     ],
 };
 
@@ -53,7 +57,7 @@ pub static KEYS: Table = Table {
 /// # Errors
 /// The first thing that is wrong, in one line.
 pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
-    read_all(file, overrides).map(|(scene, _)| scene)
+    read_all(file, overrides).map(|(scene, ..)| scene)
 }
 
 /// As [`read`], for a file that has a node.
@@ -61,9 +65,32 @@ pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
 /// # Errors
 /// As [`read`], and if there is no `[node]`.
 pub fn read_with_node(file: &Path, overrides: &[Override]) -> Result<(Scene, Node), SceneError> {
-    let (scene, node) = read_all(file, overrides)?;
+    let (scene, node, _) = read_all(file, overrides)?;
     let absent = || SceneError::of_absent(file, "node", "is missing; must be a table");
     node.map(|node| (scene, node)).ok_or_else(absent)
+}
+
+/// As [`read`], with what the file says about a fit.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with_fit(file: &Path, overrides: &[Override]) -> Result<(Scene, Fit), SceneError> {
+    read_all(file, overrides).map(|(scene, _, fit)| (scene, fit))
+}
+
+/// The number at a key of a scene file, such as `load.resistance_ohm`; `None` if the key is not there.
+///
+/// # Errors
+/// If the file cannot be read, or the key leads to something else than a number.
+pub fn number_at(file: &Path, overrides: &[Override], key: &str) -> Result<Option<f64>, SceneError> {
+    let document = Document::read(file, overrides)?;
+    match document.at(key) {
+        None => Ok(None),
+        Some(node) => match node.content {
+            Content::Number(value, _) => Ok(Some(value)),
+            _ => Err(SceneError::of_value(file, key, node, "must be a number")),
+        },
+    }
 }
 
 /// The files that are read for a scene: the scene file, and the recording that it names.
@@ -91,7 +118,7 @@ pub fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name).with_extension("toml")
 }
 
-fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>), SceneError> {
+fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>, Fit), SceneError> {
     let document = Document::read(file, overrides)?;
     let mut root = Section::root(&document, &KEYS);
     let scenes: [(&Kind, Reader<Model>); 3] = [
@@ -107,6 +134,7 @@ fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>)
         Some(section) => Some(node::node(section, load, part)?),
         None => None,
     };
+    let fit = root.optional_table("fit")?.map(fit::fit).transpose()?.unwrap_or_default();
     root.finish()?;
-    Ok((Scene { file: file.to_owned(), model, load, excitation, run }, node))
+    Ok((Scene { file: file.to_owned(), model, load, excitation, run }, node, fit))
 }

@@ -164,6 +164,15 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             let mut parts = (&mut blocks, &mut clamp);
             let mut measuring = (&mut window, &mut parts);
             let mut others = (&mut recording, &mut measuring);
+            if options.ends_at_rows {
+                // Rows are at the ends of steps, where nothing is interpolated.
+                let next = |row: f64| Instant::from_seconds(row * every).filter(|row| *row < until);
+                let mut row = (harvester.clock(&state).seconds::<f64>() / every).floor() + 1.0;
+                while let Some(stop) = next(row) {
+                    self.advance(&mut state, stop, &mut total, &mut (&mut whole, &mut others))?;
+                    row += 1.0;
+                }
+            }
             self.advance(&mut state, until, &mut total, &mut (&mut whole, &mut others))?;
         }
         let wall_s = began.elapsed().as_secs_f64();

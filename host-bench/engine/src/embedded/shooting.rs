@@ -5,6 +5,8 @@
 mod beam;
 mod triboelectric;
 
+use std::any::Any;
+use std::sync::Arc;
 use std::time::Instant as Stopwatch;
 
 use model_core::scalar::Mathematics;
@@ -28,6 +30,15 @@ trait Kind {
     /// where there is none.
     fn steady(&self, setting: Setting<'_, f64>) -> Result<Outcome, Failure>;
 
+    /// The outcome of one period of the stable orbit that continues a remembered one. Where there is none: `None` if `only`
+    /// that is wanted, or else [`Kind::steady`] from the remembered orbit, or from the start without one.
+    fn from_orbit(
+        &self,
+        setting: Setting<'_, f64>,
+        memory: Option<&Memory>,
+        only: bool,
+    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure>;
+
     /// The response of the stable orbit that continues the last one, or else of the one from the scene's start.
     fn follow(&mut self, setting: Setting<'_, f64>, spent: &mut Spent) -> Result<Option<Response>, Failure>;
 }
@@ -47,6 +58,15 @@ fn kind<'a, M: Mathematics<f64> + 'a>(scene: &'a Scene) -> Box<dyn Kind + 'a> {
 /// The steady state of a scene by shooting; the scene's own run where it has no stable orbit of one period.
 pub(super) fn steady_state<M: Mathematics<f64>>(setting: Setting<'_, f64>) -> Result<Outcome, Failure> {
     kind::<M>(setting.scene).steady(setting)
+}
+
+/// [`Kind::from_orbit`] of a scene.
+pub(super) fn from_orbit<M: Mathematics<f64>>(
+    setting: Setting<'_, f64>,
+    memory: Option<&Memory>,
+    only: bool,
+) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
+    kind::<M>(setting.scene).from_orbit(setting, memory, only)
 }
 
 /// The peaks over the frequencies of a search, and the simulated periods that they took; calls `done` after each frequency.
@@ -86,6 +106,16 @@ pub(super) fn best_resistance<M: Mathematics<f64>>(
     Ok((found, spent.periods))
 }
 
+/// An orbit of any harvester.
+#[derive(Clone)]
+pub struct Memory(Arc<dyn Any + Send + Sync>);
+
+impl std::fmt::Debug for Memory {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Memory")
+    }
+}
+
 /// A harvester under the sine of a scene.
 fn forced<'a, H>(
     harvester: &'a H,
@@ -104,12 +134,66 @@ fn steady<H: Coordinates, R: Report<f64, H>>(
     start: H::State,
     typical: &[f64],
 ) -> Result<Outcome, Failure> {
+    reached(run, start, typical).map(|(outcome, _)| outcome)
+}
+
+/// The same, with the orbit that was reached, if one was.
+fn reached<H: Coordinates, R: Report<f64, H>>(
+    run: &Run<'_, f64, H, R>,
+    start: H::State,
+    typical: &[f64],
+) -> Result<(Outcome, Option<Orbit<H::State>>), Failure> {
     let forced = forced(run.harvester, &run.setting);
     let began = Stopwatch::now();
     let mut spent = Spent::default();
     let verdict =
         forced.steady_state(start, typical, &mut spent).map_err(|error| run.step_failure(&error, &start))?;
-    let (from, span) = match &verdict {
+    let mut outcome = described(run, start, &verdict, &spent)?;
+    outcome.wall_s = began.elapsed().as_secs_f64();
+    let orbit = if let Verdict::StablePeriodOne(orbit) = verdict { Some(orbit) } else { None };
+    Ok((outcome, orbit))
+}
+
+/// [`Kind::from_orbit`] for a harvester with a start, and coordinates of the size `typical`.
+fn remembered<H, R>(
+    run: &Run<'_, f64, H, R>,
+    start: H::State,
+    typical: &[f64],
+    memory: Option<&Memory>,
+    only: bool,
+) -> Result<Option<(Outcome, Option<Memory>)>, Failure>
+where
+    H: Coordinates,
+    H::State: Send + Sync + 'static,
+    R: Report<f64, H>,
+{
+    let keep = |orbit: Orbit<H::State>| Memory(Arc::new(orbit));
+    let known = memory.and_then(|memory| memory.0.downcast_ref::<Orbit<H::State>>());
+    let forced = forced(run.harvester, &run.setting);
+    let mut spent = Spent::default();
+    let continued = known.and_then(|orbit| forced.continued(orbit, &mut spent)).filter(Orbit::is_stable);
+    if let Some(orbit) = continued {
+        let verdict = Verdict::StablePeriodOne(orbit.clone());
+        return Ok(Some((described(run, start, &verdict, &spent)?, Some(keep(orbit)))));
+    }
+    if only {
+        return Ok(None);
+    }
+    let from = known.and_then(|orbit| forced.resumed(orbit)).unwrap_or(start);
+    let (outcome, orbit) = reached(run, from, typical)?;
+    Ok(Some((outcome, orbit.map(keep))))
+}
+
+/// The outcome of a verdict: of one period of its orbit, or of the run from `start`.
+fn described<H: Coordinates, R: Report<f64, H>>(
+    run: &Run<'_, f64, H, R>,
+    start: H::State,
+    verdict: &Verdict<H::State>,
+    spent: &Spent,
+) -> Result<Outcome, Failure> {
+    let forced = forced(run.harvester, &run.setting);
+    let began = Stopwatch::now();
+    let (from, span) = match verdict {
         Verdict::StablePeriodOne(orbit) => {
             let settle_s = run.harvester.clock(&orbit.start).seconds::<f64>();
             (orbit.start, RunSpan { duration_s: settle_s + 1.0 / forced.frequency_hz, settle_s })
@@ -126,7 +210,7 @@ fn steady<H: Coordinates, R: Report<f64, H>>(
         steady_state_residual: verdict.residual(),
         simulated_periods: spent.periods + simulated_s * forced.frequency_hz,
     });
-    outcome.warnings.extend(warning(&verdict));
+    outcome.warnings.extend(warning(verdict));
     outcome.steps += spent.work.steps;
     outcome.rejected_steps += spent.work.rejected;
     outcome.newton_iterations += spent.work.iterations;

@@ -28,8 +28,8 @@ pub(super) const STATES: usize = 3;
 pub(super) trait Triboelectric {
     /// The core's harvester, with the elementary functions `M`.
     type Core<S: Scalar, M: Mathematics<S>>: ElectricalPort<S>
-        + CoreScene<S, STATES, 0, Start = Self::Start<S>>
-        + CoreScene<S, STATES, ALL_POWERS, Start = Self::Start<S>>;
+        + CoreScene<S, STATES, 0, Start = Self::Start<S>, Mode: Send + Sync>
+        + CoreScene<S, STATES, ALL_POWERS, Start = Self::Start<S>, Mode: Send + Sync>;
     /// The core's initial values.
     type Start<S: Scalar>;
     /// Columns of a trace without a storage: the second is the coordinate.

@@ -158,6 +158,13 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
         self.orbit(&pattern, other.phase, other.scale.clone(), known, spent).ok()
     }
 
+    /// The state of `other`, an orbit at a frequency close by, under this excitation; `None` if there is no such state.
+    pub fn resumed(&self, other: &Orbit<H::State>) -> Option<H::State> {
+        let mut pattern = other.start;
+        self.harvester.set_clock(&mut pattern, self.instant(other.phase));
+        self.at(&pattern, &other.coordinates)
+    }
+
     /// The response of the stable orbit that continues `known` at this frequency, or else of the steady state of the
     /// motion from `start`. The orbit of the response replaces `known`.
     pub fn followed(

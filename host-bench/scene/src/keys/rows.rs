@@ -147,6 +147,11 @@ pub(crate) fn bounds(key: &Key) -> String {
         Value::Part => quoted(&parts()),
         Value::Flag => "`true`, `false`".to_owned(),
         Value::Text => "a text".to_owned(),
+        Value::Texts => "a list of texts".to_owned(),
+        Value::FreeKeys => {
+            "a list of `\"KEY\"` or `\"KEY=LOW:HIGH\"`, or a table with `true` or `[LOW, HIGH]` for each key"
+                .to_owned()
+        }
         Value::Column(range) => {
             format!("a name, or a whole number from {} to {}", range.lowest, range.highest)
         }

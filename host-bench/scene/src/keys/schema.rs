@@ -100,6 +100,10 @@ fn value(key: &Key) -> Json {
         Value::Part => json!({ "enum": parts() }),
         Value::Flag => json!({ "type": "boolean" }),
         Value::Text => json!({ "type": "string" }),
+        Value::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        Value::FreeKeys => json!({
+            "anyOf": [{ "type": "array", "items": { "type": "string" } }, { "type": "object" }],
+        }),
         Value::Column(range) => json!({ "anyOf": [{ "type": "string" }, number("integer", range)] }),
         Value::ColumnOrFalse(range) => {
             json!({ "anyOf": [{ "type": "string" }, number("integer", range), { "const": false }] })

@@ -176,6 +176,21 @@ impl Document {
         Ok(Self { file: file.to_owned(), content })
     }
 
+    /// What a key leads to, with a dot between its parts and a number for an element of a list.
+    pub(super) fn at(&self, key: &str) -> Option<&Node> {
+        let mut content = &self.content;
+        let mut found = None;
+        for part in key.split('.') {
+            let node = match content {
+                Content::Table(entries) => &entries.iter().find(|(name, _)| name == part)?.1,
+                Content::List(items) => items.get(part.parse::<usize>().ok()?)?,
+                _ => return None,
+            };
+            (content, found) = (&node.content, Some(node));
+        }
+        found
+    }
+
     fn put(&mut self, change: &Override) -> Result<(), SceneError> {
         let node = Node { content: change.content(), origin: Origin::Override };
         let key = change.key();

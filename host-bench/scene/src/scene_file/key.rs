@@ -48,6 +48,10 @@ pub enum Value {
     Flag,
     /// A text.
     Text,
+    /// A list of texts.
+    Texts,
+    /// A list of `KEY` or `KEY=LOW:HIGH`, or a table of the keys with `true` or `[LOW, HIGH]`.
+    FreeKeys,
     /// A column by its name or its number.
     Column(Bounds<f64>),
     /// A column, or `false` for none.

@@ -33,6 +33,13 @@ impl Override {
         &self.value
     }
 
+    /// The other keys of the same quantity, which this one replaces.
+    pub fn alternatives(&self) -> impl Iterator<Item = String> {
+        let (table, last) = self.key.rsplit_once('.').unwrap_or(("", &self.key));
+        alternatives(last)
+            .map(move |other| if table.is_empty() { other.to_owned() } else { format!("{table}.{other}") })
+    }
+
     pub(super) fn content(&self) -> Content {
         let parsed = DeTable::parse(&format!("value = {}", self.value)).ok().and_then(|table| {
             let table = table.into_inner();

@@ -258,6 +258,27 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// A list of texts, if the key is there.
+    pub(super) fn texts(&mut self, key: &'static str) -> Result<Option<Vec<&'a str>>, SceneError> {
+        const WANTED: &str = "must be a list of texts";
+        let items = match self.content(key) {
+            None => return Ok(None),
+            Some(Content::List(items)) => items,
+            Some(_) => return Err(self.refuse(key, WANTED)),
+        };
+        let text = |item: &'a Node| match &item.content {
+            Content::Text(text) => Some(text.as_str()),
+            _ => None,
+        };
+        let texts: Option<Vec<&str>> = items.iter().map(text).collect();
+        texts.map(Some).ok_or_else(|| self.refuse(key, WANTED))
+    }
+
+    /// The value of a key, whatever it is.
+    pub(super) fn content(&mut self, key: &'static str) -> Option<&'a Content> {
+        self.peek(key).map(|node| &node.content)
+    }
+
     /// `true` or `false`, which must be there unless its row has a default.
     pub(super) fn flag(&mut self, key: &'static str) -> Result<bool, SceneError> {
         match (self.peek(key).map(|node| &node.content), self.row(key).map(|row| row.default)) {

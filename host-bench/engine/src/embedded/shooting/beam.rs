@@ -9,7 +9,7 @@ use super::super::bridge::bridge;
 use super::super::bump_stop::{METHOD, Prepared, modes, prepared, refuse_step, resistance};
 use super::super::excitation::Setting;
 use super::super::run::{Run, refuse_start};
-use super::{Kind, follow, steady};
+use super::{Kind, Memory, follow, remembered, steady};
 use crate::steady_state::{Coordinates, Orbit, Response, Spent};
 use harvester_scene::method::Failure;
 use harvester_scene::outcome::Outcome;
@@ -60,7 +60,7 @@ pub(super) fn beam<'a>(scene: &Scene, model: &'a BumpStop) -> Box<dyn Kind + 'a>
     }
 }
 
-fn with_circuit<'a, L: Circuit<f64> + 'a>(
+fn with_circuit<'a, L: Circuit<f64, State: Send + Sync> + 'static>(
     model: &'a BumpStop,
     circuit: fn(Load) -> Option<L>,
 ) -> Box<dyn Kind + 'a> {
@@ -116,10 +116,22 @@ fn typical<P: Parts<f64>, const B: usize, const R: usize>(
     modes.chain([rate * harvester.capacitance().sqrt()]).collect()
 }
 
-impl<L: Circuit<f64>, const B: usize, const R: usize> Kind for Beam<'_, L, B, R> {
+impl<L: Circuit<f64, State: Send + Sync> + 'static, const B: usize, const R: usize> Kind
+    for Beam<'_, L, B, R>
+{
     fn steady(&self, setting: Setting<'_, f64>) -> Result<Outcome, Failure> {
         let (stepper, state, typical) = self.begun(&setting)?;
         steady(&run(&stepper, self.model, setting), state, &typical)
+    }
+
+    fn from_orbit(
+        &self,
+        setting: Setting<'_, f64>,
+        memory: Option<&Memory>,
+        only: bool,
+    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
+        let (stepper, state, typical) = self.begun(&setting)?;
+        remembered(&run(&stepper, self.model, setting), state, &typical, memory, only)
     }
 
     fn follow(&mut self, setting: Setting<'_, f64>, spent: &mut Spent) -> Result<Option<Response>, Failure> {

@@ -15,7 +15,7 @@ use model_core::scene::{Scene as CoreScene, Simulation};
 use super::super::excitation::Setting;
 use super::super::report::Report;
 use super::super::triboelectric::{Prepared, STATES, Simulated, Triboelectric, behind_bridge, prepared};
-use super::{Kind, follow, steady};
+use super::{Kind, Memory, follow, remembered, steady};
 use crate::steady_state::{Coordinates, Orbit, Response, Spent};
 use harvester_scene::method::{Failure, Method};
 use harvester_scene::outcome::Outcome;
@@ -66,10 +66,23 @@ impl<'a, M: Mathematics<f64>, T: Triboelectric> Bare<'a, M, T> {
     }
 }
 
-impl<M: Mathematics<f64>, T: Triboelectric> Kind for Bare<'_, M, T> {
+impl<M: Mathematics<f64>, T: Triboelectric> Kind for Bare<'_, M, T>
+where
+    <CoreOf<M, T> as Automaton<f64, STATES, ALL_POWERS>>::Mode: 'static,
+{
     fn steady(&self, setting: Setting<'_, f64>) -> Result<Outcome, Failure> {
         let prepared = prepared::<f64, M, T>(setting, self.model)?;
         prepared.steady(&self.model.start(), &self.model.typical(&prepared.core))
+    }
+
+    fn from_orbit(
+        &self,
+        setting: Setting<'_, f64>,
+        memory: Option<&Memory>,
+        only: bool,
+    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
+        let prepared = prepared::<f64, M, T>(setting, self.model)?;
+        prepared.remembered(&self.model.start(), &self.model.typical(&prepared.core), memory, only)
     }
 
     fn follow(&mut self, setting: Setting<'_, f64>, spent: &mut Spent) -> Result<Option<Response>, Failure> {
@@ -98,10 +111,23 @@ impl<'a, M: Mathematics<f64>, T: Triboelectric> Bridged<'a, M, T> {
     }
 }
 
-impl<M: Mathematics<f64>, T: Triboelectric> Kind for Bridged<'_, M, T> {
+impl<M: Mathematics<f64>, T: Triboelectric> Kind for Bridged<'_, M, T>
+where
+    <CoreOf<M, T> as Automaton<f64, STATES, 0>>::Mode: 'static,
+{
     fn steady(&self, setting: Setting<'_, f64>) -> Result<Outcome, Failure> {
         let prepared = behind_bridge::<f64, M, T>(setting, self.model)?;
         prepared.steady(&self.model.start(), &self.typical(&prepared.core))
+    }
+
+    fn from_orbit(
+        &self,
+        setting: Setting<'_, f64>,
+        memory: Option<&Memory>,
+        only: bool,
+    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
+        let prepared = behind_bridge::<f64, M, T>(setting, self.model)?;
+        prepared.remembered(&self.model.start(), &self.typical(&prepared.core), memory, only)
     }
 
     fn follow(&mut self, setting: Setting<'_, f64>, spent: &mut Spent) -> Result<Option<Response>, Failure> {
@@ -136,6 +162,41 @@ impl<A: Copy, T: Triboelectric> Prepared<'_, f64, A, T> {
         let simulation = self.simulation(method);
         let state = self.start(&simulation, start)?;
         steady(&self.run(&simulation), state, typical)
+    }
+
+    fn remembered<const N: usize>(
+        &self,
+        start: &A::Start,
+        typical: &[f64; N],
+        memory: Option<&Memory>,
+        only: bool,
+    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure>
+    where
+        A: CoreScene<f64, N, ALL_POWERS>,
+        HybridState<f64, <A as Automaton<f64, N, ALL_POWERS>>::Mode, N, ALL_POWERS>: Send + Sync + 'static,
+    {
+        match self.setting.options.method {
+            Method::Rk4 => self.remembered_by(RungeKutta4, start, typical, memory, only),
+            Method::TrBdf2 => self.remembered_by(TrBdf2, start, typical, memory, only),
+            _ => self.remembered_by(ExponentialRadau, start, typical, memory, only),
+        }
+    }
+
+    fn remembered_by<I: Integrator<f64>, const N: usize>(
+        &self,
+        method: I,
+        start: &A::Start,
+        typical: &[f64; N],
+        memory: Option<&Memory>,
+        only: bool,
+    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure>
+    where
+        A: CoreScene<f64, N, ALL_POWERS>,
+        HybridState<f64, <A as Automaton<f64, N, ALL_POWERS>>::Mode, N, ALL_POWERS>: Send + Sync + 'static,
+    {
+        let simulation = self.simulation(method);
+        let state = self.start(&simulation, start)?;
+        remembered(&self.run(&simulation), state, typical, memory, only)
     }
 
     fn follow<const N: usize>(

@@ -1,0 +1,264 @@
+//! The result of a fit as numbers, as a table and as JSON.
+
+use std::fmt::Write;
+use std::sync::atomic::Ordering;
+
+use comfy_table::presets;
+use serde_json::{Map, Value, json};
+
+use super::Parameter;
+use super::free::Place;
+use super::model::{Interpolation, Problem};
+use super::solve::Solved;
+use super::uncertainty::Uncertainty;
+use super::weights::Weighting;
+use crate::command::json_text;
+use crate::method::Failure;
+use crate::outcome::{Format, csv_line, number, optional_number, table};
+use crate::seeds::student::quantile;
+
+/// Probability of the intervals.
+const CONFIDENCE: f64 = 0.95;
+
+/// Keys with their exponents: a product that the data do not determine.
+pub(crate) type Combination = Vec<(String, f64)>;
+
+/// A measured column beside the model, for the picture.
+#[derive(Debug, Clone)]
+pub(crate) struct Curve {
+    pub(crate) file: String,
+    pub(crate) column: String,
+    /// Frequency in Hz or time in s.
+    pub(crate) x: Vec<f64>,
+    pub(crate) measured: Vec<f64>,
+    pub(crate) model: Vec<f64>,
+    pub(crate) std: Option<Vec<f64>>,
+    pub(crate) is_trace: bool,
+}
+
+/// The result of a fit.
+#[derive(Debug, Clone)]
+pub(crate) struct Found {
+    pub(crate) scene: &'static str,
+    pub(crate) converged: bool,
+    pub(crate) parameters: Vec<Parameter>,
+    pub(crate) correlation: Vec<Vec<Option<f64>>>,
+    pub(crate) reduced_chi_squared: Option<f64>,
+    pub(crate) relative_residual: Vec<(String, f64)>,
+    pub(crate) weighting: Vec<(String, Weighting)>,
+    pub(crate) points: usize,
+    pub(crate) evaluations: usize,
+    pub(crate) undetermined: Vec<Combination>,
+    pub(crate) interpolation: Option<&'static str>,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) curves: Vec<Curve>,
+}
+
+impl Found {
+    pub(super) fn new(
+        problem: &Problem<'_>,
+        solved: &Solved,
+        uncertainty: &Uncertainty,
+        is_free: &[bool],
+        freedom: usize,
+    ) -> Self {
+        let count = problem.free.len();
+        let is_undetermined =
+            |index: usize| uncertainty.undetermined.iter().any(|combination| combination[index] != 0.0);
+        let known = |index: usize| is_free[index] && !is_undetermined(index) && freedom > 0;
+        let t = quantile(u32::try_from(freedom).unwrap_or(u32::MAX), CONFIDENCE);
+        let parameters = (0..count).map(|index| {
+            let error = known(index).then(|| uncertainty.standard_error(index));
+            let parameter = Parameter::of(&problem.free[index], solved.at[index], error, t);
+            let is_shared = !matches!(problem.free[index].place, Place::StartOf(_))
+                || !problem.free[index].name.contains(' ');
+            Parameter { is_written: is_shared, ..parameter }
+        });
+        let correlation = (0..count).map(|one| {
+            let of = |other: usize| {
+                if one == other {
+                    Some(1.0)
+                } else {
+                    uncertainty.correlation(one, other).filter(|_| known(one) && known(other))
+                }
+            };
+            (0..count).map(of).collect()
+        });
+        let names = problem.free.iter().map(|free| free.name.clone());
+        let undetermined = uncertainty
+            .undetermined
+            .iter()
+            .map(|parts| names.clone().zip(parts.iter().copied()).filter(|(_, part)| *part != 0.0).collect());
+        Self {
+            scene: problem.scene(&solved.at).map_or("", |scene| scene.name()),
+            converged: solved.converged,
+            parameters: parameters.collect(),
+            correlation: correlation.collect(),
+            reduced_chi_squared: None,
+            relative_residual: Vec::new(),
+            weighting: Vec::new(),
+            points: problem.count(),
+            evaluations: problem.evaluations.load(Ordering::Relaxed),
+            undetermined: undetermined.collect(),
+            interpolation: problem.has_samples().then_some(match problem.interpolation {
+                Interpolation::Smooth => "smooth",
+                Interpolation::Linear => "linear",
+            }),
+            warnings: Vec::new(),
+            curves: curves(problem, &solved.evaluation.values),
+        }
+    }
+
+    pub(crate) fn is_identifiable(&self) -> bool {
+        self.undetermined.is_empty()
+    }
+
+    fn json(&self) -> Value {
+        let parameters: Map<String, Value> = self
+            .parameters
+            .iter()
+            .map(|parameter| {
+                let Parameter { key, value, standard_error, interval_95, start, at_bound, .. } = parameter;
+                let value = json!({
+                    "value": value,
+                    "standard_error": standard_error,
+                    "interval_95": interval_95,
+                    "start": start,
+                    "at_bound": at_bound,
+                });
+                (key.clone(), value)
+            })
+            .collect();
+        let residuals: Map<String, Value> =
+            self.relative_residual.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
+        let weights: Map<String, Value> =
+            self.weighting.iter().map(|(name, weighting)| (name.clone(), json!(weighting.name()))).collect();
+        let not_determined: Vec<Value> = self
+            .undetermined
+            .iter()
+            .map(|combination| {
+                let parts: Map<String, Value> =
+                    combination.iter().map(|(key, part)| (key.clone(), json!(part))).collect();
+                Value::Object(parts)
+            })
+            .collect();
+        let mut object = Map::new();
+        let mut put = |key: &str, value: Value| object.insert(key.to_owned(), value);
+        put("scene", json!(self.scene));
+        put("converged", json!(self.converged));
+        put("parameters", Value::Object(parameters));
+        put("correlation", json!(self.correlation));
+        if let Some(reduced) = self.reduced_chi_squared {
+            put("reduced_chi_squared", json!(reduced));
+        }
+        put("relative_residual", Value::Object(residuals));
+        put("weights", Value::Object(weights));
+        put("points", json!(self.points));
+        put("evaluations", json!(self.evaluations));
+        put("identifiable", json!(self.is_identifiable()));
+        if !self.is_identifiable() {
+            put("not_determined", json!(not_determined));
+        }
+        if let Some(interpolation) = self.interpolation {
+            put("interpolation", json!(interpolation));
+        }
+        put("warnings", json!(self.warnings));
+        Value::Object(object)
+    }
+}
+
+/// The data and the model of each measured column.
+fn curves(problem: &Problem<'_>, values: &[f64]) -> Vec<Curve> {
+    use super::data::Rows;
+    let mut all = Vec::new();
+    for (file, data) in problem.data.iter().enumerate() {
+        let x: Vec<f64> = match &data.rows {
+            Rows::Sweep(rows) => rows.iter().map(|row| row.frequency_hz).collect(),
+            Rows::Trace { spacing_s, .. } => (0..data.count()).map(|row| row as f64 * spacing_s).collect(),
+        };
+        for (index, column) in data.columns.iter().enumerate() {
+            let from = problem.index(file, index, 0);
+            all.push(Curve {
+                file: data.file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+                column: column.name.clone(),
+                x: x.clone(),
+                measured: column.values.clone(),
+                model: values[from..from + column.values.len()].to_vec(),
+                std: column.std.clone(),
+                is_trace: matches!(data.rows, Rows::Trace { .. }),
+            });
+        }
+    }
+    all
+}
+
+/// A combination in words: the change of the keys that leaves the data as they are.
+pub(super) fn product(combination: &Combination) -> String {
+    let [(key, _)] = combination.as_slice() else {
+        let parts: Vec<String> = combination.iter().map(|(key, part)| format!("{key}^{part:.2}")).collect();
+        return format!("the keys along the change {}", parts.join(" · "));
+    };
+    key.clone()
+}
+
+/// The result as text, line break at its end included.
+pub(crate) fn text(found: &Found, format: Format) -> Result<String, Failure> {
+    match format {
+        Format::Json => json_text(&found.json()),
+        Format::Csv => {
+            let heading = ["key", "value", "standard_error", "low_95", "high_95", "start", "at_bound"];
+            let mut text = csv_line(heading.map(str::to_owned));
+            for parameter in &found.parameters {
+                let [low, high] = [0, 1].map(|end| parameter.interval_95.map(|ends| ends[end]));
+                text += &csv_line([
+                    parameter.key.clone(),
+                    number(parameter.value),
+                    optional_number(parameter.standard_error),
+                    optional_number(low),
+                    optional_number(high),
+                    number(parameter.start),
+                    parameter.at_bound.to_string(),
+                ]);
+            }
+            Ok(text)
+        }
+        Format::Table => Ok(for_people(found)),
+    }
+}
+
+/// Six digits.
+fn digits(value: f64) -> String {
+    format!("{value:.5e}")
+}
+
+fn for_people(found: &Found) -> String {
+    let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), digits);
+    let rows = found.parameters.iter().map(|parameter| {
+        let [low, high] = [0, 1].map(|end| parameter.interval_95.map(|ends| ends[end]));
+        let note = if parameter.at_bound { "at its bound" } else { "" };
+        vec![
+            parameter.key.clone(),
+            digits(parameter.value),
+            shown(parameter.standard_error),
+            shown(low),
+            shown(high),
+            digits(parameter.start),
+            note.to_owned(),
+        ]
+    });
+    let headings = ["key", "value", "standard error", "95 % from", "to", "start", ""];
+    let mut text = table(presets::ASCII_MARKDOWN, headings.map(str::to_owned).to_vec(), rows, 1);
+    text.push('\n');
+    for (name, value) in &found.relative_residual {
+        let _ = writeln!(text, "relative residual of {name}: {value:.3e}");
+    }
+    if let Some(reduced) = found.reduced_chi_squared {
+        let _ = writeln!(text, "reduced chi-squared: {reduced:.3}");
+    }
+    let converged = if found.converged { "" } else { ", NOT converged" };
+    let _ = writeln!(text, "{} points, {} evaluations{converged}", found.points, found.evaluations);
+    for combination in &found.undetermined {
+        let _ = writeln!(text, "not identifiable: {}", product(combination));
+    }
+    text
+}

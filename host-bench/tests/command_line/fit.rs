@@ -1,0 +1,237 @@
+//! `fit`: parameters from measurements that SciPy made (`scenes/measured/contact_separation.py`).
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use super::tool::{accepted, file, folder, host_bench, refused};
+
+const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
+/// Without the electrostatic force, as the data are made.
+const LAW: &str = "parameters.force_law=none";
+const FREE: [(&str, f64); 3] = [
+    ("parameters.stiffness_n_per_m", 84.0),
+    ("parameters.damping_ratio", 0.02),
+    ("parameters.charge_density_c_per_m2", 37e-6),
+];
+/// Frequency in Hz, RMS voltage in V and largest gap in m at 0.25 m/s², without noise.
+const EXACT: [[f64; 3]; 14] = [
+    [16.0, 0.010702544230472254, 0.003037236648763925],
+    [16.692307692307693, 0.012868864577280401, 0.0030429150394642624],
+    [17.384615384615383, 0.01593040996600008, 0.0030510041416520048],
+    [18.076923076923077, 0.02059152121079624, 0.0030633926682889674],
+    [18.76923076923077, 0.028532181619700055, 0.003084562694264857],
+    [19.46153846153846, 0.044832770508454904, 0.003127991541989026],
+    [20.153846153846153, 0.09052901818964293, 0.0032480359832999083],
+    [20.846153846153847, 0.12386224093890574, 0.0033260868694185096],
+    [21.53846153846154, 0.058114231307223596, 0.0031497983595490707],
+    [22.23076923076923, 0.03560876794067284, 0.0030891075226046547],
+    [22.923076923076923, 0.025643380045074982, 0.0030622713003802633],
+    [23.615384615384613, 0.020109416928742043, 0.0030474101865754747],
+    [24.307692307692307, 0.016599740720397615, 0.0030380272156571575],
+    [25.0, 0.014177382608532029, 0.003031581381453798],
+];
+
+/// The data as CSV, each value with the noise that `noise` makes of a standard deviation.
+fn sweep(with_std: bool, mut noise: impl FnMut(f64) -> f64) -> String {
+    let std = if with_std { ",rms_voltage_v_std,peak_gap_m_std" } else { "" };
+    let mut text = format!("frequency_hz,rms_voltage_v,peak_gap_m{std}\n");
+    for [frequency, voltage, gap] in EXACT {
+        let [of_voltage, of_gap] = [0.01 * voltage, 3e-6];
+        let _ = write!(text, "{frequency},{},{}", voltage + noise(of_voltage), gap + noise(of_gap));
+        text.push_str(&if with_std { format!(",{of_voltage},{of_gap}\n") } else { "\n".to_owned() });
+    }
+    text
+}
+
+/// The result of a fit of the three keys to files, with more options.
+#[track_caller]
+fn fitted(data: &[&str], more: &[&str]) -> Value {
+    let mut arguments = vec!["fit", SCENE, "--set", LAW, "--format", "json"];
+    arguments.extend(data.iter().flat_map(|file| ["--data", file]));
+    arguments.extend(more);
+    serde_json::from_str(&accepted(&arguments)).expect("one JSON object")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[track_caller]
+fn is_exact(found: &Value) {
+    for (key, truth) in FREE {
+        let value = number(&found["parameters"][key]["value"]);
+        assert!((value / truth - 1.0).abs() < 1e-4, "{key} = {value}, not {truth}");
+    }
+    assert_eq!(found["identifiable"], true);
+}
+
+#[test]
+fn without_noise_the_parameters_are_those_of_the_data_from_a_start_a_factor_of_two_off() {
+    let folder = folder("fit-exact");
+    let data = file(&folder, "data.csv", sweep(false, |_| 0.0));
+    is_exact(&fitted(&[&data], &[]));
+    let off = ["--set", "parameters.stiffness_n_per_m=160", "--set", "parameters.damping_ratio=0.04"];
+    let found = fitted(&[&data], &off);
+    is_exact(&found);
+    assert_eq!(found["points"], 28);
+    assert_eq!(found["parameters"]["parameters.stiffness_n_per_m"]["start"], 160.0);
+    for column in ["rms_voltage_v", "peak_gap_m"] {
+        assert!(number(&found["relative_residual"][column]) < 1e-4);
+    }
+}
+
+/// Gaussian numbers by Box and Muller from a linear congruential generator.
+struct Noise(u64);
+
+impl Noise {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+    }
+
+    fn gaussian(&mut self) -> f64 {
+        let (radius, angle) = ((-2.0 * self.uniform().ln()).sqrt(), std::f64::consts::TAU * self.uniform());
+        radius * angle.cos()
+    }
+}
+
+/// The parts of the parameters of many fits that lie within three standard errors, and within their intervals.
+fn coverage(name: &str, count: u64, with_std: bool) -> [f64; 2] {
+    let folder = folder(name);
+    let (mut near, mut covered) = (0, 0);
+    for seed in 0..count {
+        let mut noise = Noise(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) + 1);
+        for _ in 0..8 {
+            noise.uniform();
+        }
+        let data = file(&folder, "data.csv", sweep(with_std, |deviation| deviation * noise.gaussian()));
+        let found = fitted(&[&data], &[]);
+        for (key, truth) in FREE {
+            let parameter = &found["parameters"][key];
+            let distance = (number(&parameter["value"]) - truth).abs();
+            near += u64::from(distance <= 3.0 * number(&parameter["standard_error"]));
+            let interval = [0, 1].map(|end| number(&parameter["interval_95"][end]));
+            covered += u64::from((interval[0]..=interval[1]).contains(&truth));
+        }
+    }
+    let all = (count * FREE.len() as u64) as f64;
+    println!(
+        "{name}: within three standard errors {}, in the interval {}",
+        near as f64 / all,
+        covered as f64 / all
+    );
+    [near as f64 / all, covered as f64 / all]
+}
+
+#[test]
+fn intervals_of_noisy_data_cover_the_truth() {
+    let [near, covered] = coverage("fit-coverage", 8, true);
+    assert!(near >= 0.95 && covered >= 0.83, "{near} {covered}");
+}
+
+#[test]
+#[ignore = "nightly: 400 fits"]
+fn intervals_cover_the_truth_in_95_percent_of_many_data_sets() {
+    for (name, with_std) in [("fit-coverage-std", true), ("fit-coverage-none", false)] {
+        let [near, covered] = coverage(name, 200, with_std);
+        assert!(near >= 0.95, "{name}: {near}");
+        assert!((0.90..=0.99).contains(&covered), "{name}: {covered}");
+    }
+}
+
+#[test]
+fn a_pair_that_the_data_do_not_determine_is_named_and_not_written() {
+    let folder = folder("fit-degenerate");
+    let data = file(&folder, "data.csv", sweep(true, |_| 0.0));
+    let output = folder.join("fitted.toml");
+    let mut arguments = vec!["fit", SCENE, "--set", LAW, "--data", &data, "--format", "json"];
+    for key in ["parameters.mass_kg", "parameters.stiffness_n_per_m", "parameters.damping_ratio"] {
+        arguments.extend(["--free", key]);
+    }
+    let found: Value = serde_json::from_str(&accepted(&arguments)).expect("JSON");
+    assert_eq!(found["identifiable"], false);
+    let named = found["not_determined"][0].as_object().expect("a combination");
+    let keys: Vec<&String> = named.keys().collect();
+    assert_eq!(keys, ["parameters.mass_kg", "parameters.stiffness_n_per_m"]);
+    for key in keys {
+        assert!((number(&named[key]) - 1.0).abs() < 0.01, "{named:?}");
+        assert!(found["parameters"][key]["standard_error"].is_null());
+    }
+    assert!(number(&found["parameters"]["parameters.damping_ratio"]["standard_error"]) > 0.0);
+    arguments.extend(["--output", output.to_str().expect("a plain path")]);
+    let told = host_bench(&arguments);
+    assert_eq!(told.status.code(), Some(3));
+    assert!(!output.exists());
+}
+
+#[test]
+fn the_table_of_the_scene_says_the_same_and_the_fitted_scene_has_the_values() {
+    let folder = folder("fit-output");
+    let output = folder.join("fitted.toml");
+    let path = output.to_str().expect("a plain path");
+    let text = accepted(&["fit", SCENE, "--output", path]);
+    for part in ["parameters.stiffness_n_per_m", "relative residual of rms_voltage_v", "28 points"] {
+        assert!(text.contains(part), "{part} is not in {text}");
+    }
+    let scene = std::fs::read_to_string(&output).expect("the fitted scene");
+    assert!(scene.contains("# fitted, 95 % from ") && scene.contains("; from the drawing"), "{scene}");
+    assert!(std::fs::read_to_string(output.with_extension("svg")).expect("a picture").contains("<svg"));
+    // The fitted scene is a scene, and fits itself again to the same values.
+    let again: Value = serde_json::from_str(&accepted(&["fit", path, "--format", "json"])).expect("JSON");
+    for (key, truth) in FREE {
+        let parameter = &again["parameters"][key];
+        let (value, start) = (number(&parameter["value"]), number(&parameter["start"]));
+        assert!((value / start - 1.0).abs() < 1e-3, "{key}: {value} {start}");
+        assert!((value / truth - 1.0).abs() < 0.03, "{key}: {value} {truth}");
+    }
+}
+
+#[test]
+fn a_ring_down_has_a_free_start() {
+    let folder = folder("fit-ring-down");
+    // A free motion without impacts, in closed form: the voltage has no part in it without an electrostatic force.
+    let (frequency, damping) = ((84.0_f64 / 5e-3).sqrt(), 0.02_f64);
+    let damped = frequency * (1.0 - damping * damping).sqrt();
+    let mut text = String::from("time_s,displacement_m\n");
+    for row in 0..600 {
+        let time = 1e-3 * f64::from(row);
+        let (decay, angle) = ((-damping * frequency * time).exp(), damped * time);
+        let shape = angle.cos() + damping * frequency / damped * angle.sin();
+        let _ = writeln!(text, "{time},{}", 1.2e-3 * decay * shape);
+    }
+    let data = file(&folder, "ring.csv", text);
+    let more = ["--free", "parameters.stiffness_n_per_m", "--free", "parameters.damping_ratio"];
+    let found = fitted(&[&data], &more);
+    for (key, truth) in &FREE[..2] {
+        let value = number(&found["parameters"][key]["value"]);
+        assert!((value / truth - 1.0).abs() < 1e-5, "{key}: {value}");
+    }
+    let gap = number(&found["parameters"]["initial.gap_m"]["value"]);
+    assert!((gap / 4.2e-3 - 1.0).abs() < 1e-6, "{gap}");
+}
+
+#[test]
+fn bad_data_and_keys_are_refused_with_their_place() {
+    let folder = folder("fit-refused");
+    let bad = |name: &str, text: &str, parts: &[&str]| {
+        let data = file(&folder, name, text);
+        refused(&["fit", SCENE, "--data", &data], parts);
+    };
+    bad("a.csv", "frequency,rms_voltage_v\n20,1\n", &["a.csv", "frequency_hz", "is missing"]);
+    bad("b.csv", "frequency_hz,voltage\n20,1\n", &["b.csv", "\"voltage\"", "unknown"]);
+    bad("c.csv", "frequency_hz\n20\n", &["c.csv", "rms_voltage_v"]);
+    bad("d.csv", "frequency_hz,rms_voltage_v\n20,1\n21,nan\n", &["d.csv:3", "rms_voltage_v", "finite"]);
+    bad("e.csv", "frequency_hz,rms_voltage_v\n20,1\n21,2,3\n", &["e.csv:3", "3 cells"]);
+    bad("f.csv", "frequency_hz,peak_displacement_m\n20,1\n", &["f.csv", "sliding"]);
+    bad("g.csv", "frequency_hz,rms_voltage_v\n20,1\n21,1\n", &["2 measured values", "3 free keys"]);
+    bad("h.csv", "time_s,voltage_v\n0,1\n1,1\n3,1\n", &["h.csv:3", "time_s", "uniform"]);
+    bad("i.csv", "frequency_hz,rms_voltage_v,direction\n20,1,left\n", &["i.csv:2", "left"]);
+    let data = file(&folder, "good.csv", sweep(false, |_| 0.0));
+    let key = |key: &str, parts: &[&str]| refused(&["fit", SCENE, "--data", &data, "--free", key], parts);
+    key("parameters.mass", &["parameters.mass", "unknown key"]);
+    key("parameters.force_law", &["parameters.force_law", "must be a number"]);
+    key("parameters.mass_kg=2:1", &["LOW = 2"]);
+    key("parameters.mass_kg=1:2", &["parameters.mass_kg", "within 1:2"]);
+    refused(&["fit", SCENE, "--data", "/nowhere.csv"], &["/nowhere.csv", "cannot be read"]);
+}
