@@ -10,6 +10,7 @@ pub mod keys;
 pub mod map;
 pub mod needs;
 pub mod on_target;
+pub mod optimise;
 pub mod overview;
 pub mod plot;
 pub mod resonance;

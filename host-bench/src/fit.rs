@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{DMatrix, DVector};
 
 use self::data::{Data, Rows};
-pub(crate) use self::fitted::fitted_scene;
+pub(crate) use self::fitted::{Entry, fitted_scene};
 use self::free::{Asked, Free};
 use self::model::{Interpolation, Problem};
 pub(crate) use self::picture::draw;
@@ -447,6 +447,17 @@ pub(crate) struct Parameter {
 }
 
 impl Parameter {
+    /// What a scene file says of it.
+    pub(crate) fn entry(&self) -> Entry {
+        let known = match self.interval_95 {
+            Some([low, high]) => format!("95 % from {low:.4e} to {high:.4e}"),
+            None if self.at_bound => "at its bound".to_owned(),
+            None => "without an interval".to_owned(),
+        };
+        let comment = format!("fitted, {known}, start {:e}", self.start);
+        Entry { key: self.key.clone(), value: self.value, comment }
+    }
+
     /// Of a coordinate with a standard error, and the quantile of Student's t for its interval.
     fn of(free: &Free, at: f64, error: Option<f64>, quantile: f64) -> Self {
         let value = free.value(at);

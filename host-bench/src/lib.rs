@@ -11,6 +11,7 @@ pub mod map;
 pub mod motion;
 mod needs;
 pub mod on_target;
+mod optimise;
 mod peer;
 mod report;
 mod resolution;

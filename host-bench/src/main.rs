@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use host_bench::command::{
-    be_quiet, budget, closed_form, figures, findings, fit, keys, map, needs, on_target, overview, plot,
-    report, resonance, run, stability, stop, sweep, work_precision,
+    be_quiet, budget, closed_form, figures, findings, fit, keys, map, needs, on_target, optimise, overview,
+    plot, report, resonance, run, stability, stop, sweep, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -56,6 +56,8 @@ enum Command {
     Run(run::RunArguments),
     /// Build the firmware for each core, run it under QEMU
     OnTarget(on_target::OnTargetArguments),
+    /// The values of one to four keys at which a number of the result is largest or smallest
+    Optimise(optimise::OptimiseArguments),
     /// Stiff and extreme scenes: each right, refused, or a named error
     Stability(stability::StabilityArguments),
     /// What the stop of a bump-stop scene saves in stress at the clamp, and what it costs in power
@@ -95,6 +97,7 @@ fn main() -> ExitCode {
         Some(Command::OnTarget(arguments)) => {
             on_target::run(arguments).map_err(|error| Failure::Input(error.to_string()))
         }
+        Some(Command::Optimise(arguments)) => optimise::run(arguments),
         Some(Command::Stability(arguments)) => stability::run(arguments),
         Some(Command::Stop(arguments)) => stop::run(arguments),
         Some(Command::Sweep(arguments)) => sweep::run(arguments),

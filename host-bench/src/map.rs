@@ -24,7 +24,7 @@ pub use self::column::Column;
 pub use self::emit::{bytes, module};
 pub use self::image::Image;
 pub use self::inputs::{Heard, KINDS, Kind, Said, heard};
-pub use self::picture::draw;
+pub use self::picture::{best, draw};
 pub use self::places::{Place, Truth};
 
 use self::agreement::{bounds, judge, margin};

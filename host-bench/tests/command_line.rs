@@ -12,6 +12,7 @@ mod command_line {
     mod help;
     mod keys;
     mod needs;
+    mod optimise;
     mod outputs;
     mod plot;
     mod presets;

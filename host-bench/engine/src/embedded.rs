@@ -88,7 +88,7 @@ pub fn steady_state_from(
     memory: Option<&Memory>,
     only: bool,
 ) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
-    let from = shooting::from_orbit::<Polynomial>;
+    let from = shooting::resume::<Polynomial>;
     with_setting::<f64, Polynomial, _>(scene, options, |setting| from(setting, memory, only))
 }
 

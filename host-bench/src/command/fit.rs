@@ -99,8 +99,10 @@ pub fn run(arguments: &FitArguments) -> Result<(), Failure> {
     }
     let is_written = found.is_identifiable() && found.converged;
     if let Some(path) = arguments.output.as_ref().filter(|_| is_written) {
+        let written = found.parameters.iter().filter(|parameter| parameter.is_written);
+        let entries: Vec<fit::Entry> = written.map(fit::Parameter::entry).collect();
         let moved = folder(path) != folder(file);
-        outputs.write(path, &fit::fitted_scene(file, overrides, &found.parameters, moved)?)?;
+        outputs.write(path, &fit::fitted_scene(file, overrides, &entries, moved)?)?;
     }
     print(&fit::text(&found, *format)?)?;
     ended(&found, arguments.output.as_deref())
@@ -121,7 +123,7 @@ fn ended(found: &Found, output: Option<&Path>) -> Result<(), Failure> {
 }
 
 /// The folder of a file, as the system names it.
-fn folder(file: &Path) -> Option<PathBuf> {
+pub(super) fn folder(file: &Path) -> Option<PathBuf> {
     let folder = file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     std::fs::canonicalize(folder).ok()
 }

@@ -106,6 +106,14 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
         ));
     }
     let mut numbers = fields(&found, scene.name());
+    if let Some((slice, frequency, amplitude, income)) = map::best(&found)? {
+        numbers.extend(outcome::fields(&json!({
+            "largest_income": income,
+            "largest_at_frequency_hz": frequency,
+            "largest_at_amplitude_m_per_s2": amplitude,
+            "largest_in_slice": slice,
+        })));
+    }
     if arguments.inputs > 0 {
         let bar = progress(arguments.inputs);
         let options = &arguments.scene.options;

@@ -111,6 +111,9 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     for warning in [most_created(axes, &points), first_inaccurate(&points)].into_iter().flatten() {
         tell(&format!("warning: {warning}"));
     }
+    if let Some(best) = best(axes, &points) {
+        tell(&best);
+    }
     if let Some(folder) = &arguments.output {
         write(arguments, folder, &outputs, &points)?;
         if let Some(rows) = rows {
@@ -240,6 +243,13 @@ fn most_created(axes: &[Axis], points: &[Point]) -> Option<String> {
     let count = warned.clone().count();
     let (point, warning, _) = warned.max_by(|(.., one), (.., other)| one.total_cmp(other))?;
     Some(format!("at {count} of {} points, the most at {}: {warning}", points.len(), place(axes, point)))
+}
+
+/// The point with the largest mean power, in words; `None` unless there are several.
+fn best(axes: &[Axis], points: &[Point]) -> Option<String> {
+    let powers = points.iter().filter_map(|point| Some((point, point.found.as_ref().ok()?.mean_power_w?)));
+    let (point, power) = powers.max_by(|one, other| one.1.total_cmp(&other.1))?;
+    (points.len() > 1).then(|| format!("largest mean_power_w {power:e} at {}", place(axes, point)))
 }
 
 /// The values of a point, for a sentence.

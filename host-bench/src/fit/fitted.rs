@@ -4,17 +4,24 @@ use std::path::Path;
 
 use toml_edit::{DocumentMut, Item, Table, Value};
 
-use super::Parameter;
 use crate::method::Failure;
 use crate::scene_file::Override;
 
-/// The text of a scene file with the values of some keys and, as comments, their intervals. All other lines stay as they are.
+/// A number of a scene file, and what to say of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Entry {
+    pub(crate) key: String,
+    pub(crate) value: f64,
+    pub(crate) comment: String,
+}
+
+/// The text of a scene file with the values of some keys and their comments. All other lines stay as they are.
 ///
 /// `overrides` are put in first. A recording that the scene reads is named from the root, if `moved` to another folder.
 pub(crate) fn fitted_scene(
     file: &Path,
     overrides: &[Override],
-    parameters: &[Parameter],
+    entries: &[Entry],
     moved: bool,
 ) -> Result<String, Failure> {
     let refuse = |reason: String| Failure::Input(format!("{}: {reason}", file.display()));
@@ -28,13 +35,12 @@ pub(crate) fn fitted_scene(
         }
         put(document.as_item_mut(), change.key(), value, None).map_err(&refuse)?;
     }
-    for parameter in parameters.iter().filter(|parameter| parameter.is_written) {
-        let value: Value =
-            crate::outcome::number(parameter.value).parse().unwrap_or(Value::from(parameter.value));
-        for other in Override::new(&parameter.key, "0").alternatives() {
+    for Entry { key, value, comment } in entries {
+        let number = crate::outcome::number(*value).parse().unwrap_or(Value::from(*value));
+        for other in Override::new(key, "0").alternatives() {
             remove(document.as_item_mut(), &other);
         }
-        put(document.as_item_mut(), &parameter.key, value, Some(&comment(parameter))).map_err(&refuse)?;
+        put(document.as_item_mut(), key, number, Some(comment)).map_err(&refuse)?;
     }
     if moved {
         let folder = file.parent().unwrap_or(Path::new(""));
@@ -58,16 +64,6 @@ pub(crate) fn fitted_scene(
         }
     }
     Ok(document.to_string())
-}
-
-/// What is known of a value.
-fn comment(parameter: &Parameter) -> String {
-    let known = match parameter.interval_95 {
-        Some([low, high]) => format!("95 % from {low:.4e} to {high:.4e}"),
-        None if parameter.at_bound => "at its bound".to_owned(),
-        None => "without an interval".to_owned(),
-    };
-    format!("fitted, {known}, start {:e}", parameter.start)
 }
 
 /// Puts a value at a key; a comment goes to the end of its line, before one that is there.

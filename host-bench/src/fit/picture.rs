@@ -85,7 +85,8 @@ fn residuals(area: &Area<'_>, curve: &Curve, rows: &[usize], [left, right]: [f64
         .y_labels(5)
         .label_style(LABEL)
         .x_label_formatter(&|x| tick(*x))
-        .y_label_formatter(&|y| tick(*y))
+        // A tick at 0 may have a rounding.
+        .y_label_formatter(&|y| tick(if y.abs() < 1e-9 * largest { 0.0 } else { *y }))
         .draw()?;
     chart.draw_series(points.into_iter().map(|point| Circle::new(point, 2, BLUE.filled())))?;
     chart.draw_series(LineSeries::new([(left, 0.0), (right, 0.0)], BLACK.stroke_width(1)))?;

@@ -17,7 +17,7 @@ const RELATIVE: [f64; 4] = [1.0, 0.97, 0.92, 1.03];
 /// The first `count` starts after the given one.
 pub(crate) fn starts(problem: &Problem<'_>, start: &[f64], count: usize) -> Vec<Vec<f64>> {
     let mover = mover(problem, start);
-    let target = problem.data.iter().find_map(|data| frequency_of_peak(data));
+    let target = problem.data.iter().find_map(frequency_of_peak);
     let mut all: Vec<Vec<f64>> = Vec::new();
     for number in 0..count {
         let mut at: Vec<f64> = start.to_vec();

@@ -63,7 +63,7 @@ impl Uncertainty {
             }
         }
         // One column alone is no pair: it is undetermined if it says nothing.
-        if let (&[index], [_]) = (&used[..], &decomposed.singular_values.as_slice()[..])
+        if let (&[index], [_]) = (&used[..], decomposed.singular_values.as_slice())
             && variance.sqrt() / lengths[index] > WIDE
         {
             undetermined.push(combination(count, &used, &[1.0]));

@@ -43,6 +43,22 @@ pub fn draw(map: &Map, slice: usize, title: &str) -> Result<String, Failure> {
     picture.map_err(Failure::Input)
 }
 
+/// The largest income of the map on the cells of its picture: slice, frequency in Hz, amplitude in m/s², and the income.
+pub fn best(map: &Map) -> Result<Option<(usize, f64, f64, f64)>, Failure> {
+    let told = map.image.map()?;
+    let [low, high] = map.axes.amplitudes.map(f64::log10);
+    let [across, up] = CELLS;
+    let part = |index: usize, count: usize| index as f64 / (count - 1) as f64;
+    let cells = (0..map.slices.len() * across * up).filter_map(|index| {
+        let (slice, cell) = (index / (across * up), index % (across * up));
+        let frequency = map.axes.frequency(part(cell % across, across));
+        let amplitude = 10f64.powf(low + (high - low) * part(cell / across, up));
+        let income = told.in_slice_at(slice, amplitude as f32, frequency as f32).income()?;
+        Some((slice, frequency, amplitude, f64::from(income.value)))
+    });
+    Ok(cells.max_by(|one, other| one.3.total_cmp(&other.3)))
+}
+
 fn field(area: &Area<'_>, map: &Map, slice: usize, values: &[Option<f64>], ends: [f64; 2]) -> Drawn {
     let axes = &map.axes;
     let [low, high] = axes.amplitudes.map(f64::log10);

@@ -32,7 +32,7 @@ trait Kind {
 
     /// The outcome of one period of the stable orbit that continues a remembered one. Where there is none: `None` if `only`
     /// that is wanted, or else [`Kind::steady`] from the remembered orbit, or from the start without one.
-    fn from_orbit(
+    fn resume(
         &self,
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,
@@ -60,13 +60,13 @@ pub(super) fn steady_state<M: Mathematics<f64>>(setting: Setting<'_, f64>) -> Re
     kind::<M>(setting.scene).steady(setting)
 }
 
-/// [`Kind::from_orbit`] of a scene.
-pub(super) fn from_orbit<M: Mathematics<f64>>(
+/// [`Kind::resume`] of a scene.
+pub(super) fn resume<M: Mathematics<f64>>(
     setting: Setting<'_, f64>,
     memory: Option<&Memory>,
     only: bool,
 ) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
-    kind::<M>(setting.scene).from_orbit(setting, memory, only)
+    kind::<M>(setting.scene).resume(setting, memory, only)
 }
 
 /// The peaks over the frequencies of a search, and the simulated periods that they took; calls `done` after each frequency.
@@ -137,12 +137,15 @@ fn steady<H: Coordinates, R: Report<f64, H>>(
     reached(run, start, typical).map(|(outcome, _)| outcome)
 }
 
-/// The same, with the orbit that was reached, if one was.
+/// An outcome, and the orbit that it is of, if it is of one.
+type Reached<T> = (Outcome, Option<Orbit<T>>);
+
+/// [`steady`] with the orbit that was reached.
 fn reached<H: Coordinates, R: Report<f64, H>>(
     run: &Run<'_, f64, H, R>,
     start: H::State,
     typical: &[f64],
-) -> Result<(Outcome, Option<Orbit<H::State>>), Failure> {
+) -> Result<Reached<H::State>, Failure> {
     let forced = forced(run.harvester, &run.setting);
     let began = Stopwatch::now();
     let mut spent = Spent::default();
@@ -154,7 +157,7 @@ fn reached<H: Coordinates, R: Report<f64, H>>(
     Ok((outcome, orbit))
 }
 
-/// [`Kind::from_orbit`] for a harvester with a start, and coordinates of the size `typical`.
+/// [`Kind::resume`] for a harvester with a start, and coordinates of the size `typical`.
 fn remembered<H, R>(
     run: &Run<'_, f64, H, R>,
     start: H::State,

@@ -124,7 +124,7 @@ impl<L: Circuit<f64, State: Send + Sync> + 'static, const B: usize, const R: usi
         steady(&run(&stepper, self.model, setting), state, &typical)
     }
 
-    fn from_orbit(
+    fn resume(
         &self,
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,

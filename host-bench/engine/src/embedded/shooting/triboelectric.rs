@@ -75,7 +75,7 @@ where
         prepared.steady(&self.model.start(), &self.model.typical(&prepared.core))
     }
 
-    fn from_orbit(
+    fn resume(
         &self,
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,
@@ -120,7 +120,7 @@ where
         prepared.steady(&self.model.start(), &self.typical(&prepared.core))
     }
 
-    fn from_orbit(
+    fn resume(
         &self,
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,

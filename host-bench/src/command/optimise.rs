@@ -1,0 +1,173 @@
+//! `optimise`: the values of a few keys at which a number of the result is best.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use super::files::Outputs;
+use super::fit::folder;
+use super::storage_voltage::StorageVoltage;
+use super::{NODE, SceneArguments, check_keys, json_text, one_more, print, progress, tell};
+use crate::fit::{Entry, fitted_scene};
+use crate::method::{Failure, Options};
+use crate::optimise::{Constraint, Found, Range, Request, draw, optimise};
+use crate::outcome::{Format, text};
+use crate::scene_file::{self, Scene};
+
+/// Points of the grid for each of one to four keys.
+const GRID: [usize; 4] = [41, 15, 7, 5];
+/// Most points of the grid.
+const MOST: usize = 100_000;
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct OptimiseArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// The number of the result that shall be largest, such as mean_power_w
+    #[arg(long, value_name = "QUANTITY", required_unless_present = "minimise", conflicts_with = "minimise")]
+    maximise: Option<String>,
+    /// The number of the result that shall be smallest
+    #[arg(long, value_name = "QUANTITY")]
+    minimise: Option<String>,
+    /// A key of the scene and its range; one to four
+    #[arg(long = "over", value_name = "KEY=LOW:HIGH[:log]", required = true, allow_hyphen_values = true)]
+    ranges: Vec<Range>,
+    /// A bound of a number of the result, such as "peak_gap_m<=0.004"; may be repeated
+    #[arg(long = "subject-to", value_name = "QUANTITY<=VALUE")]
+    constraints: Vec<Constraint>,
+    /// Points of the coarse grid for each key [default: 41, 15, 7 or 5 for one to four keys]
+    #[arg(long, value_name = "COUNT")]
+    grid: Option<usize>,
+    /// Seek the periodic steady state under one sine by shooting at each point, in place of the run
+    #[arg(long)]
+    steady_state: bool,
+    #[command(flatten)]
+    storage_voltage: StorageVoltage,
+    /// Write the scene with the best values, and a picture beside it (.svg)
+    #[arg(long, value_name = "BEST.toml")]
+    output: Option<PathBuf>,
+    /// Write a curve over the key, or a map over the first two, with the best point
+    #[arg(long, value_name = "FILE.svg")]
+    picture: Option<PathBuf>,
+}
+
+/// Seeks the optimum, writes the files, and prints the result.
+pub fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
+    let SceneArguments { scene: file, options, format, overrides } = &arguments.scene;
+    let options = Options { steady_state: arguments.steady_state, ..*options };
+    options.check()?;
+    let held = arguments.storage_voltage;
+    held.check(arguments.steady_state)?;
+    let grid = grid(arguments)?;
+    let keys = overrides.iter().map(|change| ("--set", change.key()));
+    let keys = keys.chain(arguments.ranges.iter().map(|range| ("--over", range.key.as_str())));
+    check_keys(&keys.collect::<Vec<_>>(), &held.unused(&[NODE, ("fit", "[fit] is of the command fit")]))?;
+    let outputs = Outputs::of(file, overrides)?;
+    let pictures =
+        [arguments.output.as_ref().map(|path| path.with_extension("svg")), arguments.picture.clone()];
+    for path in arguments.output.iter().chain(pictures.iter().flatten()) {
+        outputs.check("--output", path)?;
+    }
+    let hold = |scene: &mut Scene| held.hold(scene);
+    scene_file::read(file, overrides)?;
+    let request = Request {
+        file,
+        overrides,
+        options,
+        hold: &hold,
+        quantity: arguments.maximise.clone().or(arguments.minimise.clone()).unwrap_or_default(),
+        is_largest: arguments.maximise.is_some(),
+        ranges: arguments.ranges.clone(),
+        constraints: arguments.constraints.clone(),
+        grid,
+    };
+    let bar = progress(0);
+    let found = optimise(&request, &|count| bar.inc_length(count as u64), &|| one_more(&bar));
+    bar.finish_and_clear();
+    let found = found?;
+    for warning in &found.outcome.warnings {
+        tell(&format!("warning: {warning}"));
+    }
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let title = format!("{name}: {}", request.quantity);
+    for path in pictures.iter().flatten() {
+        outputs.write(path, &draw(&found, &request, &title).map_err(Failure::Input)?)?;
+    }
+    if let Some(path) = &arguments.output {
+        let entries = entries(&found, &request);
+        outputs.write(path, &fitted_scene(file, overrides, &entries, folder(path) != folder(file))?)?;
+    }
+    print(&match format {
+        Format::Json => json_text(&found.json(&request))?,
+        Format::Csv => text(&short(&found, &request), Format::Csv),
+        Format::Table => for_people(&found, &request),
+    })
+}
+
+/// Points of the grid for each key.
+fn grid(arguments: &OptimiseArguments) -> Result<usize, Failure> {
+    let keys = arguments.ranges.len();
+    let refuse = |text: String| Err(Failure::Input(text));
+    let Some(default) = keys.checked_sub(1).and_then(|index| GRID.get(index)) else {
+        return refuse(format!("--over: must be given one to four times, is given {keys} times"));
+    };
+    let count = arguments.grid.unwrap_or(*default);
+    let all = u32::try_from(keys).ok().and_then(|keys| count.checked_pow(keys));
+    if count < 3 || all.is_none_or(|all| all > MOST) {
+        return refuse(format!(
+            "--grid {count}: must be at least 3, with at most {MOST} points over {keys} keys"
+        ));
+    }
+    Ok(count)
+}
+
+/// The best values for a scene file.
+fn entries(found: &Found, request: &Request<'_>) -> Vec<Entry> {
+    let sought = if request.is_largest { "largest" } else { "smallest" };
+    let values = Found::values(request, &found.best).into_iter().zip(&found.flat);
+    let entry = |((key, value), [low, high]): ((String, f64), &[f64; 2])| Entry {
+        key,
+        value,
+        comment: format!("{sought} {}, within 1 % from {low:.4e} to {high:.4e}", request.quantity),
+    };
+    values.map(entry).collect()
+}
+
+/// The result without that of the best run.
+fn short(found: &Found, request: &Request<'_>) -> serde_json::Map<String, serde_json::Value> {
+    let mut all = found.json(request);
+    all.remove("result");
+    all.remove("constraints");
+    all.remove("warnings");
+    all
+}
+
+fn for_people(found: &Found, request: &Request<'_>) -> String {
+    let json = found.json(request);
+    let number = |key: &str| json.get(key).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
+    let mut text = String::new();
+    let sought = if request.is_largest { "largest" } else { "smallest" };
+    let _ = writeln!(text, "{sought} {}: {:.6e}", request.quantity, number("value"));
+    let values = Found::values(request, &found.best).into_iter().zip(&found.flat);
+    for ((key, value), [low, high]) in values {
+        let _ = writeln!(text, "  {key} = {value:.6e}, within 1 % of it from {low:.4e} to {high:.4e}");
+    }
+    if let Some(without) = &found.unconstrained {
+        for constraint in json["constraints"].as_array().into_iter().flatten() {
+            let active = if constraint["active"] == true { ", active" } else { "" };
+            let name = constraint["constraint"].as_str().unwrap_or_default();
+            let _ = writeln!(text, "subject to {name}: {}{active}", constraint["value"]);
+        }
+        let place = Found::values(request, without);
+        let place: Vec<String> =
+            place.into_iter().map(|(key, value)| format!("{key} = {value:.4e}")).collect();
+        let _ = writeln!(
+            text,
+            "without constraints {:.6e} at {}: they cost {:.2} %",
+            number("unconstrained_value"),
+            place.join(", "),
+            100.0 * number("constraint_cost_relative")
+        );
+    }
+    let _ = writeln!(text, "{} runs, {} failed", found.points.len(), found.failed);
+    text
+}

@@ -1,0 +1,280 @@
+//! The values of a few keys at which a number of the result is largest or smallest: a coarse grid, then a search without
+//! derivatives from its best points.
+
+mod picture;
+mod search;
+
+use std::path::Path;
+use std::str::FromStr;
+
+use serde_json::{Map, Value, json};
+
+pub(crate) use self::picture::draw;
+pub(crate) use self::search::optimise;
+use crate::method::{Failure, Options};
+use crate::outcome::{Outcome, fields, flattened, number};
+use crate::run::run_scene;
+use crate::scene_file::{self, Override, Scene};
+
+/// A key and the range in which its best value is sought: `KEY=LOW:HIGH` or `KEY=LOW:HIGH:log`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Range {
+    pub(crate) key: String,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+    pub(crate) is_logarithmic: bool,
+}
+
+impl Range {
+    /// The value at a part of the way from the low to the high end, in logarithms where it is asked for.
+    pub(crate) fn value(&self, part: f64) -> f64 {
+        match part {
+            part if part <= 0.0 => self.low,
+            part if part >= 1.0 => self.high,
+            part if self.is_logarithmic => self.low * (self.high / self.low).powf(part),
+            part => self.low + part * (self.high - self.low),
+        }
+    }
+}
+
+impl FromStr for Range {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const FORM: &str = "must be KEY=LOW:HIGH or KEY=LOW:HIGH:log";
+        let (key, range) = text.split_once('=').ok_or(FORM)?;
+        let key = key.trim().to_owned();
+        let parts: Vec<&str> = range.split(':').map(str::trim).collect();
+        let (low, high, is_logarithmic) = match parts[..] {
+            [low, high] => (low, high, false),
+            [low, high, "log"] => (low, high, true),
+            _ => return Err(FORM.to_owned()),
+        };
+        let value = |name: &str, text: &str| match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            _ => Err(format!("{name} = {text:?} must be a finite number")),
+        };
+        let (low, high) = (value("LOW", low)?, value("HIGH", high)?);
+        if key.is_empty() {
+            return Err(FORM.to_owned());
+        }
+        if !(low < high) {
+            return Err(format!("LOW = {low} must be below HIGH = {high}"));
+        }
+        if is_logarithmic && !(low > 0.0) {
+            return Err("LOW must be above 0 with log".to_owned());
+        }
+        Ok(Self { key, low, high, is_logarithmic })
+    }
+}
+
+/// A bound of a number of the result: `QUANTITY<=VALUE` or `QUANTITY>=VALUE`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Constraint {
+    pub(crate) quantity: String,
+    /// Whether the number must be at least the bound; at most otherwise.
+    pub(crate) is_least: bool,
+    pub(crate) bound: f64,
+}
+
+impl Constraint {
+    /// By how much a value keeps the bound, relative to it; negative where it does not.
+    pub(crate) fn margin(&self, value: f64) -> f64 {
+        let margin = if self.is_least { value - self.bound } else { self.bound - value };
+        margin / if self.bound == 0.0 { 1.0 } else { self.bound.abs() }
+    }
+
+    fn text(&self) -> String {
+        format!("{}{}{:e}", self.quantity, if self.is_least { ">=" } else { "<=" }, self.bound)
+    }
+}
+
+impl FromStr for Constraint {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const FORM: &str = "must be QUANTITY<=VALUE or QUANTITY>=VALUE";
+        let (is_least, parts) = match (text.split_once("<="), text.split_once(">=")) {
+            (Some(parts), None) => (false, parts),
+            (None, Some(parts)) => (true, parts),
+            _ => return Err(FORM.to_owned()),
+        };
+        let (quantity, bound) = (parts.0.trim().to_owned(), parts.1.trim());
+        match bound.parse::<f64>() {
+            Ok(value) if value.is_finite() && !quantity.is_empty() => {
+                Ok(Self { quantity, is_least, bound: value })
+            }
+            Ok(_) => Err(FORM.to_owned()),
+            Err(_) => Err(format!("VALUE = {bound:?} must be a number")),
+        }
+    }
+}
+
+/// What is sought.
+pub(crate) struct Request<'a> {
+    pub(crate) file: &'a Path,
+    pub(crate) overrides: &'a [Override],
+    pub(crate) options: Options,
+    /// Makes a scene that was read ready to run.
+    pub(crate) hold: &'a (dyn Fn(&mut Scene) -> Result<(), Failure> + Sync),
+    pub(crate) quantity: String,
+    /// Whether the largest value is sought; the smallest otherwise.
+    pub(crate) is_largest: bool,
+    pub(crate) ranges: Vec<Range>,
+    pub(crate) constraints: Vec<Constraint>,
+    /// Points of the grid for each key.
+    pub(crate) grid: usize,
+}
+
+impl Request<'_> {
+    /// The scene at a place: a part of the range for each key.
+    fn scene(&self, place: &[f64]) -> Result<Scene, Failure> {
+        let mut overrides = self.overrides.to_vec();
+        let values = self.ranges.iter().zip(place);
+        overrides.extend(values.map(|(range, part)| Override::new(&range.key, &number(range.value(*part)))));
+        let mut scene = scene_file::read(self.file, &overrides)?;
+        (self.hold)(&mut scene)?;
+        Ok(scene)
+    }
+
+    /// The numbers of a run at a place; `None` where it fails.
+    fn outcome(&self, place: &[f64]) -> Option<Outcome> {
+        run_scene(&self.scene(place).ok()?, &self.options).ok()
+    }
+
+    /// The value sought, the higher the better, and the margin of each constraint; `None` where one is undefined.
+    fn judge(&self, outcome: &Outcome) -> Option<(f64, Vec<f64>)> {
+        let numbers = flattened(fields(outcome));
+        let value = |name: &str| numbers.get(name).and_then(Value::as_f64).filter(|value| value.is_finite());
+        let sought = value(&self.quantity)? * if self.is_largest { 1.0 } else { -1.0 };
+        let margins: Option<Vec<f64>> = self
+            .constraints
+            .iter()
+            .map(|constraint| Some(constraint.margin(value(&constraint.quantity)?)))
+            .collect();
+        Some((sought, margins?))
+    }
+
+    /// Refuses a quantity that the result of the scene does not have.
+    fn check_quantities(&self, outcome: &Outcome) -> Result<(), Failure> {
+        let numbers = flattened(fields(outcome));
+        let of_constraints = self.constraints.iter().map(|constraint| ("--subject-to", &constraint.quantity));
+        let all = std::iter::once(("--maximise, --minimise", &self.quantity)).chain(of_constraints);
+        for (option, name) in all {
+            if !numbers.get(name).is_some_and(|value| value.is_number() || value.is_null()) {
+                let known: Vec<&str> = numbers
+                    .iter()
+                    .filter(|(_, value)| value.is_number())
+                    .map(|(key, _)| key.as_str())
+                    .collect();
+                let known = known.join(", ");
+                return Err(Failure::Input(format!(
+                    "{option} {name}: must be a number of the result: {known}"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// The value in its own sign.
+    fn signed(&self, value: f64) -> f64 {
+        if self.is_largest { value } else { -value }
+    }
+}
+
+/// A point that was run.
+#[derive(Debug, Clone)]
+pub(crate) struct Point {
+    /// Part of the range of each key.
+    pub(crate) place: Vec<f64>,
+    /// The value sought, the higher the better, and the margins of the constraints; `None` where the run failed.
+    pub(crate) found: Option<(f64, Vec<f64>)>,
+}
+
+impl Point {
+    /// Its value, if it keeps all constraints.
+    pub(crate) fn feasible(&self) -> Option<f64> {
+        self.found
+            .as_ref()
+            .filter(|(_, margins)| margins.iter().all(|margin| *margin >= 0.0))
+            .map(|(value, _)| *value)
+    }
+
+    /// Its value, whatever the constraints.
+    pub(crate) fn value(&self) -> Option<f64> {
+        self.found.as_ref().map(|(value, _)| *value)
+    }
+}
+
+/// The result.
+#[derive(Debug)]
+pub(crate) struct Found {
+    pub(crate) best: Point,
+    /// The best point without the constraints, where there are any.
+    pub(crate) unconstrained: Option<Point>,
+    /// For each key the range around the best point within 1 % of the best value.
+    pub(crate) flat: Vec<[f64; 2]>,
+    pub(crate) outcome: Outcome,
+    /// All points, those of the grid first, the last key running fastest.
+    pub(crate) points: Vec<Point>,
+    pub(crate) failed: usize,
+}
+
+impl Found {
+    /// The keys and values of a point.
+    pub(crate) fn values(request: &Request<'_>, point: &Point) -> Vec<(String, f64)> {
+        let ranges = request.ranges.iter().zip(&point.place);
+        ranges.map(|(range, part)| (range.key.clone(), range.value(*part))).collect()
+    }
+
+    /// The result as JSON.
+    pub(crate) fn json(&self, request: &Request<'_>) -> Map<String, Value> {
+        let of_point = |point: &Point| -> Map<String, Value> {
+            Self::values(request, point).into_iter().map(|(key, value)| (key, json!(value))).collect()
+        };
+        let keys = || request.ranges.iter().enumerate();
+        let flat: Map<String, Value> =
+            keys().map(|(index, range)| (range.key.clone(), json!(self.flat[index]))).collect();
+        let at_bound: Map<String, Value> = keys()
+            .map(|(index, range)| {
+                let part = self.best.place[index];
+                (range.key.clone(), json!(part <= 1e-6 || part >= 1.0 - 1e-6))
+            })
+            .collect();
+        let value = self.best.value();
+        let numbers = flattened(fields(&self.outcome));
+        let constraints: Vec<Value> = request
+            .constraints
+            .iter()
+            .map(|constraint| {
+                let at = numbers.get(&constraint.quantity).cloned().unwrap_or(Value::Null);
+                let is_active = at.as_f64().is_some_and(|at| constraint.margin(at) < 1e-2);
+                json!({ "constraint": constraint.text(), "value": at, "active": is_active })
+            })
+            .collect();
+        let mut all = Map::new();
+        let mut put = |key: &str, value: Value| all.insert(key.to_owned(), value);
+        put("scene", json!(self.outcome.scene));
+        put("quantity", json!(request.quantity));
+        put("sought", json!(if request.is_largest { "maximum" } else { "minimum" }));
+        put("value", json!(value.map(|value| request.signed(value))));
+        put("point", Value::Object(of_point(&self.best)));
+        put("range_within_1_percent", Value::Object(flat));
+        put("at_bound", Value::Object(at_bound));
+        if let Some(without) = &self.unconstrained {
+            let value_without = without.value();
+            let cost = value_without.zip(value).map(|(without, with)| without - with);
+            put("constraints", Value::Array(constraints));
+            put("unconstrained_value", json!(value_without.map(|value| request.signed(value))));
+            put("unconstrained_point", Value::Object(of_point(without)));
+            put("constraint_cost", json!(cost));
+            let relative = cost.zip(value_without).map(|(cost, without)| cost / without.abs());
+            put("constraint_cost_relative", json!(relative.filter(|relative| relative.is_finite())));
+        }
+        put("evaluations", json!(self.points.len()));
+        put("failed", json!(self.failed));
+        put("warnings", json!(self.outcome.warnings));
+        put("result", Value::Object(fields(&self.outcome)));
+        all
+    }
+}

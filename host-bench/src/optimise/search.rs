@@ -1,0 +1,211 @@
+//! The grid, the search from its best points, and how flat the optimum is.
+
+use std::cell::RefCell;
+
+use cobyla::{Func, RhoBeg, StopTols, minimize};
+use rayon::prelude::*;
+
+use super::{Found, Point, Request};
+use crate::method::Failure;
+
+/// Best points of the grid from which the search goes on.
+const FOLLOWED: usize = 3;
+/// Runs of one search for each key.
+const RUNS: usize = 40;
+/// Part of a range to which a key is narrowed down.
+const WITHIN: f64 = 1e-4;
+/// Part of the best value within which a key may move.
+const FLAT: f64 = 0.01;
+/// Steps in which the end of a flat range is sought, and halvings at its end.
+const STEPS: i32 = 8;
+const HALVINGS: usize = 5;
+/// What a run that failed is worse than the worst point of the grid, as a part of the spread of the values.
+const FAILED: f64 = 0.1;
+
+/// Finds the best point; calls `done` after each run, and `more` with the number of further ones.
+pub(crate) fn optimise(
+    request: &Request<'_>,
+    more: &(dyn Fn(usize) + Sync),
+    done: &(dyn Fn() + Sync),
+) -> Result<Found, Failure> {
+    let run = |place: &[f64]| {
+        let found = request.outcome(place).and_then(|outcome| request.judge(&outcome));
+        done();
+        Point { place: place.to_vec(), found }
+    };
+    let grid = grid(request.ranges.len(), request.grid);
+    check(request, &grid)?;
+    more(grid.len());
+    let mut points: Vec<Point> = grid.par_iter().map(|place| run(place)).collect();
+    let values: Vec<f64> = points.iter().filter_map(Point::value).collect();
+    if values.is_empty() {
+        return Err(Failure::Step(format!("all {} points of the grid fail", points.len())));
+    }
+    let aims: &[bool] = if request.constraints.is_empty() { &[true] } else { &[true, false] };
+    for &constrained in aims {
+        let starts = best_of(&points, constrained, FOLLOWED);
+        more(starts.len() * RUNS * request.ranges.len());
+        let found: Vec<Vec<Point>> =
+            starts.into_par_iter().map(|start| search(request, &points, &start, constrained, &run)).collect();
+        points.extend(found.into_iter().flatten());
+    }
+    let best = best_of(&points, true, 1).into_iter().find(|point| point.feasible().is_some());
+    let Some(best) = best else { return Err(nowhere(request, &points)) };
+    let unconstrained = (!request.constraints.is_empty()).then(|| best_of(&points, false, 1)[0].clone());
+    let flat = flat(request, &best, &run);
+    let outcome = request.outcome(&best.place);
+    let outcome =
+        outcome.ok_or_else(|| Failure::Step("the best point fails when it is run again".to_owned()))?;
+    let failed = points.iter().filter(|point| point.found.is_none()).count();
+    Ok(Found { best, unconstrained, flat, outcome, points, failed })
+}
+
+/// Refuses bad input at a corner of the grid, and a quantity that does not exist.
+fn check(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<(), Failure> {
+    let corners = grid.iter().filter(|place| place.iter().all(|part| *part == 0.0 || *part == 1.0));
+    for place in corners {
+        request.options.check_scene(&request.scene(place)?)?;
+    }
+    // The first run that succeeds has the names.
+    match grid.iter().find_map(|place| request.outcome(place)) {
+        Some(outcome) => request.check_quantities(&outcome),
+        None => Err(Failure::Step(format!("all {} points of the grid fail", grid.len()))),
+    }
+}
+
+/// The places of a grid, the last key running fastest.
+fn grid(keys: usize, count: usize) -> Vec<Vec<f64>> {
+    let mut all = vec![Vec::new()];
+    for _ in 0..keys {
+        let longer = |place: &Vec<f64>| {
+            let place = place.clone();
+            (0..count).map(move |index| [&place[..], &[index as f64 / (count - 1) as f64]].concat())
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    all
+}
+
+/// The best points: those that keep the constraints, the higher the better; then the others by what they lack.
+fn best_of(points: &[Point], constrained: bool, count: usize) -> Vec<Point> {
+    let rank = |point: &Point| match &point.found {
+        None => (f64::NEG_INFINITY, f64::NEG_INFINITY),
+        Some((value, margins)) => {
+            let lack = margins.iter().copied().fold(0.0_f64, f64::min);
+            (if constrained { lack } else { 0.0 }, *value)
+        }
+    };
+    let mut sorted: Vec<&Point> = points.iter().filter(|point| point.found.is_some()).collect();
+    sorted.sort_by(|one, other| {
+        let (one, other) = (rank(one), rank(other));
+        other.0.total_cmp(&one.0).then(other.1.total_cmp(&one.1))
+    });
+    sorted.into_iter().take(count).cloned().collect()
+}
+
+/// A search by linear approximations within the range and the constraints (M. J. D. Powell's COBYLA, 1994), with all points
+/// that it ran. The values are scaled by the spread of the grid; a run that fails is worse than all of them.
+fn search(
+    request: &Request<'_>,
+    known: &[Point],
+    start: &Point,
+    constrained: bool,
+    run: &(dyn Fn(&[f64]) -> Point + Sync),
+) -> Vec<Point> {
+    let values = || known.iter().filter_map(Point::value);
+    let (low, high) = values()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let spread = if high > low { high - low } else { high.abs().max(f64::MIN_POSITIVE) };
+    let ran: RefCell<Vec<Point>> = RefCell::new(Vec::new());
+    // The objective and each constraint ask for the same place.
+    let at = |place: &[f64]| -> Point {
+        let place: Vec<f64> = place.iter().map(|part| part.clamp(0.0, 1.0)).collect();
+        let last = ran.borrow().iter().rev().find(|point| point.place == place).cloned();
+        last.unwrap_or_else(|| {
+            let point = run(&place);
+            ran.borrow_mut().push(point.clone());
+            point
+        })
+    };
+    let objective = |place: &[f64], _: &mut ()| match at(place).value() {
+        Some(value) => (high - value) / spread,
+        None => 1.0 + FAILED,
+    };
+    let margin = |index: usize| {
+        let at = &at;
+        move |place: &[f64], _: &mut ()| match at(place).found {
+            Some((_, margins)) => margins[index],
+            None => -1.0,
+        }
+    };
+    let margins: Vec<_> = (0..if constrained { request.constraints.len() } else { 0 }).map(margin).collect();
+    let margins: Vec<&dyn Func<()>> = margins.iter().map(|margin| margin as &dyn Func<()>).collect();
+    let spacing = 1.0 / (request.grid - 1) as f64;
+    let tolerance = StopTols { xtol_abs: vec![WITHIN; start.place.len()], ..StopTols::default() };
+    // Its own end is of no account: the best point that was run is taken.
+    let _ = minimize(
+        objective,
+        &start.place,
+        &vec![(0.0, 1.0); start.place.len()],
+        &margins,
+        (),
+        RUNS * start.place.len(),
+        RhoBeg::All(0.5 * spacing),
+        Some(tolerance),
+    );
+    ran.into_inner()
+}
+
+/// The failure where no point keeps the constraints.
+fn nowhere(request: &Request<'_>, points: &[Point]) -> Failure {
+    let nearest = best_of(points, true, 1);
+    let place = nearest.first().map_or_else(String::new, |point| {
+        let values = Found::values(request, point);
+        let values: Vec<String> =
+            values.into_iter().map(|(key, value)| format!("{key} = {value:e}")).collect();
+        let lack = point.found.iter().flat_map(|(_, margins)| margins).copied().fold(0.0_f64, f64::min);
+        format!("; the nearest, at {}, misses one by {:.2e} of its bound", values.join(", "), -lack)
+    });
+    Failure::Step(format!("--subject-to: no point of {} keeps all constraints{place}", points.len()))
+}
+
+/// For each key the range around the best point, the others held, in which the value stays within 1 % and the constraints
+/// are kept.
+fn flat(request: &Request<'_>, best: &Point, run: &(dyn Fn(&[f64]) -> Point + Sync)) -> Vec<[f64; 2]> {
+    let Some(value) = best.value() else { return Vec::new() };
+    let least = value - FLAT * value.abs();
+    let sides: Vec<(usize, f64)> =
+        (0..best.place.len()).flat_map(|index| [(index, -1.0), (index, 1.0)]).collect();
+    let ends: Vec<f64> = sides
+        .into_par_iter()
+        .map(|(index, sign)| {
+            let centre = best.place[index];
+            let reach = if sign < 0.0 { centre } else { 1.0 - centre };
+            let is_in = |distance: f64| {
+                let mut place = best.place.clone();
+                place[index] = (centre + sign * distance).clamp(0.0, 1.0);
+                run(&place).feasible().is_some_and(|value| value >= least)
+            };
+            // Outwards from near, so that a second optimum far off is no part of it.
+            let mut near = 0.0;
+            let mut far = None;
+            for step in (0..STEPS).rev() {
+                let distance = reach * 0.5_f64.powi(step);
+                if is_in(distance) {
+                    near = distance;
+                } else {
+                    far = Some(distance);
+                    break;
+                }
+            }
+            if let Some(mut far) = far {
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (near + far);
+                    *(if is_in(middle) { &mut near } else { &mut far }) = middle;
+                }
+            }
+            request.ranges[index].value(centre + sign * near)
+        })
+        .collect();
+    ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
+}

@@ -1,0 +1,117 @@
+//! `optimise`: the best values of keys, against what sweeps and closed forms say.
+
+use serde_json::Value;
+
+use super::tool::{accepted, folder, host_bench, refused};
+
+const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
+const SLIDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
+const FREQUENCY: &str = "excitation.frequency_hz";
+/// Without a force the displacement is that of a linear oscillator.
+const LAW: [&str; 4] = ["--set", "parameters.force_law=none", "--set", "parameters.damping_ratio=0.02"];
+
+fn found(arguments: &[&str]) -> Value {
+    let all = [&["optimise"], arguments, &["--steady-state", "--format", "json"]].concat();
+    serde_json::from_str(&accepted(&all)).expect("one JSON object")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// The displacement of an oscillator driven by its base is largest at `f √(1 − 2 ζ²)`, and 1 % lower where
+/// `(1 − r²)² + (2 ζ r)²` is 1/0.99² of its least.
+#[test]
+fn the_frequency_of_the_largest_displacement_and_its_range_are_those_of_the_closed_form() {
+    let folder = folder("optimise-frequency");
+    let picture = folder.join("best.svg");
+    let best = folder.join("best.toml");
+    let range = format!("{FREQUENCY}=17:23");
+    let mut arguments = vec![SCENE, "--maximise", "peak_gap_m", "--over", &range, "--grid", "13"];
+    arguments.extend(LAW);
+    arguments.extend([
+        "--picture",
+        picture.to_str().expect("plain"),
+        "--output",
+        best.to_str().expect("plain"),
+    ]);
+    let found = found(&arguments);
+    let (natural, damping) = ((80.0_f64 / 5e-3).sqrt() / std::f64::consts::TAU, 0.02_f64);
+    let expected = natural * (1.0 - 2.0 * damping * damping).sqrt();
+    let at = number(&found["point"][FREQUENCY]);
+    assert!((at / expected - 1.0).abs() < 1e-3, "{at} {expected}");
+    // The rest of the gap is 3 mm, so 1 % of the largest gap is more of the displacement.
+    let peak = number(&found["value"]);
+    let least = (0.99 * peak - 3e-3) / (peak - 3e-3);
+    let response = |r: f64| 1.0 / ((1.0 - r * r).powi(2) + (2.0 * damping * r).powi(2)).sqrt();
+    let ends = found["range_within_1_percent"][FREQUENCY].as_array().expect("two ends");
+    for end in ends {
+        let relative = response(number(end) / natural) / response(expected / natural);
+        assert!((relative - least).abs() < 0.02, "{end}: {relative} {least}");
+    }
+    assert!(number(&ends[0]) < at && at < number(&ends[1]));
+    assert!(std::fs::read_to_string(picture).expect("a picture").contains("<svg"));
+    assert!(std::fs::read_to_string(best).expect("a scene").contains("largest peak_gap_m, within 1 %"));
+}
+
+#[test]
+fn a_constraint_is_kept_and_its_cost_told() {
+    let range = format!("{FREQUENCY}=17:20.5");
+    let mut arguments = vec![SCENE, "--maximise", "rms_voltage_v", "--over", &range, "--grid", "9"];
+    arguments.extend(LAW);
+    arguments.extend(["--subject-to", "peak_gap_m<=0.0031"]);
+    let found = found(&arguments);
+    assert!(number(&found["result"]["peak_gap_m"]) <= 0.0031);
+    assert!(number(&found["result"]["peak_gap_m"]) > 0.0031 * 0.998, "{}", found["result"]["peak_gap_m"]);
+    assert_eq!(found["constraints"][0]["active"], true);
+    let cost = number(&found["constraint_cost_relative"]);
+    let [with, without] = ["value", "unconstrained_value"].map(|key| number(&found[key]));
+    assert!((cost - (1.0 - with / without)).abs() < 1e-12 && cost > 0.1, "{cost}");
+}
+
+#[test]
+fn a_best_resistance_is_not_worse_than_a_fine_sweep_has_it() {
+    let found = found(&[
+        SLIDING,
+        "--maximise",
+        "mean_power_w",
+        "--over",
+        "load.resistance_ohm=1e6:1e11:log",
+        "--grid",
+        "9",
+    ]);
+    let over = ["sweep", SLIDING, "--over", "load.resistance_ohm=1e6:1e11:41:log", "--steady-state"];
+    let sweep = host_bench(&[&over[..], &["--no-accuracy", "--format", "json"]].concat());
+    let rows: Value = serde_json::from_slice(&sweep.stdout).expect("JSON");
+    let largest =
+        rows.as_array().expect("rows").iter().map(|row| number(&row["mean_power_w"])).fold(0.0, f64::max);
+    assert!(number(&found["value"]) >= 0.9999 * largest, "{} {largest}", found["value"]);
+    let told = String::from_utf8(sweep.stderr).expect("text");
+    assert!(told.contains(&format!("largest mean_power_w {largest:e} at load.resistance_ohm = ")), "{told}");
+}
+
+#[test]
+fn what_cannot_be_sought_is_refused() {
+    let range = format!("{FREQUENCY}=17:23");
+    let with = |more: &[&str], parts: &[&str]| {
+        let all = [&["optimise", SCENE, "--steady-state", "--grid", "3"], more].concat();
+        refused(&all, parts);
+    };
+    with(
+        &["--maximise", "power", "--over", &range],
+        &["power", "must be a number of the result", "mean_power_w"],
+    );
+    with(
+        &["--maximise", "mean_power_w", "--over", "parameters.mass=1:2"],
+        &["parameters.mass", "unknown key"],
+    );
+    with(&["--maximise", "mean_power_w", "--over", "parameters.mass_kg=2:1"], &["LOW = 2"]);
+    with(
+        &["--maximise", "mean_power_w", "--over", &range, "--subject-to", "peak_gap_m=1"],
+        &["QUANTITY<=VALUE"],
+    );
+    with(&["--over", &range], &["maximise"]);
+    let five = ["a", "b", "c", "d", "e"].map(|key| format!("{key}=1:2"));
+    let over: Vec<&str> = five.iter().flat_map(|range| ["--over", range.as_str()]).collect();
+    with(&[&["--maximise", "mean_power_w"], &over[..]].concat(), &["one to four times", "5"]);
+}
