@@ -77,17 +77,17 @@ fn steady_state_as<M: Mathematics<f64>>(scene: &Scene, options: &Options) -> Res
     with_setting::<f64, M, _>(scene, options, shooting::steady_state::<M>)
 }
 
-/// As [`steady_state`], from a remembered orbit of the same harvester under another sine or with other parameters; and the
-/// orbit that was reached, if one was.
+/// As [`steady_state`], from a remembered motion of the same harvester under another sine or with other parameters; and the
+/// motion that was reached.
 ///
 /// The orbit that continues the remembered one is taken where it is stable. Otherwise the motion goes on from the
-/// remembered orbit; without one it goes from the start. With `only` the result is then `None`.
+/// remembered one; without one it goes from the start. With `only` the result is then `None`.
 pub fn steady_state_from(
     scene: &Scene,
     options: &Options,
     memory: Option<&Memory>,
     only: bool,
-) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
+) -> Result<Option<(Outcome, Memory)>, Failure> {
     let from = shooting::resume::<Polynomial>;
     with_setting::<f64, Polynomial, _>(scene, options, |setting| from(setting, memory, only))
 }

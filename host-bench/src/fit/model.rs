@@ -54,23 +54,23 @@ pub(crate) struct Problem<'a> {
 #[derive(Debug, Clone)]
 pub(crate) struct Evaluation {
     pub(crate) values: Vec<f64>,
-    /// For each row of each file, the orbit that was reached; `None` of a trace and of a motion without a period.
-    orbits: Vec<Vec<Option<Memory>>>,
+    /// For each row of each file, the motion that was reached; `None` of a trace, and of a storage that fills.
+    motions: Vec<Vec<Option<Memory>>>,
 }
 
 impl Evaluation {
     /// Whether the motion of a row has one period.
     pub(crate) fn has_orbit(&self, file: usize, row: usize) -> bool {
-        self.orbits[file][row].is_some()
+        self.motions[file][row].as_ref().is_some_and(Memory::is_orbit)
     }
 
     /// Number of the rows of sweeps whose motion has no period.
     pub(crate) fn lacks_orbits(&self, data: &[Data]) -> usize {
-        let missing = |(data, orbits): (&Data, &Vec<Option<Memory>>)| match data.rows {
-            Rows::Sweep(_) => orbits.iter().filter(|orbit| orbit.is_none()).count(),
+        let missing = |(file, data): (usize, &Data)| match data.rows {
+            Rows::Sweep(_) => (0..data.count()).filter(|row| !self.has_orbit(file, *row)).count(),
             Rows::Trace { .. } => 0,
         };
-        data.iter().zip(&self.orbits).map(missing).sum()
+        data.iter().enumerate().map(missing).sum()
     }
 }
 
@@ -81,11 +81,11 @@ enum Begin<'a> {
     Start,
     /// From the orbits of a near set of numbers; a row without one is left out.
     Near(&'a Evaluation),
-    /// From rest; a row with an orbit is left out.
+    /// From the motions of a near set of numbers; a row with an orbit is left out.
     WithoutOrbit(&'a Evaluation),
 }
 
-/// The value and the orbit of one row.
+/// The values and the motion of one row.
 type RowFound = (usize, Vec<f64>, Option<Memory>);
 
 impl<'a> Problem<'a> {
@@ -160,18 +160,18 @@ impl<'a> Problem<'a> {
             })
             .collect();
         let mut values = vec![f64::NAN; self.count()];
-        let mut orbits: Vec<Vec<Option<Memory>>> =
+        let mut motions: Vec<Vec<Option<Memory>>> =
             self.data.iter().map(|data| vec![None; data.count()]).collect();
         for (file, rows) in found? {
-            for (row, of_columns, orbit) in rows {
+            for (row, of_columns, motion) in rows {
                 for (column, value) in of_columns.into_iter().enumerate() {
                     values[self.index(file, column, row)] = value;
                 }
-                orbits[file][row] = orbit;
+                motions[file][row] = motion;
             }
         }
         (self.done)();
-        Ok(Evaluation { values, orbits })
+        Ok(Evaluation { values, motions })
     }
 
     /// Rows of a sweep, each from the one before it.
@@ -187,26 +187,20 @@ impl<'a> Problem<'a> {
         let mut last: Option<Memory> = None;
         let mut found = Vec::new();
         for &row in rows {
-            let known = match from {
-                Begin::Start => None,
-                Begin::Near(base) | Begin::WithoutOrbit(base) => base.orbits[file][row].as_ref(),
+            let memory = match from {
+                Begin::Start => last.as_ref(),
+                Begin::Near(base) if !base.has_orbit(file, row) => continue,
+                Begin::WithoutOrbit(base) if base.has_orbit(file, row) => continue,
+                Begin::Near(base) | Begin::WithoutOrbit(base) => base.motions[file][row].as_ref(),
             };
-            match from {
-                Begin::Near(_) if known.is_none() => continue,
-                Begin::WithoutOrbit(_) if known.is_some() => continue,
-                _ => {}
-            }
-            let memory = known.or(last.as_ref());
-            let (outcome, orbit) = steady(&at_row(scene, &all[row])?, options, memory)?;
+            let (outcome, motion) = steady(&at_row(scene, &all[row])?, options, memory)?;
             let columns = self.data[file].columns.iter();
             let values: Option<Vec<f64>> =
                 columns.map(|column| quantity(&outcome, &column.name).filter(|v| v.is_finite())).collect();
             let values =
                 values.ok_or_else(|| Failure::Step("a value of the model is undefined".to_owned()))?;
-            if orbit.is_some() {
-                last.clone_from(&orbit);
-            }
-            found.push((row, values, orbit));
+            last.clone_from(&motion);
+            found.push((row, values, motion));
         }
         Ok(found)
     }
@@ -345,7 +339,8 @@ fn steady(
     }
     let options = Options { steady_state: true, ..*options };
     let found = embedded::steady_state_from(scene, &options, memory, false)?;
-    found.ok_or_else(|| Failure::Step("no steady state".to_owned()))
+    let (outcome, motion) = found.ok_or_else(|| Failure::Step("no steady state".to_owned()))?;
+    Ok((outcome, Some(motion)))
 }
 
 /// A number of a result by its name.

@@ -134,8 +134,13 @@ struct Meters<'a, S: Scalar> {
 impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
     /// The outcome of a run from `state` to the end of `span`.
     pub(super) fn measured(&self, mut state: H::State, span: &RunSpan) -> Result<Outcome, Failure> {
+        self.measured_to(&mut state, span)
+    }
+
+    /// The same, with the state at the end.
+    pub(super) fn measured_to(&self, state: &mut H::State, span: &RunSpan) -> Result<Outcome, Failure> {
         let Self { setting: Setting { scene, options, excitation, .. }, harvester, .. } = *self;
-        let outputs = harvester.outputs(&state);
+        let outputs = harvester.outputs(state);
         let mut meters = Meters {
             whole: (!options.bare).then(|| (Ledger::open(&outputs), RunMeter::new())),
             window: RunMeter::new(),
@@ -151,7 +156,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         // One pass over each stretch; the recorder joins in only if a trace was asked for.
         for (until, measured) in [(settled, false), (end, true)] {
             if measured {
-                meters.window = RunMeter::starting_at(&harvester.outputs(&state));
+                meters.window = RunMeter::starting_at(&harvester.outputs(state));
                 meters.blocks = options.blocks.then(|| Blocks::new(settled, end));
                 meters.clamp = (!options.bare).then(|| self.report.clamp(excitation)).flatten();
             }
@@ -167,19 +172,19 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             if options.ends_at_rows {
                 // Rows are at the ends of steps, where nothing is interpolated.
                 let next = |row: f64| Instant::from_seconds(row * every).filter(|row| *row < until);
-                let mut row = (harvester.clock(&state).seconds::<f64>() / every).floor() + 1.0;
+                let mut row = (harvester.clock(state).seconds::<f64>() / every).floor() + 1.0;
                 while let Some(stop) = next(row) {
-                    self.advance(&mut state, stop, &mut total, &mut (&mut whole, &mut others))?;
+                    self.advance(state, stop, &mut total, &mut (&mut whole, &mut others))?;
                     row += 1.0;
                 }
             }
-            self.advance(&mut state, until, &mut total, &mut (&mut whole, &mut others))?;
+            self.advance(state, until, &mut total, &mut (&mut whole, &mut others))?;
         }
         let wall_s = began.elapsed().as_secs_f64();
         let (rows, impacts_s) = recorder.into_parts();
-        let columns = self.report.columns(harvester.outputs(&state).storage.is_some());
+        let columns = self.report.columns(harvester.outputs(state).storage.is_some());
         let trace = options.trace_every_s.map(|_| Recording { columns, rows, impacts_s });
-        Ok(Outcome { trace, ..self.outcome(&state, span, &meters, &total, wall_s) })
+        Ok(Outcome { trace, ..self.outcome(state, span, &meters, &total, wall_s) })
     }
 
     /// Advances to `until`, within the attempts that the options allow.

@@ -37,7 +37,7 @@ trait Kind {
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,
         only: bool,
-    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure>;
+    ) -> Result<Option<(Outcome, Memory)>, Failure>;
 
     /// The response of the stable orbit that continues the last one, or else of the one from the scene's start.
     fn follow(&mut self, setting: Setting<'_, f64>, spent: &mut Spent) -> Result<Option<Response>, Failure>;
@@ -65,7 +65,7 @@ pub(super) fn resume<M: Mathematics<f64>>(
     setting: Setting<'_, f64>,
     memory: Option<&Memory>,
     only: bool,
-) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
+) -> Result<Option<(Outcome, Memory)>, Failure> {
     kind::<M>(setting.scene).resume(setting, memory, only)
 }
 
@@ -106,9 +106,26 @@ pub(super) fn best_resistance<M: Mathematics<f64>>(
     Ok((found, spent.periods))
 }
 
-/// An orbit of any harvester.
+/// A motion of any harvester under one sine: its orbit, or a state at the end of a run where it has none.
 #[derive(Clone)]
-pub struct Memory(Arc<dyn Any + Send + Sync>);
+pub struct Memory {
+    motion: Arc<dyn Any + Send + Sync>,
+    is_orbit: bool,
+}
+
+impl Memory {
+    /// Whether the motion has a stable orbit of one period.
+    pub fn is_orbit(&self) -> bool {
+        self.is_orbit
+    }
+}
+
+/// What a [`Memory`] holds of a harvester with the state `T`.
+enum Known<T> {
+    Orbit(Orbit<T>),
+    /// A state at a phase, in periods from the beginning of one.
+    State(T, f64),
+}
 
 impl std::fmt::Debug for Memory {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -137,10 +154,10 @@ fn steady<H: Coordinates, R: Report<f64, H>>(
     reached(run, start, typical).map(|(outcome, _)| outcome)
 }
 
-/// An outcome, and the orbit that it is of, if it is of one.
-type Reached<T> = (Outcome, Option<Orbit<T>>);
+/// An outcome, and the motion that it is of.
+type Reached<T> = (Outcome, Known<T>);
 
-/// [`steady`] with the orbit that was reached.
+/// [`steady`] with the motion that was reached.
 fn reached<H: Coordinates, R: Report<f64, H>>(
     run: &Run<'_, f64, H, R>,
     start: H::State,
@@ -151,10 +168,16 @@ fn reached<H: Coordinates, R: Report<f64, H>>(
     let mut spent = Spent::default();
     let verdict =
         forced.steady_state(start, typical, &mut spent).map_err(|error| run.step_failure(&error, &start))?;
-    let mut outcome = described(run, start, &verdict, &spent)?;
+    let (mut outcome, end) = described(run, start, &verdict, &spent)?;
     outcome.wall_s = began.elapsed().as_secs_f64();
-    let orbit = if let Verdict::StablePeriodOne(orbit) = verdict { Some(orbit) } else { None };
-    Ok((outcome, orbit))
+    let motion = match verdict {
+        Verdict::StablePeriodOne(orbit) => Known::Orbit(orbit),
+        Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound(_) => {
+            let periods = run.harvester.clock(&end).seconds::<f64>() * forced.frequency_hz;
+            Known::State(end, periods.fract())
+        }
+    };
+    Ok((outcome, motion))
 }
 
 /// [`Kind::resume`] for a harvester with a start, and coordinates of the size `typical`.
@@ -164,36 +187,45 @@ fn remembered<H, R>(
     typical: &[f64],
     memory: Option<&Memory>,
     only: bool,
-) -> Result<Option<(Outcome, Option<Memory>)>, Failure>
+) -> Result<Option<(Outcome, Memory)>, Failure>
 where
     H: Coordinates,
     H::State: Send + Sync + 'static,
     R: Report<f64, H>,
 {
-    let keep = |orbit: Orbit<H::State>| Memory(Arc::new(orbit));
-    let known = memory.and_then(|memory| memory.0.downcast_ref::<Orbit<H::State>>());
+    let keep = |motion: Known<H::State>| Memory {
+        is_orbit: matches!(motion, Known::Orbit(_)),
+        motion: Arc::new(motion),
+    };
+    let known = memory.and_then(|memory| memory.motion.downcast_ref::<Known<H::State>>());
     let forced = forced(run.harvester, &run.setting);
     let mut spent = Spent::default();
-    let continued = known.and_then(|orbit| forced.continued(orbit, &mut spent)).filter(Orbit::is_stable);
+    let orbit = if let Some(Known::Orbit(orbit)) = known { Some(orbit) } else { None };
+    let continued = orbit.and_then(|orbit| forced.continued(orbit, &mut spent)).filter(Orbit::is_stable);
     if let Some(orbit) = continued {
         let verdict = Verdict::StablePeriodOne(orbit.clone());
-        return Ok(Some((described(run, start, &verdict, &spent)?, Some(keep(orbit)))));
+        let (outcome, _) = described(run, start, &verdict, &spent)?;
+        return Ok(Some((outcome, keep(Known::Orbit(orbit)))));
     }
     if only {
         return Ok(None);
     }
-    let from = known.and_then(|orbit| forced.resumed(orbit)).unwrap_or(start);
-    let (outcome, orbit) = reached(run, from, typical)?;
-    Ok(Some((outcome, orbit.map(keep))))
+    let from = match known {
+        Some(Known::Orbit(orbit)) => forced.resumed(&orbit.start, orbit.phase()),
+        Some(Known::State(state, phase)) => forced.resumed(state, *phase),
+        None => None,
+    };
+    let (outcome, motion) = reached(run, from.unwrap_or(start), typical)?;
+    Ok(Some((outcome, keep(motion))))
 }
 
-/// The outcome of a verdict: of one period of its orbit, or of the run from `start`.
+/// The outcome of a verdict: of one period of its orbit, or of the run from `start`; and the state at its end.
 fn described<H: Coordinates, R: Report<f64, H>>(
     run: &Run<'_, f64, H, R>,
     start: H::State,
     verdict: &Verdict<H::State>,
     spent: &Spent,
-) -> Result<Outcome, Failure> {
+) -> Result<(Outcome, H::State), Failure> {
     let forced = forced(run.harvester, &run.setting);
     let began = Stopwatch::now();
     let (from, span) = match verdict {
@@ -205,7 +237,8 @@ fn described<H: Coordinates, R: Report<f64, H>>(
             (start, run.setting.scene.run)
         }
     };
-    let mut outcome = run.measured(from, &span)?;
+    let mut end = from;
+    let mut outcome = run.measured_to(&mut end, &span)?;
     let simulated_s = span.duration_s - run.harvester.clock(&from).seconds::<f64>();
     outcome.steady_state = Some(SteadyState {
         steady_state: verdict.name(),
@@ -230,7 +263,7 @@ fn described<H: Coordinates, R: Report<f64, H>>(
             Particular::Sliding(_) => {}
         }
     }
-    Ok(outcome)
+    Ok((outcome, end))
 }
 
 /// What to know where the numbers are not those of an orbit.

@@ -51,6 +51,11 @@ impl<T> Orbit<T> {
         self.multipliers.first().map_or(0.0, |value| value.norm())
     }
 
+    /// Part of a period from its beginning to the start.
+    pub fn phase(&self) -> f64 {
+        self.phase
+    }
+
     /// Whether small disturbances die out.
     pub fn is_stable(&self) -> bool {
         self.largest_multiplier() < 1.0
@@ -158,11 +163,12 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
         self.orbit(&pattern, other.phase, other.scale.clone(), known, spent).ok()
     }
 
-    /// The state of `other`, an orbit at a frequency close by, under this excitation; `None` if there is no such state.
-    pub fn resumed(&self, other: &Orbit<H::State>) -> Option<H::State> {
-        let mut pattern = other.start;
-        self.harvester.set_clock(&mut pattern, self.instant(other.phase));
-        self.at(&pattern, &other.coordinates)
+    /// A state at a phase of a period, from a motion at a frequency close by, as one of the first period here; `None` if there
+    /// is no such state.
+    pub fn resumed(&self, state: &H::State, phase: f64) -> Option<H::State> {
+        let mut pattern = *state;
+        self.harvester.set_clock(&mut pattern, self.instant(phase));
+        self.at(&pattern, &self.harvester.coordinates(state))
     }
 
     /// The response of the stable orbit that continues `known` at this frequency, or else of the steady state of the

@@ -129,7 +129,7 @@ impl<L: Circuit<f64, State: Send + Sync> + 'static, const B: usize, const R: usi
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,
         only: bool,
-    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
+    ) -> Result<Option<(Outcome, Memory)>, Failure> {
         let (stepper, state, typical) = self.begun(&setting)?;
         remembered(&run(&stepper, self.model, setting), state, &typical, memory, only)
     }

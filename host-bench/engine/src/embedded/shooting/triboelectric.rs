@@ -80,7 +80,7 @@ where
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,
         only: bool,
-    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
+    ) -> Result<Option<(Outcome, Memory)>, Failure> {
         let prepared = prepared::<f64, M, T>(setting, self.model)?;
         prepared.remembered(&self.model.start(), &self.model.typical(&prepared.core), memory, only)
     }
@@ -125,7 +125,7 @@ where
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,
         only: bool,
-    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure> {
+    ) -> Result<Option<(Outcome, Memory)>, Failure> {
         let prepared = behind_bridge::<f64, M, T>(setting, self.model)?;
         prepared.remembered(&self.model.start(), &self.typical(&prepared.core), memory, only)
     }
@@ -170,7 +170,7 @@ impl<A: Copy, T: Triboelectric> Prepared<'_, f64, A, T> {
         typical: &[f64; N],
         memory: Option<&Memory>,
         only: bool,
-    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure>
+    ) -> Result<Option<(Outcome, Memory)>, Failure>
     where
         A: CoreScene<f64, N, ALL_POWERS>,
         HybridState<f64, <A as Automaton<f64, N, ALL_POWERS>>::Mode, N, ALL_POWERS>: Send + Sync + 'static,
@@ -189,7 +189,7 @@ impl<A: Copy, T: Triboelectric> Prepared<'_, f64, A, T> {
         typical: &[f64; N],
         memory: Option<&Memory>,
         only: bool,
-    ) -> Result<Option<(Outcome, Option<Memory>)>, Failure>
+    ) -> Result<Option<(Outcome, Memory)>, Failure>
     where
         A: CoreScene<f64, N, ALL_POWERS>,
         HybridState<f64, <A as Automaton<f64, N, ALL_POWERS>>::Mode, N, ALL_POWERS>: Send + Sync + 'static,
