@@ -211,6 +211,59 @@ fn a_ring_down_has_a_free_start() {
     assert!((gap / 4.2e-3 - 1.0).abs() < 1e-6, "{gap}");
 }
 
+/// Frequency in Hz, direction and largest gap in m of sweeps at 1.6 m/s² through a bistable band, by SciPy's `DOP853` with
+/// events from impact to impact: 84 N/m, a damping ratio of 0.01, a restitution of 0.65. Part of the upper branch is chaotic.
+const BISTABLE: [(f64, &str, f64); 26] = [
+    (18.0, "up", 3.398032e-03),
+    (18.5, "up", 3.484481e-03),
+    (19.0, "up", 3.622776e-03),
+    (19.5, "up", 3.880876e-03),
+    (20.0, "up", 4.509276e-03),
+    (20.5, "up", 6.035667e-03),
+    (21.0, "up", 6.007708e-03),
+    (21.5, "up", 6.089788e-03),
+    (22.0, "up", 6.068745e-03),
+    (22.5, "up", 6.110929e-03),
+    (23.0, "up", 3.391289e-03),
+    (23.5, "up", 3.318906e-03),
+    (24.0, "up", 3.268793e-03),
+    (24.0, "down", 3.268624e-03),
+    (23.5, "down", 3.318965e-03),
+    (23.0, "down", 3.390082e-03),
+    (22.5, "down", 3.498588e-03),
+    (22.0, "down", 3.684827e-03),
+    (21.5, "down", 4.071982e-03),
+    (21.0, "down", 5.287900e-03),
+    (20.5, "down", 6.018332e-03),
+    (20.0, "down", 4.509125e-03),
+    (19.5, "down", 3.880825e-03),
+    (19.0, "down", 3.622757e-03),
+    (18.5, "down", 3.484480e-03),
+    (18.0, "down", 3.398030e-03),
+];
+
+#[test]
+fn sweeps_up_and_down_through_a_bistable_band_are_fitted_on_both_branches() {
+    let folder = folder("fit-bistable");
+    let mut text = String::from("frequency_hz,amplitude_m_per_s2,direction,peak_gap_m\n");
+    for (frequency, direction, gap) in BISTABLE {
+        let _ = writeln!(text, "{frequency},1.6,{direction},{gap}");
+    }
+    let data = file(&folder, "data.csv", text);
+    let known =
+        ["--set", "parameters.restitution.coefficient=0.65", "--set", "parameters.stiffness_n_per_m=84"];
+    let more =
+        ["--free", "parameters.damping_ratio", "--set", "parameters.damping_ratio=0.011", "--starts", "0"];
+    let found = fitted(&[&data], &[&known[..], &more[..]].concat());
+    // On the lower branch alone the residual would be 0.18.
+    let residual = number(&found["relative_residual"]["peak_gap_m"]);
+    assert!(residual < 0.01, "{residual}");
+    let damping = &found["parameters"]["parameters.damping_ratio"];
+    let distance = (number(&damping["value"]) - 0.01).abs();
+    assert!(distance <= 3.0 * number(&damping["standard_error"]) && distance < 2e-4, "{damping}");
+    assert!(found["warnings"].to_string().contains("no stable motion of one period"));
+}
+
 #[test]
 fn bad_data_and_keys_are_refused_with_their_place() {
     let folder = folder("fit-refused");
