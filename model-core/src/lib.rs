@@ -50,6 +50,7 @@
 //!
 //! | module | content |
 //! | --- | --- |
+//! | [`node`] | a node that joins map, listening, storage and budget |
 //! | [`energy`] | meters, the energy ledger, the event log; a node's energy budget |
 //! | [`scene`] | the harvesters: parameters, checked once, and pure functions |
 //! | [`part`] | the components of harvesters: loads, restitution |
@@ -76,6 +77,7 @@ pub mod energy;
 pub mod excitation;
 pub mod hybrid;
 pub mod integrate;
+pub mod node;
 pub mod observer;
 pub mod oscillator;
 pub mod part;

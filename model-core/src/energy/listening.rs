@@ -107,6 +107,12 @@ impl<S: Scalar> ListeningState<S> {
         self.mean
     }
 
+    /// Mean squares in W² of differences of listens one and two intervals apart; `None` before the third listen.
+    #[must_use]
+    pub fn differences(&self) -> Option<[S; 2]> {
+        (self.listens > 2).then_some(self.differences)
+    }
+
     /// Correlation of the income from one listen to the next, 0 to 1.
     #[must_use]
     pub fn correlation(&self) -> S {
@@ -247,6 +253,16 @@ impl<S: Scalar> Listening<S> {
             Heard { energy: S::from_f64(0.5) * (power + last) * time, deviation: spread.sqrt() * time };
         self.choose(state);
         Some(heard)
+    }
+
+    /// Books the cost of a listen that gave no power, `elapsed` s after the last one. A cost that is negative, not finite,
+    /// or above 10⁹ J is refused.
+    pub fn miss(&self, state: &mut ListeningState<S>, elapsed: u32, cost: S) {
+        if cost >= S::ZERO && cost <= S::from_f64(LARGEST) {
+            let saved = self.saved(state, elapsed);
+            state.cost = cost;
+            state.saved = saved - cost;
+        }
     }
 
     /// Chooses the next interval: the longest that holds the error, but not shorter than the cost allows.

@@ -193,6 +193,27 @@ impl<W: Words> ResponseMap<W> {
         self.head.is_current
     }
 
+    /// Fingerprint of the harvester.
+    #[must_use]
+    pub fn fingerprint(&self) -> u32 {
+        u32::from(self.words.word(3)) | u32::from(self.words.word(4)) << 16
+    }
+
+    /// CRC-32 of the map.
+    #[must_use]
+    pub fn checksum(&self) -> u32 {
+        let end = self.words.count();
+        let word = |back: usize| u32::from(self.words.word(end.saturating_sub(back)));
+        word(2) | word(1) << 16
+    }
+
+    /// Lowest and highest amplitude in m/s².
+    #[must_use]
+    pub fn amplitudes(&self) -> [f32; 2] {
+        [self.head.lowest, self.head.highest]
+            .map(|level| number(level - AMPLITUDE_OCTAVES * LEVELS_PER_OCTAVE))
+    }
+
     /// Number of slices.
     #[must_use]
     pub fn slices(&self) -> usize {

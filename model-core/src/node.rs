@@ -1,0 +1,506 @@
+//! A node that knows what it harvests for a small share of it.
+//!
+//! A firmware engineer writes a [`Board`] and has a response map made; [`Node`] does the rest: it reads the voltage of the
+//! storage, now and then listens to the vibration through the accelerometer's FIFO, looks up what it heard in the map,
+//! keeps the books of the storage, and says which action may run. Nothing here waits: each call does a bounded amount of
+//! work and says when it wants to be called again, so that a node is driven from interrupts, from an executor, or by
+//! [`Runner`].
+//!
+//! ```text
+//! wake(second, code of the storage's voltage) → Wake { task, again_in, read }
+//!     Task::Sleep             sleep for again_in seconds, then read the voltage if `read`, and wake
+//!     Task::Listen            switch the sensor on, hand its samples to samples(), as the FIFO has them
+//!     Task::Run(index)        carry the action out, and wake again
+//! samples(&[i16]) → Progress::More(left) or Progress::Heard(what)
+//! ```
+//!
+//! # What is known, and by what
+//!
+//! * The storage's voltage is the first instrument: a reading corrects the income since the last one. Below some size of
+//!   the storage it is the only one that is needed, and the node listens at its longest interval.
+//! * A listen gives the power by the map. The ratio of the true to the modelled power, the gain, is learnt from the storage.
+//! * Between readings and listens the power is held, and its uncertainty grows as the listens have shown it to change.
+//! * A full storage says nothing about the income ([`NodeState::store_tells`]), and the income is then that of the map times
+//!   the gain learnt before.
+//! * The standing power is learnt while the harvester rests, when nothing else moves the storage.
+//!
+//! Every income is told with a bound of two standard deviations. The capacitance, the leakage and the efficiencies of the
+//! storage are taken as exact: an income is as wrong as the capacitance.
+
+mod board;
+mod filter;
+mod hearing;
+mod normal;
+mod parameters;
+mod state;
+#[cfg(test)]
+mod tests;
+
+pub use board::{Board, Fault, Runner, Step};
+pub use filter::StoreReading;
+pub use hearing::Hearing;
+pub use parameters::{KnowingCost, NodeError, NodeParameters, Regular, Sensor, Spread};
+pub use state::{IncomeOfTime, NodeState};
+
+use crate::energy::response_map::Words;
+use crate::energy::{Action, Budget, Listening, ResponseMap};
+use crate::excitation::LineBank;
+use crate::snapshot::{Configuration, Fingerprint};
+use filter::Filter;
+
+/// A node: its map in `W`, a bank of sections of at most `M` samples and blocks of `P` sections, a day of `SLOTS` slots.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node<W, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize> {
+    map: ResponseMap<W>,
+    bank: LineBank<M, P>,
+    budget: Budget<f32, SLOTS>,
+    listening: Listening<f32>,
+    filter: Filter<f32>,
+    parameters: NodeParameters<ACTIONS>,
+    /// A listen as an action.
+    listen: Action<f32>,
+    /// Samples in a listen without those of the start-up.
+    samples: u32,
+    /// Time of a listen in s, rounded up.
+    duration: u32,
+}
+
+/// What to do now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Task {
+    /// Nothing.
+    Sleep,
+    /// Take so many samples, those of the start-up included, and give them to [`Node::samples`].
+    Listen {
+        /// Samples that are still missing.
+        samples: u32,
+    },
+    /// Carry out the action with this index. Its energy is booked.
+    Run(usize),
+}
+
+/// The answer of [`Node::wake`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Wake {
+    /// What to do now.
+    pub task: Task,
+    /// Call [`Node::wake`] again after so many seconds; after the task if 0.
+    pub again_in: u32,
+    /// Read the voltage of the storage before that call.
+    pub read: bool,
+}
+
+/// The answer of [`Node::samples`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Progress {
+    /// So many samples are still missing.
+    More(u32),
+    /// The listen is complete: switch the sensor off, and wake.
+    Heard(Hearing),
+    /// The node does not listen: switch the sensor off.
+    Idle,
+}
+
+/// Readings at the start that are taken at the shortest interval.
+const FIRST_READINGS: u32 = 4;
+/// Seconds in an hour.
+const HOUR: u32 = 3600;
+/// Seconds after its end at which a listen that is not complete is given up.
+const GRACE: u32 = 2;
+
+impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize>
+    Node<W, M, P, SLOTS, ACTIONS>
+{
+    /// A node that listens by `bank` and looks up in `map`.
+    ///
+    /// # Errors
+    /// The first parameter outside its bounds.
+    pub fn new(
+        map: ResponseMap<W>,
+        bank: LineBank<M, P>,
+        parameters: NodeParameters<ACTIONS>,
+    ) -> Result<Self, NodeError> {
+        parameters.check()?;
+        let budget = parameters.budget.build()?;
+        parameters.converter.build(budget.storage())?;
+        let samples = bank.block() as u32 * parameters.sensor.blocks;
+        let all = samples + parameters.sensor.start_up;
+        let seconds = real(all) / parameters.sensor.rate;
+        let converter = parameters.converter;
+        let codes = 1_u32 << converter.bits.min(16);
+        let cell = converter.full_scale / real(codes);
+        let standing = parameters.budget.standing_power;
+        let standing_deviation = parameters.spread.standing * standing;
+        let filter = Filter {
+            storage: *budget.storage(),
+            standing,
+            standing_variance: standing_deviation * standing_deviation,
+            spent: parameters.spread.action,
+            cell,
+            noise: converter.noise.max(Filter::least_noise(cell)),
+            full_code: codes - 1,
+            gain_variance: converter.gain_deviation * converter.gain_deviation,
+            gain_drift: converter.gain_drift * converter.gain_drift * (1.0 / 3600.0),
+            power: parameters.spread.power,
+        };
+        Ok(Self {
+            listen: Action::new("listen", parameters.cost.listen, seconds)?,
+            listening: parameters.listening.build()?,
+            duration: seconds as u32 + 1,
+            map,
+            bank,
+            budget,
+            filter,
+            parameters,
+            samples,
+        })
+    }
+
+    /// The budget.
+    #[must_use]
+    pub fn budget(&self) -> &Budget<f32, SLOTS> {
+        &self.budget
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub fn parameters(&self) -> &NodeParameters<ACTIONS> {
+        &self.parameters
+    }
+
+    /// The state before any reading, at a time in whole seconds since a midnight. Read the voltage before the first
+    /// [`Node::wake`]: without it the node can afford nothing.
+    #[must_use]
+    pub fn start(&self, second: u32) -> NodeState<P, SLOTS, ACTIONS> {
+        NodeState::new(
+            second,
+            self.filter.start(),
+            self.listening.start(),
+            self.bank.start(),
+            self.budget.start(second),
+        )
+    }
+
+    /// Advances the time to the second `now`, with the code of the converter for the storage's voltage where it was read,
+    /// and says what to do.
+    ///
+    /// The clock is that of [`Node::start`]; a time before the last one counts as the last one.
+    ///
+    /// Cost: three exponentials and six square roots with a reading, one exponential without; the decision on an action
+    /// as [`Budget::can_run_now`].
+    pub fn wake(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
+        self.advance(state, now, true);
+        self.read(state, code);
+        self.decide(state)
+    }
+
+    /// As [`Node::wake`] after a time in which the node was off, locked out or without supply, from the last call to
+    /// `now`: nothing was drawn, and nothing was heard.
+    pub fn wake_after_gap(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        now: u32,
+        code: Option<u32>,
+    ) -> Wake {
+        state.abandon();
+        self.advance(state, now, false);
+        self.lose(state);
+        self.read(state, code);
+        self.decide(state)
+    }
+
+    /// Takes samples of a listen, in order, as many as the FIFO has.
+    ///
+    /// Cost: that of [`LineBank::take`]; a look-up for each whole block.
+    pub fn samples(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, samples: &[i16]) -> Progress {
+        let listen = &mut state.listen;
+        if listen.missing == 0 {
+            return Progress::Idle;
+        }
+        let skipped = (listen.start_up as usize).min(samples.len());
+        listen.start_up -= skipped as u32;
+        let valid = samples.get(skipped..).unwrap_or(&[]);
+        let mut left = valid.get(..listen.missing as usize).unwrap_or(valid);
+        let clipped = self.parameters.sensor.clipped;
+        listen.blocks.is_damaged |= left.iter().any(|&sample| sample >= clipped || sample <= -clipped);
+        let voltage = self.budget.storage().voltage(state.filter.store().mean);
+        while !left.is_empty() {
+            let (taken, lines) = self.bank.take(&mut listen.bank, left);
+            if taken == 0 {
+                break;
+            }
+            listen.missing = listen.missing.saturating_sub(taken as u32);
+            left = left.get(taken..).unwrap_or(&[]);
+            if let Some(lines) = lines {
+                listen.blocks.add(&self.map, &lines, voltage);
+            }
+        }
+        if listen.missing == 0 {
+            return Progress::Heard(self.conclude(state, voltage));
+        }
+        Progress::More(listen.start_up + listen.missing)
+    }
+
+    /// Says that samples were lost, for example by an overrun of the FIFO: the listen goes on and gives no value.
+    pub fn samples_lost(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
+        state.listen.blocks.is_damaged = true;
+    }
+
+    /// Advances filter and budget to `now`.
+    fn advance(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, is_on: bool) {
+        let seconds = now.saturating_sub(state.second);
+        if seconds == 0 {
+            return;
+        }
+        let walk = self.walk(state);
+        let spent = core::mem::replace(&mut state.spent, 0.0);
+        self.filter.predict(&mut state.filter, seconds, is_on, spent, walk);
+        let harvested = state.filter.all().mean - state.booked;
+        if is_on {
+            self.budget.update(&mut state.budget, seconds, harvested.max(0.0), 0.0);
+            state.booked += harvested.max(0.0);
+        } else {
+            self.budget.gap(&mut state.budget, seconds);
+            state.booked += harvested;
+        }
+        state.second += seconds;
+    }
+
+    /// Takes in a reading of the voltage; closes the hour.
+    fn read(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, code: Option<u32>) {
+        if let Some(code) = code {
+            let (reading, departure) = self.filter.observe(&mut state.filter, code);
+            state.reading = Some(reading);
+            state.departure = state.departure.max(departure);
+            state.last_reading = state.second;
+            state.readings = state.readings.saturating_add(1);
+            self.spend_on_knowing(state, self.parameters.cost.reading);
+        }
+        let store = state.filter.store();
+        if state.filter.is_located() {
+            let energy = store.mean.min(self.budget.storage().capacity());
+            self.budget.correct(&mut state.budget, energy, 3.0 * store.deviation);
+        }
+        if state.second.saturating_sub(state.hour_start) >= HOUR {
+            state.close_hour();
+        }
+    }
+
+    /// Decides what to do now.
+    fn decide(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) -> Wake {
+        if state.listen.missing > 0 {
+            let since = state.second.saturating_sub(state.listen.started);
+            let left = (self.duration + GRACE).saturating_sub(since);
+            if left > 0 {
+                let samples = state.listen.start_up + state.listen.missing;
+                return Wake { task: Task::Listen { samples }, again_in: left, read: false };
+            }
+            self.miss(state);
+            state.abandon();
+        }
+        if self.listen_is_due(state)
+            && self.budget.can_afford(&state.budget, &self.listen, state.budget.second())
+        {
+            let samples = self.begin(state);
+            return Wake { task: Task::Listen { samples }, again_in: self.duration + GRACE, read: false };
+        }
+        let now = state.second;
+        let mut next = HOUR.saturating_sub(now.saturating_sub(state.hour_start)).max(1);
+        for (index, (regular, last)) in self.parameters.actions.iter().zip(&mut state.last_run).enumerate() {
+            let since = now.saturating_sub(*last);
+            if since < regular.every {
+                next = next.min(regular.every - since);
+            } else if self.budget.can_run_now(&state.budget, &regular.action, state.budget.second()) {
+                *last = now;
+                self.budget.spend(&mut state.budget, regular.action.energy());
+                state.spent += regular.action.energy();
+                return Wake { task: Task::Run(index), again_in: 0, read: false };
+            }
+        }
+        let until = |last: u32, interval: u32| interval.saturating_sub(now.saturating_sub(last)).max(1);
+        let reading = until(state.last_reading, self.reading_interval(state));
+        let listen = until(state.last_listen, self.listen_interval(state));
+        let again_in = next.min(reading).min(listen.max(reading.min(HOUR)));
+        let hour_ends = now.saturating_add(again_in).saturating_sub(state.hour_start) >= HOUR;
+        Wake { task: Task::Sleep, again_in, read: again_in >= reading || hour_ends }
+    }
+
+    /// Whether to listen now.
+    fn listen_is_due(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> bool {
+        let elapsed = state.second.saturating_sub(state.last_listen);
+        if state.listens == 0 && state.misses == 0 {
+            return true;
+        }
+        if elapsed < self.listen_interval(state) {
+            return state.listens > 0 && self.listening.is_due(&state.listening, elapsed, state.departure);
+        }
+        true
+    }
+
+    /// Time from a listen to the next in s, without surprises.
+    fn listen_interval(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> u32 {
+        let parameters = &self.parameters.listening;
+        let longest = parameters.shortest << parameters.doublings;
+        let after_misses = parameters.shortest << state.misses.min(parameters.doublings);
+        let power = state.filter.power();
+        if state.listens > 0 && power.deviation <= parameters.error * power.mean {
+            // The storage knows it as well.
+            return longest;
+        }
+        if state.listens > 0 {
+            self.listening.interval(&state.listening).max(after_misses)
+        } else {
+            after_misses
+        }
+    }
+
+    /// Time from a reading to the next in s: the shortest whose cost the income pays for.
+    fn reading_interval(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> u32 {
+        let cost = &self.parameters.cost;
+        let mut interval = cost.shortest_reading;
+        if state.readings < FIRST_READINGS {
+            return interval;
+        }
+        let power = cost.reading_share * state.budget.mean_power().max(state.filter.power().mean);
+        for _ in 0..cost.reading_doublings {
+            if cost.reading <= power * real(interval) {
+                break;
+            }
+            interval *= 2;
+        }
+        interval
+    }
+
+    /// Begins a listen; the number of samples.
+    fn begin(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) -> u32 {
+        let start_up = self.parameters.sensor.start_up;
+        state.begin(self.bank.start(), self.samples, start_up);
+        self.spend_on_knowing(state, self.parameters.cost.listen);
+        self.samples + start_up
+    }
+
+    fn spend_on_knowing(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, energy: f32) {
+        self.budget.spend(&mut state.budget, energy);
+        state.spent += energy;
+        state.knowing.add(energy);
+    }
+
+    /// Takes in what a whole listen says.
+    fn conclude(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, voltage: f32) -> Hearing {
+        let elapsed = state.second.saturating_sub(state.last_listen);
+        let mut modelled = state.listen.blocks.modelled(&self.map, voltage);
+        match modelled.hearing {
+            Hearing::Line | Hearing::Broadband | Hearing::Rest => {}
+            Hearing::TwoMotions => {
+                let seen = self.filter.decide(&state.filter, [modelled.value, modelled.upper]);
+                if let Some(seen) = seen {
+                    modelled.hearing = Hearing::TwoMotionsOneSeen;
+                    modelled.value = seen;
+                } else if state.was_undecided {
+                    // Nothing new: the same doubt again makes nothing more certain.
+                    self.miss(state);
+                    return modelled.hearing;
+                } else {
+                    modelled.noise = modelled.upper - modelled.value;
+                }
+            }
+            Hearing::Damaged => {
+                self.miss(state);
+                return modelled.hearing;
+            }
+            _ => {
+                self.miss(state);
+                self.lose(state);
+                return modelled.hearing;
+            }
+        }
+        state.was_undecided = modelled.hearing == Hearing::TwoMotions;
+        self.widen(state, modelled.value, modelled.systematic);
+        self.filter.hear(&mut state.filter, elapsed, modelled.value, modelled.noise);
+        let gain = state.filter.gain().mean;
+        let [power, deviation] = [modelled.value, modelled.noise].map(|part| gain * part);
+        self.listening.hear(&mut state.listening, elapsed, power, deviation, self.parameters.cost.listen);
+        state.heard(modelled.value);
+        modelled.hearing
+    }
+
+    /// Widens the gain by how far the place in the map has moved.
+    fn widen(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, value: f32, systematic: f32) {
+        let last = state.last_modelled;
+        let product = last * value;
+        let difference = value - last;
+        // Of small changes the square of the logarithm of the ratio.
+        let change = if product > 0.0 { (difference * difference / product).min(4.0) } else { 4.0 };
+        let by_place = self.parameters.spread.gain_by_place;
+        let part = if state.listens == 0 { 0.0 } else { by_place * by_place * change };
+        let bounds = if state.listens == 0 { 1.0 } else { (100.0 * change).min(1.0) };
+        state.filter.widen_gain(part + systematic * systematic * bounds);
+    }
+
+    /// Books a listen without a value.
+    fn miss(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
+        let elapsed = state.second.saturating_sub(state.last_listen);
+        self.listening.miss(&mut state.listening, elapsed, self.parameters.cost.listen);
+        state.missed();
+    }
+
+    /// The power may be any like it: the shaking is another one than before.
+    fn lose(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
+        let power = state.filter.power().mean.max(state.budget.mean_power());
+        state.filter.widen_power(power * power);
+    }
+
+    /// Variance that the power gains in a second, in W²/s.
+    fn walk(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> f32 {
+        let power = state.filter.power().mean.max(0.3 * state.budget.mean_power());
+        let deviation = self.parameters.spread.income * power;
+        let assumed = deviation * deviation * (1.0 / 3600.0);
+        match state.listening.differences() {
+            Some([one, two]) => {
+                let interval = real(self.listening.interval(&state.listening));
+                ((two - one) / interval).max(0.04 * assumed)
+            }
+            None => assumed,
+        }
+    }
+}
+
+/// A count as a number.
+fn real(count: u32) -> f32 {
+    <f32 as crate::scalar::Scalar>::from_u32(count)
+}
+
+impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize> Configuration
+    for Node<W, M, P, SLOTS, ACTIONS>
+{
+    type State = NodeState<P, SLOTS, ACTIONS>;
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("node");
+        fingerprint.numbers(&[self.map.fingerprint(), self.map.checksum()]);
+        self.bank.identify(fingerprint);
+        self.budget.identify(fingerprint);
+        self.listening.identify(fingerprint);
+        let NodeParameters { sensor, cost, spread, .. } = &self.parameters;
+        fingerprint.numbers(&[sensor.rate, f32::from(sensor.clipped)]);
+        fingerprint.numbers(&[sensor.start_up, sensor.blocks, cost.shortest_reading, cost.reading_doublings]);
+        fingerprint.numbers(&[cost.listen, cost.reading, cost.reading_share]);
+        fingerprint.numbers(&[
+            spread.standing,
+            spread.action,
+            spread.income,
+            spread.gain_by_place,
+            spread.power,
+        ]);
+        let Filter { cell, noise, gain_variance, gain_drift, full_code, .. } = self.filter;
+        fingerprint.numbers(&[cell, noise, gain_variance, gain_drift]);
+        fingerprint.numbers(&[full_code]);
+        for Regular { action, every } in &self.parameters.actions {
+            fingerprint.numbers(&[action.energy(), action.duration()]);
+            fingerprint.numbers(&[*every]);
+        }
+    }
+}

@@ -1,0 +1,441 @@
+//! The income by the store's voltage and by what the node hears, joined.
+//!
+//! A Kalman filter for the stored energy `E`, the harvested power `P`, the gain `g` of the modelled power, the excess `d` of
+//! the standing power over its stated value, and the income since the start of the hour and of the node, `H` and `T`. With
+//! the closed form of the storage over an interval `t`, `w = e^(−x)`, `φ = (1 − w)/x`, the charging efficiency `η`, the
+//! discharging efficiency `δ`, the standing power `s` and the energy of actions `u`,
+//!
+//! ```text
+//! E ← w E + (η P t − ((s + d) t + u)/δ) φ,   H ← H + P t,   T ← T + P t,   P ← P + random walk.
+//! ```
+//!
+//! A walk of variance `q` in a unit of time adds `q t`, `q t²/2` and `q t³/3` to the variance of `P`, to its covariance with
+//! its integral, and to the variance of the integral. Between two known powers the integral is then the trapezoid, with
+//! the variance `q t³/12`: that of one jump at an unknown time. So the filter interpolates between listens, and a reading of
+//! the voltage corrects power and income of the whole interval before it. What was heard is the measurement `P = g m`
+//! of the modelled power `m`, linear in `P` and `g`; a reading is one of `E`, within the cell of the converter, as in
+//! [`Correction`](crate::energy::Correction).
+//!
+//! A reading that departs by more than three standard deviations says that the power has jumped: the walk of the interval
+//! is widened, after the fact, until the departure is one standard deviation.
+
+use super::normal::moments_within;
+use crate::energy::Storage;
+use crate::scalar::{Scalar, add_increment};
+use crate::snapshot::snapshot_fields;
+
+/// Number of states.
+const STATES: usize = 6;
+/// Stored energy in J.
+const STORE: usize = 0;
+/// Harvested power in W.
+const POWER: usize = 1;
+/// Gain of the modelled power.
+const GAIN: usize = 2;
+/// Standing power above the stated one in W.
+const DRAW: usize = 3;
+/// Income since the start of the hour in J.
+const HOUR: usize = 4;
+/// Income since the start in J.
+const ALL: usize = 5;
+
+/// Departure in standard deviations from which a jump is assumed.
+const JUMP: f64 = 3.0;
+/// Departure from which a reading must be confirmed by the next one.
+const DOUBTED: f64 = 12.0;
+/// Largest gain.
+const HIGHEST_GAIN: f64 = 1e3;
+/// Roundings of a variance that remain at least after an update.
+const LEAST_LEFT: f64 = 8.0;
+/// Time in s in which the standing power changes by the deviation of its stated value.
+const DRAW_MEMORY: f64 = 864_000.0;
+/// Least noise of a reading in cells, as in a `Correction`.
+const LEAST_NOISE: f64 = 0.2;
+
+/// The constants of the filter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Filter<S> {
+    pub(super) storage: Storage<S>,
+    /// Standing power in W.
+    pub(super) standing: S,
+    /// Variance of the standing power in W².
+    pub(super) standing_variance: S,
+    /// Relative standard deviation of the energy of actions.
+    pub(super) spent: S,
+    /// Width of a cell of the converter in V, its noise in V, and its highest code.
+    pub(super) cell: S,
+    pub(super) noise: S,
+    pub(super) full_code: u32,
+    /// Variance of the gain at the start, and its increase in a second.
+    pub(super) gain_variance: S,
+    pub(super) gain_drift: S,
+    /// Standard deviation of the power before anything is known, in W.
+    pub(super) power: S,
+}
+
+/// The state of the filter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct FilterState<S> {
+    mean: [S; STATES],
+    /// What rounding removed from the stored energy and the income since the start.
+    low: [S; 2],
+    covariance: [[S; STATES]; STATES],
+    /// Seconds since the last reading that was used.
+    since: u32,
+    located: bool,
+    was_full: bool,
+    was_doubted: bool,
+}
+
+/// What a reading of the voltage was good for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StoreReading {
+    /// It corrected the income.
+    Used,
+    /// It corrected the income, which must have jumped since the reading before.
+    Jump,
+    /// The storage was full, here or at the reading before, or its energy was not known before: the reading says nothing
+    /// about the income.
+    #[default]
+    Silent,
+    /// At the ends of the converter, or so far off that the next reading must confirm it.
+    Refused,
+}
+
+/// A quantity with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Known<S> {
+    pub(super) mean: S,
+    pub(super) deviation: S,
+}
+
+impl<S: Scalar> FilterState<S> {
+    fn known(&self, index: usize) -> Known<S> {
+        let mean = self.mean.get(index).copied().unwrap_or(S::ZERO);
+        let variance = self.covariance.get(index).and_then(|row| row.get(index)).copied().unwrap_or(S::ZERO);
+        Known { mean, deviation: variance.max(S::ZERO).sqrt() }
+    }
+
+    pub(super) fn store(&self) -> Known<S> {
+        self.known(STORE)
+    }
+
+    pub(super) fn power(&self) -> Known<S> {
+        self.known(POWER)
+    }
+
+    pub(super) fn gain(&self) -> Known<S> {
+        self.known(GAIN)
+    }
+
+    pub(super) fn draw(&self) -> Known<S> {
+        self.known(DRAW)
+    }
+
+    pub(super) fn hour(&self) -> Known<S> {
+        self.known(HOUR)
+    }
+
+    pub(super) fn all(&self) -> Known<S> {
+        self.known(ALL)
+    }
+
+    /// Whether the stored energy is known.
+    pub(super) fn is_located(&self) -> bool {
+        self.located
+    }
+
+    /// Whether the last reading found the storage full.
+    pub(super) fn was_full(&self) -> bool {
+        self.was_full
+    }
+
+    /// Begins another hour.
+    pub(super) fn close_hour(&mut self) {
+        self.mean[HOUR] = S::ZERO;
+        self.clear(HOUR, S::ZERO);
+    }
+
+    /// Sets the variance of a state, and its covariances to 0.
+    fn clear(&mut self, index: usize, variance: S) {
+        for (row, entries) in self.covariance.iter_mut().enumerate() {
+            for (column, entry) in entries.iter_mut().enumerate() {
+                if row == index || column == index {
+                    *entry = if row == column { variance } else { S::ZERO };
+                }
+            }
+        }
+    }
+
+    /// Adds a walk of the power of variance `walk` in a second over `time` in s; `stored` is the part of the income that is
+    /// stored.
+    fn walk(&mut self, time: S, walk: S, stored: S) {
+        let power = walk * time;
+        let both = S::from_f64(0.5) * power * time;
+        let income = S::from_f64(1.0 / 3.0) * power * time * time;
+        // Of a unit of the power's integral.
+        let parts = [stored, S::ZERO, S::ZERO, S::ZERO, S::ONE, S::ONE];
+        for (row, entries) in self.covariance.iter_mut().enumerate() {
+            let of_row = parts.get(row).copied().unwrap_or(S::ZERO);
+            for (column, entry) in entries.iter_mut().enumerate() {
+                let of_column = parts.get(column).copied().unwrap_or(S::ZERO);
+                *entry += match (row == POWER, column == POWER) {
+                    (true, true) => power,
+                    (true, false) => both * of_column,
+                    (false, true) => both * of_row,
+                    (false, false) => income * of_row * of_column,
+                };
+            }
+        }
+    }
+
+    /// Takes in a measurement: `along` are the covariances of the states with the measured quantity, `shift` how far it
+    /// is moved in its variance, `removed` the part of its variance that is known now, over that variance.
+    fn update(&mut self, along: [S; STATES], shift: S, removed: S) {
+        for (mean, &along) in self.mean.iter_mut().zip(&along) {
+            *mean += along * shift;
+        }
+        let mut largest = [S::ZERO; STATES];
+        let least = S::from_f64(LEAST_LEFT) * S::EPSILON;
+        for (row, entries) in self.covariance.iter_mut().enumerate() {
+            let of_row = along.get(row).copied().unwrap_or(S::ZERO) * removed;
+            for (column, (entry, &along)) in entries.iter_mut().zip(&along).enumerate() {
+                let left = *entry - of_row * along;
+                *entry = if row == column { left.max(*entry * least) } else { left };
+            }
+            if let (Some(largest), Some(&variance)) = (largest.get_mut(row), entries.get(row)) {
+                *largest = variance.sqrt();
+            }
+        }
+        // Correlations of at most 1.
+        for (row, entries) in self.covariance.iter_mut().enumerate() {
+            let of_row = largest.get(row).copied().unwrap_or(S::ZERO);
+            for (column, (entry, &deviation)) in entries.iter_mut().zip(&largest).enumerate() {
+                if row != column {
+                    let most = of_row * deviation;
+                    *entry = entry.max(-most).min(most);
+                }
+            }
+        }
+    }
+
+    /// Adds to the variance of the power.
+    pub(super) fn widen_power(&mut self, variance: S) {
+        self.covariance[POWER][POWER] += variance;
+    }
+
+    /// Widens the gain by the square of a relative change.
+    pub(super) fn widen_gain(&mut self, relative_variance: S) {
+        let gain = self.mean[GAIN];
+        let most = S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN);
+        self.covariance[GAIN][GAIN] =
+            (self.covariance[GAIN][GAIN] + gain * gain * relative_variance).min(most);
+    }
+}
+
+impl<S: Scalar> Filter<S> {
+    /// The state before any reading.
+    pub(super) fn start(&self) -> FilterState<S> {
+        let capacity = self.storage.capacity();
+        let mut covariance = [[S::ZERO; STATES]; STATES];
+        covariance[STORE][STORE] = capacity * capacity;
+        covariance[POWER][POWER] = self.power * self.power;
+        covariance[GAIN][GAIN] = self.gain_variance;
+        covariance[DRAW][DRAW] = self.standing_variance;
+        let half = S::from_f64(0.5) * capacity;
+        FilterState {
+            mean: [half, S::ZERO, S::ONE, S::ZERO, S::ZERO, S::ZERO],
+            low: [S::ZERO; 2],
+            covariance,
+            since: 0,
+            located: false,
+            was_full: false,
+            was_doubted: false,
+        }
+    }
+
+    /// Width of a cell in V, with the least noise of a reading.
+    pub(super) fn least_noise(cell: S) -> S {
+        S::from_f64(LEAST_NOISE) * cell
+    }
+
+    /// Advances the time by `seconds` in which the node spent `spent` J beside its standing power, while the variance of
+    /// the power grows by `walk` in a second.
+    pub(super) fn predict(&self, state: &mut FilterState<S>, seconds: u32, is_on: bool, spent: S, walk: S) {
+        let time = S::from_u32(seconds);
+        let storage = &self.storage;
+        let relaxation = storage.relaxation(time);
+        let [_, power, _, draw, ..] = state.mean;
+        let on = if is_on { S::ONE } else { S::ZERO };
+        let income = power * time;
+        let outgo = storage.drawn(on * (self.standing + draw) * time + spent).max(S::ZERO);
+        let change = storage.step(state.mean[STORE], &relaxation, storage.stored(income), outgo).change;
+        (state.mean[STORE], state.low[0]) = add_increment(state.mean[STORE], state.low[0], change);
+        (state.mean[ALL], state.low[1]) = add_increment(state.mean[ALL], state.low[1], income);
+        state.mean[HOUR] += income;
+
+        let stored = storage.stored(relaxation.of_income);
+        let (of_power, of_draw) = (stored * time, on * storage.drawn(relaxation.of_income) * time);
+        let kept = relaxation.kept;
+        let rows = &mut state.covariance;
+        let (of_store, power, draw) = (rows[STORE], rows[POWER], rows[DRAW]);
+        for (entry, ((store, power), draw)) in
+            rows[STORE].iter_mut().zip(of_store.into_iter().zip(power).zip(draw))
+        {
+            *entry = kept * store + of_power * power - of_draw * draw;
+        }
+        for index in [HOUR, ALL] {
+            if let Some(row) = rows.get_mut(index) {
+                for (entry, power) in row.iter_mut().zip(power) {
+                    *entry += time * power;
+                }
+            }
+        }
+        for row in rows.iter_mut() {
+            let [store, power, _, draw, hour, all] = row;
+            *store = kept * *store + of_power * *power - of_draw * *draw;
+            *hour += time * *power;
+            *all += time * *power;
+        }
+        state.walk(time, walk, stored);
+        let deviation = self.spent * storage.drawn(spent);
+        let cells = &mut state.covariance;
+        cells[STORE][STORE] += deviation * deviation;
+        let most = S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN);
+        cells[GAIN][GAIN] = (cells[GAIN][GAIN] + self.gain_drift * time).min(most);
+        cells[DRAW][DRAW] += self.standing_variance * time * S::from_f64(1.0 / DRAW_MEMORY);
+        state.since = state.since.saturating_add(seconds);
+    }
+
+    /// The energies at both edges of the cell of a code, and the noise of a reading there, in J.
+    fn cell(&self, code: u32) -> (S, S, S) {
+        let (half, voltage) = (S::from_f64(0.5) * self.cell, S::from_u32(code) * self.cell);
+        let low = self.storage.energy((voltage - half).max(S::ZERO));
+        let high = self.storage.energy(voltage + half);
+        (low, high, (high - low) * (self.noise / self.cell))
+    }
+
+    /// Takes in a reading of the voltage; also gives its departure from what was expected in standard deviations.
+    pub(super) fn observe(&self, state: &mut FilterState<S>, code: u32) -> (StoreReading, S) {
+        if code == 0 || code >= self.full_code {
+            if code > 0 {
+                // The storage may be full at any voltage from there on.
+                state.located = false;
+            }
+            return (StoreReading::Refused, S::ZERO);
+        }
+        let (low, high, noise) = self.cell(code);
+        let full = high + (high - low) + noise + noise >= self.storage.capacity();
+        let distance = (low - state.mean[STORE]).max(state.mean[STORE] - high).max(S::ZERO);
+        let mut variance = state.covariance[STORE][STORE] + noise * noise;
+        let departure = distance / variance.sqrt();
+        // Shunted income does not appear in a reading, and the expected energy may exceed it by any amount.
+        let reach = S::from_f64(JUMP) * variance.sqrt();
+        let limited = (full || state.was_full) && state.mean[STORE] + reach >= low;
+        if !state.located || limited {
+            let width = high - low;
+            state.mean[STORE] = (S::from_f64(0.5) * (low + high)).min(self.storage.capacity());
+            state.low[0] = S::ZERO;
+            state.clear(STORE, width * width * S::from_f64(1.0 / 12.0) + noise * noise);
+            (state.located, state.was_full, state.was_doubted, state.since) = (true, full, false, 0);
+            return (StoreReading::Silent, S::ZERO);
+        }
+        if departure > S::from_f64(DOUBTED) && !state.was_doubted {
+            state.was_doubted = true;
+            return (StoreReading::Refused, departure);
+        }
+        let jump = departure > S::from_f64(JUMP) && state.since > 0;
+        if jump {
+            let time = S::from_u32(state.since);
+            let stored = self.storage.stored(S::ONE);
+            let scale = stored * time;
+            let walk = S::from_f64(3.0) * (distance / scale) * (distance / scale) / time;
+            state.walk(time, walk, stored);
+            variance = state.covariance[STORE][STORE] + noise * noise;
+        }
+        let deviation = variance.sqrt();
+        let [from, to] = [low, high].map(|edge| (edge - state.mean[STORE]) / deviation);
+        let (mean, spread) = moments_within(from, to);
+        let along = state.covariance[STORE];
+        state.update(along, mean / deviation, (S::ONE - spread) / variance);
+        let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
+        state.covariance[STORE][STORE] = state.covariance[STORE][STORE].max(rounding * rounding);
+        self.limit(state);
+        (state.was_full, state.was_doubted, state.since) = (full, false, 0);
+        (if jump { StoreReading::Jump } else { StoreReading::Used }, departure)
+    }
+
+    /// Takes in a modelled power in W with its standard deviation, `elapsed` s after the one before.
+    pub(super) fn hear(&self, state: &mut FilterState<S>, elapsed: u32, modelled: S, deviation: S) {
+        let measured = |state: &FilterState<S>| {
+            let (power, gain) = (state.covariance[POWER], state.covariance[GAIN]);
+            let mut along = power;
+            for (entry, gain) in along.iter_mut().zip(gain) {
+                *entry -= modelled * gain;
+            }
+            let noise = state.mean[GAIN] * deviation;
+            (along, along[POWER] - modelled * along[GAIN] + noise * noise)
+        };
+        let departure = state.mean[GAIN] * modelled - state.mean[POWER];
+        let (mut along, mut variance) = measured(state);
+        let reach = S::from_f64(JUMP);
+        if departure * departure > reach * reach * variance {
+            let of_gain = modelled * modelled * state.covariance[GAIN][GAIN];
+            if state.covariance[POWER][POWER] < of_gain && modelled > S::ZERO {
+                // The storage knows the power: the model is wrong here.
+                let relative = departure / (modelled * state.mean[GAIN].max(S::from_f64(1e-3)));
+                state.widen_gain(relative * relative);
+            } else {
+                let time = S::from_u32(elapsed.max(1));
+                state.walk(time, departure * departure / time, self.storage.stored(S::ONE));
+            }
+            (along, variance) = measured(state);
+        }
+        if variance > S::ZERO {
+            state.update(along, departure / variance, S::ONE / variance);
+        }
+        self.limit(state);
+    }
+
+    /// Which of two modelled powers the storage has seen: the power is within two standard deviations of one, and beyond
+    /// four of the other.
+    pub(super) fn decide(&self, state: &FilterState<S>, modelled: [S; 2]) -> Option<S> {
+        let [far, near] = [S::from_f64(16.0), S::from_f64(4.0)];
+        let squares = modelled.map(|modelled| {
+            let (power, gain) = (state.covariance[POWER], state.covariance[GAIN]);
+            let variance =
+                power[POWER] - modelled * (power[GAIN] + gain[POWER]) + modelled * modelled * gain[GAIN];
+            let departure = state.mean[GAIN] * modelled - state.mean[POWER];
+            departure * departure / variance.max(S::TINY)
+        });
+        match squares {
+            [lower, upper] if lower < near && upper > far => Some(modelled[0]),
+            [lower, upper] if upper < near && lower > far => Some(modelled[1]),
+            _ => None,
+        }
+    }
+
+    /// Keeps the states within what they can be.
+    fn limit(&self, state: &mut FilterState<S>) {
+        let [store, power, gain, draw, hour, all] = &mut state.mean;
+        *store = store.max(S::ZERO).min(self.storage.capacity());
+        *power = power.max(S::ZERO);
+        *gain = gain.max(S::ZERO).min(S::from_f64(HIGHEST_GAIN));
+        *draw = draw.max(-self.standing);
+        *hour = hour.max(S::ZERO);
+        *all = all.max(S::ZERO);
+    }
+}
+
+snapshot_fields!(impl [S: Scalar] FilterState<S> {
+    mean, low, covariance, since, located, was_full, was_doubted,
+} if |state| {
+    let variances = state.covariance.iter().enumerate().all(|(index, row)| {
+        row.get(index).is_some_and(|&variance| variance >= S::ZERO)
+    });
+    let [_, power, gain, ..] = state.mean;
+    variances && power >= S::ZERO && gain >= S::ZERO
+});

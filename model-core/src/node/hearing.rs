@@ -1,0 +1,169 @@
+//! What a listen says of the income: lines of blocks, looked up in the map.
+
+use crate::energy::ResponseMap;
+use crate::energy::response_map::{Bounded, Outside, Response, Words};
+use crate::excitation::Lines;
+use crate::snapshot::snapshot_fields;
+
+/// Purity from which a block has a line.
+const LINE: f32 = 0.9;
+/// Mean purity up to which blocks are broadband shaking.
+const BROADBAND: f32 = 0.85;
+/// Part of the line's yield above which what else the resonance hears is relevant.
+const RELEVANT: f32 = 0.05;
+/// Relative standard deviation of the density of noise in a block.
+const DENSITY: f32 = 0.5;
+/// Relative standard deviation of a yield by the errors of the amplitude and the frequency of a line.
+const OF_LINE: f32 = 0.01;
+
+/// What a listen found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Hearing {
+    /// A line with one steady motion.
+    Line,
+    /// A line with two steady motions: the storage decided which.
+    TwoMotionsOneSeen,
+    /// A line with two steady motions of which the storage knows neither: the smaller yield counts, both are possible.
+    TwoMotions,
+    /// Broadband shaking of a harvester that stays linear.
+    Broadband,
+    /// Broadband shaking beyond the linear motion: no value.
+    BroadbandBeyond,
+    /// Shaking below the map: at most the yield at its lowest amplitude.
+    Rest,
+    /// A line beyond another edge of the map: no value.
+    Outside(Outside),
+    /// Neither a line nor broadband shaking, for example two strong lines: no value.
+    Unclear,
+    /// A sample was at the end of the sensor's range, or samples were lost: no value.
+    Damaged,
+}
+
+/// Yield by the map of a listen, in W.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Modelled {
+    pub(super) hearing: Hearing,
+    /// Of the smaller motion where there are two.
+    pub(super) value: f32,
+    /// Of the larger motion where there are two.
+    pub(super) upper: f32,
+    /// Standard deviation by noise, new in each listen.
+    pub(super) noise: f32,
+    /// Relative standard deviation by the map, the same at the same place.
+    pub(super) systematic: f32,
+}
+
+/// Sums over the blocks of a listen.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Blocks {
+    /// Blocks, and those with a line in the map.
+    count: u32,
+    lines: u32,
+    /// Blocks with two motions.
+    doubles: u32,
+    /// Whether the sensor was at its end, or samples were lost.
+    pub(super) is_damaged: bool,
+    /// Yield of the smaller and the larger motion, and its bounds.
+    yields: [f32; 4],
+    /// The largest amplitude with its frequency.
+    strongest: [f32; 2],
+    purity: f32,
+    density: f32,
+    rest: f32,
+}
+
+impl Blocks {
+    /// Takes in the lines of a block; `voltage` is that of the storage in V.
+    pub(super) fn add<W: Words>(&mut self, map: &ResponseMap<W>, lines: &Lines, voltage: f32) {
+        self.count += 1;
+        self.purity += lines.purity;
+        self.density += lines.density;
+        self.rest += lines.rest;
+        if lines.amplitude > self.strongest[0] {
+            self.strongest = [lines.amplitude, lines.frequency];
+        }
+        if lines.purity < LINE {
+            return;
+        }
+        let beside = 2.0 * (1.0 - lines.purity);
+        let parts = |one: Bounded, other: Bounded| {
+            let (less, more) = if one.value <= other.value { (one, other) } else { (other, one) };
+            [less.value, more.value, less.low * (1.0 - beside), more.high * (1.0 + beside)]
+        };
+        let yields = match look_up(map, lines.amplitude, lines.frequency, voltage) {
+            Response::One { income, .. } => parts(income, income),
+            Response::Two { lower, upper } => {
+                self.doubles += 1;
+                parts(lower, upper)
+            }
+            Response::Outside(_) => return,
+        };
+        self.lines += 1;
+        let scale = if map.is_current() { voltage } else { 1.0 };
+        for (sum, part) in self.yields.iter_mut().zip(yields) {
+            *sum += part * scale;
+        }
+    }
+
+    /// The yield of all blocks.
+    pub(super) fn modelled<W: Words>(&self, map: &ResponseMap<W>, voltage: f32) -> Modelled {
+        let nothing = |hearing| Modelled { hearing, value: 0.0, upper: 0.0, noise: 0.0, systematic: 0.0 };
+        if self.is_damaged || self.count == 0 {
+            return nothing(Hearing::Damaged);
+        }
+        let count = f32::from(u16::try_from(self.count).unwrap_or(u16::MAX));
+        let [amplitude, frequency] = self.strongest;
+        let scale = if map.is_current() { voltage } else { 1.0 };
+        let broadband = |density: f32| map.broadband(density / count);
+        if self.lines == self.count {
+            let [value, upper, low, high] = self.yields.map(|sum| sum / count);
+            let rest = 3.0 * scale * broadband(self.rest).map_or(0.0, |rest| rest.value);
+            if rest > RELEVANT * value {
+                return nothing(Hearing::Unclear);
+            }
+            let hearing = if self.doubles > 0 { Hearing::TwoMotions } else { Hearing::Line };
+            let spread = if self.doubles > 0 { 0.0 } else { 0.25 * (high + rest - low) };
+            let systematic = if value > 0.0 { spread / value } else { 0.0 };
+            return Modelled { hearing, value, upper, noise: OF_LINE * value, systematic };
+        }
+        let [lowest, _] = map.amplitudes();
+        if amplitude < lowest || self.purity <= BROADBAND * count {
+            if let Some(found) = broadband(self.density) {
+                if !found.is_linear {
+                    return nothing(Hearing::BroadbandBeyond);
+                }
+                let value = found.value * scale;
+                let hearing = if amplitude < lowest { Hearing::Rest } else { Hearing::Broadband };
+                let noise = DENSITY * value / crate::scalar::Scalar::sqrt(count);
+                return Modelled { hearing, value, upper: value, noise, systematic: 0.0 };
+            }
+            if amplitude < lowest {
+                // The yield grows with the amplitude.
+                let edge = look_up(map, lowest * 1.001, frequency, voltage).income();
+                return edge.map_or(nothing(Hearing::Outside(Outside::AmplitudeBelow)), |edge| Modelled {
+                    noise: 0.5 * edge.high * scale,
+                    ..nothing(Hearing::Rest)
+                });
+            }
+        }
+        match look_up(map, amplitude, frequency, voltage) {
+            Response::Outside(edge) if self.purity >= LINE * count => nothing(Hearing::Outside(edge)),
+            _ => nothing(Hearing::Unclear),
+        }
+    }
+}
+
+/// The answer of the map, at the voltage of the storage where it has slices.
+fn look_up<W: Words>(map: &ResponseMap<W>, amplitude: f32, frequency: f32, voltage: f32) -> Response {
+    if map.is_current() {
+        map.at_voltage(amplitude, frequency, voltage)
+    } else {
+        map.at(amplitude, frequency)
+    }
+}
+
+snapshot_fields!(impl [] Blocks {
+    count, lines, doubles, is_damaged, yields, strongest, purity, density, rest,
+});

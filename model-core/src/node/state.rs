@@ -1,0 +1,236 @@
+//! The state of a node, and what it tells.
+
+use super::filter::{FilterState, StoreReading};
+use super::hearing::Blocks;
+use crate::energy::{BudgetState, ListeningState};
+use crate::excitation::LineBankState;
+use crate::scalar::CompensatedSum;
+use crate::snapshot::{snapshot_fields, snapshot_variants};
+
+/// The state of a [`Node`](super::Node): all that it has learnt, and a listen that is under way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeState<const P: usize, const SLOTS: usize, const ACTIONS: usize> {
+    /// Seconds of the clock at the last wake.
+    pub(super) second: u32,
+    pub(super) filter: FilterState<f32>,
+    pub(super) listening: ListeningState<f32>,
+    pub(super) budget: BudgetState<f32, SLOTS>,
+    pub(super) listen: Listen<P>,
+    pub(super) last_listen: u32,
+    pub(super) last_reading: u32,
+    pub(super) last_run: [u32; ACTIONS],
+    /// Listens with a value, listens without one since, and readings.
+    pub(super) listens: u32,
+    pub(super) misses: u32,
+    pub(super) readings: u32,
+    /// Modelled power of the last listen in W.
+    pub(super) last_modelled: f32,
+    /// Whether the last listen found two motions, and the storage knew neither.
+    pub(super) was_undecided: bool,
+    /// Largest departure of a reading since the last listen, in standard deviations.
+    pub(super) departure: f32,
+    pub(super) reading: Option<StoreReading>,
+    /// Energy in J spent since the last wake and not yet in the filter.
+    pub(super) spent: f32,
+    /// Energy in J spent on knowing.
+    pub(super) knowing: CompensatedSum<f32>,
+    /// Income in J that the budget has.
+    pub(super) booked: f32,
+    pub(super) started: u32,
+    pub(super) hour_start: u32,
+    pub(super) hour: Option<IncomeOfTime>,
+}
+
+/// A listen under way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Listen<const P: usize> {
+    pub(super) bank: LineBankState<P>,
+    pub(super) blocks: Blocks,
+    /// Samples of the start-up, and others, that are still missing.
+    pub(super) start_up: u32,
+    pub(super) missing: u32,
+    /// Second at which it began.
+    pub(super) started: u32,
+}
+
+/// The income of a time with its bound.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct IncomeOfTime {
+    /// Seconds.
+    pub seconds: u32,
+    /// Harvested energy in J, before the charging efficiency.
+    pub energy: f32,
+    /// Two standard deviations of it in J.
+    pub bound: f32,
+}
+
+impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOTS, ACTIONS> {
+    pub(super) fn new(
+        second: u32,
+        filter: FilterState<f32>,
+        listening: ListeningState<f32>,
+        bank: LineBankState<P>,
+        budget: BudgetState<f32, SLOTS>,
+    ) -> Self {
+        let listen = Listen { bank, blocks: Blocks::default(), start_up: 0, missing: 0, started: second };
+        Self {
+            second,
+            filter,
+            listening,
+            budget,
+            listen,
+            last_listen: second,
+            last_reading: second,
+            last_run: [second; ACTIONS],
+            listens: 0,
+            misses: 0,
+            readings: 0,
+            last_modelled: 0.0,
+            was_undecided: false,
+            departure: 0.0,
+            reading: None,
+            spent: 0.0,
+            knowing: CompensatedSum::default(),
+            booked: 0.0,
+            started: second,
+            hour_start: second,
+            hour: None,
+        }
+    }
+
+    /// Seconds of the clock at the last wake.
+    #[must_use]
+    pub fn second(&self) -> u32 {
+        self.second
+    }
+
+    /// The income of the last whole hour; of a longer time if the node was off at its end. `None` before the first.
+    #[must_use]
+    pub fn last_hour(&self) -> Option<IncomeOfTime> {
+        self.hour
+    }
+
+    /// The income since the start.
+    #[must_use]
+    pub fn overall(&self) -> IncomeOfTime {
+        let all = self.filter.all();
+        IncomeOfTime {
+            seconds: self.second.saturating_sub(self.started),
+            energy: all.mean,
+            bound: 2.0 * all.deviation,
+        }
+    }
+
+    /// Harvested power now, and two standard deviations, in W.
+    #[must_use]
+    pub fn power(&self) -> [f32; 2] {
+        let power = self.filter.power();
+        [power.mean, 2.0 * power.deviation]
+    }
+
+    /// Ratio of the true power to that of the map, and two standard deviations.
+    #[must_use]
+    pub fn gain(&self) -> [f32; 2] {
+        let gain = self.filter.gain();
+        [gain.mean, 2.0 * gain.deviation]
+    }
+
+    /// Excess of the standing power over the stated one, and two standard deviations, in W.
+    #[must_use]
+    pub fn excess_draw(&self) -> [f32; 2] {
+        let draw = self.filter.draw();
+        [draw.mean, 2.0 * draw.deviation]
+    }
+
+    /// Stored energy and two standard deviations in J.
+    #[must_use]
+    pub fn stored(&self) -> [f32; 2] {
+        let store = self.filter.store();
+        [store.mean, 2.0 * store.deviation]
+    }
+
+    /// Whether the storage tells the income: its energy is known, and it was not full at the last reading.
+    #[must_use]
+    pub fn store_tells(&self) -> bool {
+        self.filter.is_located() && !self.filter.was_full()
+    }
+
+    /// What the last reading of the voltage was good for; `None` before the first.
+    #[must_use]
+    pub fn last_reading(&self) -> Option<StoreReading> {
+        self.reading
+    }
+
+    /// Energy in J that was spent on knowing the income, at the load.
+    #[must_use]
+    pub fn spent_on_knowing(&self) -> f32 {
+        self.knowing.value()
+    }
+
+    /// The energy spent on knowing over the income since the start; infinite without income.
+    #[must_use]
+    pub fn share_spent_on_knowing(&self) -> f32 {
+        let income = self.filter.all().mean;
+        if income > 0.0 { self.knowing.value() / income } else { f32::INFINITY }
+    }
+
+    /// Numbers of readings, and of listens with a value.
+    #[must_use]
+    pub fn instruments(&self) -> [u32; 2] {
+        [self.readings, self.listens]
+    }
+
+    /// The state of the budget.
+    #[must_use]
+    pub fn budget(&self) -> &BudgetState<f32, SLOTS> {
+        &self.budget
+    }
+
+    /// Begins a listen.
+    pub(super) fn begin(&mut self, bank: LineBankState<P>, samples: u32, start_up: u32) {
+        let blocks = Blocks::default();
+        self.listen = Listen { bank, blocks, start_up, missing: samples, started: self.second };
+    }
+
+    /// Gives up a listen under way.
+    pub(super) fn abandon(&mut self) {
+        self.listen.missing = 0;
+    }
+
+    /// A listen gave a value.
+    pub(super) fn heard(&mut self, modelled: f32) {
+        self.last_listen = self.second;
+        self.listens = self.listens.saturating_add(1);
+        self.misses = 0;
+        self.departure = 0.0;
+        self.last_modelled = modelled;
+    }
+
+    /// A listen gave none.
+    pub(super) fn missed(&mut self) {
+        self.last_listen = self.second;
+        self.misses = self.misses.saturating_add(1);
+        self.departure = 0.0;
+    }
+
+    /// Ends the hour.
+    pub(super) fn close_hour(&mut self) {
+        let hour = self.filter.hour();
+        let seconds = self.second.saturating_sub(self.hour_start);
+        self.hour = Some(IncomeOfTime { seconds, energy: hour.mean, bound: 2.0 * hour.deviation });
+        self.hour_start = self.second;
+        self.filter.close_hour();
+    }
+}
+
+snapshot_fields!(impl [] IncomeOfTime { seconds, energy, bound });
+
+snapshot_fields!(impl [const P: usize] Listen<P> { bank, blocks, start_up, missing, started });
+
+snapshot_fields!(impl [const P: usize, const SLOTS: usize, const ACTIONS: usize] NodeState<P, SLOTS, ACTIONS> {
+    second, filter, listening, budget, listen, last_listen, last_reading, last_run, listens, misses, readings,
+    last_modelled, was_undecided, departure, reading, spent, knowing, booked, started, hour_start, hour,
+});
+
+snapshot_variants!(StoreReading { Used, Jump, Silent, Refused });

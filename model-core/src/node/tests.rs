@@ -1,0 +1,225 @@
+//! The filter against closed forms of its covariances, against `Correction`, and over random incomes.
+
+use super::filter::{Filter, FilterState, StoreReading};
+use crate::energy::{Capacitor, CorrectionParameters, Storage, StorageParameters};
+
+/// Random numbers by SplitMix64.
+#[derive(Debug, Clone, Copy)]
+struct Random(u64);
+
+impl Random {
+    /// Even from 0 to 1.
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Normal with the variance 1, as the sum of twelve.
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform() - 0.5).sum()
+    }
+}
+
+const CELL: f64 = 5.0 / 4096.0;
+
+fn storage(capacitance: f64) -> Storage<f64> {
+    StorageParameters {
+        capacitor: Capacitor { capacitance, leakage_resistance: f64::INFINITY },
+        charging_efficiency: 1.0,
+        discharging_efficiency: 1.0,
+        highest_voltage: 4.9,
+        lock_out_voltage: 1.0,
+        turn_on_voltage: 2.0,
+    }
+    .build()
+    .expect("within bounds")
+}
+
+fn filter(capacitance: f64) -> Filter<f64> {
+    Filter {
+        storage: storage(capacitance),
+        standing: 1e-6,
+        standing_variance: 0.0,
+        spent: 0.0,
+        cell: CELL,
+        noise: 0.5 * CELL,
+        full_code: 4095,
+        gain_variance: 1.0,
+        gain_drift: 0.0,
+        power: 1e-4,
+    }
+}
+
+fn code(voltage: f64) -> u32 {
+    (voltage / CELL).round() as u32
+}
+
+#[test]
+fn between_two_listens_the_income_is_the_trapezoid_with_the_variance_of_the_walk() {
+    // Without a reading, and with a gain that is known.
+    let filter = Filter { gain_variance: 0.0, ..filter(1e-3) };
+    let (walk, time) = (1e-16, 600);
+    let mut state = filter.start();
+    filter.hear(&mut state, 0, 3e-6, 0.0);
+    state.close_hour();
+    for _ in 0..10 {
+        filter.predict(&mut state, time / 10, true, 0.0, walk);
+    }
+    let t = f64::from(time);
+    let held = state.hour();
+    assert!((held.mean / (3e-6 * t) - 1.0).abs() < 1e-9);
+    assert!((held.deviation / (walk * t * t * t / 3.0).sqrt() - 1.0).abs() < 1e-3, "{held:?}");
+    filter.hear(&mut state, time, 3.5e-6, 0.0);
+    let found = state.hour();
+    assert!((found.mean / (0.5 * (3e-6 + 3.5e-6) * t) - 1.0).abs() < 1e-9, "{found:?}");
+    assert!((found.deviation / (walk * t * t * t / 12.0).sqrt() - 1.0).abs() < 1e-3, "{found:?}");
+}
+
+#[test]
+fn two_readings_know_the_income_to_the_error_of_both() {
+    // √2 ΔV C V, the contract of an instrument of energy.
+    let filter = filter(1e-3);
+    let mut state = filter.start();
+    filter.observe(&mut state, code(3.0));
+    state.close_hour();
+    filter.predict(&mut state, 3600, true, 0.0, 1e-12);
+    let end = (9.0 + 2.0 * (2.5e-6 - 1e-6) * 3600.0 / 1e-3_f64).sqrt();
+    filter.observe(&mut state, code(end));
+    let hour = state.hour();
+    let of_reading = (CELL * CELL / 12.0 + 0.25 * CELL * CELL).sqrt();
+    let expected = of_reading * 1e-3 * (9.0 + end * end).sqrt();
+    assert!((hour.mean - 2.5e-6 * 3600.0).abs() < 3.0 * hour.deviation, "{hour:?}");
+    assert!((hour.deviation / expected - 1.0).abs() < 0.1, "{hour:?} {expected}");
+}
+
+#[test]
+fn with_a_modelled_power_the_gain_is_that_of_a_correction() {
+    let parameters = CorrectionParameters {
+        bits: 12,
+        full_scale: 5.0,
+        noise: 8.0 * CELL,
+        gain_deviation: 1.0,
+        gain_drift: 0.0,
+    };
+    let correction = parameters.build(&storage(4e-3)).expect("in bounds");
+    let filter = Filter { noise: 8.0 * CELL, ..filter(4e-3) };
+    let (mut one, mut other) = (correction.start(), filter.start());
+    let (mut random, mut energy) = (Random(7), 0.5 * 4e-3 * 9.0_f64);
+    for minute in 0..60 {
+        let modelled = 4e-6 * (1.0 + 0.3 * f64::from(minute).sin());
+        let spent = if minute % 7 == 0 { 3e-4 } else { 0.0 };
+        energy += (1.7 * modelled - 1e-6) * 60.0 - spent;
+        let code = code((2.0 * energy / 4e-3).sqrt() + 8.0 * CELL * random.normal());
+        correction.predict(&mut one, 60, modelled * 60.0, spent + 1e-6 * 60.0);
+        correction.observe(&mut one, code);
+        // The power of this minute is heard before it, without noise; it changes by any amount.
+        filter.predict(&mut other, 0, true, 0.0, 0.0);
+        other.widen_power(1e-10);
+        filter.hear(&mut other, 0, modelled, 0.0);
+        filter.predict(&mut other, 60, true, spent, 0.0);
+        filter.observe(&mut other, code);
+    }
+    let (one, gain) = (one.estimate(), other.gain());
+    assert!((one.gain - 1.7).abs() < 3.0 * one.gain_deviation);
+    assert!((one.gain - gain.mean).abs() < 0.1 * one.gain_deviation, "{one:?} {gain:?}");
+    assert!((one.gain_deviation / gain.deviation - 1.0).abs() < 0.05, "{one:?} {gain:?}");
+    assert!((one.energy - other.store().mean).abs() < 0.1 * one.energy_deviation);
+}
+
+#[test]
+fn the_draw_is_learnt_while_the_harvester_rests() {
+    let filter = Filter { standing_variance: 0.09e-12, ..filter(1e-3) };
+    let mut state = filter.start();
+    let mut energy = 0.5e-3 * 9.0_f64;
+    let mut random = Random(3);
+    for minute in 0..180 {
+        // In the first hour the harvester yields a power that nothing tells.
+        let power = if minute < 60 { 3e-6 } else { 0.0 };
+        energy += (power - 1.25e-6) * 60.0;
+        filter.predict(&mut state, 60, true, 0.0, 1e-17);
+        if minute == 60 {
+            state.widen_power(1e-11);
+            // The income less the draw is known, neither of them alone.
+            assert!(state.draw().deviation > 0.29e-6, "{:?}", state.draw());
+        }
+        if minute >= 60 && minute % 10 == 0 {
+            filter.hear(&mut state, 600, 0.0, 1e-9);
+        }
+        filter.observe(&mut state, code((2e3 * energy).sqrt() + 0.5 * CELL * random.normal()));
+    }
+    let draw = state.draw();
+    assert!(draw.deviation < 0.03e-6 && (draw.mean - 0.25e-6).abs() < 3.0 * draw.deviation, "{draw:?}");
+}
+
+#[test]
+fn a_full_storage_says_nothing_about_the_income() {
+    let filter = filter(1e-3);
+    let mut state = filter.start();
+    filter.hear(&mut state, 0, 4e-6, 0.0);
+    let (before, power) = (state.gain(), state.power().mean);
+    for _ in 0..50 {
+        filter.predict(&mut state, 60, true, 0.0, 0.0);
+        assert_eq!(filter.observe(&mut state, code(4.9)).0, StoreReading::Silent);
+        assert!(state.was_full());
+    }
+    let after = state.gain();
+    assert!((after.mean - before.mean).abs() < 1e-12 && after.deviation >= before.deviation, "{after:?}");
+    assert!((state.all().mean - power * 3000.0).abs() < 1e-9);
+}
+
+/// A random walk of the power; gives squares of errors in deviations, and shares within two, of each hour.
+fn hours(capacitance: f64, listen_every: u32, cases: u64) -> (f64, f64, f64) {
+    let (mut squares, mut inside, mut count, mut relative) = (0.0, 0.0, 0.0, 0.0);
+    for case in 0..cases {
+        let mut random = Random(case + 1);
+        let filter = Filter { gain_variance: 0.25, standing_variance: 0.04e-12, ..filter(capacitance) };
+        let (gain, draw) =
+            (1.0 + 0.4 * random.normal().clamp(-2.0, 2.0), 1e-6 * (1.0 + 0.2 * random.normal()));
+        let walk: f64 = 1e-16;
+        let (mut power, mut energy) = (6e-6_f64, 0.5 * capacitance * 9.0);
+        let mut state: FilterState<f64> = filter.start();
+        filter.observe(&mut state, code(3.0));
+        let mut income = 0.0;
+        for minute in 1..=240_u32 {
+            if (minute - 1) % listen_every == 0 {
+                filter.hear(&mut state, 60 * listen_every, power / gain, 0.0);
+            }
+            for _ in 0..60 {
+                power = (power + walk.sqrt() * random.normal()).max(1e-6);
+                income += power;
+                energy += power - draw;
+            }
+            filter.predict(&mut state, 60, true, 0.0, walk);
+            filter.observe(
+                &mut state,
+                code((2.0 * energy / capacitance).sqrt() + 0.5 * CELL * random.normal()),
+            );
+            // Spend what came in, so that the storage does not fill up.
+            if minute % 60 == 0 {
+                let hour = state.hour();
+                let error = hour.mean - income;
+                squares += (error / hour.deviation).powi(2);
+                inside += f64::from(error.abs() <= 2.0 * hour.deviation);
+                relative += (error / income).abs();
+                count += 1.0;
+                state.close_hour();
+                income = 0.0;
+                filter.predict(&mut state, 0, true, 0.01, 0.0);
+                energy -= 0.01;
+            }
+        }
+    }
+    (inside / count, (squares / count).sqrt(), relative / count)
+}
+
+#[test]
+fn the_stated_deviation_is_that_of_the_errors_over_random_incomes() {
+    for (capacitance, listen_every) in [(10e-3, 10), (0.1, 10), (0.1, 30)] {
+        let (inside, ratio, relative) = hours(capacitance, listen_every, 100);
+        println!("{capacitance} F, {listen_every} min: {inside} {ratio} {relative}");
+        assert!(inside > 0.92 && (0.6..1.2).contains(&ratio), "{capacitance}: {inside} {ratio} {relative}");
+    }
+}
