@@ -43,7 +43,7 @@ pub use parameters::{KnowingCost, NodeError, NodeParameters, Regular, Sensor, Sp
 pub use state::{IncomeOfTime, NodeState};
 
 use crate::energy::response_map::Words;
-use crate::energy::{Action, Budget, Listening, ResponseMap};
+use crate::energy::{Action, Budget, BudgetState, Listening, ResponseMap};
 use crate::excitation::LineBank;
 use crate::snapshot::{Configuration, Fingerprint};
 use filter::Filter;
@@ -106,6 +106,8 @@ pub enum Progress {
 
 /// Readings at the start that are taken at the shortest interval.
 const FIRST_READINGS: u32 = 4;
+/// Seconds after which a doubtful reading is confirmed.
+const CONFIRMATION: u32 = 1;
 /// Seconds in an hour.
 const HOUR: u32 = 3600;
 /// Seconds after its end at which a listen that is not complete is given up.
@@ -255,6 +257,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         if seconds == 0 {
             return;
         }
+        if !state.store_tells() {
+            state.silent = state.silent.saturating_add(seconds);
+        }
         let walk = self.walk(state);
         let spent = core::mem::replace(&mut state.spent, 0.0);
         self.filter.predict(&mut state.filter, seconds, is_on, spent, walk);
@@ -284,7 +289,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             let energy = store.mean.min(self.budget.storage().capacity());
             self.budget.correct(&mut state.budget, energy, 3.0 * store.deviation);
         }
-        if state.second.saturating_sub(state.hour_start) >= HOUR {
+        // A listen may last beyond the hour: the next reading ends it.
+        let is_over = state.second.saturating_sub(state.hour_start) >= HOUR;
+        if is_over && code.is_some() && !state.filter.is_doubted() {
             state.close_hour();
         }
     }
@@ -307,13 +314,16 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             let samples = self.begin(state);
             return Wake { task: Task::Listen { samples }, again_in: self.duration + GRACE, read: false };
         }
+        if state.filter.is_doubted() {
+            return Wake { task: Task::Sleep, again_in: CONFIRMATION, read: true };
+        }
         let now = state.second;
         let mut next = HOUR.saturating_sub(now.saturating_sub(state.hour_start)).max(1);
         for (index, (regular, last)) in self.parameters.actions.iter().zip(&mut state.last_run).enumerate() {
             let since = now.saturating_sub(*last);
             if since < regular.every {
                 next = next.min(regular.every - since);
-            } else if self.budget.can_run_now(&state.budget, &regular.action, state.budget.second()) {
+            } else if self.can_run(&state.budget, regular) {
                 *last = now;
                 self.budget.spend(&mut state.budget, regular.action.energy());
                 state.spent += regular.action.energy();
@@ -326,6 +336,15 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let again_in = next.min(reading).min(listen.max(reading.min(HOUR)));
         let hour_ends = now.saturating_add(again_in).saturating_sub(state.hour_start) >= HOUR;
         Wake { task: Task::Sleep, again_in, read: again_in >= reading || hour_ends }
+    }
+
+    /// Whether an action leaves the reserve in the storage, and the coming day as it is.
+    fn can_run(&self, state: &BudgetState<f32, SLOTS>, regular: &Regular) -> bool {
+        let action = &regular.action;
+        let energy = action.energy() + self.parameters.reserve;
+        let with_reserve = Action::new("with reserve", energy, action.duration());
+        with_reserve.is_ok_and(|action| self.budget.can_afford(state, &action, state.second()))
+            && self.budget.can_run_now(state, action, state.second())
     }
 
     /// Whether to listen now.
@@ -404,7 +423,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
                     self.miss(state);
                     return modelled.hearing;
                 } else {
-                    modelled.noise = modelled.upper - modelled.value;
+                    // Either: the middle, uncertain by half of the difference.
+                    modelled.noise = 0.5 * (modelled.upper - modelled.value);
+                    modelled.value += modelled.noise;
                 }
             }
             Hearing::Damaged => {
@@ -412,8 +433,12 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
                 return modelled.hearing;
             }
             _ => {
-                self.miss(state);
+                // Where the order of magnitude is known, it is a measurement, uncertain by its own size.
                 self.lose(state);
+                if modelled.value > 0.0 {
+                    self.filter.hear_about(&mut state.filter, modelled.value);
+                }
+                self.miss(state);
                 return modelled.hearing;
             }
         }
@@ -461,7 +486,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         match state.listening.differences() {
             Some([one, two]) => {
                 let interval = real(self.listening.interval(&state.listening));
-                ((two - one) / interval).max(0.04 * assumed)
+                // A storage that tells shows a change that the listens have missed.
+                let least = if state.store_tells() { 0.04 } else { 1.0 };
+                ((two - one) / interval).max(least * assumed)
             }
             None => assumed,
         }
@@ -498,6 +525,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let Filter { cell, noise, gain_variance, gain_drift, full_code, .. } = self.filter;
         fingerprint.numbers(&[cell, noise, gain_variance, gain_drift]);
         fingerprint.numbers(&[full_code]);
+        fingerprint.numbers(&[self.parameters.reserve]);
         for Regular { action, every } in &self.parameters.actions {
             fingerprint.numbers(&[action.energy(), action.duration()]);
             fingerprint.numbers(&[*every]);

@@ -84,6 +84,9 @@ pub(super) struct FilterState<S> {
     /// Seconds since the last reading that was used.
     since: u32,
     located: bool,
+    /// Energy that left the storage since the last reading that was used, in J.
+    outgo: S,
+    /// Whether the storage may have been full between the last two readings.
     was_full: bool,
     was_doubted: bool,
 }
@@ -96,8 +99,8 @@ pub enum StoreReading {
     Used,
     /// It corrected the income, which must have jumped since the reading before.
     Jump,
-    /// The storage was full, here or at the reading before, or its energy was not known before: the reading says nothing
-    /// about the income.
+    /// The storage may have been full since the reading before, or its energy was not known: the reading says nothing about
+    /// the income.
     #[default]
     Silent,
     /// At the ends of the converter, or so far off that the next reading must confirm it.
@@ -143,12 +146,17 @@ impl<S: Scalar> FilterState<S> {
         self.known(ALL)
     }
 
+    /// Whether the next reading must confirm the last one.
+    pub(super) fn is_doubted(&self) -> bool {
+        self.was_doubted
+    }
+
     /// Whether the stored energy is known.
     pub(super) fn is_located(&self) -> bool {
         self.located
     }
 
-    /// Whether the last reading found the storage full.
+    /// Whether the storage may have been full between the last two readings.
     pub(super) fn was_full(&self) -> bool {
         self.was_full
     }
@@ -251,6 +259,7 @@ impl<S: Scalar> Filter<S> {
             low: [S::ZERO; 2],
             covariance,
             since: 0,
+            outgo: S::ZERO,
             located: false,
             was_full: false,
             was_doubted: false,
@@ -307,6 +316,9 @@ impl<S: Scalar> Filter<S> {
         let most = S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN);
         cells[GAIN][GAIN] = (cells[GAIN][GAIN] + self.gain_drift * time).min(most);
         cells[DRAW][DRAW] += self.standing_variance * time * S::from_f64(1.0 / DRAW_MEMORY);
+        // What the node spent at a reading left before the storage could fill up again.
+        let before = if state.since == 0 { storage.drawn(spent) } else { S::ZERO };
+        state.outgo += (outgo - before).max(S::ZERO) + relaxation.lost() * state.mean[STORE];
         state.since = state.since.saturating_add(seconds);
     }
 
@@ -328,19 +340,20 @@ impl<S: Scalar> Filter<S> {
             return (StoreReading::Refused, S::ZERO);
         }
         let (low, high, noise) = self.cell(code);
-        let full = high + (high - low) + noise + noise >= self.storage.capacity();
+        // A storage that was full since the last reading has now at least its capacity less what left it since.
+        let full = high + (high - low) + noise + noise + state.outgo >= self.storage.capacity();
         let distance = (low - state.mean[STORE]).max(state.mean[STORE] - high).max(S::ZERO);
         let mut variance = state.covariance[STORE][STORE] + noise * noise;
         let departure = distance / variance.sqrt();
         // Shunted income does not appear in a reading, and the expected energy may exceed it by any amount.
-        let reach = S::from_f64(JUMP) * variance.sqrt();
-        let limited = (full || state.was_full) && state.mean[STORE] + reach >= low;
+        let limited = full && state.mean[STORE] + S::from_f64(JUMP) * variance.sqrt() >= low;
         if !state.located || limited {
             let width = high - low;
             state.mean[STORE] = (S::from_f64(0.5) * (low + high)).min(self.storage.capacity());
             state.low[0] = S::ZERO;
             state.clear(STORE, width * width * S::from_f64(1.0 / 12.0) + noise * noise);
-            (state.located, state.was_full, state.was_doubted, state.since) = (true, full, false, 0);
+            (state.located, state.was_full) = (true, full);
+            (state.was_doubted, state.since, state.outgo) = (false, 0, S::ZERO);
             return (StoreReading::Silent, S::ZERO);
         }
         if departure > S::from_f64(DOUBTED) && !state.was_doubted {
@@ -364,7 +377,12 @@ impl<S: Scalar> Filter<S> {
         let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
         state.covariance[STORE][STORE] = state.covariance[STORE][STORE].max(rounding * rounding);
         self.limit(state);
-        (state.was_full, state.was_doubted, state.since) = (full, false, 0);
+        if full && state.since > 0 {
+            // The income may have been larger by what was shunted.
+            let (power, time) = (state.mean[POWER], S::from_u32(state.since));
+            state.walk(time, S::from_f64(3.0) * power * power / time, S::ZERO);
+        }
+        (state.was_full, state.was_doubted, state.since, state.outgo) = (full, false, 0, S::ZERO);
         (if jump { StoreReading::Jump } else { StoreReading::Used }, departure)
     }
 
@@ -381,21 +399,35 @@ impl<S: Scalar> Filter<S> {
         };
         let departure = state.mean[GAIN] * modelled - state.mean[POWER];
         let (mut along, mut variance) = measured(state);
-        let reach = S::from_f64(JUMP);
+        // A storage that tells would have shown a jump.
+        let tells = state.located && !state.was_full;
+        let reach = if tells { S::from_f64(JUMP) } else { S::ONE };
         if departure * departure > reach * reach * variance {
-            let of_gain = modelled * modelled * state.covariance[GAIN][GAIN];
-            if state.covariance[POWER][POWER] < of_gain && modelled > S::ZERO {
-                // The storage knows the power: the model is wrong here.
+            // The power has jumped since then, or the map is wrong here: the next readings tell which.
+            let since = if tells { state.since.min(elapsed) } else { elapsed };
+            let time = S::from_u32(since.max(1));
+            state.walk(time, departure * departure / time, self.storage.stored(S::ONE));
+            if tells && modelled > S::ZERO {
                 let relative = departure / (modelled * state.mean[GAIN].max(S::from_f64(1e-3)));
                 state.widen_gain(relative * relative);
-            } else {
-                let time = S::from_u32(elapsed.max(1));
-                state.walk(time, departure * departure / time, self.storage.stored(S::ONE));
             }
             (along, variance) = measured(state);
         }
         if variance > S::ZERO {
             state.update(along, departure / variance, S::ONE / variance);
+        }
+        self.limit(state);
+    }
+
+    /// Takes in the order of magnitude of the power by a modelled power in W, uncertain by its own size. It says nothing
+    /// about the gain.
+    pub(super) fn hear_about(&self, state: &mut FilterState<S>, modelled: S) {
+        let gain = state.gain();
+        let spread = gain.mean * gain.mean + gain.deviation * gain.deviation;
+        let variance = state.covariance[POWER][POWER] + modelled * modelled * spread;
+        let departure = gain.mean * modelled - state.mean[POWER];
+        if variance > S::ZERO {
+            state.update(state.covariance[POWER], departure / variance, S::ONE / variance);
         }
         self.limit(state);
     }
@@ -431,7 +463,7 @@ impl<S: Scalar> Filter<S> {
 }
 
 snapshot_fields!(impl [S: Scalar] FilterState<S> {
-    mean, low, covariance, since, located, was_full, was_doubted,
+    mean, low, covariance, since, outgo, located, was_full, was_doubted,
 } if |state| {
     let variances = state.covariance.iter().enumerate().all(|(index, row)| {
         row.get(index).is_some_and(|&variance| variance >= S::ZERO)

@@ -11,6 +11,8 @@ const LINE: f32 = 0.9;
 const BROADBAND: f32 = 0.85;
 /// Part of the line's yield above which what else the resonance hears is relevant.
 const RELEVANT: f32 = 0.05;
+/// Yield of the strongest line over that of broadband shaking from which the shaking is not broadband.
+const STRONG: f32 = 3.0;
 /// Relative standard deviation of the density of noise in a block.
 const DENSITY: f32 = 0.5;
 /// Relative standard deviation of a yield by the errors of the amplitude and the frequency of a line.
@@ -24,17 +26,18 @@ pub enum Hearing {
     Line,
     /// A line with two steady motions: the storage decided which.
     TwoMotionsOneSeen,
-    /// A line with two steady motions of which the storage knows neither: the smaller yield counts, both are possible.
+    /// A line with two steady motions of which the storage knows neither: the middle of both yields, with a bound that
+    /// covers both.
     TwoMotions,
     /// Broadband shaking of a harvester that stays linear.
     Broadband,
-    /// Broadband shaking beyond the linear motion: no value.
+    /// Broadband shaking beyond the linear motion: an order of magnitude only.
     BroadbandBeyond,
     /// Shaking below the map: at most the yield at its lowest amplitude.
     Rest,
     /// A line beyond another edge of the map: no value.
     Outside(Outside),
-    /// Neither a line nor broadband shaking, for example two strong lines: no value.
+    /// Neither a line nor broadband shaking, for example two strong lines: the order of magnitude of the stronger one.
     Unclear,
     /// A sample was at the end of the sensor's range, or samples were lost: no value.
     Damaged,
@@ -110,6 +113,8 @@ impl Blocks {
     /// The yield of all blocks.
     pub(super) fn modelled<W: Words>(&self, map: &ResponseMap<W>, voltage: f32) -> Modelled {
         let nothing = |hearing| Modelled { hearing, value: 0.0, upper: 0.0, noise: 0.0, systematic: 0.0 };
+        // An order of magnitude.
+        let about = |hearing, value| Modelled { hearing, value, upper: value, noise: value, systematic: 0.0 };
         if self.is_damaged || self.count == 0 {
             return nothing(Hearing::Damaged);
         }
@@ -121,7 +126,7 @@ impl Blocks {
             let [value, upper, low, high] = self.yields.map(|sum| sum / count);
             let rest = 3.0 * scale * broadband(self.rest).map_or(0.0, |rest| rest.value);
             if rest > RELEVANT * value {
-                return nothing(Hearing::Unclear);
+                return about(Hearing::Unclear, value.max(rest));
             }
             let hearing = if self.doubles > 0 { Hearing::TwoMotions } else { Hearing::Line };
             let spread = if self.doubles > 0 { 0.0 } else { 0.25 * (high + rest - low) };
@@ -131,10 +136,16 @@ impl Blocks {
         let [lowest, _] = map.amplitudes();
         if amplitude < lowest || self.purity <= BROADBAND * count {
             if let Some(found) = broadband(self.density) {
-                if !found.is_linear {
-                    return nothing(Hearing::BroadbandBeyond);
-                }
                 let value = found.value * scale;
+                // Shaking of an even density has no line that yields more than a few of its bins.
+                let line = look_up(map, amplitude, frequency, voltage);
+                let line = line.income().map_or(0.0, |line| line.high * scale);
+                if amplitude >= lowest && line > STRONG * value {
+                    return about(Hearing::Unclear, line);
+                }
+                if !found.is_linear {
+                    return about(Hearing::BroadbandBeyond, value);
+                }
                 let hearing = if amplitude < lowest { Hearing::Rest } else { Hearing::Broadband };
                 let noise = DENSITY * value / crate::scalar::Scalar::sqrt(count);
                 return Modelled { hearing, value, upper: value, noise, systematic: 0.0 };
@@ -150,7 +161,7 @@ impl Blocks {
         }
         match look_up(map, amplitude, frequency, voltage) {
             Response::Outside(edge) if self.purity >= LINE * count => nothing(Hearing::Outside(edge)),
-            _ => nothing(Hearing::Unclear),
+            other => about(Hearing::Unclear, other.income().map_or(0.0, |income| income.value * scale)),
         }
     }
 }

@@ -20,6 +20,9 @@ pub struct NodeParameters<const ACTIONS: usize> {
     pub cost: KnowingCost,
     /// How far the stated figures may be off.
     pub spread: Spread,
+    /// Energy in J at the load that actions leave in the storage above the lock-out, 0 to 10⁶: what the node lives on while
+    /// the harvester rests.
+    pub reserve: f32,
     /// What the node does, the most important first.
     pub actions: [Regular; ACTIONS],
 }
@@ -136,6 +139,7 @@ impl<const ACTIONS: usize> NodeParameters<ACTIONS> {
             ("spread.income", spread.income, 1e-3, 10.0),
             ("spread.gain_by_place", spread.gain_by_place, 0.0, 10.0),
             ("spread.power", spread.power, 1e-9, 1e3),
+            ("reserve", self.reserve, 0.0, 1e6),
         ] {
             Bounds::new(lowest, highest).check(field, value)?;
         }

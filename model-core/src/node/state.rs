@@ -39,6 +39,9 @@ pub struct NodeState<const P: usize, const SLOTS: usize, const ACTIONS: usize> {
     pub(super) started: u32,
     pub(super) hour_start: u32,
     pub(super) hour: Option<IncomeOfTime>,
+    /// Seconds in which the storage told nothing: of this hour, and before.
+    pub(super) silent: u32,
+    pub(super) silent_before: u32,
 }
 
 /// A listen under way.
@@ -63,6 +66,9 @@ pub struct IncomeOfTime {
     pub energy: f32,
     /// Two standard deviations of it in J.
     pub bound: f32,
+    /// Seconds of them in which the storage told nothing, as it was full or its energy unknown: the income is then that of
+    /// the map with the gain learnt before, and as wrong as that.
+    pub silent: u32,
 }
 
 impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOTS, ACTIONS> {
@@ -96,6 +102,8 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
             started: second,
             hour_start: second,
             hour: None,
+            silent: 0,
+            silent_before: 0,
         }
     }
 
@@ -119,6 +127,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
             seconds: self.second.saturating_sub(self.started),
             energy: all.mean,
             bound: 2.0 * all.deviation,
+            silent: self.silent_before.saturating_add(self.silent),
         }
     }
 
@@ -218,19 +227,26 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
     pub(super) fn close_hour(&mut self) {
         let hour = self.filter.hour();
         let seconds = self.second.saturating_sub(self.hour_start);
-        self.hour = Some(IncomeOfTime { seconds, energy: hour.mean, bound: 2.0 * hour.deviation });
+        self.hour = Some(IncomeOfTime {
+            seconds,
+            energy: hour.mean,
+            bound: 2.0 * hour.deviation,
+            silent: self.silent,
+        });
+        self.silent_before = self.silent_before.saturating_add(self.silent);
+        self.silent = 0;
         self.hour_start = self.second;
         self.filter.close_hour();
     }
 }
 
-snapshot_fields!(impl [] IncomeOfTime { seconds, energy, bound });
+snapshot_fields!(impl [] IncomeOfTime { seconds, energy, bound, silent });
 
 snapshot_fields!(impl [const P: usize] Listen<P> { bank, blocks, start_up, missing, started });
 
 snapshot_fields!(impl [const P: usize, const SLOTS: usize, const ACTIONS: usize] NodeState<P, SLOTS, ACTIONS> {
     second, filter, listening, budget, listen, last_listen, last_reading, last_run, listens, misses, readings,
-    last_modelled, was_undecided, departure, reading, spent, knowing, booked, started, hour_start, hour,
+    last_modelled, was_undecided, departure, reading, spent, knowing, booked, started, hour_start, hour, silent, silent_before,
 });
 
 snapshot_variants!(StoreReading { Used, Jump, Silent, Refused });

@@ -72,9 +72,9 @@ fn between_two_listens_the_income_is_the_trapezoid_with_the_variance_of_the_walk
     let held = state.hour();
     assert!((held.mean / (3e-6 * t) - 1.0).abs() < 1e-9);
     assert!((held.deviation / (walk * t * t * t / 3.0).sqrt() - 1.0).abs() < 1e-3, "{held:?}");
-    filter.hear(&mut state, time, 3.5e-6, 0.0);
+    filter.hear(&mut state, time, 3.2e-6, 0.0);
     let found = state.hour();
-    assert!((found.mean / (0.5 * (3e-6 + 3.5e-6) * t) - 1.0).abs() < 1e-9, "{found:?}");
+    assert!((found.mean / (0.5 * (3e-6 + 3.2e-6) * t) - 1.0).abs() < 1e-9, "{found:?}");
     assert!((found.deviation / (walk * t * t * t / 12.0).sqrt() - 1.0).abs() < 1e-3, "{found:?}");
 }
 
@@ -86,12 +86,12 @@ fn two_readings_know_the_income_to_the_error_of_both() {
     filter.observe(&mut state, code(3.0));
     state.close_hour();
     filter.predict(&mut state, 3600, true, 0.0, 1e-12);
-    let end = (9.0 + 2.0 * (2.5e-6 - 1e-6) * 3600.0 / 1e-3_f64).sqrt();
+    let end = (9.0 + 2.0 * (1.5e-6 - 1e-6) * 3600.0 / 1e-3_f64).sqrt();
     filter.observe(&mut state, code(end));
     let hour = state.hour();
     let of_reading = (CELL * CELL / 12.0 + 0.25 * CELL * CELL).sqrt();
     let expected = of_reading * 1e-3 * (9.0 + end * end).sqrt();
-    assert!((hour.mean - 2.5e-6 * 3600.0).abs() < 3.0 * hour.deviation, "{hour:?}");
+    assert!((hour.mean - 1.5e-6 * 3600.0).abs() < 3.0 * hour.deviation, "{hour:?}");
     assert!((hour.deviation / expected - 1.0).abs() < 0.1, "{hour:?} {expected}");
 }
 
