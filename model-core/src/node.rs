@@ -24,7 +24,7 @@
 //!   the gain learnt before.
 //! * The standing power is learnt while the harvester rests, when nothing else moves the storage.
 //!
-//! Every income is told with a bound of two standard deviations. The capacitance, the leakage and the efficiencies of the
+//! Every income is told with a bound of two and a half standard deviations. The capacitance, the leakage and the efficiencies of the
 //! storage are taken as exact: an income is as wrong as the capacitance.
 
 mod board;
@@ -45,6 +45,7 @@ pub use state::{IncomeOfTime, NodeState};
 use crate::energy::response_map::Words;
 use crate::energy::{Action, Budget, BudgetState, Listening, ResponseMap};
 use crate::excitation::LineBank;
+use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint};
 use filter::Filter;
 
@@ -142,7 +143,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             standing_variance: standing_deviation * standing_deviation,
             spent: parameters.spread.action,
             cell,
-            noise: converter.noise.max(Filter::least_noise(cell)),
+            noise: Scalar::max(converter.noise, Filter::least_noise(cell)),
             full_code: codes - 1,
             gain_variance: converter.gain_deviation * converter.gain_deviation,
             gain_drift: converter.gain_drift * converter.gain_drift * (1.0 / 3600.0),
@@ -194,8 +195,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// Cost: three exponentials and six square roots with a reading, one exponential without; the decision on an action
     /// as [`Budget::can_run_now`].
     pub fn wake(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
-        self.advance(state, now, true);
-        self.read(state, code);
+        let is_later = self.advance(state, now, true);
+        self.read(state, code, is_later);
         self.decide(state)
     }
 
@@ -210,7 +211,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         state.abandon();
         self.advance(state, now, false);
         self.lose(state);
-        self.read(state, code);
+        self.read(state, code, true);
         self.decide(state)
     }
 
@@ -251,11 +252,18 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         state.listen.blocks.is_damaged = true;
     }
 
-    /// Advances filter and budget to `now`.
-    fn advance(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, is_on: bool) {
+    /// Samples were lost if a listen has begun and is not complete.
+    fn interrupt(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
+        if state.listen.missing > 0 && state.listen.missing < self.samples {
+            self.samples_lost(state);
+        }
+    }
+
+    /// Advances filter and budget to `now`; whether that is later than the last time.
+    fn advance(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, is_on: bool) -> bool {
         let seconds = now.saturating_sub(state.second);
         if seconds == 0 {
-            return;
+            return false;
         }
         if !state.store_tells() {
             state.silent = state.silent.saturating_add(seconds);
@@ -265,28 +273,32 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         self.filter.predict(&mut state.filter, seconds, is_on, spent, walk);
         let harvested = state.filter.all().mean - state.booked;
         if is_on {
-            self.budget.update(&mut state.budget, seconds, harvested.max(0.0), 0.0);
-            state.booked += harvested.max(0.0);
+            let harvested = Scalar::max(harvested, 0.0);
+            self.budget.update(&mut state.budget, seconds, harvested, 0.0);
+            state.booked += harvested;
         } else {
             self.budget.gap(&mut state.budget, seconds);
             state.booked += harvested;
         }
         state.second += seconds;
+        true
     }
 
     /// Takes in a reading of the voltage; closes the hour.
-    fn read(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, code: Option<u32>) {
+    fn read(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, code: Option<u32>, is_later: bool) {
         if let Some(code) = code {
             let (reading, departure) = self.filter.observe(&mut state.filter, code);
             state.reading = Some(reading);
-            state.departure = state.departure.max(departure);
+            state.departure = Scalar::max(state.departure, departure);
             state.last_reading = state.second;
             state.readings = state.readings.saturating_add(1);
             self.spend_on_knowing(state, self.parameters.cost.reading);
         }
         let store = state.filter.store();
-        if state.filter.is_located() {
-            let energy = store.mean.min(self.budget.storage().capacity());
+        if state.filter.is_located() && (is_later || code.is_some()) {
+            // What was spent just now is not yet in the filter.
+            let left = store.mean - self.budget.storage().drawn(state.spent);
+            let energy = Scalar::min(Scalar::max(left, 0.0), self.budget.storage().capacity());
             self.budget.correct(&mut state.budget, energy, 3.0 * store.deviation);
         }
         // A listen may last beyond the hour: the next reading ends it.
@@ -383,7 +395,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         if state.readings < FIRST_READINGS {
             return interval;
         }
-        let power = cost.reading_share * state.budget.mean_power().max(state.filter.power().mean);
+        let power = cost.reading_share * Scalar::max(state.budget.mean_power(), state.filter.power().mean);
         for _ in 0..cost.reading_doublings {
             if cost.reading <= power * real(interval) {
                 break;
@@ -458,10 +470,10 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let product = last * value;
         let difference = value - last;
         // Of small changes the square of the logarithm of the ratio.
-        let change = if product > 0.0 { (difference * difference / product).min(4.0) } else { 4.0 };
+        let change = if product > 0.0 { Scalar::min(difference * difference / product, 4.0) } else { 4.0 };
         let by_place = self.parameters.spread.gain_by_place;
         let part = if state.listens == 0 { 0.0 } else { by_place * by_place * change };
-        let bounds = if state.listens == 0 { 1.0 } else { (100.0 * change).min(1.0) };
+        let bounds = if state.listens == 0 { 1.0 } else { Scalar::min(100.0 * change, 1.0) };
         state.filter.widen_gain(part + systematic * systematic * bounds);
     }
 
@@ -474,21 +486,21 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
 
     /// The power may be any like it: the shaking is another one than before.
     fn lose(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
-        let power = state.filter.power().mean.max(state.budget.mean_power());
+        let power = Scalar::max(state.filter.power().mean, state.budget.mean_power());
         state.filter.widen_power(power * power);
     }
 
     /// Variance that the power gains in a second, in W²/s.
     fn walk(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> f32 {
-        let power = state.filter.power().mean.max(0.3 * state.budget.mean_power());
+        let power = Scalar::max(state.filter.power().mean, state.budget.mean_power());
         let deviation = self.parameters.spread.income * power;
         let assumed = deviation * deviation * (1.0 / 3600.0);
         match state.listening.differences() {
             Some([one, two]) => {
                 let interval = real(self.listening.interval(&state.listening));
                 // A storage that tells shows a change that the listens have missed.
-                let least = if state.store_tells() { 0.04 } else { 1.0 };
-                ((two - one) / interval).max(least * assumed)
+                let least = if state.store_tells() { 0.25 } else { 1.0 };
+                Scalar::max((two - one) / interval, least * assumed)
             }
             None => assumed,
         }
@@ -497,7 +509,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
 
 /// A count as a number.
 fn real(count: u32) -> f32 {
-    <f32 as crate::scalar::Scalar>::from_u32(count)
+    f32::from_u32(count)
 }
 
 impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize> Configuration

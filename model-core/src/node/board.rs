@@ -105,6 +105,12 @@ impl<
         &self.state
     }
 
+    /// Whether the next step sleeps: nothing is booked that has not been done. Save an image then.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        matches!(self.wake.task, Task::Sleep)
+    }
+
     /// The node.
     #[must_use]
     pub fn node(&self) -> &Node<W, M, P, SLOTS, ACTIONS> {
@@ -174,7 +180,7 @@ impl<
         }
     }
 
-    /// Writes an image of the state, after a [`Step::Slept`], to the slot that is not the newest one, by way of a buffer of at least
+    /// Writes an image of the state, while the node [is idle](Self::is_idle), to the slot that is not the newest one, by way of a buffer of at least
     /// [`image_size`] bytes. Returns the number of the image.
     ///
     /// # Errors
@@ -192,7 +198,7 @@ impl<
     /// buffers of at least [`image_size`] bytes.
     ///
     /// A time since the image counts as a time without supply, unless `was_on`: then the node was on all the time and
-    /// lost its memory only. A listen that was under way is given up.
+    /// lost its memory only. A listen that was under way gives no value.
     ///
     /// # Errors
     /// If there is no image of this node; the runner is then unchanged.
@@ -203,9 +209,9 @@ impl<
         let image = newest_image(&self.node, [&*first, &*second])?;
         self.state = image.state;
         (self.sequence, self.slot) = (image.sequence, image.slot);
-        self.state.abandon();
         self.is_listening = false;
         if was_on {
+            self.node.interrupt(&mut self.state);
             self.ask(now, None);
         } else {
             let code = self.board.storage_code();

@@ -43,6 +43,8 @@ const ALL: usize = 5;
 const JUMP: f64 = 3.0;
 /// Departure from which a reading must be confirmed by the next one.
 const DOUBTED: f64 = 12.0;
+/// Usual power over the deviation before anything is known.
+const USUAL: f64 = 0.1;
 /// Largest gain.
 const HIGHEST_GAIN: f64 = 1e3;
 /// Roundings of a variance that remain at least after an update.
@@ -379,7 +381,8 @@ impl<S: Scalar> Filter<S> {
         self.limit(state);
         if full && state.since > 0 {
             // The income may have been larger by what was shunted.
-            let (power, time) = (state.mean[POWER], S::from_u32(state.since));
+            let power = state.mean[POWER].max(self.power * S::from_f64(USUAL));
+            let time = S::from_u32(state.since);
             state.walk(time, S::from_f64(3.0) * power * power / time, S::ZERO);
         }
         (state.was_full, state.was_doubted, state.since, state.outgo) = (full, false, 0, S::ZERO);

@@ -3,6 +3,7 @@
 use crate::energy::ResponseMap;
 use crate::energy::response_map::{Bounded, Outside, Response, Words};
 use crate::excitation::Lines;
+use crate::scalar::Scalar;
 use crate::snapshot::snapshot_fields;
 
 /// Purity from which a block has a line.
@@ -16,7 +17,7 @@ const STRONG: f32 = 3.0;
 /// Relative standard deviation of the density of noise in a block.
 const DENSITY: f32 = 0.5;
 /// Relative standard deviation of a yield by the errors of the amplitude and the frequency of a line.
-const OF_LINE: f32 = 0.01;
+const OF_LINE: f32 = 0.02;
 
 /// What a listen found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,12 +127,14 @@ impl Blocks {
             let [value, upper, low, high] = self.yields.map(|sum| sum / count);
             let rest = 3.0 * scale * broadband(self.rest).map_or(0.0, |rest| rest.value);
             if rest > RELEVANT * value {
-                return about(Hearing::Unclear, value.max(rest));
+                return about(Hearing::Unclear, Scalar::max(value, rest));
             }
             let hearing = if self.doubles > 0 { Hearing::TwoMotions } else { Hearing::Line };
             let spread = if self.doubles > 0 { 0.0 } else { 0.25 * (high + rest - low) };
             let systematic = if value > 0.0 { spread / value } else { 0.0 };
-            return Modelled { hearing, value, upper, noise: OF_LINE * value, systematic };
+            // What else the band has beats with the line, which an impacting or stuck harvester answers in its own way.
+            let noise = value * (OF_LINE + (1.0 - self.purity / count));
+            return Modelled { hearing, value, upper, noise, systematic };
         }
         let [lowest, _] = map.amplitudes();
         if amplitude < lowest || self.purity <= BROADBAND * count {
@@ -147,7 +150,7 @@ impl Blocks {
                     return about(Hearing::BroadbandBeyond, value);
                 }
                 let hearing = if amplitude < lowest { Hearing::Rest } else { Hearing::Broadband };
-                let noise = DENSITY * value / crate::scalar::Scalar::sqrt(count);
+                let noise = DENSITY * value / Scalar::sqrt(count);
                 return Modelled { hearing, value, upper: value, noise, systematic: 0.0 };
             }
             if amplitude < lowest {

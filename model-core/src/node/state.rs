@@ -7,6 +7,10 @@ use crate::excitation::LineBankState;
 use crate::scalar::CompensatedSum;
 use crate::snapshot::{snapshot_fields, snapshot_variants};
 
+/// Standard deviations in a bound. The shaking of machines jumps more often than a normal distribution has it: two would
+/// hold for nine hours of ten.
+const BOUND: f32 = 2.5;
+
 /// The state of a [`Node`](super::Node): all that it has learnt, and a listen that is under way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeState<const P: usize, const SLOTS: usize, const ACTIONS: usize> {
@@ -64,7 +68,7 @@ pub struct IncomeOfTime {
     pub seconds: u32,
     /// Harvested energy in J, before the charging efficiency.
     pub energy: f32,
-    /// Two standard deviations of it in J.
+    /// Bound of its error in J: two and a half standard deviations.
     pub bound: f32,
     /// Seconds of them in which the storage told nothing, as it was full or its energy unknown: the income is then that of
     /// the map with the gain learnt before, and as wrong as that.
@@ -126,37 +130,37 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         IncomeOfTime {
             seconds: self.second.saturating_sub(self.started),
             energy: all.mean,
-            bound: 2.0 * all.deviation,
+            bound: BOUND * all.deviation,
             silent: self.silent_before.saturating_add(self.silent),
         }
     }
 
-    /// Harvested power now, and two standard deviations, in W.
+    /// Harvested power now, and its bound, in W.
     #[must_use]
     pub fn power(&self) -> [f32; 2] {
         let power = self.filter.power();
-        [power.mean, 2.0 * power.deviation]
+        [power.mean, BOUND * power.deviation]
     }
 
-    /// Ratio of the true power to that of the map, and two standard deviations.
+    /// Ratio of the true power to that of the map, and its bound.
     #[must_use]
     pub fn gain(&self) -> [f32; 2] {
         let gain = self.filter.gain();
-        [gain.mean, 2.0 * gain.deviation]
+        [gain.mean, BOUND * gain.deviation]
     }
 
-    /// Excess of the standing power over the stated one, and two standard deviations, in W.
+    /// Excess of the standing power over the stated one, and its bound, in W.
     #[must_use]
     pub fn excess_draw(&self) -> [f32; 2] {
         let draw = self.filter.draw();
-        [draw.mean, 2.0 * draw.deviation]
+        [draw.mean, BOUND * draw.deviation]
     }
 
-    /// Stored energy and two standard deviations in J.
+    /// Stored energy and its bound in J.
     #[must_use]
     pub fn stored(&self) -> [f32; 2] {
         let store = self.filter.store();
-        [store.mean, 2.0 * store.deviation]
+        [store.mean, BOUND * store.deviation]
     }
 
     /// Whether the storage tells the income: its energy is known, and it was not full at the last reading.
@@ -230,7 +234,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         self.hour = Some(IncomeOfTime {
             seconds,
             energy: hour.mean,
-            bound: 2.0 * hour.deviation,
+            bound: BOUND * hour.deviation,
             silent: self.silent,
         });
         self.silent_before = self.silent_before.saturating_add(self.silent);

@@ -15,6 +15,8 @@ mod exponential_radau;
 mod findings;
 mod ledger;
 mod limits;
+mod node_hours;
+mod node_runner;
 mod on_target_bits;
 mod published_rows;
 mod rectified;

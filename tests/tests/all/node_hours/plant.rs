@@ -1,0 +1,369 @@
+//! A node on a plant: storage, converter and sensor, with an income that is known minute by minute.
+
+use model_core::energy::cost::{Accelerometer, Code, Core, CostModel, Processor};
+use model_core::energy::{
+    Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
+    ResponseMap, StorageParameters,
+};
+use model_core::excitation::LineBank;
+use model_core::node::{
+    IncomeOfTime, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread, Task, Wake,
+};
+
+use super::truth::{Kind, Shaking, acceleration};
+
+/// Random numbers by SplitMix64.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Source(pub(super) u64);
+
+impl Source {
+    /// Even from 0 to 1.
+    pub(super) fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Normal with the variance 1, as the sum of twelve.
+    pub(super) fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform() - 0.5).sum()
+    }
+}
+
+/// Samples of a section and sections of a block, slots of the day, actions.
+pub(super) const SECTION: usize = 20;
+pub(super) const SECTIONS: usize = 32;
+pub(super) const SLOTS: usize = 24;
+pub(super) type Bytes = &'static [u8];
+pub(super) type OneNode = Node<Bytes, SECTION, SECTIONS, SLOTS, 1>;
+pub(super) type OneState = NodeState<SECTIONS, SLOTS, 1>;
+
+/// Sensor: m/s² of a count, and its noise in counts RMS; gravity is on its axis.
+const UNIT: f64 = 9.806_65 / 1024.0;
+const NOISE_COUNTS: f64 = 3.0;
+const GRAVITY: f64 = 9.806_65;
+/// Converter: 12 bits over 5 V, half a cell of noise.
+const CELL: f64 = 5.0 / 4096.0;
+const CONVERTER_NOISE: f64 = 0.6e-3;
+
+/// Instructions of a reading with the filter and the decision after it, and of a sample and a look-up of a listen.
+fn instructions(core: Core) -> [f64; 3] {
+    match core {
+        Core::M0Plus => [99_000.0, 63.0, 65_000.0],
+        Core::M4F | Core::M33 => [2_700.0, 23.0, 17_200.0],
+    }
+}
+
+/// How a node is built: its storage and what its parts cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Build {
+    pub(super) kind: Kind,
+    pub(super) capacitance: f64,
+    pub(super) processor: Processor<f64>,
+    /// Mean income in W that the harvester is scaled to.
+    pub(super) income: f64,
+    /// Standing power, and energy of an action, in W and J.
+    pub(super) standing: f64,
+    pub(super) action: f64,
+    pub(super) every: u32,
+    pub(super) reserve: f64,
+    /// Relative deviation of the standing power.
+    pub(super) spread: f64,
+    pub(super) share: f64,
+}
+
+/// What is true of the plant, beside the income.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Plant {
+    /// Standing power over the stated one.
+    pub(super) standing: f64,
+    /// Energy of actions over the stated one.
+    pub(super) action: f64,
+}
+
+/// An hour that a node has told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Hour {
+    /// Hour of the run in which it ended, from 0.
+    pub(super) index: usize,
+    pub(super) truth: f64,
+    pub(super) told: f64,
+    pub(super) bound: f64,
+    /// Share of the hour in which the storage was full.
+    pub(super) full: f64,
+    pub(super) silent: f64,
+}
+
+/// What came of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Run {
+    pub(super) hours: Vec<Hour>,
+    /// Energy spent on knowing over the true income.
+    pub(super) share: f64,
+    pub(super) lock_outs: u32,
+    pub(super) listens: u32,
+    pub(super) readings: u32,
+    pub(super) actions: u32,
+    pub(super) shunted: f64,
+    pub(super) state: OneState,
+}
+
+fn rate(kind: Kind) -> f64 {
+    if kind == Kind::BumpStop { 800.0 } else { 100.0 }
+}
+
+fn accelerometer(kind: Kind) -> Accelerometer<f64> {
+    if kind == Kind::BumpStop { Accelerometer::bma400() } else { Accelerometer::adxl367() }
+}
+
+const BLOCKS: u32 = 1;
+
+impl Build {
+    /// The node; energies over `scale`, so that the map of the harvester as it is fits.
+    pub(super) fn node(&self, map: Bytes, scale: f64) -> OneNode {
+        let fingerprint = u32::from_le_bytes([map[6], map[7], map[8], map[9]]);
+        let map = ResponseMap::new(map, fingerprint).expect("a map");
+        let [resonance, half] = self.kind.resonance();
+        let rate = rate(self.kind);
+        let bank = LineBank::new(rate as f32, resonance as f32, half as f32, UNIT as f32).expect("fits");
+        let sensor = accelerometer(self.kind);
+        let samples = bank.block() as u32 * BLOCKS;
+        let cost = CostModel::new(self.processor, sensor);
+        let [wake, sample, block] = instructions(self.processor.core);
+        let instructions = f64::from(samples) * sample + f64::from(BLOCKS) * block;
+        let listen = cost.listen(samples, rate, instructions, Code::Filter).expect("a rate").total();
+        let reading = cost.voltage_reading.value
+            + cost.processor.wake_up_energy()
+            + cost.processor.computing(wake, Code::Filter);
+        let small = |energy: f64| (energy / scale) as f32;
+        let parameters = NodeParameters {
+            budget: BudgetParameters {
+                storage: StorageParameters {
+                    capacitor: Capacitor {
+                        capacitance: small(self.capacitance),
+                        leakage_resistance: f32::INFINITY,
+                    },
+                    charging_efficiency: 1.0,
+                    discharging_efficiency: 1.0,
+                    highest_voltage: 4.5,
+                    lock_out_voltage: 1.8,
+                    turn_on_voltage: 2.2,
+                },
+                income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
+                standing_power: small(self.standing),
+            },
+            converter: CorrectionParameters {
+                bits: 12,
+                full_scale: 5.0,
+                noise: CONVERTER_NOISE as f32,
+                gain_deviation: 1.0,
+                gain_drift: 0.1,
+            },
+            listening: ListeningParameters {
+                share: 0.6 * self.share as f32,
+                error: 0.02,
+                horizon: 3600.0,
+                shortest: 300,
+                doublings: 6,
+            },
+            sensor: Sensor {
+                rate: rate as f32,
+                start_up: sensor.start_up_samples,
+                blocks: BLOCKS,
+                clipped: 32_000,
+            },
+            cost: KnowingCost {
+                listen: small(listen),
+                reading: small(reading),
+                reading_share: 0.4 * self.share as f32,
+                shortest_reading: 60,
+                reading_doublings: 6,
+            },
+            spread: Spread {
+                standing: self.spread as f32,
+                action: 0.02,
+                income: 0.5,
+                gain_by_place: 0.5,
+                power: small(10.0 * self.income),
+            },
+            reserve: small(self.reserve),
+            actions: [Regular {
+                action: Action::new("transmit", small(self.action), 0.1).expect("valid"),
+                every: self.every,
+            }],
+        };
+        Node::new(map, bank, parameters).expect("valid")
+    }
+}
+
+/// A plant with its node, in the units of the node.
+pub(super) struct World<'a> {
+    node: &'a OneNode,
+    rate: f64,
+    minutes: &'a [f64],
+    shaking: &'a [Shaking],
+    plant: Plant,
+    random: Source,
+    energy: f64,
+    is_on: bool,
+    /// True income, and seconds at the highest voltage, up to each second.
+    income: Vec<f64>,
+    full: Vec<u32>,
+    shunted: f64,
+}
+
+impl<'a> World<'a> {
+    /// At 3 V.
+    pub(super) fn new(
+        build: &Build,
+        node: &'a OneNode,
+        (minutes, shaking): (&'a [f64], &'a [Shaking]),
+        plant: Plant,
+        seed: u64,
+    ) -> Self {
+        let mut world = Self {
+            node,
+            rate: rate(build.kind),
+            minutes,
+            shaking,
+            plant,
+            random: Source(seed),
+            energy: 0.0,
+            is_on: true,
+            income: vec![0.0],
+            full: vec![0],
+            shunted: 0.0,
+        };
+        world.energy = world.at(3.0);
+        world
+    }
+
+    fn second(&self) -> u32 {
+        self.income.len() as u32 - 1
+    }
+
+    fn capacitance(&self) -> f64 {
+        self.node.parameters().budget.storage.capacitor.capacitance.into()
+    }
+
+    /// Energy at a voltage.
+    fn at(&self, voltage: f32) -> f64 {
+        0.5 * self.capacitance() * f64::from(voltage).powi(2)
+    }
+
+    /// Advances by some seconds.
+    fn advance(&mut self, seconds: u32) {
+        let parameters = self.node.parameters().budget;
+        let draw = if self.is_on { f64::from(parameters.standing_power) * self.plant.standing } else { 0.0 };
+        let capacity = self.at(parameters.storage.highest_voltage);
+        for _ in 0..seconds {
+            let income = self.minutes.get(self.second() as usize / 60).map_or(0.0, |minute| minute / 60.0);
+            self.energy += income - draw;
+            let above = (self.energy - capacity).max(0.0);
+            self.energy -= above;
+            self.shunted += above;
+            self.income.push(self.income.last().unwrap_or(&0.0) + income);
+            self.full.push(self.full.last().unwrap_or(&0) + u32::from(above > 0.0));
+        }
+    }
+
+    fn code(&mut self) -> u32 {
+        let noise = CONVERTER_NOISE * self.random.normal();
+        let voltage = (2.0 * self.energy / self.capacitance()).max(0.0).sqrt() + noise;
+        (voltage / CELL).round().clamp(0.0, 4095.0) as u32
+    }
+
+    /// Hands the samples of a listen over in bursts.
+    fn listen(&mut self, state: &mut OneState, samples: u32) {
+        self.energy -= f64::from(self.node.parameters().cost.listen);
+        let from = f64::from(self.second());
+        let mut counts = Vec::new();
+        for n in 0..samples {
+            let time = from + f64::from(n) / self.rate;
+            let minute = (time / 60.0) as usize;
+            let within = time - 60.0 * minute as f64;
+            let value = self.shaking.get(minute).map_or(0.0, |shaking| acceleration(shaking, minute, within));
+            counts.push(((value + GRAVITY) / UNIT + NOISE_COUNTS * self.random.normal()).round() as i16);
+        }
+        for burst in counts.chunks(170) {
+            assert!(self.node.samples(state, burst) != Progress::Idle);
+        }
+        self.advance((f64::from(samples) / self.rate).ceil() as u32);
+    }
+
+    /// Sleeps, and wakes the node; after a lock-out when the storage has reached its turn-on voltage.
+    fn sleep(&mut self, state: &mut OneState, wake: Wake, lock_outs: &mut u32) -> Wake {
+        self.advance(wake.again_in);
+        let storage = self.node.parameters().budget.storage;
+        if self.energy <= self.at(storage.lock_out_voltage) {
+            *lock_outs += 1;
+            self.is_on = false;
+            while self.energy < self.at(storage.turn_on_voltage) && self.is_going_on() {
+                self.advance(1);
+            }
+            self.is_on = true;
+            let code = self.code();
+            return self.node.wake_after_gap(state, self.second(), Some(code));
+        }
+        let code = wake.read.then(|| {
+            self.energy -= f64::from(self.node.parameters().cost.reading);
+            self.code()
+        });
+        self.node.wake(state, self.second(), code)
+    }
+
+    fn is_going_on(&self) -> bool {
+        (self.second() as usize) < 60 * self.minutes.len()
+    }
+
+    /// The hour that ends now.
+    fn hour(&self, told: IncomeOfTime) -> Hour {
+        let begin = (self.second() - told.seconds) as usize;
+        let seconds = f64::from(told.seconds);
+        Hour {
+            index: (self.second() as usize - 1) / 3600,
+            truth: self.income[self.second() as usize] - self.income[begin],
+            told: told.energy.into(),
+            bound: told.bound.into(),
+            full: f64::from(self.full[self.second() as usize] - self.full[begin]) / seconds,
+            silent: f64::from(told.silent) / seconds,
+        }
+    }
+
+    /// Runs the node over all minutes. `between` is called after each wake between two sleeps.
+    pub(super) fn run(mut self, mut between: impl FnMut(OneState) -> OneState) -> Run {
+        let mut state = self.node.start(0);
+        let (mut lock_outs, mut actions, mut hours) = (0, 0, Vec::new());
+        let code = self.code();
+        let mut wake = self.node.wake(&mut state, 0, Some(code));
+        let mut last = state.last_hour();
+        while self.is_going_on() {
+            wake = match wake.task {
+                Task::Run(_) => {
+                    actions += 1;
+                    let energy = f64::from(self.node.parameters().actions[0].action.energy());
+                    self.energy -= energy * self.plant.action;
+                    self.node.wake(&mut state, self.second(), None)
+                }
+                Task::Listen { samples } => {
+                    self.listen(&mut state, samples);
+                    self.node.wake(&mut state, self.second(), None)
+                }
+                Task::Sleep => self.sleep(&mut state, wake, &mut lock_outs),
+            };
+            if wake.task == Task::Sleep {
+                state = between(state);
+            }
+            if state.last_hour() != last {
+                last = state.last_hour();
+                hours.extend(last.map(|told| self.hour(told)));
+            }
+        }
+        let [readings, listens] = state.instruments();
+        let income = self.income[self.second() as usize];
+        let share = f64::from(state.spent_on_knowing()) / income;
+        Run { hours, share, lock_outs, listens, readings, actions, shunted: self.shunted / income, state }
+    }
+}
