@@ -27,6 +27,8 @@ pub(super) struct Stretch<S> {
 pub(super) struct Forecast<'a, S, const SLOTS: usize> {
     storage: &'a Storage<S>,
     income: &'a IncomeState<S, SLOTS>,
+    /// Part of the expected income that is counted.
+    part: S,
     /// The present slot.
     slot: usize,
     /// The remaining part of the present slot in s.
@@ -48,12 +50,18 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         Self {
             storage,
             income,
+            part: S::ONE,
             slot,
             first: (first, over(first)),
             last: (last, over(last)),
             short: over(shortest_slot::<SLOTS>()),
             long: over(shortest_slot::<SLOTS>() + 1),
         }
+    }
+
+    /// The same day with the income that is as good as certain in place of the expected one.
+    pub(super) fn certain(self) -> Self {
+        Self { part: self.income.certain_part(), ..self }
     }
 
     fn stretch(&self, index: usize) -> Stretch<S> {
@@ -67,7 +75,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
             let length = end_of::<SLOTS>(slot) - start_of::<SLOTS>(slot);
             (length, if length == shortest_slot::<SLOTS>() { self.short } else { self.long })
         };
-        Stretch { seconds, harvested: self.income.expected_power(slot), relaxation }
+        Stretch { seconds, harvested: self.part * self.income.expected_power(slot), relaxation }
     }
 
     /// The stretches of the day in the order of time.

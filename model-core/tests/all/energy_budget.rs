@@ -303,7 +303,8 @@ impl Day {
         let (mut passed, mut harvested) = (0.0, 0.0);
         for _ in 0..4 {
             if random.next().is_multiple_of(4) {
-                let until = passed + random.between(0.0, 20.0);
+                // Not beyond the minute: its income ends there.
+                let until = (passed + random.between(0.0, 20.0)).min(60.0);
                 harvested += self.sleep([passed, until], income, accumulator);
                 passed = until;
             }
