@@ -7,16 +7,26 @@
 //!
 //! with `N` instructions of `c` cycles at `e` J, a sensor current `I` at `U` volts for the time `t` of the samples and
 //! the start-up, `b` bits at `e_b` J, and `n` wake-ups of the processor, each for `t_w` at its clock `f`. The standing
-//! power of the node, asleep with its clock running, is not part of a listen: [`CostModel::standing_power`].
+//! power of the node, asleep with its clock running, is not part of a listen: [`CostModel::standing_power`]. Where an
+//! external clock switches the supply off between listens ([`CostModel::gated_by`]), a listen has a cold start in place of
+//! its first wake-up, and the sleep of the processor while it waits for samples.
 //!
 //! The figures of the parts are data with a source and a mark ([`Evidence`]). Check a figure that is not marked
 //! [`Evidence::Confirmed`] against the data sheet before you rely on it.
 
 mod accelerometer;
+mod adc;
+mod asleep;
+mod clock;
 mod processor;
+mod radio;
 
 pub use accelerometer::{Accelerometer, RatedCurrent};
+pub use adc::Adc;
+pub use asleep::{Asleep, ColdStart};
+pub use clock::Clock;
 pub use processor::{Code, Core, Processor};
+pub use radio::Radio;
 
 use crate::scalar::Scalar;
 
@@ -64,6 +74,8 @@ pub struct CostModel<S> {
     pub transfer_per_bit: Figure<S>,
     /// Energy of a reading of the store's voltage by the ADC, in J.
     pub voltage_reading: Figure<S>,
+    /// What has a supply between wake-ups.
+    pub asleep: Asleep<S>,
 }
 
 impl<S: Scalar> CostModel<S> {
@@ -75,36 +87,72 @@ impl<S: Scalar> CostModel<S> {
             processor,
             accelerometer,
             transfer_per_bit: Figure::new(0.5e-9, Evidence::Estimated, "30 pF at 3 V, two lines"),
-            voltage_reading: Figure::new(
-                0.15e-6,
-                Evidence::Estimated,
-                "an ADC of 12 bits with its reference",
-            ),
+            voltage_reading: Adc::twelve_bits().reading,
+            asleep: Asleep::Processor,
         }
     }
 
-    /// Power of the sleeping processor with its clock running, in W. `None` where the part's figure is unknown.
+    /// The same parts behind a supply that `clock` switches, with the cold start [`ColdStart::typical`].
+    #[must_use]
+    pub fn gated_by(self, clock: Clock<S>) -> Self {
+        Self { asleep: Asleep::Gated(clock, ColdStart::typical()), ..self }
+    }
+
+    /// Power between wake-ups in W: of the sleeping processor with its clock running, or of the external clock. `None`
+    /// where the processor's figure is unknown. The leakage of the switch of a gated supply is not known and not in it.
     #[must_use]
     pub fn standing_power(&self) -> Option<S> {
+        match &self.asleep {
+            Asleep::Processor => self.sleeping(),
+            Asleep::Gated(clock, _) => Some(clock.power()),
+        }
+    }
+
+    /// Power of the sleeping processor in W.
+    fn sleeping(&self) -> Option<S> {
         self.processor.sleep.map(|sleep| sleep.value * self.processor.supply)
+    }
+
+    /// Energy in J from the sleep of the node to the first instruction of its program.
+    #[must_use]
+    pub fn start_energy(&self) -> S {
+        match &self.asleep {
+            Asleep::Processor => self.processor.wake_up_energy(),
+            Asleep::Gated(_, start) => start.energy(&self.processor),
+        }
     }
 
     /// Energy of a listen of `samples` at `rate` in Hz that executes `instructions` of the kind `code`.
     ///
     /// The accelerometer runs for the samples and for its start-up. The processor wakes up once for each filling of
-    /// the FIFO, and sleeps in between. `None` where the accelerometer has no such rate.
+    /// the FIFO, and sleeps in between. `None` where the accelerometer has no such rate, or where the sleep of a processor
+    /// with a gated supply is unknown.
     #[must_use]
     pub fn listen(&self, samples: u32, rate: S, instructions: S, code: Code) -> Option<Cost<S>> {
         let sensor = &self.accelerometer;
-        let running = S::from_u32(samples.saturating_add(sensor.start_up_samples)) / rate;
-        Some(Cost {
+        let running = self.listen_time(samples, rate);
+        let cost = Cost {
             sensor: sensor.power(rate)? * running,
             ..self.following(samples, instructions, code, sensor.fifo_samples)
+        };
+        Some(match &self.asleep {
+            Asleep::Processor => cost,
+            Asleep::Gated(..) => Cost {
+                wake_up: cost.wake_up - self.processor.wake_up_energy() + self.start_energy(),
+                waiting: self.sleeping()? * running,
+                ..cost
+            },
         })
     }
 
+    /// Time of such a listen in s, without that of its instructions.
+    #[must_use]
+    pub fn listen_time(&self, samples: u32, rate: S) -> S {
+        S::from_u32(samples.saturating_add(self.accelerometer.start_up_samples)) / rate
+    }
+
     /// Energy of `samples` at `rate` in Hz of an accelerometer that always runs, with `instructions` of the kind
-    /// `code` and a wake-up for each sample. `None` where the accelerometer has no such rate.
+    /// `code` and a wake-up for each sample; the supply is never switched off. `None` where the accelerometer has no such rate.
     #[must_use]
     pub fn follow(&self, samples: u32, rate: S, instructions: S, code: Code) -> Option<Cost<S>> {
         let running = S::from_u32(samples) / rate;
@@ -123,6 +171,7 @@ impl<S: Scalar> CostModel<S> {
             sensor: S::ZERO,
             transfer: bits * self.transfer_per_bit.value,
             wake_up: S::from_u32(wake_ups) * self.processor.wake_up_energy(),
+            waiting: S::ZERO,
         }
     }
 }
@@ -137,15 +186,17 @@ pub struct Cost<S> {
     pub sensor: S,
     /// The bus between accelerometer and processor.
     pub transfer: S,
-    /// Wake-ups of the processor.
+    /// Wake-ups of the processor, a cold start included.
     pub wake_up: S,
+    /// The sleep of a processor with a gated supply while it waits for samples.
+    pub waiting: S,
 }
 
 impl<S: Scalar> Cost<S> {
     /// The sum, in J.
     #[must_use]
     pub fn total(&self) -> S {
-        self.computing + self.sensor + self.transfer + self.wake_up
+        self.computing + self.sensor + self.transfer + self.wake_up + self.waiting
     }
 
     /// The sum over the energy `income` in J that is harvested from one estimate to the next. Infinite without income.

@@ -132,7 +132,8 @@ impl<'a> Line<'a> {
     fn cells(&self, income: f64) -> Vec<String> {
         let mark =
             if self.processor.energy_per_cycle.evidence == Evidence::Confirmed { "" } else { UNCONFIRMED };
-        let Cost { computing, sensor, transfer, wake_up } = self.cost;
+        // An accelerometer that always runs has no supply that is switched off, and no waiting.
+        let Cost { computing, sensor, transfer, wake_up, waiting: _ } = self.cost;
         let mut cells = vec![
             format!("{}{mark}", self.processor.name),
             self.accelerometer.name.to_owned(),
