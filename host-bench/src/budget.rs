@@ -18,11 +18,11 @@ use model_core::scalar::Scalar;
 
 use self::controller::Controller;
 use self::income::Income;
-use self::outcome::{ActionOutcome, NodeDay, Sample};
+use self::outcome::{ActionOutcome, KnowingOutcome, NodeDay, Sample};
 use self::plant::{ChargedStorage, LoopedStorage, Plant, StorageAccount, energy_at};
 use crate::embedded::Midnight;
 use crate::method::{Failure, Options, Precision};
-use crate::scene_file::{HOURS, Load, Node, Scene};
+use crate::scene_file::{Action, HOURS, Load, Node, Scene};
 
 const DAY_S: u32 = 86_400;
 
@@ -111,7 +111,7 @@ fn day<S: Scalar, const SLOTS: usize>(
             if second % node.decision_s == 0 {
                 for action in controller.decide() {
                     record.runs_by_hour[action][(second / 3600) as usize] += 1;
-                    plant.spend(node.actions[action].energy_j);
+                    plant.spend(record.actions[action].energy_j);
                 }
             }
         }
@@ -130,6 +130,8 @@ fn day<S: Scalar, const SLOTS: usize>(
 /// What is recorded of a day.
 struct Record<'a> {
     node: &'a Node,
+    /// What it does to know its income, and its other actions.
+    actions: Vec<&'a Action>,
     /// Least stored energy in J.
     lowest_j: f64,
     /// Largest error in J of the controller's estimate of the stored energy.
@@ -145,7 +147,8 @@ impl<'a> Record<'a> {
             node,
             lowest_j: start_j,
             budget_error_j: 0.0,
-            runs_by_hour: vec![[0; HOURS]; node.actions.len()],
+            runs_by_hour: vec![[0; HOURS]; node.all_actions().count()],
+            actions: node.all_actions().collect(),
             samples: vec![Sample { second: 0, stored_j: start_j, income_w: 0.0 }],
         }
     }
@@ -161,8 +164,8 @@ impl<'a> Record<'a> {
     /// the budget.
     fn day(self, predicted: &[f64], account: StorageAccount, budget_ledger: Option<f64>) -> NodeDay {
         let storage = &self.node.storage;
-        let actions = self.node.actions.iter().zip(predicted).zip(self.runs_by_hour);
-        let actions = actions.map(|((action, rate), by_hour)| {
+        let actions = self.actions.iter().zip(predicted).zip(self.runs_by_hour);
+        let mut actions = actions.map(|((action, rate), by_hour)| {
             let runs: u32 = by_hour.iter().sum();
             ActionOutcome {
                 name: action.name.clone(),
@@ -174,11 +177,20 @@ impl<'a> Record<'a> {
                 by_hour,
             }
         });
+        let knowing = self.node.knowing.iter().zip(actions.by_ref());
+        let knowing: Vec<KnowingOutcome> =
+            knowing.map(|(knowing, outcome)| KnowingOutcome::new(knowing, outcome)).collect();
+        let at_node: f64 = knowing.iter().map(|knowing| knowing.outcome.spent_j).sum();
         let capacity_j = energy_at(storage, storage.highest_v);
         let [start_j, end_j] =
             [self.samples.first(), self.samples.last()].map(|sample| sample.map_or(0.0, |end| end.stored_j));
         NodeDay {
             account,
+            knowing_j: at_node / storage.discharging_efficiency,
+            knowing,
+            asleep_power_w: self.node.asleep_power_w,
+            standing_power_w: self.node.standing_power_w,
+            figures: self.node.figures.clone(),
             actions: actions.collect(),
             start_j,
             end_j,

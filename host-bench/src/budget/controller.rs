@@ -1,6 +1,6 @@
 //! The controller of a node: which actions it runs, by the energy budget of the core alone.
 //!
-//! Actions are listed by importance. The planned power of the budget, less the standing power, is granted to them in
+//! Actions are listed by importance, after what the node does to know its income. The planned power of the budget, less the standing power, is granted to them in
 //! this order, to each at most for its wished rate. Granted rates add up to credits. An action with a credit of one is
 //! run if the budget allows it now.
 
@@ -64,7 +64,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
                 node.standing_power_w + from.own_power_w * from.discharging_efficiency,
             ),
         };
-        let due = node.actions.iter().map(|action| {
+        let due = node.all_actions().map(|action| {
             Ok(Due {
                 action: Action::new("", S::from_f64(action.energy_j), S::from_f64(action.duration_s))
                     .map_err(refuse)?,
@@ -145,7 +145,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
         }
     }
 
-    /// The actions to run now, by number; their energy is booked as spent.
+    /// The actions to run now, by their number in [`Node::all_actions`]; their energy is booked as spent.
     pub(super) fn decide(&mut self) -> Vec<usize> {
         let rates = self.granted_rates();
         let now = self.state.second();

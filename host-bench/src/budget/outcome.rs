@@ -6,14 +6,24 @@ use serde_json::json;
 use super::plant::StorageAccount;
 use crate::embedded::WholeDay;
 use crate::outcome::{Fields, Format, fields, text};
-use crate::scene_file::HOURS;
+use crate::scene_file::{HOURS, Knowing, PartFigure};
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NodeDay {
     /// Where energy came from and went.
     pub(super) account: StorageAccount,
-    /// The actions, in the order of the scene file.
+    /// The actions, in the order of the scene file, without what is done to know the income.
     pub(super) actions: Vec<ActionOutcome>,
+    /// What was done to know the income.
+    pub(super) knowing: Vec<KnowingOutcome>,
+    /// Energy that it took from the storage in J.
+    pub(super) knowing_j: f64,
+    /// Power of the named parts asleep in W, if parts are named.
+    pub(super) asleep_power_w: Option<f64>,
+    /// Power that the node takes whatever it does in W.
+    pub(super) standing_power_w: f64,
+    /// The figures of the named parts.
+    pub(super) figures: Vec<PartFigure>,
     /// Stored energy in J at the start.
     pub(super) start_j: f64,
     /// At the end.
@@ -54,6 +64,36 @@ pub(crate) struct ActionOutcome {
     /// How often it was run in each hour.
     #[serde(skip)]
     pub(super) by_hour: [u32; HOURS],
+}
+
+/// What was done to know the income.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct KnowingOutcome {
+    #[serde(flatten)]
+    pub(super) outcome: ActionOutcome,
+    /// Energy at the node of one in J.
+    energy_j: f64,
+    /// The same by what takes it.
+    #[serde(skip)]
+    costs: Vec<(&'static str, f64)>,
+}
+
+impl KnowingOutcome {
+    pub(super) fn new(knowing: &Knowing, outcome: ActionOutcome) -> Self {
+        Self { outcome, energy_j: knowing.action.energy_j, costs: knowing.costs.clone() }
+    }
+
+    /// Names and values, those of its costs at the end.
+    fn fields(&self) -> Fields {
+        let mut all = fields(self);
+        all.extend(self.costs.iter().map(|(name, joules)| ((*name).to_owned(), json!(joules))));
+        all
+    }
+
+    /// Mean power in W in an hour of the day.
+    pub(super) fn power_w(&self, hour: usize) -> f64 {
+        f64::from(self.outcome.by_hour.get(hour).copied().unwrap_or(0)) * self.energy_j / 3600.0
+    }
 }
 
 /// The end of an update interval.
@@ -104,8 +144,12 @@ impl NodeDay {
             "income_j": account.income,
             "shunted_j": account.shunted,
             "leaked_j": account.leaked,
-            "actions_j": account.actions,
+            "actions_j": account.actions - self.knowing_j,
+            "knowing_j": self.knowing_j,
             "standing_j": account.standing,
+            "standing_power_w": self.standing_power_w,
+            "asleep_power_w": self.asleep_power_w,
+            "knowing_share_of_income": (account.income > 0.0).then(|| self.knowing_j / account.income),
             "store_residual": self.storage_residual(),
             "start_charge": self.start_j / self.capacity_j,
             "end_charge": self.end_j / self.capacity_j,
@@ -128,16 +172,33 @@ impl NodeDay {
         all
     }
 
-    /// The whole text, line break at its end included. In JSON the actions are a list of objects; in the other
-    /// formats the name of an action is a prefix of the names of its values.
+    /// The figures of the named parts that no source confirms, as one text.
+    fn not_confirmed(&self) -> String {
+        let figures = self.figures.iter().filter(|figure| figure.evidence != "confirmed");
+        let texts = figures
+            .map(|PartFigure { part, quantity, evidence, .. }| format!("{part} {quantity} {evidence}"));
+        texts.collect::<Vec<_>>().join("; ")
+    }
+
+    /// The whole text, line break at its end included. In JSON the actions, what is done to know the income, and the
+    /// figures of the parts are lists of objects; in the other formats the name of an action is a prefix of the names of
+    /// its values.
     pub(crate) fn text(&self, source: &Source, format: Format) -> String {
         let mut all = self.fields(source);
         if format == Format::Json {
             all.insert("actions".to_owned(), json!(self.actions));
+            let knowing: Vec<Fields> = self.knowing.iter().map(KnowingOutcome::fields).collect();
+            all.insert("knowing".to_owned(), json!(knowing));
+            all.insert("figures".to_owned(), json!(self.figures));
         } else {
-            for action in &self.actions {
-                let values = fields(action).into_iter().filter(|(key, _)| key != "name");
-                all.extend(values.map(|(key, value)| (format!("{}_{key}", action.name), value)));
+            let knowing = self.knowing.iter().map(|knowing| (&knowing.outcome.name, knowing.fields()));
+            let actions = self.actions.iter().map(|action| (&action.name, fields(action)));
+            for (name, values) in knowing.chain(actions) {
+                let values = values.into_iter().filter(|(key, _)| key != "name");
+                all.extend(values.map(|(key, value)| (format!("{name}_{key}"), value)));
+            }
+            if !self.figures.is_empty() {
+                all.insert("figures_not_confirmed".to_owned(), json!(self.not_confirmed()));
             }
         }
         text(&all, format)

@@ -1,4 +1,4 @@
-//! The day of a node as a picture: stored energy, income, and actions over the hours.
+//! The day of a node as a picture: stored energy, income, what knowing it costs, and actions over the hours.
 
 use std::fmt::Write;
 
@@ -11,14 +11,21 @@ use crate::report::plot::{Axis, Curve, Mark, Plot, draw};
 use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION};
 use crate::scene_file::HOURS;
 
-/// Width and height of the picture.
-const SIZE: (u32, u32) = (980, 960);
+/// Width of the picture, and height of a plot.
+const SIZE: (u32, u32) = (980, 320);
+/// The part of the income that knowing it is to cost at most.
+const SHARE: f64 = 0.01;
 /// Colours of the actions; more actions take them again from the first.
 const COLOURS: [RGBColor; 4] = [GREEN, VERMILION, ORANGE, BLACK];
 
 /// The picture as SVG text.
 pub(crate) fn svg(day: &NodeDay) -> Result<String, String> {
-    draw(SIZE, &[stored(day), income(day), actions(day)])
+    let (stored, income, actions) = (stored(day), income(day), actions(day));
+    let plots = match knowing(day) {
+        Some(knowing) => vec![stored, income, knowing, actions],
+        None => vec![stored, income, actions],
+    };
+    draw((SIZE.0, SIZE.1 * plots.len() as u32), &plots)
 }
 
 /// A page with the picture and the numbers.
@@ -70,6 +77,33 @@ fn income(day: &NodeDay) -> Plot {
         up: up("harvested power [µW]", points.iter().map(|point| point.1)),
         curves: vec![Curve::new("", BLUE, Mark::Line(2.0), points)],
     }
+}
+
+/// What knowing the income takes at the node, hour by hour; `None` for a node that spends nothing on it.
+fn knowing(day: &NodeDay) -> Option<Plot> {
+    if day.knowing.is_empty() {
+        return None;
+    }
+    let hours = || 0..HOURS;
+    let mut curves: Vec<Curve> = Vec::new();
+    for (index, knowing) in day.knowing.iter().enumerate() {
+        let steps = hours().flat_map(|hour| {
+            let power = 1e9 * knowing.power_w(hour);
+            [(hour as f64, power), (hour as f64 + 1.0, power)]
+        });
+        let colour = COLOURS[index % COLOURS.len()];
+        curves.push(Curve::new(knowing.outcome.name.as_str(), colour, Mark::Line(2.0), steps));
+    }
+    let limit = 1e9 * SHARE * day.account.income / f64::from(super::DAY_S);
+    let level = [(0.0, limit), (HOURS as f64, limit)];
+    curves.push(Curve::new("1 % of the day's mean income", BLUE, Mark::Dashes(1.0), level));
+    let highest = curves.iter().flat_map(|curve| &curve.points).map(|point| point.1).fold(0.0, f64::max);
+    Some(Plot {
+        title: "Knowing the income".to_owned(),
+        across: across("hour of the day"),
+        up: up("mean power [nW]", std::iter::once(highest)),
+        curves,
+    })
 }
 
 fn actions(day: &NodeDay) -> Plot {

@@ -34,7 +34,11 @@ fn a_day_adds_up_and_is_drawn() {
     let actions = day["actions"].as_array().expect("a list");
     let spent: f64 = actions.iter().map(|action| number(action, "spent_j")).sum();
     assert!((of("actions_j") / spent - 1.0).abs() < 1e-9, "{told}");
-    for (action, joules) in actions.iter().zip([300e-6, 6.6e-3]) {
+    // A wake-up of 5 µs at 32 MHz and 264 pJ; 16 readings of 0.15 µJ; a packet of 24 bytes at 25.5 mA and 3.3 V.
+    let wake_up = 264e-12 * 32e6 * 5e-6;
+    let on_air = 1e-3 + (20.25 + (44.0 + 24.0 * 8.0) * 5.0 / 28.0) * 1.024e-3;
+    let energies = [300e-6 + 16.0 * 0.15e-6 + wake_up, 25.5e-3 * 3.3 * on_air + wake_up];
+    for (action, joules) in actions.iter().zip(energies) {
         assert!((number(action, "spent_j") - number(action, "runs") * joules).abs() < 1e-9);
         assert!(number(action, "runs") <= number(action, "wished_runs") + 1.0);
         // The plan does at least what the budget holds for sustainable at an even rate in the morning.
@@ -45,9 +49,115 @@ fn a_day_adds_up_and_is_drawn() {
     // The budget knows its store, and the node is never switched off.
     assert!(of("budget_error") < 1e-3 && of("lockout_s") == 0.0, "{told}");
     assert!(of("lowest_voltage_v") >= 2.44, "{told}");
-    for label in ["stored energy [mJ]", "harvested power [µW]", "runs per hour", "measure", "transmit"] {
+    let labels = ["stored energy [mJ]", "harvested power [µW]", "runs per hour", "measure", "transmit"];
+    for label in labels.into_iter().chain(["Knowing the income", "mean power [nW]", "voltage_reading"]) {
         assert!(picture.contains(label), "{label} is in the picture");
     }
+}
+
+#[test]
+fn what_knowing_costs_is_counted_by_the_figures_of_the_parts() {
+    let day = json("budget-knowing", &[]);
+    let of = |key: &str| number(&day, key);
+    // An STM32L051 asleep: 0.8 µA at 3 V.
+    assert!(
+        (of("standing_power_w") - 2.4e-6).abs() < 1e-15 && of("asleep_power_w") == of("standing_power_w")
+    );
+    let knowing = day["knowing"].as_array().expect("a list");
+    let [listen, reading] = knowing.as_slice() else { panic!("a listen and a reading: {day}") };
+    // 1284 samples at 400 Hz, 3 µA and 2 V; 53 462 instructions of 1.5 cycles; 48 bits a sample, 170 in the FIFO.
+    let wake_up = 264e-12 * 32e6 * 5e-6;
+    let costs = [
+        ("sensor_j", 1284.0 / 400.0 * 6e-6),
+        ("computing_j", 53_462.0 * 1.5 * 264e-12),
+        ("transfer_j", 1280.0 * 48.0 * 0.5e-9),
+        ("wake_up_j", 8.0 * wake_up),
+        ("waiting_j", 0.0),
+    ];
+    for (key, joules) in costs {
+        assert!((number(listen, key) - joules).abs() < 1e-12, "{key} {listen}");
+    }
+    let sum: f64 = costs.iter().map(|(_, joules)| joules).sum();
+    assert!((number(listen, "energy_j") - sum).abs() < 1e-12);
+    assert!((number(reading, "energy_j") - 0.15e-6 - wake_up).abs() < 1e-12, "{reading}");
+    // Near the lock-out before dawn the budget refuses some.
+    let runs = (number(listen, "runs"), number(reading, "runs"));
+    assert!((280.0..=288.0).contains(&runs.0) && (1400.0..=1440.0).contains(&runs.1), "{runs:?}");
+    // The storage has no converter behind it.
+    let spent = number(listen, "spent_j") + number(reading, "spent_j");
+    assert!((of("knowing_j") / spent - 1.0).abs() < 1e-12);
+    assert!((of("knowing_share_of_income") - spent / of("income_j")).abs() < 1e-12);
+    assert!(of("knowing_share_of_income") < 0.01, "{day}");
+    let figures = day["figures"].as_array().expect("a list");
+    let marks = ["confirmed", "secondary", "unconfirmed", "estimated"];
+    assert!(figures.iter().all(|figure| marks.iter().any(|mark| figure["evidence"] == *mark)));
+    assert!(figures.iter().any(|figure| figure["part"] == "ADXL362" && figure["evidence"] == "confirmed"));
+    // Behind a gated supply the clock alone stands, and a listen has a cold start and waits.
+    let gated = json("budget-gated", &["--set", "node.parts.clock=\"ab18x5-crystal\""]);
+    assert!((number(&gated, "standing_power_w") - 165e-9).abs() < 1e-15);
+    let start = 1e-6 * 9.0 + 264e-12 * 32e6 * 2e-3;
+    assert!((number(&gated["knowing"][0], "wake_up_j") - start - 7.0 * wake_up).abs() < 1e-12, "{gated}");
+    assert!((number(&gated["knowing"][0], "waiting_j") - 2.4e-6 * 1284.0 / 400.0).abs() < 1e-12, "{gated}");
+    // A cold start for each reading, 25.9 µJ each minute, is more than a hundredth.
+    assert!(number(&gated, "knowing_share_of_income") > 0.01, "{gated}");
+}
+
+#[test]
+fn a_node_without_named_parts_states_all_itself() {
+    let scene = std::fs::read_to_string(NODE).expect("the shipped scene");
+    let (head, tail) = scene.split_once("[node.parts]").expect("named parts");
+    let (_, tail) = tail.split_once("[node.storage]").expect("a storage");
+    let plain = format!("{head}standing_power_w = 1.5e-6\n[node.storage]{tail}");
+    let plain = plain
+        .replace("adc_readings = 16", "")
+        .replace("packet_bytes = 24", "energy_j = 6.6e-3\nduration_s = 0.05");
+    let folder = folder("budget-plain");
+    let file = folder.join("plain.toml");
+    std::fs::write(&file, &plain).expect("a file");
+    let picture = folder.join("day.svg");
+    let [scene, svg] = [&file, &picture].map(|path| path.to_str().expect("a plain path"));
+    let short = ["--set", "run.duration_s=3", "--set", "run.settle_s=2", "--svg", svg, "--format", "json"];
+    let day: serde_json::Value =
+        serde_json::from_str(&accepted(&[&["budget", scene], &short[..]].concat())).expect("one JSON object");
+    assert_eq!((number(&day, "standing_power_w"), number(&day, "knowing_j")), (1.5e-6, 0.0));
+    assert!(day["asleep_power_w"].is_null() && day["figures"] == serde_json::json!([]), "{day}");
+    assert!(!std::fs::read_to_string(&picture).expect("the picture").contains("Knowing"));
+    let with = |change: &str, parts: &[&str]| refused(&["budget", scene, "--set", change], parts);
+    with("node.actions.1.packet_bytes=20", &["node.actions[1].packet_bytes = 20", "needs node.parts"]);
+    with("node.listen={every_s=60}", &["node.listen", "needs node.parts"]);
+}
+
+#[test]
+fn parts_that_are_not_there_are_refused_with_their_list() {
+    let with = |change: &str, parts: &[&str]| refused(&["budget", NODE, "--set", change], parts);
+    for (key, listed) in [
+        ("processor", "\"nrf52832\" or \"nrf52840\""),
+        ("clock", "\"own\" or \"ab18x5-crystal\""),
+        ("accelerometer", "\"adxl362\" or"),
+        ("radio", "\"nrf52832-0-dbm\" or"),
+    ] {
+        with(&format!("node.parts.{key}=\"x\""), &[&format!("node.parts.{key} = \"x\""), listed]);
+    }
+    with("node.parts.processor=\"sam-d21\"", &["its current asleep is not known", "name a clock"]);
+    with("node.parts={processor=\"nrf52832\"}", &["node.actions[1].packet_bytes", "node.parts.radio"]);
+    let deaf = "node.parts={processor=\"nrf52832\",radio=\"nrf52832-0-dbm\"}";
+    with(deaf, &["node.listen.samples", "node.parts.accelerometer"]);
+    with("node.listen.rate_hz=401", &["node.listen.rate_hz = 401", "at most 400", "ADXL362"]);
+    with("node.listen.samples=0.5", &["node.listen.samples = 0.5", "whole number from 1"]);
+    with("node.listen.code=\"x\"", &["node.listen.code", "\"filter\" or \"trajectory\""]);
+    with("node.listen.every_s=0", &["node.listen.every_s = 0", "from 1 to 86400"]);
+    with("node.voltage_reading={}", &["node.voltage_reading.every_s: is missing"]);
+    with("node.actions.1.packet_bytes=256", &["node.actions[1].packet_bytes = 256", "0 to 255"]);
+    with("node.actions.0.name=\"listen\"", &["node.actions[0].name", "must not be listen"]);
+    let short = "node.parts.radio=\"nrf52832-0-dbm\"";
+    refused(
+        &["budget", NODE, "--set", short, "--set", "node.actions.1.packet_bytes=32"],
+        &["node.actions[1].packet_bytes = 32", "at most 31"],
+    );
+    refused(
+        &["sweep", NODE, "--over", "node.listen.every_s=60:120:2"],
+        &["--over node.listen.every_s", "[node] is of the command budget"],
+    );
 }
 
 #[test]

@@ -1,17 +1,21 @@
 //! `[node]`, which only the command `budget` uses.
 
+mod parts;
+
 use model_core::energy::{IncomeParameters, StorageParameters};
 use model_core::part::preset::Preset;
 
+use self::parts::Parts;
 use super::bounds::{CoreTable, between};
 use super::document::SceneError;
 use super::key::{Table, Value, core, number, other, whole};
 use super::preset::{self, PRESET};
-use super::scene::{Action, Draw, HOURS, Load, Lockout, Node, Storage};
+use super::scene::{Action, Draw, HOURS, Knowing, Load, Lockout, Node, Storage};
 use super::section::Section;
 
 const INCOME: CoreTable = IncomeParameters::<f64>::BOUNDS;
 const STORE: CoreTable = StorageParameters::<f64>::BOUNDS;
+const BY_PARTS: &str = "required; 0 with one of the last three keys";
 const OF_PART: &str = "the preset's, else required";
 const OF_LOAD: &str = "that of a rectified-store in `[load]`, else required";
 
@@ -23,8 +27,13 @@ pub(super) static TABLE: Table = Table::of(&[
         .limit("a multiple of `update_s` that divides 86400")
         .or_said("`update_s`"),
     other("slots_per_day", Value::Among(&SLOTS), "Slots of the day in which the income is remembered"),
-    number("standing_power_w", "W", between(0.0, 1e3), "Power that the node takes always, upper bound")
-        .or_number(0.0),
+    number(
+        "standing_power_w",
+        "W",
+        between(0.0, 1e3),
+        "Power that is always taken, without that of `parts`, upper bound",
+    )
+    .or_number(0.0),
     number("time_constant_s", "s", core(INCOME, "time_constant"), "Time constant of the mean of the income")
         .or_number(14_400.0),
     // What Kansal et al. (2007) find good.
@@ -32,6 +41,22 @@ pub(super) static TABLE: Table = Table::of(&[
         .or_number(0.5),
     other("storage", Value::Table(&STORAGE), "The storage of the node").or_said(OF_LOAD),
     other("day", Value::Table(&DAY_TABLE), "How the excitation changes over the day").or_said("it does not"),
+    other("parts", Value::Table(&parts::PARTS), "Named parts, whose energies come from their figures")
+        .or_said("none"),
+    other(
+        "listen",
+        Value::Table(&parts::LISTEN),
+        "A burst of samples, the accelerometer off before and after",
+    )
+    .limit("needs `parts`")
+    .or_said("none"),
+    other(
+        "voltage_reading",
+        Value::Table(&parts::READING),
+        "A wake-up and a reading of the storage's voltage",
+    )
+    .limit("needs `parts`")
+    .or_said("none"),
     other("actions", Value::Tables(&ACTIONS), "What the node does, the most important first"),
 ]);
 
@@ -76,12 +101,23 @@ static DAY_TABLE: Table = Table::of(&[other(
 .unit("1")]);
 
 static ACTIONS: Table = Table::of(&[
-    other("name", Value::Text, "Its name").limit("unique, not empty"),
-    number("energy_j", "J", between(1e-12, 1e3), "What it takes at the node, upper bound"),
-    number("duration_s", "s", between(0.0, 86_400.0), "How long it takes, upper bound"),
+    other("name", Value::Text, "Its name").limit("unique, not empty, not `listen` or `voltage_reading`"),
+    number("energy_j", "J", between(1e-12, 1e3), "What it takes at the node, upper bound").or_said(BY_PARTS),
+    number("duration_s", "s", between(0.0, 86_400.0), "How long it takes, upper bound").or_said(BY_PARTS),
     number("every_s", "s", between(1.0, 86_400.0), "Time from one to the next that is wished for"),
+    whole("packet_bytes", "", between(0.0, 255.0), "Payload of a packet of the radio")
+        .limit("at most that of the radio; needs `parts`")
+        .or_said("none"),
+    whole("adc_readings", "", between(1.0, 65_536.0), "Readings of the ADC")
+        .limit("needs `parts`")
+        .or_said("none"),
+    number("instructions", "", between(0.0, 1e9), "Instructions, of the kind `filter`")
+        .limit("needs `parts`")
+        .or_said("none"),
 ]);
 
+/// What a node does to know its income, by its tables.
+const KNOWING: [&str; 2] = ["listen", "voltage_reading"];
 /// Seconds in a day.
 const DAY: usize = 86_400;
 /// Slots that the core's budget is compiled for here.
@@ -103,11 +139,15 @@ pub(super) fn node(
         update_s
     };
     let slots_per_day = section.whole_number("slots_per_day")?;
+    let parts = parts::parts(&mut section)?;
+    let asleep_power_w = parts.as_ref().map(Parts::asleep);
+    let stated_power_w = section.number("standing_power_w")?;
     let node = Node {
         update_s: update_s as u32,
         decision_s: decision_s as u32,
         slots_per_day,
-        standing_power_w: section.number("standing_power_w")?,
+        standing_power_w: stated_power_w + asleep_power_w.unwrap_or(0.0),
+        asleep_power_w,
         time_constant_s: section.number("time_constant_s")?,
         day_weight: section.number("day_weight")?,
         storage: storage(&mut section, load, part)?,
@@ -115,7 +155,9 @@ pub(super) fn node(
             Some(table) => hours(table)?,
             None => [1.0; HOURS],
         },
-        actions: actions(&mut section)?,
+        actions: actions(&mut section, parts.as_ref())?,
+        knowing: knowing(&mut section, parts.as_ref())?,
+        figures: parts.as_ref().map_or_else(Vec::new, Parts::figures),
     };
     section.finish()?;
     Ok(node)
@@ -228,8 +270,24 @@ fn hours(mut section: Section<'_>) -> Result<[f64; HOURS], SceneError> {
     Ok(factors)
 }
 
+/// Reads what the node does to know its income, which its named parts must pay for.
+fn knowing(section: &mut Section<'_>, parts: Option<&Parts>) -> Result<Vec<Knowing>, SceneError> {
+    type Read = fn(&Parts, &mut Section<'_>) -> Result<Knowing, SceneError>;
+    let kinds: [Read; 2] = [Parts::listen, Parts::voltage_reading];
+    let mut all = Vec::new();
+    for (key, read) in KNOWING.into_iter().zip(kinds) {
+        let Some(mut table) = section.optional_table(key)? else { continue };
+        let Some(parts) = parts else {
+            return Err(section.refuse(key, "needs node.parts, which is missing"));
+        };
+        all.push(read(parts, &mut table)?);
+        table.finish()?;
+    }
+    Ok(all)
+}
+
 /// Reads `[[node.actions]]`.
-fn actions(section: &mut Section<'_>) -> Result<Vec<Action>, SceneError> {
+fn actions(section: &mut Section<'_>, parts: Option<&Parts>) -> Result<Vec<Action>, SceneError> {
     let mut actions: Vec<Action> = Vec::new();
     for mut table in section.tables("actions")? {
         let Some(name) = table.text("name").map(str::to_owned).filter(|name| !name.trim().is_empty()) else {
@@ -238,13 +296,27 @@ fn actions(section: &mut Section<'_>) -> Result<Vec<Action>, SceneError> {
         if actions.iter().any(|action| action.name == name) {
             return Err(table.refuse("name", "must not be that of another action"));
         }
-        actions.push(Action {
-            name,
-            energy_j: table.number("energy_j")?,
-            duration_s: table.number("duration_s")?,
-            every_s: table.number("every_s")?,
-        });
+        if KNOWING.contains(&name.as_str()) {
+            return Err(table.refuse("name", format!("must not be {}", KNOWING.join(" or "))));
+        }
+        let [energy_j, duration_s] = energy_and_duration(&mut table, parts)?;
+        actions.push(Action { name, energy_j, duration_s, every_s: table.number("every_s")? });
         table.finish()?;
     }
     Ok(actions)
+}
+
+/// Energy in J and duration in s of an action: what is stated, and what the named parts take beside.
+fn energy_and_duration(table: &mut Section<'_>, parts: Option<&Parts>) -> Result<[f64; 2], SceneError> {
+    let of_parts = match parts {
+        Some(parts) => parts.action(table)?,
+        None => ["packet_bytes", "adc_readings", "instructions"]
+            .into_iter()
+            .find(|&key| table.has(key))
+            .map_or(Ok(None), |key| Err(table.refuse(key, "needs node.parts, which is missing")))?,
+    };
+    let default = of_parts.map(|_| 0.0);
+    let stated = [table.number_or("energy_j", default)?, table.number_or("duration_s", default)?];
+    let [energy_j, duration_s] = of_parts.unwrap_or([0.0; 2]);
+    Ok([stated[0] + energy_j, stated[1] + duration_s])
 }

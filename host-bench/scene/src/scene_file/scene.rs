@@ -11,7 +11,7 @@ pub use self::bump_stop::{
     BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters, TipMassParameters,
 };
 pub use self::excitation::{Burst, BurstShape, Excitation, Random, Sweep, Tone, Trace};
-pub use self::node::{Action, HOURS, Node, Storage};
+pub use self::node::{Action, HOURS, Knowing, Node, PartFigure, Storage};
 pub use self::sliding::{Sliding, SlidingParameters, SlidingStart};
 use super::document::SceneError;
 

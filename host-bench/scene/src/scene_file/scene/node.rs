@@ -12,8 +12,10 @@ pub struct Node {
     pub decision_s: u32,
     /// Slots of the day in which income is remembered.
     pub slots_per_day: usize,
-    /// Power in W that the node takes whatever it does, upper bound.
+    /// Power in W that the node takes whatever it does, upper bound: its named parts asleep, and what is stated beside.
     pub standing_power_w: f64,
+    /// Power in W of the named parts asleep; `None` without named parts.
+    pub asleep_power_w: Option<f64>,
     /// Time constant in s of the exponentially weighted mean of the income.
     pub time_constant_s: f64,
     /// Weight of the newest day in the mean of a slot.
@@ -22,6 +24,10 @@ pub struct Node {
     pub storage: Storage,
     /// What it can do, the most important first; at least one, each with a name of its own.
     pub actions: Vec<Action>,
+    /// What it does to know its income, before all else.
+    pub knowing: Vec<Knowing>,
+    /// The figures of its named parts.
+    pub figures: Vec<PartFigure>,
     /// What the amplitude of the excitation is multiplied with, hour by hour from midnight.
     pub hours: [f64; HOURS],
 }
@@ -60,4 +66,35 @@ pub struct Action {
     pub duration_s: f64,
     /// How often it is wished for: seconds from one to the next.
     pub every_s: f64,
+}
+
+/// Something that a node does to know its income.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Knowing {
+    /// What is done.
+    pub action: Action,
+    /// Its energy in J by what takes it.
+    pub costs: Vec<(&'static str, f64)>,
+}
+
+/// A figure of a named part.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct PartFigure {
+    /// The part.
+    pub part: String,
+    /// The quantity with its unit.
+    pub quantity: &'static str,
+    /// The value in that unit.
+    pub value: f64,
+    /// `confirmed`, `secondary`, `unconfirmed` or `estimated`.
+    pub evidence: &'static str,
+    /// The document, or the assumption.
+    pub source: &'static str,
+}
+
+impl Node {
+    /// What it does to know its income, and its other actions, the most important first.
+    pub fn all_actions(&self) -> impl Iterator<Item = &Action> {
+        self.knowing.iter().map(|knowing| &knowing.action).chain(&self.actions)
+    }
 }
