@@ -21,8 +21,9 @@ struct Memory {
     ram: (u32, u32),
 }
 
-/// The boards that QEMU emulates, one for each core. The first one is the default.
-const BOARDS: [Board; 5] = [
+/// The boards that QEMU emulates, one for each core, and the part of the binary `node_nrf52832`. The first one is the
+/// default.
+const BOARDS: [Board; 6] = [
     // Cortex-M4F, STM32F405.
     Board { name: "netduinoplus2", target: "thumbv7em-none-eabihf", memory: None },
     // Cortex-M0, nRF51822.
@@ -49,6 +50,12 @@ const BOARDS: [Board; 5] = [
         name: "mps2-an505",
         target: "thumbv8m.main-none-eabihf",
         memory: Some(Memory { flash: (0x1000_0000, 4096), ram: (0x3800_0000, 128) }),
+    },
+    // nRF52832, not under QEMU. The last two pages of its 512 KiB of flash are the slots of the node's images.
+    Board {
+        name: "nrf52832",
+        target: "thumbv7em-none-eabihf",
+        memory: Some(Memory { flash: (0x0000_0000, 504), ram: (0x2000_0000, 64) }),
     },
 ];
 

@@ -12,11 +12,13 @@
 //! | `variant` | the variants of the bench by name |
 //! | `workload` | the workloads of the variants: scenes whole, with parts left out, at several settings |
 //! | `node` | a sensor node: acceleration samples in, a decision a second out |
+//! | `board` | boards of `model_core::node` over `embedded-hal`: an accelerometer's driver, slots in flash |
 //! | `logger` | defmt frames over semihosting |
 //! | `stop` | panics and faults end the run with a code |
 
 #![no_std]
 
+pub mod board;
 #[cfg(target_os = "none")]
 mod calibration;
 #[cfg(target_os = "none")]

@@ -1,0 +1,132 @@
+//! The parameters of a node on a board with an ADXL362, and its energies by the figures of `energy::cost`.
+
+use model_core::bounds::ParameterError;
+use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor, Radio};
+use model_core::energy::response_map::MapError;
+use model_core::energy::{
+    Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
+    ResponseMap, StorageParameters,
+};
+use model_core::excitation::{ExcitationError, LineBank};
+use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, Regular, Sensor, Spread};
+
+use super::adxl362::{Range, Rate};
+use crate::workload::response_map::contact_separation;
+
+/// Samples of a section of the bank of lines, and sections of a block: 3.2 s at 400 Hz.
+const SECTION: usize = 80;
+const SECTIONS: usize = 16;
+/// Slots of the day.
+const SLOTS: usize = 24;
+/// Number of actions.
+const ACTIONS: usize = 2;
+/// Samples that are read from the FIFO in one go.
+pub const BURST: usize = 128;
+
+/// The node of this board.
+pub type ExampleNode = Node<&'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS>;
+/// The node with its board.
+pub type Runner<B> = model_core::node::Runner<B, &'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS, BURST>;
+
+/// Range of the accelerometer.
+pub const RANGE: Range = Range::G2;
+/// Rate of the accelerometer.
+pub const RATE: Rate = Rate::Hz400;
+/// m/s² of a count in that range: 1 mg.
+pub const UNIT: f32 = 1e-3 * model_core::part::GRAVITY as f32;
+/// Voltage of the full code of a converter of 12 bits.
+pub const FULL_SCALE: f32 = 3.6;
+/// What the node can do, by its index.
+pub const MEASURE: usize = 0;
+/// The index of a transmission.
+pub const TRANSMIT: usize = 1;
+
+/// Instructions of a block of the bank of lines and a look-up, on a Cortex-M4F under QEMU.
+const INSTRUCTIONS: f32 = (SECTION * SECTIONS) as f32 * 13.0 + 609.0;
+
+/// Why there is no node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ExampleError {
+    /// A parameter outside its bounds.
+    Node(NodeError),
+    /// The map is not whole.
+    Map(MapError),
+    /// The bank of lines does not fit.
+    Bank(ExcitationError),
+    /// A part has no figure for this use.
+    Figure,
+}
+
+impl From<ParameterError<f32>> for ExampleError {
+    fn from(error: ParameterError<f32>) -> Self {
+        Self::Node(error.into())
+    }
+}
+
+/// A node with an nRF52832, its radio and an ADXL362, on a storage of 10 mF that supplies it directly.
+///
+/// # Errors
+/// If a parameter is outside its bounds, or the map does not belong to this version.
+pub fn node() -> Result<ExampleNode, ExampleError> {
+    let accelerometer = Accelerometer::adxl362();
+    let cost = CostModel::<f32>::new(Processor::nrf52832(), accelerometer);
+    let rate = RATE.hertz() as f32;
+    let block = (SECTION * SECTIONS) as u32;
+    let listen = cost.listen(block, rate, INSTRUCTIONS, Code::Filter).ok_or(ExampleError::Figure)?;
+    let packet = Radio::<f32>::nrf52832();
+    let sent = packet.packet(20).zip(packet.packet_time(20)).ok_or(ExampleError::Figure)?;
+    let standing_power = cost.standing_power().ok_or(ExampleError::Figure)?;
+    let parameters = NodeParameters {
+        budget: BudgetParameters {
+            storage: StorageParameters {
+                capacitor: Capacitor { capacitance: 10e-3, leakage_resistance: 5e6 },
+                charging_efficiency: 0.8,
+                discharging_efficiency: 1.0,
+                highest_voltage: 3.3,
+                lock_out_voltage: 1.9,
+                turn_on_voltage: 2.2,
+            },
+            income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
+            standing_power,
+        },
+        converter: CorrectionParameters {
+            bits: 12,
+            full_scale: FULL_SCALE,
+            noise: 1e-3,
+            gain_deviation: 0.5,
+            gain_drift: 0.05,
+        },
+        listening: ListeningParameters {
+            share: 8e-3,
+            error: 0.02,
+            horizon: 3600.0,
+            shortest: 60,
+            doublings: 8,
+        },
+        sensor: Sensor {
+            rate,
+            start_up: accelerometer.start_up_samples,
+            blocks: 1,
+            // 12 bits.
+            clipped: 2040,
+        },
+        cost: KnowingCost {
+            listen: listen.total(),
+            reading: cost.voltage_reading.value + cost.start_energy(),
+            reading_share: 2e-3,
+            shortest_reading: 60,
+            reading_doublings: 6,
+        },
+        spread: Spread { standing: 0.2, action: 0.1, income: 0.3, gain_by_place: 0.1, power: 1e-4 },
+        // Half an hour asleep.
+        reserve: 1800.0 * standing_power,
+        actions: [
+            Regular { action: Action::new("measure", 300e-6, 0.1)?, every: 600 },
+            Regular { action: Action::new("transmit", sent.0 + cost.start_energy(), sent.1)?, every: 900 },
+        ],
+    };
+    let map = ResponseMap::new(&contact_separation::MAP[..], contact_separation::FINGERPRINT)
+        .map_err(ExampleError::Map)?;
+    let bank = LineBank::new(rate, 20.13, 0.1, UNIT).map_err(ExampleError::Bank)?;
+    Node::new(map, bank, parameters).map_err(ExampleError::Node)
+}

@@ -1,0 +1,406 @@
+//! The board against the bytes of the data sheets, and a node on a simulated sensor, clock and flash.
+
+extern crate std;
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+use std::vec;
+use std::vec::Vec;
+
+use core::convert::Infallible;
+
+use embedded_hal::digital;
+use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
+use embedded_hal_mock::eh1::delay::NoopDelay;
+use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Level};
+use embedded_hal_mock::eh1::spi::{Mock as Spi, Transaction};
+use embedded_storage::nor_flash::{
+    NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
+};
+use model_core::node::{Board, Fault, Hearing, Step};
+
+use super::adxl362::{Adxl362, Adxl362Error, Axis, Range, Rate};
+use super::example::{self, BURST, Runner};
+use super::flash::Slots;
+use super::hal::HalBoard;
+
+fn written(bytes: &[u8]) -> Vec<Transaction<u8>> {
+    vec![
+        Transaction::transaction_start(),
+        Transaction::write_vec(bytes.to_vec()),
+        Transaction::transaction_end(),
+    ]
+}
+
+fn read(command: &[u8], answer: &[u8]) -> Vec<Transaction<u8>> {
+    vec![
+        Transaction::transaction_start(),
+        Transaction::write_vec(command.to_vec()),
+        Transaction::read_vec(answer.to_vec()),
+        Transaction::transaction_end(),
+    ]
+}
+
+/// What the driver sends to start at ±4 g and 200 Hz, by the register map.
+fn starting() -> Vec<Transaction<u8>> {
+    [
+        read(&[0x0B, 0x00], &[0xAD, 0x1D, 0xF2]),
+        written(&[0x0A, 0x1F, 0x52]),
+        written(&[0x0A, 0x2C, 0b0100_0100]),
+        written(&[0x0A, 0x28, 0b0000_0010]),
+        written(&[0x0A, 0x2D, 0b0000_0010]),
+    ]
+    .concat()
+}
+
+/// An entry of the FIFO: the axis in bits 15 and 14, the value of 12 bits with its sign in bits 13 to 0.
+fn entry(tag: u16, value: i16) -> [u8; 2] {
+    (tag << 14 | (value as u16 & 0x3FFF)).to_le_bytes()
+}
+
+fn sensor(spi: Spi<u8>) -> Adxl362<Spi<u8>> {
+    Adxl362::new(spi, Axis::Z, Range::G4, Rate::Hz200)
+}
+
+#[test]
+fn the_sensor_is_started_and_stopped_by_the_register_map() {
+    let mut spi = Spi::new(&[starting(), written(&[0x0A, 0x2D, 0x00])].concat());
+    let mut sensor = sensor(spi.clone());
+    sensor.start(&mut NoopDelay::new()).expect("it answers");
+    sensor.stop().expect("it answers");
+    spi.done();
+}
+
+#[test]
+fn another_part_is_refused() {
+    let mut spi = Spi::new(&read(&[0x0B, 0x00], &[0xAD, 0x1D, 0xF7]));
+    let found = sensor(spi.clone()).start(&mut NoopDelay::new());
+    assert_eq!(found, Err(Adxl362Error::Identity([0xAD, 0x1D, 0xF7])));
+    spi.done();
+}
+
+#[test]
+fn one_axis_is_taken_from_whole_samples() {
+    // Eight entries are two samples and two entries of the third, which stay in the FIFO.
+    let values = [-2048_i16, 2047];
+    let bytes: Vec<u8> =
+        values.iter().flat_map(|&z| [entry(0, 5), entry(1, -6), entry(2, z)].concat()).collect();
+    let mut spi = Spi::new(&[read(&[0x0B, 0x0B], &[0b0001, 8, 0]), read(&[0x0D], &bytes)].concat());
+    let mut samples = [0; 10];
+    assert_eq!(sensor(spi.clone()).read(&mut samples), Ok(2));
+    assert_eq!(samples[..3], [-2048, 2047, 0]);
+    spi.done();
+}
+
+#[test]
+fn a_short_buffer_and_a_long_fifo_are_read_in_blocks() {
+    // 510 entries wait, 0x1FE; there is room for 20 samples, which are read as 16 and 4.
+    let sample = |z: i16| [entry(0, 0), entry(1, 0), entry(2, z)].concat();
+    let block = |range: core::ops::Range<i16>| read(&[0x0D], &range.flat_map(sample).collect::<Vec<u8>>());
+    let mut spi = Spi::new(&[read(&[0x0B, 0x0B], &[0, 0xFE, 0x01]), block(0..16), block(16..20)].concat());
+    let mut samples = [0; 20];
+    assert_eq!(sensor(spi.clone()).read(&mut samples), Ok(20));
+    assert!(samples.iter().copied().eq(0..20));
+    spi.done();
+}
+
+#[test]
+fn lost_and_misaligned_samples_are_errors() {
+    let mut spi = Spi::new(&read(&[0x0B, 0x0B], &[0b1000, 0, 2]));
+    assert_eq!(sensor(spi.clone()).read(&mut [0; 4]), Err(Adxl362Error::Overrun));
+    spi.done();
+    let shifted = [entry(1, 0), entry(2, 0), entry(0, 0)].concat();
+    let mut spi = Spi::new(&[read(&[0x0B, 0x0B], &[0, 3, 0]), read(&[0x0D], &shifted)].concat());
+    assert_eq!(sensor(spi.clone()).read(&mut [0; 4]), Err(Adxl362Error::Misaligned));
+    spi.done();
+}
+
+/// NOR flash of four pages of 64 bytes: erased to ones, written once in words of 4 bytes.
+#[derive(Debug, Clone)]
+struct Flash {
+    bytes: Vec<u8>,
+    /// Erasures and writes that still succeed.
+    left: usize,
+}
+
+#[derive(Debug)]
+struct FlashError(NorFlashErrorKind);
+
+impl NorFlashError for FlashError {
+    fn kind(&self) -> NorFlashErrorKind {
+        self.0
+    }
+}
+
+impl Flash {
+    fn new(pages: usize) -> Self {
+        Self { bytes: vec![0; Self::ERASE_SIZE * pages], left: usize::MAX }
+    }
+
+    fn work(&mut self) -> Result<(), FlashError> {
+        self.left = self.left.checked_sub(1).ok_or(FlashError(NorFlashErrorKind::Other))?;
+        Ok(())
+    }
+}
+
+impl embedded_storage::nor_flash::ErrorType for Flash {
+    type Error = FlashError;
+}
+
+impl ReadNorFlash for Flash {
+    const READ_SIZE: usize = 4;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+        check_read(self, offset, bytes.len()).map_err(FlashError)?;
+        bytes.copy_from_slice(&self.bytes[offset as usize..][..bytes.len()]);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+impl NorFlash for Flash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = 64;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+        check_erase(self, from, to).map_err(FlashError)?;
+        self.work()?;
+        self.bytes[from as usize..to as usize].fill(0xFF);
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+        check_write(self, offset, bytes.len()).map_err(FlashError)?;
+        self.work()?;
+        for (to, from) in self.bytes[offset as usize..].iter_mut().zip(bytes) {
+            assert_eq!(*to, 0xFF, "a byte is written once");
+            *to = *from;
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn slots_keep_bytes_of_any_number_and_one_slot_leaves_the_other() {
+    let mut slots = Slots::new(Flash::new(4), 100).expect("two slots of two pages");
+    for length in [1, 3, 4, 5, 63, 64, 99, 128] {
+        let [first, second]: [Vec<u8>; 2] =
+            [1, 2].map(|seed| (0..length).map(|k| (k * seed) as u8 ^ 0x5A).collect());
+        slots.write(0, &first);
+        slots.write(1, &second);
+        let (mut one, mut other) = (vec![0; length], vec![0; length]);
+        slots.read(0, &mut one);
+        slots.read(1, &mut other);
+        assert_eq!((one, other), (first, second), "{length}");
+    }
+    assert!(Slots::new(Flash::new(4), 129).is_none(), "no room for two");
+    // More than a slot is not written, and what cannot be read is all ones.
+    slots.write(0, &[0; 129]);
+    let mut beyond = vec![0; 300];
+    slots.read(0, &mut beyond);
+    assert!(beyond.iter().all(|&byte| byte == 0xFF));
+    // A write that fails half-way leaves the other slot.
+    let mut flash = slots.into_flash();
+    flash.left = 1;
+    let mut slots = Slots::new(flash, 100).expect("as before");
+    let mut before = vec![0; 128];
+    slots.read(1, &mut before);
+    slots.write(0, &[7; 100]);
+    let mut after = vec![0; 128];
+    slots.read(1, &mut after);
+    assert_eq!(before, after);
+}
+
+/// A simulated ADXL362 on a simulated clock: registers, and a FIFO that fills as time passes.
+#[derive(Debug, Default)]
+struct World {
+    /// Time in ms.
+    now: u64,
+    powered: bool,
+    /// Start of measuring in ms, if it measures.
+    measuring: Option<u64>,
+    /// Samples since that were put into the FIFO or lost.
+    produced: u64,
+    fifo: VecDeque<[u8; 2]>,
+    overrun: bool,
+    /// Energy in the storage in J.
+    stored: f64,
+    ran: [u32; 2],
+}
+
+/// Shaking of the line of the resonance, in m/s² and Hz.
+const SHAKING: [f64; 2] = [1.9, 20.4];
+/// Income and draw of the simulated node in W.
+const NET: f64 = 4e-6;
+const CAPACITANCE: f64 = 10e-3;
+
+impl World {
+    fn pass(&mut self, milliseconds: u64) {
+        self.now += milliseconds;
+        self.stored = (self.stored + NET * milliseconds as f64 * 1e-3).min(0.5 * CAPACITANCE * 3.3 * 3.3);
+        let Some(start) = self.measuring else { return };
+        let due = (self.now - start) * u64::from(example::RATE.hertz()) / 1000;
+        while self.produced < due {
+            let time = start as f64 * 1e-3 + self.produced as f64 / f64::from(example::RATE.hertz());
+            let acceleration = SHAKING[0] * (core::f64::consts::TAU * SHAKING[1] * time).sin();
+            let count = (acceleration / f64::from(example::UNIT)).round() as i16;
+            for (tag, value) in [count, 0, 1000].into_iter().enumerate() {
+                if self.fifo.len() == 512 {
+                    self.fifo.pop_front();
+                    self.overrun = true;
+                }
+                self.fifo.push_back(entry(tag as u16, value));
+            }
+            self.produced += 1;
+        }
+    }
+
+    fn command(&mut self, command: &[u8], answer: &mut [u8]) {
+        assert!(self.powered, "no command to a sensor without supply");
+        match *command {
+            [0x0B, 0x00] => answer.copy_from_slice(&[0xAD, 0x1D, 0xF2]),
+            [0x0B, 0x0B] => {
+                let [low, high] = (self.fifo.len() as u16).to_le_bytes();
+                answer.copy_from_slice(&[u8::from(self.overrun) << 3, low, high]);
+                self.overrun = false;
+            }
+            [0x0D] => {
+                for pair in answer.chunks_mut(2) {
+                    pair.copy_from_slice(&self.fifo.pop_front().expect("an entry"));
+                }
+            }
+            [0x0A, 0x2D, 0x02] => (self.measuring, self.produced) = (Some(self.now), 0),
+            [0x0A, 0x2D, 0x00] => self.measuring = None,
+            [0x0A, 0x1F, 0x52] => self.fifo.clear(),
+            [0x0A, 0x28 | 0x2C, _] => {}
+            _ => panic!("no such command: {command:?}"),
+        }
+    }
+}
+
+type Shared = Rc<RefCell<World>>;
+
+struct Chip(Shared);
+
+impl ErrorType for Chip {
+    type Error = Infallible;
+}
+
+impl SpiDevice for Chip {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+        let mut world = self.0.borrow_mut();
+        match operations {
+            [Operation::Write(command), Operation::Read(answer)] => world.command(command, answer),
+            [Operation::Write(command)] => world.command(command, &mut []),
+            _ => panic!("no such transaction"),
+        }
+        Ok(())
+    }
+}
+
+struct Supply(Shared);
+
+impl digital::ErrorType for Supply {
+    type Error = Infallible;
+}
+
+impl digital::OutputPin for Supply {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        let mut world = self.0.borrow_mut();
+        (world.powered, world.measuring) = (false, None);
+        world.fifo.clear();
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0.borrow_mut().powered = true;
+        Ok(())
+    }
+}
+
+fn board(world: &Shared, flash: Flash) -> impl Board + use<> {
+    let [sleeping, converting, acting] = [world, world, world].map(Rc::clone);
+    HalBoard {
+        sensor: Adxl362::new(Chip(Rc::clone(world)), Axis::X, example::RANGE, example::RATE),
+        supply: Supply(Rc::clone(world)),
+        delay: NoopDelay::new(),
+        sleep: move |milliseconds: u32| {
+            let mut world = sleeping.borrow_mut();
+            world.pass(u64::from(milliseconds));
+            (world.now / 1000) as u32
+        },
+        convert: move || {
+            let voltage = (2.0 * converting.borrow().stored / CAPACITANCE).sqrt();
+            Some((voltage / f64::from(example::FULL_SCALE) * 4096.0).round() as u32)
+        },
+        act: move |action: usize| acting.borrow_mut().ran[action] += 1,
+        slots: Slots::new(flash, 4096).expect("two slots"),
+    }
+}
+
+#[test]
+fn a_node_on_the_board_listens_acts_and_resumes() {
+    let world: Shared = Rc::new(RefCell::new(World { stored: 0.5 * CAPACITANCE * 7.0, ..World::default() }));
+    let node = example::node().expect("within bounds");
+    let mut runner: Runner<_> = Runner::new(board(&world, Flash::new(128)), node, 0);
+    let (mut heard, mut end) = (Vec::new(), Step::Sampled);
+    while world.borrow().now < 4 * 3600 * 1000 || end != Step::Slept {
+        end = runner.step();
+        if let Step::Heard(hearing) = end {
+            heard.push(hearing);
+        }
+    }
+    assert!(!world.borrow().powered, "the sensor is off between listens");
+    assert!(heard.len() >= 3, "{heard:?}");
+    // The map has two motions at this line: the samples came through the FIFO whole.
+    let is_line = |hearing: &Hearing| {
+        matches!(hearing, Hearing::Line | Hearing::TwoMotions | Hearing::TwoMotionsOneSeen)
+    };
+    assert!(heard.iter().all(is_line), "{heard:?}");
+    let ran = world.borrow().ran;
+    assert!(ran[example::MEASURE] >= 4 && ran[example::TRANSMIT] >= 4, "{ran:?}");
+    let mut buffer = [0; 4096];
+    let sequence = runner.save(&mut buffer).expect("room");
+    let before = *runner.state();
+    // The same flash after a power-down.
+    let mut images = [[0; 4096]; 2];
+    let mut board = runner.into_board();
+    images.iter_mut().enumerate().for_each(|(slot, image)| board.read_slot(slot, image));
+    let mut flash = Flash::new(128);
+    for (slot, image) in images.iter().enumerate() {
+        flash.bytes[slot * 4096..][..4096].copy_from_slice(image);
+    }
+    let now = (world.borrow().now / 1000) as u32;
+    let mut again: Runner<_> = Runner::new(self::board(&world, flash), node, now);
+    let [first, second] = &mut images;
+    assert_eq!(again.resume([first, second], now, true), Ok(sequence));
+    assert_eq!(again.state().second(), before.second());
+}
+
+#[test]
+fn a_sensor_that_does_not_answer_is_a_fault() {
+    let mut spi = Spi::new(&[read(&[0x0B, 0x00], &[0, 0, 0]), written(&[0x0A, 0x2D, 0x00])].concat());
+    let mut supply = Pin::new(&[Level::set(State::High), Level::set(State::Low)]);
+    let mut board = HalBoard {
+        sensor: sensor(spi.clone()),
+        supply: supply.clone(),
+        delay: NoopDelay::new(),
+        sleep: |milliseconds: u32| milliseconds,
+        convert: || None,
+        act: |_: usize| {},
+        slots: Slots::new(Flash::new(4), 64).expect("two slots"),
+    };
+    assert_eq!(board.start_sensor(), Err(Fault));
+    board.stop_sensor();
+    assert_eq!(board.storage_code(), None);
+    // 200 samples a second; at most 149 of the 170 that the FIFO holds.
+    assert_eq!((board.sleep(2, 0), board.sleep(2, 100), board.sleep(2, 1000)), (2000, 500, 745));
+    assert_eq!(board.sleep(0, 100), 0);
+    assert_eq!(BURST.min(149), BURST, "a burst fits the FIFO");
+    spi.done();
+    supply.done();
+}
