@@ -247,7 +247,7 @@ fn most_created(axes: &[Axis], points: &[Point]) -> Option<String> {
 
 /// The point with the largest mean power, in words; `None` unless there are several.
 fn best(axes: &[Axis], points: &[Point]) -> Option<String> {
-    let powers = points.iter().filter_map(|point| Some((point, point.found.as_ref().ok()?.mean_power_w?)));
+    let powers = points.iter().filter_map(|point| Some((point, point.number("mean_power_w")?)));
     let (point, power) = powers.max_by(|one, other| one.1.total_cmp(&other.1))?;
     (points.len() > 1).then(|| format!("largest mean_power_w {power:e} at {}", place(axes, point)))
 }
