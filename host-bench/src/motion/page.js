@@ -11,6 +11,8 @@ function zoomed(chart, scale) {
   zooming = false;
 }
 const digits = (_, value) => (value == null ? "–" : Number(value.toPrecision(6)).toString());
+// The library's own numbers of a logarithmic axis end at a thousandth.
+const numbers = (_, values) => values.map((value) => (value == null ? "" : Number(value.toPrecision(4)).toString()));
 for (const one of charts) {
   const distribution = (index) => (one.logarithmic[index] ? 3 : 1);
   const options = {
@@ -18,7 +20,10 @@ for (const one of charts) {
     height: one.inTime ? 230 : 380,
     cursor: one.inTime ? { sync: { key: "time" } } : {},
     scales: { x: { time: false, distr: distribution(0) }, y: { distr: distribution(1) } },
-    axes: [{ label: one.across }, { label: one.up, size: 72 }],
+    axes: [
+      { label: one.across, ...(one.logarithmic[0] ? { values: numbers } : {}) },
+      { label: one.up, size: 72, ...(one.logarithmic[1] ? { values: numbers } : {}) },
+    ],
     series: [
       { label: one.across, value: digits },
       ...one.curves.map((curve) => ({

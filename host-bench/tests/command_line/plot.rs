@@ -97,10 +97,13 @@ fn a_browser_draws_the_page() {
     let mut plot = vec!["plot", PASSIVE, "--output", &html];
     plot.extend(SHORT);
     accepted(&plot);
-    let output = std::process::Command::new("chromium")
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", &format!("file://{html}")])
-        .output()
-        .expect("chromium is installed");
+    let browse = |browser: &&str| {
+        let mut command = std::process::Command::new(browser);
+        command.args(["--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]);
+        command.arg(format!("file://{html}")).output().ok()
+    };
+    let output =
+        ["chromium", "chromium-browser", "google-chrome"].iter().find_map(browse).expect("a browser");
     let page = String::from_utf8_lossy(&output.stdout);
     // Gap, power and voltage over time, and the spectrum.
     assert_eq!(page.matches("<canvas").count(), 4, "{page}");
