@@ -185,7 +185,10 @@ mod board {
         let mut saved = runner.state().second();
         loop {
             let step = runner.step();
-            if step == Step::Slept && runner.state().second().saturating_sub(saved) >= IMAGE_EVERY {
+            if step == Step::Slept
+                && runner.is_idle()
+                && runner.state().second().saturating_sub(saved) >= IMAGE_EVERY
+            {
                 saved = runner.state().second();
                 // The buffer holds a page, and an image is shorter.
                 let _ = runner.save(&mut one);

@@ -12,6 +12,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use host_bench::accuracy::run_with_accuracy;
+use host_bench::command;
+use host_bench::command::fit::FitArguments;
+use host_bench::command::optimise::OptimiseArguments;
 use host_bench::method::{Failure, Options};
 use host_bench::outcome::{Format, Outcome, fields, number, text};
 use host_bench::run::run_scene;
@@ -22,7 +25,7 @@ use rayon::prelude::*;
 #[pymodule(name = "_native")]
 mod native {
     #[pymodule_export]
-    use super::{Map, map, run, sweep};
+    use super::{Map, fit, map, optimise, run, sweep};
 }
 
 /// The options of `run` and `sweep` as the command line has them.
@@ -41,14 +44,16 @@ fn raised(failure: Failure) -> PyErr {
     }
 }
 
-/// Parses options such as `["--tolerance", "1e-3"]`.
+/// Parses arguments such as `["--tolerance", "1e-3"]`.
+fn parsed<A: Parser>(given: &[String]) -> Result<A, Failure> {
+    A::try_parse_from(given).map_err(|error| {
+        let text = error.to_string();
+        Failure::Input(text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned())
+    })
+}
+
 fn options(given: &[String]) -> Result<Options, Failure> {
-    let options = Given::try_parse_from(given)
-        .map_err(|error| {
-            let text = error.to_string();
-            Failure::Input(text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned())
-        })?
-        .options;
+    let options = parsed::<Given>(given)?.options;
     options.check()?;
     Ok(options)
 }
@@ -132,6 +137,34 @@ fn point(over: &[(String, Vec<f64>)], index: usize) -> Vec<Override> {
         Override::new(key, &number(value))
     };
     over.iter().rev().map(change).collect()
+}
+
+/// The arguments of `fit` as the command line has them.
+#[derive(clap::Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+struct Fit {
+    #[command(flatten)]
+    arguments: FitArguments,
+}
+
+/// The arguments of `optimise` as the command line has them.
+#[derive(clap::Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+struct Optimise {
+    #[command(flatten)]
+    arguments: OptimiseArguments,
+}
+
+/// Fits parameters of a scene: the result of `fit --format json`.
+#[pyfunction]
+fn fit(py: Python<'_>, given: Vec<String>) -> PyResult<String> {
+    py.detach(|| command::fit::json(&parsed::<Fit>(&given)?.arguments)).map_err(raised)
+}
+
+/// Seeks the best values of a few keys: the result of `optimise --format json`.
+#[pyfunction]
+fn optimise(py: Python<'_>, given: Vec<String>) -> PyResult<String> {
+    py.detach(|| command::optimise::json(&parsed::<Optimise>(&given)?.arguments)).map_err(raised)
 }
 
 /// A response map of a scene.

@@ -82,6 +82,43 @@ class Bindings(unittest.TestCase):
         self.assertIn("pub static MAP", mapped.module())
         self.assertTrue(mapped.picture.startswith("<svg"))
 
+    def test_a_fit_finds_what_made_the_data(self):
+        # SciPy made the data with these values and noise: scenes/measured/contact_separation.py.
+        truth = {
+            "parameters.stiffness_n_per_m": 84.0,
+            "parameters.damping_ratio": 0.02,
+            "parameters.charge_density_c_per_m2": 37e-6,
+        }
+        measured = ROOT / "host-bench" / "scenes" / "measured" / "contact-separation.toml"
+        found = vh.fit(measured)
+        self.assertTrue(found["converged"] and found["identifiable"])
+        for key, value in truth.items():
+            parameter = found["parameters"][key]
+            self.assertLess(abs(parameter["value"] - value), 4 * parameter["standard_error"], key)
+        with self.assertRaisesRegex(ValueError, "parameters.nothing"):
+            vh.fit(measured, free=["parameters.nothing"])
+
+    def test_an_optimum_is_that_of_the_closed_form(self):
+        # Of one mode without feedback the power V^2/R is largest at R = 1/(w C).
+        scene = ROOT / "host-bench" / "scenes" / "bump-stop-none.toml"
+        change = {"parameters.beam_modes": 1, "parameters.coupling": "one-way"}
+        over = {"load.resistance_ohm": (1e4, 1e7, "log")}
+        found = vh.optimise(scene, over, maximise="mean_power_w", set=change, steady_state=True, grid=9)
+        steady = vh.run(scene, set={**change, **found["point"]}, steady_state=True)
+        half = vh.run(
+            scene,
+            set={**change, "load.resistance_ohm": 0.5 * found["point"]["load.resistance_ohm"]},
+            steady_state=True,
+        )
+        double = vh.run(
+            scene,
+            set={**change, "load.resistance_ohm": 2.0 * found["point"]["load.resistance_ohm"]},
+            steady_state=True,
+        )
+        # P(R) = P_m 2 (R/R_m)/(1 + (R/R_m)^2): 0.8 at half and at double the best load.
+        for other in (half, double):
+            self.assertAlmostEqual(other["mean_power_w"] / steady["mean_power_w"], 0.8, delta=2e-3)
+
     def test_other_threads_run_meanwhile(self):
         done = threading.Event()
         threading.Thread(target=lambda: (vh.run(SCENE, states_accuracy=False), done.set())).start()

@@ -10,12 +10,13 @@ while the engine runs; a computation that has begun is not interrupted by a sign
 """
 
 import json
+import os
 
 import numpy as np
 
 from . import _native
 
-__all__ = ["Map", "map", "run", "sweep"]
+__all__ = ["Map", "fit", "map", "optimise", "run", "sweep"]
 
 
 def run(scene, *, set=None, trace_every=None, steady_state=False, states_accuracy=True, **options):
@@ -106,6 +107,44 @@ def map(scene, amplitude, frequency, *, voltage=(), error=0.02, places=300, seed
     ranges = [tuple(float(number) for number in pair) for pair in (amplitude, frequency)]
     voltages = np.asarray(voltage, dtype=float).ravel().tolist()
     return Map(_native.map(scene, _overrides(set), ranges, voltages, (error, places, seed), _arguments(options)))
+
+
+def fit(scene, data=(), free=(), *, set=None, loss=None, starts=None, output=None, picture=None, **options):
+    """Fits parameters of a scene to measurements, on all cores.
+
+    ``data`` are CSV files, ``free`` keys, each as ``"KEY"`` or ``"KEY=LOW:HIGH"``; without them those of the table ``[fit]`` of
+    the scene. Returns the object of ``fit --format json``: ``parameters`` with ``value``, ``standard_error`` and
+    ``interval_95``, ``correlation``, ``identifiable``, ``converged`` and others. ``output`` is the file for the fitted scene,
+    ``picture`` that for data, model and residuals.
+    """
+    arguments = [str(scene), *_given("set", set), *_repeated("data", data), *_repeated("free", free)]
+    arguments += _arguments({"loss": loss, "starts": starts, "output": output, "picture": picture, **options})
+    return json.loads(_native.fit(arguments))
+
+
+def optimise(scene, over, *, maximise=None, minimise=None, subject_to=(), set=None, steady_state=False, **options):
+    """Seeks the values of one to four keys at which a number of the result is largest or smallest, on all cores.
+
+    ``over`` has the range of each key, (low, high) or (low, high, "log"), ``subject_to`` bounds such as
+    ``"peak_gap_m<=0.004"``. Returns the object of ``optimise --format json``: ``value``, ``point``,
+    ``range_within_1_percent`` and others. ``grid``, ``output`` and ``picture`` are those of the command line.
+    """
+    ranges = [f"{key}={':'.join(str(end) for end in ends)}" for key, ends in over.items()]
+    arguments = [str(scene), *_given("set", set), *_repeated("over", ranges), *_repeated("subject-to", subject_to)]
+    arguments += ["--steady-state"] if steady_state else []
+    arguments += _arguments({"maximise": maximise, "minimise": minimise, **options})
+    return json.loads(_native.optimise(arguments))
+
+
+def _given(name, changes):
+    """Keys and values as one option each."""
+    return [f"--{name}={key}={value}" for key, value in _overrides(changes)]
+
+
+def _repeated(name, values):
+    """An option for each value; a single text is one value."""
+    values = [values] if isinstance(values, (str, os.PathLike)) else values
+    return [f"--{name}={value}" for value in values]
 
 
 def _overrides(changes):

@@ -6,6 +6,7 @@ use super::files::Outputs;
 use super::{NODE, SceneArguments, check_keys, print, progress, tell};
 use crate::fit::{self, Found, Request, free::Asked};
 use crate::method::Failure;
+use crate::outcome::Format;
 use crate::scene_file;
 
 /// Starts that are looked at where the first one does not end well.
@@ -46,7 +47,21 @@ pub struct FitArguments {
 
 /// Fits, writes the files, and prints the result.
 pub fn run(arguments: &FitArguments) -> Result<(), Failure> {
-    let SceneArguments { scene: file, options, format, overrides } = &arguments.scene;
+    let found = fitted(arguments)?;
+    print(&fit::text(&found, arguments.scene.format)?)?;
+    ended(&found, arguments.output.as_deref())
+}
+
+/// Fits and writes the files. Returns the result as JSON, whether it has converged or not.
+///
+/// # Errors
+/// [`Failure::Input`] for bad input.
+pub fn json(arguments: &FitArguments) -> Result<String, Failure> {
+    fit::text(&fitted(arguments)?, Format::Json)
+}
+
+fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
+    let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let (scene, table) = scene_file::read_with_fit(file, overrides)?;
     let of_table = |error: String| Failure::Input(format!("{}: fit.{error}", file.display()));
     let free = if arguments.free.is_empty() {
@@ -104,8 +119,7 @@ pub fn run(arguments: &FitArguments) -> Result<(), Failure> {
         let moved = folder(path) != folder(file);
         outputs.write(path, &fit::fitted_scene(file, overrides, &entries, moved)?)?;
     }
-    print(&fit::text(&found, *format)?)?;
-    ended(&found, arguments.output.as_deref())
+    Ok(found)
 }
 
 /// The end of a fit that is no result.

@@ -52,7 +52,19 @@ pub struct OptimiseArguments {
 
 /// Seeks the optimum, writes the files, and prints the result.
 pub fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
-    let SceneArguments { scene: file, options, format, overrides } = &arguments.scene;
+    print(&found(arguments, arguments.scene.format)?)
+}
+
+/// Seeks the optimum and writes the files. Returns the result as JSON.
+///
+/// # Errors
+/// [`Failure::Input`] for bad input, [`Failure::Step`] where every run fails or no point keeps the constraints.
+pub fn json(arguments: &OptimiseArguments) -> Result<String, Failure> {
+    found(arguments, Format::Json)
+}
+
+fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failure> {
+    let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let options = Options { steady_state: arguments.steady_state, ..*options };
     options.check()?;
     let held = arguments.storage_voltage;
@@ -96,7 +108,7 @@ pub fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
         let entries = entries(&found, &request);
         outputs.write(path, &fitted_scene(file, overrides, &entries, folder(path) != folder(file))?)?;
     }
-    print(&match format {
+    Ok(match format {
         Format::Json => json_text(&found.json(&request))?,
         Format::Csv => text(&short(&found, &request), Format::Csv),
         Format::Table => for_people(&found, &request),

@@ -16,6 +16,8 @@ const SHORTER: u32 = 2;
 const MORE_ATTEMPTS: u64 = 8;
 /// Tolerance of the reference: its errors are far below what is judged.
 const REFERENCE_TOLERANCE: f64 = 1e-10;
+/// Tolerance at which it must give the same numbers.
+const LOOSER_TOLERANCE: f64 = 1e-9;
 
 /// What is compared of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,8 +107,23 @@ pub(super) fn relative(found: f64, exact: f64) -> f64 {
 
 /// A scene on the reference; `None` if it is refused or does not come to its end.
 pub(super) fn by_reference(scene: &Scene, most_attempts: u64) -> Option<Numbers> {
+    at_tolerance(scene, most_attempts, REFERENCE_TOLERANCE)
+}
+
+/// Whether the reference gives a quantity of `exact`, which is its own, at ten times its tolerance too. It does not where
+/// it resolves a stiff circuit or a noise of kHz badly, and where a power is that of its rounding.
+pub(super) fn reference_repeats(
+    scene: &Scene,
+    most_attempts: u64,
+    (exact, quantity, allowed): (&Numbers, Quantity, f64),
+) -> bool {
+    at_tolerance(scene, most_attempts, LOOSER_TOLERANCE)
+        .is_some_and(|looser| looser.error(exact, quantity) <= 0.5 * allowed)
+}
+
+fn at_tolerance(scene: &Scene, most_attempts: u64, tolerance: f64) -> Option<Numbers> {
     let options = ReferenceOptions {
-        tolerance: REFERENCE_TOLERANCE,
+        tolerance,
         most_steps: Some(most_attempts.saturating_mul(MORE_ATTEMPTS)),
         ..ReferenceOptions::default()
     };

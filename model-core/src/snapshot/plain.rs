@@ -29,7 +29,7 @@ const LARGEST: f64 = 1e15;
 
 macro_rules! floats {
     ($($float:ty),*) => {$(
-        /// The bits of the number; reading refuses a number that is not finite or above [`LARGEST`] in magnitude.
+        /// The bits of the number; reading refuses a number that is not finite or above 10¹⁵ in magnitude.
         impl Snapshot for $float {
             const BYTES: usize = size_of::<Self>();
 
