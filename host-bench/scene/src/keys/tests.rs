@@ -65,7 +65,7 @@ fn a_template_is_the_scene_that_its_values_are_of() {
 }
 
 /// Every kind of table with its keys, as options that make it of a template that has the tables around.
-const KINDS: [(&str, &[&str]); 22] = [
+const KINDS: [(&str, &[&str]); 24] = [
     ("contact-separation", &[]),
     ("contact-separation", &["parameters.restitution={kind='constant', coefficient=0.5}"]),
     ("contact-separation", &["initial={gap_m=1e-3, velocity_m_per_s=0, charge_c=0}"]),
@@ -126,6 +126,16 @@ const KINDS: [(&str, &[&str]); 22] = [
         ],
     ),
     ("node", &["node.time_constant_s=1e4", "node.day_weight=0.5"]),
+    (
+        "node",
+        &[
+            "node.standing_power_w=1e-6",
+            "node.parts.clock=own",
+            "node.listen.code=filter",
+            "node.actions=[{name='one', energy_j=1e-6, duration_s=1, every_s=60, packet_bytes=9, adc_readings=2, instructions=9}]",
+        ],
+    ),
+    ("sliding", &["fit={data=['data.csv'], free=['parameters.damping_ratio'], loss='linear', starts=3}"]),
 ];
 
 /// What a key may not be: below its least number, or a date, which no key is.
