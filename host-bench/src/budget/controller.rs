@@ -18,6 +18,8 @@ const ROUNDING: f64 = 1e-6;
 const RATE_ROUNDING: f64 = 1e-4;
 /// Largest factor of the capacitance that is tried.
 const MOST_TIMES: f64 = 1e3;
+/// Largest capacitance in F of a storage in a scene file.
+const LARGEST_F: f64 = 1e4;
 
 #[derive(Debug)]
 struct Due<S> {
@@ -96,8 +98,8 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
         rates.collect()
     }
 
-    /// The smallest capacitance in F with which a full storage sustains all wished rates; `None` if a thousand times
-    /// the capacitance does not. The leakage resistance stays.
+    /// The smallest capacitance in F with which a full storage sustains all wished rates, at least a thousandth of that of the
+    /// node; `None` if a thousand times it, or the largest one that a scene may have, does not. The leakage resistance stays.
     pub(super) fn smallest_capacitance(&self) -> Option<f64> {
         let suffices = |factor: f64| {
             let mut parameters = self.parameters;
@@ -114,7 +116,8 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
                     .all(|(rate, due)| *rate >= due.wished.to_f64() * (1.0 - RATE_ROUNDING))
             })
         };
-        let (mut little, mut enough) = (1.0 / MOST_TIMES, MOST_TIMES);
+        let own = self.node.storage.capacitance_f;
+        let (mut little, mut enough) = (1.0 / MOST_TIMES, MOST_TIMES.min(LARGEST_F / own));
         if !suffices(enough) {
             return None;
         }
@@ -122,7 +125,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
             let middle = (little * enough).sqrt();
             *(if suffices(middle) { &mut enough } else { &mut little }) = middle;
         }
-        Some(enough * self.node.storage.capacitance_f)
+        Some(enough * own)
     }
 
     /// The rates in 1/s that the actions are granted now.

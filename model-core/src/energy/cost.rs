@@ -125,8 +125,8 @@ impl<S: Scalar> CostModel<S> {
     /// Energy of a listen of `samples` at `rate` in Hz that executes `instructions` of the kind `code`.
     ///
     /// The accelerometer runs for the samples and for its start-up. The processor wakes up once for each filling of
-    /// the FIFO, and sleeps in between. `None` where the accelerometer has no such rate, or where the sleep of a processor
-    /// with a gated supply is unknown.
+    /// the FIFO, and sleeps in between. `None` above the highest known rate of the accelerometer, or where the sleep of a
+    /// processor with a gated supply is unknown.
     #[must_use]
     pub fn listen(&self, samples: u32, rate: S, instructions: S, code: Code) -> Option<Cost<S>> {
         let sensor = &self.accelerometer;
@@ -152,7 +152,7 @@ impl<S: Scalar> CostModel<S> {
     }
 
     /// Energy of `samples` at `rate` in Hz of an accelerometer that always runs, with `instructions` of the kind
-    /// `code` and a wake-up for each sample; the supply is never switched off. `None` where the accelerometer has no such rate.
+    /// `code` and a wake-up for each sample; the supply is never switched off. `None` above its highest known rate.
     #[must_use]
     pub fn follow(&self, samples: u32, rate: S, instructions: S, code: Code) -> Option<Cost<S>> {
         let running = S::from_u32(samples) / rate;

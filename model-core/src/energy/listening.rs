@@ -212,6 +212,9 @@ impl<S: Scalar> Listening<S> {
     /// `elapsed` s after the last one. Returns the income of the time between, by interpolation; nothing for the
     /// first listen.
     ///
+    /// Errors of listens are taken as independent of one another: a common one, such as that of a map of another harvester, is
+    /// not in the deviation of many listens.
+    ///
     /// A number that is negative, not finite, or above 10⁹ is refused: the listen is then not counted.
     pub fn hear(
         &self,
@@ -236,9 +239,9 @@ impl<S: Scalar> Listening<S> {
             state.differences = [power * power; 2];
             return None;
         }
-        let interval = S::from_u32(self.interval(state));
         let time = S::from_u32(elapsed);
-        let one = (power - last) * (power - last) * (interval / time.max(S::ONE)).min(S::ONE);
+        // Of a late listen the difference over its own time: smaller ones would take the income for steadier than it is.
+        let one = (power - last) * (power - last);
         ListeningState::average(&mut state.differences[0], one, state.listens.saturating_sub(1));
         if before >= S::ZERO {
             let two = (power - before) * (power - before);
@@ -315,9 +318,10 @@ snapshot_fields!(impl [S: Scalar] ListeningState<S> {
     last, mean, differences, saved, cost, level, listens,
 } if |state| {
     let largest = S::from_f64(LARGEST);
-    let powers = state.last.iter().chain([&state.mean, &state.cost]).all(|&power| power.abs() <= largest);
+    let powers = state.last.iter().all(|&power| power.abs() <= largest);
+    let sums = [state.mean, state.cost].iter().all(|&sum| sum >= S::ZERO && sum <= largest);
     let squares = state.differences.iter().all(|&square| square >= S::ZERO && square <= largest * largest * S::from_f64(1e4));
-    powers && squares && state.saved.abs() <= S::from_f64(SAVED) * largest && state.level <= 12 && state.listens <= MEMORY
+    powers && sums && squares && state.saved.abs() <= S::from_f64(SAVED) * largest && state.level <= 12 && state.listens <= MEMORY
 });
 
 impl<S: Scalar> Configuration for Listening<S> {

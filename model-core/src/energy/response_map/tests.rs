@@ -246,9 +246,16 @@ fn any_words_with_a_valid_checksum_are_refused_or_answer_without_panic() {
                 let amplitude = f32::from_bits(random() << 16 | random());
                 let frequency = f32::from_bits(random() << 16 | random());
                 for place in [(amplitude, frequency), (1.0, 20.0), (7.0, 19.8), (amplitude, 20.0)] {
-                    if let Some(income) = map.at(place.0, place.1).income() {
+                    let voltage = f32::from_bits(random() << 16 | random());
+                    let answers = [
+                        map.at(place.0, place.1),
+                        map.in_slice_at(random() as usize % 4, place.0, place.1),
+                        map.at_voltage(place.0, place.1, voltage),
+                    ];
+                    for income in answers.iter().filter_map(Response::income) {
                         assert!(income.low <= income.high, "{income:?}");
                     }
+                    assert!(map.broadband(place.0).is_none_or(|found| found.value >= 0.0));
                 }
             }
         }
