@@ -111,8 +111,8 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     for warning in [most_created(axes, &points), first_inaccurate(&points)].into_iter().flatten() {
         tell(&format!("warning: {warning}"));
     }
-    if let Some(best) = best(axes, &points) {
-        tell(&best);
+    if let (Format::Table, Some(best)) = (arguments.scene.format, best(axes, &points)) {
+        note(&best);
     }
     if let Some(folder) = &arguments.output {
         write(arguments, folder, &outputs, &points)?;
