@@ -1,6 +1,7 @@
 //! The report on error against run time: one HTML page with its pictures in it.
 
 mod chart;
+pub(crate) mod colour_bar;
 pub(crate) mod html;
 pub(crate) mod plot;
 pub(crate) mod setting;

@@ -3,6 +3,7 @@
 use plotters::prelude::*;
 
 use super::{Found, Point, Range, Request};
+use crate::report::colour_bar::colour_bar;
 use crate::report::svg::{Area, BLUE, Drawn, FONT, VERMILION, extremes, range, shade, svg, tick};
 
 const SIZE: (u32, u32) = (900, 640);
@@ -95,30 +96,5 @@ fn map(area: &Area<'_>, found: &Found, request: &Request<'_>, [up, across]: [&Ra
     }))?;
     let point = (edge(across, found.best.place[1]), edge(up, found.best.place[0]));
     chart.draw_series([Circle::new(point, 7, WHITE.filled()), Circle::new(point, 5, VERMILION.filled())])?;
-    bar(&scale, &request.quantity, [low, high])
-}
-
-/// The scale of the colours.
-fn bar(area: &Area<'_>, quantity: &str, [low, high]: [f64; 2]) -> Drawn {
-    const SHADES: usize = 64;
-    let high = if high > low { high } else { low + low.abs().max(1e-300) };
-    let mut chart = ChartBuilder::on(area)
-        .margin(10)
-        .margin_bottom(50)
-        .y_label_area_size(90)
-        .build_cartesian_2d(0.0..1.0, low..high)?;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .disable_x_axis()
-        .label_style(LABEL)
-        .y_desc(quantity)
-        .y_label_formatter(&|y| tick(*y))
-        .draw()?;
-    chart.draw_series((0..SHADES).map(|index| {
-        let edge = |index: usize| low + (high - low) * index as f64 / SHADES as f64;
-        let colour = shade(0.5 * (edge(index) + edge(index + 1)), low, high);
-        Rectangle::new([(0.0, edge(index)), (1.0, edge(index + 1))], colour.filled())
-    }))?;
-    Ok(())
+    colour_bar(&scale, &request.quantity, [low, high])
 }
