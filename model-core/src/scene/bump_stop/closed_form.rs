@@ -103,7 +103,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 
     /// Undamped open-circuit angular frequency of beam mode `index`, from 0, in rad/s: that of the short circuit, raised by
     /// the voltage. The same with one-way coupling. `None` from `B` on; a mode
-    /// beyond the number that [`Parameters::build_first`] was given has the frequency of the last one.
+    /// beyond the number that [`build_first`](super::Parameters::build_first) was given has the frequency of the last one.
     ///
     /// Of the modes with open terminals and without damping, the charge of the strain is that of the capacitance, `C_p =
     /// Σ θ_i²/(ω² − ω_i²)`. The right-hand side falls from infinity above each `ω_i`, so the frequency is found by
