@@ -115,7 +115,9 @@ fn main() -> ExitCode {
 fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), env!("CARGO_BIN_NAME"), &mut script);
-    let _ = std::io::stdout().write_all(&script);
+    // The script of bash has the hyphen of the name in two ways, so that no command after it would be known.
+    let script = String::from_utf8_lossy(&script).replace("host__subcmd__bench", "host__bench");
+    let _ = std::io::stdout().write_all(script.as_bytes());
     Ok(())
 }
 

@@ -139,7 +139,11 @@ impl Request<'_> {
 
     /// The numbers of a run at a place; `None` where it fails.
     fn outcome(&self, place: &[f64]) -> Option<Outcome> {
-        run_scene(&self.scene(place).ok()?, &self.options).ok()
+        self.tried(place).ok()
+    }
+
+    fn tried(&self, place: &[f64]) -> Result<Outcome, Failure> {
+        run_scene(&self.scene(place)?, &self.options)
     }
 
     /// The value sought, the higher the better, and the margin of each constraint; `None` where one is undefined.

@@ -96,6 +96,9 @@ fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
     for path in arguments.output.iter().chain(pictures.iter().flatten()) {
         outputs.check("--output", path)?;
     }
+    if let Some(path) = &arguments.picture {
+        outputs.check_picture("--picture", path, &["svg"])?;
+    }
     let bar = progress(0);
     let done = || {
         bar.inc_length(1);
@@ -109,10 +112,11 @@ fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
         tell(&format!("warning: {warning}"));
     }
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    for path in pictures.iter().flatten() {
+    let is_written = found.is_identifiable() && found.converged;
+    let [beside, asked] = &pictures;
+    for path in beside.iter().filter(|_| is_written).chain(asked) {
         outputs.write(path, &fit::draw(&found, &name).map_err(Failure::Input)?)?;
     }
-    let is_written = found.is_identifiable() && found.converged;
     if let Some(path) = arguments.output.as_ref().filter(|_| is_written) {
         let written = found.parameters.iter().filter(|parameter| parameter.is_written);
         let entries: Vec<fit::Entry> = written.map(fit::Parameter::entry).collect();

@@ -79,6 +79,9 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
     for path in arguments.output.iter().chain(pictures.iter().flatten()) {
         outputs.check("--output", path)?;
     }
+    if let Some(path) = &arguments.picture {
+        outputs.check_picture("--picture", path, &["svg"])?;
+    }
     let hold = |scene: &mut Scene| held.hold(scene);
     scene_file::read(file, overrides)?;
     let request = Request {
@@ -161,7 +164,8 @@ fn for_people(found: &Found, request: &Request<'_>) -> String {
     let _ = writeln!(text, "{sought} {}: {:.6e}", request.quantity, number("value"));
     let values = Found::values(request, &found.best).into_iter().zip(&found.flat);
     for ((key, value), [low, high]) in values {
-        let _ = writeln!(text, "  {key} = {value:.6e}, within 1 % of it from {low:.4e} to {high:.4e}");
+        let bound = if json["at_bound"][&key] == true { ", at its bound" } else { "" };
+        let _ = writeln!(text, "  {key} = {value:.6e}{bound}, within 1 % of it from {low:.4e} to {high:.4e}");
     }
     if let Some(without) = &found.unconstrained {
         for constraint in json["constraints"].as_array().into_iter().flatten() {

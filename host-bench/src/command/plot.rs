@@ -93,7 +93,7 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
     let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?.and(&arguments.traces);
     let file = match &arguments.output {
         Some(file) => {
-            outputs.check("--output", file)?;
+            outputs.check_picture("--output", file, &["svg", "html"])?;
             file.clone()
         }
         None => {

@@ -276,6 +276,20 @@ fn trace(table: &Table<'_>, scene: &Scene) -> Result<Data, Failure> {
     if !(spacing_s > 0.0) {
         return table.refuse("time_s: must rise");
     }
+    // The row after a gap is told, not the first one that lies beside the mean line.
+    let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let uneven = |usual: f64| steps.iter().position(|step| !((step - usual).abs() <= UNEVEN * usual));
+    let mut sorted = steps.clone();
+    sorted.sort_by(f64::total_cmp);
+    let usual = sorted[sorted.len() / 2];
+    if let Some(step) = uneven(usual) {
+        let text = format!(
+            "time_s = {}: is {:e} s after the row before: must be uniform, with steps of {usual:e} s",
+            times[step + 1],
+            steps[step]
+        );
+        return table.refuse_at(step + 1, &text);
+    }
     let is_off = |index: usize, time: f64| {
         let expected = first + index as f64 * spacing_s;
         !((time - expected).abs() <= UNEVEN * spacing_s)

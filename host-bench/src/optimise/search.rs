@@ -39,7 +39,11 @@ pub(crate) fn optimise(
     let mut points: Vec<Point> = grid.par_iter().map(|place| run(place)).collect();
     let values: Vec<f64> = points.iter().filter_map(Point::value).collect();
     if values.is_empty() {
-        return Err(Failure::Step(format!("all {} points of the grid fail", points.len())));
+        return Err(Failure::Step(format!(
+            "at none of the {} points of the grid is {} a number",
+            points.len(),
+            request.quantity
+        )));
     }
     let aims: &[bool] = if request.constraints.is_empty() { &[true] } else { &[true, false] };
     for &constrained in aims {
@@ -69,7 +73,11 @@ fn check(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<(), Failure> {
     // The first run that succeeds has the names.
     match grid.iter().find_map(|place| request.outcome(place)) {
         Some(outcome) => request.check_quantities(&outcome),
-        None => Err(Failure::Step(format!("all {} points of the grid fail", grid.len()))),
+        None => {
+            let reason = grid.first().and_then(|place| request.tried(place).err());
+            let reason = reason.map_or_else(String::new, |failure| format!(", the first: {failure}"));
+            Err(Failure::Step(format!("all {} points of the grid fail{reason}", grid.len())))
+        }
     }
 }
 

@@ -91,7 +91,7 @@ fn a_best_resistance_is_not_worse_than_a_fine_sweep_has_it() {
         ["sweep", SLIDING, "--over", "load.resistance_ohm=1e6:1e11:3:log", "--steady-state", "--no-accuracy"];
     let told = String::from_utf8(host_bench(&over).stderr).expect("text");
     assert!(
-        told.starts_with("largest mean_power_w ") && told.contains(" at load.resistance_ohm = "),
+        told.contains("\nlargest mean_power_w ") && told.contains(" at load.resistance_ohm = "),
         "{told}"
     );
 }

@@ -68,6 +68,22 @@ fn shells_complete_commands_and_options() {
         assert!(script.contains(part) && script.contains("resonance"), "{shell}");
     }
     refused(&["completions", "csh"], &["csh", "bash"]);
+    let folder = folder("completions");
+    let script = folder.join("script");
+    std::fs::write(&script, accepted(&["completions", "bash"])).expect("room");
+    let asked = "source \"$0\"; COMP_WORDS=(host-bench fit --fr); COMP_CWORD=2; \
+                 _host__bench host-bench --fr fit; echo \"${COMPREPLY[*]}\"";
+    let output = std::process::Command::new("bash").args(["-c", asked]).arg(&script).output();
+    let told = output.expect("bash runs").stdout;
+    assert_eq!(String::from_utf8_lossy(&told).trim(), "--free");
+}
+
+#[test]
+fn a_picture_that_is_no_picture_by_its_name_is_refused() {
+    for command in ["run", "plot"] {
+        let option = if command == "run" { "--picture" } else { "--output" };
+        refused(&[command, PASSIVE, option, "motion.png"], &[option, "motion.png", ".svg or .html"]);
+    }
 }
 
 #[test]
