@@ -51,11 +51,12 @@ impl Outputs {
 
     /// As [`Outputs::check`], of a picture whose name must end in one of these.
     pub(crate) fn check_picture(&self, option: &str, file: &Path, endings: &[&str]) -> Result<(), Failure> {
+        self.check(option, file)?;
         let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         if !ending.is_some_and(|ending| endings.contains(&ending.as_str())) {
             return Err(refusal(option, file, &format!("must end in .{}", endings.join(" or ."))));
         }
-        self.check(option, file)
+        Ok(())
     }
 
     /// Refuses a folder that could not be made, or in which one of these files could not be written.
