@@ -15,7 +15,7 @@ mod meter;
 mod queries;
 pub mod response_map;
 mod storage;
-mod truncated_normal;
+pub(crate) mod truncated_normal;
 
 pub use account::Account;
 pub use action::Action;

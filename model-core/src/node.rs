@@ -30,8 +30,10 @@
 mod board;
 mod filter;
 mod hearing;
+mod learning;
 mod normal;
 mod parameters;
+mod schedule;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -105,8 +107,6 @@ pub enum Progress {
     Idle,
 }
 
-/// Readings at the start that are taken at the shortest interval.
-const FIRST_READINGS: u32 = 4;
 /// Seconds after which a doubtful reading is confirmed.
 const CONFIRMATION: u32 = 1;
 /// Seconds in an hour.
@@ -359,52 +359,6 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             && self.budget.can_run_now(state, action, state.second())
     }
 
-    /// Whether to listen now.
-    fn listen_is_due(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> bool {
-        let elapsed = state.second.saturating_sub(state.last_listen);
-        if state.listens == 0 && state.misses == 0 {
-            return true;
-        }
-        if elapsed < self.listen_interval(state) {
-            return state.listens > 0 && self.listening.is_due(&state.listening, elapsed, state.departure);
-        }
-        true
-    }
-
-    /// Time from a listen to the next in s, without surprises.
-    fn listen_interval(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> u32 {
-        let parameters = &self.parameters.listening;
-        let longest = parameters.shortest << parameters.doublings;
-        let after_misses = parameters.shortest << state.misses.min(parameters.doublings);
-        let power = state.filter.power();
-        if state.listens > 0 && power.deviation <= parameters.error * power.mean {
-            // The storage knows it as well.
-            return longest;
-        }
-        if state.listens > 0 {
-            self.listening.interval(&state.listening).max(after_misses)
-        } else {
-            after_misses
-        }
-    }
-
-    /// Time from a reading to the next in s: the shortest whose cost the income pays for.
-    fn reading_interval(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> u32 {
-        let cost = &self.parameters.cost;
-        let mut interval = cost.shortest_reading;
-        if state.readings < FIRST_READINGS {
-            return interval;
-        }
-        let power = cost.reading_share * Scalar::max(state.budget.mean_power(), state.filter.power().mean);
-        for _ in 0..cost.reading_doublings {
-            if cost.reading <= power * real(interval) {
-                break;
-            }
-            interval *= 2;
-        }
-        interval
-    }
-
     /// Begins a listen; the number of samples.
     fn begin(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) -> u32 {
         let start_up = self.parameters.sensor.start_up;
@@ -417,93 +371,6 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         self.budget.spend(&mut state.budget, energy);
         state.spent += energy;
         state.knowing.add(energy);
-    }
-
-    /// Takes in what a whole listen says.
-    fn conclude(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, voltage: f32) -> Hearing {
-        let elapsed = state.second.saturating_sub(state.last_listen);
-        let mut modelled = state.listen.blocks.modelled(&self.map, voltage);
-        match modelled.hearing {
-            Hearing::Line | Hearing::Broadband | Hearing::Rest => {}
-            Hearing::TwoMotions => {
-                let seen = self.filter.decide(&state.filter, [modelled.value, modelled.upper]);
-                if let Some(seen) = seen {
-                    modelled.hearing = Hearing::TwoMotionsOneSeen;
-                    modelled.value = seen;
-                } else if state.was_undecided {
-                    // Nothing new: the same doubt again makes nothing more certain.
-                    self.miss(state);
-                    return modelled.hearing;
-                } else {
-                    // Either: the middle, uncertain by half of the difference.
-                    modelled.noise = 0.5 * (modelled.upper - modelled.value);
-                    modelled.value += modelled.noise;
-                }
-            }
-            Hearing::Damaged => {
-                self.miss(state);
-                return modelled.hearing;
-            }
-            _ => {
-                // Where the order of magnitude is known, it is a measurement, uncertain by its own size.
-                self.lose(state);
-                if modelled.value > 0.0 {
-                    self.filter.hear_about(&mut state.filter, modelled.value);
-                }
-                self.miss(state);
-                return modelled.hearing;
-            }
-        }
-        state.was_undecided = modelled.hearing == Hearing::TwoMotions;
-        self.widen(state, modelled.value, modelled.systematic);
-        self.filter.hear(&mut state.filter, elapsed, modelled.value, modelled.noise);
-        let gain = state.filter.gain().mean;
-        let [power, deviation] = [modelled.value, modelled.noise].map(|part| gain * part);
-        self.listening.hear(&mut state.listening, elapsed, power, deviation, self.parameters.cost.listen);
-        state.heard(modelled.value);
-        modelled.hearing
-    }
-
-    /// Widens the gain by how far the place in the map has moved.
-    fn widen(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, value: f32, systematic: f32) {
-        let last = state.last_modelled;
-        let product = last * value;
-        let difference = value - last;
-        // Of small changes the square of the logarithm of the ratio.
-        let change = if product > 0.0 { Scalar::min(difference * difference / product, 4.0) } else { 4.0 };
-        let by_place = self.parameters.spread.gain_by_place;
-        let part = if state.listens == 0 { 0.0 } else { by_place * by_place * change };
-        let bounds = if state.listens == 0 { 1.0 } else { Scalar::min(100.0 * change, 1.0) };
-        state.filter.widen_gain(part + systematic * systematic * bounds);
-    }
-
-    /// Books a listen without a value.
-    fn miss(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
-        let elapsed = state.second.saturating_sub(state.last_listen);
-        self.listening.miss(&mut state.listening, elapsed, self.parameters.cost.listen);
-        state.missed();
-    }
-
-    /// The power may be any like it: the shaking is another one than before.
-    fn lose(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
-        let power = Scalar::max(state.filter.power().mean, state.budget.mean_power());
-        state.filter.widen_power(power * power);
-    }
-
-    /// Variance that the power gains in a second, in W²/s.
-    fn walk(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> f32 {
-        let power = Scalar::max(state.filter.power().mean, state.budget.mean_power());
-        let deviation = self.parameters.spread.income * power;
-        let assumed = deviation * deviation * (1.0 / 3600.0);
-        match state.listening.differences() {
-            Some([one, two]) => {
-                let interval = real(self.listening.interval(&state.listening));
-                // A storage that tells shows a change that the listens have missed.
-                let least = if state.store_tells() { 0.25 } else { 1.0 };
-                Scalar::max((two - one) / interval, least * assumed)
-            }
-            None => assumed,
-        }
     }
 }
 

@@ -34,11 +34,11 @@ pub(super) fn moments_within<S: Scalar>(low: S, high: S) -> (S, S) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// By the midpoint rule with a million steps, over the part of the interval within 40 of 0.
-    fn exact(low: f64, high: f64) -> (f64, f64) {
+    pub(crate) fn exact(low: f64, high: f64) -> (f64, f64) {
         let (low, high) = (low.max(-40.0), high.min(40.0));
         let step = (high - low) / 1e6;
         let shift = 0.5 * 0.0_f64.clamp(low, high).powi(2);

@@ -44,19 +44,7 @@ fn density<S: Scalar>(x: S) -> (S, S) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// By the midpoint rule over the part of the interval within 12 of 0.
-    fn exact(low: f64, high: f64) -> (f64, f64) {
-        let (low, high) = (low.max(-12.0), high.min(12.0));
-        let step = (high - low) / 2e5;
-        let sums = (0..200_000).fold([0.0; 3], |[mass, first, second], k| {
-            let x = low + (f64::from(k) + 0.5) * step;
-            let density = (-0.5 * x * x).exp();
-            [mass + density, first + density * x, second + density * x * x]
-        });
-        let mean = sums[1] / sums[0];
-        (mean, sums[2] / sums[0] - mean * mean)
-    }
+    use crate::energy::truncated_normal::tests::exact;
 
     #[test]
     fn moments_are_those_of_the_truncated_normal_distribution() {

@@ -1,0 +1,58 @@
+//! When a node listens and reads its storage.
+
+use super::{Node, NodeState, real};
+use crate::energy::response_map::Words;
+use crate::scalar::Scalar;
+
+/// Readings at the start that are taken at the shortest interval.
+const FIRST_READINGS: u32 = 4;
+
+impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize>
+    Node<W, M, P, SLOTS, ACTIONS>
+{
+    /// Whether to listen now.
+    pub(super) fn listen_is_due(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> bool {
+        let elapsed = state.second.saturating_sub(state.last_listen);
+        if state.listens == 0 && state.misses == 0 {
+            return true;
+        }
+        if elapsed < self.listen_interval(state) {
+            return state.listens > 0 && self.listening.is_due(&state.listening, elapsed, state.departure);
+        }
+        true
+    }
+
+    /// Time from a listen to the next in s, without surprises.
+    pub(super) fn listen_interval(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> u32 {
+        let parameters = &self.parameters.listening;
+        let longest = parameters.shortest << parameters.doublings;
+        let after_misses = parameters.shortest << state.misses.min(parameters.doublings);
+        let power = state.filter.power();
+        if state.listens > 0 && power.deviation <= parameters.error * power.mean {
+            // The storage knows it as well.
+            return longest;
+        }
+        if state.listens > 0 {
+            self.listening.interval(&state.listening).max(after_misses)
+        } else {
+            after_misses
+        }
+    }
+
+    /// Time from a reading to the next in s: the shortest whose cost the income pays for.
+    pub(super) fn reading_interval(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> u32 {
+        let cost = &self.parameters.cost;
+        let mut interval = cost.shortest_reading;
+        if state.readings < FIRST_READINGS {
+            return interval;
+        }
+        let power = cost.reading_share * Scalar::max(state.budget.mean_power(), state.filter.power().mean);
+        for _ in 0..cost.reading_doublings {
+            if cost.reading <= power * real(interval) {
+                break;
+            }
+            interval *= 2;
+        }
+        interval
+    }
+}
