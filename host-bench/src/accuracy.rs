@@ -40,6 +40,9 @@ const TOLERANCE_HALVINGS: u32 = 4;
 const MOST_TOLERANCE_HALVINGS: u32 = 12;
 /// The least statement. Runs of a few hundred steps were 10⁻⁵ off with no difference between two tolerances.
 const LEAST: f64 = 1e-5;
+/// Parts of the energy that a harvester exchanges below which the energy delivered to a resistor, which is quadratic in
+/// the voltage, and through a bridge, which is linear in the charge, are not resolved in double precision.
+const UNRESOLVED: [f64; 2] = [1e-26, 1e-12];
 /// Intervals of the smoother trace in one of the given trace.
 const FINER: usize = 4;
 
@@ -79,7 +82,11 @@ pub(crate) fn run_with_companions(
         if let Some(asked) = asked {
             (outcome, options) = tightened(&mut finer, options, outcome, asked);
         }
-        doubts.extend(warning(&outcome, asked));
+        let unresolved = unresolved(scene, &outcome);
+        if unresolved.is_some() {
+            outcome.accuracy.total = None;
+        }
+        doubts.extend(unresolved.or_else(|| warning(&outcome, asked)));
     }
     doubts.extend(imbalance(&outcome));
     outcome.warnings.splice(..0, doubts);
@@ -153,6 +160,22 @@ pub fn imbalance(outcome: &Outcome) -> Option<String> {
         format!(
             "accuracy: energy_residual = {residual:.1e} is more than {UNBALANCED}: the step or the tolerance was \
              probably too coarse, or the method unstable"
+        )
+    })
+}
+
+/// The warning of a delivered energy that is lost in the rounding of the energies exchanged: runs to compare with may
+/// round alike.
+fn unresolved(scene: &Scene, outcome: &Outcome) -> Option<String> {
+    let flow = outcome.flow.as_ref()?;
+    let delivered_j = outcome.delivered_energy_j.filter(|&energy| energy > 0.0)?;
+    let exchanged_j = flow.base_j.abs().max(flow.dissipated_j).max(flow.contact_j);
+    let [resistor, bridge] = UNRESOLVED;
+    let least = if matches!(scene.load, Load::Resistor { .. }) { resistor } else { bridge };
+    (delivered_j < least * exchanged_j).then(|| {
+        format!(
+            "accuracy: the delivered energy of {delivered_j:.1e} J is not resolved: the harvester exchanges \
+             {exchanged_j:.1e} J"
         )
     })
 }

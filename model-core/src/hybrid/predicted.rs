@@ -50,6 +50,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             Reached::Kept => {}
             Reached::Near { missing, curved } => self.extend(trial, ticks, missing, curved),
             Reached::Beyond => return true,
+            Reached::Past => return self.approaches(search, &{ trial.end }),
         }
         !search.predicted && self.turns(search, index, &{ trial.end })
     }
@@ -206,6 +207,8 @@ enum Reached<S> {
     Near { missing: S, curved: bool },
     /// Another attempt is needed.
     Beyond,
+    /// The guard has fallen and rises again: the event is before the end.
+    Past,
 }
 
 /// The search for the event at the end of a step.
@@ -341,7 +344,12 @@ impl<S: Scalar> Search<S> {
         let there = ticks_after(self.ticks, missing);
         self.left = 0;
         self.event = (guard.value <= S::ZERO).then_some(index);
-        if !(guard.rate < S::ZERO) || there > self.most {
+        let falls = guard.rate < S::ZERO;
+        if !falls && guard.value < S::ZERO && self.corrections > 0 {
+            self.corrections -= 1;
+            return Reached::Past;
+        }
+        if !falls || there > self.most {
             // A graze, or an event beyond the end of the step.
             return Reached::Kept;
         }

@@ -24,6 +24,7 @@ mod prothero_robinson;
 mod rectified;
 mod rectified_closed_form;
 mod rectified_limits;
+mod release;
 mod resuming;
 mod rounding_of_the_charge;
 mod smooth_problems;
