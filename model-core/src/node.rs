@@ -28,15 +28,17 @@
 //! storage are taken as exact: an income is as wrong as the capacitance.
 
 mod board;
+mod covariance;
 mod filter;
 mod hearing;
 mod learning;
-mod normal;
 mod parameters;
 mod schedule;
 mod state;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod textbook_tests;
 
 pub use board::{Board, Fault, Runner, Step};
 pub use filter::StoreReading;
@@ -141,6 +143,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             storage: *budget.storage(),
             standing,
             standing_variance: standing_deviation * standing_deviation,
+            draw_drift: standing_deviation * standing_deviation * (1.0 / filter::DRAW_MEMORY as f32),
             spent: parameters.spread.action,
             cell,
             noise: Scalar::max(converter.noise, Filter::least_noise(cell)),
@@ -192,7 +195,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     ///
     /// The clock is that of [`Node::start`]; a time before the last one counts as the last one.
     ///
-    /// Cost: three exponentials and six square roots with a reading, one exponential without; the decision on an action
+    /// Cost: at most three exponentials, one square root, and with a reading seven divisions; the decision on an action
     /// as [`Budget::can_run_now`].
     pub fn wake(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
         let is_later = self.advance(state, now, true);
@@ -299,7 +302,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             // What was spent just now is not yet in the filter.
             let left = store.mean - self.budget.storage().drawn(state.spent);
             let energy = Scalar::min(Scalar::max(left, 0.0), self.budget.storage().capacity());
-            self.budget.correct(&mut state.budget, energy, 3.0 * store.deviation);
+            self.budget.correct(&mut state.budget, energy, 3.0 * store.deviation());
         }
         // A listen may last beyond the hour: the next reading ends it.
         let is_over = state.second.saturating_sub(state.hour_start) >= HOUR;

@@ -230,7 +230,13 @@ impl<S: Scalar> Relaxation<S> {
     /// Over an interval of `ratio` times the time constant.
     pub(super) fn new(ratio: S) -> Self {
         if ratio < S::from_f64(SERIES_RATIO) {
-            let second = horner(&SECOND.map(S::from_f64), ratio);
+            let second = if ratio * ratio * ratio < S::from_f64(15.0) * S::EPSILON {
+                // The next term is below a quarter of a rounding.
+                let [first, second, third] = [SECOND[0], SECOND[1], SECOND[2]].map(S::from_f64);
+                first + ratio * (second + ratio * third)
+            } else {
+                horner(&SECOND.map(S::from_f64), ratio)
+            };
             let of_income = S::ONE - ratio * second;
             Self { ratio, kept: S::ONE - ratio * of_income, of_income, second }
         } else {

@@ -19,25 +19,10 @@
 //! A reading that departs by more than three standard deviations says that the power has jumped: the walk of the interval
 //! is widened, after the fact, until the departure is one standard deviation.
 
-use super::normal::moments_within;
+use super::covariance::{ALL, Covariance, DRAW, Flow, GAIN, HOUR, POWER, STATES, STORE};
 use crate::energy::Storage;
 use crate::scalar::{Scalar, add_increment};
 use crate::snapshot::snapshot_fields;
-
-/// Number of states.
-const STATES: usize = 6;
-/// Stored energy in J.
-const STORE: usize = 0;
-/// Harvested power in W.
-const POWER: usize = 1;
-/// Gain of the modelled power.
-const GAIN: usize = 2;
-/// Standing power above the stated one in W.
-const DRAW: usize = 3;
-/// Income since the start of the hour in J.
-const HOUR: usize = 4;
-/// Income since the start in J.
-const ALL: usize = 5;
 
 /// Departure in standard deviations from which a jump is assumed.
 const JUMP: f64 = 3.0;
@@ -47,10 +32,8 @@ const DOUBTED: f64 = 12.0;
 const USUAL: f64 = 0.1;
 /// Largest gain.
 const HIGHEST_GAIN: f64 = 1e3;
-/// Roundings of a variance that remain at least after an update.
-const LEAST_LEFT: f64 = 8.0;
 /// Time in s in which the standing power changes by the deviation of its stated value.
-const DRAW_MEMORY: f64 = 864_000.0;
+pub(super) const DRAW_MEMORY: f64 = 864_000.0;
 /// Least noise of a reading in cells, as in a `Correction`.
 const LEAST_NOISE: f64 = 0.2;
 
@@ -62,6 +45,8 @@ pub(super) struct Filter<S> {
     pub(super) standing: S,
     /// Variance of the standing power in W².
     pub(super) standing_variance: S,
+    /// Increase of that variance in a second.
+    pub(super) draw_drift: S,
     /// Relative standard deviation of the energy of actions.
     pub(super) spent: S,
     /// Width of a cell of the converter in V, its noise in V, and its highest code.
@@ -82,7 +67,7 @@ pub(super) struct FilterState<S> {
     mean: [S; STATES],
     /// What rounding removed from the stored energy and the income since the start.
     low: [S; 2],
-    covariance: [[S; STATES]; STATES],
+    covariance: Covariance<S>,
     /// Seconds since the last reading that was used.
     since: u32,
     located: bool,
@@ -109,19 +94,25 @@ pub enum StoreReading {
     Refused,
 }
 
-/// A quantity with its standard deviation.
+/// A quantity with its variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Known<S> {
     pub(super) mean: S,
-    pub(super) deviation: S,
+    pub(super) variance: S,
+}
+
+impl<S: Scalar> Known<S> {
+    /// Its standard deviation. One square root.
+    pub(super) fn deviation(&self) -> S {
+        self.variance.sqrt()
+    }
 }
 
 impl<S: Scalar> FilterState<S> {
     fn known(&self, index: usize) -> Known<S> {
         let mean = self.mean.get(index).copied().unwrap_or(S::ZERO);
-        let variance = self.covariance.get(index).and_then(|row| row.get(index)).copied().unwrap_or(S::ZERO);
-        Known { mean, deviation: variance.max(S::ZERO).sqrt() }
+        Known { mean, variance: self.covariance.variance(index) }
     }
 
     pub(super) fn store(&self) -> Known<S> {
@@ -166,83 +157,32 @@ impl<S: Scalar> FilterState<S> {
     /// Begins another hour.
     pub(super) fn close_hour(&mut self) {
         self.mean[HOUR] = S::ZERO;
-        self.clear(HOUR, S::ZERO);
-    }
-
-    /// Sets the variance of a state, and its covariances to 0.
-    fn clear(&mut self, index: usize, variance: S) {
-        for (row, entries) in self.covariance.iter_mut().enumerate() {
-            for (column, entry) in entries.iter_mut().enumerate() {
-                if row == index || column == index {
-                    *entry = if row == column { variance } else { S::ZERO };
-                }
-            }
-        }
-    }
-
-    /// Adds a walk of the power of variance `walk` in a second over `time` in s; `stored` is the part of the income that is
-    /// stored.
-    fn walk(&mut self, time: S, walk: S, stored: S) {
-        let power = walk * time;
-        let both = S::from_f64(0.5) * power * time;
-        let income = S::from_f64(1.0 / 3.0) * power * time * time;
-        // Of a unit of the power's integral.
-        let parts = [stored, S::ZERO, S::ZERO, S::ZERO, S::ONE, S::ONE];
-        for (row, entries) in self.covariance.iter_mut().enumerate() {
-            let of_row = parts.get(row).copied().unwrap_or(S::ZERO);
-            for (column, entry) in entries.iter_mut().enumerate() {
-                let of_column = parts.get(column).copied().unwrap_or(S::ZERO);
-                *entry += match (row == POWER, column == POWER) {
-                    (true, true) => power,
-                    (true, false) => both * of_column,
-                    (false, true) => both * of_row,
-                    (false, false) => income * of_row * of_column,
-                };
-            }
-        }
+        self.covariance.limit_correlations();
+        self.covariance.clear(HOUR, S::ZERO);
     }
 
     /// Takes in a measurement: `along` are the covariances of the states with the measured quantity, `shift` how far it
-    /// is moved in its variance, `removed` the part of its variance that is known now, over that variance.
+    /// is moved in its variance, `removed` one over that variance with the noise.
     fn update(&mut self, along: [S; STATES], shift: S, removed: S) {
         for (mean, &along) in self.mean.iter_mut().zip(&along) {
             *mean += along * shift;
         }
-        let mut largest = [S::ZERO; STATES];
-        let least = S::from_f64(LEAST_LEFT) * S::EPSILON;
-        for (row, entries) in self.covariance.iter_mut().enumerate() {
-            let of_row = along.get(row).copied().unwrap_or(S::ZERO) * removed;
-            for (column, (entry, &along)) in entries.iter_mut().zip(&along).enumerate() {
-                let left = *entry - of_row * along;
-                *entry = if row == column { left.max(*entry * least) } else { left };
-            }
-            if let (Some(largest), Some(&variance)) = (largest.get_mut(row), entries.get(row)) {
-                *largest = variance.sqrt();
-            }
-        }
-        // Correlations of at most 1.
-        for (row, entries) in self.covariance.iter_mut().enumerate() {
-            let of_row = largest.get(row).copied().unwrap_or(S::ZERO);
-            for (column, (entry, &deviation)) in entries.iter_mut().zip(&largest).enumerate() {
-                if row != column {
-                    let most = of_row * deviation;
-                    *entry = entry.max(-most).min(most);
-                }
-            }
-        }
+        self.covariance.remove(along, removed);
     }
 
     /// Adds to the variance of the power.
     pub(super) fn widen_power(&mut self, variance: S) {
-        self.covariance[POWER][POWER] += variance;
+        self.covariance.widen(POWER, variance);
     }
 
     /// Widens the gain by the square of a relative change.
     pub(super) fn widen_gain(&mut self, relative_variance: S) {
         let gain = self.mean[GAIN];
-        let most = S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN);
-        self.covariance[GAIN][GAIN] =
-            (self.covariance[GAIN][GAIN] + gain * gain * relative_variance).min(most);
+        self.covariance.widen_to(
+            GAIN,
+            gain * gain * relative_variance,
+            S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN),
+        );
     }
 }
 
@@ -250,11 +190,12 @@ impl<S: Scalar> Filter<S> {
     /// The state before any reading.
     pub(super) fn start(&self) -> FilterState<S> {
         let capacity = self.storage.capacity();
-        let mut covariance = [[S::ZERO; STATES]; STATES];
-        covariance[STORE][STORE] = capacity * capacity;
-        covariance[POWER][POWER] = self.power * self.power;
-        covariance[GAIN][GAIN] = self.gain_variance;
-        covariance[DRAW][DRAW] = self.standing_variance;
+        let covariance = Covariance::new([
+            capacity * capacity,
+            self.power * self.power,
+            self.gain_variance,
+            self.standing_variance,
+        ]);
         let half = S::from_f64(0.5) * capacity;
         FilterState {
             mean: [half, S::ZERO, S::ONE, S::ZERO, S::ZERO, S::ZERO],
@@ -289,35 +230,20 @@ impl<S: Scalar> Filter<S> {
         state.mean[HOUR] += income;
 
         let stored = storage.stored(relaxation.of_income);
-        let (of_power, of_draw) = (stored * time, on * storage.drawn(relaxation.of_income) * time);
-        let kept = relaxation.kept;
-        let rows = &mut state.covariance;
-        let (of_store, power, draw) = (rows[STORE], rows[POWER], rows[DRAW]);
-        for (entry, ((store, power), draw)) in
-            rows[STORE].iter_mut().zip(of_store.into_iter().zip(power).zip(draw))
-        {
-            *entry = kept * store + of_power * power - of_draw * draw;
+        let flow = Flow {
+            time,
+            kept: relaxation.kept,
+            of_power: stored * time,
+            of_draw: on * storage.drawn(relaxation.of_income) * time,
+        };
+        state.covariance.advance(flow);
+        state.covariance.walk(time, walk, stored);
+        if spent > S::ZERO {
+            let deviation = self.spent * storage.drawn(spent);
+            state.covariance.widen(STORE, deviation * deviation);
         }
-        for index in [HOUR, ALL] {
-            if let Some(row) = rows.get_mut(index) {
-                for (entry, power) in row.iter_mut().zip(power) {
-                    *entry += time * power;
-                }
-            }
-        }
-        for row in rows.iter_mut() {
-            let [store, power, _, draw, hour, all] = row;
-            *store = kept * *store + of_power * *power - of_draw * *draw;
-            *hour += time * *power;
-            *all += time * *power;
-        }
-        state.walk(time, walk, stored);
-        let deviation = self.spent * storage.drawn(spent);
-        let cells = &mut state.covariance;
-        cells[STORE][STORE] += deviation * deviation;
-        let most = S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN);
-        cells[GAIN][GAIN] = (cells[GAIN][GAIN] + self.gain_drift * time).min(most);
-        cells[DRAW][DRAW] += self.standing_variance * time * S::from_f64(1.0 / DRAW_MEMORY);
+        state.covariance.widen_to(GAIN, self.gain_drift * time, S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN));
+        state.covariance.widen(DRAW, self.draw_drift * time);
         // What the node spent at a reading left before the storage could fill up again.
         let before = if state.since == 0 { storage.drawn(spent) } else { S::ZERO };
         state.outgo += (outgo - before).max(S::ZERO) + relaxation.lost() * state.mean[STORE];
@@ -332,7 +258,8 @@ impl<S: Scalar> Filter<S> {
         (low, high, (high - low) * (self.noise / self.cell))
     }
 
-    /// Takes in a reading of the voltage; also gives its departure from what was expected in standard deviations.
+    /// Takes in a reading of the voltage; also gives its departure from what was expected in standard deviations, 0 up to
+    /// three.
     pub(super) fn observe(&self, state: &mut FilterState<S>, code: u32) -> (StoreReading, S) {
         if code == 0 || code >= self.full_code {
             if code > 0 {
@@ -344,55 +271,55 @@ impl<S: Scalar> Filter<S> {
         let (low, high, noise) = self.cell(code);
         // A storage that was full since the last reading has now at least its capacity less what left it since.
         let full = high + (high - low) + noise + noise + state.outgo >= self.storage.capacity();
+        let (middle, width) = (S::from_f64(0.5) * (low + high), high - low);
         let distance = (low - state.mean[STORE]).max(state.mean[STORE] - high).max(S::ZERO);
-        let mut variance = state.covariance[STORE][STORE] + noise * noise;
-        let departure = distance / variance.sqrt();
+        let of_reading = noise * noise + width * width * S::from_f64(1.0 / 12.0);
+        let variance = state.covariance.variance(STORE) + noise * noise;
+        let departure = distance * distance / variance;
         // Shunted income does not appear in a reading, and the expected energy may exceed it by any amount.
-        let limited = full && state.mean[STORE] + S::from_f64(JUMP) * variance.sqrt() >= low;
+        let square = |deviations: f64| S::from_f64(deviations * deviations);
+        let limited = full && (state.mean[STORE] >= low || departure <= square(JUMP));
         if !state.located || limited {
-            let width = high - low;
-            state.mean[STORE] = (S::from_f64(0.5) * (low + high)).min(self.storage.capacity());
+            state.mean[STORE] = middle.min(self.storage.capacity());
             state.low[0] = S::ZERO;
-            state.clear(STORE, width * width * S::from_f64(1.0 / 12.0) + noise * noise);
+            state.covariance.clear(STORE, of_reading);
             (state.located, state.was_full) = (true, full);
             (state.was_doubted, state.since, state.outgo) = (false, 0, S::ZERO);
             return (StoreReading::Silent, S::ZERO);
         }
-        if departure > S::from_f64(DOUBTED) && !state.was_doubted {
+        if departure > square(DOUBTED) && !state.was_doubted {
             state.was_doubted = true;
-            return (StoreReading::Refused, departure);
+            return (StoreReading::Refused, departure.sqrt());
         }
-        let jump = departure > S::from_f64(JUMP) && state.since > 0;
+        let jump = departure > square(JUMP) && state.since > 0;
         if jump {
             let time = S::from_u32(state.since);
             let stored = self.storage.stored(S::ONE);
             let scale = stored * time;
             let walk = S::from_f64(3.0) * (distance / scale) * (distance / scale) / time;
-            state.walk(time, walk, stored);
-            variance = state.covariance[STORE][STORE] + noise * noise;
+            state.covariance.walk(time, walk, stored);
         }
-        let deviation = variance.sqrt();
-        let [from, to] = [low, high].map(|edge| (edge - state.mean[STORE]) / deviation);
-        let (mean, spread) = moments_within(from, to);
-        let along = state.covariance[STORE];
-        state.update(along, mean / deviation, (S::ONE - spread) / variance);
+        // A cell of even density, as wide as the noise or less, counts by its variance.
+        let removed = S::ONE / (state.covariance.variance(STORE) + of_reading);
+        state.update(state.covariance.row(STORE), (middle - state.mean[STORE]) * removed, removed);
         let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
-        state.covariance[STORE][STORE] = state.covariance[STORE][STORE].max(rounding * rounding);
+        state.covariance.raise(STORE, rounding * rounding);
         self.limit(state);
         if full && state.since > 0 {
             // The income may have been larger by what was shunted.
             let power = state.mean[POWER].max(self.power * S::from_f64(USUAL));
             let time = S::from_u32(state.since);
-            state.walk(time, S::from_f64(3.0) * power * power / time, S::ZERO);
+            state.covariance.walk(time, S::from_f64(3.0) * power * power / time, S::ZERO);
         }
         (state.was_full, state.was_doubted, state.since, state.outgo) = (full, false, 0, S::ZERO);
-        (if jump { StoreReading::Jump } else { StoreReading::Used }, departure)
+        let surprise = if jump { departure.sqrt() } else { S::ZERO };
+        (if jump { StoreReading::Jump } else { StoreReading::Used }, surprise)
     }
 
     /// Takes in a modelled power in W with its standard deviation, `elapsed` s after the one before.
     pub(super) fn hear(&self, state: &mut FilterState<S>, elapsed: u32, modelled: S, deviation: S) {
         let measured = |state: &FilterState<S>| {
-            let (power, gain) = (state.covariance[POWER], state.covariance[GAIN]);
+            let (power, gain) = (state.covariance.row(POWER), state.covariance.row(GAIN));
             let mut along = power;
             for (entry, gain) in along.iter_mut().zip(gain) {
                 *entry -= modelled * gain;
@@ -409,7 +336,7 @@ impl<S: Scalar> Filter<S> {
             // The power has jumped since then, or the map is wrong here: the next readings tell which.
             let since = if tells { state.since.min(elapsed) } else { elapsed };
             let time = S::from_u32(since.max(1));
-            state.walk(time, departure * departure / time, self.storage.stored(S::ONE));
+            state.covariance.walk(time, departure * departure / time, self.storage.stored(S::ONE));
             if tells && modelled > S::ZERO {
                 let relative = departure / (modelled * state.mean[GAIN].max(S::from_f64(1e-3)));
                 state.widen_gain(relative * relative);
@@ -426,11 +353,11 @@ impl<S: Scalar> Filter<S> {
     /// about the gain.
     pub(super) fn hear_about(&self, state: &mut FilterState<S>, modelled: S) {
         let gain = state.gain();
-        let spread = gain.mean * gain.mean + gain.deviation * gain.deviation;
-        let variance = state.covariance[POWER][POWER] + modelled * modelled * spread;
+        let spread = gain.mean * gain.mean + gain.variance;
+        let variance = state.covariance.variance(POWER) + modelled * modelled * spread;
         let departure = gain.mean * modelled - state.mean[POWER];
         if variance > S::ZERO {
-            state.update(state.covariance[POWER], departure / variance, S::ONE / variance);
+            state.update(state.covariance.row(POWER), departure / variance, S::ONE / variance);
         }
         self.limit(state);
     }
@@ -440,7 +367,7 @@ impl<S: Scalar> Filter<S> {
     pub(super) fn decide(&self, state: &FilterState<S>, modelled: [S; 2]) -> Option<S> {
         let [far, near] = [S::from_f64(16.0), S::from_f64(4.0)];
         let squares = modelled.map(|modelled| {
-            let (power, gain) = (state.covariance[POWER], state.covariance[GAIN]);
+            let (power, gain) = (state.covariance.row(POWER), state.covariance.row(GAIN));
             let variance =
                 power[POWER] - modelled * (power[GAIN] + gain[POWER]) + modelled * modelled * gain[GAIN];
             let departure = state.mean[GAIN] * modelled - state.mean[POWER];
@@ -468,9 +395,6 @@ impl<S: Scalar> Filter<S> {
 snapshot_fields!(impl [S: Scalar] FilterState<S> {
     mean, low, covariance, since, outgo, located, was_full, was_doubted,
 } if |state| {
-    let variances = state.covariance.iter().enumerate().all(|(index, row)| {
-        row.get(index).is_some_and(|&variance| variance >= S::ZERO)
-    });
     let [_, power, gain, ..] = state.mean;
-    variances && power >= S::ZERO && gain >= S::ZERO
+    power >= S::ZERO && gain >= S::ZERO
 });

@@ -28,7 +28,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let longest = parameters.shortest << parameters.doublings;
         let after_misses = parameters.shortest << state.misses.min(parameters.doublings);
         let power = state.filter.power();
-        if state.listens > 0 && power.deviation <= parameters.error * power.mean {
+        if state.listens > 0
+            && power.variance <= (parameters.error * power.mean) * (parameters.error * power.mean)
+        {
             // The storage knows it as well.
             return longest;
         }

@@ -130,7 +130,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         IncomeOfTime {
             seconds: self.second.saturating_sub(self.started),
             energy: all.mean,
-            bound: BOUND * all.deviation,
+            bound: BOUND * all.deviation(),
             silent: self.silent_before.saturating_add(self.silent),
         }
     }
@@ -139,28 +139,28 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
     #[must_use]
     pub fn power(&self) -> [f32; 2] {
         let power = self.filter.power();
-        [power.mean, BOUND * power.deviation]
+        [power.mean, BOUND * power.deviation()]
     }
 
     /// Ratio of the true power to that of the map, and its bound.
     #[must_use]
     pub fn gain(&self) -> [f32; 2] {
         let gain = self.filter.gain();
-        [gain.mean, BOUND * gain.deviation]
+        [gain.mean, BOUND * gain.deviation()]
     }
 
     /// Excess of the standing power over the stated one, and its bound, in W.
     #[must_use]
     pub fn excess_draw(&self) -> [f32; 2] {
         let draw = self.filter.draw();
-        [draw.mean, BOUND * draw.deviation]
+        [draw.mean, BOUND * draw.deviation()]
     }
 
     /// Stored energy and its bound in J.
     #[must_use]
     pub fn stored(&self) -> [f32; 2] {
         let store = self.filter.store();
-        [store.mean, BOUND * store.deviation]
+        [store.mean, BOUND * store.deviation()]
     }
 
     /// Whether the storage tells the income: its energy is known, and it was not full at the last reading.
@@ -234,7 +234,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         self.hour = Some(IncomeOfTime {
             seconds,
             energy: hour.mean,
-            bound: BOUND * hour.deviation,
+            bound: BOUND * hour.deviation(),
             silent: self.silent,
         });
         self.silent_before = self.silent_before.saturating_add(self.silent);

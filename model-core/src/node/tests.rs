@@ -2,10 +2,11 @@
 
 use super::filter::{Filter, FilterState, StoreReading};
 use crate::energy::{Capacitor, CorrectionParameters, Storage, StorageParameters};
+use crate::scalar::Scalar;
 
 /// Random numbers by SplitMix64.
 #[derive(Debug, Clone, Copy)]
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
     /// Even from 0 to 1.
@@ -18,31 +19,32 @@ impl Random {
     }
 
     /// Normal with the variance 1, as the sum of twelve.
-    fn normal(&mut self) -> f64 {
+    pub(super) fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform() - 0.5).sum()
     }
 }
 
-const CELL: f64 = 5.0 / 4096.0;
+pub(super) const CELL: f64 = 5.0 / 4096.0;
 
-fn storage(capacitance: f64) -> Storage<f64> {
+pub(super) fn storage<S: Scalar>(capacitance: S) -> Storage<S> {
     StorageParameters {
-        capacitor: Capacitor { capacitance, leakage_resistance: f64::INFINITY },
-        charging_efficiency: 1.0,
-        discharging_efficiency: 1.0,
-        highest_voltage: 4.9,
-        lock_out_voltage: 1.0,
-        turn_on_voltage: 2.0,
+        capacitor: Capacitor { capacitance, leakage_resistance: S::INFINITY },
+        charging_efficiency: S::ONE,
+        discharging_efficiency: S::ONE,
+        highest_voltage: S::from_f64(4.9),
+        lock_out_voltage: S::ONE,
+        turn_on_voltage: S::from_f64(2.0),
     }
     .build()
     .expect("within bounds")
 }
 
-fn filter(capacitance: f64) -> Filter<f64> {
+pub(super) fn filter(capacitance: f64) -> Filter<f64> {
     Filter {
         storage: storage(capacitance),
         standing: 1e-6,
         standing_variance: 0.0,
+        draw_drift: 0.0,
         spent: 0.0,
         cell: CELL,
         noise: 0.5 * CELL,
@@ -71,11 +73,11 @@ fn between_two_listens_the_income_is_the_trapezoid_with_the_variance_of_the_walk
     let t = f64::from(time);
     let held = state.hour();
     assert!((held.mean / (3e-6 * t) - 1.0).abs() < 1e-9);
-    assert!((held.deviation / (walk * t * t * t / 3.0).sqrt() - 1.0).abs() < 1e-3, "{held:?}");
+    assert!((held.deviation() / (walk * t * t * t / 3.0).sqrt() - 1.0).abs() < 1e-3, "{held:?}");
     filter.hear(&mut state, time, 3.2e-6, 0.0);
     let found = state.hour();
     assert!((found.mean / (0.5 * (3e-6 + 3.2e-6) * t) - 1.0).abs() < 1e-9, "{found:?}");
-    assert!((found.deviation / (walk * t * t * t / 12.0).sqrt() - 1.0).abs() < 1e-3, "{found:?}");
+    assert!((found.deviation() / (walk * t * t * t / 12.0).sqrt() - 1.0).abs() < 1e-3, "{found:?}");
 }
 
 #[test]
@@ -91,8 +93,8 @@ fn two_readings_know_the_income_to_the_error_of_both() {
     let hour = state.hour();
     let of_reading = (CELL * CELL / 12.0 + 0.25 * CELL * CELL).sqrt();
     let expected = of_reading * 1e-3 * (9.0 + end * end).sqrt();
-    assert!((hour.mean - 1.5e-6 * 3600.0).abs() < 3.0 * hour.deviation, "{hour:?}");
-    assert!((hour.deviation / expected - 1.0).abs() < 0.1, "{hour:?} {expected}");
+    assert!((hour.mean - 1.5e-6 * 3600.0).abs() < 3.0 * hour.deviation(), "{hour:?}");
+    assert!((hour.deviation() / expected - 1.0).abs() < 0.1, "{hour:?} {expected}");
 }
 
 #[test]
@@ -125,7 +127,7 @@ fn with_a_modelled_power_the_gain_is_that_of_a_correction() {
     let (one, gain) = (one.estimate(), other.gain());
     assert!((one.gain - 1.7).abs() < 3.0 * one.gain_deviation);
     assert!((one.gain - gain.mean).abs() < 0.1 * one.gain_deviation, "{one:?} {gain:?}");
-    assert!((one.gain_deviation / gain.deviation - 1.0).abs() < 0.05, "{one:?} {gain:?}");
+    assert!((one.gain_deviation / gain.deviation() - 1.0).abs() < 0.05, "{one:?} {gain:?}");
     assert!((one.energy - other.store().mean).abs() < 0.1 * one.energy_deviation);
 }
 
@@ -143,7 +145,7 @@ fn the_draw_is_learnt_while_the_harvester_rests() {
         if minute == 60 {
             state.widen_power(1e-11);
             // The income less the draw is known, neither of them alone.
-            assert!(state.draw().deviation > 0.29e-6, "{:?}", state.draw());
+            assert!(state.draw().deviation() > 0.29e-6, "{:?}", state.draw());
         }
         if minute >= 60 && minute % 10 == 0 {
             filter.hear(&mut state, 600, 0.0, 1e-9);
@@ -151,7 +153,7 @@ fn the_draw_is_learnt_while_the_harvester_rests() {
         filter.observe(&mut state, code((2e3 * energy).sqrt() + 0.5 * CELL * random.normal()));
     }
     let draw = state.draw();
-    assert!(draw.deviation < 0.03e-6 && (draw.mean - 0.25e-6).abs() < 3.0 * draw.deviation, "{draw:?}");
+    assert!(draw.deviation() < 0.03e-6 && (draw.mean - 0.25e-6).abs() < 3.0 * draw.deviation(), "{draw:?}");
 }
 
 #[test]
@@ -166,7 +168,7 @@ fn a_full_storage_says_nothing_about_the_income() {
         assert!(state.was_full());
     }
     let after = state.gain();
-    assert!((after.mean - before.mean).abs() < 1e-12 && after.deviation >= before.deviation, "{after:?}");
+    assert!((after.mean - before.mean).abs() < 1e-12 && after.deviation() >= before.deviation(), "{after:?}");
     assert!((state.all().mean - power * 3000.0).abs() < 1e-9);
 }
 
@@ -201,8 +203,8 @@ fn hours(capacitance: f64, listen_every: u32, cases: u64) -> (f64, f64, f64) {
             if minute % 60 == 0 {
                 let hour = state.hour();
                 let error = hour.mean - income;
-                squares += (error / hour.deviation).powi(2);
-                inside += f64::from(error.abs() <= 2.0 * hour.deviation);
+                squares += (error / hour.deviation()).powi(2);
+                inside += f64::from(error.abs() <= 2.0 * hour.deviation());
                 relative += (error / income).abs();
                 count += 1.0;
                 state.close_hour();
