@@ -30,6 +30,7 @@
 mod board;
 mod covariance;
 mod filter;
+mod heard;
 mod hearing;
 mod learning;
 mod parameters;
@@ -271,9 +272,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         if !state.store_tells() {
             state.silent = state.silent.saturating_add(seconds);
         }
-        let walk = self.walk(state);
+        let growth = self.growth(state);
         let spent = core::mem::replace(&mut state.spent, 0.0);
-        self.filter.predict(&mut state.filter, seconds, is_on, spent, walk);
+        self.filter.predict(&mut state.filter, seconds, is_on, spent, growth);
         let harvested = state.filter.all().mean - state.booked;
         if is_on {
             let harvested = Scalar::max(harvested, 0.0);
@@ -296,6 +297,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             state.last_reading = state.second;
             state.readings = state.readings.saturating_add(1);
             self.spend_on_knowing(state, self.parameters.cost.reading);
+        } else if is_later {
+            state.filter.miss_confirmation();
         }
         let store = state.filter.store();
         if state.filter.is_located() && (is_later || code.is_some()) {
@@ -333,12 +336,16 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             return Wake { task: Task::Sleep, again_in: CONFIRMATION, read: true };
         }
         let now = state.second;
+        // What leaves a full storage would be shunted otherwise, and its return tells the income.
+        let is_full = state.filter.was_full() && state.last_reading == now;
         let mut next = HOUR.saturating_sub(now.saturating_sub(state.hour_start)).max(1);
         for (index, (regular, last)) in self.parameters.actions.iter().zip(&mut state.last_run).enumerate() {
             let since = now.saturating_sub(*last);
             if since < regular.every {
                 next = next.min(regular.every - since);
-            } else if self.can_run(&state.budget, regular) {
+            } else if self.can_run(&state.budget, regular)
+                || is_full && self.leaves_reserve(&state.budget, regular)
+            {
                 *last = now;
                 self.budget.spend(&mut state.budget, regular.action.energy());
                 state.spent += regular.action.energy();
@@ -355,11 +362,14 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
 
     /// Whether an action leaves the reserve in the storage, and the coming day as it is.
     fn can_run(&self, state: &BudgetState<f32, SLOTS>, regular: &Regular) -> bool {
-        let action = &regular.action;
-        let energy = action.energy() + self.parameters.reserve;
-        let with_reserve = Action::new("with reserve", energy, action.duration());
+        self.leaves_reserve(state, regular) && self.budget.can_run_now(state, &regular.action, state.second())
+    }
+
+    /// Whether an action leaves the reserve in the storage.
+    fn leaves_reserve(&self, state: &BudgetState<f32, SLOTS>, regular: &Regular) -> bool {
+        let energy = regular.action.energy() + self.parameters.reserve;
+        let with_reserve = Action::new("with reserve", energy, regular.action.duration());
         with_reserve.is_ok_and(|action| self.budget.can_afford(state, &action, state.second()))
-            && self.budget.can_run_now(state, action, state.second())
     }
 
     /// Begins a listen; the number of samples.

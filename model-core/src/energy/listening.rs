@@ -113,6 +113,13 @@ impl<S: Scalar> ListeningState<S> {
         (self.listens > 2).then_some(self.differences)
     }
 
+    /// Variance in W² of what changes from listen to listen and does not last: `D₁² − D₂²/2`; 0 before the third listen.
+    #[must_use]
+    pub fn fluctuation(&self) -> S {
+        let [one, two] = self.differences;
+        if self.listens > 2 { (one - S::from_f64(0.5) * two).max(S::ZERO) } else { S::ZERO }
+    }
+
     /// Correlation of the income from one listen to the next, 0 to 1.
     #[must_use]
     pub fn correlation(&self) -> S {

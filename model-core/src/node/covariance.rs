@@ -170,6 +170,16 @@ impl<S: Scalar> Covariance<S> {
         self.store[0] += stored * in_store;
     }
 
+    /// Adds variances in J²: to the income of the hour, to its covariance with the whole income, and to the whole income.
+    pub(super) fn widen_income(&mut self, [hour, both, all]: [S; 3], stored: S) {
+        self.hour[0] += hour;
+        self.hour[1] += both;
+        self.all += all;
+        self.store[4] += stored * both;
+        self.store[5] += stored * all;
+        self.store[0] += stored * stored * all;
+    }
+
     /// Removes what a measurement tells: `along` are the covariances with the measured quantity, `removed` one over its
     /// variance.
     pub(super) fn remove(&mut self, along: [S; STATES], removed: S) {
@@ -186,6 +196,27 @@ impl<S: Scalar> Covariance<S> {
         let mut all = [self.all];
         take(&mut all, part[5], [along[1]]);
         [self.all] = all;
+    }
+
+    /// Adds `along` times the gain to the states.
+    pub(super) fn add_gain(&mut self, along: [S; STATES]) {
+        let half = S::from_f64(0.5) * self.variance(GAIN);
+        let mut other = self.row(GAIN);
+        for (other, along) in other.iter_mut().zip(along) {
+            *other += half * along;
+        }
+        let [of_store, of_power, of_gain, of_draw, of_hour, of_all] = along;
+        let [with_store, with_power, with_gain, with_draw, with_hour, with_all] = other;
+        add_product(&mut self.store, [of_store, with_store], along, other);
+        let ([_, along @ ..], [_, other @ ..]) = (along, other);
+        add_product(&mut self.power, [of_power, with_power], along, other);
+        let ([_, along @ ..], [_, other @ ..]) = (along, other);
+        add_product(&mut self.gain, [of_gain, with_gain], along, other);
+        let ([_, along @ ..], [_, other @ ..]) = (along, other);
+        add_product(&mut self.draw, [of_draw, with_draw], along, other);
+        let ([_, along @ ..], [_, other @ ..]) = (along, other);
+        add_product(&mut self.hour, [of_hour, with_hour], along, other);
+        self.all += S::from_f64(2.0) * of_all * with_all;
     }
 
     /// Limits correlations to 1.
@@ -212,12 +243,20 @@ impl<S: Scalar> Covariance<S> {
 fn take<S: Scalar, const N: usize>(row: &mut [S; N], part: S, along: [S; N]) {
     let before = row.first().copied().unwrap_or(S::ZERO);
     for (entry, along) in row.iter_mut().zip(along) {
-        *entry = *entry - part * along;
+        *entry -= part * along;
     }
-    if let Some(variance) = row.first_mut() {
-        if !(*variance > S::ZERO) {
-            *variance = before * (S::from_f64(LEAST_LEFT) * S::EPSILON);
-        }
+    if let Some(variance) = row.first_mut()
+        && !(*variance > S::ZERO)
+    {
+        *variance = before * (S::from_f64(LEAST_LEFT) * S::EPSILON);
+    }
+}
+
+/// Adds the products of two vectors, made symmetric, to a row that begins with their `first` elements.
+fn add_product<S: Scalar, const N: usize>(row: &mut [S; N], first: [S; 2], one: [S; N], other: [S; N]) {
+    let [first_of_one, first_of_other] = first;
+    for (entry, (one, other)) in row.iter_mut().zip(one.into_iter().zip(other)) {
+        *entry += first_of_one * other + first_of_other * one;
     }
 }
 

@@ -12,9 +12,8 @@
 //! A walk of variance `q` in a unit of time adds `q t`, `q t²/2` and `q t³/3` to the variance of `P`, to its covariance with
 //! its integral, and to the variance of the integral. Between two known powers the integral is then the trapezoid, with
 //! the variance `q t³/12`: that of one jump at an unknown time. So the filter interpolates between listens, and a reading of
-//! the voltage corrects power and income of the whole interval before it. What was heard is the measurement `P = g m`
-//! of the modelled power `m`, linear in `P` and `g`; a reading is one of `E`, within the cell of the converter, as in
-//! [`Correction`](crate::energy::Correction).
+//! the voltage corrects power and income of the whole interval before it. A reading is a measurement of `E`, within the cell
+//! of the converter, as in [`Correction`](crate::energy::Correction); a listen is one of `P = g m` with the modelled power `m`.
 //!
 //! A reading that departs by more than three standard deviations says that the power has jumped: the walk of the interval
 //! is widened, after the fact, until the departure is one standard deviation.
@@ -25,7 +24,7 @@ use crate::scalar::{Scalar, add_increment};
 use crate::snapshot::snapshot_fields;
 
 /// Departure in standard deviations from which a jump is assumed.
-const JUMP: f64 = 3.0;
+pub(super) const JUMP: f64 = 3.0;
 /// Departure from which a reading must be confirmed by the next one.
 const DOUBTED: f64 = 12.0;
 /// Usual power over the deviation before anything is known.
@@ -64,18 +63,28 @@ pub(super) struct Filter<S> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct FilterState<S> {
-    mean: [S; STATES],
+    pub(super) mean: [S; STATES],
     /// What rounding removed from the stored energy and the income since the start.
     low: [S; 2],
-    covariance: Covariance<S>,
-    /// Seconds since the last reading that was used.
-    since: u32,
-    located: bool,
+    pub(super) covariance: Covariance<S>,
+    /// Seconds since the last reading that was used, and since the start of the hour.
+    pub(super) since: u32,
+    pub(super) of_hour: u32,
+    pub(super) located: bool,
     /// Energy that left the storage since the last reading that was used, in J.
     outgo: S,
     /// Whether the storage may have been full between the last two readings.
-    was_full: bool,
+    pub(super) was_full: bool,
     was_doubted: bool,
+}
+
+/// Growth of variances in a second.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Growth<S> {
+    /// Of the power, in W²/s.
+    pub(super) power: S,
+    /// Of the income, in J²/s: by what changes within the time from listen to listen.
+    pub(super) income: S,
 }
 
 /// What a reading of the voltage was good for.
@@ -144,6 +153,11 @@ impl<S: Scalar> FilterState<S> {
         self.was_doubted
     }
 
+    /// A reading that was to confirm the last one did not come.
+    pub(super) fn miss_confirmation(&mut self) {
+        self.was_doubted = false;
+    }
+
     /// Whether the stored energy is known.
     pub(super) fn is_located(&self) -> bool {
         self.located
@@ -156,6 +170,7 @@ impl<S: Scalar> FilterState<S> {
 
     /// Begins another hour.
     pub(super) fn close_hour(&mut self) {
+        self.of_hour = 0;
         self.mean[HOUR] = S::ZERO;
         self.covariance.limit_correlations();
         self.covariance.clear(HOUR, S::ZERO);
@@ -163,7 +178,7 @@ impl<S: Scalar> FilterState<S> {
 
     /// Takes in a measurement: `along` are the covariances of the states with the measured quantity, `shift` how far it
     /// is moved in its variance, `removed` one over that variance with the noise.
-    fn update(&mut self, along: [S; STATES], shift: S, removed: S) {
+    pub(super) fn update(&mut self, along: [S; STATES], shift: S, removed: S) {
         for (mean, &along) in self.mean.iter_mut().zip(&along) {
             *mean += along * shift;
         }
@@ -173,16 +188,6 @@ impl<S: Scalar> FilterState<S> {
     /// Adds to the variance of the power.
     pub(super) fn widen_power(&mut self, variance: S) {
         self.covariance.widen(POWER, variance);
-    }
-
-    /// Widens the gain by the square of a relative change.
-    pub(super) fn widen_gain(&mut self, relative_variance: S) {
-        let gain = self.mean[GAIN];
-        self.covariance.widen_to(
-            GAIN,
-            gain * gain * relative_variance,
-            S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN),
-        );
     }
 }
 
@@ -202,6 +207,7 @@ impl<S: Scalar> Filter<S> {
             low: [S::ZERO; 2],
             covariance,
             since: 0,
+            of_hour: 0,
             outgo: S::ZERO,
             located: false,
             was_full: false,
@@ -216,7 +222,14 @@ impl<S: Scalar> Filter<S> {
 
     /// Advances the time by `seconds` in which the node spent `spent` J beside its standing power, while the variance of
     /// the power grows by `walk` in a second.
-    pub(super) fn predict(&self, state: &mut FilterState<S>, seconds: u32, is_on: bool, spent: S, walk: S) {
+    pub(super) fn predict(
+        &self,
+        state: &mut FilterState<S>,
+        seconds: u32,
+        is_on: bool,
+        spent: S,
+        growth: Growth<S>,
+    ) {
         let time = S::from_u32(seconds);
         let storage = &self.storage;
         let relaxation = storage.relaxation(time);
@@ -237,17 +250,30 @@ impl<S: Scalar> Filter<S> {
             of_draw: on * storage.drawn(relaxation.of_income) * time,
         };
         state.covariance.advance(flow);
-        state.covariance.walk(time, walk, stored);
+        state.covariance.walk(time, growth.power, stored);
+        state.covariance.widen_income([growth.income * time; 3], stored);
         if spent > S::ZERO {
             let deviation = self.spent * storage.drawn(spent);
             state.covariance.widen(STORE, deviation * deviation);
         }
-        state.covariance.widen_to(GAIN, self.gain_drift * time, S::from_f64(HIGHEST_GAIN * HIGHEST_GAIN));
+        self.widen_gain(state, self.gain_drift * time);
         state.covariance.widen(DRAW, self.draw_drift * time);
         // What the node spent at a reading left before the storage could fill up again.
         let before = if state.since == 0 { storage.drawn(spent) } else { S::ZERO };
         state.outgo += (outgo - before).max(S::ZERO) + relaxation.lost() * state.mean[STORE];
         state.since = state.since.saturating_add(seconds);
+        state.of_hour = state.of_hour.saturating_add(seconds);
+    }
+
+    /// Adds to the variance of the gain, which is never known less than by the order of magnitude.
+    fn widen_gain(&self, state: &mut FilterState<S>, variance: S) {
+        state.covariance.widen_to(GAIN, variance, self.gain_variance.max(S::ONE));
+    }
+
+    /// Widens the gain by the square of a relative change.
+    pub(super) fn widen_gain_by(&self, state: &mut FilterState<S>, relative_variance: S) {
+        let gain = state.mean[GAIN];
+        self.widen_gain(state, gain * gain * relative_variance);
     }
 
     /// The energies at both edges of the cell of a code, and the noise of a reading there, in J.
@@ -262,9 +288,11 @@ impl<S: Scalar> Filter<S> {
     /// three.
     pub(super) fn observe(&self, state: &mut FilterState<S>, code: u32) -> (StoreReading, S) {
         if code == 0 || code >= self.full_code {
+            // Such a reading confirms nothing, and the next one may be no better.
+            state.was_doubted = false;
             if code > 0 {
                 // The storage may be full at any voltage from there on.
-                state.located = false;
+                (state.located, state.was_full) = (false, true);
             }
             return (StoreReading::Refused, S::ZERO);
         }
@@ -316,72 +344,8 @@ impl<S: Scalar> Filter<S> {
         (if jump { StoreReading::Jump } else { StoreReading::Used }, surprise)
     }
 
-    /// Takes in a modelled power in W with its standard deviation, `elapsed` s after the one before.
-    pub(super) fn hear(&self, state: &mut FilterState<S>, elapsed: u32, modelled: S, deviation: S) {
-        let measured = |state: &FilterState<S>| {
-            let (power, gain) = (state.covariance.row(POWER), state.covariance.row(GAIN));
-            let mut along = power;
-            for (entry, gain) in along.iter_mut().zip(gain) {
-                *entry -= modelled * gain;
-            }
-            let noise = state.mean[GAIN] * deviation;
-            (along, along[POWER] - modelled * along[GAIN] + noise * noise)
-        };
-        let departure = state.mean[GAIN] * modelled - state.mean[POWER];
-        let (mut along, mut variance) = measured(state);
-        // A storage that tells would have shown a jump.
-        let tells = state.located && !state.was_full;
-        let reach = if tells { S::from_f64(JUMP) } else { S::ONE };
-        if departure * departure > reach * reach * variance {
-            // The power has jumped since then, or the map is wrong here: the next readings tell which.
-            let since = if tells { state.since.min(elapsed) } else { elapsed };
-            let time = S::from_u32(since.max(1));
-            state.covariance.walk(time, departure * departure / time, self.storage.stored(S::ONE));
-            if tells && modelled > S::ZERO {
-                let relative = departure / (modelled * state.mean[GAIN].max(S::from_f64(1e-3)));
-                state.widen_gain(relative * relative);
-            }
-            (along, variance) = measured(state);
-        }
-        if variance > S::ZERO {
-            state.update(along, departure / variance, S::ONE / variance);
-        }
-        self.limit(state);
-    }
-
-    /// Takes in the order of magnitude of the power by a modelled power in W, uncertain by its own size. It says nothing
-    /// about the gain.
-    pub(super) fn hear_about(&self, state: &mut FilterState<S>, modelled: S) {
-        let gain = state.gain();
-        let spread = gain.mean * gain.mean + gain.variance;
-        let variance = state.covariance.variance(POWER) + modelled * modelled * spread;
-        let departure = gain.mean * modelled - state.mean[POWER];
-        if variance > S::ZERO {
-            state.update(state.covariance.row(POWER), departure / variance, S::ONE / variance);
-        }
-        self.limit(state);
-    }
-
-    /// Which of two modelled powers the storage has seen: the power is within two standard deviations of one, and beyond
-    /// four of the other.
-    pub(super) fn decide(&self, state: &FilterState<S>, modelled: [S; 2]) -> Option<S> {
-        let [far, near] = [S::from_f64(16.0), S::from_f64(4.0)];
-        let squares = modelled.map(|modelled| {
-            let (power, gain) = (state.covariance.row(POWER), state.covariance.row(GAIN));
-            let variance =
-                power[POWER] - modelled * (power[GAIN] + gain[POWER]) + modelled * modelled * gain[GAIN];
-            let departure = state.mean[GAIN] * modelled - state.mean[POWER];
-            departure * departure / variance.max(S::TINY)
-        });
-        match squares {
-            [lower, upper] if lower < near && upper > far => Some(modelled[0]),
-            [lower, upper] if upper < near && lower > far => Some(modelled[1]),
-            _ => None,
-        }
-    }
-
     /// Keeps the states within what they can be.
-    fn limit(&self, state: &mut FilterState<S>) {
+    pub(super) fn limit(&self, state: &mut FilterState<S>) {
         let [store, power, gain, draw, hour, all] = &mut state.mean;
         *store = store.max(S::ZERO).min(self.storage.capacity());
         *power = power.max(S::ZERO);
@@ -393,7 +357,7 @@ impl<S: Scalar> Filter<S> {
 }
 
 snapshot_fields!(impl [S: Scalar] FilterState<S> {
-    mean, low, covariance, since, outgo, located, was_full, was_doubted,
+    mean, low, covariance, since, of_hour, outgo, located, was_full, was_doubted,
 } if |state| {
     let [_, power, gain, ..] = state.mean;
     power >= S::ZERO && gain >= S::ZERO

@@ -44,15 +44,22 @@ pub enum Hearing {
     Damaged,
 }
 
-/// Yield by the map of a listen, in W.
+/// What a listen says by the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Modelled {
     pub(super) hearing: Hearing,
     /// Of the smaller motion where there are two.
-    pub(super) value: f32,
+    pub(super) lower: Yield,
     /// Of the larger motion where there are two.
-    pub(super) upper: f32,
-    /// Standard deviation by noise, new in each listen.
+    pub(super) upper: Yield,
+}
+
+/// Yield of a motion by the map.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Yield {
+    /// In W.
+    pub(super) value: f32,
+    /// Standard deviation in W by noise, new in each listen.
     pub(super) noise: f32,
     /// Relative standard deviation by the map, the same at the same place.
     pub(super) systematic: f32,
@@ -113,9 +120,10 @@ impl Blocks {
 
     /// The yield of all blocks.
     pub(super) fn modelled<W: Words>(&self, map: &ResponseMap<W>, voltage: f32) -> Modelled {
-        let nothing = |hearing| Modelled { hearing, value: 0.0, upper: 0.0, noise: 0.0, systematic: 0.0 };
+        let one = |hearing, lower| Modelled { hearing, lower, upper: lower };
+        let nothing = |hearing| one(hearing, Yield::default());
         // An order of magnitude.
-        let about = |hearing, value| Modelled { hearing, value, upper: value, noise: value, systematic: 0.0 };
+        let about = |hearing, value| one(hearing, Yield { value, noise: value, systematic: 0.0 });
         if self.is_damaged || self.count == 0 {
             return nothing(Hearing::Damaged);
         }
@@ -129,12 +137,19 @@ impl Blocks {
             if rest > RELEVANT * value {
                 return about(Hearing::Unclear, Scalar::max(value, rest));
             }
-            let hearing = if self.doubles > 0 { Hearing::TwoMotions } else { Hearing::Line };
-            let spread = if self.doubles > 0 { 0.0 } else { 0.25 * (high + rest - low) };
-            let systematic = if value > 0.0 { spread / value } else { 0.0 };
             // What else the band has beats with the line, which an impacting or stuck harvester answers in its own way.
-            let noise = value * (OF_LINE + (1.0 - self.purity / count));
-            return Modelled { hearing, value, upper, noise, systematic };
+            let part = OF_LINE + (1.0 - self.purity / count);
+            let with = |value: f32, spread: f32| {
+                let systematic = if value > 0.0 { spread / value } else { 0.0 };
+                Yield { value, noise: part * value, systematic }
+            };
+            let high = high + rest;
+            if self.doubles == 0 {
+                return one(Hearing::Line, with(value, 0.25 * (high - low)));
+            }
+            // Of each motion the bound away from the other one.
+            let (lower, upper) = (with(value, 0.5 * (value - low)), with(upper, 0.5 * (high - upper)));
+            return Modelled { hearing: Hearing::TwoMotions, lower, upper };
         }
         let [lowest, _] = map.amplitudes();
         if amplitude < lowest || self.purity <= BROADBAND * count {
@@ -151,14 +166,14 @@ impl Blocks {
                 }
                 let hearing = if amplitude < lowest { Hearing::Rest } else { Hearing::Broadband };
                 let noise = DENSITY * value / Scalar::sqrt(count);
-                return Modelled { hearing, value, upper: value, noise, systematic: 0.0 };
+                return one(hearing, Yield { value, noise, systematic: 0.0 });
             }
             if amplitude < lowest {
                 // The yield grows with the amplitude.
                 let edge = look_up(map, lowest * 1.001, frequency, voltage).income();
-                return edge.map_or(nothing(Hearing::Outside(Outside::AmplitudeBelow)), |edge| Modelled {
-                    noise: 0.5 * edge.high * scale,
-                    ..nothing(Hearing::Rest)
+                return edge.map_or(nothing(Hearing::Outside(Outside::AmplitudeBelow)), |edge| {
+                    let noise = 0.5 * edge.high * scale;
+                    one(Hearing::Rest, Yield { value: 0.0, noise, systematic: 0.0 })
                 });
             }
         }

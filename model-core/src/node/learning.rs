@@ -1,5 +1,8 @@
 //! What a node learns from a listen: the power, how it changes, and the gain of the map.
 
+use super::filter::Growth;
+use super::heard::{Heard, Motion};
+use super::hearing::{Modelled, Yield};
 use super::{Hearing, Node, NodeState, real};
 use crate::energy::response_map::Words;
 use crate::scalar::Scalar;
@@ -10,59 +13,89 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// Takes in what a whole listen says.
     pub(super) fn conclude(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, voltage: f32) -> Hearing {
         let elapsed = state.second.saturating_sub(state.last_listen);
-        let mut modelled = state.listen.blocks.modelled(&self.map, voltage);
-        match modelled.hearing {
+        let Modelled { mut hearing, lower, upper } = state.listen.blocks.modelled(&self.map, voltage);
+        let mut found = lower;
+        match hearing {
             Hearing::Line | Hearing::Broadband | Hearing::Rest => {}
-            Hearing::TwoMotions => {
-                let seen = self.filter.decide(&state.filter, [modelled.value, modelled.upper]);
-                if let Some(seen) = seen {
-                    modelled.hearing = Hearing::TwoMotionsOneSeen;
-                    modelled.value = seen;
-                } else if state.was_undecided {
-                    // Nothing new: the same doubt again makes nothing more certain.
-                    self.miss(state);
-                    return modelled.hearing;
-                } else {
-                    // Either: the middle, uncertain by half of the difference.
-                    modelled.noise = 0.5 * (modelled.upper - modelled.value);
-                    modelled.value += modelled.noise;
+            Hearing::TwoMotions => match self.filter.decide(&state.filter, [lower.value, upper.value]) {
+                Some(motion) => {
+                    hearing = Hearing::TwoMotionsOneSeen;
+                    found = if motion == Motion::Lower { lower } else { upper };
                 }
-            }
+                // Nothing new: the same doubt again makes nothing more certain.
+                None if state.was_undecided => {
+                    self.miss(state);
+                    return hearing;
+                }
+                None => {
+                    // Either: the middle, uncertain by half of the difference.
+                    let half = 0.5 * (upper.value - lower.value);
+                    found = Yield {
+                        value: lower.value + half,
+                        noise: half + lower.noise,
+                        systematic: upper.systematic,
+                    };
+                }
+            },
             Hearing::Damaged => {
                 self.miss(state);
-                return modelled.hearing;
+                return hearing;
             }
             _ => {
                 // Where the order of magnitude is known, it is a measurement, uncertain by its own size.
                 self.lose(state);
-                if modelled.value > 0.0 {
-                    self.filter.hear_about(&mut state.filter, modelled.value);
+                if found.value > 0.0 {
+                    self.filter.hear_about(&mut state.filter, found.value);
                 }
                 self.miss(state);
-                return modelled.hearing;
+                return hearing;
             }
         }
-        state.was_undecided = modelled.hearing == Hearing::TwoMotions;
-        self.widen(state, modelled.value, modelled.systematic);
-        self.filter.hear(&mut state.filter, elapsed, modelled.value, modelled.noise);
+        state.was_undecided = hearing == Hearing::TwoMotions;
+        let heard = self.heard(state, &found);
+        self.widen(state, heard.change, found.systematic);
+        self.filter.hear(&mut state.filter, elapsed, heard);
+        let noise = state.filter.gain().mean * found.noise;
+        state.fluctuation = Scalar::max(state.listening.fluctuation() - noise * noise, 0.0);
         let gain = state.filter.gain().mean;
-        let [power, deviation] = [modelled.value, modelled.noise].map(|part| gain * part);
+        let [power, deviation] = [found.value, found.noise].map(|part| gain * part);
         self.listening.hear(&mut state.listening, elapsed, power, deviation, self.parameters.cost.listen);
-        state.heard(modelled.value);
-        modelled.hearing
+        state.heard(heard.lasting);
+        hearing
     }
 
-    /// Widens the gain by how far the place in the map has moved.
-    fn widen(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, value: f32, systematic: f32) {
+    /// What a listen gave, with the part of it that lasts by the differences of the listens before.
+    fn heard(&self, state: &NodeState<P, SLOTS, ACTIONS>, found: &Yield) -> Heard<f32> {
+        let noise = state.filter.gain().mean * found.noise;
+        let before = state.last_modelled;
+        let gain = state.filter.gain().mean;
+        let change = found.value - before;
+        let moved = gain * change;
+        let part = match state.listening.differences() {
+            Some([one, _]) if moved * moved <= 9.0 * one => {
+                Scalar::max(2.0 * state.listening.correlation() - 1.0, 0.0)
+            }
+            _ => 1.0,
+        };
+        let change = if state.listens == 0 { 0.0 } else { part * change };
+        Heard {
+            modelled: found.value,
+            lasting: if state.listens == 0 { found.value } else { before + change },
+            change,
+            variance: Scalar::max(noise * noise, state.listening.fluctuation()),
+        }
+    }
+
+    /// Widens the gain by how far the place in the map has moved: by `moved` W from the last one.
+    fn widen(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, moved: f32, systematic: f32) {
         let last = state.last_modelled;
-        let product = last * value;
-        let difference = value - last;
+        let product = last * (last + moved);
         // Of small changes the square of the logarithm of the ratio.
-        let change = if product > 0.0 { Scalar::min(difference * difference / product, 4.0) } else { 4.0 };
+        let change = if product > 0.0 { Scalar::min(moved * moved / product, 4.0) } else { 4.0 };
         let by_place = self.parameters.spread.gain_by_place;
         let part = if state.listens == 0 { 0.0 } else { by_place * by_place * change };
         let bounds = if state.listens == 0 { 1.0 } else { Scalar::min(100.0 * change, 1.0) };
-        state.filter.widen_gain(part + systematic * systematic * bounds);
+        self.filter.widen_gain_by(&mut state.filter, part + systematic * systematic * bounds);
     }
 
     /// Books a listen without a value.
@@ -78,19 +111,21 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         state.filter.widen_power(power * power);
     }
 
-    /// Variance that the power gains in a second, in W²/s.
-    pub(super) fn walk(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> f32 {
+    /// Variances that power and income gain in a second.
+    pub(super) fn growth(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> Growth<f32> {
         let power = Scalar::max(state.filter.power().mean, state.budget.mean_power());
         let deviation = self.parameters.spread.income * power;
         let assumed = deviation * deviation * (1.0 / 3600.0);
-        match state.listening.differences() {
+        let interval = real(self.listening.interval(&state.listening));
+        let power = match state.listening.differences() {
             Some([one, two]) => {
-                let interval = real(self.listening.interval(&state.listening));
                 // A storage that tells shows a change that the listens have missed.
                 let least = if state.store_tells() { 0.25 } else { 1.0 };
                 Scalar::max((two - one) / interval, least * assumed)
             }
             None => assumed,
-        }
+        };
+        // What does not last from listen to listen lasts half of the time between them at most.
+        Growth { power, income: 0.5 * interval * state.fluctuation }
     }
 }

@@ -45,7 +45,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     pub(super) fn reading_interval(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> u32 {
         let cost = &self.parameters.cost;
         let mut interval = cost.shortest_reading;
-        if state.readings < FIRST_READINGS {
+        // What an action has taken from a full storage comes back with the income, and is then seen.
+        let is_refilled = state.filter.was_full() && state.last_run.contains(&state.last_reading);
+        if state.readings < FIRST_READINGS || is_refilled {
             return interval;
         }
         let power = cost.reading_share * Scalar::max(state.budget.mean_power(), state.filter.power().mean);

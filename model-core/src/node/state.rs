@@ -29,6 +29,8 @@ pub struct NodeState<const P: usize, const SLOTS: usize, const ACTIONS: usize> {
     pub(super) readings: u32,
     /// Modelled power of the last listen in W.
     pub(super) last_modelled: f32,
+    /// Variance in W² of what changes within the time from listen to listen.
+    pub(super) fluctuation: f32,
     /// Whether the last listen found two motions, and the storage knew neither.
     pub(super) was_undecided: bool,
     /// Largest departure of a reading since the last listen, in standard deviations.
@@ -97,6 +99,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
             misses: 0,
             readings: 0,
             last_modelled: 0.0,
+            fluctuation: 0.0,
             was_undecided: false,
             departure: 0.0,
             reading: None,
@@ -250,7 +253,7 @@ snapshot_fields!(impl [const P: usize] Listen<P> { bank, blocks, start_up, missi
 
 snapshot_fields!(impl [const P: usize, const SLOTS: usize, const ACTIONS: usize] NodeState<P, SLOTS, ACTIONS> {
     second, filter, listening, budget, listen, last_listen, last_reading, last_run, listens, misses, readings,
-    last_modelled, was_undecided, departure, reading, spent, knowing, booked, started, hour_start, hour, silent, silent_before,
+    last_modelled, fluctuation, was_undecided, departure, reading, spent, knowing, booked, started, hour_start, hour, silent, silent_before,
 });
 
 snapshot_variants!(StoreReading { Used, Jump, Silent, Refused });

@@ -1,6 +1,7 @@
 //! The filter against closed forms of its covariances, against `Correction`, and over random incomes.
 
-use super::filter::{Filter, FilterState, StoreReading};
+use super::filter::{Filter, FilterState, Growth, StoreReading};
+use super::heard::Heard;
 use crate::energy::{Capacitor, CorrectionParameters, Storage, StorageParameters};
 use crate::scalar::Scalar;
 
@@ -22,6 +23,16 @@ impl Random {
     pub(super) fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform() - 0.5).sum()
     }
+}
+
+/// The growth of a power that walks.
+pub(super) fn only<S: Scalar>(walk: S) -> Growth<S> {
+    Growth { power: walk, income: S::ZERO }
+}
+
+/// A modelled power that lasts, and is not known to follow the one before.
+fn steady(modelled: f64, deviation: f64) -> Heard<f64> {
+    Heard { modelled, lasting: modelled, change: 0.0, variance: deviation * deviation }
 }
 
 pub(super) const CELL: f64 = 5.0 / 4096.0;
@@ -65,16 +76,16 @@ fn between_two_listens_the_income_is_the_trapezoid_with_the_variance_of_the_walk
     let filter = Filter { gain_variance: 0.0, ..filter(1e-3) };
     let (walk, time) = (1e-16, 600);
     let mut state = filter.start();
-    filter.hear(&mut state, 0, 3e-6, 0.0);
+    filter.hear(&mut state, 0, steady(3e-6, 0.0));
     state.close_hour();
     for _ in 0..10 {
-        filter.predict(&mut state, time / 10, true, 0.0, walk);
+        filter.predict(&mut state, time / 10, true, 0.0, only(walk));
     }
     let t = f64::from(time);
     let held = state.hour();
     assert!((held.mean / (3e-6 * t) - 1.0).abs() < 1e-9);
     assert!((held.deviation() / (walk * t * t * t / 3.0).sqrt() - 1.0).abs() < 1e-3, "{held:?}");
-    filter.hear(&mut state, time, 3.2e-6, 0.0);
+    filter.hear(&mut state, time, steady(3.2e-6, 0.0));
     let found = state.hour();
     assert!((found.mean / (0.5 * (3e-6 + 3.2e-6) * t) - 1.0).abs() < 1e-9, "{found:?}");
     assert!((found.deviation() / (walk * t * t * t / 12.0).sqrt() - 1.0).abs() < 1e-3, "{found:?}");
@@ -87,7 +98,7 @@ fn two_readings_know_the_income_to_the_error_of_both() {
     let mut state = filter.start();
     filter.observe(&mut state, code(3.0));
     state.close_hour();
-    filter.predict(&mut state, 3600, true, 0.0, 1e-12);
+    filter.predict(&mut state, 3600, true, 0.0, only(1e-12));
     let end = (9.0 + 2.0 * (1.5e-6 - 1e-6) * 3600.0 / 1e-3_f64).sqrt();
     filter.observe(&mut state, code(end));
     let hour = state.hour();
@@ -118,10 +129,10 @@ fn with_a_modelled_power_the_gain_is_that_of_a_correction() {
         correction.predict(&mut one, 60, modelled * 60.0, spent + 1e-6 * 60.0);
         correction.observe(&mut one, code);
         // The power of this minute is heard before it, without noise; it changes by any amount.
-        filter.predict(&mut other, 0, true, 0.0, 0.0);
+        filter.predict(&mut other, 0, true, 0.0, only(0.0));
         other.widen_power(1e-10);
-        filter.hear(&mut other, 0, modelled, 0.0);
-        filter.predict(&mut other, 60, true, spent, 0.0);
+        filter.hear(&mut other, 0, steady(modelled, 0.0));
+        filter.predict(&mut other, 60, true, spent, only(0.0));
         filter.observe(&mut other, code);
     }
     let (one, gain) = (one.estimate(), other.gain());
@@ -141,14 +152,14 @@ fn the_draw_is_learnt_while_the_harvester_rests() {
         // In the first hour the harvester yields a power that nothing tells.
         let power = if minute < 60 { 3e-6 } else { 0.0 };
         energy += (power - 1.25e-6) * 60.0;
-        filter.predict(&mut state, 60, true, 0.0, 1e-17);
+        filter.predict(&mut state, 60, true, 0.0, only(1e-17));
         if minute == 60 {
             state.widen_power(1e-11);
             // The income less the draw is known, neither of them alone.
             assert!(state.draw().deviation() > 0.29e-6, "{:?}", state.draw());
         }
         if minute >= 60 && minute % 10 == 0 {
-            filter.hear(&mut state, 600, 0.0, 1e-9);
+            filter.hear(&mut state, 600, steady(0.0, 1e-9));
         }
         filter.observe(&mut state, code((2e3 * energy).sqrt() + 0.5 * CELL * random.normal()));
     }
@@ -160,10 +171,10 @@ fn the_draw_is_learnt_while_the_harvester_rests() {
 fn a_full_storage_says_nothing_about_the_income() {
     let filter = filter(1e-3);
     let mut state = filter.start();
-    filter.hear(&mut state, 0, 4e-6, 0.0);
+    filter.hear(&mut state, 0, steady(4e-6, 0.0));
     let (before, power) = (state.gain(), state.power().mean);
     for _ in 0..50 {
-        filter.predict(&mut state, 60, true, 0.0, 0.0);
+        filter.predict(&mut state, 60, true, 0.0, only(0.0));
         assert_eq!(filter.observe(&mut state, code(4.9)).0, StoreReading::Silent);
         assert!(state.was_full());
     }
@@ -187,14 +198,14 @@ fn hours(capacitance: f64, listen_every: u32, cases: u64) -> (f64, f64, f64) {
         let mut income = 0.0;
         for minute in 1..=240_u32 {
             if (minute - 1) % listen_every == 0 {
-                filter.hear(&mut state, 60 * listen_every, power / gain, 0.0);
+                filter.hear(&mut state, 60 * listen_every, steady(power / gain, 0.0));
             }
             for _ in 0..60 {
                 power = (power + walk.sqrt() * random.normal()).max(1e-6);
                 income += power;
                 energy += power - draw;
             }
-            filter.predict(&mut state, 60, true, 0.0, walk);
+            filter.predict(&mut state, 60, true, 0.0, only(walk));
             filter.observe(
                 &mut state,
                 code((2.0 * energy / capacitance).sqrt() + 0.5 * CELL * random.normal()),
@@ -209,7 +220,7 @@ fn hours(capacitance: f64, listen_every: u32, cases: u64) -> (f64, f64, f64) {
                 count += 1.0;
                 state.close_hour();
                 income = 0.0;
-                filter.predict(&mut state, 0, true, 0.01, 0.0);
+                filter.predict(&mut state, 0, true, 0.01, only(0.0));
                 energy -= 0.01;
             }
         }

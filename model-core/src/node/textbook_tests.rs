@@ -1,7 +1,8 @@
 //! The filter against a Kalman filter with dense matrices in `f64`, in the form of Joseph.
 
 use super::filter::{Filter, FilterState, StoreReading};
-use super::tests::{CELL, Random, filter, storage};
+use super::heard::Heard;
+use super::tests::{CELL, Random, filter, only, storage};
 use crate::scalar::Scalar;
 
 const N: usize = 6;
@@ -38,6 +39,12 @@ impl Dense {
         flow[5][1] = time;
         self.mean = std::array::from_fn(|row| (0..N).map(|k| flow[row][k] * self.mean[k]).sum());
         self.mean[0] -= standing * time + spent;
+        self.covariance = product(&product(&flow, &self.covariance), &transposed(&flow));
+        self.walk(time, walk);
+        self.covariance[0][0] += deviation * deviation;
+    }
+
+    fn walk(&mut self, time: f64, walk: f64) {
         // The integral over the interval of the walk's effect: 1 on the power, the time left on energy and incomes.
         let effect = [1, 0, 0, 0, 1, 1].map(|is_integral| f64::from(is_integral) * time);
         let noise: Matrix = std::array::from_fn(|row| {
@@ -48,9 +55,55 @@ impl Dense {
                 (false, false) => walk * time * effect[row] * effect[column] / 3.0,
             })
         });
-        let moved = product(&product(&flow, &self.covariance), &transposed(&flow));
-        self.covariance = sum(&moved, &noise);
-        self.covariance[0][0] += deviation * deviation;
+        self.covariance = sum(&self.covariance, &noise);
+    }
+
+    /// A jump of the power is taken as one since the reading just before where the storage would have shown it.
+    fn unseen(&self, elapsed: f64, moved: f64) -> f64 {
+        if (moved * elapsed).powi(2) > 9.0 * self.covariance[0][0] { 1.0 } else { elapsed }
+    }
+
+    /// Takes in what was heard: the power moves with the gain times the change, unless it has; then `P = g m`.
+    fn hear(&mut self, elapsed: f64, hour: f64, [modelled, lasting, change, variance]: [f64; 4]) {
+        let gain = self.mean[2];
+        let departure = gain * modelled - self.mean[1];
+        if (departure - gain * change).abs() < departure.abs() {
+            let time = self.unseen(elapsed, gain * change);
+            // A jump at each of many times: the time after it, in the interval and in the hour.
+            let count = 20_000;
+            let after = |part: u32| time * (f64::from(part) + 0.5) / f64::from(count);
+            let mean = |of: &dyn Fn(f64) -> f64| {
+                (0..count).map(|part| of(after(part))).sum::<f64>() / f64::from(count)
+            };
+            let within = |after: f64| after.min(hour);
+            let means = [mean(&|after| after), mean(&within)];
+            let effect = [means[0], 1.0, 0.0, 0.0, means[1], means[0]];
+            let mut flow = diagonal([1.0; N]);
+            for (row, effect) in flow.iter_mut().zip(effect) {
+                row[2] += change * effect;
+            }
+            self.mean = std::array::from_fn(|row| (0..N).map(|k| flow[row][k] * self.mean[k]).sum());
+            self.covariance = product(&product(&flow, &self.covariance), &transposed(&flow));
+            for row in [0, 4, 5] {
+                for column in [0, 4, 5] {
+                    let of = |index: usize, after: f64| {
+                        if index == 4 { within(after) - means[1] } else { after - means[0] }
+                    };
+                    self.covariance[row][column] +=
+                        (gain * change).powi(2) * mean(&|after| of(row, after) * of(column, after));
+                }
+            }
+        }
+        let h = [0.0, 1.0, -lasting, 0.0, 0.0, 0.0];
+        let departure = gain * modelled - self.mean[1];
+        let expected: f64 =
+            (0..N).map(|i| (0..N).map(|j| h[i] * self.covariance[i][j] * h[j]).sum::<f64>()).sum();
+        if departure.powi(2) > expected + variance {
+            let time = self.unseen(elapsed, departure).min(hour).max(1.0);
+            self.walk(time, departure.powi(2) / time);
+        }
+        let measured = departure + (0..N).map(|k| h[k] * self.mean[k]).sum::<f64>();
+        self.update(h, measured, variance);
     }
 
     /// Takes in `measured = h x` with a noise of variance `noise`.
@@ -104,19 +157,25 @@ fn ten_hours<S: Scalar>(filter: &Filter<S>, double: &Filter<f64>) -> (f64, f64) 
     let variances = [noise(low, high), 1e-8, double.gain_variance, double.standing_variance, 0.0, 0.0];
     let mut dense =
         Dense { mean: [0.5 * (low + high), 0.0, 1.0, 0.0, 0.0, 0.0], covariance: diagonal(variances) };
-    let mut largest = (0.0_f64, 0.0_f64);
+    let (mut largest, mut before) = ((0.0_f64, 0.0_f64), 0.0);
     for minute in 1..=600 {
         if minute % 10 == 1 {
             let modelled = power / 1.3;
-            filter.hear(&mut state, 600, S::from_f64(modelled), S::from_f64(0.1 * modelled));
-            let gain = dense.mean[2];
-            dense.update([0.0, 1.0, -modelled, 0.0, 0.0, 0.0], 0.0, (gain * 0.1 * modelled).powi(2));
+            // A tenth of what was heard does not last.
+            let lasting = if minute == 1 { modelled } else { before + 0.9 * (modelled - before) };
+            let change = if minute == 1 { 0.0 } else { lasting - before };
+            before = lasting;
+            let variance = (0.1 * modelled).powi(2);
+            let heard = [modelled, lasting, change, variance].map(S::from_f64);
+            let [modelled, lasting, change, variance] = heard;
+            filter.hear(&mut state, 600, Heard { modelled, lasting, change, variance });
+            dense.hear(600.0, f64::from(60 * ((minute - 1) % 60)), heard.map(S::to_f64));
         }
         power = (power + (60.0 * walk).sqrt() * random.normal()).max(1e-6);
         // Now and then what came in, so that the storage does not fill up.
         let spent = if minute % 4 == 0 { (energy - 0.5 * capacitance * 9.0).max(0.0) } else { 0.0 };
         energy += 60.0 * (power - 1.1e-6) - spent;
-        filter.predict(&mut state, 60, true, S::from_f64(spent), S::from_f64(walk));
+        filter.predict(&mut state, 60, true, S::from_f64(spent), only(S::from_f64(walk)));
         dense.predict(60.0, double.standing, spent, walk, double.spent * spent);
         let code = code(energy, &mut random);
         assert_eq!(filter.observe(&mut state, code).0, StoreReading::Used, "minute {minute}");

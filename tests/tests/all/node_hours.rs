@@ -14,6 +14,7 @@
 
 mod plant;
 mod truth;
+mod wavering;
 
 use model_core::energy::cost::Processor;
 use model_core::snapshot::{self, image_size};
