@@ -342,6 +342,15 @@ impl<S: Scalar> Search<S> {
     fn reach(&mut self, guard: &Guard<S>, index: usize) -> Reached<S> {
         let missing = guard.value / -guard.rate;
         let there = ticks_after(self.ticks, missing);
+        if self.corrections == MOST_CORRECTIONS {
+            // The bracket was that of the prediction.
+            (self.short, self.falls) = (0, false);
+        }
+        if guard.value > S::ZERO {
+            self.short = self.ticks;
+        } else {
+            (self.far, self.falls) = (self.ticks, true);
+        }
         self.left = 0;
         self.event = (guard.value <= S::ZERO).then_some(index);
         let falls = guard.rate < S::ZERO;
@@ -364,6 +373,14 @@ impl<S: Scalar> Search<S> {
         if self.corrections == 0 {
             return Reached::Kept;
         }
+        let there = if there > self.short && (there < self.far || !self.falls) {
+            there
+        } else if guard.value > S::ZERO && self.falls {
+            self.far
+        } else {
+            // The guard is a stair of its roundings, and this is the first step at or below zero that is known.
+            return Reached::Kept;
+        };
         self.corrections -= 1;
         (self.ticks, self.event) = (there, Some(index));
         Reached::Beyond

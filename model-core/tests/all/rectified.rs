@@ -5,7 +5,7 @@ use model_core::clock::{Instant, TICKS_PER_SECOND};
 use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, HybridState};
-use model_core::integrate::{AnyStepControl, Method, TrBdf2};
+use model_core::integrate::{AnyStepControl, ExponentialRadau, Method, TrBdf2};
 use model_core::observer::{AcceptedStep, Event, Observer, Outputs};
 use model_core::part::force_law::AnyForceLaw;
 use model_core::part::storage::{Capacitor, DcBus, StorageCapacitor, StorageElement};
@@ -71,6 +71,25 @@ fn the_current_of_the_outputs_is_the_rate_of_their_charge() {
         println!("{name}: {:e} A of {:e} A", found.off, found.largest);
         assert!(found.largest > 1e-9 && found.off < 1e-2 * found.largest, "{name}");
     }
+}
+
+/// Without a diode drop an empty storage conducts from the first roundings of the voltage on. The guard is a stair of them,
+/// which Newton's iteration leaves on either side.
+#[test]
+fn a_threshold_within_the_roundings_of_the_voltage_costs_no_steps() {
+    let steps = |drop| {
+        let pad = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::GapField), storage(33e-6, 0.0), drop);
+        let driver = Driver::new(ExponentialRadau, adaptive(1e-5));
+        let shaking = sine(0.2, 20.5);
+        let mut state = pad
+            .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control)
+            .expect("in bounds");
+        let end = Instant::from_seconds(0.3).expect("in range");
+        driver.advance(&pad, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs").work
+    };
+    let [none, some] = [0.0, 0.01].map(steps);
+    println!("{none:?}, {some:?}");
+    assert!(none.events >= some.events && none.attempts() < 2 * some.attempts(), "{none:?} {some:?}");
 }
 
 #[test]
