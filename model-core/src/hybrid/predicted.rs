@@ -353,34 +353,29 @@ impl<S: Scalar> Search<S> {
         }
         self.left = 0;
         self.event = (guard.value <= S::ZERO).then_some(index);
-        let falls = guard.rate < S::ZERO;
-        if !falls && guard.value < S::ZERO && self.corrections > 0 {
+        let is_falling = guard.rate < S::ZERO;
+        if !is_falling && guard.value < S::ZERO && self.corrections > 0 {
             self.corrections -= 1;
             return Reached::Past;
         }
-        if !falls || there > self.most {
+        if !self.falls && (!is_falling || there > self.most) {
             // A graze, or an event beyond the end of the step.
             return Reached::Kept;
         }
         // Where the correction does not shrink, the guard is known no better: its value is a rounding.
         let stalls = missing.abs() > S::from_f64(0.5) * self.missing;
         self.missing = missing.abs();
-        if self.is_near(missing) || stalls && self.is_brief(missing) {
+        if is_falling && (self.is_near(missing) || stalls && self.is_brief(missing)) {
             let curved = self.is_curved(missing);
             (self.ticks, self.event) = (there, Some(index));
             return Reached::Near { missing, curved };
         }
-        if self.corrections == 0 {
+        let is_inside = is_falling && there > self.short && (there < self.far || !self.falls);
+        // A guard that is a stair of its roundings leads out of the bracket: the event is at its known end.
+        if self.corrections == 0 || !is_inside && guard.value <= S::ZERO {
             return Reached::Kept;
         }
-        let there = if there > self.short && (there < self.far || !self.falls) {
-            there
-        } else if guard.value > S::ZERO && self.falls {
-            self.far
-        } else {
-            // The guard is a stair of its roundings, and this is the first step at or below zero that is known.
-            return Reached::Kept;
-        };
+        let there = if is_inside { there } else { self.far };
         self.corrections -= 1;
         (self.ticks, self.event) = (there, Some(index));
         Reached::Beyond
