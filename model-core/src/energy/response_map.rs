@@ -421,10 +421,13 @@ fn between(low: Response, high: Response, nearer_high: bool) -> Response {
                 _ => Response::One { branch: one, income: join(low, high) },
             }
         }
-        (Response::Two { lower, upper }, Response::One { branch, income })
-        | (Response::One { branch, income }, Response::Two { lower, upper }) => match branch {
+        (Response::Two { lower, upper }, Response::One { branch, income }) => match branch {
             Branch::Lower => Response::Two { lower: join(lower, income), upper },
             Branch::Upper => Response::Two { lower, upper: join(upper, income) },
+        },
+        (Response::One { branch, income }, Response::Two { lower, upper }) => match branch {
+            Branch::Lower => Response::Two { lower: join(income, lower), upper },
+            Branch::Upper => Response::Two { lower, upper: join(income, upper) },
         },
         (Response::Two { lower: a, upper: b }, Response::Two { lower: c, upper: d }) => {
             Response::Two { lower: join(a, c), upper: join(b, d) }

@@ -207,6 +207,28 @@ fn between_two_voltages_the_bounds_of_both_hold() {
 }
 
 #[test]
+fn between_slices_with_one_and_two_motions_the_nearer_slice_gives_the_value() {
+    let told = |value: f32| Bounded { value, low: 0.9 * value, high: 1.1 * value };
+    let two = Response::Two { lower: told(3.0), upper: told(10.0) };
+    for (branch, single) in [(Branch::Lower, 1.0), (Branch::Upper, 20.0)] {
+        let one = Response::One { branch, income: told(single) };
+        let other: f32 = if branch == Branch::Lower { 3.0 } else { 10.0 };
+        let expected = |single_is_nearer| {
+            let value = if single_is_nearer { single } else { other };
+            let joined = Bounded { value, low: 0.9 * single.min(other), high: 1.1 * single.max(other) };
+            match branch {
+                Branch::Lower => Response::Two { lower: joined, upper: told(10.0) },
+                Branch::Upper => Response::Two { lower: told(3.0), upper: joined },
+            }
+        };
+        for nearer_high in [false, true] {
+            assert_eq!(between(one, two, nearer_high), expected(!nearer_high), "{branch:?} {nearer_high}");
+            assert_eq!(between(two, one, nearer_high), expected(nearer_high), "{branch:?} {nearer_high}");
+        }
+    }
+}
+
+#[test]
 fn maps_of_another_harvester_and_damaged_ones_are_refused() {
     let words = built(&BOTH);
     assert_eq!(ResponseMap::new(&words[..], 1).err(), Some(MapError::ForeignHarvester { of: FINGERPRINT }));
