@@ -41,7 +41,7 @@ mod tests;
 #[cfg(test)]
 mod textbook_tests;
 
-pub use board::{Board, Fault, Runner, Step};
+pub use board::{Board, Fault, Gap, Runner, SaveError, Step};
 pub use filter::StoreReading;
 pub use hearing::Hearing;
 pub use parameters::{KnowingCost, NodeError, NodeParameters, Regular, Sensor, Spread};
@@ -53,6 +53,7 @@ use crate::excitation::LineBank;
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint};
 use filter::Filter;
+use parameters::of_part;
 
 /// A node: its map in `W`, a bank of sections of at most `M` samples and blocks of `P` sections, a day of `SLOTS` slots.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,15 +124,20 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// A node that listens by `bank` and looks up in `map`.
     ///
     /// # Errors
-    /// The first parameter outside its bounds.
+    /// The first parameter outside its bounds, a sensor with another rate than that of the bank, or a map that has none of
+    /// the frequencies of the bank.
     pub fn new(
         map: ResponseMap<W>,
         bank: LineBank<M, P>,
         parameters: NodeParameters<ACTIONS>,
     ) -> Result<Self, NodeError> {
         parameters.check()?;
-        let budget = parameters.budget.build()?;
-        parameters.converter.build(budget.storage())?;
+        parameters.check_rate(bank.rate())?;
+        let budget = parameters.budget.build().map_err(of_part("budget"))?;
+        parameters.converter.build(budget.storage()).map_err(of_part("converter"))?;
+        if !bank.frequencies().any(|frequency| map.has_frequency(frequency)) {
+            return Err(NodeError::Band { band: bank.band() });
+        }
         let samples = bank.block() as u32 * parameters.sensor.blocks;
         let all = samples + parameters.sensor.start_up;
         let seconds = real(all) / parameters.sensor.rate;
@@ -155,7 +161,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         };
         Ok(Self {
             listen: Action::new("listen", parameters.cost.listen, seconds)?,
-            listening: parameters.listening.build()?,
+            listening: parameters.listening.build().map_err(of_part("listening"))?,
             duration: seconds as u32 + 1,
             map,
             bank,
@@ -219,6 +225,24 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         self.decide(state)
     }
 
+    /// As [`Node::wake_after_gap`] where no clock knows how long the node was off: the time goes on from the last call. The
+    /// storage is read as for the first time, the power may be any like the last one, and the income of the gap is not
+    /// told. Without `code` the node can afford nothing before its next reading.
+    pub fn wake_after_unknown_gap(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        code: Option<u32>,
+    ) -> Wake {
+        state.abandon();
+        state.filter.lose_store();
+        // What was spent before the gap left another storage.
+        state.spent = 0.0;
+        self.budget.correct(&mut state.budget, 0.0, 0.0);
+        self.lose(state);
+        self.read(state, code, true);
+        self.decide(state)
+    }
+
     /// Takes samples of a listen, in order, as many as the FIFO has.
     ///
     /// Cost: that of [`LineBank::take`]; a look-up for each whole block.
@@ -248,7 +272,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         if listen.missing == 0 {
             return Progress::Heard(self.conclude(state, voltage));
         }
-        Progress::More(listen.start_up + listen.missing)
+        Progress::More(listen.start_up.saturating_add(listen.missing))
     }
 
     /// Says that samples were lost, for example by an overrun of the FIFO: the listen goes on and gives no value.
@@ -256,9 +280,12 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         state.listen.blocks.is_damaged = true;
     }
 
-    /// Samples were lost if a listen has begun and is not complete.
+    /// The sensor starts anew: samples were lost if a listen has begun and is not complete.
     fn interrupt(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
-        if state.listen.missing > 0 && state.listen.missing < self.samples {
+        if state.listen.missing == self.samples {
+            // The sensor starts up again.
+            state.listen.start_up = self.parameters.sensor.start_up;
+        } else if state.listen.missing > 0 {
             self.samples_lost(state);
         }
     }
@@ -320,7 +347,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             let since = state.second.saturating_sub(state.listen.started);
             let left = (self.duration + GRACE).saturating_sub(since);
             if left > 0 {
-                let samples = state.listen.start_up + state.listen.missing;
+                let samples = state.listen.start_up.saturating_add(state.listen.missing);
                 return Wake { task: Task::Listen { samples }, again_in: left, read: false };
             }
             self.miss(state);

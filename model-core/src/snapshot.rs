@@ -43,6 +43,7 @@ use core::fmt;
 use checksum::Checksum;
 pub use checksum::Fingerprint;
 pub use configuration::Configuration;
+pub(crate) use image::is_later;
 pub use image::{Image, image_size, newest_image, save_image};
 
 const MAGIC: u32 = u32::from_le_bytes(*b"VEHI");

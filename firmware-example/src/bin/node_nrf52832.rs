@@ -9,11 +9,10 @@
 //! | pin | use |
 //! | --- | --- |
 //! | P0.22 to P0.25 | chip select, MISO, MOSI and clock of the ADXL362 |
-//! | P0.20 | supply of the ADXL362 |
 //! | P0.17, P0.18 | high during a measurement, a transmission: in their place come a sensor and the radio |
 //!
 //! Panics and faults end by semihosting as in the other binaries, which needs a debugger; a product would reset.
-//! The storage supplies the part directly, so that its voltage is that of the supply. The clock is the RTC from the
+//! The ADXL362 has its supply always, and is in standby between listens. The storage supplies the parts directly, so that its voltage is that of the supply. The clock is the RTC from the
 //! crystal; the processor sleeps in System ON while it waits.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -28,7 +27,7 @@ mod board {
     use firmware_example::board::flash::Slots;
     use firmware_example::board::hal::HalBoard;
     use firmware_example::stop::{Code, stop};
-    use model_core::node::Step;
+    use model_core::node::{Board, Gap, Step};
     use nrf52832_hal::gpio::{Level, p0};
     use nrf52832_hal::nvmc::Nvmc;
     use nrf52832_hal::pac::{Interrupt, Peripherals, RTC0, interrupt};
@@ -153,9 +152,8 @@ mod board {
         let pages = unsafe { core::slice::from_raw_parts_mut(SLOTS as *mut u8, 2 * PAGE) };
         let Some(slots) = Slots::new(Nvmc::new(parts.NVMC, pages), PAGE) else { stop(Code::WorkloadFailed) };
 
-        let board = HalBoard {
+        let mut board = HalBoard {
             sensor: Adxl362::new(spi, Axis::Z, RANGE, RATE),
-            supply: pins.p0_20.into_push_pull_output(Level::Low),
             delay: Wait(&clock),
             sleep: |milliseconds: u32| {
                 let ticks = u64::from(milliseconds) * u64::from(TICKS) / 1000;
@@ -175,11 +173,12 @@ mod board {
             },
             slots,
         };
+        // A reset of the processor may have come in a listen.
+        board.stop_sensor();
         let mut runner: Runner<_> = Runner::new(board, node, 0);
         let (mut one, mut other) = ([0; PAGE], [0; PAGE]);
-        // Without an image the node begins anew. With one the clock goes on from its time: how long the power-down was is
-        // not known without a clock of its own supply.
-        if runner.resume([&mut one, &mut other], 0, false).is_ok() {
+        // Without an image the node begins anew. Without a clock of its own supply no one knows how long the power-down was.
+        if runner.resume([&mut one, &mut other], Gap::Unknown).is_ok() {
             clock.borrow_mut().ticks = u64::from(runner.state().second()) * u64::from(TICKS);
         }
         let mut saved = runner.state().second();
@@ -190,7 +189,7 @@ mod board {
                 && runner.state().second().saturating_sub(saved) >= IMAGE_EVERY
             {
                 saved = runner.state().second();
-                // The buffer holds a page, and an image is shorter.
+                // A failure of the flash leaves the image before it; the next attempt is in six hours.
                 let _ = runner.save(&mut one);
             }
         }

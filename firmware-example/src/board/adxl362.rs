@@ -104,12 +104,14 @@ pub struct Adxl362<SPI> {
     axis: Axis,
     range: Range,
     rate: Rate,
+    /// Whether it has answered since the supply came on.
+    is_up: bool,
 }
 
 impl<SPI: SpiDevice> Adxl362<SPI> {
     /// The part on its bus; nothing is sent before [`Adxl362::start`].
     pub const fn new(spi: SPI, axis: Axis, range: Range, rate: Rate) -> Self {
-        Self { spi, axis, range, rate }
+        Self { spi, axis, range, rate, is_up: false }
     }
 
     /// The sample rate.
@@ -123,17 +125,21 @@ impl<SPI: SpiDevice> Adxl362<SPI> {
         ENTRIES / 3
     }
 
-    /// Starts measuring into the FIFO, after the supply has come on.
+    /// Starts measuring into the FIFO, from standby; the first time it waits until the part is up.
     ///
     /// # Errors
     /// The bus, or another part.
     pub fn start(&mut self, delay: &mut impl DelayNs) -> Result<(), Adxl362Error<SPI::Error>> {
-        delay.delay_us(POWER_UP_US);
+        if !self.is_up {
+            delay.delay_us(POWER_UP_US);
+        }
         let mut identity = [0; 3];
         self.read_registers(DEVICE_IDENTITY, &mut identity)?;
         if identity != IDENTITY {
+            self.is_up = false;
             return Err(Adxl362Error::Identity(identity));
         }
+        self.is_up = true;
         self.write(SOFT_RESET, RESET)?;
         delay.delay_us(RESET_US);
         self.write(FILTER_CONTROL, (self.range as u8) << 6 | self.rate as u8)?;

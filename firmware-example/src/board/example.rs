@@ -11,6 +11,7 @@ use model_core::excitation::{ExcitationError, LineBank};
 use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, Regular, Sensor, Spread};
 
 use super::adxl362::{Range, Rate};
+use super::instructions::{Instructions, node_instructions};
 use crate::workload::response_map::contact_separation;
 
 /// Samples of a section of the bank of lines, and sections of a block: 3.2 s at 400 Hz.
@@ -41,8 +42,10 @@ pub const MEASURE: usize = 0;
 /// The index of a transmission.
 pub const TRANSMIT: usize = 1;
 
-/// Instructions of a block of the bank of lines and a look-up, on a Cortex-M4F under QEMU.
-const INSTRUCTIONS: f32 = (SECTION * SECTIONS) as f32 * 13.0 + 609.0;
+/// Power of the ADXL362 in standby in W: 10 nA by the first page of its data sheet, at the highest voltage.
+const STANDBY: f32 = 10e-9 * HIGHEST_VOLTAGE;
+/// Highest voltage of the storage, which supplies the parts.
+const HIGHEST_VOLTAGE: f32 = 3.3;
 
 /// Why there is no node.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,17 +75,21 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
     let cost = CostModel::<f32>::new(Processor::nrf52832(), accelerometer);
     let rate = RATE.hertz() as f32;
     let block = (SECTION * SECTIONS) as u32;
-    let listen = cost.listen(block, rate, INSTRUCTIONS, Code::Filter).ok_or(ExampleError::Figure)?;
+    let Instructions { reading, sample, block: of_block } = node_instructions(cost.processor.core);
+    let computing = block as f32 * sample + of_block;
+    let listen = cost.listen(block, rate, computing, Code::Filter).ok_or(ExampleError::Figure)?;
+    let reading =
+        cost.voltage_reading.value + cost.start_energy() + cost.processor.computing(reading, Code::Filter);
     let packet = Radio::<f32>::nrf52832();
     let sent = packet.packet(20).zip(packet.packet_time(20)).ok_or(ExampleError::Figure)?;
-    let standing_power = cost.standing_power().ok_or(ExampleError::Figure)?;
+    let standing_power = cost.standing_power().ok_or(ExampleError::Figure)? + STANDBY;
     let parameters = NodeParameters {
         budget: BudgetParameters {
             storage: StorageParameters {
                 capacitor: Capacitor { capacitance: 10e-3, leakage_resistance: 5e6 },
                 charging_efficiency: 0.8,
                 discharging_efficiency: 1.0,
-                highest_voltage: 3.3,
+                highest_voltage: HIGHEST_VOLTAGE,
                 lock_out_voltage: 1.9,
                 turn_on_voltage: 2.2,
             },
@@ -112,7 +119,7 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
         },
         cost: KnowingCost {
             listen: listen.total(),
-            reading: cost.voltage_reading.value + cost.start_energy(),
+            reading,
             reading_share: 2e-3,
             shortest_reading: 60,
             reading_doublings: 6,

@@ -1,6 +1,7 @@
 //! Two slots for images in NOR flash, by the traits of `embedded-storage`.
 
 use embedded_storage::nor_flash::NorFlash;
+use model_core::node::Fault;
 
 /// Longest unit that the flash may read or write, in bytes.
 const UNIT: usize = 32;
@@ -49,21 +50,26 @@ impl<F: NorFlash> Slots<F> {
         }
     }
 
-    /// Erases a slot and writes `bytes` to its front. What fails leaves a slot that holds no valid image.
-    pub fn write(&mut self, slot: usize, bytes: &[u8]) {
-        let start = self.start(slot);
-        if bytes.len() > self.size as usize || self.flash.erase(start, start + self.size).is_err() {
-            return;
+    /// Erases a slot and writes `bytes` to its front.
+    ///
+    /// # Errors
+    /// If the bytes are more than a slot holds, which is then as it was, or the flash reports a failure: the slot then holds
+    /// no valid image.
+    pub fn write(&mut self, slot: usize, bytes: &[u8]) -> Result<(), Fault> {
+        if bytes.len() > self.size as usize {
+            return Err(Fault);
         }
+        let start = self.start(slot);
+        self.flash.erase(start, start + self.size).map_err(|_| Fault)?;
         let whole = bytes.len() / F::WRITE_SIZE * F::WRITE_SIZE;
         let (front, rest) = bytes.split_at(whole);
-        if self.flash.write(start, front).is_err() || rest.is_empty() {
-            return;
+        self.flash.write(start, front).map_err(|_| Fault)?;
+        if rest.is_empty() {
+            return Ok(());
         }
         let mut unit = [0xFF; UNIT];
         unit.iter_mut().zip(rest).for_each(|(to, from)| *to = *from);
         let unit = unit.get(..F::WRITE_SIZE).unwrap_or(&[]);
-        // The image has a checksum: one that is not complete is refused when it is read.
-        let _ = self.flash.write(start + whole as u32, unit);
+        self.flash.write(start + whole as u32, unit).map_err(|_| Fault)
     }
 }

@@ -1,7 +1,6 @@
 //! A board of any microcontroller whose crate implements `embedded-hal` 1.0 and `embedded-storage`.
 
 use embedded_hal::delay::DelayNs;
-use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
 use embedded_storage::nor_flash::NorFlash;
 use model_core::node::{Board, Fault};
@@ -9,15 +8,17 @@ use model_core::node::{Board, Fault};
 use super::adxl362::Adxl362;
 use super::flash::Slots;
 
-/// A [`Board`] of an ADXL362 whose supply is a pin, a flash, and four functions of the microcontroller.
+/// A [`Board`] of an ADXL362, a flash, and three functions of the microcontroller.
+///
+/// The accelerometer keeps its supply and is in standby between listens. A pin that took its supply away would leave the
+/// chip select high, which feeds the part through its protection diode beyond its absolute maximum ratings. After a reset
+/// of the processor the part may still measure: call [`Board::stop_sensor`] before the first listen.
 ///
 /// Samples are waited for by the clock, not by an interrupt of the sensor: the FIFO holds 0.4 s at 400 Hz.
 #[derive(Debug)]
-pub struct HalBoard<SPI, SUPPLY, DELAY, SLEEP, CONVERT, ACT, FLASH> {
+pub struct HalBoard<SPI, DELAY, SLEEP, CONVERT, ACT, FLASH> {
     /// The accelerometer.
     pub sensor: Adxl362<SPI>,
-    /// Its supply, on at high.
-    pub supply: SUPPLY,
     /// Short waits while the accelerometer starts.
     pub delay: DELAY,
     /// Sleeps for so many milliseconds, or less, and gives the second of the clock.
@@ -33,11 +34,9 @@ pub struct HalBoard<SPI, SUPPLY, DELAY, SLEEP, CONVERT, ACT, FLASH> {
 /// Part of the FIFO that is left free for the delay of a wake-up: an eighth.
 const MARGIN: usize = 8;
 
-impl<SPI, SUPPLY, DELAY, SLEEP, CONVERT, ACT, FLASH> Board
-    for HalBoard<SPI, SUPPLY, DELAY, SLEEP, CONVERT, ACT, FLASH>
+impl<SPI, DELAY, SLEEP, CONVERT, ACT, FLASH> Board for HalBoard<SPI, DELAY, SLEEP, CONVERT, ACT, FLASH>
 where
     SPI: SpiDevice,
-    SUPPLY: OutputPin,
     DELAY: DelayNs,
     SLEEP: FnMut(u32) -> u32,
     CONVERT: FnMut() -> Option<u32>,
@@ -59,14 +58,12 @@ where
     }
 
     fn start_sensor(&mut self) -> Result<(), Fault> {
-        self.supply.set_high().map_err(|_| Fault)?;
         self.sensor.start(&mut self.delay).map_err(|_| Fault)
     }
 
     fn stop_sensor(&mut self) {
-        // Without its supply the part stops in any case.
+        // A part that does not answer is reset before the next listen.
         let _ = self.sensor.stop();
-        let _ = self.supply.set_low();
     }
 
     fn read_samples(&mut self, samples: &mut [i16]) -> Result<usize, Fault> {
@@ -81,7 +78,7 @@ where
         self.slots.read(slot, bytes);
     }
 
-    fn write_slot(&mut self, slot: usize, bytes: &[u8]) {
-        self.slots.write(slot, bytes);
+    fn write_slot(&mut self, slot: usize, bytes: &[u8]) -> Result<(), Fault> {
+        self.slots.write(slot, bytes)
     }
 }

@@ -10,20 +10,21 @@ use std::vec::Vec;
 
 use core::convert::Infallible;
 
-use embedded_hal::digital;
+use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::delay::NoopDelay;
-use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Level};
 use embedded_hal_mock::eh1::spi::{Mock as Spi, Transaction};
 use embedded_storage::nor_flash::{
     NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
-use model_core::node::{Board, Fault, Hearing, Step};
+use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
+use model_core::node::{Board, Fault, Gap, Hearing, Step};
 
 use super::adxl362::{Adxl362, Adxl362Error, Axis, Range, Rate};
 use super::example::{self, BURST, Runner};
 use super::flash::Slots;
 use super::hal::HalBoard;
+use super::instructions::node_instructions;
 
 fn written(bytes: &[u8]) -> Vec<Transaction<u8>> {
     vec![
@@ -69,6 +70,30 @@ fn the_sensor_is_started_and_stopped_by_the_register_map() {
     let mut sensor = sensor(spi.clone());
     sensor.start(&mut NoopDelay::new()).expect("it answers");
     sensor.stop().expect("it answers");
+    spi.done();
+}
+
+/// Time in ns that was waited for.
+struct Waited(u64);
+
+impl DelayNs for Waited {
+    fn delay_ns(&mut self, ns: u32) {
+        self.0 += u64::from(ns);
+    }
+}
+
+#[test]
+fn a_part_that_keeps_its_supply_is_waited_for_once() {
+    let stopping = written(&[0x0A, 0x2D, 0x00]);
+    let mut spi = Spi::new(&[starting(), stopping.clone(), starting(), stopping].concat());
+    let mut sensor = sensor(spi.clone());
+    // 5 ms from the supply and 0.5 ms from a reset; then the reset only.
+    for expected in [5_500_000, 500_000] {
+        let mut waited = Waited(0);
+        sensor.start(&mut waited).expect("it answers");
+        assert_eq!(waited.0, expected);
+        sensor.stop().expect("it answers");
+    }
     spi.done();
 }
 
@@ -190,8 +215,8 @@ fn slots_keep_bytes_of_any_number_and_one_slot_leaves_the_other() {
     for length in [1, 3, 4, 5, 63, 64, 99, 128] {
         let [first, second]: [Vec<u8>; 2] =
             [1, 2].map(|seed| (0..length).map(|k| (k * seed) as u8 ^ 0x5A).collect());
-        slots.write(0, &first);
-        slots.write(1, &second);
+        slots.write(0, &first).expect("room");
+        slots.write(1, &second).expect("room");
         let (mut one, mut other) = (vec![0; length], vec![0; length]);
         slots.read(0, &mut one);
         slots.read(1, &mut other);
@@ -199,20 +224,23 @@ fn slots_keep_bytes_of_any_number_and_one_slot_leaves_the_other() {
     }
     assert!(Slots::new(Flash::new(4), 129).is_none(), "no room for two");
     // More than a slot is not written, and what cannot be read is all ones.
-    slots.write(0, &[0; 129]);
+    assert_eq!(slots.write(0, &[0; 129]), Err(Fault));
     let mut beyond = vec![0; 300];
     slots.read(0, &mut beyond);
     assert!(beyond.iter().all(|&byte| byte == 0xFF));
-    // A write that fails half-way leaves the other slot.
+    // A failure of the erasure, of the whole words or of the last bytes is told, and leaves the other slot.
     let mut flash = slots.into_flash();
-    flash.left = 1;
-    let mut slots = Slots::new(flash, 100).expect("as before");
-    let mut before = vec![0; 128];
-    slots.read(1, &mut before);
-    slots.write(0, &[7; 100]);
-    let mut after = vec![0; 128];
-    slots.read(1, &mut after);
-    assert_eq!(before, after);
+    for left in 0..3 {
+        flash.left = left;
+        let mut slots = Slots::new(flash, 100).expect("as before");
+        let mut before = vec![0; 128];
+        slots.read(1, &mut before);
+        assert_eq!(slots.write(0, &[7; 99]), Err(Fault), "{left}");
+        let mut after = vec![0; 128];
+        slots.read(1, &mut after);
+        assert_eq!(before, after);
+        flash = slots.into_flash();
+    }
 }
 
 /// A simulated ADXL362 on a simulated clock: registers, and a FIFO that fills as time passes.
@@ -220,7 +248,6 @@ fn slots_keep_bytes_of_any_number_and_one_slot_leaves_the_other() {
 struct World {
     /// Time in ms.
     now: u64,
-    powered: bool,
     /// Start of measuring in ms, if it measures.
     measuring: Option<u64>,
     /// Samples since that were put into the FIFO or lost.
@@ -260,7 +287,6 @@ impl World {
     }
 
     fn command(&mut self, command: &[u8], answer: &mut [u8]) {
-        assert!(self.powered, "no command to a sensor without supply");
         match *command {
             [0x0B, 0x00] => answer.copy_from_slice(&[0xAD, 0x1D, 0xF2]),
             [0x0B, 0x0B] => {
@@ -275,7 +301,10 @@ impl World {
             }
             [0x0A, 0x2D, 0x02] => (self.measuring, self.produced) = (Some(self.now), 0),
             [0x0A, 0x2D, 0x00] => self.measuring = None,
-            [0x0A, 0x1F, 0x52] => self.fifo.clear(),
+            [0x0A, 0x1F, 0x52] => {
+                self.measuring = None;
+                self.fifo.clear();
+            }
             [0x0A, 0x28 | 0x2C, _] => {}
             _ => panic!("no such command: {command:?}"),
         }
@@ -302,31 +331,10 @@ impl SpiDevice for Chip {
     }
 }
 
-struct Supply(Shared);
-
-impl digital::ErrorType for Supply {
-    type Error = Infallible;
-}
-
-impl digital::OutputPin for Supply {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        let mut world = self.0.borrow_mut();
-        (world.powered, world.measuring) = (false, None);
-        world.fifo.clear();
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        self.0.borrow_mut().powered = true;
-        Ok(())
-    }
-}
-
 fn board(world: &Shared, flash: Flash) -> impl Board + use<> {
     let [sleeping, converting, acting] = [world, world, world].map(Rc::clone);
     HalBoard {
         sensor: Adxl362::new(Chip(Rc::clone(world)), Axis::X, example::RANGE, example::RATE),
-        supply: Supply(Rc::clone(world)),
         delay: NoopDelay::new(),
         sleep: move |milliseconds: u32| {
             let mut world = sleeping.borrow_mut();
@@ -348,13 +356,13 @@ fn a_node_on_the_board_listens_acts_and_resumes() {
     let node = example::node().expect("within bounds");
     let mut runner: Runner<_> = Runner::new(board(&world, Flash::new(128)), node, 0);
     let (mut heard, mut end) = (Vec::new(), Step::Sampled);
-    while world.borrow().now < 4 * 3600 * 1000 || end != Step::Slept {
+    while world.borrow().now < 4 * 3600 * 1000 || end != Step::Slept || !runner.is_idle() {
         end = runner.step();
         if let Step::Heard(hearing) = end {
             heard.push(hearing);
         }
     }
-    assert!(!world.borrow().powered, "the sensor is off between listens");
+    assert_eq!(world.borrow().measuring, None, "the sensor is in standby between listens");
     assert!(heard.len() >= 3, "{heard:?}");
     // The map has two motions at this line: the samples came through the FIFO whole.
     let is_line = |hearing: &Hearing| {
@@ -377,17 +385,33 @@ fn a_node_on_the_board_listens_acts_and_resumes() {
     let now = (world.borrow().now / 1000) as u32;
     let mut again: Runner<_> = Runner::new(self::board(&world, flash), node, now);
     let [first, second] = &mut images;
-    assert_eq!(again.resume([first, second], now, true), Ok(sequence));
+    assert_eq!(again.resume([first, second], Gap::OnUntil(now)), Ok(sequence));
     assert_eq!(again.state().second(), before.second());
+}
+
+#[test]
+fn the_costs_of_the_example_have_all_that_it_computes() {
+    let parameters = *example::node().expect("within bounds").parameters();
+    let model = CostModel::<f32>::new(Processor::nrf52832(), Accelerometer::adxl362());
+    let of = node_instructions(model.processor.core);
+    let computing = |instructions| model.processor.computing(instructions, Code::Filter);
+    let reading = model.voltage_reading.value + model.processor.wake_up_energy() + computing(of.reading);
+    assert!((parameters.cost.reading / reading - 1.0).abs() < 1e-6);
+    assert!(computing(of.reading) > 3.0 * model.voltage_reading.value, "it is most of a reading");
+    // A listen of 1280 samples at 400 Hz, without and with its computing.
+    let idle = model.listen(1280, 400.0, 0.0, Code::Filter).expect("a rate").total();
+    let listen = idle + computing(1280.0 * of.sample + of.block);
+    assert!((parameters.cost.listen / listen - 1.0).abs() < 1e-6);
+    // Asleep: processor and accelerometer.
+    let standby = parameters.budget.standing_power - model.standing_power().expect("known");
+    assert!((20e-9..50e-9).contains(&standby), "{standby}");
 }
 
 #[test]
 fn a_sensor_that_does_not_answer_is_a_fault() {
     let mut spi = Spi::new(&[read(&[0x0B, 0x00], &[0, 0, 0]), written(&[0x0A, 0x2D, 0x00])].concat());
-    let mut supply = Pin::new(&[Level::set(State::High), Level::set(State::Low)]);
     let mut board = HalBoard {
         sensor: sensor(spi.clone()),
-        supply: supply.clone(),
         delay: NoopDelay::new(),
         sleep: |milliseconds: u32| milliseconds,
         convert: || None,
@@ -402,5 +426,4 @@ fn a_sensor_that_does_not_answer_is_a_fault() {
     assert_eq!(board.sleep(0, 100), 0);
     assert_eq!(BURST.min(149), BURST, "a burst fits the FIFO");
     spi.done();
-    supply.done();
 }

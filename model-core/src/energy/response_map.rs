@@ -305,6 +305,12 @@ impl<W: Words> ResponseMap<W> {
         i32::from(self.words.word(HEAD + slice))
     }
 
+    /// Whether the map reaches over a frequency in Hz.
+    pub(crate) fn has_frequency(&self, frequency: f32) -> bool {
+        use Outside::{FrequencyAbove, FrequencyBelow, NoNumber};
+        !matches!(self.place(1.0, frequency), Err(FrequencyBelow | FrequencyAbove | NoNumber))
+    }
+
     /// Level of the amplitude, and the columns beside the frequency.
     #[inline]
     fn place(&self, amplitude: f32, frequency: f32) -> Result<(i32, Column), Outside> {

@@ -193,6 +193,23 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         self.samples * P
     }
 
+    /// Samples in a second, to a rounding.
+    #[must_use]
+    pub fn rate(&self) -> f32 {
+        self.bin_hz * real(P) * real(self.samples)
+    }
+
+    /// Frequency of the lowest and of the highest bin in Hz.
+    #[must_use]
+    pub fn band(&self) -> [f32; 2] {
+        [-Self::REACH, Self::REACH].map(|bin| self.reference_hz + f32::from_i32(bin) * self.bin_hz)
+    }
+
+    /// The frequencies of the bins in Hz.
+    pub(crate) fn frequencies(&self) -> impl Iterator<Item = f32> {
+        (-Self::REACH..=Self::REACH).map(|bin| self.reference_hz + f32::from_i32(bin) * self.bin_hz)
+    }
+
     /// Frequency of the reference in Hz.
     #[must_use]
     pub fn reference_frequency(&self) -> f32 {

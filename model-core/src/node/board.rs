@@ -2,7 +2,7 @@
 
 use super::{Hearing, Node, NodeState, Progress, Task, Wake};
 use crate::energy::response_map::Words;
-use crate::snapshot::{SnapshotError, image_size, newest_image, save_image};
+use crate::snapshot::{SnapshotError, image_size, is_later, newest_image, save_image};
 
 /// The hardware of a node.
 ///
@@ -15,13 +15,13 @@ pub trait Board {
     /// The code of the converter for the storage's voltage; `None` if it cannot be read.
     fn storage_code(&mut self) -> Option<u32>;
 
-    /// Switches the supply of the accelerometer on, with its FIFO.
+    /// Starts the accelerometer, with its FIFO.
     ///
     /// # Errors
     /// If the sensor does not answer.
     fn start_sensor(&mut self) -> Result<(), Fault>;
 
-    /// Switches the supply of the accelerometer off.
+    /// Stops the accelerometer: standby. If its supply is switched off instead, no line to it may be high then.
     fn stop_sensor(&mut self);
 
     /// Moves samples along the axis of the harvester from the FIFO to the front of `samples`, as raw counts. Returns
@@ -38,13 +38,54 @@ pub trait Board {
     fn read_slot(&mut self, slot: usize, bytes: &mut [u8]);
 
     /// Writes `bytes` to the front of a slot of non-volatile memory. A write that is interrupted may leave any bytes.
-    fn write_slot(&mut self, slot: usize, bytes: &[u8]);
+    ///
+    /// # Errors
+    /// If the memory reports that it did not erase or write. [`Runner::save`] also reads each image back.
+    fn write_slot(&mut self, slot: usize, bytes: &[u8]) -> Result<(), Fault>;
 }
 
 /// The hardware did not do what was asked of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Fault;
+
+/// The time between an image and the resumption from it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Gap {
+    /// The node was on until this second of its clock, and lost its memory only.
+    OnUntil(u32),
+    /// The node was off until this second of its clock: nothing was drawn since the image. Save an image before the
+    /// power-down, or what the node spent after the image is taken for an income that was missing.
+    OffUntil(u32),
+    /// The node was off for a time that no clock knows. The clock goes on from the second of the image.
+    Unknown,
+}
+
+/// The reason why an image was not saved. The slot of the newest valid image is as it was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum SaveError {
+    /// The node is not [idle](Runner::is_idle): an action is booked and not carried out, or a listen is under way.
+    NotIdle,
+    /// The buffer is too small.
+    Buffer(SnapshotError),
+    /// The memory reported a failure, or did not give back what was written.
+    Memory,
+}
+
+impl core::fmt::Display for SaveError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NotIdle => write!(f, "the node is not idle"),
+            Self::Buffer(error) => error.fmt(f),
+            Self::Memory => write!(f, "the memory did not take the image"),
+        }
+    }
+}
+
+impl core::error::Error for SaveError {}
 
 /// A node on a board, with a buffer of `BURST` samples.
 #[derive(Debug)]
@@ -62,8 +103,8 @@ pub struct Runner<
     state: NodeState<P, SLOTS, ACTIONS>,
     wake: Wake,
     is_listening: bool,
-    sequence: u32,
-    slot: usize,
+    /// Number and slot of the newest image; `None` before a look at the slots.
+    newest: Option<(u32, usize)>,
     burst: [i16; BURST],
 }
 
@@ -96,7 +137,7 @@ impl<
         let mut state = node.start(second);
         let code = board.storage_code();
         let wake = node.wake(&mut state, second, code);
-        Self { board, node, state, wake, is_listening: false, sequence: 0, slot: 1, burst: [0; BURST] }
+        Self { board, node, state, wake, is_listening: false, newest: None, burst: [0; BURST] }
     }
 
     /// The state.
@@ -180,42 +221,77 @@ impl<
         }
     }
 
-    /// Writes an image of the state, while the node [is idle](Self::is_idle), to the slot that is not the newest one, by way of a buffer of at least
-    /// [`image_size`] bytes. Returns the number of the image.
+    /// Writes an image of the state to the slot that is not the newest one, and reads it back, by way of a buffer of at
+    /// least [`image_size`] bytes. Returns the number of the image.
+    ///
+    /// A node that begins anew finds the number of the newest image in the slots, so that its own is newer.
     ///
     /// # Errors
-    /// If the buffer is too small.
-    pub fn save(&mut self, buffer: &mut [u8]) -> Result<u32, SnapshotError> {
-        let sequence = self.sequence.wrapping_add(1);
-        let slot = 1 - self.slot.min(1);
-        let size = save_image(&self.node, &self.state, sequence, buffer)?;
-        self.board.write_slot(slot, buffer.get(..size).unwrap_or(&[]));
-        (self.sequence, self.slot) = (sequence, slot);
+    /// [`SaveError`]. After a failure the next image goes to the same slot with the same number.
+    pub fn save(&mut self, buffer: &mut [u8]) -> Result<u32, SaveError> {
+        if !self.is_idle() {
+            return Err(SaveError::NotIdle);
+        }
+        let (needed, given) = (Self::image_bytes(), buffer.len());
+        if given < needed {
+            return Err(SaveError::Buffer(SnapshotError::NoRoom { needed, given }));
+        }
+        let (newest, taken) = match self.newest {
+            Some(newest) => newest,
+            None => self.look_for_newest(buffer),
+        };
+        let (sequence, slot) = (newest.wrapping_add(1), 1 - taken.min(1));
+        let size = save_image(&self.node, &self.state, sequence, buffer).map_err(SaveError::Buffer)?;
+        let image = buffer.get_mut(..size).unwrap_or(&mut []);
+        self.board.write_slot(slot, image).map_err(|Fault| SaveError::Memory)?;
+        if self.sequence_in(slot, image) != Some(sequence) {
+            return Err(SaveError::Memory);
+        }
+        self.newest = Some((sequence, slot));
         Ok(sequence)
     }
 
-    /// Continues from the newest image of both slots at the second `now`, with a reading of the voltage, by way of two
-    /// buffers of at least [`image_size`] bytes.
-    ///
-    /// A time since the image counts as a time without supply, unless `was_on`: then the node was on all the time and
-    /// lost its memory only. A listen that was under way gives no value.
+    /// Number and slot of the newest image of this node; number 0 in the second slot without one.
+    fn look_for_newest(&mut self, buffer: &mut [u8]) -> (u32, usize) {
+        match (self.sequence_in(0, buffer), self.sequence_in(1, buffer)) {
+            (Some(first), Some(second)) if is_later(second, first) => (second, 1),
+            (Some(first), _) => (first, 0),
+            (None, second) => (second.unwrap_or(0), 1),
+        }
+    }
+
+    /// Number of the image in a slot, if it is valid.
+    fn sequence_in(&mut self, slot: usize, buffer: &mut [u8]) -> Option<u32> {
+        self.board.read_slot(slot, buffer);
+        newest_image(&self.node, [&*buffer, &[]]).ok().map(|image| image.sequence)
+    }
+
+    /// Continues from the newest image of both slots after `gap`, with a reading of the voltage if the node was off, by way
+    /// of two buffers of at least [`image_size`] bytes. A listen that was under way gives no value.
     ///
     /// # Errors
     /// If there is no image of this node; the runner is then unchanged.
-    pub fn resume(&mut self, buffers: [&mut [u8]; 2], now: u32, was_on: bool) -> Result<u32, SnapshotError> {
+    pub fn resume(&mut self, buffers: [&mut [u8]; 2], gap: Gap) -> Result<u32, SnapshotError> {
         let [first, second] = buffers;
         self.board.read_slot(0, first);
         self.board.read_slot(1, second);
         let image = newest_image(&self.node, [&*first, &*second])?;
         self.state = image.state;
-        (self.sequence, self.slot) = (image.sequence, image.slot);
+        self.newest = Some((image.sequence, image.slot));
         self.is_listening = false;
-        if was_on {
-            self.node.interrupt(&mut self.state);
-            self.ask(now, None);
-        } else {
-            let code = self.board.storage_code();
-            self.wake = self.node.wake_after_gap(&mut self.state, now, code);
+        match gap {
+            Gap::OnUntil(now) => {
+                self.node.interrupt(&mut self.state);
+                self.ask(now, None);
+            }
+            Gap::OffUntil(now) => {
+                let code = self.board.storage_code();
+                self.wake = self.node.wake_after_gap(&mut self.state, now, code);
+            }
+            Gap::Unknown => {
+                let code = self.board.storage_code();
+                self.wake = self.node.wake_after_unknown_gap(&mut self.state, code);
+            }
         }
         Ok(image.sequence)
     }

@@ -176,6 +176,12 @@ impl<S: Scalar> FilterState<S> {
         self.covariance.clear(HOUR, S::ZERO);
     }
 
+    /// The stored energy is unknown, as before the first reading. The other states keep what they know.
+    pub(super) fn lose_store(&mut self) {
+        (self.located, self.was_doubted, self.was_full) = (false, false, false);
+        (self.since, self.outgo) = (0, S::ZERO);
+    }
+
     /// Takes in a measurement: `along` are the covariances of the states with the measured quantity, `shift` how far it
     /// is moved in its variance, `removed` one over that variance with the noise.
     pub(super) fn update(&mut self, along: [S; STATES], shift: S, removed: S) {

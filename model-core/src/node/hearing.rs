@@ -1,5 +1,6 @@
 //! What a listen says of the income: lines of blocks, looked up in the map.
 
+use super::parameters::MOST_BLOCKS;
 use crate::energy::ResponseMap;
 use crate::energy::response_map::{Bounded, Outside, Response, Words};
 use crate::excitation::Lines;
@@ -88,7 +89,7 @@ pub(super) struct Blocks {
 impl Blocks {
     /// Takes in the lines of a block; `voltage` is that of the storage in V.
     pub(super) fn add<W: Words>(&mut self, map: &ResponseMap<W>, lines: &Lines, voltage: f32) {
-        self.count += 1;
+        self.count = self.count.saturating_add(1);
         self.purity += lines.purity;
         self.density += lines.density;
         self.rest += lines.rest;
@@ -106,12 +107,12 @@ impl Blocks {
         let yields = match look_up(map, lines.amplitude, lines.frequency, voltage) {
             Response::One { income, .. } => parts(income, income),
             Response::Two { lower, upper } => {
-                self.doubles += 1;
+                self.doubles = self.doubles.saturating_add(1);
                 parts(lower, upper)
             }
             Response::Outside(_) => return,
         };
-        self.lines += 1;
+        self.lines = self.lines.saturating_add(1);
         let scale = if map.is_current() { voltage } else { 1.0 };
         for (sum, part) in self.yields.iter_mut().zip(yields) {
             *sum += part * scale;
@@ -195,4 +196,8 @@ fn look_up<W: Words>(map: &ResponseMap<W>, amplitude: f32, frequency: f32, volta
 
 snapshot_fields!(impl [] Blocks {
     count, lines, doubles, is_damaged, yields, strongest, purity, density, rest,
+} if |blocks| {
+    let counts = [blocks.doubles, blocks.lines, blocks.count, MOST_BLOCKS];
+    let sums = [blocks.purity, blocks.density, blocks.rest];
+    counts.is_sorted() && sums.iter().chain(&blocks.yields).chain(&blocks.strongest).all(|&sum| sum >= 0.0)
 });

@@ -2,7 +2,7 @@
 
 use crate::bounds::{Bounds, ParameterError};
 use crate::energy::{Action, BudgetParameters, CorrectionParameters, ListeningParameters};
-use crate::excitation::ExcitationError;
+use crate::scalar::Scalar;
 
 /// Parameters of a [`Node`](super::Node), beside its map and its bank of lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +49,7 @@ pub struct KnowingCost {
     pub listen: f32,
     /// Energy of a reading of the voltage in J, with its wake-up and the computing after it. 0 to 10.
     pub reading: f32,
-    /// Part of the mean income that readings may cost, 10⁻⁵ to 1. The share of listens is that of
+    /// Part of the mean income that readings may cost, 10⁻⁵ to 1, counted as the share of listens, which is that of
     /// [`ListeningParameters`].
     pub reading_share: f32,
     /// Shortest time between readings in s, 1 to 3600.
@@ -81,7 +81,7 @@ pub struct Spread {
 pub struct Regular {
     /// The action.
     pub action: Action<f32>,
-    /// Time from one to the next in s, 1 or more.
+    /// Time from one to the next in s, 1 to 10⁷.
     pub every: u32,
 }
 
@@ -92,8 +92,20 @@ pub struct Regular {
 pub enum NodeError {
     /// A parameter outside its bounds.
     Parameter(ParameterError<f32>),
-    /// The bank of lines does not fit the rate of the sensor.
-    Bank(ExcitationError),
+    /// A parameter of a part outside its bounds.
+    Part {
+        /// The field of [`NodeParameters`] that the part is built from.
+        part: &'static str,
+        /// The parameter of the part.
+        error: ParameterError<f32>,
+    },
+    /// The rate of the sensor is not that of the bank of lines.
+    Bank(ParameterError<f32>),
+    /// The map has none of the frequencies of the bank of lines.
+    Band {
+        /// The lowest and the highest of these frequencies in Hz.
+        band: [f32; 2],
+    },
 }
 
 impl From<ParameterError<f32>> for NodeError {
@@ -102,32 +114,63 @@ impl From<ParameterError<f32>> for NodeError {
     }
 }
 
-impl From<ExcitationError> for NodeError {
-    fn from(error: ExcitationError) -> Self {
-        Self::Bank(error)
-    }
-}
-
 impl core::fmt::Display for NodeError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Parameter(error) => error.fmt(f),
-            Self::Bank(error) => error.fmt(f),
+            Self::Part { part, error } => write!(f, "{part}.{error}"),
+            Self::Bank(error) => write!(f, "{error}, the rate of the bank of lines"),
+            Self::Band { band: [lowest, highest] } => {
+                write!(f, "the map has no frequency of the bank of lines, {lowest:?} Hz to {highest:?} Hz")
+            }
         }
     }
 }
 
 impl core::error::Error for NodeError {}
 
+/// Most blocks in a listen.
+pub(super) const MOST_BLOCKS: u32 = 64;
+/// Most samples of a sensor's start-up.
+pub(super) const MOST_START_UP: u32 = 10_000;
+/// Names of the intervals of the first actions in errors.
+const EVERY: [&str; 8] = [
+    "actions.0.every",
+    "actions.1.every",
+    "actions.2.every",
+    "actions.3.every",
+    "actions.4.every",
+    "actions.5.every",
+    "actions.6.every",
+    "actions.7.every",
+];
+/// Part of a rate by which the rates of sensor and bank may differ: the rounding of both.
+const SAME_RATE: f32 = 1e-5;
+
+/// Names the part that an error is of.
+pub(super) fn of_part(part: &'static str) -> impl Fn(ParameterError<f32>) -> NodeError {
+    move |error| NodeError::Part { part, error }
+}
+
 impl<const ACTIONS: usize> NodeParameters<ACTIONS> {
+    /// Refuses a bank of lines for another rate than that of the sensor.
+    pub(super) fn check_rate(&self, bank: f32) -> Result<(), NodeError> {
+        let rate = self.sensor.rate;
+        if Scalar::abs(rate - bank) <= SAME_RATE * bank {
+            return Ok(());
+        }
+        let bounds = Bounds { lowest: bank, highest: bank };
+        Err(NodeError::Bank(ParameterError { field: "sensor.rate", value: rate, bounds }))
+    }
+
     /// Checks the numbers that belong to no other part.
     pub(super) fn check(&self) -> Result<(), ParameterError<f32>> {
         let Self { sensor, cost, spread, .. } = self;
-        let count = |number: u32| f32::from(u16::try_from(number).unwrap_or(u16::MAX));
+        let count = f32::from_u32;
         for (field, value, lowest, highest) in [
             ("sensor.rate", sensor.rate, 1.0, 1e5),
-            ("sensor.start_up", count(sensor.start_up), 0.0, 1e4),
-            ("sensor.blocks", count(sensor.blocks), 1.0, 64.0),
+            ("sensor.start_up", count(sensor.start_up), 0.0, f64::from(MOST_START_UP)),
+            ("sensor.blocks", count(sensor.blocks), 1.0, f64::from(MOST_BLOCKS)),
             ("sensor.clipped", f32::from(sensor.clipped), 1.0, 32_767.0),
             ("cost.listen", cost.listen, 0.0, 10.0),
             ("cost.reading", cost.reading, 0.0, 10.0),
@@ -143,8 +186,9 @@ impl<const ACTIONS: usize> NodeParameters<ACTIONS> {
         ] {
             Bounds::new(lowest, highest).check(field, value)?;
         }
-        for regular in &self.actions {
-            Bounds::new(1.0, 65_535.0).check("actions.every", count(regular.every))?;
+        for (index, regular) in self.actions.iter().enumerate() {
+            let field = EVERY.get(index).copied().unwrap_or("actions.every");
+            Bounds::new(1.0, 1e7).check(field, count(regular.every))?;
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use super::filter::{FilterState, StoreReading};
 use super::hearing::Blocks;
+use super::parameters::{MOST_BLOCKS, MOST_START_UP};
 use crate::energy::{BudgetState, ListeningState};
 use crate::excitation::LineBankState;
 use crate::scalar::CompensatedSum;
@@ -184,7 +185,8 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         self.knowing.value()
     }
 
-    /// The energy spent on knowing over the income since the start; infinite without income.
+    /// The energy at the load that was spent on knowing over the harvested energy since the start; infinite without income. Of
+    /// what the storage gives to the load it is this part over both efficiencies of the storage.
     #[must_use]
     pub fn share_spent_on_knowing(&self) -> f32 {
         let income = self.filter.all().mean;
@@ -249,11 +251,21 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
 
 snapshot_fields!(impl [] IncomeOfTime { seconds, energy, bound, silent });
 
-snapshot_fields!(impl [const P: usize] Listen<P> { bank, blocks, start_up, missing, started });
+/// Most samples in a section of a bank.
+const MOST_SAMPLES: u32 = 128;
+
+snapshot_fields!(impl [const P: usize] Listen<P> { bank, blocks, start_up, missing, started } if |listen| {
+    listen.start_up <= MOST_START_UP && listen.missing <= MOST_BLOCKS * MOST_SAMPLES * P as u32
+});
 
 snapshot_fields!(impl [const P: usize, const SLOTS: usize, const ACTIONS: usize] NodeState<P, SLOTS, ACTIONS> {
     second, filter, listening, budget, listen, last_listen, last_reading, last_run, listens, misses, readings,
     last_modelled, fluctuation, was_undecided, departure, reading, spent, knowing, booked, started, hour_start, hour, silent, silent_before,
+} if |state| {
+    let before = [state.last_listen, state.last_reading, state.listen.started, state.hour_start];
+    state.started <= state.hour_start
+        && before.iter().chain(&state.last_run).all(|&second| second <= state.second)
+        && [state.last_modelled, state.fluctuation, state.departure, state.spent].iter().all(|&number| number >= 0.0)
 });
 
 snapshot_variants!(StoreReading { Used, Jump, Silent, Refused });

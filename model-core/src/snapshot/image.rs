@@ -100,13 +100,15 @@ pub fn newest_image<C: Configuration>(
     [first, second]: [&[u8]; 2],
 ) -> Result<Image<C::State>, SnapshotError> {
     match (restore_image(configuration, first, 0), restore_image(configuration, second, 1)) {
-        (Ok(first), Ok(second)) => {
-            let ahead = second.sequence.wrapping_sub(first.sequence);
-            Ok(if ahead != 0 && ahead < 1 << 31 { second } else { first })
-        }
+        (Ok(first), Ok(second)) => Ok(if is_later(second.sequence, first.sequence) { second } else { first }),
         (Ok(only), Err(_)) | (Err(_), Ok(only)) => Ok(only),
         (Err(SnapshotError::NotASnapshot), Err(error)) | (Err(error), Err(_)) => Err(error),
     }
+}
+
+/// Whether the number of an image is later than another: ahead by less than 2³¹.
+pub(crate) fn is_later(number: u32, than: u32) -> bool {
+    (1..1 << 31).contains(&number.wrapping_sub(than))
 }
 
 fn fingerprint<C: Configuration>(configuration: &C) -> u32 {

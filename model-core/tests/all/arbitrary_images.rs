@@ -7,10 +7,13 @@ use crate::common::{Random, finished};
 use model_core::energy::estimator::{Interpolation, Sample, SampleFormat, Settings};
 use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, Capacitor, CorrectionParameters, Estimator,
-    IncomeParameters, StorageParameters,
+    IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
 };
-use model_core::excitation::ToneMeter;
+use model_core::excitation::{LineBank, ToneMeter};
 use model_core::integrate::{Adaptive, ExponentialRadau, TrBdf2};
+use model_core::node::{
+    KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread, Task,
+};
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::AnyContact;
 use model_core::scene::{Harvester, Simulation};
@@ -216,4 +219,93 @@ fn an_estimator_of_arbitrary_bytes_is_refused_or_works() {
     let control = Adaptive::new(5e-2).expect("in bounds");
     arbitrary_estimators::<f64, _>(Simulation::new(slide(), TrBdf2, control), 1500);
     arbitrary_estimators::<f32, _>(bump::<f32, 4, 1>(AnyContact::ResidualFlexibility), 1000);
+}
+
+type OneNode = Node<&'static [u8], 20, 32, 24, 2>;
+type OneState = NodeState<32, 24, 2>;
+
+fn node() -> OneNode {
+    let bytes: &[u8] = include_bytes!("../../../tests/tests/all/node_hours/node.bin");
+    let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
+    let action = |name, energy| Action::new(name, energy, 0.1).expect("in bounds");
+    let parameters = NodeParameters {
+        budget: BudgetParameters {
+            storage: storage(),
+            income: IncomeParameters { time_constant: 14_400.0, day_weight: 0.5 },
+            standing_power: 0.3e-6,
+        },
+        converter: CorrectionParameters {
+            bits: 12,
+            full_scale: 5.0,
+            noise: 0.6e-3,
+            gain_deviation: 1.0,
+            gain_drift: 0.1,
+        },
+        listening: ListeningParameters {
+            share: 0.01,
+            error: 0.02,
+            horizon: 3600.0,
+            shortest: 300,
+            doublings: 4,
+        },
+        sensor: Sensor { rate: 100.0, start_up: 4, blocks: 1, clipped: 32_000 },
+        cost: KnowingCost {
+            listen: 20e-6,
+            reading: 1e-6,
+            reading_share: 0.01,
+            shortest_reading: 60,
+            reading_doublings: 4,
+        },
+        spread: Spread { standing: 0.2, action: 0.02, income: 0.5, gain_by_place: 0.5, power: 100e-6 },
+        reserve: 1e-4,
+        actions: [
+            Regular { action: action("measure", 50e-6), every: 60 },
+            Regular { action: action("transmit", 100e-6), every: 300 },
+        ],
+    };
+    let map = ResponseMap::new(bytes, fingerprint).expect("a map");
+    let bank = LineBank::new(100.0, 20.13, 0.1, 9.806_65 / 1024.0).expect("in bounds");
+    Node::new(map, bank, parameters).expect("in bounds")
+}
+
+/// Wakes a node some times in a vibration of 0.2 m/s², whose storage is read as `code`; `rest` samples of each listen are
+/// not taken.
+fn wake_some_times(node: &OneNode, state: &mut OneState, times: u32, code: u32, rest: usize) {
+    let shaking = |n: usize| (1024.0 + 21.0 * (1.2378 * n as f64).sin()).round() as i16;
+    let samples: Vec<i16> = (0..644).map(shaking).collect();
+    let (mut now, mut wake) = (state.second(), node.wake(state, state.second(), Some(code)));
+    for _ in 0..times {
+        if let Task::Listen { .. } = wake.task {
+            let taken = &samples[..samples.len() - rest];
+            if let Progress::More(_) = node.samples(state, taken) {
+                return;
+            }
+        }
+        now = now.saturating_add(wake.again_in);
+        wake = node.wake(state, now, wake.read.then_some(code));
+    }
+}
+
+#[test]
+fn a_node_of_arbitrary_bytes_is_refused_or_works() {
+    let node = node();
+    let mut idle = node.start(30_000);
+    wake_some_times(&node, &mut idle, 200, 2458, 0);
+    assert!(idle.instruments()[1] > 1);
+    // In the middle of a listen, with a block that has begun.
+    let mut listening = node.start(30_000);
+    wake_some_times(&node, &mut listening, 1, 2458, 400);
+    for state in [idle, listening] {
+        judge(&node, &state, count(3000), |mut state| {
+            let before = state.second();
+            wake_some_times(&node, &mut state, 40, 2500, 0);
+            node.wake_after_gap(&mut state, before.saturating_add(7200), Some(2000));
+            wake_some_times(&node, &mut state, 40, 2100, 0);
+            node.wake_after_unknown_gap(&mut state, Some(2300));
+            wake_some_times(&node, &mut state, 40, 2310, 0);
+            assert!(state.second() >= before);
+            let budget = state.budget();
+            assert!(budget.certain_energy() <= budget.energy() && budget.energy() <= 3e-3);
+        });
+    }
 }

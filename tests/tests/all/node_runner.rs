@@ -1,4 +1,6 @@
-//! The loop of a node over its board: power-downs, torn images, and a sensor that fails.
+//! The loop of a node over its board: power-downs, torn images, a memory and a sensor that fail.
+
+mod power_downs;
 
 use firmware_example::workload::response_map::contact_separation::{FINGERPRINT, MAP};
 use model_core::energy::{
@@ -7,23 +9,23 @@ use model_core::energy::{
 };
 use model_core::excitation::LineBank;
 use model_core::node::{
-    Board, Fault, Hearing, KnowingCost, Node, NodeParameters, Regular, Runner, Sensor, Spread, Step,
+    Board, Fault, Gap, Hearing, IncomeOfTime, KnowingCost, Node, NodeError, NodeParameters, NodeState,
+    Progress, Regular, Runner, SaveError, Sensor, Spread, Step, Task,
 };
-use model_core::snapshot::SnapshotError;
+use model_core::snapshot::{self, SnapshotError};
 
 const RATE: f32 = 100.0;
 const UNIT: f32 = 9.806_65 / 1024.0;
 const SLOT_BYTES: usize = 1024;
 
 type OneNode = Node<&'static [u16], 20, 32, 24, 2>;
+type OneState = NodeState<32, 24, 2>;
 type OneRunner = Runner<Bench, &'static [u16], 20, 32, 24, 2, 128>;
 
-fn node() -> OneNode {
-    let map = ResponseMap::new(&MAP[..], FINGERPRINT).expect("a map");
-    let bank = LineBank::new(RATE, 20.13, 0.1, UNIT).expect("fits");
+fn parameters() -> NodeParameters<2> {
     let regular =
         |name, energy, every| Regular { action: Action::new(name, energy, 0.1).expect("valid"), every };
-    let parameters = NodeParameters {
+    NodeParameters {
         budget: BudgetParameters {
             storage: StorageParameters {
                 capacitor: Capacitor { capacitance: 1e-3, leakage_resistance: 1e8 },
@@ -61,21 +63,52 @@ fn node() -> OneNode {
         spread: Spread { standing: 0.2, action: 0.02, income: 0.5, gain_by_place: 0.5, power: 100e-6 },
         reserve: 1e-3,
         actions: [regular("measure", 50e-6, 60), regular("transmit", 300e-6, 300)],
-    };
-    Node::new(map, bank, parameters).expect("valid")
+    }
 }
+
+/// A node with a bank for the rate and the resonance given in Hz.
+fn built(parameters: NodeParameters<2>, rate: f32, resonance: f32) -> Result<OneNode, NodeError> {
+    let map = ResponseMap::new(&MAP[..], FINGERPRINT).expect("a map");
+    let bank = LineBank::new(rate, resonance, 0.1, UNIT).expect("fits");
+    Node::new(map, bank, parameters)
+}
+
+fn node() -> OneNode {
+    built(parameters(), RATE, 20.13).expect("valid")
+}
+
+/// What a write to the memory of a [`Bench`] does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Memory {
+    Works,
+    /// Erases the slot, and says that it failed.
+    Fails,
+    /// Erases the slot, and does not notice that the bytes are not there.
+    Forgets,
+}
+
+/// Power in W that a [`Bench`] stores, the standing power off, and the power in W that is harvested for it.
+const STORED: f64 = 7.7e-6;
+const POWER: f64 = STORED / 0.9 + 0.3e-6 / 0.81;
+/// Energies of the actions in J.
+const ACTIONS: [f64; 2] = [50e-6, 300e-6];
 
 /// A board with a storage that is charged by 8 µW, in a vibration of 0.2 m/s² at 19.7 Hz, and a memory of two slots.
 #[derive(Debug, Clone)]
 struct Bench {
     second: u32,
     energy: f64,
+    /// Amplitude of the vibration in m/s².
+    shaking: f64,
+    /// Energies of the actions in J at the load.
+    actions: [f64; 2],
     /// Samples in the FIFO, and since the sensor was switched on, and when that was.
     samples: u32,
     taken: u32,
     started: u32,
     is_on: bool,
     fails: bool,
+    memory: Memory,
     ran: [u32; 2],
     slots: [Vec<u8>; 2],
 }
@@ -86,14 +119,26 @@ impl Bench {
         Self {
             second: 0,
             energy: 4.5e-3,
+            shaking: 0.2,
+            actions: ACTIONS,
             samples: 0,
             taken: 0,
             started: 0,
             is_on: false,
             fails: false,
+            memory: Memory::Works,
             ran: [0; 2],
             slots,
         }
+    }
+}
+
+impl Bench {
+    /// Charges the storage by a power in W while it leaks through 100 MΩ, up to 4.5 V.
+    fn charge(&mut self, power: f64, seconds: u32) {
+        let kept = (-f64::from(seconds) / 0.5e5).exp();
+        let balance = 0.5e5 * power;
+        self.energy = (balance + (self.energy - balance) * kept).min(0.5e-3 * 4.5 * 4.5);
     }
 }
 
@@ -108,7 +153,7 @@ impl Board for Bench {
             seconds
         };
         self.second += seconds;
-        self.energy = (self.energy + 7.7e-6 * f64::from(seconds)).min(0.5e-3 * 4.5 * 4.5);
+        self.charge(STORED, seconds);
         self.second
     }
 
@@ -136,7 +181,8 @@ impl Board for Bench {
         let count = samples.len().min(self.samples as usize);
         for (n, sample) in samples[..count].iter_mut().enumerate() {
             let turns = 19.7 * f64::from(self.taken - self.samples + n as u32) / f64::from(RATE);
-            *sample = (1024.0 + 0.2 / f64::from(UNIT) * (std::f64::consts::TAU * turns).sin()).round() as i16;
+            *sample = (1024.0 + self.shaking / f64::from(UNIT) * (std::f64::consts::TAU * turns).sin())
+                .round() as i16;
         }
         self.samples -= count as u32;
         Ok(count)
@@ -144,15 +190,21 @@ impl Board for Bench {
 
     fn run(&mut self, action: usize) {
         self.ran[action] += 1;
-        self.energy -= [50e-6, 300e-6][action] / 0.9;
+        self.energy -= self.actions[action] / 0.9;
     }
 
     fn read_slot(&mut self, slot: usize, bytes: &mut [u8]) {
         bytes.copy_from_slice(&self.slots[slot][..bytes.len()]);
     }
 
-    fn write_slot(&mut self, slot: usize, bytes: &[u8]) {
-        self.slots[slot][..bytes.len()].copy_from_slice(bytes);
+    fn write_slot(&mut self, slot: usize, bytes: &[u8]) -> Result<(), Fault> {
+        self.slots[slot].fill(0xff);
+        match self.memory {
+            Memory::Works => self.slots[slot][..bytes.len()].copy_from_slice(bytes),
+            Memory::Fails => return Err(Fault),
+            Memory::Forgets => {}
+        }
+        Ok(())
     }
 }
 
@@ -162,8 +214,18 @@ fn resumed(mut board: Bench) -> OneRunner {
     let second = board.second;
     let mut runner = OneRunner::new(board, node(), second);
     let (mut first, mut other) = ([0; SLOT_BYTES], [0; SLOT_BYTES]);
-    runner.resume([&mut first, &mut other], second, true).expect("an image");
+    runner.resume([&mut first, &mut other], Gap::OnUntil(second)).expect("an image");
     runner
+}
+
+/// Steps to the next time at which the node is idle after a sleep.
+fn step(runner: &mut OneRunner) {
+    while runner.step() != Step::Slept || !runner.is_idle() {}
+}
+
+fn assert_inside(hour: IncomeOfTime) {
+    let truth = POWER * f64::from(hour.seconds);
+    assert!((f64::from(hour.energy) - truth).abs() < f64::from(hour.bound), "{hour:?} {truth}");
 }
 
 #[test]
@@ -200,7 +262,6 @@ fn a_node_that_loses_its_power_each_few_steps_ends_with_the_same_bits() {
 #[test]
 fn a_write_that_is_torn_at_any_byte_leaves_the_image_before_it() {
     let mut runner = OneRunner::new(Bench::new(), node(), 0);
-    let step = |runner: &mut OneRunner| while runner.step() != Step::Slept || !runner.is_idle() {};
     step(&mut runner);
     assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Ok(1));
     step(&mut runner);
@@ -222,7 +283,7 @@ fn a_write_that_is_torn_at_any_byte_leaves_the_image_before_it() {
     // Without any image there is nothing to continue, and the node begins.
     let mut runner = OneRunner::new(Bench::new(), node(), 0);
     let (mut first, mut other) = ([0; SLOT_BYTES], [0; SLOT_BYTES]);
-    assert_eq!(runner.resume([&mut first, &mut other], 0, false), Err(SnapshotError::NotASnapshot));
+    assert_eq!(runner.resume([&mut first, &mut other], Gap::OffUntil(0)), Err(SnapshotError::NotASnapshot));
     assert_eq!(runner.state().second(), 0);
 }
 
@@ -235,10 +296,108 @@ fn a_sensor_that_fails_costs_no_more_than_its_listens_and_the_storage_tells_the_
     let state = *runner.state();
     assert_eq!(state.instruments()[1], 0);
     let hour = state.last_hour().expect("hours");
-    // 8 µW times the charging efficiency, less the standing power, is what the bench stores.
-    let truth = (7.7e-6 / 0.9 + 0.3e-6 / 0.81) * f64::from(hour.seconds);
-    let leaked = 3600.0 * 9.0 / 1e8;
-    let error = (f64::from(hour.energy) - truth).abs();
-    assert!(error < f64::from(hour.bound) + leaked, "{hour:?} {truth}");
+    assert_inside(hour);
     assert!(state.share_spent_on_knowing() < 0.05, "{}", state.share_spent_on_knowing());
+}
+
+#[test]
+fn a_memory_that_fails_is_told_and_leaves_the_only_image() {
+    for memory in [Memory::Fails, Memory::Forgets] {
+        let mut runner = OneRunner::new(Bench::new(), node(), 0);
+        for number in 1..=2 {
+            step(&mut runner);
+            assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Ok(number));
+        }
+        let saved = *runner.state();
+        let mut runner = resumed(Bench { memory, ..runner.into_board() });
+        for _ in 0..3 {
+            step(&mut runner);
+            assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Err(SaveError::Memory), "{memory:?}");
+        }
+        // The first slot has lost its image, and the second one was not touched.
+        let board = Bench { memory: Memory::Works, ..runner.into_board() };
+        let mut runner = resumed(Bench { second: saved.second(), ..board });
+        assert_eq!(*runner.state(), saved, "{memory:?}");
+        step(&mut runner);
+        assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Ok(3));
+    }
+}
+
+#[test]
+fn an_image_is_saved_by_an_idle_node_only_and_needs_room() {
+    let mut runner = OneRunner::new(Bench::new(), node(), 0);
+    assert!(!runner.is_idle(), "the first task is a listen");
+    assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Err(SaveError::NotIdle));
+    step(&mut runner);
+    let needed = OneRunner::image_bytes();
+    let short = SnapshotError::NoRoom { needed, given: needed - 1 };
+    assert_eq!(runner.save(&mut vec![0; needed - 1]), Err(SaveError::Buffer(short)));
+    assert_eq!(runner.save(&mut vec![0; needed]), Ok(1));
+}
+
+#[test]
+fn an_image_of_a_node_that_begins_anew_is_newer_than_those_of_its_former_life() {
+    for former in 1..=4 {
+        let mut runner = OneRunner::new(Bench::new(), node(), 0);
+        for number in 1..=former {
+            step(&mut runner);
+            assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Ok(number));
+        }
+        let before = *runner.state();
+        // The same memory and configuration; no image is asked for.
+        let board = Bench { slots: runner.into_board().slots, ..Bench::new() };
+        let mut runner = OneRunner::new(board, node(), 0);
+        step(&mut runner);
+        assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Ok(former + 1));
+        let after = *runner.state();
+        assert!(former == 1 || after != before);
+        assert_eq!(*resumed(runner.into_board()).state(), after, "{former}");
+    }
+}
+
+#[test]
+fn a_start_up_that_is_cut_short_begins_again() {
+    let node = node();
+    let mut state = node.start(0);
+    let code = Bench::new().storage_code();
+    let Task::Listen { samples } = node.wake(&mut state, 0, code).task else { panic!("a listen") };
+    // Two of the four samples of the start-up, then the node loses its memory.
+    assert_eq!(node.samples(&mut state, &[1024; 2]), Progress::More(samples - 2));
+    let mut board = Bench::new();
+    snapshot::save_image(&node, &state, 1, &mut board.slots[0]).expect("room");
+    let mut runner = resumed(board);
+    let mut end = Step::Sampled;
+    while end == Step::Sampled {
+        end = runner.step();
+    }
+    assert_eq!(end, Step::Heard(Hearing::Line));
+    assert_eq!(runner.into_board().taken, samples);
+}
+
+#[test]
+fn parameters_that_do_not_fit_are_refused_with_their_name_and_value() {
+    let refused = |change: fn(&mut NodeParameters<2>)| {
+        let mut parameters = parameters();
+        change(&mut parameters);
+        built(parameters, RATE, 20.13).expect_err("refused").to_string()
+    };
+    assert_eq!(
+        refused(|p| p.sensor.start_up = 70_000),
+        "sensor.start_up = 70000.0 must be from 0.0 to 10000.0"
+    );
+    assert_eq!(refused(|p| p.actions[1].every = 0), "actions.1.every = 0.0 must be from 1.0 to 10000000.0");
+    assert_eq!(refused(|p| p.converter.bits = 40), "converter.bits = 40.0 must be from 4.0 to 16.0");
+    assert!(refused(|p| p.budget.standing_power = -1.0).starts_with("budget.standing_power = -1.0"));
+    assert!(refused(|p| p.listening.share = 2.0).starts_with("listening.share = 2.0"));
+    assert_eq!(
+        refused(|p| p.sensor.rate = 1600.0),
+        "sensor.rate = 1600.0 must be 100.0, the rate of the bank of lines"
+    );
+    let mut day = parameters();
+    day.actions[1].every = 86_400;
+    assert!(built(day, RATE, 20.13).is_ok());
+    // A bank whose rate is a rounding off, and one for another resonance than that of the map.
+    assert!(built(parameters(), f32::from_bits(RATE.to_bits() + 1), 20.13).is_ok());
+    let other = built(parameters(), RATE, 35.0).expect_err("refused");
+    assert!(matches!(other, NodeError::Band { band: [low, high] } if low < 35.0 && high > 35.0), "{other:?}");
 }

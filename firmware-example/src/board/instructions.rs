@@ -1,0 +1,24 @@
+//! Instructions of a node of `model_core::node`, by which boards and simulations state what knowing costs.
+
+use model_core::energy::cost::Core;
+
+/// Instructions of a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instructions {
+    /// Of a wake-up with a reading: filter, budget and decision.
+    pub reading: f32,
+    /// Of a sample in a listen.
+    pub sample: f32,
+    /// Of the end of a block, with its look-up and the filter.
+    pub block: f32,
+}
+
+/// Instructions under QEMU of a node with the map of contact-separation, 24 slots of the day and one action, rounded up:
+/// the table "Cost" of `docs/node.md`.
+#[must_use]
+pub const fn node_instructions(core: Core) -> Instructions {
+    match core {
+        Core::M0Plus => Instructions { reading: 99_000.0, sample: 63.0, block: 65_000.0 },
+        Core::M4F | Core::M33 => Instructions { reading: 2_700.0, sample: 23.0, block: 17_200.0 },
+    }
+}

@@ -1,0 +1,88 @@
+//! Power-downs of a known, of no and of an unknown time, of a node whose actions keep its storage from filling up. The map
+//! tells a power that is 1.24 times the true one.
+
+use super::*;
+
+/// Energies of the actions in J: 10 µW at the load.
+const DEAR: [f64; 2] = [200e-6, 2e-3];
+
+fn dear_node() -> OneNode {
+    let mut parameters = parameters();
+    for (regular, energy) in parameters.actions.iter_mut().zip(DEAR) {
+        regular.action = Action::new(regular.action.name(), energy as f32, 0.1).expect("valid");
+    }
+    built(parameters, RATE, 20.13).expect("valid")
+}
+
+/// A node after six hours with its image saved, resumed on the same board after a gap that `change` made, run on for two
+/// hours: its states before the gap, after it, and at the end. Whatever it tells in these hours is inside its bound.
+fn resumed_after(gap: fn(u32) -> Gap, change: impl Fn(&mut Bench)) -> [OneState; 3] {
+    let mut runner = OneRunner::new(Bench { shaking: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
+    while runner.state().second() < 21_600 {
+        step(&mut runner);
+    }
+    runner.save(&mut [0; SLOT_BYTES]).expect("room");
+    let before = *runner.state();
+    let mut board = runner.into_board();
+    board.stop_sensor();
+    change(&mut board);
+    let second = board.second;
+    let mut runner = OneRunner::new(board, dear_node(), second);
+    let (mut first, mut other) = ([0; SLOT_BYTES], [0; SLOT_BYTES]);
+    runner.resume([&mut first, &mut other], gap(second)).expect("an image");
+    let after = *runner.state();
+    let (mut last, mut hours) = (before.last_hour(), 0);
+    while runner.state().second() < after.second() + 7200 {
+        step(&mut runner);
+        let [told, bound] = runner.state().power().map(f64::from);
+        assert!((told - POWER).abs() < bound + 0.1 * POWER && told < 1.5 * POWER, "{told} {bound}");
+        if runner.state().last_hour() != last {
+            last = runner.state().last_hour();
+            let hour = last.expect("an hour");
+            assert_inside(hour);
+            assert!(hour.bound < 0.3 * hour.energy, "{hour:?}");
+            hours += 1;
+        }
+    }
+    assert!(hours >= 2);
+    [before, after, *runner.state()]
+}
+
+#[test]
+fn after_a_power_down_of_a_known_time_its_income_is_told() {
+    let off = 300;
+    let [before, after, end] = resumed_after(Gap::OffUntil, |board| {
+        board.second += off;
+        board.charge(0.9 * POWER, off);
+    });
+    assert_eq!(after.second(), before.second() + off);
+    assert_inside(after.overall());
+    assert_eq!(end.overall().seconds, end.second());
+    assert_inside(end.overall());
+}
+
+#[test]
+fn after_a_power_down_of_no_time_nothing_has_changed_but_the_certainty() {
+    let [before, after, _] = resumed_after(Gap::OffUntil, |_| {});
+    assert_eq!(after.second(), before.second());
+    let [one, other] = [before, after].map(|state| state.overall());
+    assert!((other.energy - one.energy).abs() < one.bound, "{one:?} {other:?}");
+    assert!(after.power()[1] > before.power()[1]);
+}
+
+#[test]
+fn after_a_power_down_of_an_unknown_time_the_storage_is_read_anew_and_no_income_is_told() {
+    // The storage is fuller, or emptier, by more than any income or draw of the times that the clock knows.
+    for energy in [9.5e-3, 2.0e-3] {
+        let [before, after, end] = resumed_after(|_| Gap::Unknown, |board| board.energy = energy);
+        assert_eq!(after.second(), before.second());
+        assert_eq!(after.overall(), before.overall());
+        assert_eq!(after.power()[0], before.power()[0]);
+        assert!(after.power()[1] > before.power()[1]);
+        let [stored, bound] = after.stored().map(f64::from);
+        assert!((stored - energy).abs() < bound && bound < 0.1e-3, "{stored} {bound}");
+        assert!((f64::from(after.budget().energy()) / energy - 1.0).abs() < 0.01);
+        assert_eq!(end.overall().seconds, end.second());
+        assert_inside(end.overall());
+    }
+}
