@@ -1,6 +1,7 @@
 //! A node on a plant: storage, converter and sensor, with an income that is known minute by minute.
 
-use model_core::energy::cost::{Accelerometer, Code, Core, CostModel, Processor};
+use firmware_example::board::instructions::{Instructions, node_instructions};
+use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
 use model_core::energy::{
     Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
     ResponseMap, StorageParameters,
@@ -47,14 +48,6 @@ const GRAVITY: f64 = 9.806_65;
 /// Converter: 12 bits over 5 V, half a cell of noise.
 const CELL: f64 = 5.0 / 4096.0;
 const CONVERTER_NOISE: f64 = 0.6e-3;
-
-/// Instructions of a reading with the filter and the decision after it, and of a sample and a look-up of a listen.
-fn instructions(core: Core) -> [f64; 3] {
-    match core {
-        Core::M0Plus => [99_000.0, 63.0, 65_000.0],
-        Core::M4F | Core::M33 => [2_700.0, 23.0, 17_200.0],
-    }
-}
 
 /// How a node is built: its storage and what its parts cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,12 +124,12 @@ impl Build {
         let sensor = accelerometer(self.kind);
         let samples = bank.block() as u32 * BLOCKS;
         let cost = CostModel::new(self.processor, sensor);
-        let [wake, sample, block] = instructions(self.processor.core);
-        let instructions = f64::from(samples) * sample + f64::from(BLOCKS) * block;
+        let Instructions { reading: wake, sample, block } = node_instructions(self.processor.core);
+        let instructions = f64::from(samples) * f64::from(sample) + f64::from(BLOCKS) * f64::from(block);
         let listen = cost.listen(samples, rate, instructions, Code::Filter).expect("a rate").total();
         let reading = cost.voltage_reading.value
             + cost.processor.wake_up_energy()
-            + cost.processor.computing(wake, Code::Filter);
+            + cost.processor.computing(wake.into(), Code::Filter);
         let small = |energy: f64| (energy / scale) as f32;
         let parameters = NodeParameters {
             budget: BudgetParameters {
@@ -212,6 +205,7 @@ pub(super) struct World<'a> {
     income: Vec<f64>,
     full: Vec<u32>,
     shunted: f64,
+    lock_outs: u32,
 }
 
 impl<'a> World<'a> {
@@ -235,6 +229,7 @@ impl<'a> World<'a> {
             income: vec![0.0],
             full: vec![0],
             shunted: 0.0,
+            lock_outs: 0,
         };
         world.energy = world.at(3.0);
         world
@@ -253,12 +248,13 @@ impl<'a> World<'a> {
         0.5 * self.capacitance() * f64::from(voltage).powi(2)
     }
 
-    /// Advances by some seconds.
+    /// Advances by some seconds, or up to a lock-out.
     fn advance(&mut self, seconds: u32) {
         let parameters = self.node.parameters().budget;
-        let draw = if self.is_on { f64::from(parameters.standing_power) * self.plant.standing } else { 0.0 };
+        let draw = f64::from(parameters.standing_power) * self.plant.standing;
         let capacity = self.at(parameters.storage.highest_voltage);
         for _ in 0..seconds {
+            let draw = if self.is_on { draw } else { 0.0 };
             let income = self.minutes.get(self.second() as usize / 60).map_or(0.0, |minute| minute / 60.0);
             self.energy += income - draw;
             let above = (self.energy - capacity).max(0.0);
@@ -266,7 +262,25 @@ impl<'a> World<'a> {
             self.shunted += above;
             self.income.push(self.income.last().unwrap_or(&0.0) + income);
             self.full.push(self.full.last().unwrap_or(&0) + u32::from(above > 0.0));
+            if self.locks_out() {
+                break;
+            }
         }
+    }
+
+    /// Takes energy out of the storage in J; whatever takes it may lock the node out.
+    fn spend(&mut self, energy: f64) {
+        self.energy -= energy;
+        self.locks_out();
+    }
+
+    /// Whether the node is on and its storage below the lock-out: it is then off, and the lock-out is counted.
+    fn locks_out(&mut self) -> bool {
+        let lock_out = self.at(self.node.parameters().budget.storage.lock_out_voltage);
+        let locks_out = self.is_on && self.energy <= lock_out;
+        self.is_on &= !locks_out;
+        self.lock_outs += u32::from(locks_out);
+        locks_out
     }
 
     fn code(&mut self) -> u32 {
@@ -275,9 +289,12 @@ impl<'a> World<'a> {
         (voltage / CELL).round().clamp(0.0, 4095.0) as u32
     }
 
-    /// Hands the samples of a listen over in bursts.
+    /// Hands the samples of a listen over in bursts, unless its energy locks the node out.
     fn listen(&mut self, state: &mut OneState, samples: u32) {
-        self.energy -= f64::from(self.node.parameters().cost.listen);
+        self.spend(self.node.parameters().cost.listen.into());
+        if !self.is_on {
+            return;
+        }
         let from = f64::from(self.second());
         let mut counts = Vec::new();
         for n in 0..samples {
@@ -293,25 +310,28 @@ impl<'a> World<'a> {
         self.advance((f64::from(samples) / self.rate).ceil() as u32);
     }
 
-    /// Sleeps, and wakes the node; after a lock-out when the storage has reached its turn-on voltage.
-    fn sleep(&mut self, state: &mut OneState, wake: Wake, lock_outs: &mut u32) -> Wake {
+    /// Sleeps, and wakes the node.
+    fn sleep(&mut self, state: &mut OneState, wake: Wake) -> Wake {
         self.advance(wake.again_in);
-        let storage = self.node.parameters().budget.storage;
-        if self.energy <= self.at(storage.lock_out_voltage) {
-            *lock_outs += 1;
-            self.is_on = false;
-            while self.energy < self.at(storage.turn_on_voltage) && self.is_going_on() {
-                self.advance(1);
-            }
-            self.is_on = true;
-            let code = self.code();
-            return self.node.wake_after_gap(state, self.second(), Some(code));
+        if wake.read && self.is_on {
+            self.spend(self.node.parameters().cost.reading.into());
         }
-        let code = wake.read.then(|| {
-            self.energy -= f64::from(self.node.parameters().cost.reading);
-            self.code()
-        });
-        self.node.wake(state, self.second(), code)
+        let code = (wake.read && self.is_on).then(|| self.code());
+        self.wake(state, code)
+    }
+
+    /// Wakes the node; after a lock-out when the storage has reached its turn-on voltage.
+    fn wake(&mut self, state: &mut OneState, code: Option<u32>) -> Wake {
+        if self.is_on {
+            return self.node.wake(state, self.second(), code);
+        }
+        let turn_on = self.at(self.node.parameters().budget.storage.turn_on_voltage);
+        while self.energy < turn_on && self.is_going_on() {
+            self.advance(1);
+        }
+        self.is_on = true;
+        let code = self.code();
+        self.node.wake_after_gap(state, self.second(), Some(code))
     }
 
     fn is_going_on(&self) -> bool {
@@ -335,7 +355,7 @@ impl<'a> World<'a> {
     /// Runs the node over all minutes. `between` is called after each wake between two sleeps.
     pub(super) fn run(mut self, mut between: impl FnMut(OneState) -> OneState) -> Run {
         let mut state = self.node.start(0);
-        let (mut lock_outs, mut actions, mut hours) = (0, 0, Vec::new());
+        let (mut actions, mut hours) = (0, Vec::new());
         let code = self.code();
         let mut wake = self.node.wake(&mut state, 0, Some(code));
         let mut last = state.last_hour();
@@ -344,14 +364,14 @@ impl<'a> World<'a> {
                 Task::Run(_) => {
                     actions += 1;
                     let energy = f64::from(self.node.parameters().actions[0].action.energy());
-                    self.energy -= energy * self.plant.action;
-                    self.node.wake(&mut state, self.second(), None)
+                    self.spend(energy * self.plant.action);
+                    self.wake(&mut state, None)
                 }
                 Task::Listen { samples } => {
                     self.listen(&mut state, samples);
-                    self.node.wake(&mut state, self.second(), None)
+                    self.wake(&mut state, None)
                 }
-                Task::Sleep => self.sleep(&mut state, wake, &mut lock_outs),
+                Task::Sleep => self.sleep(&mut state, wake),
             };
             if wake.task == Task::Sleep {
                 state = between(state);
@@ -364,6 +384,31 @@ impl<'a> World<'a> {
         let [readings, listens] = state.instruments();
         let income = self.income[self.second() as usize];
         let share = f64::from(state.spent_on_knowing()) / income;
+        let lock_outs = self.lock_outs;
         Run { hours, share, lock_outs, listens, readings, actions, shunted: self.shunted / income, state }
     }
+}
+
+#[test]
+fn a_lock_out_within_a_sleep_and_one_by_an_action_are_counted() {
+    let build = super::build(Kind::ContactSeparation, Processor::nrf52832(), 1e-3, 0.2);
+    let node = build.node(super::map(build.kind), 1.0);
+    // Half an hour without income, and one with 1 mJ a minute: at its end the storage is full again.
+    let minutes: Vec<f64> = (0..60).map(|minute| if minute < 30 { 0.0 } else { 1e-3 }).collect();
+    let plant = Plant { standing: 1.0, action: 1.0 };
+    let mut world = World::new(&build, &node, (&minutes, &[]), plant, 1);
+    let lock_out = world.at(node.parameters().budget.storage.lock_out_voltage);
+    let mut state = node.start(0);
+    // Enough for 1000 s of the standing power.
+    world.energy = lock_out + 1000.0 * build.standing;
+    let wake = Wake { task: Task::Sleep, again_in: 3600, read: true };
+    world.sleep(&mut state, wake);
+    assert_eq!(world.lock_outs, 1);
+    // The first 0.8 mJ turn it on again.
+    assert!(world.is_on && (1830..1860).contains(&world.second()), "{}", world.second());
+    assert_eq!(state.second(), world.second());
+    world.spend(world.energy - 0.9 * lock_out);
+    world.wake(&mut state, None);
+    assert_eq!(world.lock_outs, 2);
+    assert!(world.is_on && world.energy > lock_out);
 }
