@@ -11,15 +11,18 @@ const STANDARD_ERRORS: f64 = 3.0;
 /// Standard deviations of a few runs by which the largest motion of another may differ from their mean: by Student's
 /// distribution with four degrees of freedom one in 100 differs by more.
 const DEVIATIONS: f64 = 5.0;
-/// Standard error of the difference over the mean above which the statistics are too uncertain to agree or differ.
+/// Standard error of the difference over the mean above which the statistics are too uncertain to agree.
 const MOST_UNCERTAIN: f64 = 0.2;
+/// Difference over the mean above which statistics that may be the same by their sampling errors are not told to agree.
+const MOST_APART: f64 = 0.1;
 
 /// How the statistics of a run compare with those of an ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Comparison {
-    /// They agree within their sampling error.
+    /// They agree within their sampling error, and within a tenth of the mean.
     Agree,
-    /// They do, but their sampling error is more than a fifth of the mean.
+    /// They agree within their sampling error, but differ by more than a tenth of the mean, or the sampling error is more
+    /// than a fifth of the mean.
     Undecided,
     /// They differ.
     Differ,
@@ -65,7 +68,9 @@ impl Ensemble {
             }
         };
         match apart <= most * error {
-            true if error <= MOST_UNCERTAIN * mean.abs() => Comparison::Agree,
+            true if error <= MOST_UNCERTAIN * mean.abs() && apart <= MOST_APART * mean.abs() => {
+                Comparison::Agree
+            }
             true => Comparison::Undecided,
             false => Comparison::Differ,
         }
@@ -113,6 +118,8 @@ mod tests {
         let compare = |energies, power_w| runs.compare(&run(energies, power_w), Quantity::Power);
         assert_eq!(compare([1.2, 1.1, 0.9, 1.0], 4.2), Comparison::Agree);
         assert_eq!(compare([2.2, 2.1, 1.9, 2.0], 8.2), Comparison::Differ);
+        // The sampling error allows a difference of a third of the mean.
+        assert_eq!(compare([1.0, 1.9, 0.9, 1.6], 5.4), Comparison::Undecided);
         // Nearly all of the energy in one part: a standard error as large as the mean.
         assert_eq!(compare([0.0, 0.0, 8.2, 0.0], 8.2), Comparison::Undecided);
     }
