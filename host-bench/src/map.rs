@@ -232,7 +232,14 @@ fn with_columns(
     content.bounds = &measured;
     let mut image = content.image()?;
     let checked = judged(&image, &voltages, checking)?;
-    let agreement = Agreement::of(&checked);
+    let Some(agreement) = Agreement::of(&checked) else {
+        return Err(Failure::of_file(
+            &scenes[0],
+            format!(
+                "the harvester yields nothing at the {count} places that check the map: other amplitudes?"
+            ),
+        ));
+    };
     image.state(&agreement);
     let margin = (content.margin / 2048.0).exp2() - 1.0;
     let broadband = content.linear().map(|found| [found.factor, found.largest]);

@@ -57,13 +57,13 @@ pub struct Agreement {
     pub regime_right: f64,
     /// Number of those places.
     pub far_places: usize,
-    /// Median of the ratio of the upper to the lower bound.
+    /// Median of the ratio of the upper to the lower bound, where the lower one is above 0; infinite if it is nowhere.
     pub median_bounds_ratio: f64,
 }
 
 impl Agreement {
-    /// Of the places that check a map.
-    pub(super) fn of(checked: &[Judged]) -> Self {
+    /// Of the places that check a map; `None` if none of them has a yield, so that there is no error.
+    pub(super) fn of(checked: &[Judged]) -> Option<Self> {
         let mut errors: Vec<f64> = checked.iter().flat_map(|judged| judged.errors).flatten().collect();
         errors.sort_by(f64::total_cmp);
         let mut ratios: Vec<f64> = checked
@@ -81,16 +81,16 @@ impl Agreement {
         };
         let all: Vec<&Judged> = checked.iter().collect();
         let far: Vec<&Judged> = checked.iter().filter(|judged| judged.is_far).collect();
-        Self {
+        Some(Self {
             places: checked.len(),
-            median: at(&errors, 0.5).unwrap_or(0.0),
-            percentile_90: at(&errors, 0.9).unwrap_or(0.0),
-            largest: at(&errors, 1.0).unwrap_or(0.0),
+            median: at(&errors, 0.5)?,
+            percentile_90: at(&errors, 0.9)?,
+            largest: at(&errors, 1.0)?,
             bounds_hold: share(&all, |judged| judged.holds),
             regime_right: share(&far, |judged| judged.regime),
             far_places: far.len(),
-            median_bounds_ratio: at(&ratios, 0.5).unwrap_or(1.0),
-        }
+            median_bounds_ratio: at(&ratios, 0.5).unwrap_or(f64::INFINITY),
+        })
     }
 }
 
@@ -211,6 +211,20 @@ mod tests {
         let near = [at + 100.0, at + 400.0];
         let judged = judge(one(Branch::Upper, 2.0), near, place, Truth { lower: None, upper: Some(3.0) });
         assert!(judged.regime && !judged.holds && !judged.is_far);
+    }
+
+    #[test]
+    fn a_map_without_a_yield_agrees_with_nothing() {
+        let place = Place { slice: 0, frequency_hz: 20.0, amplitude: 1.0 };
+        let far = [level_of(1.0) + 500.0; 2];
+        let judged = |told, truth| judge(one(Branch::Lower, told), far, place, truth);
+        // A slider that sticks: the model yields nothing, and the map says so.
+        let stuck = judged(0.0, Truth { lower: Some(0.0), upper: None });
+        assert!(stuck.holds && stuck.regime);
+        assert_eq!(Agreement::of(&[stuck; 30]), None);
+        let moving = judged(2.0, Truth { lower: Some(1.9), upper: None });
+        let found = Agreement::of(&[stuck, moving]).expect("an error");
+        assert_eq!((found.places, found.median), (2, moving.error().unwrap_or(0.0)));
     }
 
     #[test]
