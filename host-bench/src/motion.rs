@@ -16,7 +16,7 @@ use crate::method::Failure;
 use crate::report::plot::{self, Axis, Curve, Mark, Plot, height};
 use crate::report::setting::prefix;
 use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION};
-use crate::scene_file::Scene;
+use crate::scene_file::{Excitation, Scene, Tone};
 
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -47,7 +47,7 @@ pub enum LogAxis {
 pub(crate) struct Wanted<'a> {
     pub(crate) title: &'a str,
     pub(crate) views: &'a [View],
-    /// Columns of the time histories; the first is that of the spectrum.
+    /// Columns of the time histories; the last is that of the spectrum.
     pub(crate) quantities: Vec<String>,
     /// First and last instant in s of time histories and phase portrait.
     pub(crate) span_s: [f64; 2],
@@ -66,8 +66,14 @@ const PANEL: (u32, u32) = (560, 430);
 /// Periods of the excitation that a time history shows, and rows in it.
 const SHOWN_PERIODS: f64 = 6.0;
 const SHOWN_ROWS: f64 = 3000.0;
+/// Rows in a period of the excitation, whatever the span: a quarter of their rate is the highest line of a spectrum.
+const ROWS_A_PERIOD: f64 = 4.0 * HARMONICS;
+/// The same of the highest frequency of an excitation that has many.
+const ROWS_OF_A_BAND: f64 = 16.0;
 /// Most rows of a whole run.
 const MOST_ROWS: f64 = 1e6;
+/// Parts of a longer time history of which the lowest and the highest value are drawn.
+const PARTS: usize = 4000;
 /// Frequency of the highest line of a spectrum over that of the excitation.
 const HARMONICS: f64 = 20.0;
 /// Most impacts that are marked.
@@ -83,7 +89,52 @@ pub(crate) fn span_s(scene: &Scene) -> [f64; 2] {
 
 /// The distance in s of the rows for a picture of these instants.
 pub(crate) fn every_s(scene: &Scene, [from, to]: [f64; 2]) -> f64 {
-    ((to - from) / SHOWN_ROWS).max(scene.run.duration_s / MOST_ROWS).max(1e-9)
+    let of_period = closest(scene).map_or(f64::INFINITY, |(frequency, rows)| 1.0 / (rows * frequency));
+    ((to - from) / SHOWN_ROWS).min(of_period).max(scene.run.duration_s / MOST_ROWS).max(1e-9)
+}
+
+/// The highest frequency of the excitation in Hz, and the rows that its period should have.
+fn closest(scene: &Scene) -> Option<(f64, f64)> {
+    let highest = |tones: &[Tone]| tones.iter().map(|tone| tone.frequency_hz).fold(0.0, f64::max);
+    let band = match &scene.excitation {
+        Excitation::Sine(tone) => {
+            return (tone.frequency_hz > 0.0).then_some((tone.frequency_hz, ROWS_A_PERIOD));
+        }
+        Excitation::Sines(tones) => highest(tones),
+        Excitation::Random(random) => highest(&random.tones),
+        Excitation::Burst(burst) => burst.frequency_hz(),
+        Excitation::Sweep(sweep) => sweep.from_hz.max(sweep.to_hz),
+        Excitation::File(_) | Excitation::Silence => return None,
+    };
+    (band > 0.0).then_some((band, ROWS_OF_A_BAND))
+}
+
+/// What a picture with rows at this distance in s does not show, where the run is too long for closer ones.
+pub(crate) fn unresolved(scene: &Scene, every_s: f64) -> Option<String> {
+    let (frequency, _) = closest(scene)?;
+    let rows = 1.0 / (frequency * every_s);
+    (rows < ROWS_OF_A_BAND).then(|| {
+        format!(
+            "{rows:.1} rows in a period of {frequency} Hz, because a run has at most {MOST_ROWS:e}: time histories, portrait \
+             and spectrum do not show the motion; a shorter run.duration_s does"
+        )
+    })
+}
+
+/// The lowest and the highest value of each part of a time history that has more points than can be seen.
+fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let length = points.len().div_ceil(PARTS);
+    if length <= 2 {
+        return points;
+    }
+    let of_part = |part: &[(f64, f64)]| {
+        let by_value = |one: &&(f64, f64), other: &&(f64, f64)| one.1.total_cmp(&other.1);
+        let ends = [part.iter().min_by(by_value), part.iter().max_by(by_value)];
+        let mut ends: Vec<(f64, f64)> = ends.into_iter().flatten().copied().collect();
+        ends.sort_by(|one, other| one.0.total_cmp(&other.0));
+        ends
+    };
+    points.chunks(length).flat_map(of_part).collect()
 }
 
 /// The highest line of a spectrum in Hz, for rows at this distance in s.
@@ -200,7 +251,7 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
     let mut curves: Vec<Curve> = coloured(series)
         .zip(all)
         .map(|((one, colour), points)| {
-            let scaled = points.into_iter().map(|(time, value)| (time, factor * value));
+            let scaled = thinned(points).into_iter().map(|(time, value)| (time, factor * value));
             Curve::new(named(series, one), colour, Mark::Line(1.4), scaled)
         })
         .collect();
@@ -251,7 +302,7 @@ fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Plot> {
     })
 }
 
-/// Amplitudes over frequency of the first quantity; `None` without rows in the window.
+/// Amplitudes over frequency of the last quantity; `None` without rows in the window.
 fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Plot> {
     let column = wanted.quantities.last()?;
     let has = |axis: LogAxis| wanted.logarithmic.contains(&axis);

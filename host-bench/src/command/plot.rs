@@ -86,6 +86,9 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
         scenes.first().ok_or_else(|| Failure::Input("--compare: must have a value".to_owned()))?;
     let span_s = span(arguments, first)?;
     let every_s = motion::every_s(first, span_s);
+    if let Some(text) = motion::unresolved(first, every_s) {
+        tell(&format!("warning: {text}"));
+    }
     let options = Options { trace_every_s: Some(every_s), ..arguments.options };
     options.check()?;
     let traces: Vec<Series> =

@@ -141,3 +141,37 @@ fn a_page_has_its_data_and_needs_no_network() {
     }
     assert_eq!(all[wanted.quantities.len()]["logarithmic"], serde_json::json!([false, true]));
 }
+
+#[test]
+fn rows_of_a_long_span_resolve_the_excitation_and_its_harmonics() {
+    let read = |sets: &[(&str, &str)]| {
+        let sets: Vec<Override> = sets.iter().map(|(key, value)| Override::new(key, value)).collect();
+        scene_file::read(&scene_file::shipped("contact-separation"), &sets).expect("valid")
+    };
+    let scene = read(&[("run", "{duration_s=60.0, settle_s=10.0}"), ("excitation.frequency_hz", "20.5")]);
+    for span in [[0.0, 60.0], [59.9, 60.0], span_s(&scene)] {
+        let every = every_s(&scene, span);
+        // Of a short span 3000, as far as a run of a million has them.
+        let most = ((span[1] - span[0]) / 3000.0).max(60.0 / 1e6).min(1.0 / (80.0 * 20.5));
+        assert!((every / most - 1.0).abs() < 1e-9, "{every} {most}");
+        assert!((highest_hz(&scene, every) / (20.0 * 20.5) - 1.0).abs() < 1e-9, "{span:?}");
+        assert_eq!(unresolved(&scene, every), None);
+    }
+    // A million rows are too few for a day.
+    let day = read(&[("run", "{duration_s=86400.0, settle_s=10.0}"), ("excitation.frequency_hz", "20.5")]);
+    let text = unresolved(&day, every_s(&day, [0.0, 86_400.0])).expect("told");
+    assert!(text.starts_with("0.6 rows in a period of 20.5 Hz"), "{text}");
+}
+
+#[test]
+fn a_long_time_history_keeps_its_extremes() {
+    let points: Vec<(f64, f64)> =
+        (0..100_000).map(|row| (f64::from(row), (0.37 * f64::from(row)).sin())).collect();
+    let mut spiked = points.clone();
+    spiked[54_321].1 = 7.0;
+    spiked[77_777].1 = -9.0;
+    let drawn = thinned(spiked);
+    assert!(drawn.len() <= 8000 && drawn.is_sorted_by(|one, other| one.0 <= other.0));
+    assert!(drawn.contains(&(54_321.0, 7.0)) && drawn.contains(&(77_777.0, -9.0)));
+    assert_eq!(thinned(points[..8000].to_vec()), points[..8000]);
+}
