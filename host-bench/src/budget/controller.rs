@@ -1,8 +1,8 @@
 //! The controller of a node: which actions it runs, by the energy budget of the core alone.
 //!
-//! Actions are listed by importance, after what the node does to know its income. The planned power of the budget, less the standing power, is granted to them in
-//! this order, to each at most for its wished rate. Granted rates add up to credits. An action with a credit of one is
-//! run if the budget allows it now.
+//! Actions are listed by importance, after what the node does to know its income. The planned power of the budget, less
+//! the standing power, is granted to them in this order, to each at most for its wished rate. Granted rates add up to
+//! credits. An action with a credit of one is run if the budget allows it now.
 
 use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,

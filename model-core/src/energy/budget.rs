@@ -111,7 +111,7 @@ impl<S: Scalar, const SLOTS: usize> BudgetState<S, SLOTS> {
         (self.energy - self.uncertainty) - self.pending
     }
 
-    /// The state of the income memory, with the time.
+    /// Seconds since the midnight before [`Budget::start`].
     #[must_use]
     pub fn second(&self) -> u32 {
         self.income.second()

@@ -122,8 +122,8 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
     /// The part of the expected income that is as good as certain, 0 to 1: `1/(1 + 60 d)`, where `d` is the mean
     /// distance of a slot from its expected income over the mean expected income. 1 where no slot was observed twice.
     ///
-    /// An income has no negative values, so the part has none. All slots share one `d`: the few days for which a slot
-    /// is remembered say little of its own.
+    /// The part is positive, because distances are sums of magnitudes. All slots share one `d`: the few days for which a
+    /// slot is remembered say little of its own.
     pub(crate) fn certain_part(&self) -> S {
         let [distance, expected] = self.spread;
         if expected > S::ZERO { expected / (expected + S::from_f64(CAUTION) * distance) } else { S::ONE }

@@ -23,7 +23,8 @@ use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ListeningParameters<S> {
-    /// Part of the mean income that listens may cost, 10⁻⁵ to 1.
+    /// Part of the mean income that listens may cost, 10⁻⁵ to 1: energy at the load over harvested energy. Of what the
+    /// storage gives to the load it is this part over both efficiencies of the storage.
     pub share: S,
     /// Relative error of the income over `horizon` to aim at within that cost, one standard deviation, 10⁻⁴ to 1.
     pub error: S,
@@ -198,21 +199,6 @@ impl<S: Scalar> Listening<S> {
         let regular = state.listens == 0 || elapsed >= self.interval(state);
         let early = departure >= S::from_f64(SURPRISE) && elapsed >= self.parameters.shortest;
         regular || (early && self.saved(state, elapsed) >= state.cost)
-    }
-
-    /// The income since the last listen, `elapsed` s ago, if the power has stayed what it was.
-    ///
-    /// The deviation grows with the time: as `t^(3/2)` where the income is correlated, as `t` where it is not.
-    #[must_use]
-    pub fn held(&self, state: &ListeningState<S>, elapsed: u32) -> Heard<S> {
-        let time = S::from_u32(elapsed);
-        let part = time / S::from_u32(self.interval(state));
-        let r = state.correlation();
-        let q = (S::ONE - r) / (S::ONE + r);
-        let growth = (part + (S::ONE - part) * q).max(part);
-        let factor = (S::from_f64(1.0 / 3.0) + q * S::from_f64(1.0 / 6.0)) * growth;
-        let [power, _] = state.last;
-        Heard { energy: power.max(S::ZERO) * time, deviation: (factor * state.differences[0]).sqrt() * time }
     }
 
     /// Takes in a listen of `power` in W with a standard deviation `deviation` in W at a cost of `cost` in J,

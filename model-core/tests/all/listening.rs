@@ -201,22 +201,6 @@ fn a_surprise_calls_for_a_listen_as_often_as_its_cost_is_saved() {
 }
 
 #[test]
-fn what_is_held_grows_more_uncertain_until_the_next_listen() {
-    let listening = schedule::<f64>();
-    let mut state = listening.start();
-    for power in correlated(&mut Random(5), 0.3, 7200.0).into_iter().step_by(8).take(100) {
-        let elapsed = listening.interval(&state);
-        listening.hear(&mut state, elapsed, power, 0.0, COST);
-    }
-    let interval = listening.interval(&state);
-    let deviations: Vec<f64> = [0, interval / 4, interval / 2, interval]
-        .map(|elapsed| listening.held(&state, elapsed).deviation)
-        .to_vec();
-    assert_eq!(deviations[0], 0.0);
-    assert!(deviations.windows(2).all(|pair| pair[0] < pair[1]), "{deviations:?}");
-}
-
-#[test]
 fn numbers_that_are_no_powers_are_refused() {
     let listening = schedule::<f32>();
     let mut state = listening.start();
