@@ -1,14 +1,17 @@
 //! Parameters of a scene from measurements: weighted nonlinear least squares with the model of the scene.
 
 pub(crate) mod data;
+mod described;
 mod fitted;
 pub(crate) mod free;
+mod lines;
 mod model;
 mod picture;
 mod result;
 mod ring_down;
 mod solve;
 mod starts;
+mod systematic;
 mod uncertainty;
 mod weights;
 
@@ -17,13 +20,14 @@ use std::path::{Path, PathBuf};
 use nalgebra::{DMatrix, DVector};
 
 use self::data::{Data, Rows};
+pub(crate) use self::described::Parameter;
+use self::described::described;
 pub(crate) use self::fitted::{Entry, fitted_scene};
-use self::free::{Asked, Free};
+use self::free::Asked;
 use self::model::{Interpolation, Problem};
-pub(crate) use self::picture::draw;
+pub(crate) use self::picture::{draw, page};
 pub(crate) use self::result::{Found, text};
 use self::solve::{Loss, Solved, cost, solve};
-use self::uncertainty::Uncertainty;
 use self::weights::{Weighting, Weights};
 use crate::method::{Failure, Math, Method, Options, Precision, refuse_first};
 use crate::scene_file::{Model, Override, Scene};
@@ -39,10 +43,6 @@ const STEPS: [f64; 2] = [1e-4, 2e-3];
 const FOLLOWED: usize = 4;
 /// RMS of the residual, in standard deviations or as a part of that of the data, at which no other start is tried.
 const GOOD: [f64; 2] = [2.0, 0.03];
-/// Correlation of two keys from which on a warning names them.
-const CORRELATED: f64 = 0.99;
-/// Reduced chi-squared above which the standard deviations, or the model, are doubted.
-const DOUBTED: f64 = 3.0;
 
 /// What is to be fitted to what.
 #[derive(Debug)]
@@ -56,6 +56,8 @@ pub(crate) struct Request<'a> {
     pub(crate) huber: bool,
     /// Most further starts that are looked at.
     pub(crate) starts: usize,
+    /// Whether the result will be drawn: the model is run between the rows of sweeps too.
+    pub(crate) is_drawn: bool,
 }
 
 /// Huber's limit in standard deviations: 95 % of the efficiency of least squares on Gaussian data.
@@ -98,7 +100,28 @@ pub(crate) fn fit(request: &Request<'_>, scene: &Scene, done: &(dyn Fn() + Sync)
     let step = difference(&problem, &best.at, &evaluation.values)?;
     let polished = solve(&problem, &best.at, weights.sigma(), loss, step);
     let solved = polished.ok_or_else(|| Failure::Step("the model fails at the solution".to_owned()))?;
-    Ok(described(&problem, request, &weights, loss, &solved, step))
+    let mut found = described(&problem, request, &weights, loss, &solved, step);
+    if request.is_drawn {
+        draw_lines(&problem, &solved.at, &coarse, &mut found)?;
+    }
+    Ok(found)
+}
+
+/// Adds the model between the rows of sweeps to the curves.
+fn draw_lines(
+    problem: &Problem<'_>,
+    at: &[f64],
+    options: &Options,
+    found: &mut Found,
+) -> Result<(), Failure> {
+    let mut curves = found.curves.iter_mut();
+    for (file, data) in problem.data.iter().enumerate() {
+        let groups = lines::lines(problem, at, options, file)?;
+        for (column, curve) in curves.by_ref().take(data.columns.len()).enumerate() {
+            curve.lines = groups.iter().map(|columns| columns[column].clone()).collect();
+        }
+    }
+    Ok(())
 }
 
 /// Refuses what a fit does not use.
@@ -308,119 +331,6 @@ fn relative_residuals(problem: &Problem<'_>, values: &[f64]) -> Vec<(String, f64
         .collect()
 }
 
-/// The numbers of a solution.
-fn described(
-    problem: &Problem<'_>,
-    request: &Request<'_>,
-    weights: &Weights,
-    loss: Loss,
-    solved: &Solved,
-    step: f64,
-) -> Found {
-    let measured = problem.measured();
-    let sigma = weights.sigma();
-    let values = &solved.evaluation.values;
-    let at_value = |index: usize| problem.free[index].value(solved.at[index]);
-    let is_free: Vec<bool> =
-        (0..solved.at.len()).map(|index| !problem.free[index].is_at_bound(at_value(index))).collect();
-    let moving = is_free.iter().filter(|free| **free).count();
-    let freedom = problem.count().saturating_sub(moving);
-    let residuals: Vec<f64> =
-        (0..measured.len()).map(|index| (values[index] - measured[index]) / sigma[index]).collect();
-    let chi_squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
-    let reduced = (freedom > 0).then(|| chi_squared / freedom as f64);
-    let variance = match loss {
-        Loss::Huber(limit) => robust_variance(&residuals, limit, moving),
-        Loss::Squares if weights.all_given() => 1.0,
-        // Without a degree of freedom nothing is known of the scatter.
-        Loss::Squares => reduced.unwrap_or(f64::INFINITY),
-    };
-    let columns: Vec<DVector<f64>> = problem
-        .jacobian(&solved.at, &solved.evaluation, step)
-        .into_iter()
-        .map(|column| {
-            DVector::from_iterator(column.len(), column.iter().zip(sigma).map(|(slope, sigma)| slope / sigma))
-        })
-        .collect();
-    let mut uncertainty = Uncertainty::of(&columns, &is_free, variance);
-    // A combination without influence may have drifted to a bound, which would hide it.
-    let all = Uncertainty::of(&columns, &vec![true; columns.len()], variance);
-    if !all.undetermined.is_empty() {
-        uncertainty.undetermined = all.undetermined;
-    }
-    if loss == Loss::Squares && !weights.all_given() {
-        uncertainty.widen(&columns, &residuals, variance);
-    }
-    let mut found = Found::new(problem, solved, &uncertainty, &is_free, freedom);
-    found.reduced_chi_squared = reduced.filter(|_| weights.all_given());
-    found.relative_residual = relative_residuals(problem, values);
-    found.weighting = weights.weightings().to_vec();
-    found.warnings = warnings(problem, request, weights, solved, &found);
-    found
-}
-
-/// The variance of a weighted value under Huber's loss (P. J. Huber, *Robust Statistics*, 1981, section 7.6).
-fn robust_variance(residuals: &[f64], limit: f64, moving: usize) -> f64 {
-    let count = residuals.len() as f64;
-    let inside = residuals.iter().filter(|residual| residual.abs() < limit).count() as f64 / count;
-    let squares: f64 = residuals.iter().map(|residual| residual.clamp(-limit, limit).powi(2)).sum();
-    let correction = 1.0 + moving as f64 / count * (1.0 - inside) / inside;
-    correction * correction * squares / (count - moving as f64) / (inside * inside)
-}
-
-/// What to know before the numbers are used.
-fn warnings(
-    problem: &Problem<'_>,
-    request: &Request<'_>,
-    weights: &Weights,
-    solved: &Solved,
-    found: &Found,
-) -> Vec<String> {
-    let mut all = Vec::new();
-    let lacking = solved.evaluation.lacks_orbits(&problem.data);
-    if lacking > 0 {
-        all.push(format!(
-            "at {lacking} rows the model has no stable motion of one period: the numbers of the run stand there, with a \
-             standard deviation of at least {} % of the value",
-            100.0 * weights::WITHOUT_PERIOD
-        ));
-    }
-    for combination in &found.undetermined {
-        all.push(format!(
-            "not identifiable: the data do not determine {}; hold one of these keys, or measure what separates them",
-            result::product(combination)
-        ));
-    }
-    for parameter in found.parameters.iter().filter(|parameter| parameter.at_bound) {
-        all.push(format!("{} is at its bound: it has no standard error", parameter.key));
-    }
-    if found.undetermined.is_empty() {
-        for (one, row) in found.correlation.iter().enumerate() {
-            for (other, value) in row.iter().enumerate().skip(one + 1) {
-                if let Some(value) = value.filter(|value| value.abs() > CORRELATED) {
-                    let [one, other] = [one, other].map(|index| &found.parameters[index].key);
-                    all.push(format!("{one} and {other} have a correlation of {value:.4}"));
-                }
-            }
-        }
-    }
-    if let Some(reduced) = found.reduced_chi_squared.filter(|reduced| *reduced > DOUBTED) {
-        all.push(format!(
-            "the reduced chi-squared is {reduced:.1}: the model does not follow the data within their standard \
-             deviations, and the standard errors are too small"
-        ));
-    }
-    if !request.huber && weights.weightings().iter().any(|(_, weighting)| *weighting == Weighting::Relative) {
-        let relative = weights.weightings().iter().filter(|(_, weighting)| *weighting == Weighting::Relative);
-        let names: Vec<&str> = relative.map(|(name, _)| name.as_str()).collect();
-        all.push(format!(
-            "the scatter of {} grows with the value: it is weighted by its size; give columns _std to say otherwise",
-            names.join(", ")
-        ));
-    }
-    all
-}
-
 impl Problem<'_> {
     fn has_sweep(&self) -> bool {
         self.data.iter().any(|data| matches!(data.rows, Rows::Sweep(_)))
@@ -429,48 +339,5 @@ impl Problem<'_> {
     /// Whether a file has a recorded acceleration.
     fn has_samples(&self) -> bool {
         self.data.iter().any(|data| matches!(data.rows, Rows::Trace { acceleration: Some(_), .. }))
-    }
-}
-
-/// A free number with its result.
-#[derive(Debug, Clone)]
-pub(crate) struct Parameter {
-    pub(crate) key: String,
-    pub(crate) value: f64,
-    /// `None` at a bound, and of a key that the data do not determine.
-    pub(crate) standard_error: Option<f64>,
-    pub(crate) interval_95: Option<[f64; 2]>,
-    pub(crate) start: f64,
-    pub(crate) at_bound: bool,
-    /// Whether it is a key of the scene that may be written.
-    pub(crate) is_written: bool,
-}
-
-impl Parameter {
-    /// What a scene file says of it.
-    pub(crate) fn entry(&self) -> Entry {
-        let known = match self.interval_95 {
-            Some([low, high]) => format!("95 % from {low:.4e} to {high:.4e}"),
-            None if self.at_bound => "at its bound".to_owned(),
-            None => "without an interval".to_owned(),
-        };
-        let comment = format!("fitted, {known}, start {:e}", self.start);
-        Entry { key: self.key.clone(), value: self.value, comment }
-    }
-
-    /// Of a coordinate with a standard error, and the quantile of Student's t for its interval.
-    fn of(free: &Free, at: f64, error: Option<f64>, quantile: f64) -> Self {
-        let value = free.value(at);
-        let interval =
-            error.map(|error| [at - quantile * error, at + quantile * error].map(|end| free.value(end)));
-        Self {
-            key: free.name.clone(),
-            value,
-            standard_error: error.map(|error| error * free.slope(value)),
-            interval_95: interval,
-            start: free.start,
-            at_bound: free.is_at_bound(value),
-            is_written: true,
-        }
     }
 }

@@ -26,6 +26,7 @@ struct Arguments {
 #[derive(Debug, clap::Subcommand)]
 enum Command {
     /// Simulate a day of a sensor node: stored energy, income and actions
+    #[command(after_help = "Run time: below a second; with --exact 5 s of one core for node.toml")]
     Budget(budget::BudgetArguments),
     /// A script by which a shell completes commands and options
     Completions {
@@ -39,30 +40,55 @@ enum Command {
     /// What the two papers find, measured on the shipped scenes
     Findings(findings::FindingsArguments),
     /// Fit parameters of a scene to measurements
+    #[command(
+        after_help = "Run time: below a second for a sweep of 28 values; it grows with rows times free keys: minutes for long traces, and for a beam that hits a stop"
+    )]
     Fit(fit::FitArguments),
     /// Every key of scene files: unit, bounds, default, meaning
     Keys(keys::KeysArguments),
     /// The income over amplitude and frequency, for a node to look up
     Map(map::MapArguments),
     /// Which parts of a scene its mean power needs, and what runs the scene without the others
+    #[command(
+        after_help = "Run time: a second for triboelectric scenes, a quarter of a minute for bump-stop.toml; with --core a build of the firmware besides"
+    )]
     Needs(needs::NeedsArguments),
     /// A commented template of a scene file
     New(keys::NewArguments),
     /// The motion of one run or of several as a picture
+    #[command(
+        after_help = "Run time: that of the runs: below a second each for triboelectric scenes, some seconds for a beam that hits a stop"
+    )]
     Plot(plot::PlotArguments),
     /// The frequency at which the steady state of a scene responds most
+    #[command(
+        after_help = "Run time: below a second for triboelectric scenes, 10 s of one core for bump-stop.toml"
+    )]
     Resonance(resonance::ResonanceArguments),
     /// Run one scene
+    #[command(
+        after_help = "Run time: below a second for triboelectric scenes, some seconds for a beam that hits a stop; more with a tighter --accuracy and a longer [run], and times --seeds"
+    )]
     Run(run::RunArguments),
     /// Build the firmware for each core, run it under QEMU
+    #[command(
+        after_help = "Run time: some minutes: a build of the firmware for each core, and its runs under QEMU"
+    )]
     OnTarget(on_target::OnTargetArguments),
     /// The values of one to four keys at which a number of the result is largest or smallest
+    #[command(
+        after_help = "Run time: that of its runs on all cores: at most 190, 520, 780 and 1210 of them over one to four keys, with constraints half as many again"
+    )]
     Optimise(optimise::OptimiseArguments),
     /// Stiff and extreme scenes: each right, refused, or a named error
     Stability(stability::StabilityArguments),
     /// What the stop of a bump-stop scene saves in stress at the clamp, and what it costs in power
+    #[command(after_help = "Run time: that of its points, each a run or two, on all cores")]
     Stop(stop::StopArguments),
     /// Run a scene over a grid of values
+    #[command(
+        after_help = "Run time: that of its points on all cores; the accuracy statement of a point takes further runs, --no-accuracy leaves it out"
+    )]
     Sweep(sweep::SweepArguments),
     /// Error against run time: methods, steps, tolerances, precisions, math backends
     WorkPrecision(work_precision::WorkPrecisionArguments),

@@ -15,7 +15,7 @@ pub(crate) use self::series::{Series, quantity};
 use crate::method::Failure;
 use crate::report::plot::{self, Axis, Curve, Mark, Plot, height};
 use crate::report::setting::prefix;
-use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION};
+use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, together};
 use crate::scene_file::{Excitation, Scene, Tone};
 
 /// What a picture shows.
@@ -214,18 +214,6 @@ pub(crate) fn draw(wanted: &Wanted<'_>, series: &[Series]) -> Result<String, Fai
         return Err(fault("no run has what the views show".to_owned()));
     }
     Ok(together((WIDTH, below), &parts))
-}
-
-/// Pictures at their places in one.
-fn together((width, height): (u32, u32), parts: &[(u32, u32, String)]) -> String {
-    let mut text = format!(
-        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
-         xmlns=\"http://www.w3.org/2000/svg\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n"
-    );
-    for (left, top, svg) in parts {
-        text += &svg.replacen("<svg ", &format!("<svg x=\"{left}\" y=\"{top}\" "), 1);
-    }
-    text + "</svg>\n"
 }
 
 /// Each run with its colour.

@@ -1,6 +1,7 @@
 //! The values of a few keys at which a number of the result is largest or smallest: a coarse grid, then a search without
 //! derivatives from its best points.
 
+mod doubt;
 mod picture;
 mod search;
 
@@ -131,7 +132,9 @@ impl Request<'_> {
     fn scene(&self, place: &[f64]) -> Result<Scene, Failure> {
         let mut overrides = self.overrides.to_vec();
         let values = self.ranges.iter().zip(place);
-        overrides.extend(values.map(|(range, part)| Override::new(&range.key, &number(range.value(*part)))));
+        overrides.extend(
+            values.map(|(range, part)| Override::new(&range.key, &number(range.value(*part))).by("--over")),
+        );
         let mut scene = scene_file::read(self.file, &overrides)?;
         (self.hold)(&mut scene)?;
         Ok(scene)
@@ -159,18 +162,24 @@ impl Request<'_> {
         Some((sought, margins?))
     }
 
-    /// Refuses a quantity that the result of the scene does not have.
+    /// The option that names the quantity.
+    fn option(&self) -> &'static str {
+        if self.is_largest { "--maximise" } else { "--minimise" }
+    }
+
+    /// Refuses a quantity that says nothing of the harvester, and one that the result of the scene does not have.
     fn check_quantities(&self, outcome: &Outcome) -> Result<(), Failure> {
         let numbers = flattened(fields(outcome));
         let of_constraints = self.constraints.iter().map(|constraint| ("--subject-to", &constraint.quantity));
-        let all = std::iter::once(("--maximise, --minimise", &self.quantity)).chain(of_constraints);
+        let all = std::iter::once((self.option(), &self.quantity)).chain(of_constraints);
         for (option, name) in all {
+            if let Some(reason) = irrelevant(name) {
+                return Err(Failure::Input(format!("{option} {name}: cannot be sought: {reason}")));
+            }
             if !numbers.get(name).is_some_and(|value| value.is_number() || value.is_null()) {
-                let known: Vec<&str> = numbers
-                    .iter()
-                    .filter(|(_, value)| value.is_number())
-                    .map(|(key, _)| key.as_str())
-                    .collect();
+                let known =
+                    numbers.iter().filter(|(key, value)| value.is_number() && irrelevant(key).is_none());
+                let known: Vec<&str> = known.map(|(key, _)| key.as_str()).collect();
                 let known = known.join(", ");
                 return Err(Failure::Input(format!(
                     "{option} {name}: must be a number of the result: {known}"
@@ -183,6 +192,25 @@ impl Request<'_> {
     /// The value in its own sign.
     fn signed(&self, value: f64) -> f64 {
         if self.is_largest { value } else { -value }
+    }
+}
+
+/// Why a number of the result says nothing of the harvester; `None` of one that does.
+fn irrelevant(name: &str) -> Option<&'static str> {
+    match name {
+        "wall_s" => Some("it is a time of this computer"),
+        "steps" | "rejected_steps" | "newton_iterations" | "simulated_periods" => {
+            Some("it is what the computation took")
+        }
+        "duration_s" | "settle_s" => Some("it is chosen in [run] of the scene"),
+        "energy_residual" | "steady_state_residual" => Some("it is an error of the numerics"),
+        name if name.starts_with("accuracy") => {
+            Some("each point is run once, without its accuracy statement")
+        }
+        name if name.starts_with("run.") || name.starts_with("run_") => {
+            Some("[run] is chosen in the scene, and no result")
+        }
+        _ => None,
     }
 }
 
@@ -222,6 +250,8 @@ pub(crate) struct Found {
     /// All points, those of the grid first, the last key running fastest.
     pub(crate) points: Vec<Point>,
     pub(crate) failed: usize,
+    /// What to know before the optimum is used, besides the warnings of its run.
+    pub(crate) doubts: Vec<String>,
 }
 
 impl Found {
@@ -229,6 +259,11 @@ impl Found {
     pub(crate) fn values(request: &Request<'_>, point: &Point) -> Vec<(String, f64)> {
         let ranges = request.ranges.iter().zip(&point.place);
         ranges.map(|(range, part)| (range.key.clone(), range.value(*part))).collect()
+    }
+
+    /// What to know of the optimum, and the warnings of its run.
+    pub(crate) fn warnings(&self) -> impl Iterator<Item = &String> {
+        self.doubts.iter().chain(&self.outcome.warnings)
     }
 
     /// The result as JSON.
@@ -277,7 +312,7 @@ impl Found {
         }
         put("evaluations", json!(self.points.len()));
         put("failed", json!(self.failed));
-        put("warnings", json!(self.outcome.warnings));
+        put("warnings", json!(self.warnings().collect::<Vec<_>>()));
         put("result", Value::Object(fields(&self.outcome)));
         all
     }

@@ -1,6 +1,7 @@
 //! The report on error against run time: one HTML page with its pictures in it.
 
 mod chart;
+pub(crate) mod charts;
 pub(crate) mod colour_bar;
 pub(crate) mod html;
 pub(crate) mod plot;
@@ -9,14 +10,19 @@ pub(crate) mod svg;
 
 use std::fmt::Write;
 
+use self::charts::{Charts, HINT, Look};
 use self::html::{document, escaped};
 use crate::method::Method;
 use crate::scene_file::Model;
 use crate::work_precision::Comparison;
 use crate::work_precision::table::resistance;
 
+/// How error against run time stands in its page.
+const CHART: Look<'_> = Look { height: 520, group: None };
+
 pub(crate) fn page(comparisons: &[Comparison]) -> Result<String, String> {
     let mut body = String::new();
+    let mut charts = Charts::default();
     body.push_str("<h1>Vibration energy harvesters: error against run time</h1>\n");
     body.push_str(
         "<p>The triboelectric harvesters on the embedded core, run on this host, against an independent \
@@ -24,14 +30,16 @@ pub(crate) fn page(comparisons: &[Comparison]) -> Result<String, String> {
          hits the dielectric in every period, and the power comes in a spike at each contact; in sliding, \
          friction turns round at every reversal and the overlap has a corner in the middle.</p>\n",
     );
+    body.push_str(HINT);
     for comparison in comparisons {
         let quantity = match comparison.scene.model {
             Model::ContactSeparation(_) | Model::Sliding(_) => {
                 let load = resistance(comparison.scene.load.resistance_ohm());
                 let _ = writeln!(body, "<h2>{}, load: {load}</h2>", escaped(&comparison.file()));
                 let _ = writeln!(body, "<p>{}</p>", escaped(&summary(comparison)));
-                body.push_str(&chart::draw(comparison)?);
-                body.push('\n');
+                body += &charts.place(&chart::plot(comparison), CHART);
+                // Without scripts the picture stands there.
+                let _ = writeln!(body, "<noscript><figure>{}</figure></noscript>", chart::draw(comparison)?);
                 "mean power"
             }
             Model::BumpStop(_) => {
@@ -51,6 +59,7 @@ pub(crate) fn page(comparisons: &[Comparison]) -> Result<String, String> {
             let _ = writeln!(body, "<p class=\"note\">{}</p>", escaped(&note));
         }
     }
+    body += &charts.scripts();
     Ok(document("Error against run time", &body))
 }
 

@@ -14,6 +14,7 @@ mod command_line {
     mod needs;
     mod optimise;
     mod outputs;
+    mod pages;
     mod plot;
     mod presets;
     mod refused_options;

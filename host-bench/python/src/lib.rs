@@ -2,9 +2,13 @@
 //! `vibration_harvester/__init__.py` turns into dictionaries and NumPy arrays.
 //!
 //! Options are those of the command line, parsed and checked by the same code. The interpreter lock is released while
-//! the engine runs.
+//! the engine runs in a thread of its own, and the caller looks for signals such as Ctrl-C.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
 
 use clap::Parser;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -44,6 +48,38 @@ fn raised(failure: Failure) -> PyErr {
     }
 }
 
+/// Time from one look for signals to the next.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// The result of a computation in a thread of its own. A signal, such as Ctrl-C, ends the wait with its exception and sets
+/// the flag by which the computation begins nothing new; what it has begun it ends unseen.
+fn interruptible<T: Send + 'static>(
+    py: Python<'_>,
+    compute: impl FnOnce(&AtomicBool) -> Result<T, Failure> + Send + 'static,
+) -> PyResult<T> {
+    let stopped = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stopped);
+    let (sender, mut receiver) = channel();
+    let thread = std::thread::spawn(move || {
+        // After a signal nobody waits.
+        let _ = sender.send(compute(&flag));
+    });
+    loop {
+        let (found, again) = py.detach(move || (receiver.recv_timeout(LOOK), receiver));
+        receiver = again;
+        match found {
+            Ok(found) => return found.map_err(raised),
+            Err(RecvTimeoutError::Timeout) => {
+                py.check_signals().inspect_err(|_| stopped.store(true, Ordering::Relaxed))?;
+            }
+            Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                Err(panic) => std::panic::resume_unwind(panic),
+                Ok(()) => return Err(PyRuntimeError::new_err("the computation ended without a result")),
+            },
+        }
+    }
+}
+
 /// Parses arguments such as `["--tolerance", "1e-3"]`.
 fn parsed<A: Parser>(given: &[String]) -> Result<A, Failure> {
     A::try_parse_from(given).map_err(|error| {
@@ -79,13 +115,12 @@ fn run(
     how: (Option<f64>, bool, bool),
 ) -> PyResult<(String, Option<Trace>)> {
     let (trace_every_s, steady_state, states_accuracy) = how;
-    let found = py.detach(|| {
+    let found = interruptible(py, move |_| {
         let options = Options { trace_every_s, steady_state, ..options(&given)? };
         options.check()?;
         let scene = scene_file::read(&scene, &overrides(&set)).map_err(Failure::from)?;
         outcome(&scene, &options, states_accuracy)
-    });
-    let found = found.map_err(raised)?;
+    })?;
     let trace = found.trace.as_ref().map(|recording| {
         let bytes: Vec<u8> = recording.rows.iter().flatten().flat_map(|value| value.to_ne_bytes()).collect();
         (recording.columns.to_vec(), PyBytes::new(py, &bytes).unbind())
@@ -105,7 +140,7 @@ fn sweep(
     how: (bool, bool),
 ) -> PyResult<Vec<String>> {
     let (steady_state, states_accuracy) = how;
-    let found: Result<Vec<String>, Failure> = py.detach(|| {
+    interruptible(py, move |stopped| {
         let options = Options { steady_state, ..options(&given)? };
         let count = over.iter().map(|(_, values)| values.len()).product();
         let scenes: Result<Vec<Scene>, Failure> = (0..count)
@@ -118,14 +153,18 @@ fn sweep(
                 Ok(scene)
             })
             .collect();
-        let run = |scene: &Scene| match outcome(scene, &options, states_accuracy) {
-            Ok(found) => Ok(found.text(Format::Json)),
-            Err(Failure::Input(text)) => Err(Failure::Input(text)),
-            Err(failure) => Ok(text(&serde_json::json!({ "error": failure.to_string() }), Format::Json)),
+        let run = |scene: &Scene| {
+            if stopped.load(Ordering::Relaxed) {
+                return Err(Failure::Step("stopped by a signal".to_owned()));
+            }
+            match outcome(scene, &options, states_accuracy) {
+                Ok(found) => Ok(found.text(Format::Json)),
+                Err(Failure::Input(text)) => Err(Failure::Input(text)),
+                Err(failure) => Ok(text(&serde_json::json!({ "error": failure.to_string() }), Format::Json)),
+            }
         };
         scenes?.par_iter().map(run).collect()
-    });
-    found.map_err(raised)
+    })
 }
 
 /// The values of a point; the last key runs fastest.
@@ -134,7 +173,7 @@ fn point(over: &[(String, Vec<f64>)], index: usize) -> Vec<Override> {
     let change = |(key, values): &(String, Vec<f64>)| {
         let value = values[rest % values.len()];
         rest /= values.len();
-        Override::new(key, &number(value))
+        Override::new(key, &number(value)).by("over")
     };
     over.iter().rev().map(change).collect()
 }
@@ -158,13 +197,13 @@ struct Optimise {
 /// Fits parameters of a scene: the result of `fit --format json`.
 #[pyfunction]
 fn fit(py: Python<'_>, given: Vec<String>) -> PyResult<String> {
-    py.detach(|| command::fit::json(&parsed::<Fit>(&given)?.arguments)).map_err(raised)
+    interruptible(py, move |_| command::fit::json(&parsed::<Fit>(&given)?.arguments))
 }
 
 /// Seeks the best values of a few keys: the result of `optimise --format json`.
 #[pyfunction]
 fn optimise(py: Python<'_>, given: Vec<String>) -> PyResult<String> {
-    py.detach(|| command::optimise::json(&parsed::<Optimise>(&given)?.arguments)).map_err(raised)
+    interruptible(py, move |_| command::optimise::json(&parsed::<Optimise>(&given)?.arguments))
 }
 
 /// A response map of a scene.
@@ -186,15 +225,14 @@ fn map(
     given: Vec<String>,
 ) -> PyResult<Map> {
     let ([amplitudes, frequencies], (error, places, seed)) = (ranges, places);
-    let found = py.detach(|| {
+    interruptible(py, move |_| {
         let options = options(&given)?;
         let scene = scene_file::read(&scene, &overrides(&set)).map_err(Failure::from)?;
         let request = host_bench::map::Request { amplitudes, frequencies, voltages, error, places, seed };
         request.check()?;
         let found = host_bench::map::map(&scene, &request, &options, &|_| ())?;
         Ok(Map { found, name: scene.name().to_owned() })
-    });
-    found.map_err(raised)
+    })
 }
 
 #[pymethods]

@@ -3,8 +3,12 @@
 import json
 import os
 import pathlib
+import signal
 import subprocess
+import sys
+import tempfile
 import threading
+import time
 import unittest
 
 import numpy as np
@@ -51,6 +55,42 @@ class Bindings(unittest.TestCase):
         # P R = (RMS voltage)², whatever the model does.
         product = swept["mean_power_w"] * swept["load.resistance_ohm"]
         np.testing.assert_allclose(product, swept["rms_voltage_v"] ** 2, rtol=1e-6)
+
+    def test_a_number_that_is_missing_is_not_a_number_in_a_sweep_and_none_in_a_run(self):
+        # Without a rough base nothing hits the dielectric, so that there is no first impact.
+        still = {**SHORT, "excitation.amplitude_m_per_s2": 1e-3}
+        self.assertIsNone(vh.run(SCENE, set=still, states_accuracy=False)["first_impact_s"])
+        for amplitudes in ([1e-3], [1e-3, 3.0]):
+            over = {"excitation.amplitude_m_per_s2": amplitudes}
+            swept = vh.sweep(SCENE, over, set={"run.duration_s": 3.0, "run.settle_s": 0.1}, states_accuracy=False)
+            first = swept["first_impact_s"]
+            self.assertEqual(first.dtype, float)
+            self.assertEqual(list(np.isnan(first)), [amplitude < 1 for amplitude in amplitudes])
+        self.assertEqual(list(swept["error"]), [None, None])
+
+    def test_a_signal_ends_a_long_run_and_a_sweep(self):
+        long = {"run.duration_s": 3600.0, "run.settle_s": 0.0}
+        for call in (
+            lambda: vh.run(SCENE, set=long),
+            lambda: vh.sweep(SCENE, {"load.resistance_ohm": np.geomspace(1e6, 1e9, 64)}, set={"run.duration_s": 60.0}),
+        ):
+            timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+            began = time.monotonic()
+            timer.start()
+            with self.assertRaises(KeyboardInterrupt):
+                call()
+            self.assertLess(time.monotonic() - began, 3.0)
+
+    def test_a_missing_native_module_is_told(self):
+        package = pathlib.Path(vh.__file__)
+        with tempfile.TemporaryDirectory() as folder:
+            alone = pathlib.Path(folder) / "vibration_harvester"
+            alone.mkdir()
+            (alone / "__init__.py").write_text(package.read_text())
+            told = subprocess.run([sys.executable, "-c", "import vibration_harvester"], cwd=folder, capture_output=True)
+        self.assertNotEqual(told.returncode, 0)
+        self.assertIn(b"the native module cannot be loaded", told.stderr)
+        self.assertIn(b"pip install ./host-bench/python", told.stderr)
 
     def test_bad_input_is_a_value_error_with_the_text_of_the_command_line(self):
         with self.assertRaisesRegex(ValueError, "load.resistance_ohm.*-1"):

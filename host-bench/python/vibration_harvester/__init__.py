@@ -6,15 +6,25 @@ A scene is the path of a scene file. ``set`` changes keys of it, as ``--set`` of
 unit in their name.
 
 Bad input raises ``ValueError``, a run that cannot be stepped to its end ``RuntimeError``. The interpreter lock is released
-while the engine runs; a computation that has begun is not interrupted by a signal.
+while the engine runs. Ctrl-C ends the wait for a result at once; a sweep begins no further run, and what runs already goes on
+unseen to its end.
+
+A number that a result does not have is ``None`` in a dictionary, and not-a-number in an array of ``sweep``.
 """
 
 import json
 import os
+import sys
 
 import numpy as np
 
-from . import _native
+try:
+    from . import _native
+except ImportError as error:
+    raise ImportError(
+        f"vibration_harvester: the native module cannot be loaded ({error}); build it for this Python, "
+        f"{sys.version_info.major}.{sys.version_info.minor}, by `pip install ./host-bench/python` with Rust installed"
+    ) from error
 
 __all__ = ["Map", "fit", "map", "optimise", "run", "sweep"]
 
@@ -53,7 +63,7 @@ def sweep(scene, over, *, set=None, steady_state=False, states_accuracy=True, **
     found = {key: values for (key, _), values in zip(keys, grid)}
     names = dict.fromkeys(name for row in rows for name in row)
     names.setdefault("error")
-    found.update((name, _array([row.get(name) for row in rows], shape)) for name in names)
+    found.update((name, _array(name, [row.get(name) for row in rows], shape)) for name in names)
     return found
 
 
@@ -170,11 +180,13 @@ def _arguments(options):
     return [f"--{name.replace('_', '-')}={value}" for name, value in options.items() if value is not None]
 
 
-def _array(values, shape):
+# Results that are no numbers, though a point may lack them.
+_OBJECTS = {"accuracy", "error", "math", "method", "precision", "scene", "steady_state", "warnings"}
+
+
+def _array(name, values, shape):
     """Values of one name at all points: doubles if all are numbers or absent, else objects."""
-    if all(value is None or type(value) in (int, float) for value in values) and any(
-        value is not None for value in values
-    ):
+    if name not in _OBJECTS and all(value is None or type(value) in (int, float) for value in values):
         numbers = [np.nan if value is None else value for value in values]
         return np.array(numbers, dtype=float).reshape(shape)
     array = np.empty(len(values), dtype=object)

@@ -6,6 +6,7 @@ use plotters::style::RGBColor;
 
 use super::outcome::{NodeDay, Sample, Source};
 use crate::outcome::Format;
+use crate::report::charts::{Charts, HINT, Look};
 use crate::report::html::{document, escaped};
 use crate::report::plot::{Axis, Curve, Mark, Plot, draw};
 use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION};
@@ -20,17 +21,24 @@ const COLOURS: [RGBColor; 4] = [GREEN, VERMILION, ORANGE, BLACK];
 
 /// The picture as SVG text.
 pub(crate) fn svg(day: &NodeDay) -> Result<String, String> {
-    let (stored, income, actions) = (stored(day), income(day), actions(day));
-    let plots = match knowing(day) {
-        Some(knowing) => vec![stored, income, knowing, actions],
-        None => vec![stored, income, actions],
-    };
+    let plots = plots(day);
     draw((SIZE.0, SIZE.1 * plots.len() as u32), &plots)
 }
 
-/// A page with the picture and the numbers.
+fn plots(day: &NodeDay) -> Vec<Plot> {
+    let all = [Some(stored(day)), Some(income(day)), knowing(day), Some(actions(day))];
+    all.into_iter().flatten().collect()
+}
+
+/// A page with charts and the numbers; the picture stands there where scripts are switched off.
 pub(crate) fn page(day: &NodeDay, source: &Source, svg: &str) -> String {
-    let mut body = format!("<h1>A day of a node: {}</h1>\n<figure>{svg}</figure>\n", escaped(source.scene));
+    let mut charts = Charts::default();
+    let mut body = format!("<h1>A day of a node: {}</h1>\n{HINT}", escaped(source.scene));
+    for plot in plots(day) {
+        body += &charts.place(&plot, Look { height: 260, group: Some("hours") });
+    }
+    let _ = writeln!(body, "<noscript><figure>{svg}</figure></noscript>");
+    body += &charts.scripts();
     let _ = writeln!(body, "<pre>{}</pre>", escaped(&day.text(source, Format::Table)));
     document("A day of a node", &body)
 }

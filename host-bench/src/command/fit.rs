@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::files::Outputs;
-use super::{NODE, SceneArguments, check_keys, print, progress, tell};
+use super::{NODE, SceneArguments, check_keys, check_overrides, print, progress, tell};
 use crate::fit::{self, Found, Request, free::Asked};
 use crate::method::Failure;
 use crate::outcome::Format;
-use crate::scene_file;
+use crate::scene_file::{self, Fit};
 
 /// Starts that are looked at where the first one does not end well.
 const STARTS: usize = 24;
@@ -40,8 +40,8 @@ pub struct FitArguments {
     /// Write the scene with the fitted values, and data and model as a picture beside it (.svg)
     #[arg(long, value_name = "FITTED.toml")]
     output: Option<PathBuf>,
-    /// Write data and model, residuals below, into this picture
-    #[arg(long, value_name = "FILE.svg")]
+    /// Write data and model, residuals below, into this picture (.svg) or page with zoom and hover (.html)
+    #[arg(long, value_name = "FILE.svg|.html")]
     picture: Option<PathBuf>,
 }
 
@@ -63,67 +63,94 @@ pub fn json(arguments: &FitArguments) -> Result<String, Failure> {
 fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
     let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let (scene, table) = scene_file::read_with_fit(file, overrides)?;
-    let of_table = |error: String| Failure::Input(format!("{}: fit.{error}", file.display()));
-    let free = if arguments.free.is_empty() {
-        let asked =
-            table.free.iter().map(|text| text.parse().map_err(|error| format!("free: {text:?}: {error}")));
-        asked.collect::<Result<Vec<Asked>, String>>().map_err(of_table)?
-    } else {
-        arguments.free.clone()
-    };
-    let huber = match (arguments.loss, table.loss.as_deref()) {
-        (Some(loss), _) => loss == LossName::Huber,
-        (None, None | Some("linear")) => false,
-        (None, Some("huber")) => true,
-        (None, Some(other)) => {
-            return Err(of_table(format!("loss = {other:?}: must be \"linear\" or \"huber\"")));
-        }
-    };
+    let (free, huber) = (arguments.free(&table)?, arguments.is_huber(&table)?);
     let starts = arguments.starts.or(table.starts).unwrap_or(STARTS);
     if starts > 1000 {
         return Err(Failure::Input(format!("--starts {starts}: must be at most 1000")));
     }
-    let keys = overrides.iter().map(|change| ("--set", change.key()));
-    let keys: Vec<(&str, &str)> =
-        keys.chain(free.iter().map(|asked| ("--free", asked.key.as_str()))).collect();
-    check_keys(&keys[..overrides.len()], &[NODE])?;
-    let of_free: Vec<(&str, &str)> = keys[overrides.len()..].to_vec();
-    check_keys(&of_free, &[NODE, ("fit", "[fit] is no part of the model")])?;
+    check_overrides(overrides, &[NODE])?;
+    let keys: Vec<(&str, &str)> = free.iter().map(|asked| ("--free", asked.key.as_str())).collect();
+    check_keys(&keys, &[NODE, ("fit", "[fit] is no part of the model")])?;
     let data = if arguments.data.is_empty() { table.data } else { arguments.data.clone() };
     let outputs = Outputs::of(file, overrides)?.and(&data);
-    let pictures =
-        [arguments.output.as_ref().map(|path| path.with_extension("svg")), arguments.picture.clone()];
-    for path in arguments.output.iter().chain(pictures.iter().flatten()) {
-        outputs.check("--output", path)?;
-    }
-    if let Some(path) = &arguments.picture {
-        outputs.check_picture("--picture", path, &["svg"])?;
-    }
+    arguments.check_outputs(&outputs)?;
+    let is_drawn = arguments.output.is_some() || arguments.picture.is_some();
     let bar = progress(0);
     let done = || {
         bar.inc_length(1);
         bar.inc(1);
     };
-    let request = Request { file, overrides, options: *options, data, free, huber, starts };
+    let request = Request { file, overrides, options: *options, data, free, huber, starts, is_drawn };
     let found = fit::fit(&request, &scene, &done);
     bar.finish_and_clear();
     let found = found?;
     for warning in &found.warnings {
         tell(&format!("warning: {warning}"));
     }
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let is_written = found.is_identifiable() && found.converged;
-    let [beside, asked] = &pictures;
-    for path in beside.iter().filter(|_| is_written).chain(asked) {
-        outputs.write(path, &fit::draw(&found, &name).map_err(Failure::Input)?)?;
-    }
-    if let Some(path) = arguments.output.as_ref().filter(|_| is_written) {
-        let written = found.parameters.iter().filter(|parameter| parameter.is_written);
-        let entries: Vec<fit::Entry> = written.map(fit::Parameter::entry).collect();
-        let moved = folder(path) != folder(file);
-        outputs.write(path, &fit::fitted_scene(file, overrides, &entries, moved)?)?;
-    }
+    arguments.write(&outputs, &found)?;
     Ok(found)
+}
+
+impl FitArguments {
+    /// An error of the table `[fit]`.
+    fn of_table(&self, error: &str) -> Failure {
+        Failure::Input(format!("{}: fit.{error}", self.scene.scene.display()))
+    }
+
+    /// The free keys: those of the options, else those of the table.
+    fn free(&self, table: &Fit) -> Result<Vec<Asked>, Failure> {
+        if !self.free.is_empty() {
+            return Ok(self.free.clone());
+        }
+        let asked = table
+            .free
+            .iter()
+            .map(|text| text.parse().map_err(|error| self.of_table(&format!("free: {text:?}: {error}"))));
+        asked.collect()
+    }
+
+    /// Whether large residuals count linearly.
+    fn is_huber(&self, table: &Fit) -> Result<bool, Failure> {
+        match (self.loss, table.loss.as_deref()) {
+            (Some(loss), _) => Ok(loss == LossName::Huber),
+            (None, None | Some("linear")) => Ok(false),
+            (None, Some("huber")) => Ok(true),
+            (None, Some(other)) => {
+                Err(self.of_table(&format!("loss = {other:?}: must be \"linear\" or \"huber\"")))
+            }
+        }
+    }
+
+    /// The picture beside the fitted scene.
+    fn beside(&self) -> Option<PathBuf> {
+        self.output.as_ref().map(|path| path.with_extension("svg"))
+    }
+
+    fn check_outputs(&self, outputs: &Outputs) -> Result<(), Failure> {
+        for path in self.output.iter().chain(&self.beside()) {
+            outputs.check("--output", path)?;
+        }
+        self.picture.iter().try_for_each(|path| outputs.check_picture("--picture", path, &["svg", "html"]))
+    }
+
+    /// Writes the pictures, and the fitted scene where there is one.
+    fn write(&self, outputs: &Outputs, found: &Found) -> Result<(), Failure> {
+        let SceneArguments { scene: file, overrides, .. } = &self.scene;
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let is_written = found.is_identifiable() && found.converged;
+        for path in self.beside().iter().filter(|_| is_written).chain(&self.picture) {
+            let is_page = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
+            let drawn = if is_page { fit::page(found, &name) } else { fit::draw(found, &name) };
+            outputs.write(path, &drawn.map_err(Failure::Input)?)?;
+        }
+        if let Some(path) = self.output.as_ref().filter(|_| is_written) {
+            let written = found.parameters.iter().filter(|parameter| parameter.is_written);
+            let entries: Vec<fit::Entry> = written.map(fit::Parameter::entry).collect();
+            let moved = folder(path) != folder(file);
+            outputs.write(path, &fit::fitted_scene(file, overrides, &entries, moved)?)?;
+        }
+        Ok(())
+    }
 }
 
 /// The end of a fit that is no result.

@@ -69,6 +69,8 @@ pub fn new(arguments: &NewArguments) -> Result<(), Failure> {
     let outputs = Outputs::of_shipped([]);
     outputs.check("--output", file)?;
     outputs.write(file, &text)?;
-    note(&format!("{}: a scene for `run {0}`; all keys: `keys`", file.display()));
+    // The table [node] is of `budget`.
+    let command = if arguments.scene == "node" { "budget" } else { "run" };
+    note(&format!("{}: a scene for `{command} {0}`; all keys: `keys`", file.display()));
     Ok(())
 }

@@ -99,7 +99,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
     let found = optimise(&request, &|count| bar.inc_length(count as u64), &|| one_more(&bar));
     bar.finish_and_clear();
     let found = found?;
-    for warning in &found.outcome.warnings {
+    for warning in found.warnings() {
         tell(&format!("warning: {warning}"));
     }
     let name = file.file_name().unwrap_or_default().to_string_lossy();

@@ -148,7 +148,7 @@ fn scenes(arguments: &PlotArguments) -> Result<Vec<(String, Scene)>, Failure> {
         )));
     }
     let scene = |value: &String| {
-        let last = std::iter::once(Override::new(key, value));
+        let last = std::iter::once(Override::new(key, value).by("--compare"));
         let overrides: Vec<Override> = arguments.overrides.iter().cloned().chain(last).collect();
         let short = key.rsplit('.').next().unwrap_or(key);
         Ok((format!("{short} = {value}"), scene_file::read(&arguments.scene, &overrides)?))

@@ -78,7 +78,9 @@ fn rows(arguments: &StopArguments, count: usize) -> Result<Vec<Row>, Failure> {
     for index in 0..count {
         let values = values(axes, index);
         let mut overrides = arguments.scene.overrides.clone();
-        overrides.extend(axes.iter().zip(&values).map(|(axis, at)| Override::new(&axis.key, &number(*at))));
+        overrides.extend(
+            axes.iter().zip(&values).map(|(axis, at)| Override::new(&axis.key, &number(*at)).by("--over")),
+        );
         let scene = scene_file::read(&arguments.scene.scene, &overrides)?;
         let kept = without_stop(axes, &values);
         if !free.iter().any(|row| row.values == kept) {

@@ -1,6 +1,7 @@
 //! `sweep`: a scene over a grid of values, on all cores.
 
 mod axis;
+mod page;
 pub(super) mod picture;
 mod rows;
 mod shooting;
@@ -28,8 +29,8 @@ use crate::stability::{build, fnv_1a};
 
 /// Most points of a grid.
 const MOST: usize = 1_000_000;
-/// The table and the picture.
-const FILES: [&str; 2] = ["sweep.csv", "sweep.svg"];
+/// The table, the picture and the page.
+const FILES: [&str; 3] = ["sweep.csv", "sweep.svg", "sweep.html"];
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct SweepArguments {
@@ -38,7 +39,7 @@ pub struct SweepArguments {
     /// Values for a key of the scene; repeat it for a grid
     #[arg(long = "over", value_name = "KEY=FROM:TO:COUNT[:log]", required = true)]
     axes: Vec<Axis>,
-    /// Write sweep.csv and sweep.svg into this folder; points are kept there as they are done, and a sweep that was
+    /// Write sweep.csv, sweep.svg and sweep.html into this folder; points are kept there as they are done, and a sweep that was
     /// interrupted goes on from them when it is given again
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -204,14 +205,14 @@ fn identity(arguments: &SweepArguments) -> Result<String, Failure> {
     Ok(format!("{} {:016x}", build(), fnv_1a(&asked)))
 }
 
-/// Writes the table, and the picture if there is one.
+/// Writes the table, and picture and page if there are any.
 fn write(
     arguments: &SweepArguments,
     folder: &Path,
     outputs: &Outputs,
     points: &[Point],
 ) -> Result<(), Failure> {
-    let [table, drawing] = FILES.map(|name| folder.join(name));
+    let [table, drawing, interactive] = FILES.map(|name| folder.join(name));
     let axes = &arguments.axes;
     let file = arguments.scene.scene.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let keys: Vec<&str> = axes.iter().filter(|axis| axis.count() > 1).map(|axis| axis.key.as_str()).collect();
@@ -226,10 +227,15 @@ fn write(
         without: "the run failed",
         marked: (&unstable, "no stable orbit: of the run"),
     };
-    let picture = picture::draw(words, axes, &quantities(points)).map_err(Failure::Input)?;
+    let quantities = quantities(points);
+    let picture = picture::draw(words, axes, &quantities).map_err(Failure::Input)?;
+    let page = page::page(words, axes, &quantities).map_err(Failure::Input)?;
     make_folder(folder)?;
     outputs.write(&table, &csv(axes, points))?;
-    picture.map_or(Ok(()), |picture| outputs.write(&drawing, &picture))
+    for (file, text) in [(drawing, picture), (interactive, page)] {
+        text.map_or(Ok(()), |text| outputs.write(&file, &text))?;
+    }
+    Ok(())
 }
 
 /// The warning of the point whose force law created the largest share of the delivered energy, with the number of the
@@ -300,7 +306,7 @@ pub(super) fn values(axes: &[Axis], index: usize) -> Vec<f64> {
 fn scene(arguments: &SweepArguments, values: &[f64]) -> Result<Scene, Failure> {
     let mut overrides = arguments.scene.overrides.clone();
     let axes = arguments.axes.iter().zip(values);
-    overrides.extend(axes.map(|(axis, value)| Override::new(&axis.key, &number(*value))));
+    overrides.extend(axes.map(|(axis, value)| Override::new(&axis.key, &number(*value)).by("--over")));
     let mut scene = scene_file::read(&arguments.scene.scene, &overrides)?;
     arguments.storage_voltage.hold(&mut scene)?;
     Ok(scene)

@@ -115,7 +115,7 @@ pub(crate) fn of_key(file: &Path, overrides: &[Override], asked: &Asked) -> Resu
     let refuse = |text: String| Failure::Input(format!("--free {}: {text}", asked.key));
     let read = |value: f64| {
         let mut all = overrides.to_vec();
-        all.push(Override::new(&asked.key, &number(value)));
+        all.push(Override::new(&asked.key, &number(value)).by("--free"));
         scene_file::read(file, &all)
     };
     let given =
@@ -132,7 +132,7 @@ pub(crate) fn of_key(file: &Path, overrides: &[Override], asked: &Asked) -> Resu
     if !start.is_finite() {
         return Err(refuse(format!("the scene's {start} must be finite to start from")));
     }
-    read(start).map_err(|error| refuse(error.to_string()))?;
+    read(start)?;
     if given.is_none() && asked.bounds.is_none() && !asked.key.starts_with("initial.") {
         return Err(refuse(
             "is not in the scene: must have a value there to start from, or LOW:HIGH".to_owned(),

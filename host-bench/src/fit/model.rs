@@ -137,7 +137,8 @@ impl<'a> Problem<'a> {
         let mut overrides = self.overrides.to_vec();
         for (free, &coordinate) in self.free.iter().zip(at) {
             if free.place == Place::Key {
-                overrides.push(Override::new(&free.name, &number(free.value(coordinate))));
+                let value = number(free.value(coordinate));
+                overrides.push(Override::new(&free.name, &value).by("--free"));
             }
         }
         Ok(scene_file::read(self.file, &overrides)?)
@@ -308,7 +309,7 @@ fn tasks(index: usize, data: &Data) -> Vec<Task> {
 }
 
 /// The scene under the sine of a row, into its load.
-fn at_row(scene: &Scene, row: &Row) -> Result<Scene, Failure> {
+pub(super) fn at_row(scene: &Scene, row: &Row) -> Result<Scene, Failure> {
     let (own, phase_rad) = match scene.excitation {
         Excitation::Sine(tone) => (Some(tone.amplitude_m_per_s2), tone.phase_rad),
         _ => (None, 0.0),
@@ -329,7 +330,7 @@ fn at_row(scene: &Scene, row: &Row) -> Result<Scene, Failure> {
 }
 
 /// The periodic steady state, the run where there is none; a storage that fills has none.
-fn steady(
+pub(super) fn steady(
     scene: &Scene,
     options: &Options,
     memory: Option<&Memory>,
@@ -344,7 +345,7 @@ fn steady(
 }
 
 /// A number of a result by its name.
-fn quantity(outcome: &Outcome, name: &str) -> Option<f64> {
+pub(super) fn quantity(outcome: &Outcome, name: &str) -> Option<f64> {
     match name {
         "rms_voltage_v" => outcome.rms_voltage_v,
         "mean_power_w" => outcome.mean_power_w,

@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::Parameter;
 use super::free::Place;
+use super::lines::{Group, Line, groups};
 use super::model::{Interpolation, Problem};
 use super::solve::Solved;
 use super::uncertainty::Uncertainty;
@@ -34,6 +35,9 @@ pub(crate) struct Curve {
     pub(crate) model: Vec<f64>,
     pub(crate) std: Option<Vec<f64>>,
     pub(crate) is_trace: bool,
+    pub(crate) groups: Vec<Group>,
+    /// For each group the model between its rows, if it was computed; none of a trace.
+    pub(crate) lines: Vec<Line>,
 }
 
 /// The result of a fit.
@@ -186,6 +190,8 @@ fn curves(problem: &Problem<'_>, values: &[f64]) -> Vec<Curve> {
                 model: values[from..from + column.values.len()].to_vec(),
                 std: column.std.clone(),
                 is_trace: matches!(data.rows, Rows::Trace { .. }),
+                groups: groups(data),
+                lines: Vec::new(),
             });
         }
     }

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use cobyla::{Func, RhoBeg, StopTols, minimize};
 use rayon::prelude::*;
 
-use super::{Found, Point, Request};
+use super::{Found, Point, Request, doubt};
 use crate::method::Failure;
 
 /// Best points of the grid from which the search goes on.
@@ -34,17 +34,19 @@ pub(crate) fn optimise(
         Point { place: place.to_vec(), found }
     };
     let grid = grid(request.ranges.len(), request.grid);
-    check(request, &grid)?;
     more(grid.len());
-    let mut points: Vec<Point> = grid.par_iter().map(|place| run(place)).collect();
+    let mut points = first(request, &grid, done)?;
+    points.par_extend(grid[points.len()..].par_iter().map(|place| run(place)));
     let values: Vec<f64> = points.iter().filter_map(Point::value).collect();
     if values.is_empty() {
-        return Err(Failure::Step(format!(
-            "at none of the {} points of the grid is {} a number",
-            points.len(),
-            request.quantity
+        return Err(Failure::Input(format!(
+            "{} {}: cannot be sought: at none of the {} points of the grid is it a number, with all constraints",
+            request.option(),
+            request.quantity,
+            points.len()
         )));
     }
+    let is_level = values.len() > 1 && values.iter().all(|value| *value == values[0]);
     let aims: &[bool] = if request.constraints.is_empty() { &[true] } else { &[true, false] };
     for &constrained in aims {
         let starts = best_of(&points, constrained, FOLLOWED);
@@ -61,24 +63,42 @@ pub(crate) fn optimise(
     let outcome =
         outcome.ok_or_else(|| Failure::Step("the best point fails when it is run again".to_owned()))?;
     let failed = points.iter().filter(|point| point.found.is_none()).count();
-    Ok(Found { best, unconstrained, flat, outcome, points, failed })
+    let level = is_level.then(|| {
+        format!("{} is the same at all points of the grid: the keys do not change it", request.quantity)
+    });
+    let doubts = level.into_iter().chain(doubt::of_motion(request, &best, &outcome)).collect();
+    Ok(Found { best, unconstrained, flat, outcome, points, failed, doubts })
 }
 
-/// Refuses bad input at a corner of the grid, and a quantity that does not exist.
-fn check(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<(), Failure> {
+/// The first points of the grid, until one succeeds. Refuses bad input at a corner of the grid, and a quantity that cannot be
+/// sought.
+fn first(request: &Request<'_>, grid: &[Vec<f64>], done: &(dyn Fn() + Sync)) -> Result<Vec<Point>, Failure> {
     let corners = grid.iter().filter(|place| place.iter().all(|part| *part == 0.0 || *part == 1.0));
     for place in corners {
         request.options.check_scene(&request.scene(place)?)?;
     }
-    // The first run that succeeds has the names.
-    match grid.iter().find_map(|place| request.outcome(place)) {
-        Some(outcome) => request.check_quantities(&outcome),
-        None => {
-            let reason = grid.first().and_then(|place| request.tried(place).err());
-            let reason = reason.map_or_else(String::new, |failure| format!(", the first: {failure}"));
-            Err(Failure::Step(format!("all {} points of the grid fail{reason}", grid.len())))
+    let mut points = Vec::new();
+    let mut reason = String::new();
+    for place in grid {
+        let tried = request.tried(place);
+        done();
+        let point = |found| Point { place: place.clone(), found };
+        match tried {
+            // The first run that succeeds has the names.
+            Ok(outcome) => {
+                request.check_quantities(&outcome)?;
+                points.push(point(request.judge(&outcome)));
+                return Ok(points);
+            }
+            Err(failure) => {
+                points.push(point(None));
+                if reason.is_empty() {
+                    reason = failure.to_string();
+                }
+            }
         }
     }
+    Err(Failure::Step(format!("all {} points of the grid fail, the first: {reason}", grid.len())))
 }
 
 /// The places of a grid, the last key running fastest.

@@ -2,6 +2,7 @@
 
 use plotters::prelude::*;
 
+use super::plot::{Axis, Curve, Mark, Plot};
 use super::svg::{self, Area, Drawn, FONT, power_of_ten, svg};
 use crate::method::{Math, Precision};
 use crate::work_precision::table::resistance;
@@ -12,6 +13,8 @@ use crate::work_precision::{Comparison, Variant};
 const SIZE: (u32, u32) = (980, 520);
 /// Width of the legend at the right.
 const LEGEND: i32 = 250;
+/// Titles of the axes.
+const TITLES: [&str; 2] = ["host time per simulated second [µs]", "relative error of mean power"];
 
 struct Series {
     name: String,
@@ -19,6 +22,8 @@ struct Series {
     dashed: bool,
     /// Host µs per simulated second, error of mean power.
     points: Vec<(f64, f64)>,
+    /// The step or tolerance of each.
+    notes: Vec<String>,
 }
 
 /// The picture as SVG text.
@@ -29,6 +34,32 @@ pub(super) fn draw(comparison: &Comparison) -> Result<String, String> {
         curves(&left, &series, comparison)?;
         legend(&right, &series)
     })
+}
+
+/// The same as a plot for a page.
+pub(super) fn plot(comparison: &Comparison) -> Plot {
+    let series = series(comparison);
+    let all = || series.iter().flat_map(|series| &series.points);
+    let (left, right) = decades(all().map(|point| point.0));
+    let (low, high) = decades(all().map(|point| point.1));
+    let curves = series.iter().flat_map(|series| {
+        let [line, dots] = match series.dashed {
+            true => [Mark::Dashes(2.0), Mark::Rings(8.0)],
+            false => [Mark::Line(2.0), Mark::Dots(8.0)],
+        };
+        let curve = |name: &str, mark| Curve::new(name, series.colour, mark, series.points.iter().copied());
+        [curve(&series.name, line).with_notes(series.notes.clone()), curve("", dots)]
+    });
+    Plot {
+        title: title(comparison),
+        across: Axis::logarithmic(TITLES[0], [left, right]),
+        up: Axis::logarithmic(TITLES[1], [low, high]),
+        curves: curves.collect(),
+    }
+}
+
+fn title(comparison: &Comparison) -> String {
+    format!("{}, R = {}", comparison.file(), resistance(comparison.scene.load.resistance_ohm()))
 }
 
 /// The curves: one for each method and precision. Rows with other elementary functions than the polynomials, and rows with
@@ -42,19 +73,22 @@ fn series(comparison: &Comparison) -> Vec<Series> {
             continue;
         }
         let name = name(&row.variant);
-        let point = (found.ns_per_s / 1e3, error.max(1e-16));
-        match series.iter_mut().find(|series| series.name == name) {
-            Some(series) => series.points.push(point),
-            None => series.push(Series {
+        let place = series.iter().position(|series| series.name == name).unwrap_or_else(|| {
+            series.push(Series {
                 name,
                 colour: colour(method_name(&row.variant)),
                 dashed: row.variant.precision == Precision::F32,
-                points: vec![point],
-            }),
-        }
-    }
-    for series in &mut series {
-        series.points.sort_by(|one, two| one.0.total_cmp(&two.0));
+                points: Vec::new(),
+                notes: Vec::new(),
+            });
+            series.len() - 1
+        });
+        // In the order of their times.
+        let Series { points, notes, .. } = &mut series[place];
+        let time = found.ns_per_s / 1e3;
+        let at = points.partition_point(|point| point.0 <= time);
+        points.insert(at, (time, error.max(1e-16)));
+        notes.insert(at, format!("step or tolerance: {}", row.variant.control));
     }
     series
 }
@@ -89,17 +123,16 @@ fn curves(area: &Area<'_>, series: &[Series], comparison: &Comparison) -> Drawn 
     let all = || series.iter().flat_map(|series| series.points.iter().copied());
     let (left, right) = decades(all().map(|point| point.0));
     let (low, high) = decades(all().map(|point| point.1));
-    let title = format!("{}, R = {}", comparison.file(), resistance(comparison.scene.load.resistance_ohm()));
     let mut chart = ChartBuilder::on(area)
-        .caption(title, (FONT, 18))
+        .caption(title(comparison), (FONT, 18))
         .margin(12)
         .x_label_area_size(52)
         .y_label_area_size(78)
         .build_cartesian_2d((left..right).log_scale(), (low..high).log_scale())?;
     chart
         .configure_mesh()
-        .x_desc("host time per simulated second [µs]")
-        .y_desc("relative error of mean power")
+        .x_desc(TITLES[0])
+        .y_desc(TITLES[1])
         .x_labels(8)
         .y_labels(10)
         .label_style((FONT, 15))

@@ -82,6 +82,10 @@ pub(crate) struct Curve {
     pub(crate) mark: Mark,
     /// A line has a gap at a point that is not a number.
     pub(crate) points: Vec<(f64, f64)>,
+    /// For each point half the length of its vertical bar, such as a standard deviation; empty without bars.
+    pub(crate) bars: Vec<f64>,
+    /// For each point what a page says of it besides its values; empty without.
+    pub(crate) notes: Vec<String>,
 }
 
 /// Least part of the height of a curve that a jump has, and how much larger than the differences beside it it is.
@@ -94,7 +98,18 @@ impl Curve {
         mark: Mark,
         points: impl IntoIterator<Item = (f64, f64)>,
     ) -> Self {
-        Self { name: name.into(), colour, mark, points: points.into_iter().collect() }
+        let points = points.into_iter().collect();
+        Self { name: name.into(), colour, mark, points, bars: Vec::new(), notes: Vec::new() }
+    }
+
+    /// The same with a vertical bar at each point, of these half lengths.
+    pub(crate) fn with_bars(self, bars: Vec<f64>) -> Self {
+        Self { bars, ..self }
+    }
+
+    /// The same with a text for each point, which a page shows.
+    pub(crate) fn with_notes(self, notes: Vec<String>) -> Self {
+        Self { notes, ..self }
     }
 
     /// The same with a gap at each jump: where two neighbours differ by much more than those beside them, a line between
@@ -231,6 +246,14 @@ fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
         [(x - left) / (right - left) * f64::from(width), (high - y) / (high - low) * f64::from(height)]
     };
     for curve in &plot.curves {
+        if !curve.bars.is_empty() {
+            let ends = curve
+                .points
+                .iter()
+                .zip(&curve.bars)
+                .flat_map(|(&(x, y), bar)| [place(&(x, y - bar)), place(&(x, y + bar)), [f64::NAN; 2]]);
+            path(paths, curve.colour, Mark::Line(1.0), ends);
+        }
         path(paths, curve.colour, curve.mark, curve.points.iter().map(place));
     }
     paths.push_str("</svg>\n");

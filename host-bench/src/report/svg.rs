@@ -38,6 +38,18 @@ pub(crate) fn svg(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Re
     Ok(text)
 }
 
+/// Pictures at their places in one.
+pub(crate) fn together((width, height): (u32, u32), parts: &[(u32, u32, String)]) -> String {
+    let mut text = format!(
+        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+         xmlns=\"http://www.w3.org/2000/svg\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n"
+    );
+    for (left, top, svg) in parts {
+        text += &svg.replacen("<svg ", &format!("<svg x=\"{left}\" y=\"{top}\" "), 1);
+    }
+    text + "</svg>\n"
+}
+
 /// A number with three digits, without trailing zeros.
 pub(crate) fn tick(value: f64) -> String {
     let plain = value == 0.0 || (1e-2..1e4).contains(&value.abs());

@@ -69,7 +69,24 @@ fn each_number_has_its_unit_and_each_choice_its_default() {
 
 #[test]
 fn slow_commands_state_how_long_they_take() {
-    for command in ["figures", "findings", "stability", "map"] {
+    let slow = [
+        "budget",
+        "figures",
+        "findings",
+        "fit",
+        "map",
+        "needs",
+        "on-target",
+        "optimise",
+        "plot",
+        "resonance",
+        "run",
+        "stability",
+        "stop",
+        "sweep",
+        "work-precision",
+    ];
+    for command in slow {
         let help = accepted(&[command, "--help"]);
         assert!(help.contains("Run time:"), "{command}: {help}");
     }

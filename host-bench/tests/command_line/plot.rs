@@ -103,25 +103,3 @@ fn a_quiet_command_tells_warnings_only() {
     let told = String::from_utf8(output.stderr).expect("text");
     assert!(told.lines().all(|line| line.starts_with("warning: ")), "{told}");
 }
-
-/// A browser runs the page: each chart has its legend, and no script has failed.
-#[test]
-#[ignore = "nightly: needs Chromium"]
-fn a_browser_draws_the_page() {
-    let folder = folder("page");
-    let html = folder.join("plot.html").to_str().expect("a plain path").to_owned();
-    let mut plot = vec!["plot", PASSIVE, "--output", &html];
-    plot.extend(SHORT);
-    accepted(&plot);
-    let browse = |browser: &&str| {
-        let mut command = std::process::Command::new(browser);
-        command.args(["--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]);
-        command.arg(format!("file://{html}")).output().ok()
-    };
-    let output =
-        ["chromium", "chromium-browser", "google-chrome"].iter().find_map(browse).expect("a browser");
-    let page = String::from_utf8_lossy(&output.stdout);
-    // Gap, power and voltage over time, and the spectrum.
-    assert_eq!(page.matches("<canvas").count(), 4, "{page}");
-    assert_eq!(page.matches("class=\"u-legend").count(), 4);
-}

@@ -53,7 +53,7 @@ impl fmt::Display for SceneError {
         write!(f, "{}", self.file.display())?;
         match self.origin {
             Some(Origin::Line(line)) => write!(f, ":{line}: ")?,
-            Some(Origin::Override) => write!(f, ": --set ")?,
+            Some(Origin::Override(option)) => write!(f, ": {option} ")?,
             None => write!(f, ": ")?,
         }
         if let Some(key) = &self.key {
@@ -72,8 +72,8 @@ impl fmt::Display for SceneError {
 pub(super) enum Origin {
     /// A line of the file, from 1.
     Line(usize),
-    /// An override.
-    Override,
+    /// An override, by this option.
+    Override(&'static str),
 }
 
 /// A value and where it was written.
@@ -192,7 +192,7 @@ impl Document {
     }
 
     fn put(&mut self, change: &Override) -> Result<(), SceneError> {
-        let node = Node { content: change.content(), origin: Origin::Override };
+        let node = Node { content: change.content(), origin: change.origin() };
         let key = change.key();
         let refuse = |reason: &str| SceneError::of_value(&self.file, key, &node, reason);
         let (tables, last): (Vec<&str>, &str) = match key.rsplit_once('.') {
@@ -202,7 +202,7 @@ impl Document {
         let kinds = Kinds::of(&self.content, &tables, last, &node.content);
         let mut content = &mut self.content;
         for part in tables {
-            content = match inner(content, part.trim()) {
+            content = match inner(content, part.trim(), change.origin()) {
                 Some(node) => &mut node.content,
                 None => return Err(refuse(&format!("{part} leads to no table"))),
             };
@@ -212,10 +212,10 @@ impl Document {
                 entries.retain(|(key, _)| key != other);
             }
             if let Some(kinds) = kinds {
-                entries.retain(|(key, node)| node.origin == Origin::Override || kinds.keep(key));
+                entries.retain(|(key, node)| matches!(node.origin, Origin::Override(_)) || kinds.keep(key));
             }
         }
-        match inner(content, last) {
+        match inner(content, last, change.origin()) {
             Some(found) => *found = node,
             None => return Err(refuse("leads to no table")),
         }
@@ -282,11 +282,11 @@ fn entry<'a>(content: &'a Content, key: &str) -> Option<&'a Content> {
 
 /// What a key (or, in a list, a number from 0) leads to; a key that is not there is made, as an empty
 /// table. `None` if there are no keys here.
-fn inner<'a>(content: &'a mut Content, key: &str) -> Option<&'a mut Node> {
+fn inner<'a>(content: &'a mut Content, key: &str, origin: Origin) -> Option<&'a mut Node> {
     match content {
         Content::Table(entries) => {
             let index = entries.iter().position(|(name, _)| name == key).unwrap_or_else(|| {
-                let node = Node { content: Content::Table(Vec::new()), origin: Origin::Override };
+                let node = Node { content: Content::Table(Vec::new()), origin };
                 entries.push((key.to_owned(), node));
                 entries.len() - 1
             });

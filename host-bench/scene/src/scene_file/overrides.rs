@@ -11,6 +11,7 @@ use super::key::walk;
 pub struct Override {
     key: String,
     value: String,
+    option: &'static str,
 }
 
 impl Override {
@@ -18,7 +19,13 @@ impl Override {
     #[must_use]
     pub fn new(key: &str, value: &str) -> Self {
         let parts: Vec<&str> = key.split('.').map(str::trim).collect();
-        Self { key: parts.join("."), value: value.trim().to_owned() }
+        Self { key: parts.join("."), value: value.trim().to_owned(), option: "--set" }
+    }
+
+    /// The same of another option than `--set`, which an error then names.
+    #[must_use]
+    pub fn by(self, option: &'static str) -> Self {
+        Self { option, ..self }
     }
 
     /// The key, with a dot between its parts.
@@ -40,13 +47,17 @@ impl Override {
             .map(move |other| if table.is_empty() { other.to_owned() } else { format!("{table}.{other}") })
     }
 
+    pub(super) fn origin(&self) -> Origin {
+        Origin::Override(self.option)
+    }
+
     pub(super) fn content(&self) -> Content {
         let parsed = DeTable::parse(&format!("value = {}", self.value)).ok().and_then(|table| {
             let table = table.into_inner();
             // A line break in the value must not smuggle in a second key.
             let only = table.len() == 1;
             let value = table.into_iter().next().filter(|_| only)?.1;
-            Some(convert(&value, &|_| Origin::Override).content)
+            Some(convert(&value, &|_| self.origin()).content)
         });
         parsed.unwrap_or_else(|| Content::Text(self.value.clone()))
     }

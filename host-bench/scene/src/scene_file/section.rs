@@ -369,7 +369,7 @@ impl<'a> Section<'a> {
             Some((key, node)) => {
                 // An override makes the tables that lead to it: blame the key that was given.
                 let (mut name, mut node) = (self.name(key), node);
-                while let (Origin::Override, Content::Table(entries)) = (node.origin, &node.content) {
+                while let (Origin::Override(_), Content::Table(entries)) = (node.origin, &node.content) {
                     let Some((key, inner)) = entries.first() else { break };
                     name = format!("{name}.{key}");
                     node = inner;

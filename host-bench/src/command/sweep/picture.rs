@@ -28,7 +28,7 @@ pub(in crate::command) struct Quantity {
 
 impl Quantity {
     /// Its name with the unit that its values are shown in, and the factor to it.
-    fn scaled(&self) -> (String, f64) {
+    pub(super) fn scaled(&self) -> (String, f64) {
         if self.unit.is_empty() {
             return (self.name.to_owned(), 1.0);
         }
@@ -54,11 +54,7 @@ pub(in crate::command) fn draw(
     axes: &[Axis],
     quantities: &[Quantity],
 ) -> Result<Option<String>, String> {
-    let shown: Vec<&Quantity> = quantities
-        .iter()
-        .filter(|quantity| quantity.values.iter().flatten().any(|value| value.is_finite()))
-        .collect();
-    let long: Vec<&Axis> = axes.iter().filter(|axis| axis.count() > 1).collect();
+    let (long, shown) = (long(axes), shown(quantities));
     match (&long[..], &shown[..]) {
         // The last axis runs fastest.
         ([up, across], [quantity, ..]) => {
@@ -72,8 +68,28 @@ pub(in crate::command) fn draw(
     }
 }
 
+/// The axes of several values.
+pub(super) fn long(axes: &[Axis]) -> Vec<&Axis> {
+    axes.iter().filter(|axis| axis.count() > 1).collect()
+}
+
+/// The quantities that have a value.
+pub(super) fn shown(quantities: &[Quantity]) -> Vec<&Quantity> {
+    let has_value = |quantity: &&Quantity| quantity.values.iter().flatten().any(|value| value.is_finite());
+    quantities.iter().filter(has_value).collect()
+}
+
+/// An axis as that of a plot.
+pub(super) fn across(axis: &Axis) -> plot::Axis {
+    let span = [axis.value(0), axis.value(axis.count() - 1)];
+    match axis.logarithmic {
+        true => plot::Axis::logarithmic(axis.key.as_str(), span),
+        false => plot::Axis::linear(axis.key.as_str(), span, 8),
+    }
+}
+
 /// A quantity over one axis. Its line has a gap where it jumps.
-fn curve(words: Words<'_>, axis: &Axis, quantity: &Quantity) -> Plot {
+pub(super) fn curve(words: Words<'_>, axis: &Axis, quantity: &Quantity) -> Plot {
     let (name, factor) = quantity.scaled();
     let points: Vec<(usize, (f64, f64))> = quantity
         .values
@@ -93,14 +109,8 @@ fn curve(words: Words<'_>, axis: &Axis, quantity: &Quantity) -> Plot {
     if !rings.is_empty() {
         curves.push(Curve::new(why, VERMILION, Mark::Rings(9.0), rings));
     }
-    let span = [axis.value(0), axis.value(axis.count() - 1)];
-    let across = if axis.logarithmic {
-        plot::Axis::logarithmic(axis.key.as_str(), span)
-    } else {
-        plot::Axis::linear(axis.key.as_str(), span, 8)
-    };
     let up = plot::Axis::linear(name, height(&curves), 7);
-    Plot { title: words.title.to_owned(), across, up, curves }
+    Plot { title: words.title.to_owned(), across: across(axis), up, curves }
 }
 
 /// The place of a value on its axis, in decades on a logarithmic one.

@@ -1,0 +1,203 @@
+//! A solution as a result: standard errors, what the data do not determine, and what to know before the numbers are used.
+
+use nalgebra::DVector;
+
+use super::fitted::Entry;
+use super::free::Free;
+use super::lines::groups;
+use super::model::Problem;
+use super::result::{self, Found};
+use super::solve::{Loss, Solved};
+use super::systematic::Runs;
+use super::uncertainty::Uncertainty;
+use super::weights::{self, Weighting, Weights};
+use super::{Request, relative_residuals};
+
+/// Correlation of two keys from which on a warning names them.
+const CORRELATED: f64 = 0.99;
+/// Reduced chi-squared above which the standard deviations, or the model, are doubted.
+const DOUBTED: f64 = 3.0;
+/// Relative residual below which it does not matter whether the residuals are systematic.
+const SMALL: f64 = 1e-3;
+
+/// The numbers of a solution.
+pub(super) fn described(
+    problem: &Problem<'_>,
+    request: &Request<'_>,
+    weights: &Weights,
+    loss: Loss,
+    solved: &Solved,
+    step: f64,
+) -> Found {
+    let measured = problem.measured();
+    let sigma = weights.sigma();
+    let values = &solved.evaluation.values;
+    let at_value = |index: usize| problem.free[index].value(solved.at[index]);
+    let is_free: Vec<bool> =
+        (0..solved.at.len()).map(|index| !problem.free[index].is_at_bound(at_value(index))).collect();
+    let moving = is_free.iter().filter(|free| **free).count();
+    let freedom = problem.count().saturating_sub(moving);
+    let residuals: Vec<f64> =
+        (0..measured.len()).map(|index| (values[index] - measured[index]) / sigma[index]).collect();
+    let chi_squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
+    let reduced = (freedom > 0).then(|| chi_squared / freedom as f64);
+    let variance = match loss {
+        Loss::Huber(limit) => robust_variance(&residuals, limit, moving),
+        Loss::Squares if weights.all_given() => 1.0,
+        // Without a degree of freedom nothing is known of the scatter.
+        Loss::Squares => reduced.unwrap_or(f64::INFINITY),
+    };
+    let columns: Vec<DVector<f64>> = problem
+        .jacobian(&solved.at, &solved.evaluation, step)
+        .into_iter()
+        .map(|column| {
+            DVector::from_iterator(column.len(), column.iter().zip(sigma).map(|(slope, sigma)| slope / sigma))
+        })
+        .collect();
+    let mut uncertainty = Uncertainty::of(&columns, &is_free, variance);
+    // A combination without influence may have drifted to a bound, which would hide it.
+    let all = Uncertainty::of(&columns, &vec![true; columns.len()], variance);
+    if !all.undetermined.is_empty() {
+        uncertainty.undetermined = all.undetermined;
+    }
+    if loss == Loss::Squares && !weights.all_given() {
+        uncertainty.widen(&columns, &residuals, variance);
+    }
+    let mut found = Found::new(problem, solved, &uncertainty, &is_free, freedom);
+    found.reduced_chi_squared = reduced.filter(|_| weights.all_given());
+    found.relative_residual = relative_residuals(problem, values);
+    found.weighting = weights.weightings().to_vec();
+    found.warnings = warnings(problem, request, weights, solved, &found);
+    found
+}
+
+/// The variance of a weighted value under Huber's loss (P. J. Huber, *Robust Statistics*, 1981, section 7.6).
+fn robust_variance(residuals: &[f64], limit: f64, moving: usize) -> f64 {
+    let count = residuals.len() as f64;
+    let inside = residuals.iter().filter(|residual| residual.abs() < limit).count() as f64 / count;
+    let squares: f64 = residuals.iter().map(|residual| residual.clamp(-limit, limit).powi(2)).sum();
+    let correction = 1.0 + moving as f64 / count * (1.0 - inside) / inside;
+    correction * correction * squares / (count - moving as f64) / (inside * inside)
+}
+
+/// What to know before the numbers are used.
+fn warnings(
+    problem: &Problem<'_>,
+    request: &Request<'_>,
+    weights: &Weights,
+    solved: &Solved,
+    found: &Found,
+) -> Vec<String> {
+    let mut all = Vec::new();
+    let lacking = solved.evaluation.lacks_orbits(&problem.data);
+    if lacking > 0 {
+        all.push(format!(
+            "at {lacking} rows the model has no stable motion of one period: the numbers of the run stand there, with a \
+             standard deviation of at least {} % of the value",
+            100.0 * weights::WITHOUT_PERIOD
+        ));
+    }
+    for combination in &found.undetermined {
+        all.push(format!(
+            "not identifiable: the data do not determine {}; hold one of these keys, or measure what separates them",
+            result::product(combination)
+        ));
+    }
+    for parameter in found.parameters.iter().filter(|parameter| parameter.at_bound) {
+        all.push(format!("{} is at its bound: it has no standard error", parameter.key));
+    }
+    if found.undetermined.is_empty() {
+        for (one, row) in found.correlation.iter().enumerate() {
+            for (other, value) in row.iter().enumerate().skip(one + 1) {
+                if let Some(value) = value.filter(|value| value.abs() > CORRELATED) {
+                    let [one, other] = [one, other].map(|index| &found.parameters[index].key);
+                    all.push(format!("{one} and {other} have a correlation of {value:.4}"));
+                }
+            }
+        }
+    }
+    if let Some(reduced) = found.reduced_chi_squared.filter(|reduced| *reduced > DOUBTED) {
+        all.push(format!(
+            "the reduced chi-squared is {reduced:.1}: the model does not follow the data within their standard \
+             deviations, and the standard errors are too small"
+        ));
+    }
+    if !request.huber && weights.weightings().iter().any(|(_, weighting)| *weighting == Weighting::Relative) {
+        let relative = weights.weightings().iter().filter(|(_, weighting)| *weighting == Weighting::Relative);
+        let names: Vec<&str> = relative.map(|(name, _)| name.as_str()).collect();
+        all.push(format!(
+            "the scatter of {} grows with the value: it is weighted by its size; give columns _std to say otherwise",
+            names.join(", ")
+        ));
+    }
+    all.extend(systematic(problem, solved, found));
+    all
+}
+
+/// A warning for each measured column without standard deviations whose residuals hang together.
+fn systematic(problem: &Problem<'_>, solved: &Solved, found: &Found) -> Vec<String> {
+    let large = found.relative_residual.iter().filter(|(_, residual)| *residual > SMALL);
+    let told = large.filter_map(|(name, _)| {
+        let mut runs = Runs::default();
+        for (file, data) in problem.data.iter().enumerate() {
+            let columns = data.columns.iter().enumerate();
+            for (index, column) in columns.filter(|(_, column)| column.name == *name && column.std.is_none()) {
+                for group in groups(data) {
+                    let value = |row: usize| solved.evaluation.values[problem.index(file, index, row)];
+                    runs.add(group.rows.iter().map(|&row| column.values[row] - value(row)));
+                }
+            }
+        }
+        runs.are_systematic().then(|| {
+            format!(
+                "the residuals of {name} are systematic: {} runs of one sign where chance has {:.1}; the model does not \
+                 follow the data, and the standard errors are too small",
+                runs.count, runs.expected
+            )
+        })
+    });
+    told.collect()
+}
+
+/// A free number with its result.
+#[derive(Debug, Clone)]
+pub(crate) struct Parameter {
+    pub(crate) key: String,
+    pub(crate) value: f64,
+    /// `None` at a bound, and of a key that the data do not determine.
+    pub(crate) standard_error: Option<f64>,
+    pub(crate) interval_95: Option<[f64; 2]>,
+    pub(crate) start: f64,
+    pub(crate) at_bound: bool,
+    /// Whether it is a key of the scene that may be written.
+    pub(crate) is_written: bool,
+}
+
+impl Parameter {
+    /// What a scene file says of it.
+    pub(crate) fn entry(&self) -> Entry {
+        let known = match self.interval_95 {
+            Some([low, high]) => format!("95 % from {low:.4e} to {high:.4e}"),
+            None if self.at_bound => "at its bound".to_owned(),
+            None => "without an interval".to_owned(),
+        };
+        let comment = format!("fitted, {known}, start {:e}", self.start);
+        Entry { key: self.key.clone(), value: self.value, comment }
+    }
+
+    /// Of a coordinate with a standard error, and the quantile of Student's t for its interval.
+    pub(super) fn of(free: &Free, at: f64, error: Option<f64>, quantile: f64) -> Self {
+        let value = free.value(at);
+        let interval =
+            error.map(|error| [at - quantile * error, at + quantile * error].map(|end| free.value(end)));
+        Self {
+            key: free.name.clone(),
+            value,
+            standard_error: error.map(|error| error * free.slope(value)),
+            interval_95: interval,
+            start: free.start,
+            at_bound: free.is_at_bound(value),
+            is_written: true,
+        }
+    }
+}

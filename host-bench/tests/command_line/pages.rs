@@ -1,0 +1,157 @@
+//! Pages in a real browser, Chromium or Chrome without a window: charts are drawn, and zoom, hover and toggles work.
+
+use std::path::Path;
+use std::process::Command;
+
+use super::tool::{PASSIVE, accepted, file, folder};
+
+const MEASURED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
+const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
+const SHORT: [&str; 2] = ["--set", "run={duration_s=1.0,settle_s=0.5}"];
+
+/// Collects errors from the beginning on.
+const WATCH: &str =
+    "<script>window.faults=[];window.addEventListener('error',e=>faults.push(e.message));</script>";
+/// What a reader does with each chart, and what is then to be seen, as text at the end of the page.
+const USE: &str = r#"<script>
+window.addEventListener("load", () => setTimeout(() => {
+  const told = [];
+  for (const root of document.querySelectorAll(".uplot")) {
+    const over = root.querySelector(".u-over");
+    const frame = over.getBoundingClientRect();
+    const at = (type, x, y) => (type === "mouseup" ? document : over).dispatchEvent(new MouseEvent(type, {
+      bubbles: true, clientX: frame.left + x * frame.width, clientY: frame.top + y * frame.height, button: 0, movementX: 9,
+    }));
+    // Hover: the nearest point of the whole chart.
+    let tip = "";
+    for (let x = 0.02; x < 1 && !tip; x += 0.02)
+      for (let y = 0.02; y < 1 && !tip; y += 0.04) {
+        at("mousemove", x, y);
+        const found = root.querySelector(".tip");
+        if (found.style.display === "block") tip = found.textContent;
+      }
+    // Toggle: a click on the last name hides its curve.
+    const names = root.querySelectorAll(".u-series");
+    const last = names[names.length - 1];
+    last.querySelector("th").click();
+    const hidden = last.classList.contains("u-off");
+    last.querySelector("th").click();
+    const shown = !last.classList.contains("u-off");
+    // Zoom: a drag over the middle.
+    const pixels = () => root.querySelector("canvas").toDataURL();
+    const before = pixels();
+    at("mousemove", 0.4, 0.5); at("mousedown", 0.4, 0.5); at("mousemove", 0.5, 0.5); at("mousemove", 0.6, 0.5);
+    at("mouseup", 0.6, 0.5);
+    told.push({ tip, hidden, shown, root, pixels, before });
+  }
+  // The library ignores a move by nothing, and draws between two frames.
+  setTimeout(() => {
+    const list = told.map(({ tip, hidden, shown, pixels, before }) => ({ tip, hidden, shown, zoomed: pixels() !== before }));
+    const place = document.createElement("pre");
+    place.id = "found";
+    place.textContent = JSON.stringify({ faults, charts: list });
+    document.body.append(place);
+  }, 200);
+}, 100));
+</script>"#;
+
+/// Opens a page and uses it; the number of its charts.
+#[track_caller]
+fn used(html: &Path) -> Vec<serde_json::Value> {
+    let page = std::fs::read_to_string(html).expect("the page");
+    let watched = page.replacen("<head>", &format!("<head>{WATCH}"), 1) + USE;
+    let watched = file(html.parent().expect("a folder"), "watched.html", watched);
+    let browse = |browser: &&str| {
+        let mut command = Command::new(browser);
+        command.args(["--headless", "--no-sandbox", "--disable-gpu", "--window-size=1280,1600"]);
+        command.args(["--virtual-time-budget=5000", "--dump-dom"]);
+        command.arg(format!("file://{watched}")).output().ok()
+    };
+    let browsers = ["chromium", "chromium-browser", "google-chrome"];
+    let output = browsers.iter().find_map(browse).expect("a browser");
+    let dom = String::from_utf8_lossy(&output.stdout);
+    let found = dom.split("<pre id=\"found\">").nth(1).and_then(|rest| rest.split("</pre>").next());
+    let found = found.unwrap_or_else(|| panic!("the page has not come to its end: {dom}"));
+    let found = found.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
+    let found: serde_json::Value = serde_json::from_str(&found).expect("JSON");
+    assert_eq!(found["faults"], serde_json::json!([]), "{}", html.display());
+    let charts = found["charts"].as_array().expect("a list").clone();
+    for chart in &charts {
+        for what in ["hidden", "shown", "zoomed"] {
+            assert_eq!(chart[what], true, "{what} of {}: {chart}", html.display());
+        }
+    }
+    charts
+}
+
+/// Whether the pointer shows all of it at some chart.
+fn tells(charts: &[serde_json::Value], parts: &[&str]) -> bool {
+    let tips = charts.iter().filter_map(|chart| chart["tip"].as_str());
+    tips.into_iter().any(|tip| parts.iter().all(|part| tip.contains(part)))
+}
+
+#[test]
+#[ignore = "nightly: needs Chromium"]
+fn a_browser_draws_a_plot() {
+    let html = folder("page-plot").join("plot.html");
+    let path = html.to_str().expect("a plain path");
+    accepted(&[&["plot", PASSIVE, "--output", path], &SHORT[..]].concat());
+    let charts = used(&html);
+    // Gap, power and voltage over time, and the spectrum.
+    assert_eq!(charts.len(), 4);
+    assert!(tells(&charts, &["time: ", " s", "gap: ", " mm"]), "{charts:?}");
+}
+
+#[test]
+#[ignore = "nightly: needs Chromium"]
+fn a_browser_draws_a_sweep() {
+    let folder = folder("page-sweep");
+    let path = folder.to_str().expect("a plain path");
+    let one = ["--over", "excitation.frequency_hz=19:22:13", "--no-accuracy", "--output", path];
+    accepted(&[&["sweep", PASSIVE], &one[..], &SHORT[..]].concat());
+    let charts = used(&folder.join("sweep.html"));
+    assert_eq!(charts.len(), 2);
+    assert!(tells(&charts, &["excitation.frequency_hz: ", "mean power: ", " µW"]), "{charts:?}");
+    let two =
+        [&["sweep", PASSIVE, "--over", "load.resistance_ohm=1e7:1e9:3:log"], &one[..], &SHORT[..]].concat();
+    accepted(&two);
+    let charts = used(&folder.join("sweep.html"));
+    assert_eq!(charts.len(), 2);
+    assert!(tells(&charts, &["load.resistance_ohm = ", "RMS voltage: ", " V"]), "{charts:?}");
+}
+
+#[test]
+#[ignore = "nightly: needs Chromium"]
+fn a_browser_draws_a_fit() {
+    let html = folder("page-fit").join("fit.html");
+    accepted(&["fit", MEASURED, "--picture", html.to_str().expect("a plain path")]);
+    let charts = used(&html);
+    // Voltage and gap, each with its residuals.
+    assert_eq!(charts.len(), 4);
+    assert!(
+        tells(&charts, &["measured", "frequency: ", " Hz", "mV"]) || tells(&charts, &["model", " mV"]),
+        "{charts:?}"
+    );
+}
+
+#[test]
+#[ignore = "nightly: needs Chromium"]
+fn a_browser_draws_the_day_of_a_node_and_the_report() {
+    let folder = folder("page-report");
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_host-bench"));
+        assert!(command.current_dir(&folder).args(arguments).output().expect("it starts").status.success());
+    };
+    run(&["budget", NODE]);
+    let charts = used(&folder.join("report/budget.html"));
+    assert!(
+        charts.len() >= 3 && tells(&charts, &["hour of the day: ", "stored energy: ", " mJ"]),
+        "{charts:?}"
+    );
+    run(&[]);
+    let charts = used(&folder.join("report/index.html"));
+    assert!(charts.len() >= 2, "{charts:?}");
+    let parts =
+        ["relative error of mean power: ", "host time per simulated second: ", " µs", "step or tolerance: "];
+    assert!(tells(&charts, &parts), "{charts:?}");
+}
