@@ -6,6 +6,7 @@
 //! chance. Where no power is delivered, the statement is that of the largest motion and the RMS voltage.
 
 mod difference;
+mod rung;
 
 use self::difference::{delivers, difference, is_same};
 use crate::embedded::{DEFAULT_SHORT_STEP_S, default_accuracy};
@@ -36,8 +37,8 @@ const MORE_ATTEMPTS: u64 = 4;
 const BY_HALVING: f64 = 2.0;
 /// Halvings of a tolerance to compare with. Half the tolerance may change no step: the motion limits the longest.
 const TOLERANCE_HALVINGS: u32 = 4;
-/// Most halvings of a tolerance in search of the accuracy that was asked for.
-const MOST_TOLERANCE_HALVINGS: u32 = 12;
+/// Accuracies in a row that are tried without a smaller statement.
+const PATIENCE: u32 = 4;
 /// The least statement. Runs of a few hundred steps were 10⁻⁵ off with no difference between two tolerances.
 const LEAST: f64 = 1e-5;
 /// Parts of the energy that a harvester exchanges below which the energy delivered to a resistor, which is quadratic in
@@ -71,7 +72,10 @@ pub(crate) fn run_with_companions(
 ) -> Result<(Outcome, Options), Failure> {
     let asked = options.accuracy;
     // The halvings meet it; the run itself has no rule for it.
-    let accuracy = if has_own_steps(scene, options) { None } else { asked.or(by_default(scene, options)) };
+    let accuracy = match has_own_steps(scene, options) {
+        true => None,
+        false => asked.map(rung::at_or_below).or(by_default(scene, options)),
+    };
     let mut options = Options { blocks: true, accuracy, ..*options };
     let mut finer = Halvings { scene, options, companions };
     options.halvings = chosen_halvings(&mut finer, asked);
@@ -94,8 +98,8 @@ pub(crate) fn run_with_companions(
     Ok((outcome, options))
 }
 
-/// The run again with smaller steps or a smaller tolerance, as long as its statement is above the accuracy that was asked
-/// for, the step is the largest part of it, and it falls.
+/// The run again with half the steps, or by [`by_rungs`] with a smaller tolerance, as long as its statement is above the accuracy
+/// that was asked for, the step is the largest part of it, and it falls.
 fn tightened(
     finer: &mut Halvings<'_>,
     mut options: Options,
@@ -103,25 +107,25 @@ fn tightened(
     asked: f64,
 ) -> (Outcome, Options) {
     let scene = finer.scene;
-    let by_tolerance = has_tolerance(scene, &options);
+    if let Some(first) = options.accuracy {
+        return by_rungs(finer, options, outcome, [asked, first]);
+    }
     let by_steps =
         has_own_steps(scene, &options) && options.step_s.is_none() && options.long_step_s.is_none();
-    let (more, most) = match (by_tolerance, by_steps) {
-        (true, _) => (TOLERANCE_HALVINGS, MOST_TOLERANCE_HALVINGS),
-        (_, true) => (1, MOST_HALVINGS),
-        _ => return (outcome, options),
-    };
+    if !by_steps {
+        return (outcome, options);
+    }
     while let Accuracy { total: Some(total), step: Some(step), .. } = outcome.accuracy
         && total > asked.max(LEAST)
         && step > 0.5 * total
-        && options.halvings < most
+        && options.halvings < MOST_HALVINGS
     {
         let tighter = Options {
-            halvings: options.halvings + more,
+            halvings: options.halvings + 1,
             most_attempts: options.most_attempts.or(Some(MOST_ATTEMPTS)),
             ..options
         };
-        // A tolerance below the rounding of the precision is refused, a run beyond its attempts stopped: what there is stays.
+        // A run beyond its attempts is stopped: what there is stays.
         let Ok(mut again) = run_scene(scene, &tighter) else { break };
         again.accuracy = statement(finer, &tighter, &again);
         if !again.accuracy.total.is_some_and(|again| again <= NO_PROGRESS * total) {
@@ -131,6 +135,42 @@ fn tightened(
         (outcome, options) = (again, Options { most_attempts: options.most_attempts, ..tighter });
     }
     (outcome, options)
+}
+
+/// As [`tightened`], by the tolerances of lower and lower accuracies. All requests try the same ones, so that a tighter request
+/// that is held never has a looser tolerance.
+fn by_rungs(
+    finer: &mut Halvings<'_>,
+    options: Options,
+    outcome: Outcome,
+    [asked, first]: [f64; 2],
+) -> (Outcome, Options) {
+    let scene = finer.scene;
+    let (mut best, mut rung, mut vain) = ((outcome, options), first, 0);
+    let mut spent_s = best.0.wall_s;
+    while let Accuracy { total: Some(total), step: Some(step), .. } = best.0.accuracy
+        && total > asked.max(LEAST)
+        && step > 0.5 * total
+        && vain < PATIENCE
+        && rung > rung::LOWEST
+    {
+        rung = rung::below(rung);
+        let most_attempts = options.most_attempts.or(Some(MOST_ATTEMPTS));
+        let tighter = Options { accuracy: Some(rung), most_attempts, ..options };
+        // A tolerance below the rounding of the precision is refused, a run beyond its attempts stopped: what there is stays.
+        let Ok(mut again) = run_scene(scene, &tighter) else { break };
+        let mut companions = Halvings { scene, options: tighter, companions: &mut *finer.companions };
+        again.accuracy = statement(&mut companions, &tighter, &again);
+        spent_s += again.wall_s;
+        vain += 1;
+        let Some(other) = again.accuracy.total.filter(|other| *other < total) else { continue };
+        if other <= NO_PROGRESS * total {
+            vain = 0;
+        }
+        best = (again, Options { most_attempts: options.most_attempts, ..tighter });
+    }
+    best.0.wall_s = spent_s;
+    best
 }
 
 /// The runs in double precision to compare with, by the number of halvings.

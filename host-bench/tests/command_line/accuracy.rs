@@ -29,6 +29,20 @@ fn a_run_is_made_tighter_until_its_statement_is_within_what_was_asked() {
 }
 
 #[test]
+fn a_tighter_accuracy_never_takes_fewer_steps() {
+    for scene in [SHIPPED, PASSIVE, SLIDING] {
+        let mut last = 0;
+        for accuracy in ["1e-2", "2e-3", "1e-3", "1e-4", "3e-5", "1e-5", "1e-6"] {
+            let output = host_bench(&["run", scene, "--accuracy", accuracy, "--format", "json"]);
+            let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).expect("an object");
+            let steps = outcome["steps"].as_u64().expect("a number");
+            assert!(steps >= last, "{scene} {accuracy}: {steps} after {last}");
+            last = steps;
+        }
+    }
+}
+
+#[test]
 fn an_accuracy_that_cannot_be_held_is_told() {
     // Chaotic at 20 Hz: the mean over a second depends on which second it is.
     let chaotic = ["--set", "excitation.frequency_hz=20", "--set", "run={duration_s=3,settle_s=2}"];
