@@ -56,6 +56,8 @@ pub(crate) struct Request<'a> {
     pub(crate) huber: bool,
     /// Most further starts that are looked at.
     pub(crate) starts: usize,
+    /// Iterations after which a search is given up.
+    pub(crate) iterations: usize,
     /// Whether the result will be drawn: the model is run between the rows of sweeps too.
     pub(crate) is_drawn: bool,
 }
@@ -75,6 +77,7 @@ pub(crate) fn fit(request: &Request<'_>, scene: &Scene, done: &(dyn Fn() + Sync)
     let [coarse, fine] = [0, 1].map(|stage| options(request, scene, stage));
     ring_down::free_starts(scene, &data, &coarse, &mut free)?;
     let mut problem = Problem::new(request.file, request.overrides, coarse, data, free, done);
+    problem.iterations = request.iterations;
     if problem.count() < problem.free.len() {
         return Err(Failure::Input(format!(
             "--data: {} measured values are fewer than the {} free keys",

@@ -167,15 +167,25 @@ impl Request<'_> {
         if self.is_largest { "--maximise" } else { "--minimise" }
     }
 
-    /// Refuses a quantity that says nothing of the harvester, and one that the result of the scene does not have.
+    /// The option and the name of each quantity.
+    fn quantities(&self) -> impl Iterator<Item = (&'static str, &String)> {
+        let of_constraints = self.constraints.iter().map(|constraint| ("--subject-to", &constraint.quantity));
+        std::iter::once((self.option(), &self.quantity)).chain(of_constraints)
+    }
+
+    /// Refuses a quantity that says nothing of the harvester.
+    fn check_names(&self) -> Result<(), Failure> {
+        let mut refused = self.quantities().filter_map(|(option, name)| {
+            let reason = irrelevant(name)?;
+            Some(Failure::Input(format!("{option} {name}: cannot be sought: {reason}")))
+        });
+        refused.next().map_or(Ok(()), Err)
+    }
+
+    /// Refuses a quantity that the result of the scene does not have.
     fn check_quantities(&self, outcome: &Outcome) -> Result<(), Failure> {
         let numbers = flattened(fields(outcome));
-        let of_constraints = self.constraints.iter().map(|constraint| ("--subject-to", &constraint.quantity));
-        let all = std::iter::once((self.option(), &self.quantity)).chain(of_constraints);
-        for (option, name) in all {
-            if let Some(reason) = irrelevant(name) {
-                return Err(Failure::Input(format!("{option} {name}: cannot be sought: {reason}")));
-            }
+        for (option, name) in self.quantities() {
             if !numbers.get(name).is_some_and(|value| value.is_number() || value.is_null()) {
                 let known =
                     numbers.iter().filter(|(key, value)| value.is_number() && irrelevant(key).is_none());

@@ -8,6 +8,7 @@ mod command_line {
     mod created_energy;
     mod figures;
     mod fit;
+    mod fit_kinds;
     mod good_runs;
     mod help;
     mod keys;

@@ -37,6 +37,9 @@ pub struct FitArguments {
     /// Most further starts, if the first one does not end well [default: 24]
     #[arg(long, value_name = "COUNT")]
     starts: Option<usize>,
+    /// Iterations after which a search is given up; the fit has then not converged
+    #[arg(long, value_name = "COUNT", default_value_t = 60)]
+    iterations: usize,
     /// Write the scene with the fitted values, and data and model as a picture beside it (.svg)
     #[arg(long, value_name = "FITTED.toml")]
     output: Option<PathBuf>,
@@ -68,6 +71,10 @@ fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
     if starts > 1000 {
         return Err(Failure::Input(format!("--starts {starts}: must be at most 1000")));
     }
+    let iterations = arguments.iterations;
+    if !(1..=1000).contains(&iterations) {
+        return Err(Failure::Input(format!("--iterations {iterations}: must be from 1 to 1000")));
+    }
     check_overrides(overrides, &[NODE])?;
     let keys: Vec<(&str, &str)> = free.iter().map(|asked| ("--free", asked.key.as_str())).collect();
     check_keys(&keys, &[NODE, ("fit", "[fit] is no part of the model")])?;
@@ -80,7 +87,8 @@ fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
         bar.inc_length(1);
         bar.inc(1);
     };
-    let request = Request { file, overrides, options: *options, data, free, huber, starts, is_drawn };
+    let options = *options;
+    let request = Request { file, overrides, options, data, free, huber, starts, iterations, is_drawn };
     let found = fit::fit(&request, &scene, &done);
     bar.finish_and_clear();
     let found = found?;

@@ -10,6 +10,7 @@ use crate::work_precision::grid::{self, Grid};
 use crate::work_precision::{self, Comparison, Extent, table};
 
 #[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Run time: three minutes of one core for the shipped scenes")]
 pub struct WorkPrecisionArguments {
     /// Scene files; without any, the shipped scenes at several loads
     #[arg(value_name = "SCENE.toml")]

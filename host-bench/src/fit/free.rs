@@ -82,7 +82,10 @@ impl Free {
 
     /// The value at a coordinate.
     pub(crate) fn value(&self, coordinate: f64) -> f64 {
-        self.unit.map_or_else(|| coordinate.exp(), |unit| coordinate * unit)
+        let value = self.unit.map_or_else(|| coordinate.exp(), |unit| coordinate * unit);
+        // The rounding of the logarithm must not leave the bounds.
+        let is_at = |end: &f64| (value - end).abs() <= 1e-14 * end.abs();
+        [self.low, self.high].into_iter().find(is_at).unwrap_or(value)
     }
 
     /// The derivative of the value by the coordinate.

@@ -41,6 +41,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) data: Vec<Data>,
     pub(crate) free: Vec<Free>,
     pub(crate) interpolation: Interpolation,
+    /// Iterations after which a search is given up.
+    pub(crate) iterations: usize,
     /// Sets of free numbers for which the data were computed.
     pub(crate) evaluations: AtomicUsize,
     /// Called after each of them.
@@ -109,6 +111,7 @@ impl<'a> Problem<'a> {
             data,
             free,
             interpolation: Interpolation::Smooth,
+            iterations: 0,
             evaluations: AtomicUsize::new(0),
             done,
             tasks,

@@ -4,8 +4,6 @@ use rmpfit::{MPConfig, MPError, MPFitter, MPMaxFev, MPPar, MPResult, MPSide, MPS
 
 use super::model::{Evaluation, Problem};
 
-/// Iterations after which a start is given up.
-const MOST_ITERATIONS: usize = 60;
 /// A residual of a trial that failed, relative to the best norm so far: the trial is refused.
 const REFUSED: f64 = 1e3;
 
@@ -140,8 +138,8 @@ pub(crate) fn solve(
         ftol: 1e-10,
         xtol: 1e-8,
         gtol: 1e-10,
-        max_iter: MOST_ITERATIONS,
-        max_fev: MPMaxFev::Limited(4 * MOST_ITERATIONS * (1 + problem.free.len())),
+        max_iter: problem.iterations,
+        max_fev: MPMaxFev::Limited(4 * problem.iterations * (1 + problem.free.len())),
         // A coordinate is a logarithm, or relative: its first step is a part of its unit.
         step_factor: 1.0,
         ..MPConfig::new()

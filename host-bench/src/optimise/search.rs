@@ -12,6 +12,10 @@ use crate::method::Failure;
 const FOLLOWED: usize = 3;
 /// Runs of one search for each key.
 const RUNS: usize = 40;
+/// Most further searches from the best point, where there are several keys, and the part of the value that one must gain for
+/// the next.
+const AGAIN: usize = 6;
+const GAIN: f64 = 1e-4;
 /// Part of a range to which a key is narrowed down.
 const WITHIN: f64 = 1e-4;
 /// Part of the best value within which a key may move.
@@ -33,6 +37,7 @@ pub(crate) fn optimise(
         done();
         Point { place: place.to_vec(), found }
     };
+    request.check_names()?;
     let grid = grid(request.ranges.len(), request.grid);
     more(grid.len());
     let mut points = first(request, &grid, done)?;
@@ -54,6 +59,17 @@ pub(crate) fn optimise(
         let found: Vec<Vec<Point>> =
             starts.into_par_iter().map(|start| search(request, &points, &start, constrained, &run)).collect();
         points.extend(found.into_iter().flatten());
+        // One linear approximation does not follow a ridge to its end.
+        for _ in 0..if request.ranges.len() > 1 { AGAIN } else { 0 } {
+            let Some(start) = best_of(&points, constrained, 1).pop() else { break };
+            more(RUNS * request.ranges.len());
+            points.extend(search(request, &points, &start, constrained, &run));
+            let Some(end) = best_of(&points, constrained, 1).pop() else { break };
+            let gained = start.value().zip(end.value()).map_or(0.0, |(start, end)| end - start);
+            if gained <= GAIN * start.value().unwrap_or(0.0).abs() {
+                break;
+            }
+        }
     }
     let best = best_of(&points, true, 1).into_iter().find(|point| point.feasible().is_some());
     let Some(best) = best else { return Err(nowhere(request, &points)) };
@@ -81,16 +97,17 @@ fn first(request: &Request<'_>, grid: &[Vec<f64>], done: &(dyn Fn() + Sync)) -> 
     let mut reason = String::new();
     for place in grid {
         let tried = request.tried(place);
-        done();
         let point = |found| Point { place: place.clone(), found };
         match tried {
             // The first run that succeeds has the names.
             Ok(outcome) => {
                 request.check_quantities(&outcome)?;
+                done();
                 points.push(point(request.judge(&outcome)));
                 return Ok(points);
             }
             Err(failure) => {
+                done();
                 points.push(point(None));
                 if reason.is_empty() {
                     reason = failure.to_string();

@@ -282,7 +282,7 @@ fn bad_data_and_keys_are_refused_with_their_place() {
     bad("i.csv", "frequency_hz,rms_voltage_v,direction\n20,1,left\n", &["i.csv:2", "left"]);
     let data = file(&folder, "good.csv", sweep(false, |_| 0.0));
     let key = |key: &str, parts: &[&str]| refused(&["fit", SCENE, "--data", &data, "--free", key], parts);
-    key("parameters.mass", &["parameters.mass", "unknown key"]);
+    key("parameters.mass", &["--free parameters.mass", "unknown key"]);
     key("parameters.force_law", &["parameters.force_law", "must be a number"]);
     key("parameters.mass_kg=2:1", &["LOW = 2"]);
     key("parameters.mass_kg=1:2", &["parameters.mass_kg", "within 1:2"]);

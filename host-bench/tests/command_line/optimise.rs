@@ -96,6 +96,42 @@ fn a_best_resistance_is_not_worse_than_a_fine_sweep_has_it() {
     );
 }
 
+/// Without a force the displacement of the resonance is `a m/(2 ζ √(1 − ζ²) k)`: largest at the lowest damping and stiffness and
+/// the largest mass, at a frequency within its range.
+#[test]
+fn three_and_four_keys_come_to_the_corner_of_the_closed_form() {
+    let ranges = [
+        "excitation.frequency_hz=17:23",
+        "parameters.damping_ratio=0.02:0.04",
+        "parameters.stiffness_n_per_m=76:84",
+        "parameters.mass_kg=4.5e-3:5.5e-3",
+    ];
+    for (count, mass) in [(3, 5e-3), (4, 5.5e-3)] {
+        let mut arguments = vec![SCENE, "--maximise", "peak_gap_m", "--set", "parameters.force_law=none"];
+        arguments.extend(ranges[..count].iter().flat_map(|range| ["--over", range]));
+        let found = found(&arguments);
+        let (damping, stiffness) = (0.02_f64, 76.0);
+        let largest = 0.25 * mass / (2.0 * damping * (1.0 - damping * damping).sqrt() * stiffness);
+        let displacement = number(&found["value"]) - 3e-3;
+        assert!((displacement / largest - 1.0).abs() < 2e-3, "{count} keys: {displacement} {largest}");
+        assert_eq!(found["at_bound"]["parameters.damping_ratio"], true);
+        // The grid's first point is run once.
+        assert!(number(&found["evaluations"]) >= [343.0, 625.0][count - 3]);
+    }
+}
+
+/// Under its sine this harvester has chaotic motion in a band, and the largest power there is that of a lucky run.
+#[test]
+fn an_optimum_without_a_period_is_doubted() {
+    let passive = super::tool::PASSIVE;
+    let over = ["--over", "excitation.frequency_hz=20.04:20.07", "--grid", "5"];
+    let found = found(&[&[passive, "--maximise", "mean_power_w"], &over[..]].concat());
+    assert!(found["warnings"].to_string().contains("has no steady motion of one period"), "{found}");
+    let over = ["--over", "excitation.frequency_hz=20.4:20.6", "--grid", "5"];
+    let found = self::found(&[&[passive, "--maximise", "mean_power_w"], &over[..]].concat());
+    assert!(!found["warnings"].to_string().contains("steady motion"), "{found}");
+}
+
 #[test]
 fn what_cannot_be_sought_is_refused() {
     let range = format!("{FREQUENCY}=17:23");
@@ -107,9 +143,21 @@ fn what_cannot_be_sought_is_refused() {
         &["--maximise", "power", "--over", &range],
         &["power", "must be a number of the result", "mean_power_w"],
     );
+    for (name, reason) in [
+        ("wall_s", "a time of this computer"),
+        ("steps", "what the computation took"),
+        ("accuracy_total", "without its accuracy statement"),
+        ("run.duration_s", "chosen in the scene"),
+        // Of the steady state nothing is first.
+        ("first_impact_s", "at none of the 3 points of the grid is it a number"),
+    ] {
+        let all = ["optimise", SCENE, "--quiet", "--maximise", name, "--over", &range];
+        let all = [&all[..], &["--grid", "3", "--steady-state"]].concat();
+        refused(&all, &["--maximise", name, "cannot be sought", reason]);
+    }
     with(
         &["--maximise", "mean_power_w", "--over", "parameters.mass=1:2"],
-        &["parameters.mass", "unknown key"],
+        &["--over parameters.mass", "unknown key"],
     );
     with(&["--maximise", "mean_power_w", "--over", "parameters.mass_kg=2:1"], &["LOW = 2"]);
     with(

@@ -49,6 +49,11 @@ fn a_grid_has_a_row_for_each_point_and_a_picture() {
     assert_eq!(Some(power), alone["mean_power_w"].as_f64());
     let picture = std::fs::read_to_string(output.join("sweep.svg")).expect("the picture");
     assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
+    let page = std::fs::read_to_string(output.join("sweep.html")).expect("the page");
+    assert!(
+        page.contains("load.resistance_ohm = 1e7") && !page.contains("src="),
+        "a page needs no other file"
+    );
     for label in ["load.resistance_ohm", "excitation.frequency_hz", "mean power [µW]", "10⁷", "19.5"] {
         assert!(picture.contains(label), "{label} is in the picture");
     }
