@@ -152,7 +152,7 @@ fn rows_of_a_long_span_resolve_the_excitation_and_its_harmonics() {
     for span in [[0.0, 60.0], [59.9, 60.0], span_s(&scene)] {
         let every = every_s(&scene, span);
         // Of a short span 3000, as far as a run of a million has them.
-        let most = ((span[1] - span[0]) / 3000.0).max(60.0 / 1e6).min(1.0 / (80.0 * 20.5));
+        let most = ((span[1] - span[0]) / 3000.0).clamp(60.0 / 1e6, 1.0 / (80.0 * 20.5));
         assert!((every / most - 1.0).abs() < 1e-9, "{every} {most}");
         assert!((highest_hz(&scene, every) / (20.0 * 20.5) - 1.0).abs() < 1e-9, "{span:?}");
         assert_eq!(unresolved(&scene, every), None);

@@ -1,0 +1,69 @@
+//! Warnings about the accuracy of a run.
+
+use super::LEAST;
+use super::difference::delivers;
+use crate::outcome::Outcome;
+use crate::scene_file::{Load, Scene};
+
+/// Estimated relative error of the mean power above which a run warns.
+const NOTABLE: f64 = 5e-3;
+/// Relative residual of the energy ledger above which a run warns.
+const UNBALANCED: f64 = 1e-2;
+/// Parts of the energy that a harvester exchanges below which the energy delivered to a resistor, which is quadratic in
+/// the voltage, and through a bridge, which is linear in the charge, are not resolved in double precision.
+const UNRESOLVED: [f64; 2] = [1e-26, 1e-12];
+
+/// The warning of a statement that is unknown or notable.
+pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
+    let accuracy = &outcome.accuracy;
+    let quantity =
+        if delivers(outcome) { "the mean power" } else { "the largest motion and the RMS voltage" };
+    let Some(total) = accuracy.total else {
+        return Some(format!(
+            "accuracy: the error of {quantity} is unknown: a run to compare with did not end, or one of the two delivers \
+             nothing"
+        ));
+    };
+    let missed = asked.is_some_and(|asked| total > asked.max(LEAST));
+    (missed || total > NOTABLE).then(|| {
+        let sources = [
+            ("the step", accuracy.step),
+            ("rounding", accuracy.rounding),
+            ("fast relaxations", accuracy.boundary_layers),
+            ("the sampling of the trace", accuracy.sampling),
+        ];
+        let known = sources.iter().filter_map(|(name, error)| Some(format!("{:.1e} by {name}", (*error)?)));
+        let not_held =
+            asked.filter(|_| missed).map_or(String::new(), |asked| format!("{asked:e} is not held: "));
+        format!(
+            "accuracy: {not_held}the estimated relative error of {quantity} is {total:.1e}: {}",
+            known.collect::<Vec<_>>().join(", ")
+        )
+    })
+}
+
+/// The warning of an energy ledger that does not close.
+pub fn imbalance(outcome: &Outcome) -> Option<String> {
+    outcome.energy_residual.filter(|residual| !(residual.abs() <= UNBALANCED)).map(|residual| {
+        format!(
+            "accuracy: energy_residual = {residual:.1e} is more than {UNBALANCED}: the step or the tolerance was \
+             probably too coarse, or the method unstable"
+        )
+    })
+}
+
+/// The warning of a delivered energy that is lost in the rounding of the energies exchanged: runs to compare with may
+/// round alike.
+pub(super) fn unresolved(scene: &Scene, outcome: &Outcome) -> Option<String> {
+    let flow = outcome.flow.as_ref()?;
+    let delivered_j = outcome.delivered_energy_j.filter(|&energy| energy > 0.0)?;
+    let exchanged_j = flow.base_j.abs().max(flow.dissipated_j).max(flow.contact_j);
+    let [resistor, bridge] = UNRESOLVED;
+    let least = if matches!(scene.load, Load::Resistor { .. }) { resistor } else { bridge };
+    (delivered_j < least * exchanged_j).then(|| {
+        format!(
+            "accuracy: the delivered energy of {delivered_j:.1e} J is not resolved: the harvester exchanges \
+             {exchanged_j:.1e} J"
+        )
+    })
+}
