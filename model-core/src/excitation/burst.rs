@@ -42,7 +42,8 @@ struct Place {
 }
 
 impl<S: Scalar, M: Mathematics<S>> Burst<S, M> {
-    /// A shock of half a sine at time zero: `amplitude` in m/s², which may be negative, and `duration` in s.
+    /// A shock of half a sine at time zero: `amplitude` in m/s², which may be negative, and `duration` in s. Its impulse
+    /// `2 amplitude duration/π` does not depend on the rounding of the duration to ticks.
     ///
     /// # Errors
     /// An amplitude that is not finite; a duration that is not 10⁻⁶ to 10⁶ s.
@@ -50,7 +51,9 @@ impl<S: Scalar, M: Mathematics<S>> Burst<S, M> {
         let length = ticks(duration, 1e-6).ok_or(ExcitationError::Duration)?;
         let frequency = Frequency::from_units(divide(1, 95, u128::from(length)));
         let angular_frequency = S::from_f64(core::f64::consts::PI) / duration;
-        Self::of(amplitude, angular_frequency, frequency, length)
+        // Half a tick is 4·10⁻⁸ of 50 µs, of which f64 would see the impulse change.
+        let rounded = (duration - Instant::from_ticks(length).seconds::<S>()) / duration;
+        Self::of(amplitude + amplitude * rounded, angular_frequency, frequency, length)
     }
 
     /// A burst at time zero: `amplitude` in m/s², `frequency` in Hz and a number of whole `cycles`.

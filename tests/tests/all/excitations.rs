@@ -214,8 +214,9 @@ fn a_half_sine_shock_has_the_exact_response_of_an_oscillator_and_of_the_beam() {
         }
     }
     // One mode of the beam with its terminals short-circuited. Its steps see the line with the mean and the moment of the
-    // base acceleration: the error is of second order.
-    for duration in [0.5e-3, 2.2e-3] {
+    // base acceleration, across the ends of the shock too: what is left is of third order. At 1 µs it is below what the
+    // rounding of the times to ticks of 3.6 ps does.
+    for (duration, in_long_steps) in [(50e-6, 1e-5), (0.5e-3, 1e-8), (2.2e-3, 1e-9)] {
         let start = 1e-3;
         let (mut scene, model) = beam(1, shock(100.0, duration, start), [0.0, 0.06]);
         scene.load = resistor(0.0);
@@ -228,7 +229,7 @@ fn a_half_sine_shock_has_the_exact_response_of_an_oscillator_and_of_the_beam() {
             -100.0 * mode.participation * mode.at_tip * both
         };
         let times = [start + 0.3 * duration, start + 0.77 * duration, start + duration, 5.1e-3, 21e-3];
-        for (options, bound) in [(fixed(1e-5), 1e-6), (fixed(1e-6), 1e-8), (reference(), 1e-9)] {
+        for (options, bound) in [(fixed(1e-5), in_long_steps), (fixed(1e-6), 3e-9), (reference(), 1e-9)] {
             let error = position_error(&scene, &options, &times, exact);
             assert!(error < bound, "{duration} s, {:?}: {error:e}", options.step_s);
         }
