@@ -78,7 +78,7 @@ fn the_scene_of_the_firmware_is_what_the_command_emits() {
     let emitted = folder("emitted").join("contact_separation.rs");
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_host-bench"))
         .current_dir(&root)
-        .args(["needs", "host-bench/scenes/contact-separation.toml", "--emit"])
+        .args(["needs", "host-bench/scenes/contact-separation-passive.toml", "--emit"])
         .arg(&emitted)
         .output()
         .expect("the binary starts");

@@ -93,7 +93,7 @@ fn the_emitted_scene_holds_the_mean_power_of_the_shipped_one() {
 
     let states = states_of(emitted::bench);
     let [_, window] = &states[0][..] else { panic!("two stretches") };
-    let shipped = shipped("contact-separation.toml");
+    let shipped = shipped("contact-separation-passive.toml");
     let power = f64::from(f32::from_bits(window[0])) / shipped.run.window_s();
     let change = |exact: f64| (power / exact - 1.0).abs();
     assert!(change(f64::from(scene::MEAN_POWER)) <= f64::from(scene::ACCURACY));
