@@ -5,9 +5,10 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::sweep::{Axis, check_axes, values};
-use super::{NODE, SceneArguments, check_keys, print, progress};
-use crate::method::Failure;
-use crate::outcome::{self, ClampOutcome, Fields, Format, number, rows_csv};
+use super::{NODE, SceneArguments, check_keys, print, progress, tell};
+use crate::accuracy::run_with_steps;
+use crate::method::{Failure, Method, Options};
+use crate::outcome::{self, Fields, Format, Outcome, number, rows_csv};
 use crate::run::run_scene;
 use crate::scene_file::{self, Model, Override, Scene, contains};
 
@@ -27,6 +28,9 @@ pub struct StopArguments {
     /// Values for a key of the scene, such as stop.gap_m; repeat it for a grid
     #[arg(long = "over", value_name = "KEY=FROM:TO:COUNT[:log]")]
     axes: Vec<Axis>,
+    /// Run each point once only, in the default steps: without the error of the mean power and the changes by half the step
+    #[arg(long)]
+    no_accuracy: bool,
 }
 
 /// A run, with the stop or without, at some values of the axes.
@@ -36,33 +40,95 @@ struct Row {
     with_stop: bool,
     scene: Scene,
     numbers: Fields,
+    warnings: Vec<String>,
+}
+
+impl Row {
+    fn new(values: Vec<Option<f64>>, with_stop: bool, scene: Scene) -> Self {
+        Self { values, with_stop, scene, numbers: Fields::new(), warnings: Vec::new() }
+    }
+
+    /// Runs the scene with the accuracy statement of `run`, and in half the steps for what the numbers of the bending
+    /// change: the statement is of the mean power alone.
+    fn run(&mut self, options: &Options, no_accuracy: bool) -> Result<(), Failure> {
+        if no_accuracy {
+            let outcome = run_scene(&self.scene, options)?;
+            self.numbers = numbers(&outcome)?;
+            return Ok(());
+        }
+        let (outcome, chosen) = run_with_steps(&self.scene, options)?;
+        self.numbers = numbers(&outcome)?;
+        self.warnings.clone_from(&outcome.warnings);
+        let halved = Options { halvings: chosen.halvings + 1, ..chosen };
+        // The reference has no step to halve. A run in half the steps that fails leaves the changes unknown.
+        let finer =
+            (chosen.method != Method::Reference).then(|| run_scene(&self.scene, &halved).ok()).flatten();
+        let finer = finer.map_or_else(|| Ok(Fields::new()), |finer| numbers(&finer))?;
+        let changes: Vec<(String, Value)> = self
+            .numbers
+            .iter()
+            .filter(|(name, _)| name.contains("stress"))
+            .map(|(name, value)| {
+                let finer = finer.get(name).and_then(Value::as_f64);
+                let change = value.as_f64().zip(finer).and_then(|(value, finer)| relative(value, finer));
+                (changed(name), json!(change))
+            })
+            .collect();
+        self.numbers.extend(changes);
+        self.numbers.insert(POWER_ERROR.to_owned(), json!(outcome.accuracy.total));
+        Ok(())
+    }
+
+    /// The values of the axes, and whether there is a stop.
+    fn place(&self, axes: &[Axis]) -> String {
+        let values = axes.iter().zip(&self.values);
+        let named =
+            values.filter_map(|(axis, value)| Some(format!("{} = {}, ", axis.key, number((*value)?))));
+        format!(
+            "{}{}",
+            named.collect::<String>(),
+            if self.with_stop { "with the stop" } else { "without a stop" }
+        )
+    }
+}
+
+/// Key of the estimated relative error of the mean power.
+const POWER_ERROR: &str = "mean_power_error";
+
+/// Key of the relative change of a number in half the steps.
+fn changed(name: &str) -> String {
+    format!("{name}_change")
+}
+
+/// The relative change from one value to another; 0 if both are 0, `None` of 0 to another.
+fn relative(from: f64, to: f64) -> Option<f64> {
+    if from == to { Some(0.0) } else { Some(to / from - 1.0).filter(|change| change.is_finite()) }
 }
 
 /// Runs the scene with its stop and without it at each point, and prints the comparison.
 pub fn run(arguments: &StopArguments) -> Result<(), Failure> {
-    let StopArguments { scene: SceneArguments { options, .. }, axes } = arguments;
+    let StopArguments { scene: SceneArguments { options, .. }, axes, no_accuracy } = arguments;
     options.check()?;
     let count = check_axes(axes)?;
     let overrides = arguments.scene.overrides.iter().map(|change| ("--set", change.key()));
     let keys = overrides.chain(axes.iter().map(|axis| ("--over", axis.key.as_str())));
     check_keys(&keys.collect::<Vec<_>>(), &[NODE])?;
     let mut rows = rows(arguments, count)?;
+    // The accuracy statement holds an accuracy by the steps.
+    let accuracy = options.accuracy.filter(|_| *no_accuracy);
     for row in &rows {
-        options.check_scene(&row.scene)?;
+        Options { accuracy, ..*options }.check_scene(&row.scene)?;
     }
     let bar = progress(rows.len());
     rows.par_iter_mut().try_for_each(|row| {
-        let outcome = run_scene(&row.scene, options)?;
+        let ran = row.run(options, *no_accuracy);
         bar.inc(1);
-        let particular = outcome.bump_stop();
-        let Some(clamp) = particular.and_then(|found| found.clamp) else {
-            return Err(Failure::Input("--method: this method does not measure the bending".to_owned()));
-        };
-        let contacts = particular.and_then(|found| found.contacts_per_period);
-        row.numbers = numbers(&clamp, outcome.mean_power_w, contacts);
-        Ok(())
+        ran
     })?;
     bar.finish_and_clear();
+    for row in &rows {
+        row.warnings.iter().for_each(|warning| tell(&format!("warning: {}: {warning}", row.place(axes))));
+    }
     let rows: Vec<Fields> = rows.iter().map(|row| fields(axes, row, &rows)).collect();
     print(&match arguments.scene.format {
         Format::Json => format!("{:#}\n", json!(rows)),
@@ -84,15 +150,10 @@ fn rows(arguments: &StopArguments, count: usize) -> Result<Vec<Row>, Failure> {
         let scene = scene_file::read(&arguments.scene.scene, &overrides)?;
         let kept = without_stop(axes, &values);
         if !free.iter().any(|row| row.values == kept) {
-            free.push(Row {
-                values: kept,
-                with_stop: false,
-                scene: unstopped(&scene)?,
-                numbers: Fields::new(),
-            });
+            free.push(Row::new(kept, false, unstopped(&scene)?));
         }
         let values = values.into_iter().map(Some).collect();
-        stopped.push(Row { values, with_stop: true, scene, numbers: Fields::new() });
+        stopped.push(Row::new(values, true, scene));
     }
     free.extend(stopped);
     Ok(free)
@@ -119,12 +180,20 @@ fn unstopped(scene: &Scene) -> Result<Scene, Failure> {
 }
 
 /// The numbers of a run that are printed.
-fn numbers(clamp: &ClampOutcome, mean_power_w: Option<f64>, contacts_per_period: Option<f64>) -> Fields {
-    let mut numbers = outcome::fields(clamp);
+///
+/// # Errors
+/// If the method does not measure the bending.
+fn numbers(outcome: &Outcome) -> Result<Fields, Failure> {
+    let particular = outcome.bump_stop();
+    let Some(clamp) = particular.and_then(|found| found.clamp) else {
+        return Err(Failure::Input("--method: this method does not measure the bending".to_owned()));
+    };
+    let mut numbers = outcome::fields(&clamp);
     numbers.retain(|name, _| name.contains("stress"));
-    numbers.insert("mean_power_w".to_owned(), json!(mean_power_w));
-    numbers.insert("contacts_per_period".to_owned(), json!(contacts_per_period));
-    numbers
+    numbers.insert("mean_power_w".to_owned(), json!(outcome.mean_power_w));
+    let contacts = particular.and_then(|found| found.contacts_per_period);
+    numbers.insert("contacts_per_period".to_owned(), json!(contacts));
+    Ok(numbers)
 }
 
 /// A row with what the stop saves and costs: parts of the values without it, `null` in the row without it and where
@@ -162,16 +231,46 @@ const COLUMNS: [(&str, &str, f64, usize); 11] = [
     ("power lost %", "mean_power_lost", 100.0, 1),
 ];
 
+/// Columns of the table of what is known of the numbers, all in per cent: heading and number, of the power its error.
+const CHANGES: [(&str, &str); 5] = [
+    ("peak %", "clamp_stress_peak_pa"),
+    ("RMS %", "clamp_stress_rms_pa"),
+    ("largest range %", "clamp_stress_largest_range_pa"),
+    ("cycles %", "clamp_stress_cycles"),
+    ("equivalent %", "clamp_stress_equivalent_range_pa"),
+];
+
 fn table(axes: &[Axis], rows: &[Fields]) -> String {
+    let columns = COLUMNS.map(|(heading, key, factor, digits)| (heading, key.to_owned(), factor, digits));
+    let numbers = table_of(axes, rows, &columns);
+    if !rows.iter().any(|row| row.contains_key(POWER_ERROR)) {
+        return numbers;
+    }
+    let changes = CHANGES.map(|(heading, key)| (heading, changed(key), 100.0, 3));
+    let power = ("power's error %", POWER_ERROR.to_owned(), 100.0, 3);
+    let columns: Vec<_> = changes.into_iter().chain([power]).collect();
+    format!(
+        "{numbers}\nChange in half the steps, and the estimated error of the mean power\n\n{}",
+        table_of(axes, rows, &columns)
+    )
+}
+
+fn table_of(axes: &[Axis], rows: &[Fields], columns: &[(&str, String, f64, usize)]) -> String {
     let value = |row: &Fields, key: &str| row.get(key).and_then(Value::as_f64);
     let keys = axes.iter().map(|axis| axis.key.as_str());
-    let headings: Vec<&str> = keys.chain(["stop"]).chain(COLUMNS.map(|(heading, ..)| heading)).collect();
+    let headings: Vec<&str> =
+        keys.chain(["stop"]).chain(columns.iter().map(|(heading, ..)| *heading)).collect();
     let lines = rows.iter().map(|row| {
         let shown =
             |key: &str| value(row, key).map_or_else(|| "-".to_owned(), |value| format!("{value:.4e}"));
         let with = if row.get("with_stop") == Some(&Value::Bool(true)) { "yes" } else { "none" };
-        let numbers = COLUMNS.map(|(_, key, factor, digits)| {
-            let number = value(row, key).map(|value| format!("{:.digits$}", factor * value));
+        let numbers = columns.iter().map(|(_, key, factor, digits)| {
+            // No sign of a number that rounds to nothing.
+            let shown = |value: f64| format!("{:.digits$}", factor * value);
+            let number = value(row, key).map(|value| {
+                let text = shown(value);
+                if text.trim_matches(['-', '0', '.']).is_empty() { shown(0.0) } else { text }
+            });
             number.unwrap_or_else(|| "-".to_owned())
         });
         axes.iter().map(|axis| shown(&axis.key)).chain([with.to_owned()]).chain(numbers).collect::<Vec<_>>()

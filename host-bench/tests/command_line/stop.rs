@@ -9,7 +9,12 @@ const LOADED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-tip-
 const SHORT: [&str; 6] =
     ["--set", "parameters.beam_modes=4", "--set", "run.duration_s=0.2", "--set", "run.settle_s=0.1"];
 
+/// Rows of runs in the default steps.
 fn rows(arguments: &[&str]) -> Vec<serde_json::Value> {
+    stated(&[arguments, &["--no-accuracy"]].concat())
+}
+
+fn stated(arguments: &[&str]) -> Vec<serde_json::Value> {
     let arguments = [arguments, &SHORT, &["--format", "json"]].concat();
     serde_json::from_str(&accepted(&arguments)).expect("a list")
 }
@@ -67,8 +72,35 @@ fn another_key_has_a_run_without_a_stop_at_each_value() {
         (number(&found[1], "clamp_stress_peak_pa") / number(&found[0], "clamp_stress_peak_pa") - 2.0).abs()
             < 1e-6
     );
-    let table = accepted(&[&["stop", LOADED][..], &SHORT].concat());
+    let table = accepted(&[&["stop", LOADED, "--no-accuracy"][..], &SHORT].concat());
     assert!(table.lines().count() == 3 && table.contains("peak saved %"), "{table}");
+}
+
+/// The statement is that of `run`; what half the steps change is the difference of two runs of `run`.
+#[test]
+fn the_error_of_the_power_and_the_changes_of_the_stresses_are_those_of_run() {
+    let steps = |short: &'static str, long: &'static str| ["--step", short, "--long-step", long];
+    let found = stated(&[&["stop", LOADED][..], &steps("2e-6", "4e-5")].concat());
+    let [_, stopped] = &found[..] else { panic!("two rows: {found:?}") };
+    let run = |more: &[&str]| -> serde_json::Value {
+        let arguments = [&["run", LOADED][..], &SHORT, &["--format", "json"], more].concat();
+        serde_json::from_str(&accepted(&arguments)).expect("an object")
+    };
+    let whole = run(&steps("2e-6", "4e-5"));
+    assert_eq!(stopped["mean_power_error"], whole["accuracy"]["total"]);
+    assert!(number(stopped, "mean_power_error") > 1e-5);
+    let halved = run(&[&steps("1e-6", "2e-5")[..], &["--no-accuracy"]].concat());
+    let mut largest = 0.0_f64;
+    for key in ["clamp_stress_peak_pa", "clamp_stress_rms_pa", "clamp_stress_cycles"] {
+        assert_eq!(stopped[key], whole[key], "{key}");
+        let change = number(stopped, &format!("{key}_change"));
+        assert!(
+            (change - (number(&halved, key) / number(&whole, key) - 1.0)).abs() < 1e-12,
+            "{key}: {change}"
+        );
+        largest = largest.max(change.abs());
+    }
+    assert!(largest > 0.0, "{stopped}");
 }
 
 #[test]
