@@ -22,7 +22,7 @@ use crate::scene_file::{Draw, Excitation, Load, Model, Scene, Trace};
 /// Relative error that a bump-stop run without a given step aims at.
 const BUMP_STOP_ACCURACY: f64 = 1e-3;
 /// Most halvings of a bump-stop step in search of its accuracy.
-const MOST_HALVINGS: u32 = 6;
+pub(crate) const MOST_HALVINGS: u32 = 6;
 /// Ratio of two successive differences above which halving the step is given up.
 const NO_PROGRESS: f64 = 0.8;
 /// Most attempted steps of a comparison, where the run itself has no limit.
@@ -35,7 +35,7 @@ const MORE_ATTEMPTS: u64 = 4;
 /// the core 1.1 to 1.4.
 const BY_HALVING: f64 = 2.0;
 /// Halvings of a tolerance to compare with. Half the tolerance may change no step: the motion limits the longest.
-const TOLERANCE_HALVINGS: u32 = 4;
+pub(crate) const TOLERANCE_HALVINGS: u32 = 4;
 /// Accuracies in a row that are tried without a smaller statement.
 const PATIENCE: u32 = 4;
 /// The least statement. Runs of a few hundred steps were 10⁻⁵ off with no difference between two tolerances.
@@ -53,6 +53,18 @@ pub fn run_with_accuracy(scene: &Scene, options: &Options) -> Result<Outcome, Fa
 /// As [`run_with_accuracy`], with the options of the run: its halvings are those that were chosen.
 pub(crate) fn run_with_steps(scene: &Scene, options: &Options) -> Result<(Outcome, Options), Failure> {
     run_with_companions(scene, options, &mut Companions::default())
+}
+
+/// The statement of a run that does not tell how its steps were chosen, without the search for them.
+///
+/// # Errors
+/// If the scene cannot be run.
+pub(crate) fn statement_in_default_steps(scene: &Scene, options: &Options) -> Result<Accuracy, Failure> {
+    let options = Options { blocks: true, ..*options };
+    let outcome = run_scene(scene, &options)?;
+    let mut companions = Companions::default();
+    let mut finer = Halvings { scene, options, companions: &mut companions };
+    Ok(statement(&mut finer, &options, &outcome))
 }
 
 /// Runs of one scene in double precision to compare with, by their options. Runs in single and in double precision are

@@ -29,8 +29,8 @@ use harvester_scene::scene_file::{Model, Scene};
 
 pub use auto::{default_accuracy, tolerance as tolerance_for};
 pub use bump_stop::{
-    ContactInterval, DEFAULT_SHORT_STEP_S, DeflectedShape, ShapePoint, chattering_phases, contact_intervals,
-    deflected_shapes, parameters as bump_stop_parameters,
+    ContactInterval, DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S, DeflectedShape, ShapePoint,
+    chattering_phases, contact_intervals, deflected_shapes, parameters as bump_stop_parameters,
 };
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use held::{Found, Held, Motion, damping_ratio, fingerprint, natural_frequency_hz, with_held};

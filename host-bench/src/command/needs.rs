@@ -77,7 +77,7 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     bar.reset();
     let numerics = cheapest(&study, (&needs.cut_scene, needs.cut_change.sampling_error.is_some()), counted);
     bar.finish_and_clear();
-    let emission = Emitting { study: &study, needs: &needs, numerics: &numerics, accuracy };
+    let emission = Emitting { study: &study, needs: &needs, numerics: &numerics };
     if let Some(file) = &arguments.emit {
         let command = command(arguments, file);
         outputs.write(file, &emission.cut(&command)?)?;
@@ -118,7 +118,6 @@ struct Emitting<'a> {
     study: &'a Study,
     needs: &'a Needs,
     numerics: &'a [Numerics],
-    accuracy: f64,
 }
 
 /// The cost of a scene on a core.
@@ -148,7 +147,8 @@ impl Emitting<'_> {
     fn module(&self, scene: &Scene, cut: &[Part], command: &str) -> Result<String, Failure> {
         let mean_power_w = self.study.full.mean_power_w.unwrap_or(0.0);
         let setting = self.setting()?;
-        Emission { scene, cut, setting, command, accuracy: self.accuracy, mean_power_w }.module()
+        let accuracy = self.study.accuracy_of_a_run();
+        Emission { scene, cut, setting, command, accuracy, mean_power_w }.module()
     }
 
     /// Measures the full and the cut scene on a core, by the same setting.
@@ -221,6 +221,7 @@ fn object(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
         "accuracy": accuracy,
         "is_chaotic": study.is_chaotic,
         "is_sound": study.is_sound(),
+        "runs": study.runs(),
         "full": study.full,
         "parts": needs.findings,
         "left_out": needs.cut.iter().map(|part| part.name()).collect::<Vec<_>>(),
@@ -267,10 +268,10 @@ fn report(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
     }
     if study.is_chaotic {
         text.push_str(
-            "The motion is chaotic: a base acceleration larger by 1e-9 changes the mean power. Means are compared, with \
-             twice their standard error.\n",
+            "The motion is chaotic: a base acceleration larger by 1e-9 changes the mean power. Means over runs are compared, \
+             with half their 95 % interval.\n",
         );
-        text.push_str(&format!("Window: {:.1} s.\n", study.scene.run.window_s()));
+        text.push_str(&format!("Runs of the full scene: {}.\n", study.runs()));
     }
     text.push_str(&format!("\nChange without a part; accepted: {}\n\n", percent(Some(accuracy))));
     let by_motion = study.is_by_motion();
@@ -320,7 +321,10 @@ fn parts_table(findings: &[Finding], by_motion: bool) -> String {
             (Verdict::Needed, None) => "needed".to_owned(),
             (Verdict::NotNeeded, None) => "not needed".to_owned(),
             (Verdict::ByChance, None) => "needed: with more modes it changes by more".to_owned(),
-            (Verdict::Undecided, None) => "undecided: a longer window decides".to_owned(),
+            (Verdict::Undecided, None) => {
+                let runs = finding.change.map_or(0, |change| change.runs);
+                format!("undecided: within the scatter of {runs} runs")
+            }
             (Verdict::NotNeededAlone { with }, None) if with.is_empty() => {
                 "not needed alone, needed without the others".to_owned()
             }

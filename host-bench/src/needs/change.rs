@@ -1,11 +1,13 @@
-//! What the absence of a part changes: two runs compared.
+//! What the absence of a part changes: two runs compared, or the means of several.
 
 use serde::Serialize;
 
+use super::sampled;
 use crate::outcome::{Outcome, standard_error_of_sum};
 
-/// Standard errors of the mean within which a difference may be chance.
-const CONFIDENCE: f64 = 2.0;
+/// Intervals by which a change must be beyond the accuracy or within it while more runs can be added: looking several
+/// times would find chance more often than once in twenty.
+const EARLY: f64 = 2.0;
 
 /// What a run has in place of what the full scene has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -18,27 +20,45 @@ pub(crate) struct Change {
     pub(crate) store_voltage: Option<f64>,
     /// Relative change of the peak displacement; 0 if nothing moves in both.
     pub(crate) displacement: Option<f64>,
-    /// Impacts or contacts in the window.
+    /// Impacts or contacts in the window, of the first run.
     pub(crate) impacts: Option<u64>,
-    /// Twice the standard error of the mean of the change of the mean power, from the parts of the window; `None` where
+    /// Half the 95 % interval of the changes that decide, the largest of them, from the scatter of the runs; `None` where
     /// the motion is not chaotic.
     pub(crate) sampling_error: Option<f64>,
+    /// Number of runs that were compared.
+    pub(crate) runs: usize,
 }
 
 impl Change {
-    /// Compares `run` with the run `full` of the full scene.
-    pub(crate) fn between(full: &Outcome, run: &Outcome, is_chaotic: bool) -> Self {
+    /// Compares `run` with the run `full` of the full scene, neither of them chaotic.
+    pub(crate) fn between(full: &Outcome, run: &Outcome) -> Self {
+        let change = Self::of_means(std::slice::from_ref(full), std::slice::from_ref(run));
+        Self { sampling_error: None, ..change }
+    }
+
+    /// Compares the means of several runs with those of the full scene; a single run of it is exact.
+    pub(crate) fn of_means(full: &[Outcome], runs: &[Outcome]) -> Self {
+        let of = |value: fn(&Outcome) -> Option<f64>| {
+            let [full, runs] = [full, runs].map(|all| all.iter().map(value).collect::<Option<Vec<f64>>>());
+            sampled::change(&full?, &runs?)
+        };
         let store = |outcome: &Outcome| outcome.store.and_then(|store| store.store_voltage_v);
+        let electrical = [of(|run| run.mean_power_w), of(|run| run.rms_voltage_v), of(store)];
+        let displacement = of(Outcome::largest_motion_m).or_else(|| {
+            let is_at_rest = |run: &Outcome| run.largest_motion_m() == Some(0.0);
+            full.iter().chain(runs).all(is_at_rest).then_some([0.0; 2])
+        });
+        let errors = electrical.iter().flatten().map(|[_, error]| *error).reduce(f64::max);
+        let [mean_power, rms_voltage, store_voltage] =
+            electrical.map(|change| change.map(|[change, _]| change));
         Self {
-            mean_power: relative(full.mean_power_w, run.mean_power_w),
-            rms_voltage: relative(full.rms_voltage_v, run.rms_voltage_v),
-            store_voltage: relative(store(full), store(run)),
-            displacement: match (full.largest_motion_m(), run.largest_motion_m()) {
-                (Some(0.0), Some(0.0)) => Some(0.0),
-                (full, run) => relative(full, run),
-            },
-            impacts: impacts(run),
-            sampling_error: is_chaotic.then(|| sampling_error(&full.block_energies_j, &run.block_energies_j)),
+            mean_power,
+            rms_voltage,
+            store_voltage,
+            displacement: displacement.map(|[change, _]| change),
+            impacts: runs.first().and_then(impacts),
+            sampling_error: errors.or(displacement.map(|[_, error]| error)),
+            runs: runs.len(),
         }
     }
 
@@ -55,7 +75,17 @@ impl Change {
 
     /// Whether the change is within `accuracy`; `None` where that may be chance.
     pub(crate) fn is_within(&self, accuracy: f64) -> Option<bool> {
-        let chance = self.sampling_error.unwrap_or(0.0);
+        self.is_within_by(accuracy, 1.0)
+    }
+
+    /// Whether more runs would hardly change whether it is within `accuracy`.
+    pub(super) fn is_clear(&self, accuracy: f64) -> bool {
+        self.is_within_by(accuracy, EARLY).is_some()
+    }
+
+    /// Whether the change is within `accuracy` by some intervals.
+    fn is_within_by(&self, accuracy: f64, intervals: f64) -> Option<bool> {
+        let chance = intervals * self.sampling_error.unwrap_or(0.0);
         if self.largest() + chance <= accuracy {
             Some(true)
         } else if self.largest() - chance > accuracy {
@@ -66,25 +96,19 @@ impl Change {
     }
 }
 
-/// The relative change of a quantity; infinite where the full scene has none of it and the run has, `None` where both
-/// have none.
-fn relative(full: Option<f64>, run: Option<f64>) -> Option<f64> {
-    match (full?, run?) {
-        (0.0, 0.0) => None,
-        (0.0, _) => Some(f64::INFINITY),
-        (full, run) => Some(run / full - 1.0),
-    }
-}
-
 /// Impacts or contacts in the window; `None` in a sliding scene.
 pub(crate) fn impacts(outcome: &Outcome) -> Option<u64> {
     let separating = outcome.contact_separation().map(|found| found.impacts);
     separating.or(outcome.bump_stop().map(|found| found.contacts))
 }
 
-/// Twice the standard error of the difference of two sums of energies, over the magnitude of the first.
-pub(super) fn sampling_error(full: &[f64], run: &[f64]) -> f64 {
-    let apart: Vec<f64> = full.iter().zip(run).map(|(full, run)| run - full).collect();
-    let whole: f64 = full.iter().sum();
-    CONFIDENCE * standard_error_of_sum(&apart) / whole.abs()
+/// The larger of the change from one run to the other and two standard errors of the sum of the changes in the parts of
+/// the window, over that of `one`: as far as two runs of a chaotic motion are apart, also where their sums are not.
+pub(super) fn apart(one: &Outcome, other: &Outcome) -> f64 {
+    let blocks = one.block_energies_j.iter().zip(&other.block_energies_j);
+    let apart: Vec<f64> = blocks.map(|(one, other)| other - one).collect();
+    let whole: f64 = one.block_energies_j.iter().sum();
+    let by_parts = 2.0 * standard_error_of_sum(&apart) / whole.abs();
+    // Not-a-number without power.
+    Change::between(one, other).largest().max(by_parts)
 }

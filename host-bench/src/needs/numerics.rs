@@ -139,8 +139,7 @@ fn loosest(study: &Study, (scene, is_chaotic): (&Scene, bool), ladder: &[Setting
     let mut candidate: Option<Numerics> = None;
     for setting in ladder {
         let options = Options { most_attempts: study.options.most_attempts, ..setting.options() };
-        let held = run_scene(scene, &options).ok().and_then(|run| {
-            let change = Change::between(&study.full, &run, is_chaotic);
+        let held = study.compared(scene, &options, Some(is_chaotic)).ok().and_then(|(change, run)| {
             let steps_per_s = (run.steps + run.rejected_steps) as f64 / run.duration_s;
             let holds = change.is_within(study.accuracy) == Some(true);
             holds.then_some(Numerics { setting: *setting, change, steps_per_s, host_s_per_s: f64::NAN })

@@ -36,7 +36,7 @@ use harvester_scene::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
 /// Step near contact where none is given, in s.
 pub const DEFAULT_SHORT_STEP_S: f64 = 1e-6;
 /// Step in free flight where none is given, in s.
-const DEFAULT_LONG_STEP_S: f64 = 2e-5;
+pub const DEFAULT_LONG_STEP_S: f64 = 2e-5;
 
 /// The method of the core, as the command line writes it.
 pub(super) const METHOD: &str = "discrete-gradient";

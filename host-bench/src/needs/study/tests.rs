@@ -1,0 +1,41 @@
+//! The mean over the runs of a chaotic scene.
+
+use super::*;
+use crate::outcome::standard_error_of_sum;
+use crate::scene_file::{self, Override};
+
+const ACCURACY: f64 = 0.2;
+
+/// The stop at mid-span, with few modes and a short window.
+fn scene(duration_s: &str) -> Scene {
+    let changes = [
+        ("parameters.beam_modes", "2"),
+        ("stop.rod_modes", "1"),
+        ("run.duration_s", duration_s),
+        ("run.settle_s", "0.1"),
+    ];
+    let overrides = changes.map(|(key, value)| Override::new(key, value));
+    scene_file::read(&scene_file::shipped("bump-stop-mid-span"), &overrides).expect("valid")
+}
+
+#[test]
+fn the_mean_over_runs_is_that_of_a_long_window_and_decides_early() {
+    let study = Study::new(&scene("0.5"), ACCURACY).expect("runs");
+    assert!(study.is_chaotic && study.is_sound(), "{:?}", study.full.accuracy);
+    // Each look doubles the runs from eight on.
+    assert!(study.runs() >= 8 && study.runs().is_power_of_two(), "{}", study.runs());
+    let (found, scatter) = (study.full.mean_power_w.expect("a mean"), study.accuracy_of_a_run() - ACCURACY);
+    assert!(scatter > 0.01, "{scatter}");
+    // Twenty windows after each other, of which the sixteen parts say how well their mean is known.
+    let long = run_scene(&scene("8.1"), &study.options).expect("runs");
+    let mean = long.mean_power_w.expect("a mean");
+    let error = standard_error_of_sum(&long.block_energies_j) / long.block_energies_j.iter().sum::<f64>();
+    let of_runs = scatter / OF_A_RUN / (study.runs() as f64).sqrt();
+    assert!((found / mean - 1.0).abs() < 4.0 * error.hypot(of_runs), "{found} {mean} {error} {of_runs}");
+    // What is clear takes the fewest runs.
+    let change = study.change(&[Part::Stop]).expect("runs");
+    assert_eq!((change.runs, change.is_within(ACCURACY)), (FEWEST_RUNS, Some(false)));
+    // Nothing is left out: the runs are the same, and do not scatter against each other.
+    let change = study.change(&[]).expect("runs");
+    assert_eq!((change.runs, change.mean_power, change.sampling_error), (FEWEST_RUNS, Some(0.0), Some(0.0)));
+}
