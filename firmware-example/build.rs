@@ -1,5 +1,5 @@
 //! Links the firmware for the board that the environment variable `HARVESTER_BOARD` names, and makes
-//! a table of the trace that the node plays.
+//! tables of the trace and of the day that the nodes play.
 //!
 //! A variable and not a Cargo feature for each board: a firmware has exactly one memory map, and
 //! features are meant to be added together.
@@ -65,6 +65,9 @@ const SCENE: &str = "scene/contact_separation.rs";
 /// Raw counts of an accelerometer, one a line.
 const TRACE: &str = "trace/machine.csv";
 
+/// Minutes of a day, by `host-bench on-target --day`: two amplitudes with their frequencies, and the harvested energy.
+const DAY: &str = "trace/day.csv";
+
 fn main() {
     println!("cargo::rerun-if-env-changed=HARVESTER_BOARD");
     println!("cargo::rerun-if-env-changed=DEFMT_LOG");
@@ -72,8 +75,9 @@ fn main() {
     println!("cargo::rerun-if-changed=../memory.x");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed={TRACE}");
+    println!("cargo::rerun-if-changed={DAY}");
 
-    if let Err(reason) = write_trace().and_then(|()| copy_scene()) {
+    if let Err(reason) = write_trace().and_then(|()| write_day()).and_then(|()| copy_scene()) {
         println!("cargo::error={reason}");
         return;
     }
@@ -145,4 +149,25 @@ fn write_trace() -> Result<(), String> {
     let table = format!("static COUNTS: [i16; {}] = {counts:?};\n", counts.len());
     let folder = env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
     fs::write(Path::new(&folder).join("trace.rs"), table).map_err(|error| format!("trace.rs: {error}"))
+}
+
+/// Writes the minutes of the day as a Rust table.
+fn write_day() -> Result<(), String> {
+    let text = fs::read_to_string(DAY).map_err(|error| format!("{DAY}: {error}"))?;
+    let mut minutes = String::new();
+    let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    for line in lines {
+        let misfit = |_| format!("{DAY}: {line:?}: five whole numbers are expected");
+        let numbers =
+            line.split(',').map(str::parse::<u32>).collect::<Result<Vec<_>, _>>().map_err(misfit)?;
+        let [one, at, other, other_at, energy] = numbers[..] else {
+            return Err(format!("{DAY}: {line:?}: five whole numbers are expected"));
+        };
+        minutes +=
+            &format!("Minute {{ lines: [[{one}, {at}], [{other}, {other_at}]], energy: {energy} }},\n");
+    }
+    let count = minutes.lines().count();
+    let table = format!("/// The minutes of the day.\npub static DAY: [Minute; {count}] = [\n{minutes}];\n");
+    let folder = env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
+    fs::write(Path::new(&folder).join("day.rs"), table).map_err(|error| format!("day.rs: {error}"))
 }

@@ -1,6 +1,6 @@
 //! What the firmware binaries have in common: workloads, measuring, logging, and ending.
 //!
-//! Only the workloads and the node exist on the host too, which runs them to compare the bits. All
+//! Only the workloads and the nodes exist on the host too, which runs them to compare the bits. All
 //! else is for bare metal, so that `cargo build --workspace` needs no microcontroller.
 //!
 //! | module | subject |
@@ -11,7 +11,8 @@
 //! | `calibration` | the workload whose cost is known |
 //! | `variant` | the variants of the bench by name |
 //! | `workload` | the workloads of the variants: scenes whole, with parts left out, at several settings |
-//! | `node` | a sensor node: acceleration samples in, a decision a second out |
+//! | `node` | a node of `model_core::node` on a simulated plant: a day with losses of power |
+//! | `following` | the laboratory node, which follows its harvester: acceleration samples in, a decision a second out |
 //! | `board` | boards of `model_core::node` over `embedded-hal`: an accelerometer's driver, slots in flash |
 //! | `logger` | defmt frames over semihosting |
 //! | `stop` | panics and faults end the run with a code |
@@ -23,6 +24,7 @@ pub mod board;
 mod calibration;
 #[cfg(target_os = "none")]
 mod counter;
+pub mod following;
 #[cfg(target_os = "none")]
 mod logger;
 #[cfg(target_os = "none")]

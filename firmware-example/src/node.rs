@@ -1,143 +1,43 @@
-//! A sensor node that knows what it harvests and spends accordingly.
+//! A node of [`model_core::node`] on a simulated plant, under QEMU and on the host alike: `host-bench on-target --node`
+//! compares what both log.
 //!
-//! Acceleration samples in; each second the energy that the harvester's model delivers from them, the storage as the
-//! energy budget has it, and a decision: sleep, measure, or transmit.
-//!
-//! | node | for | harvested power by |
-//! | --- | --- | --- |
-//! | [`Following`] | a core that can afford it, such as a Cortex-M4F | stepping the harvester's model along the samples |
-//! | [`Listening`] | any core, such as a Cortex-M0 | the strongest sine of the samples and a closed form |
-//!
-//! What a developer replaces is [`Board`], and the parts in `harvester.rs`. The ecosystem has no traits for this seam
-//! that fit: `embedded-hal` has none for a converter or an accelerometer, and the crate `accelerometer` one for three
-//! axes at once, on an old `micromath`.
+//! | module | subject |
+//! | --- | --- |
+//! | `parts` | the node: processor, map, storage, actions |
+//! | `plant` | the true node: storage, converter, accelerometer, on a day of a harvester that is not as designed |
+//! | `day` | what shakes the harvester, and its yield by the full model, minute by minute |
+//! | `world` | the plant with two slots of memory, and a supply that fails ten times |
+//! | `cycle` | the loop from a start to the end of the day or to a loss of power |
+//! | `entry` | what the log has |
+//! | `target` | the loop on a microcontroller: a loss of power is a reset |
 
-mod flash;
-mod flash_board;
-mod following;
-mod harvester;
-mod listening;
-mod power_manager;
-
-use flash::Seconds;
+mod cycle;
+pub mod day;
+mod entry;
+pub mod parts;
+mod plant;
 #[cfg(target_os = "none")]
-pub use flash::log_image;
-pub use flash::{Flash, ImageReport};
-pub use flash_board::{FlashBoard, STORE_VOLTAGE};
-pub use following::Following;
-pub(crate) use following::settings;
-pub use harvester::{DIODE_DROP, following, listening};
-pub(crate) use harvester::{behind_bridge, charging};
-pub use listening::Listening;
-pub use power_manager::{CAPACITANCE, PowerManager, PowerManagerState};
+pub mod target;
+mod world;
 
-/// What the node needs of the hardware.
-pub trait Board {
-    /// The next sample along the axis of the harvester as a raw count, [`RATE_HZ`] a second; `None` if it
-    /// was lost.
-    fn acceleration(&mut self) -> Option<i16>;
+pub use cycle::{End, Failed, cycle};
+pub use entry::{Entry, Hour, State};
+pub use parts::{Part, Runner};
+pub use plant::Plant;
+pub use world::{Count, IMAGE_BYTES, LOSSES, Loss, Moment, WORK, Work, World};
 
-    /// Voltage of the storage in volts, as the converter reads it; `None` where it was not read. Asked once a second.
-    fn storage_voltage(&mut self) -> Option<f32>;
-
-    /// Does what was decided.
-    fn carry_out(&mut self, decision: Decision);
+/// Counts time. Under QEMU it counts instructions.
+pub trait Meter {
+    /// Ticks since the start.
+    fn ticks(&self) -> u64;
 }
 
-/// What to do with a second.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Decision {
-    /// Nothing: the storage is to keep what it has.
-    Sleep,
-    /// Take a measurement.
-    Measure,
-    /// Send what was measured.
-    Transmit,
-}
+/// Counts nothing, for the host.
+#[derive(Debug, Clone, Copy)]
+pub struct NoMeter;
 
-impl Decision {
-    /// One word, for the log.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sleep => "sleep",
-            Self::Measure => "measure",
-            Self::Transmit => "transmit",
-        }
+impl Meter for NoMeter {
+    fn ticks(&self) -> u64 {
+        0
     }
-}
-
-/// Seconds that the binaries run.
-pub const SECONDS: u32 = 64;
-/// Seconds from one image of the node's states to the next, each of which the binaries follow by a power-down.
-pub const IMAGE_EVERY: u32 = 16;
-/// Size of a slot of flash in bytes, with room for the image of either node.
-pub const SLOT_BYTES: usize = 768;
-
-/// Samples per second.
-pub const RATE_HZ: u32 = 400;
-/// Metres per second squared in a raw count: a range of 2 g in 16 bits.
-pub const SCALE: f32 = model_core::part::GRAVITY as f32 / 16384.0;
-/// How well the converter reads the storage's voltage, in volts: half a step of 12 bits over 5 V, and noise.
-pub const VOLTAGE_ERROR: f32 = 2e-3;
-
-/// What the node knows after another second.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Report {
-    /// Whole seconds so far.
-    pub second: u32,
-    /// Energy harvested in the last of them, in joules.
-    pub harvested: f32,
-    /// Energy in the storage, in joules, before what is decided is spent.
-    pub stored: f32,
-    /// What was decided.
-    pub decision: Decision,
-    /// Steps of the model that it took.
-    pub steps: u32,
-}
-
-impl Report {
-    /// Harvested and stored energy in microjoules.
-    #[must_use]
-    pub fn microjoules(&self) -> [f32; 2] {
-        [1e6 * self.harvested, 1e6 * self.stored]
-    }
-}
-
-/// Writes a report to the log.
-#[cfg(target_os = "none")]
-pub fn log(report: &Report) {
-    let [harvested, stored] = report.microjoules();
-    defmt::info!(
-        "second {=u32}: {=f32} uJ in, {=f32} uJ stored, {=str}, {=u32} steps",
-        report.second,
-        harvested,
-        stored,
-        report.decision.name(),
-        report.steps
-    );
-}
-
-impl core::fmt::Display for Report {
-    /// As the log has it: numbers with as many digits as tell them from their neighbours.
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { second, decision, steps, .. } = self;
-        let [harvested, stored] = self.microjoules();
-        write!(
-            f,
-            "second {second}: {harvested:?} uJ in, {stored:?} uJ stored, {}, {steps} steps",
-            decision.name()
-        )
-    }
-}
-
-/// Why there is no report.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NodeError {
-    /// A parameter was refused.
-    Parameters,
-    /// The harvester's model could not be stepped.
-    Model,
-    /// An image of the node was not written, or not accepted.
-    Image,
 }

@@ -65,8 +65,7 @@ variants! {
     estimators::all,
     response_map::all,
     emitted::bench,
-    node::following,
-    node::listening,
+    following::node,
     peer::smooth,
 }
 

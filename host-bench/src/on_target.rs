@@ -7,7 +7,9 @@
 pub mod accuracy;
 pub mod build;
 pub mod core;
+pub mod day;
 pub mod decode;
+pub mod following;
 pub mod image;
 pub mod native;
 pub mod node;

@@ -17,11 +17,11 @@ use super::contact_separation::parts::{self, LOAD};
 use super::contact_separation::{PASSIVE, TOLERANCE};
 use super::run::{self, Run};
 use super::{Progress, Visit, Workload, show};
-use crate::node::{
+use crate::following::{
     Board, Decision, Following, ImageReport, RATE_HZ, SCALE, SLOT_BYTES, behind_bridge, charging, settings,
 };
 
-pub use crate::node::{CAPACITANCE, DIODE_DROP};
+pub use crate::following::{CAPACITANCE, DIODE_DROP};
 
 /// Voltage in volts of the bus, and of the storage at the start.
 pub const VOLTAGE: f32 = 2.6;

@@ -3,6 +3,7 @@
 mod cores;
 mod estimate_energy;
 mod estimators;
+mod following;
 mod leave_outs;
 mod node;
 mod output;
@@ -12,8 +13,10 @@ mod work_precision;
 
 use self::output::{Format, Output};
 use crate::on_target::core::Core;
-use crate::on_target::{Bench, Error, qemu};
+use crate::on_target::{Bench, Error, day, qemu};
 use clap::{Args, ValueEnum};
+use std::fs;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// Build the firmware for each core, run it under QEMU, check its bits against the host, and report
@@ -40,9 +43,13 @@ pub struct OnTargetArguments {
     #[arg(long, group = "report")]
     leave_outs: bool,
 
-    /// The sensor node: its log compared with the host's [default: M4F and M0]
+    /// The sensor nodes: a day with losses of power, its log compared with the host's [default: M4F and M0]
     #[arg(long, group = "report")]
     node: bool,
+
+    /// Make the day of the sensor node with the full model, and write it into this file for the firmware's build
+    #[arg(long, group = "report", value_name = "FILE")]
+    day: Option<PathBuf>,
 
     /// What an estimate costs for each sample, and a closed form for each call [default: M4F and M0]
     #[arg(long, group = "report")]
@@ -59,6 +66,11 @@ pub struct OnTargetArguments {
 ///
 /// At the first core whose firmware does not build or run, or computes other bits than the host.
 pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
+    if let Some(file) = &arguments.day {
+        let table = day::table(&day::day()?);
+        return fs::write(file, table)
+            .map_err(|error| Error::File { path: file.clone(), what: error.to_string() });
+    }
     qemu::find()?;
     let limit = Duration::from_secs(arguments.time_limit);
     let mut output = Output::new(arguments.format);

@@ -96,6 +96,22 @@ pub fn messages(firmware: &[u8], log: &[u8]) -> Result<Vec<String>, Error> {
     }
 }
 
+/// Compares the messages of a log with those of the host. A number in either is written with as many digits as tell it from
+/// its neighbours.
+///
+/// # Errors
+///
+/// At the first difference.
+pub fn same(found: &[String], expected: &[String]) -> Result<(), String> {
+    for line in 0..found.len().max(expected.len()) {
+        let (found, expected) = (found.get(line), expected.get(line));
+        if found != expected {
+            return Err(format!("node: logs {found:?}, on the host {expected:?}"));
+        }
+    }
+    Ok(())
+}
+
 /// Sorts records into sections.
 fn sections(records: &[String]) -> Result<Vec<Section>, Error> {
     let mut done = Vec::new();

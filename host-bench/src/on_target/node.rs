@@ -1,120 +1,141 @@
-//! The sensor node's log, beside the host's run of the same node.
+//! The log of the node on its simulated plant, beside the host's run of the same node.
 
 use std::time::Duration;
 
-use firmware_example::node::{
-    FlashBoard, Following, IMAGE_EVERY, ImageReport, Listening, NodeError, Report, SECONDS, SLOT_BYTES,
-    following, listening,
-};
-use model_core::snapshot::SnapshotError;
+use firmware_example::node::{Count, End, Entry, LOSSES, NoMeter, Part, World, cycle};
 
 use super::build::Binary;
 use super::core::Core;
 use super::size::Size;
 use super::{Error, Firmware, decode, qemu};
 
-/// Which node a core can afford.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// It steps the harvester's model along the samples.
-    Following,
-    /// It asks a closed form about the strongest sine.
-    Listening,
-}
-
-impl Kind {
-    /// The one for `core`: without floating point in hardware a trajectory costs too much.
-    #[must_use]
-    pub fn of(core: Core) -> Self {
-        match core {
-            Core::M0 | Core::M3 => Self::Listening,
-            _ => Self::Following,
-        }
-    }
-
-    fn binary(self) -> Binary<'static> {
-        Binary::new(match self {
-            Self::Following => "node",
-            Self::Listening => "node_listening",
-        })
-    }
-
-    /// The node on the host for `seconds`, without a power-down.
-    ///
-    /// # Errors
-    /// If it cannot go on.
-    pub fn native(self, seconds: u32) -> Result<Native, Error> {
-        match self {
-            Self::Following => {
-                let model = following().map_err(fail)?;
-                let mut node = Following::new(FlashBoard::default(), model).map_err(fail)?;
-                Native::record(seconds, &mut node, Following::second, Following::save)
-            }
-            Self::Listening => {
-                let model = listening().map_err(fail)?;
-                let mut node = Listening::new(FlashBoard::default(), model).map_err(fail)?;
-                Native::record(seconds, &mut node, |node| Ok(node.second()), Listening::save)
-            }
-        }
+/// The processor of the node on `core`.
+#[must_use]
+pub fn part(core: Core) -> Part {
+    match core {
+        Core::M0 | Core::M3 => Part::Stm32l051,
+        Core::M4f | Core::M7 | Core::M33 => Part::Nrf52832,
     }
 }
 
-fn fail(error: NodeError) -> Error {
-    Error::Host(format!("the node fails: {error:?}"))
-}
-
-/// What the host's run of a node brought.
+/// What a run of the node on the host came to.
 #[derive(Debug, Clone)]
 pub struct Native {
-    /// A report a second.
-    pub reports: Vec<Report>,
-    /// The log of the firmware, if it resumes with the same bits after each power-down.
-    log: Vec<String>,
+    /// The log.
+    pub entries: Vec<Entry>,
+    /// The world at the end of the day.
+    pub world: World,
 }
 
-impl Native {
-    /// Runs a node by its functions for a second and for an image.
-    fn record<N>(
-        seconds: u32,
-        node: &mut N,
-        second: impl Fn(&mut N) -> Result<Report, NodeError>,
-        save: impl Fn(&N, u32, &mut [u8]) -> Result<usize, SnapshotError>,
-    ) -> Result<Self, Error> {
-        let mut recorded = Self { reports: Vec::new(), log: Vec::new() };
-        let mut slot = [0xff; SLOT_BYTES];
-        for number in 1..=seconds {
-            let report = second(node).map_err(fail)?;
-            recorded.reports.push(report);
-            recorded.log.push(report.to_string());
-            if number.is_multiple_of(IMAGE_EVERY) {
-                let sequence = number / IMAGE_EVERY;
-                let bytes = save(node, sequence, &mut slot).map_err(|_| fail(NodeError::Image))?;
-                recorded.log.push(ImageReport::new(sequence, bytes, &slot).to_string());
-            }
-        }
-        Ok(recorded)
-    }
-}
-
-/// Runs the node on `core` for at most `time_limit`, compares its log with the host's, and gives
-/// the reports that both came to.
+/// Runs the node of a day on the host, with the first so many of the losses of power.
 ///
 /// # Errors
 ///
-/// When the node cannot be built or run, or its log differs.
-pub fn follow(core: Core, time_limit: Duration) -> Result<(Vec<Report>, Size), Error> {
-    let kind = Kind::of(core);
-    let firmware = Firmware::build(core, kind.binary())?;
-    let size = firmware.check()?;
-    let log = qemu::run(core, &firmware.path, time_limit)?;
-    let found = decode::messages(&firmware.bytes, &log).map_err(|error| Error::on(core, error))?;
-    let expected = kind.native(SECONDS)?;
-    for line in 0..found.len().max(expected.log.len()) {
-        let (found, expected) = (found.get(line), expected.log.get(line));
-        // A number in the log is written with as many digits as tell it from its neighbours.
-        if found != expected {
-            return Err(Error::on(core, format!("node: logs {found:?}, on the host {expected:?}")));
+/// If the node cannot go on.
+pub fn native(part: Part, losses: usize) -> Result<Native, Error> {
+    let mut entries = Vec::new();
+    let mut world = World::new(losses);
+    loop {
+        match cycle(part, &mut world, &NoMeter, &mut |entry| entries.push(*entry)) {
+            Ok(End::PowerLost) => {}
+            Ok(End::Day) => return Ok(Native { entries, world }),
+            Err(reason) => return Err(Error::Host(format!("the node fails: {reason:?}"))),
         }
     }
-    Ok((expected.reports, size))
+}
+
+/// Compares the log of a node that lost its power with that of one that did not: after each start the log repeats what
+/// follows the image, and it ends as the other does. Gives the number of entries that were repeated.
+///
+/// # Errors
+///
+/// At the first difference, in words.
+pub fn same_day(restarted: &[Entry], whole: &[Entry]) -> Result<usize, String> {
+    let (mut next, mut repeated) = (0_usize, 0);
+    for entry in restarted {
+        if let Entry::Resumed { sequence: resumed, .. } = entry {
+            let image = |entry: &Entry| matches!(entry, Entry::Image { sequence, .. } if sequence == resumed);
+            let place = whole.iter().position(image).ok_or_else(|| format!("no image {resumed}"))?;
+            repeated += next.saturating_sub(place + 1);
+            next = place + 1;
+            continue;
+        }
+        if whole.get(next) != Some(entry) {
+            return Err(format!("after a loss of power: {entry}, without one: {:?}", whole.get(next)));
+        }
+        next += 1;
+    }
+    if next == whole.len() { Ok(repeated) } else { Err(format!("it ends at entry {next}")) }
+}
+
+/// Work of the node on a core.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Counted {
+    /// Its name in the log.
+    pub work: String,
+    /// Calls.
+    pub calls: f64,
+    /// Samples of the accelerometer that they took in.
+    pub samples: f64,
+    /// Instructions of all of them.
+    pub instructions: f64,
+}
+
+/// A node that was followed through its day.
+#[derive(Debug, Clone)]
+pub struct Followed {
+    /// The log without a loss of power.
+    pub whole: Native,
+    /// Losses of power on the core.
+    pub losses: usize,
+    /// What the node cost.
+    pub counted: Vec<Counted>,
+    /// Deepest stack in bytes.
+    pub stack: u64,
+    /// The whole firmware.
+    pub size: Size,
+}
+
+/// Runs the node on `core` for at most `time_limit`, with its losses of power, compares its log with the host's, and that one
+/// with a day without losses.
+///
+/// # Errors
+///
+/// When the node cannot be built or run, or a log differs.
+pub fn follow(core: Core, time_limit: Duration) -> Result<Followed, Error> {
+    let firmware = Firmware::build(core, Binary::new("node"))?;
+    let size = firmware.check()?;
+    let log = qemu::run(core, &firmware.path, time_limit)?;
+    let messages = decode::messages(&firmware.bytes, &log).map_err(|error| Error::on(core, error))?;
+    let (counts, found): (Vec<_>, Vec<_>) =
+        messages.into_iter().partition(|message| message.starts_with("count "));
+
+    let expected = native(part(core), LOSSES.len())?;
+    let lines: Vec<String> = expected.entries.iter().map(Entry::to_string).collect();
+    decode::same(&found, &lines).map_err(|what| Error::on(core, what))?;
+    let whole = native(part(core), 0)?;
+    same_day(&expected.entries, &whole.entries).map_err(|what| Error::on(core, what))?;
+
+    let per_tick = core.hardware().instructions_per_tick();
+    let mut counted = counts
+        .iter()
+        .map(|line| count(line, per_tick).ok_or_else(|| Error::on(core, decode::Error::Record(line.clone()))))
+        .collect::<Result<Vec<_>, _>>()?;
+    let stack = counted.pop().ok_or_else(|| Error::on(core, decode::Error::Incomplete))?;
+    let stack = (stack.instructions / per_tick).round() as u64;
+    Ok(Followed { losses: expected.world.losses(), whole, counted, stack, size })
+}
+
+/// A line "count WORK CALLS SAMPLES TICKS".
+fn count(line: &str, per_tick: f64) -> Option<Counted> {
+    let mut words = line.split(' ').skip(1);
+    let work = words.next()?.to_owned();
+    let mut number = || words.next()?.parse::<f64>().ok();
+    Some(Counted { work, calls: number()?, samples: number()?, instructions: number()? * per_tick })
+}
+
+/// Calls of a kind in a day without losses of power.
+#[must_use]
+pub fn calls(native: &Native, work: firmware_example::node::Work) -> Count {
+    native.world.counts().get(work as usize).copied().unwrap_or_default()
 }

@@ -57,6 +57,7 @@ pub struct Figure<S> {
 }
 
 impl<S: Scalar> Figure<S> {
+    #[inline(always)] // the compiler converts the figure, not firmware in double precision
     fn new(value: f64, evidence: Evidence, source: &'static str) -> Self {
         Self { value: S::from_f64(value), source, evidence }
     }

@@ -158,6 +158,17 @@ impl<
         &self.node
     }
 
+    /// The board.
+    #[must_use]
+    pub fn board(&self) -> &B {
+        &self.board
+    }
+
+    /// The board, for what the node does not do.
+    pub fn board_mut(&mut self) -> &mut B {
+        &mut self.board
+    }
+
     /// The board, after power-down.
     #[must_use]
     pub fn into_board(self) -> B {

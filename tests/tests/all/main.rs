@@ -15,6 +15,7 @@ mod exponential_radau;
 mod findings;
 mod ledger;
 mod limits;
+mod node_day;
 mod node_hours;
 mod node_runner;
 mod on_target_bits;

@@ -1,14 +1,13 @@
-//! The sensor nodes of the firmware on the host: their storage, kept again in double precision beside theirs.
+//! The node that follows its harvester on the host: its storage, kept again in double precision beside it.
 //!
-//! That their logs on a microcontroller are those of the host is checked by `host-bench on-target --node`.
+//! That its log on a microcontroller is that of the host is checked by `host-bench on-target --node`.
 
-use firmware_example::node::{
-    Decision, Flash, FlashBoard, Following, Listening, Report, SLOT_BYTES, STORE_VOLTAGE, following,
-    listening,
+use firmware_example::following::{
+    Decision, Flash, FlashBoard, Following, Report, SLOT_BYTES, STORE_VOLTAGE, following,
 };
 use model_core::snapshot::{Image, SnapshotError};
 
-/// The storage of both nodes as the documentation of `economy` has it: farads, ohms, volts when full, watts asleep.
+/// The storage of the node as the documentation of `economy` has it: farads, ohms, volts when full, watts asleep.
 const CAPACITANCE: f64 = 22e-6;
 const LEAKAGE: f64 = 100e6;
 const FULL: f64 = 4.2;
@@ -73,60 +72,38 @@ fn the_following_node_keeps_its_books_for_a_day() {
     assert_active(86_400, follow(86_400));
 }
 
-#[test]
-fn the_listening_node_keeps_its_books_for_a_day() {
-    let seconds = 86_400;
-    let mut node = Listening::new(FlashBoard::default(), listening().expect("valid")).expect("valid");
-    let found = keep((0..seconds).map(|_| node.second()));
-    assert!(f64::from(node.power_manager().unexplained()).abs() < 1e-6 * found.0);
-    assert_active(seconds, found);
-}
-
-/// The log and the final image of a node with a power-down after each of these numbers of seconds.
-macro_rules! with_power_downs {
-    ($seconds:expr, $every:expr, $start:expr, $second:expr, $awake:expr) => {{
-        let (mut node, mut flash, mut newest) = ($start, Flash::new(), None);
-        let mut log = Vec::new();
-        for second in 1..=$seconds {
-            log.push($second(&mut node));
-            if second % $every == 0 {
-                let (sequence, slot) = flash.next(newest);
-                assert_eq!(sequence, second / $every);
-                node.save(sequence, slot).expect("room");
-                node = $awake(node.into_board());
-                let image = node.resume(flash.slots()).expect("its own image");
-                assert_eq!(image.sequence, sequence);
-                newest = Some(image);
-            }
+/// The log and the final image of the node with a power-down after each of these numbers of seconds.
+fn with_power_downs(every: u32) -> (Vec<Report>, [u8; SLOT_BYTES]) {
+    let awake = |board| Following::new(board, following().expect("valid")).expect("valid");
+    let (mut node, mut flash, mut newest) = (awake(FlashBoard::default()), Flash::new(), None);
+    let mut log = Vec::new();
+    for second in 1..=90 {
+        log.push(node.second().expect("the trace can be followed"));
+        if second % every == 0 {
+            let (sequence, slot) = flash.next(newest);
+            assert_eq!(sequence, second / every);
+            node.save(sequence, slot).expect("room");
+            node = awake(node.into_board());
+            let image = node.resume(flash.slots()).expect("its own image");
+            assert_eq!(image.sequence, sequence);
+            newest = Some(image);
         }
-        let mut image = [0; SLOT_BYTES];
-        node.save(0, &mut image).expect("room");
-        (log, image)
-    }};
+    }
+    let mut image = [0; SLOT_BYTES];
+    node.save(0, &mut image).expect("room");
+    (log, image)
 }
 
 #[test]
-fn both_nodes_resume_with_the_same_bits() {
-    let following_node = |every: u32| {
-        let awake = |board| Following::new(board, following().expect("valid")).expect("valid");
-        let second = |node: &mut Following<FlashBoard, _>| node.second().expect("the trace can be followed");
-        with_power_downs!(90, every, awake(FlashBoard::default()), second, awake)
-    };
-    let whole = following_node(1000);
+fn the_node_resumes_with_the_same_bits() {
+    let whole = with_power_downs(1000);
     assert!(whole.0.iter().any(|report| report.decision == Decision::Transmit));
-    assert_eq!(following_node(1), whole);
-    assert_eq!(following_node(7), whole);
-    let listening_node = |every: u32| {
-        let awake = |board| Listening::new(board, listening().expect("valid")).expect("valid");
-        with_power_downs!(4000, every, awake(FlashBoard::default()), Listening::second, awake)
-    };
-    let whole = listening_node(10_000);
-    assert_eq!(listening_node(1), whole);
-    assert_eq!(listening_node(61), whole);
+    assert_eq!(with_power_downs(1), whole);
+    assert_eq!(with_power_downs(7), whole);
 }
 
 #[test]
-fn a_torn_image_is_passed_over_and_that_of_another_node_is_foreign() {
+fn a_torn_image_is_passed_over() {
     let board = FlashBoard::default();
     let mut node = Following::new(board, following().expect("valid")).expect("valid");
     let mut flash = Flash::new();
@@ -139,13 +116,11 @@ fn a_torn_image_is_passed_over_and_that_of_another_node_is_foreign() {
     }
     flash.next(Some(first)).1[100..].fill(0xff);
     assert_eq!(node.resume(flash.slots()), Ok(first));
-    let mut other = Listening::new(board, listening().expect("valid")).expect("valid");
-    assert_eq!(other.resume(flash.slots()), Err(SnapshotError::ForeignModel));
 }
 
 #[test]
 fn after_a_reset_the_numbers_of_the_images_continue_and_the_newest_is_resumed() {
-    let start = || Listening::new(FlashBoard::default(), listening().expect("valid")).expect("valid");
+    let start = || Following::new(FlashBoard::default(), following().expect("valid")).expect("valid");
     let mut flash = Flash::new();
     // Resets after different numbers of images, so that the slot of the newest is the first and the second.
     let mut images = 0;
@@ -155,7 +130,8 @@ fn after_a_reset_the_numbers_of_the_images_continue_and_the_newest_is_resumed() 
         assert_eq!(newest.map(|image| image.sequence), (images > 0).then_some(images));
         for _ in 0..images_until_reset {
             images += 1;
-            assert_eq!(node.second().second, images, "continues from the newest image");
+            let report = node.second().expect("the trace can be followed");
+            assert_eq!(report.second, images, "continues from the newest image");
             let (sequence, slot) = flash.next(newest);
             assert_eq!(sequence, images);
             node.save(sequence, slot).expect("room");

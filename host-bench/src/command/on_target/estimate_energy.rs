@@ -6,9 +6,8 @@ use serde_json::{Value, json};
 use super::output::Output;
 use super::rows::Row;
 use crate::on_target::core::Core;
-use crate::on_target::node::Kind;
-use crate::on_target::{Bench, Error};
-use firmware_example::node::{RATE_HZ, Report, SECONDS};
+use crate::on_target::{Bench, Error, following};
+use firmware_example::following::{RATE_HZ, Report};
 use firmware_example::variant::named;
 
 /// What a node does for its estimate of each second.
@@ -31,30 +30,32 @@ impl Estimate {
         Self { name, samples, instructions: counted.instructions_per_second(), code }
     }
 
-    /// The whole loop of the node of `kind`, measured by the second.
+    /// The whole loop of the node that follows its harvester, measured by the second.
     ///
     /// # Errors
     ///
     /// If the firmware does not build or run, or computes other bits than the host.
-    pub(super) fn of_node(bench: &Bench, kind: Kind) -> Result<Self, Error> {
-        let (variant, code) = match kind {
-            Kind::Following => (&const { named("node::following") }, Code::Trajectory),
-            Kind::Listening => (&const { named("node::listening") }, Code::Filter),
-        };
+    pub(super) fn of_node(bench: &Bench) -> Result<Self, Error> {
+        let variant = &const { named("following::node") };
         let measured = bench.measure(variant)?;
         let instructions =
             measured.workloads.iter().map(|workload| workload.whole().instructions_per_second());
-        Ok(Self { name: variant.name.to_owned(), samples: RATE_HZ, instructions: instructions.sum(), code })
+        Ok(Self {
+            name: variant.name.to_owned(),
+            samples: RATE_HZ,
+            instructions: instructions.sum(),
+            code: Code::Trajectory,
+        })
     }
 }
 
-/// Mean power in W that the host's run of the node of `kind` harvests.
+/// Mean power in W that the host's run of the node that follows its harvester harvests.
 ///
 /// # Errors
 ///
 /// If the node cannot go on.
-pub(super) fn income(kind: Kind) -> Result<f64, Error> {
-    Ok(mean_income(&kind.native(SECONDS)?.reports))
+pub(super) fn income() -> Result<f64, Error> {
+    Ok(mean_income(&following::native()?.reports))
 }
 
 /// Mean power in W that a node harvested in the seconds of `reports`.
@@ -84,7 +85,7 @@ pub(super) fn report(core: Core, estimates: &[Estimate], income: f64, output: &m
     ];
     let note = format!(
         "{core}. Energy in uJ of an estimate once a second from an accelerometer that always runs, and its share of the
-node's income of {:.2} uW. Sleep is not in it. {UNCONFIRMED} marks an energy per cycle that was not confirmed.",
+income of {:.2} uW of the node that follows its harvester. Sleep is not in it. {UNCONFIRMED} marks an energy per cycle that was not confirmed.",
         1e6 * income
     );
     output.table(header, rows.iter().map(|line| line.cells(income)).collect(), 3, &note);
@@ -93,10 +94,10 @@ node's income of {:.2} uW. Sleep is not in it. {UNCONFIRMED} marks an energy per
     }
 }
 
-const UNCONFIRMED: &str = "*";
+pub(super) const UNCONFIRMED: &str = "*";
 
 /// The processors that have `core`; a Cortex-M0 stands for M0+, which executes the same instructions.
-fn parts(core: Core) -> Vec<Processor<f64>> {
+pub(super) fn parts(core: Core) -> Vec<Processor<f64>> {
     use model_core::energy::cost::Core as Kind;
     let kind = match core {
         Core::M0 => Kind::M0Plus,
@@ -105,6 +106,12 @@ fn parts(core: Core) -> Vec<Processor<f64>> {
         Core::M3 | Core::M7 => return Vec::new(),
     };
     Processor::all().into_iter().filter(|part| part.core == kind).collect()
+}
+
+/// The name of a part, marked if its energy per cycle was not confirmed.
+pub(super) fn marked(part: &Processor<f64>) -> String {
+    let mark = if part.energy_per_cycle.evidence == Evidence::Confirmed { "" } else { UNCONFIRMED };
+    format!("{}{mark}", part.name)
 }
 
 /// An estimate on a part.
@@ -130,15 +137,10 @@ impl<'a> Line<'a> {
     }
 
     fn cells(&self, income: f64) -> Vec<String> {
-        let mark =
-            if self.processor.energy_per_cycle.evidence == Evidence::Confirmed { "" } else { UNCONFIRMED };
         // An accelerometer that always runs has no supply that is switched off, and no waiting.
         let Cost { computing, sensor, transfer, wake_up, waiting: _ } = self.cost;
-        let mut cells = vec![
-            format!("{}{mark}", self.processor.name),
-            self.accelerometer.name.to_owned(),
-            self.estimate.name.clone(),
-        ];
+        let mut cells =
+            vec![marked(&self.processor), self.accelerometer.name.to_owned(), self.estimate.name.clone()];
         cells.extend(
             [computing, sensor, transfer, wake_up, self.cost.total()]
                 .map(|joules| format!("{:.2}", 1e6 * joules)),

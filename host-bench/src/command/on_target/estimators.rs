@@ -3,7 +3,6 @@
 use super::estimate_energy::{self, Estimate};
 use super::output::Output;
 use super::rows::{self, Case, Column, RADAU, Steps};
-use crate::on_target::node::Kind;
 use crate::on_target::{Bench, Error};
 use firmware_example::variant::named;
 use firmware_example::workload::{bump_stop, contact_separation, sliding};
@@ -55,11 +54,6 @@ A closed form or a response map is called once a second. Each estimate has the h
             Estimate::sampled(row, if filter { Code::Filter } else { Code::Trajectory })
         })
         .collect();
-    estimate_energy::report(
-        bench.core(),
-        &estimates,
-        estimate_energy::income(Kind::of(bench.core()))?,
-        output,
-    );
+    estimate_energy::report(bench.core(), &estimates, estimate_energy::income()?, output);
     Ok(())
 }

@@ -1,71 +1,240 @@
-//! The sensor node's log.
+//! The node on its simulated plant: what it told of its day, and what that cost.
 
 use std::time::Duration;
 
-use serde_json::json;
+use firmware_example::node::parts::{LISTEN, RATE};
+use firmware_example::node::{Entry, IMAGE_BYTES, Work};
+use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
+use model_core::node::IncomeOfTime;
+use serde_json::{Value, json};
 
-use super::announce;
-use super::estimate_energy::{self, Estimate, mean_income};
+use super::estimate_energy::{UNCONFIRMED, marked, parts};
 use super::output::Output;
+use super::{announce, following};
+use crate::on_target::Error;
 use crate::on_target::core::Core;
-use crate::on_target::node::Kind;
-use crate::on_target::{Bench, Error, node};
+use crate::on_target::node::{self, Followed, calls};
 
-/// Runs the node of each core and prints its log, the energy of its estimate and the share of its income.
+/// Runs the node of each core, and on a core with floating point the one that follows its harvester.
 ///
 /// # Errors
 ///
-/// If the firmware does not build or run, or the host's run logs anything else.
+/// If a firmware does not build or run, or the host's run logs anything else.
 pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Result<(), Error> {
-    cores.iter().try_for_each(|&core| report_one(core, limit, output))
+    for &core in cores {
+        announce(core);
+        let found = node::follow(core, limit)?;
+        hours(core, &found, output);
+        counted(core, &found, output);
+        knowing(core, &found, output);
+    }
+    let floating = |core: &&Core| matches!(core, Core::M4f | Core::M7 | Core::M33);
+    cores.iter().filter(floating).try_for_each(|&core| following::report(core, limit, output))
 }
 
-fn report_one(core: Core, limit: Duration, output: &mut Output) -> Result<(), Error> {
-    announce(core);
-    let (reports, size) = node::follow(core, limit)?;
-    let rows = reports.iter().map(|report| {
-        let [harvested, stored] = report.microjoules();
+/// What the node told, and the truth.
+struct Told {
+    /// Second of the day at its end, and when it began.
+    end: u32,
+    told: IncomeOfTime,
+    /// In J.
+    income: f64,
+}
+
+impl Told {
+    fn error(&self) -> f64 {
+        f64::from(self.told.energy) - self.income
+    }
+
+    fn is_inside(&self) -> bool {
+        self.error().abs() <= f64::from(self.told.bound)
+    }
+
+    /// Mean powers in W: told, bound, and true.
+    fn powers(&self) -> [f64; 3] {
+        let seconds = f64::from(self.told.seconds.max(1));
+        [self.told.energy.into(), self.told.bound.into(), self.income].map(|energy: f64| energy / seconds)
+    }
+
+    fn cells(&self, name: String) -> Vec<String> {
+        let mut cells = vec![name];
+        cells.extend(self.powers().map(|power| format!("{:.3}", 1e6 * power)));
+        let error = if self.income > 0.0 {
+            format!("{:+.2} %", 100.0 * self.error() / self.income)
+        } else {
+            "-".to_owned()
+        };
+        cells.extend([error, if self.is_inside() { "yes" } else { "no" }.to_owned()]);
+        cells
+    }
+
+    fn json(&self, core: Core, case: &str) -> Value {
+        let [told, bound, truth] = self.powers();
+        json!({
+            "core": core.to_string(),
+            "variant": "node",
+            "case": case,
+            "end_s": self.end,
+            "duration_s": self.told.seconds,
+            "told_w": told,
+            "bound_w": bound,
+            "income_w": truth,
+            "silent_s": self.told.silent,
+        })
+    }
+}
+
+/// Energy in J of whole pJ.
+fn joules(energy: u64) -> f64 {
+    energy as f64 * 1e-12
+}
+
+/// Prints the income of each hour and of the day.
+fn hours(core: Core, found: &Followed, output: &mut Output) {
+    let entries = &found.whole.entries;
+    let hours: Vec<Told> = entries
+        .iter()
+        .filter_map(|entry| match entry {
+            Entry::Hour(hour) => {
+                Some(Told { end: hour.second, told: hour.told, income: joules(hour.income) })
+            }
+            _ => None,
+        })
+        .collect();
+    let last = entries.iter().rev().find_map(|entry| match entry {
+        Entry::State(state) => Some(state),
+        _ => None,
+    });
+    let Some(last) = last else { return };
+    let all = Told { end: last.second, told: last.told, income: joules(last.income) };
+    let clock = |second: u32| format!("{:02}:{:02}", second / 3600, second % 3600 / 60);
+    let mut rows: Vec<Vec<String>> = hours.iter().map(|hour| hour.cells(clock(hour.end))).collect();
+    rows.push(all.cells("the day".to_owned()));
+    let with_income = hours.iter().filter(|hour| hour.income > 0.0);
+    let inside = hours.iter().filter(|hour| hour.is_inside()).count();
+    let [readings, listens] = last.instruments;
+    let [measured, transmitted] = last.ran;
+    let note = format!(
+        "{core}. Income in uW until that time of the day, told with its bound, and that of the plant. Inside: {inside} of {} hours, of which
+{} have an income. {readings} readings, {listens} listens with a value, {measured} measurements, {transmitted} transmissions.
+By its own books the node spent {:.2} % of the income on knowing it.
+{} losses of power; after each the node came to the same bits. Each logged value has the host's bits.
+Flash {} bytes, static RAM {} with the simulated memory and plant, stack {}, image {IMAGE_BYTES}.",
+        hours.len(),
+        with_income.count(),
+        100.0 * f64::from(last.knowing) / all.income,
+        found.losses,
+        found.size.flash,
+        found.size.static_ram,
+        found.stack,
+    );
+    let header = vec!["until", "told", "bound", "true", "error", "inside"];
+    output.table(header, rows, 1, &note);
+    hours.iter().for_each(|hour| output.object(hour.json(core, "hour")));
+    let mut day = all.json(core, "day");
+    let more = json!({
+        "readings": readings,
+        "listens": listens,
+        "share_of_income": f64::from(last.knowing) / all.income,
+        "losses_of_power": found.losses,
+        "flash_bytes": found.size.flash,
+        "ram_bytes": found.size.static_ram,
+        "stack_bytes": found.stack,
+        "image_bytes": IMAGE_BYTES,
+    });
+    if let (Value::Object(day), Value::Object(more)) = (&mut day, more) {
+        day.extend(more);
+    }
+    output.object(day);
+}
+
+/// Prints the instructions of each call.
+fn counted(core: Core, found: &Followed, output: &mut Output) {
+    let name = |work: &str| match work {
+        "reading" => "wake with a reading of the voltage",
+        "wake" => "wake without one",
+        "action" => "wake after an action",
+        "samples" => "a burst of samples, and the wake after it",
+        "heard" => "the last burst of a block, its look-up, and the wake after it",
+        _ => "?",
+    };
+    let rows = found.counted.iter().map(|counted| {
+        let each = counted.instructions / counted.calls;
+        let samples = counted.samples / counted.calls;
         vec![
-            report.second.to_string(),
-            report.decision.name().to_owned(),
-            format!("{harvested:.4}"),
-            format!("{stored:.3}"),
-            report.steps.to_string(),
+            name(&counted.work).to_owned(),
+            format!("{:.0}", counted.calls),
+            if samples > 0.0 { format!("{samples:.1}") } else { String::new() },
+            format!("{each:.0}"),
         ]
     });
-    let (scene, method, how) = match Kind::of(core) {
-        Kind::Following => (
-            "node",
-            super::rows::RADAU,
-            "The model of the harvester follows 400 samples a second from flash.",
-        ),
-        Kind::Listening => (
-            "node-listening",
-            "closed form",
-            "A closed form is evaluated at the strongest sine of 400 samples a second from flash.",
-        ),
-    };
     let note = format!(
-        "{core}. {how}
-Each logged value has the host's bits. The whole firmware, trace and log included: {} bytes of flash.",
-        size.flash
+        "{core}. Instructions of the calls of the node, without those of its board, with the calls that losses of power repeat."
     );
-    let header = vec!["second", "decision", "harvested in uJ", "stored in uJ", "steps"];
-    let income = mean_income(&reports);
-    output.table(header, rows.collect(), 2, &note);
-    output.object(json!({
-        "core": core.to_string(),
-        "variant": scene,
-        "scene": scene,
-        "load_ohm": null,
-        "method": method,
-        "instructions_per_simulated_second": null,
-        "mean_power_error": null,
-        "flash_bytes": size.flash,
-        "ram_bytes": size.static_ram,
-        "income_w": income,
-    }));
-    let estimate = Estimate::of_node(&Bench::new(core, limit)?, Kind::of(core))?;
-    estimate_energy::report(core, &[estimate], income, output);
-    Ok(())
+    output.table(vec!["call", "number", "samples in it", "instructions"], rows.collect(), 1, &note);
+    for counted in &found.counted {
+        output.object(json!({
+            "core": core.to_string(),
+            "variant": "node",
+            "case": counted.work,
+            "calls": counted.calls,
+            "samples_per_call": counted.samples / counted.calls,
+            "instructions_per_step": counted.instructions / counted.calls,
+        }));
+    }
+}
+
+/// Prints the energy of knowing the income on the parts that have the core, by the counted instructions.
+fn knowing(core: Core, found: &Followed, output: &mut Output) {
+    let instructions = |works: &[Work]| -> f64 {
+        let of = |name: &str| found.counted.iter().find(|counted| counted.work == name);
+        works.iter().filter_map(|work| of(work.name())).map(|counted| counted.instructions).sum()
+    };
+    let number = |work: Work| {
+        let name = work.name();
+        found.counted.iter().find(|counted| counted.work == name).map_or(f64::NAN, |counted| counted.calls)
+    };
+    let reading = instructions(&[Work::Reading]) / number(Work::Reading);
+    let listen = instructions(&[Work::Samples, Work::Heard]) / number(Work::Heard);
+    let readings = f64::from(calls(&found.whole, Work::Reading).calls);
+    let listens = f64::from(calls(&found.whole, Work::Heard).calls);
+    let income = joules(found.whole.world.plant().income);
+    let lines: Vec<(Processor<f64>, [f64; 3])> = parts(core)
+        .into_iter()
+        .filter_map(|part| {
+            let model = CostModel::new(part, Accelerometer::adxl362());
+            let reading = model.voltage_reading.value
+                + model.start_energy()
+                + model.processor.computing(reading, Code::Filter);
+            let listen = model.listen(LISTEN, RATE.into(), listen, Code::Filter)?.total();
+            Some((part, [reading, listen, (readings * reading + listens * listen) / income]))
+        })
+        .collect();
+    let rows = lines.iter().map(|(part, [reading, listen, share])| {
+        vec![
+            marked(part),
+            format!("{:.2}", 1e6 * reading),
+            format!("{:.2}", 1e6 * listen),
+            format!("{:.3} %", 100.0 * share),
+        ]
+    });
+    if lines.is_empty() {
+        return;
+    }
+    let note = format!(
+        "{core}. Energy in uJ by the instructions of the table above, with sensor, transfer, wake-ups and converter: {readings} readings and
+{listens} listens in the day. {UNCONFIRMED} marks an energy per cycle that was not confirmed."
+    );
+    output.table(vec!["part", "a reading", "a listen", "of the income"], rows.collect(), 1, &note);
+    for (part, [reading, listen, share]) in &lines {
+        output.object(json!({
+            "core": core.to_string(),
+            "variant": "node",
+            "case": "knowing",
+            "part": part.name,
+            "reading_j": reading,
+            "listen_j": listen,
+            "share_of_income": share,
+        }));
+    }
 }

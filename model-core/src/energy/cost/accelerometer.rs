@@ -161,6 +161,7 @@ impl<S: Scalar> Accelerometer<S> {
 }
 
 /// `current` in A at `rate` in Hz by the maker's data sheet. The lengths of FIFO and start-up beside it are unconfirmed.
+#[inline(always)] // the compiler converts the figures, not firmware in double precision
 fn rated<S: Scalar>(rate: f64, current: f64, sheet: &'static str) -> RatedCurrent<S> {
     RatedCurrent { rate: S::from_f64(rate), current: Figure::new(current, Confirmed, sheet) }
 }

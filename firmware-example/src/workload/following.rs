@@ -1,24 +1,17 @@
-//! The example nodes, second by second: instructions of the whole loop with estimate, storage and budget.
+//! The node that follows its harvester, second by second: instructions of the whole loop with estimate, storage and budget.
 //!
-//! A step in the log of these workloads is a second.
+//! A step in the log is a second.
 
 use super::{Progress, Visit, Workload};
-use crate::node::{self, FlashBoard, Following, Listening, Report};
+use crate::following::{self, FlashBoard, Following, Report};
 
-/// Seconds that a workload runs.
+/// Seconds that it runs.
 const SECONDS: u32 = 16;
 
 /// The node that follows its harvester.
-pub fn following(visit: Visit<'_>) -> Option<()> {
-    let mut node = Following::new(FlashBoard::default(), node::following().ok()?).ok()?;
+pub fn node(visit: Visit<'_>) -> Option<()> {
+    let mut node = Following::new(FlashBoard::default(), following::following().ok()?).ok()?;
     visit(&mut BySecond { name: "node-following", second: || node.second().ok(), seconds: 0, bits: [0; 2] });
-    Some(())
-}
-
-/// The node that asks a closed form about the strongest sine.
-pub fn listening(visit: Visit<'_>) -> Option<()> {
-    let mut node = Listening::new(FlashBoard::default(), node::listening().ok()?).ok()?;
-    visit(&mut BySecond { name: "node-listening", second: || Some(node.second()), seconds: 0, bits: [0; 2] });
     Some(())
 }
 

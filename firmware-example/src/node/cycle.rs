@@ -1,0 +1,154 @@
+//! From a start of the node to the end of its day, or to a loss of power.
+
+use model_core::node::{IncomeOfTime, Step};
+
+use super::Meter;
+use super::day::SECONDS;
+use super::entry::{Entry, Hour, State};
+use super::parts::{Part, Runner};
+use super::plant::Draws;
+use super::world::{IMAGE_BYTES, IMAGE_EVERY, Simulated, Work, World};
+
+/// Seconds from one state in the log to the next.
+const STATE_EVERY: u32 = 600;
+
+/// How a [`cycle`] ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// With the day.
+    Day,
+    /// The power is lost: the next cycle resumes from the slots.
+    PowerLost,
+}
+
+/// The node cannot go on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Failed {
+    /// A parameter was refused.
+    Parameters,
+    /// An image was not written.
+    Image,
+    /// The storage fell to the voltage of the lock-out, which this day does not have.
+    LockedOut,
+}
+
+/// Starts the node, from its newest image if there is one, and runs it.
+///
+/// After a loss of power the plant is set back to the time of that image, so that the same time passes once more: the node
+/// must come to the same bits.
+///
+/// # Errors
+/// If the node cannot go on.
+pub fn cycle<M: Meter>(
+    part: Part,
+    world: &mut World,
+    meter: &M,
+    log: &mut dyn FnMut(&Entry),
+) -> Result<End, Failed> {
+    let node = part.node().map_err(|_| Failed::Parameters)?;
+    let draws = Draws::new(node.parameters());
+    world.switch_on();
+    let mut runner = Runner::new(Simulated::new(world, draws, meter), node, 0);
+    resume(&mut runner, log);
+    let mut diary = Diary::new(&runner);
+    loop {
+        let readings = runner.state().instruments()[0];
+        let board = runner.board_mut();
+        (board.ticks, board.samples) = (0, 0);
+        let started = meter.ticks();
+        let step = runner.step();
+        let ticks = meter.ticks() - started;
+        let work = match step {
+            Step::Slept if runner.state().instruments()[0] > readings => Work::Reading,
+            Step::Slept => Work::Wake,
+            Step::Ran(_) => Work::Action,
+            Step::Sampled => Work::Samples,
+            Step::Heard(_) => Work::Heard,
+        };
+        let board = runner.board_mut();
+        let (samples, ticks) = (board.samples, ticks.saturating_sub(board.ticks));
+        board.world.count(work, samples, ticks);
+        if board.world.plant().is_locked_out() {
+            return Err(Failed::LockedOut);
+        }
+        if board.world.is_off() {
+            return Ok(End::PowerLost);
+        }
+        diary.write(&mut runner, log);
+        if runner.state().second() >= SECONDS && runner.is_idle() {
+            save(&mut runner, log)?;
+            return Ok(End::Day);
+        }
+        if step == Step::Slept && runner.is_idle() && diary.is_image_due(&runner) {
+            save(&mut runner, log)?;
+            if runner.board().world.is_off() {
+                return Ok(End::PowerLost);
+            }
+        }
+    }
+}
+
+type Node<'a, M> = Runner<Simulated<'a, M>>;
+
+/// Continues from the newest image, if there is one.
+#[inline(never)]
+fn resume<M: Meter>(runner: &mut Node<'_, M>, log: &mut dyn FnMut(&Entry)) {
+    let (mut one, mut other) = ([0; IMAGE_BYTES], [0; IMAGE_BYTES]);
+    // The second is that of the image, because a time before it counts as it.
+    if let Ok(sequence) = runner.resume([&mut one, &mut other], 0, true) {
+        let second = runner.state().second();
+        let world = &mut runner.board_mut().world;
+        world.set_back(second);
+        log(&Entry::Resumed { losses: world.losses() as u32, sequence, second });
+    }
+}
+
+/// Writes an image.
+#[inline(never)]
+fn save<M: Meter>(runner: &mut Node<'_, M>, log: &mut dyn FnMut(&Entry)) -> Result<(), Failed> {
+    let mut buffer = [0; IMAGE_BYTES];
+    let sequence = runner.save(&mut buffer).map_err(|_| Failed::Image)?;
+    if runner.board().world.is_off() {
+        return Ok(());
+    }
+    let checksum = buffer.last_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
+    log(&Entry::Image { sequence, bytes: IMAGE_BYTES as u32, checksum });
+    Ok(())
+}
+
+/// What was logged last.
+struct Diary {
+    states: u32,
+    images: u32,
+    hour: Option<IncomeOfTime>,
+}
+
+impl Diary {
+    fn new<M: Meter>(runner: &Node<'_, M>) -> Self {
+        let second = runner.state().second();
+        Self { states: second / STATE_EVERY, images: second / IMAGE_EVERY, hour: runner.state().last_hour() }
+    }
+
+    /// Logs the hour if one is over, and the state if it is time.
+    fn write<M: Meter>(&mut self, runner: &mut Node<'_, M>, log: &mut dyn FnMut(&Entry)) {
+        let last_hour = runner.state().last_hour();
+        if last_hour != self.hour {
+            self.hour = last_hour;
+            if let Some(told) = last_hour {
+                let income = runner.board_mut().world.income_since();
+                log(&Entry::Hour(Hour { second: runner.state().second(), told, income }));
+            }
+        }
+        let state = runner.state();
+        if state.second() / STATE_EVERY != self.states {
+            self.states = state.second() / STATE_EVERY;
+            log(&Entry::State(State::new(state, runner.board().world.plant())));
+        }
+    }
+
+    /// Whether it is time for an image, which is then taken.
+    fn is_image_due<M: Meter>(&mut self, runner: &Node<'_, M>) -> bool {
+        let images = runner.state().second() / IMAGE_EVERY;
+        core::mem::replace(&mut self.images, images) != images
+    }
+}

@@ -1,0 +1,169 @@
+//! The log of the node: the same text by `defmt` on a microcontroller and by `Display` on the host. Numbers have as many
+//! digits as tell them from their neighbours, so that equal text means equal bits.
+
+use core::fmt;
+
+use model_core::node::{IncomeOfTime, NodeState};
+
+use super::parts::ACTIONS;
+use super::plant::Plant;
+
+/// An entry of the log.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Entry {
+    /// What the node knows.
+    State(State),
+    /// An hour is over.
+    Hour(Hour),
+    /// An image was written.
+    Image {
+        /// Its number.
+        sequence: u32,
+        /// Its size.
+        bytes: u32,
+        /// Its last four bytes: the CRC-32 of the others, and so of each bit of the state.
+        checksum: u32,
+    },
+    /// The node has started from an image.
+    Resumed {
+        /// Losses of power so far.
+        losses: u32,
+        /// Number of the image.
+        sequence: u32,
+        /// Second of the day at which it was written.
+        second: u32,
+    },
+}
+
+/// What the node knows, and what it did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    /// Second of the day.
+    pub second: u32,
+    /// The last code of the converter.
+    pub code: u32,
+    /// Stored energy and its bound in J.
+    pub stored: [f32; 2],
+    /// The income since midnight.
+    pub told: IncomeOfTime,
+    /// The true one in pJ.
+    pub income: u64,
+    /// Energy in J that was spent on knowing it.
+    pub knowing: f32,
+    /// Readings of the voltage, and listens with a value.
+    pub instruments: [u32; 2],
+    /// Runs of each action.
+    pub ran: [u32; ACTIONS],
+}
+
+/// An hour that the node has told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hour {
+    /// Second of the day at its end.
+    pub second: u32,
+    /// What the node says.
+    pub told: IncomeOfTime,
+    /// The true income in pJ.
+    pub income: u64,
+}
+
+impl State {
+    pub(super) fn new<const P: usize, const SLOTS: usize>(
+        state: &NodeState<P, SLOTS, ACTIONS>,
+        plant: &Plant,
+    ) -> Self {
+        Self {
+            second: state.second(),
+            code: plant.code,
+            stored: state.stored(),
+            told: state.overall(),
+            income: plant.income,
+            knowing: state.spent_on_knowing(),
+            instruments: state.instruments(),
+            ran: plant.ran,
+        }
+    }
+}
+
+impl fmt::Display for Entry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::State(state) => {
+                let State { second, code, stored: [stored, within], told, income, knowing, .. } = state;
+                let ([readings, listens], [measured, transmitted]) = (state.instruments, state.ran);
+                let IncomeOfTime { energy, bound, silent, .. } = told;
+                write!(
+                    f,
+                    "second {second}: code {code}, {stored:?} J stored, bound {within:?}, {energy:?} J in, \
+                     bound {bound:?}, {silent} s silent, {income} pJ true, {knowing:?} J on knowing, \
+                     {readings} readings, {listens} listens, {measured} measured, {transmitted} transmitted"
+                )
+            }
+            Self::Hour(Hour { second, told, income }) => {
+                let IncomeOfTime { seconds, energy, bound, silent } = told;
+                write!(
+                    f,
+                    "hour until {second}: {seconds} s, {energy:?} J in, bound {bound:?}, {silent} s silent, \
+                     {income} pJ true"
+                )
+            }
+            Self::Image { sequence, bytes, checksum } => {
+                write!(f, "image {sequence}: {bytes} bytes, checksum {checksum}")
+            }
+            Self::Resumed { losses, sequence, second } => {
+                write!(f, "power lost {losses} times, resumed from image {sequence} at second {second}")
+            }
+        }
+    }
+}
+
+/// Writes an entry to the log.
+#[cfg(target_os = "none")]
+pub(super) fn log(entry: &Entry) {
+    match entry {
+        Entry::State(state) => {
+            let State { second, code, stored: [stored, within], told, income, knowing, .. } = state;
+            let ([readings, listens], [measured, transmitted]) = (state.instruments, state.ran);
+            let IncomeOfTime { energy, bound, silent, .. } = told;
+            defmt::info!(
+                "second {=u32}: code {=u32}, {=f32} J stored, bound {=f32}, {=f32} J in, bound {=f32}, {=u32} s silent, {=u64} pJ true, {=f32} J on knowing, {=u32} readings, {=u32} listens, {=u32} measured, {=u32} transmitted",
+                second,
+                code,
+                stored,
+                within,
+                energy,
+                bound,
+                silent,
+                income,
+                knowing,
+                readings,
+                listens,
+                measured,
+                transmitted
+            );
+        }
+        Entry::Hour(Hour { second, told, income }) => {
+            let IncomeOfTime { seconds, energy, bound, silent } = told;
+            defmt::info!(
+                "hour until {=u32}: {=u32} s, {=f32} J in, bound {=f32}, {=u32} s silent, {=u64} pJ true",
+                second,
+                seconds,
+                energy,
+                bound,
+                silent,
+                income
+            );
+        }
+        Entry::Image { sequence, bytes, checksum } => {
+            defmt::info!("image {=u32}: {=u32} bytes, checksum {=u32}", sequence, bytes, checksum);
+        }
+        Entry::Resumed { losses, sequence, second } => {
+            defmt::info!(
+                "power lost {=u32} times, resumed from image {=u32} at second {=u32}",
+                losses,
+                sequence,
+                second
+            );
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! What the node is made of. Energies are those of `energy::cost` for its processor.
+
+use model_core::bounds::ParameterError;
+use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
+use model_core::energy::response_map::MapError;
+use model_core::energy::{
+    Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
+    ResponseMap, StorageParameters,
+};
+use model_core::excitation::{ExcitationError, LineBank};
+use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, Regular, Sensor, Spread};
+
+/// The map of `node.toml`: contact-separation under the force of the field, 20 g on 320 N/m, with impacts.
+#[path = "../../map/node.rs"]
+pub mod map;
+
+/// Samples of a section of the bank of lines, and sections of a block: 6.4 s.
+const SECTION: usize = 20;
+const SECTIONS: usize = 32;
+/// Slots of the day.
+const SLOTS: usize = 24;
+/// Number of actions.
+pub const ACTIONS: usize = 2;
+/// Samples that are taken out of the FIFO at once.
+pub const BURST: usize = 128;
+/// Samples of a listen.
+pub const LISTEN: u32 = (SECTION * SECTIONS) as u32;
+
+/// The node.
+pub type ExampleNode = Node<&'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS>;
+/// The node with its board.
+pub type Runner<B> = model_core::node::Runner<B, &'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS, BURST>;
+
+/// Samples of the accelerometer in a second.
+pub const RATE: u32 = 100;
+/// m/s² of a count: 1 mg.
+const UNIT: f32 = 1e-3 * model_core::part::GRAVITY as f32;
+/// Bits of the converter, and voltage of its full scale.
+pub const BITS: u32 = 12;
+pub const FULL_SCALE: f32 = 5.0;
+/// Noise of the converter in V.
+const CONVERTER_NOISE: f32 = 0.6e-3;
+
+/// Capacitance of the storage in F, and its leakage in Ω.
+pub const CAPACITANCE: f32 = 47e-3;
+pub const LEAKAGE: f32 = 4e6;
+/// Voltages in V: of the full storage, of the lock-out, and with which the day begins.
+pub const HIGHEST: f32 = 4.5;
+pub const LOCK_OUT: f32 = 1.8;
+pub const FIRST: f32 = 3.6;
+/// Efficiencies in per cent: into the storage, and out of it.
+pub const INTO_STORAGE: u8 = 80;
+pub const OUT_OF_STORAGE: u8 = 90;
+/// Part of the income that knowing it may cost.
+const SHARE: f32 = 0.006;
+
+/// A processor of the node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// A Cortex-M4F; it stands for the cores with single-precision floating point.
+    Nrf52832,
+    /// A Cortex-M0+; it stands for the cores without.
+    Stm32l051,
+}
+
+/// Why there is no node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PartsError {
+    /// A parameter outside its bounds.
+    Node(NodeError),
+    /// The map is not whole.
+    Map(MapError),
+    /// The bank of lines does not fit.
+    Bank(ExcitationError),
+    /// A part has no figure for this use.
+    Figure,
+}
+
+impl From<ParameterError<f32>> for PartsError {
+    fn from(error: ParameterError<f32>) -> Self {
+        Self::Node(error.into())
+    }
+}
+
+impl Part {
+    /// The one for the core that this is compiled for.
+    #[cfg(target_os = "none")]
+    pub const TARGET: Self = if cfg!(target_abi = "eabihf") { Self::Nrf52832 } else { Self::Stm32l051 };
+
+    fn processor(self) -> Processor<f32> {
+        match self {
+            Self::Nrf52832 => Processor::nrf52832(),
+            Self::Stm32l051 => Processor::stm32l051(),
+        }
+    }
+
+    /// Instructions of a wake with a reading, of a sample, and of a look-up with the end of a listen: what
+    /// `on-target --node` counts, rounded up.
+    fn instructions(self) -> [f32; 3] {
+        match self {
+            Self::Nrf52832 => [2_700.0, 23.0, 17_200.0],
+            Self::Stm32l051 => [99_000.0, 63.0, 65_300.0],
+        }
+    }
+
+    /// The node with this processor, an ADXL362 and a storage of 47 mF. It measures and transmits each five minutes.
+    ///
+    /// # Errors
+    /// If a parameter is outside its bounds, or the map does not belong to this version.
+    pub fn node(self) -> Result<ExampleNode, PartsError> {
+        let accelerometer = Accelerometer::adxl362();
+        let cost = CostModel::<f32>::new(self.processor(), accelerometer);
+        let [reading, sample, look_up] = self.instructions();
+        let instructions = LISTEN as f32 * sample + look_up;
+        let listen =
+            cost.listen(LISTEN, RATE as f32, instructions, Code::Filter).ok_or(PartsError::Figure)?;
+        let reading = cost.voltage_reading.value
+            + cost.start_energy()
+            + cost.processor.computing(reading, Code::Filter);
+        let standing_power = cost.standing_power().ok_or(PartsError::Figure)?;
+        let part = |percent: u8| 0.01 * f32::from(percent);
+        let parameters = NodeParameters {
+            budget: BudgetParameters {
+                storage: StorageParameters {
+                    capacitor: Capacitor { capacitance: CAPACITANCE, leakage_resistance: LEAKAGE },
+                    charging_efficiency: part(INTO_STORAGE),
+                    discharging_efficiency: part(OUT_OF_STORAGE),
+                    highest_voltage: HIGHEST,
+                    lock_out_voltage: LOCK_OUT,
+                    turn_on_voltage: 2.2,
+                },
+                income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
+                standing_power,
+            },
+            converter: CorrectionParameters {
+                bits: BITS,
+                full_scale: FULL_SCALE,
+                noise: CONVERTER_NOISE,
+                gain_deviation: 1.0,
+                gain_drift: 0.1,
+            },
+            listening: ListeningParameters {
+                share: 0.6 * SHARE,
+                error: 0.02,
+                horizon: 3600.0,
+                shortest: 300,
+                doublings: 6,
+            },
+            sensor: Sensor {
+                rate: RATE as f32,
+                start_up: accelerometer.start_up_samples,
+                blocks: 1,
+                // 12 bits.
+                clipped: 2040,
+            },
+            cost: KnowingCost {
+                listen: listen.total(),
+                reading,
+                reading_share: 0.4 * SHARE,
+                shortest_reading: 60,
+                reading_doublings: 6,
+            },
+            spread: Spread { standing: 0.2, action: 0.02, income: 0.5, gain_by_place: 0.5, power: 300e-6 },
+            // Ten hours asleep.
+            reserve: 36_000.0 * standing_power,
+            actions: [
+                Regular { action: Action::new("measure", 300e-6, 0.1)?, every: 300 },
+                Regular { action: Action::new("transmit", 6.6e-3, 0.1)?, every: 300 },
+            ],
+        };
+        let map = ResponseMap::new(&map::MAP[..], map::FINGERPRINT).map_err(PartsError::Map)?;
+        let bank = LineBank::new(RATE as f32, 20.1325, 0.09625, UNIT).map_err(PartsError::Bank)?;
+        Node::new(map, bank, parameters).map_err(PartsError::Node)
+    }
+}

@@ -1,0 +1,303 @@
+//! The true node: what its storage holds, what its converter reads, what its accelerometer samples.
+//!
+//! All of it is integer arithmetic but for one root, so that it costs little on a core without floating point. Energies are
+//! whole pJ.
+
+use model_core::node::NodeParameters;
+use model_core::scalar::Scalar;
+
+use super::day::minute;
+use super::parts::{
+    ACTIONS, BITS, CAPACITANCE, FIRST, FULL_SCALE, HIGHEST, INTO_STORAGE, LEAKAGE, LOCK_OUT, OUT_OF_STORAGE,
+    RATE,
+};
+
+/// What the true node draws, in per cent of what is stated: asleep, for an action, for a reading or a listen.
+const STANDING: u64 = 115;
+const ACTION: u64 = 101;
+const KNOWING: u64 = 104;
+/// Time in s in which the leakage takes the stored energy: half of resistance times capacitance.
+const LEAKING: u64 = (0.5 * LEAKAGE * CAPACITANCE) as u64;
+/// Root mean square of the noise in 1/1024 codes of the converter, and in 1/256 counts of the accelerometer.
+const CODE_NOISE: i32 = 500;
+const COUNT_NOISE: i32 = 4 * 256;
+/// Counts of gravity, which is on the axis.
+const GRAVITY: i32 = 1000;
+
+/// What an activity takes from the storage, in pJ.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Draws {
+    /// In a second.
+    standing: u64,
+    reading: u64,
+    listen: u64,
+    actions: [u64; ACTIONS],
+}
+
+impl Draws {
+    pub(super) fn new(parameters: &NodeParameters<ACTIONS>) -> Self {
+        let of = |joules: f32, percent: u64| (1e12 * joules) as u64 * percent / u64::from(OUT_OF_STORAGE);
+        Self {
+            standing: of(parameters.budget.standing_power, STANDING),
+            reading: of(parameters.cost.reading, KNOWING),
+            listen: of(parameters.cost.listen, KNOWING),
+            actions: parameters.actions.map(|regular| of(regular.action.energy(), ACTION)),
+        }
+    }
+}
+
+/// Stored energy in pJ at a voltage.
+fn energy_at(voltage: f32) -> u64 {
+    (0.5e12 * CAPACITANCE * voltage * voltage) as u64
+}
+
+/// The true node at a moment of the day.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Plant {
+    /// Second of the day.
+    pub second: u32,
+    /// Stored energy in pJ.
+    pub stored: u64,
+    /// Harvested energy since midnight in pJ.
+    pub income: u64,
+    /// Harvested energy in pJ until the end of the hour that the node told last.
+    pub(super) told: u64,
+    /// Harvested energy in pJ that the storage, being full, did not take.
+    pub shunted: u64,
+    /// The last code of the converter.
+    pub code: u32,
+    /// How often each action ran.
+    pub ran: [u32; ACTIONS],
+    random: u32,
+    sensor: Option<Sensor>,
+}
+
+/// The accelerometer when it is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Sensor {
+    /// Second at which it was switched on.
+    started: u32,
+    /// Samples that were taken, and that are in the FIFO.
+    taken: u32,
+    waiting: u32,
+    /// Phases of both sines in 2⁻³² turns.
+    phases: [u32; 2],
+}
+
+impl Plant {
+    /// At midnight.
+    pub(super) fn new() -> Self {
+        Self {
+            second: 0,
+            stored: energy_at(FIRST),
+            income: 0,
+            told: 0,
+            shunted: 0,
+            code: 0,
+            ran: [0; ACTIONS],
+            random: 0x2545_f491,
+            sensor: None,
+        }
+    }
+
+    /// Whether the storage has fallen to the voltage of the lock-out.
+    pub(super) fn is_locked_out(&self) -> bool {
+        self.stored <= energy_at(LOCK_OUT)
+    }
+
+    /// Lets time pass up to a second of the day.
+    pub(super) fn advance(&mut self, draws: &Draws, until: u32) {
+        while self.second < until {
+            let within = self.second % 60;
+            let seconds = (until - self.second).min(60 - within);
+            let energy = u64::from(minute(self.second).energy);
+            let came = |second: u32| energy * u64::from(second) * 50 / 3;
+            let income = came(within + seconds) - came(within);
+            let lost = (self.stored / LEAKING + draws.standing) * u64::from(seconds);
+            let stored = (self.stored + income * u64::from(INTO_STORAGE) / 100).saturating_sub(lost);
+            self.stored = stored.min(energy_at(HIGHEST));
+            self.shunted += (stored - self.stored) * 100 / u64::from(INTO_STORAGE);
+            self.income += income;
+            self.second += seconds;
+        }
+    }
+
+    fn draw(&mut self, energy: u64) {
+        self.stored = self.stored.saturating_sub(energy);
+    }
+
+    /// Reads the voltage of the storage.
+    pub(super) fn read(&mut self, draws: &Draws) -> u32 {
+        self.draw(draws.reading);
+        const CODES: u32 = 1 << BITS;
+        let voltage = Scalar::sqrt(2e-12 / CAPACITANCE * self.stored as f32);
+        let code = (voltage * (1024.0 * CODES as f32 / FULL_SCALE)) as i32 + self.noise(CODE_NOISE);
+        self.code = ((code + 512) >> 10).clamp(0, CODES as i32 - 1) as u32;
+        self.code
+    }
+
+    /// Carries an action out.
+    pub(super) fn run(&mut self, draws: &Draws, action: usize) {
+        if let (Some(energy), Some(ran)) = (draws.actions.get(action), self.ran.get_mut(action)) {
+            *ran += 1;
+            self.draw(*energy);
+        }
+    }
+
+    /// Switches the accelerometer on.
+    pub(super) fn start_sensor(&mut self, draws: &Draws) {
+        self.draw(draws.listen);
+        let phases = [self.random(), self.random()];
+        self.sensor = Some(Sensor { started: self.second, taken: 0, waiting: 0, phases });
+    }
+
+    /// Switches it off.
+    pub(super) fn stop_sensor(&mut self) {
+        self.sensor = None;
+    }
+
+    /// Fills the FIFO with so many samples; the second at which they are there.
+    pub(super) fn fill(&mut self, samples: u32) -> u32 {
+        let Some(sensor) = &mut self.sensor else { return self.second };
+        sensor.waiting += samples;
+        sensor.started + (sensor.taken + sensor.waiting).div_ceil(RATE)
+    }
+
+    /// Moves samples out of the FIFO; their number.
+    pub(super) fn take(&mut self, samples: &mut [i16]) -> usize {
+        let Some(mut sensor) = self.sensor else { return 0 };
+        let count = samples.len().min(sensor.waiting as usize);
+        for sample in samples.iter_mut().take(count) {
+            let [one, other] = minute(sensor.started + sensor.taken / RATE).lines;
+            let [one_phase, other_phase] = &mut sensor.phases;
+            let value = shaken(one, one_phase) + shaken(other, other_phase);
+            *sample = ((value + 256 * GRAVITY + self.noise(COUNT_NOISE) + 128) >> 8) as i16;
+            sensor.taken += 1;
+        }
+        sensor.waiting -= count as u32;
+        self.sensor = Some(sensor);
+        count
+    }
+
+    /// A random number by the shifts of Marsaglia.
+    fn random(&mut self) -> u32 {
+        let mut random = self.random;
+        random ^= random << 13;
+        random ^= random >> 17;
+        random ^= random << 5;
+        self.random = random;
+        random
+    }
+
+    /// Noise of a root mean square, up to 2000, as the sum of four even numbers.
+    fn noise(&mut self, deviation: i32) -> i32 {
+        // Each of them has the variance (256² - 1)/12, their sum that of 147.8².
+        let sum: i32 = self.random().to_le_bytes().map(i32::from).iter().sum();
+        (sum - 510) * deviation / 148
+    }
+}
+
+/// Acceleration in 1/256 counts of a sine of an amplitude up to 4.9 m/s² at a phase, which goes on to the next sample.
+fn shaken([amplitude, frequency]: [u16; 2], phase: &mut u32) -> i32 {
+    // 2³² turns over 1000 mHz in a Hz and the samples in a second.
+    const TURN: u64 = (1 << 32) * (1 << 8) / (1000 * RATE as u64);
+    *phase = phase.wrapping_add(((u64::from(frequency) * TURN) >> 8) as u32);
+    // A count is 9.80665 mm/s².
+    let amplitude = i32::from(amplitude.min(4900)) * 26_105 / 1000;
+    (amplitude * sine(*phase)) >> 14
+}
+
+/// Steps of the table of a quarter of a sine, and their bits.
+const STEPS: usize = 1 << STEP_BITS;
+const STEP_BITS: u32 = 6;
+const QUARTER: [i16; STEPS + 1] = quarter();
+
+/// A quarter of a sine of 2¹⁴, by its series.
+const fn quarter() -> [i16; STEPS + 1] {
+    let mut table = [0; STEPS + 1];
+    let mut place = 0;
+    while place <= STEPS {
+        let angle = core::f64::consts::FRAC_PI_2 * place as f64 / STEPS as f64;
+        let (mut term, mut sum, mut order) = (angle, 0.0, 1.0);
+        while order < 20.0 {
+            sum += term;
+            term *= -angle * angle / ((order + 1.0) * (order + 2.0));
+            order += 2.0;
+        }
+        table[place] = (16_384.0 * sum + 0.5) as i16;
+        place += 1;
+    }
+    table
+}
+
+/// A sine of 2¹⁴ at a phase in 2⁻³² turns, off by up to 3.
+fn sine(phase: u32) -> i32 {
+    let within = if phase & 1 << 30 == 0 { phase << 2 } else { !(phase << 2) };
+    let place = (within >> (32 - STEP_BITS)) as usize;
+    let part = (within >> (16 - STEP_BITS) & 0xffff) as i32;
+    let at = |place: usize| QUARTER.get(place).copied().map_or(0, i32::from);
+    let value = at(place) + (((at(place + 1) - at(place)) * part) >> 16);
+    if phase & 1 << 31 == 0 { value } else { -value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Plant, RATE, energy_at, shaken, sine};
+
+    #[test]
+    fn the_table_of_a_sine_holds_its_error() {
+        for step in 0..4096_u32 {
+            let phase = step.wrapping_mul(0x0010_0321);
+            let exact = 16_384.0 * (core::f64::consts::TAU * f64::from(phase) / 4_294_967_296.0).sin();
+            assert!((f64::from(sine(phase)) - exact).abs() < 3.0, "{phase:#x}");
+        }
+    }
+
+    #[test]
+    fn a_line_has_its_amplitude_and_its_frequency() {
+        // 2 m/s² at 20.5 Hz: 203.94 counts, and 205 turns in ten seconds.
+        let (mut phase, mut turns, mut before, mut squares) = (0, 0, 0, 0.0);
+        for _ in 0..10 * RATE {
+            let value = f64::from(shaken([2000, 20_500], &mut phase)) / 256.0;
+            squares += value * value;
+            turns += u32::from(phase < before);
+            before = phase;
+        }
+        let amplitude = (2.0 * squares / f64::from(10 * RATE)).sqrt();
+        assert!((amplitude - 2000.0 / 9.806_65).abs() < 0.1, "{amplitude}");
+        assert!((204..=205).contains(&turns), "{turns}");
+    }
+
+    #[test]
+    fn noise_has_its_deviation() {
+        let mut plant = Plant::new();
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for _ in 0..20_000 {
+            let value = f64::from(plant.noise(1000));
+            (sum, squares) = (sum + value, squares + value * value);
+        }
+        let mean = sum / 20_000.0;
+        let deviation = (squares / 20_000.0).sqrt();
+        assert!(mean.abs() < 30.0 && (deviation / 1000.0 - 1.0).abs() < 0.03, "{mean} {deviation}");
+    }
+
+    #[test]
+    fn the_books_of_the_plant_close() {
+        use super::super::parts::Part;
+        let draws = super::Draws::new(Part::Nrf52832.node().expect("valid").parameters());
+        let whole = {
+            let mut plant = Plant::new();
+            plant.advance(&draws, 86_400);
+            plant
+        };
+        // In steps of other lengths the same comes in; only the leakage depends on when the energy is there.
+        let mut plant = Plant::new();
+        while plant.second < 86_400 {
+            plant.advance(&draws, (plant.second + 37).min(86_400));
+        }
+        assert_eq!((plant.income, plant.second), (whole.income, 86_400));
+        assert_eq!(plant.income, super::super::day::income());
+        let off = plant.stored.abs_diff(whole.stored);
+        assert!(off < energy_at(4.5) / 10_000, "{off}");
+    }
+}
