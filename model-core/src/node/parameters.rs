@@ -169,8 +169,8 @@ impl<const ACTIONS: usize> NodeParameters<ACTIONS> {
         let count = f32::from_u32;
         for (field, value, lowest, highest) in [
             ("sensor.rate", sensor.rate, 1.0, 1e5),
-            ("sensor.start_up", count(sensor.start_up), 0.0, f64::from(MOST_START_UP)),
-            ("sensor.blocks", count(sensor.blocks), 1.0, f64::from(MOST_BLOCKS)),
+            ("sensor.start_up", count(sensor.start_up), 0.0, count(MOST_START_UP)),
+            ("sensor.blocks", count(sensor.blocks), 1.0, count(MOST_BLOCKS)),
             ("sensor.clipped", f32::from(sensor.clipped), 1.0, 32_767.0),
             ("cost.listen", cost.listen, 0.0, 10.0),
             ("cost.reading", cost.reading, 0.0, 10.0),
@@ -184,11 +184,12 @@ impl<const ACTIONS: usize> NodeParameters<ACTIONS> {
             ("spread.power", spread.power, 1e-9, 1e3),
             ("reserve", self.reserve, 0.0, 1e6),
         ] {
-            Bounds::new(lowest, highest).check(field, value)?;
+            // In single precision: a loop over literals in double precision would be converted by the firmware.
+            Bounds::<f32> { lowest, highest }.check(field, value)?;
         }
         for (index, regular) in self.actions.iter().enumerate() {
             let field = EVERY.get(index).copied().unwrap_or("actions.every");
-            Bounds::new(1.0, 1e7).check(field, count(regular.every))?;
+            Bounds::<f32> { lowest: 1.0, highest: 1e7 }.check(field, count(regular.every))?;
         }
         Ok(())
     }
