@@ -77,7 +77,7 @@ pub enum Work {
     Wake,
     /// A wake after an action.
     Action,
-    /// Samples, and the wake after them.
+    /// Samples.
     Samples,
     /// The last samples of a listen with its look-up, and the wake after them.
     Heard,

@@ -203,7 +203,7 @@ impl<
         }
         let burst = u32::try_from(BURST).unwrap_or(u32::MAX);
         let now = self.board.sleep(self.wake.again_in, samples.min(burst));
-        let mut step = Step::Sampled;
+        let mut heard = None;
         loop {
             let Ok(count) = self.board.read_samples(&mut self.burst) else {
                 self.node.samples_lost(&mut self.state);
@@ -213,15 +213,23 @@ impl<
             if burst.is_empty() {
                 break;
             }
-            if let Progress::Heard(hearing) = self.node.samples(&mut self.state, burst) {
-                self.board.stop_sensor();
-                self.is_listening = false;
-                step = Step::Heard(hearing);
-                break;
+            match self.node.samples(&mut self.state, burst) {
+                Progress::More(samples) => self.wake.task = Task::Listen { samples },
+                Progress::Heard(hearing) => {
+                    self.board.stop_sensor();
+                    self.is_listening = false;
+                    heard = Some(hearing);
+                    break;
+                }
+                Progress::Idle => {}
             }
         }
-        self.ask(now, None);
-        step
+        // The books wait for the end of the listen, because they cost more than a burst.
+        let is_over = now.saturating_sub(self.state.second()) >= self.wake.again_in;
+        if heard.is_some() || is_over {
+            self.ask(now, None);
+        }
+        heard.map_or(Step::Sampled, Step::Heard)
     }
 
     fn ask(&mut self, now: u32, code: Option<u32>) {

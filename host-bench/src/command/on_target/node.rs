@@ -154,7 +154,7 @@ fn counted(core: Core, found: &Followed, output: &mut Output) {
         "reading" => "wake with a reading of the voltage",
         "wake" => "wake without one",
         "action" => "wake after an action",
-        "samples" => "a burst of samples, and the wake after it",
+        "samples" => "a burst of samples",
         "heard" => "the last burst of a block, its look-up, and the wake after it",
         _ => "?",
     };
