@@ -1,6 +1,6 @@
 //! From a start of the node to the end of its day, or to a loss of power.
 
-use model_core::node::{IncomeOfTime, Step};
+use model_core::node::{Gap, IncomeOfTime, Step};
 
 use super::Meter;
 use super::day::SECONDS;
@@ -95,7 +95,7 @@ type Node<'a, M> = Runner<Simulated<'a, M>>;
 fn resume<M: Meter>(runner: &mut Node<'_, M>, log: &mut dyn FnMut(&Entry)) {
     let (mut one, mut other) = ([0; IMAGE_BYTES], [0; IMAGE_BYTES]);
     // The second is that of the image, because a time before it counts as it.
-    if let Ok(sequence) = runner.resume([&mut one, &mut other], 0, true) {
+    if let Ok(sequence) = runner.resume([&mut one, &mut other], Gap::OnUntil(0)) {
         let second = runner.state().second();
         let world = &mut runner.board_mut().world;
         world.set_back(second);
@@ -107,10 +107,11 @@ fn resume<M: Meter>(runner: &mut Node<'_, M>, log: &mut dyn FnMut(&Entry)) {
 #[inline(never)]
 fn save<M: Meter>(runner: &mut Node<'_, M>, log: &mut dyn FnMut(&Entry)) -> Result<(), Failed> {
     let mut buffer = [0; IMAGE_BYTES];
-    let sequence = runner.save(&mut buffer).map_err(|_| Failed::Image)?;
+    let saved = runner.save(&mut buffer);
     if runner.board().world.is_off() {
         return Ok(());
     }
+    let sequence = saved.map_err(|_| Failed::Image)?;
     let checksum = buffer.last_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
     log(&Entry::Image { sequence, bytes: IMAGE_BYTES as u32, checksum });
     Ok(())

@@ -260,7 +260,7 @@ impl<M: Meter> Board for Simulated<'_, M> {
         }
     }
 
-    fn write_slot(&mut self, slot: usize, bytes: &[u8]) {
+    fn write_slot(&mut self, slot: usize, bytes: &[u8]) -> Result<(), Fault> {
         let written = match self.world.due() {
             Some(Moment::Writing(bytes)) => {
                 self.world.lose_power();
@@ -273,5 +273,6 @@ impl<M: Meter> Board for Simulated<'_, M> {
             slot.bytes.iter_mut().zip(bytes).take(written).for_each(|(to, from)| *to = *from);
             slot.plant = plant;
         }
+        Ok(())
     }
 }
