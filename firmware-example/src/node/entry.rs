@@ -1,5 +1,5 @@
-//! The log of the node: the same text by `defmt` on a microcontroller and by `Display` on the host. Numbers have as many
-//! digits as tell them from their neighbours, so that equal text means equal bits.
+//! The log of the node: the same text by `defmt` on a microcontroller and by `Display` on the host. The checksum of
+//! an image is that of each bit of the node's state.
 
 use core::fmt;
 
@@ -89,21 +89,24 @@ impl fmt::Display for Entry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::State(state) => {
-                let State { second, code, stored: [stored, within], told, income, knowing, .. } = state;
+                let State { second, code, income, .. } = state;
                 let ([readings, listens], [measured, transmitted]) = (state.instruments, state.ran);
-                let IncomeOfTime { energy, bound, silent, .. } = told;
+                let IncomeOfTime { energy, bound, silent, .. } = state.told;
+                let [stored, within, energy, bound, knowing] =
+                    [state.stored[0], state.stored[1], energy, bound, state.knowing].map(picojoules);
                 write!(
                     f,
-                    "second {second}: code {code}, {stored:?} J stored, bound {within:?}, {energy:?} J in, \
-                     bound {bound:?}, {silent} s silent, {income} pJ true, {knowing:?} J on knowing, \
+                    "second {second}: code {code}, {stored} pJ stored, bound {within}, {energy} pJ in, \
+                     bound {bound}, {silent} s silent, {income} pJ true, {knowing} pJ on knowing, \
                      {readings} readings, {listens} listens, {measured} measured, {transmitted} transmitted"
                 )
             }
             Self::Hour(Hour { second, told, income }) => {
                 let IncomeOfTime { seconds, energy, bound, silent } = told;
+                let [energy, bound] = [*energy, *bound].map(picojoules);
                 write!(
                     f,
-                    "hour until {second}: {seconds} s, {energy:?} J in, bound {bound:?}, {silent} s silent, \
+                    "hour until {second}: {seconds} s, {energy} pJ in, bound {bound}, {silent} s silent, \
                      {income} pJ true"
                 )
             }
@@ -117,16 +120,23 @@ impl fmt::Display for Entry {
     }
 }
 
+/// An energy in whole pJ: the decoder of the log and the host write some numbers with other last digits.
+fn picojoules(joules: f32) -> u64 {
+    (1e12 * joules) as u64
+}
+
 /// Writes an entry to the log.
 #[cfg(target_os = "none")]
 pub(super) fn log(entry: &Entry) {
     match entry {
         Entry::State(state) => {
-            let State { second, code, stored: [stored, within], told, income, knowing, .. } = state;
+            let State { second, code, income, .. } = state;
             let ([readings, listens], [measured, transmitted]) = (state.instruments, state.ran);
-            let IncomeOfTime { energy, bound, silent, .. } = told;
+            let IncomeOfTime { energy, bound, silent, .. } = state.told;
+            let [stored, within, energy, bound, knowing] =
+                [state.stored[0], state.stored[1], energy, bound, state.knowing].map(picojoules);
             defmt::info!(
-                "second {=u32}: code {=u32}, {=f32} J stored, bound {=f32}, {=f32} J in, bound {=f32}, {=u32} s silent, {=u64} pJ true, {=f32} J on knowing, {=u32} readings, {=u32} listens, {=u32} measured, {=u32} transmitted",
+                "second {=u32}: code {=u32}, {=u64} pJ stored, bound {=u64}, {=u64} pJ in, bound {=u64}, {=u32} s silent, {=u64} pJ true, {=u64} pJ on knowing, {=u32} readings, {=u32} listens, {=u32} measured, {=u32} transmitted",
                 second,
                 code,
                 stored,
@@ -144,8 +154,9 @@ pub(super) fn log(entry: &Entry) {
         }
         Entry::Hour(Hour { second, told, income }) => {
             let IncomeOfTime { seconds, energy, bound, silent } = told;
+            let [energy, bound] = [*energy, *bound].map(picojoules);
             defmt::info!(
-                "hour until {=u32}: {=u32} s, {=f32} J in, bound {=f32}, {=u32} s silent, {=u64} pJ true",
+                "hour until {=u32}: {=u32} s, {=u64} pJ in, bound {=u64}, {=u32} s silent, {=u64} pJ true",
                 second,
                 seconds,
                 energy,
