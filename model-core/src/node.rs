@@ -30,6 +30,7 @@
 mod board;
 mod covariance;
 mod filter;
+mod glance;
 mod heard;
 mod hearing;
 mod learning;
@@ -53,6 +54,7 @@ use crate::excitation::LineBank;
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint};
 use filter::Filter;
+use glance::Thresholds;
 use parameters::of_part;
 
 /// A node: its map in `W`, a bank of sections of at most `M` samples and blocks of `P` sections, a day of `SLOTS` slots.
@@ -70,6 +72,9 @@ pub struct Node<W, const M: usize, const P: usize, const SLOTS: usize, const ACT
     samples: u32,
     /// Time of a listen in s, rounded up.
     duration: u32,
+    thresholds: Thresholds<ACTIONS>,
+    /// Energy of a glance in J.
+    glance: Option<f32>,
 }
 
 /// What to do now.
@@ -163,6 +168,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             listen: Action::new("listen", parameters.cost.listen, seconds)?,
             listening: parameters.listening.build().map_err(of_part("listening"))?,
             duration: seconds as u32 + 1,
+            thresholds: Thresholds::new(&filter, budget.storage(), &parameters),
+            glance: None,
             map,
             bank,
             budget,
@@ -205,6 +212,10 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// Cost: at most three exponentials, one square root, and with a reading seven divisions; the decision on an action
     /// as [`Budget::can_run_now`].
     pub fn wake(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
+        if let Some(wake) = self.look(state, now, code) {
+            return wake;
+        }
+        self.settle(state, now, code);
         let is_later = self.advance(state, now, true);
         self.read(state, code, is_later);
         self.decide(state)
@@ -219,8 +230,11 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         code: Option<u32>,
     ) -> Wake {
         state.abandon();
-        self.advance(state, now, false);
+        self.settle(state, now, None);
+        self.advance(state, state.second, true);
         self.lose(state);
+        self.be_off(state, now);
+        self.advance(state, now, false);
         self.read(state, code, true);
         self.decide(state)
     }
@@ -234,6 +248,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         code: Option<u32>,
     ) -> Wake {
         state.abandon();
+        let now = state.second;
+        self.settle(state, now, None);
+        self.advance(state, now, true);
         state.filter.lose_store();
         // What was spent before the gap left another storage.
         state.spent = 0.0;
@@ -257,7 +274,12 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let mut left = valid.get(..listen.missing as usize).unwrap_or(valid);
         let clipped = self.parameters.sensor.clipped;
         listen.blocks.is_damaged |= left.iter().any(|&sample| sample >= clipped || sample <= -clipped);
-        let voltage = self.budget.storage().voltage(state.filter.store().mean);
+        // Only a map of charge asks for it.
+        let voltage = if self.map.is_current() {
+            self.budget.storage().voltage(state.filter.store().mean)
+        } else {
+            0.0
+        };
         while !left.is_empty() {
             let (taken, lines) = self.bank.take(&mut listen.bank, left);
             if taken == 0 {
@@ -292,7 +314,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
 
     /// Advances filter and budget to `now`; whether that is later than the last time.
     fn advance(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, is_on: bool) -> bool {
-        let seconds = now.saturating_sub(state.second);
+        let seconds = now.saturating_sub(state.settled);
         if seconds == 0 {
             return false;
         }
@@ -311,19 +333,34 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             self.budget.gap(&mut state.budget, seconds);
             state.booked += harvested;
         }
-        state.second += seconds;
+        state.settled += seconds;
+        state.second = state.second.max(state.settled);
         true
+    }
+
+    /// Takes in a code at the time of the filter.
+    fn observe(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, code: u32, is_full: bool) {
+        let (reading, departure) = self.filter.observe(&mut state.filter, code, is_full);
+        state.reading = Some(reading);
+        state.departure = Scalar::max(state.departure, departure);
+        state.last_reading = state.settled;
+        state.readings = state.readings.saturating_add(1);
     }
 
     /// Takes in a reading of the voltage; closes the hour.
     fn read(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, code: Option<u32>, is_later: bool) {
         if let Some(code) = code {
-            let (reading, departure) = self.filter.observe(&mut state.filter, code);
-            state.reading = Some(reading);
-            state.departure = Scalar::max(state.departure, departure);
-            state.last_reading = state.second;
-            state.readings = state.readings.saturating_add(1);
-            self.spend_on_knowing(state, self.parameters.cost.reading);
+            let before = state.last_reading.max(state.hour_start);
+            let is_full = self.may_be_full(state, state.second, code)
+                || (state.filter.is_doubted() && state.glances.was_full);
+            state.glances.see(state.second, code);
+            state.glances.was_full = is_full;
+            let told = state.store_tells();
+            self.observe(state, code, is_full);
+            if told && state.reading == Some(StoreReading::Silent) {
+                // It was full before this reading already.
+                state.silent = state.silent.saturating_add(state.settled.saturating_sub(before));
+            }
         } else if is_later {
             state.filter.miss_confirmation();
         }
@@ -334,10 +371,14 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             let energy = Scalar::min(Scalar::max(left, 0.0), self.budget.storage().capacity());
             self.budget.correct(&mut state.budget, energy, 3.0 * store.deviation());
         }
+        if code.is_some() {
+            self.spend_on_knowing(state, self.parameters.cost.reading);
+        }
         // A listen may last beyond the hour: the next reading ends it.
         let is_over = state.second.saturating_sub(state.hour_start) >= HOUR;
         if is_over && code.is_some() && !state.filter.is_doubted() {
             state.close_hour();
+            self.ask_beforehand(state);
         }
     }
 
@@ -366,16 +407,15 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         // What leaves a full storage would be shunted otherwise, and its return tells the income.
         let is_full = state.filter.was_full() && state.last_reading == now;
         let mut next = HOUR.saturating_sub(now.saturating_sub(state.hour_start)).max(1);
-        for (index, (regular, last)) in self.parameters.actions.iter().zip(&mut state.last_run).enumerate() {
-            let since = now.saturating_sub(*last);
+        for (index, regular) in self.parameters.actions.iter().enumerate() {
+            let last = state.last_run.get(index).copied().unwrap_or(now);
+            let since = now.saturating_sub(last);
             if since < regular.every {
                 next = next.min(regular.every - since);
-            } else if self.can_run(&state.budget, regular)
-                || is_full && self.leaves_reserve(&state.budget, regular)
-            {
-                *last = now;
-                self.budget.spend(&mut state.budget, regular.action.energy());
-                state.spent += regular.action.energy();
+                continue;
+            }
+            if self.can_run(state, index, regular) || is_full && self.leaves_reserve(&state.budget, regular) {
+                self.run(state, index, regular);
                 return Wake { task: Task::Run(index), again_in: 0, read: false };
             }
         }
@@ -384,11 +424,15 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let listen = until(state.last_listen, self.listen_interval(state));
         let again_in = next.min(reading).min(listen.max(reading.min(HOUR)));
         let hour_ends = now.saturating_add(again_in).saturating_sub(state.hour_start) >= HOUR;
+        self.plan(state, reading, listen.max(reading.min(HOUR)));
+        if self.glance.is_some() {
+            return Wake { task: Task::Sleep, again_in: again_in.min(state.glances.interval), read: true };
+        }
         Wake { task: Task::Sleep, again_in, read: again_in >= reading || hour_ends }
     }
 
     /// Whether an action leaves the reserve in the storage, and the coming day as it is.
-    fn can_run(&self, state: &BudgetState<f32, SLOTS>, regular: &Regular) -> bool {
+    fn grants(&self, state: &BudgetState<f32, SLOTS>, regular: &Regular) -> bool {
         self.leaves_reserve(state, regular) && self.budget.can_run_now(state, &regular.action, state.second())
     }
 
@@ -407,9 +451,15 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         self.samples + start_up
     }
 
-    fn spend_on_knowing(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, energy: f32) {
+    /// Books energy that the node spends now, in J at the load.
+    fn spend(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, energy: f32) {
         self.budget.spend(&mut state.budget, energy);
         state.spent += energy;
+        self.pay(state, energy);
+    }
+
+    fn spend_on_knowing(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, energy: f32) {
+        self.spend(state, energy);
         state.knowing.add(energy);
     }
 }
@@ -444,7 +494,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let Filter { cell, noise, gain_variance, gain_drift, full_code, .. } = self.filter;
         fingerprint.numbers(&[cell, noise, gain_variance, gain_drift]);
         fingerprint.numbers(&[full_code]);
-        fingerprint.numbers(&[self.parameters.reserve]);
+        fingerprint.numbers(&[self.parameters.reserve, self.glance.unwrap_or(-1.0)]);
         for Regular { action, every } in &self.parameters.actions {
             fingerprint.numbers(&[action.energy(), action.duration()]);
             fingerprint.numbers(&[*every]);

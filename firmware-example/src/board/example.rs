@@ -75,7 +75,7 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
     let cost = CostModel::<f32>::new(Processor::nrf52832(), accelerometer);
     let rate = RATE.hertz() as f32;
     let block = (SECTION * SECTIONS) as u32;
-    let Instructions { reading, sample, block: of_block } = node_instructions(cost.processor.core);
+    let Instructions { reading, sample, block: of_block, .. } = node_instructions(cost.processor.core);
     let computing = block as f32 * sample + of_block;
     let listen = cost.listen(block, rate, computing, Code::Filter).ok_or(ExampleError::Figure)?;
     let reading =

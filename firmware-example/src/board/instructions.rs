@@ -7,6 +7,8 @@ use model_core::energy::cost::Core;
 pub struct Instructions {
     /// Of a wake-up with a reading: filter, budget and decision.
     pub reading: f32,
+    /// Of a glance: a reading that is only compared.
+    pub glance: f32,
     /// Of a sample in a listen.
     pub sample: f32,
     /// Of the end of a block, with its look-up and the filter.
@@ -18,7 +20,9 @@ pub struct Instructions {
 #[must_use]
 pub const fn node_instructions(core: Core) -> Instructions {
     match core {
-        Core::M0Plus => Instructions { reading: 99_000.0, sample: 63.0, block: 65_000.0 },
-        Core::M4F | Core::M33 => Instructions { reading: 2_700.0, sample: 23.0, block: 17_200.0 },
+        Core::M0Plus => Instructions { reading: 54_000.0, glance: 600.0, sample: 60.0, block: 60_000.0 },
+        Core::M4F | Core::M33 => {
+            Instructions { reading: 1_700.0, glance: 250.0, sample: 23.0, block: 17_200.0 }
+        }
     }
 }

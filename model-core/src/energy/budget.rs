@@ -217,8 +217,10 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     pub fn correct(&self, state: &mut BudgetState<S, SLOTS>, energy: S, uncertainty: S) {
         let Some(energy) = state.account.admit(energy) else { return };
         let energy = energy.min(self.storage.capacity());
-        // The measurement includes the energy spent since the last update.
-        self.move_store(state, 0, S::ZERO, S::ZERO);
+        if state.pending > S::ZERO {
+            // The measurement includes the energy spent since the last update.
+            self.move_store(state, 0, S::ZERO, S::ZERO);
+        }
         state.account.corrected.add(energy - state.energy);
         state.account.corrected.add(-state.energy_low);
         (state.energy, state.energy_low) = (energy, S::ZERO);

@@ -64,7 +64,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// a night without income the second condition reserves the energy for the night. It does not hold back
     /// an action if the storage fills up.
     ///
-    /// Cost: five exponentials and two passes, or one exponential if the action cannot be afforded.
+    /// Cost: five exponentials and two passes; one pass if nothing stays unserved, one exponential if the action cannot be
+    /// afforded.
     #[must_use]
     pub fn can_run_now(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>, now: u32) -> bool {
         if !self.can_afford(state, action, now) {
@@ -72,8 +73,11 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         }
         let forecast = self.forecast(state).certain();
         let (energy, load) = (state.certain_energy(), self.standing_power);
-        let without = forecast.shortfall(energy, load);
         let with = forecast.shortfall(energy - self.storage.drawn(action.energy()), load);
+        if with == S::ZERO {
+            return true;
+        }
+        let without = forecast.shortfall(energy, load);
         // A few roundings per stretch of the energy that the standing load draws.
         let drawn = self.storage.drawn(load * S::from_u32(DAY_SECONDS));
         with - without <= S::from_f64(16.0) * S::EPSILON * (drawn + self.storage.capacity())

@@ -219,18 +219,18 @@ impl<S: Scalar> Covariance<S> {
         self.all += S::from_f64(2.0) * of_all * with_all;
     }
 
-    /// Limits correlations to 1.
+    /// Limits correlations to 1. A square root for each beyond.
     pub(super) fn limit_correlations(&mut self) {
-        let deviations = [0, 1, 2, 3, 4, 5].map(|index| self.variance(index).sqrt());
-        limit(&mut self.store, deviations);
-        let [_, deviations @ ..] = deviations;
-        limit(&mut self.power, deviations);
-        let [_, deviations @ ..] = deviations;
-        limit(&mut self.gain, deviations);
-        let [_, deviations @ ..] = deviations;
-        limit(&mut self.draw, deviations);
-        let [_, deviations @ ..] = deviations;
-        limit(&mut self.hour, deviations);
+        let variances = [0, 1, 2, 3, 4, 5].map(|index| self.variance(index));
+        limit(&mut self.store, variances);
+        let [_, variances @ ..] = variances;
+        limit(&mut self.power, variances);
+        let [_, variances @ ..] = variances;
+        limit(&mut self.gain, variances);
+        let [_, variances @ ..] = variances;
+        limit(&mut self.draw, variances);
+        let [_, variances @ ..] = variances;
+        limit(&mut self.hour, variances);
     }
 
     /// Whether all variances are 0 or more.
@@ -260,12 +260,15 @@ fn add_product<S: Scalar, const N: usize>(row: &mut [S; N], first: [S; 2], one: 
     }
 }
 
-/// Limits a row that begins with its variance to the products of the deviations.
-fn limit<S: Scalar, const N: usize>(row: &mut [S; N], deviations: [S; N]) {
-    let own = deviations.first().copied().unwrap_or(S::ZERO);
-    for (entry, deviation) in row.iter_mut().zip(deviations).skip(1) {
-        let most = own * deviation;
-        *entry = entry.max(-most).min(most);
+/// Limits a row that begins with its variance to the roots of the products of both variances.
+fn limit<S: Scalar, const N: usize>(row: &mut [S; N], variances: [S; N]) {
+    let own = variances.first().copied().unwrap_or(S::ZERO);
+    for (entry, variance) in row.iter_mut().zip(variances).skip(1) {
+        // The roots, as the product of two variances may be too small for a number.
+        if entry.abs() > S::ZERO && *entry / own * *entry > variance {
+            let most = own.sqrt() * variance.sqrt();
+            *entry = if *entry < S::ZERO { -most } else { most };
+        }
     }
 }
 

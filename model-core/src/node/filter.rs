@@ -71,8 +71,6 @@ pub(super) struct FilterState<S> {
     pub(super) since: u32,
     pub(super) of_hour: u32,
     pub(super) located: bool,
-    /// Energy that left the storage since the last reading that was used, in J.
-    outgo: S,
     /// Whether the storage may have been full between the last two readings.
     pub(super) was_full: bool,
     was_doubted: bool,
@@ -158,6 +156,11 @@ impl<S: Scalar> FilterState<S> {
         self.was_doubted = false;
     }
 
+    /// The next reading needs no confirmation.
+    pub(super) fn confirm(&mut self) {
+        self.was_doubted = true;
+    }
+
     /// Whether the stored energy is known.
     pub(super) fn is_located(&self) -> bool {
         self.located
@@ -179,7 +182,7 @@ impl<S: Scalar> FilterState<S> {
     /// The stored energy is unknown, as before the first reading. The other states keep what they know.
     pub(super) fn lose_store(&mut self) {
         (self.located, self.was_doubted, self.was_full) = (false, false, false);
-        (self.since, self.outgo) = (0, S::ZERO);
+        self.since = 0;
     }
 
     /// Takes in a measurement: `along` are the covariances of the states with the measured quantity, `shift` how far it
@@ -214,7 +217,6 @@ impl<S: Scalar> Filter<S> {
             covariance,
             since: 0,
             of_hour: 0,
-            outgo: S::ZERO,
             located: false,
             was_full: false,
             was_doubted: false,
@@ -264,9 +266,6 @@ impl<S: Scalar> Filter<S> {
         }
         self.widen_gain(state, self.gain_drift * time);
         state.covariance.widen(DRAW, self.draw_drift * time);
-        // What the node spent at a reading left before the storage could fill up again.
-        let before = if state.since == 0 { storage.drawn(spent) } else { S::ZERO };
-        state.outgo += (outgo - before).max(S::ZERO) + relaxation.lost() * state.mean[STORE];
         state.since = state.since.saturating_add(seconds);
         state.of_hour = state.of_hour.saturating_add(seconds);
     }
@@ -291,8 +290,8 @@ impl<S: Scalar> Filter<S> {
     }
 
     /// Takes in a reading of the voltage; also gives its departure from what was expected in standard deviations, 0 up to
-    /// three.
-    pub(super) fn observe(&self, state: &mut FilterState<S>, code: u32) -> (StoreReading, S) {
+    /// three. `full` is whether the storage may have been full since the reading before.
+    pub(super) fn observe(&self, state: &mut FilterState<S>, code: u32, full: bool) -> (StoreReading, S) {
         if code == 0 || code >= self.full_code {
             // Such a reading confirms nothing, and the next one may be no better.
             state.was_doubted = false;
@@ -303,8 +302,6 @@ impl<S: Scalar> Filter<S> {
             return (StoreReading::Refused, S::ZERO);
         }
         let (low, high, noise) = self.cell(code);
-        // A storage that was full since the last reading has now at least its capacity less what left it since.
-        let full = high + (high - low) + noise + noise + state.outgo >= self.storage.capacity();
         let (middle, width) = (S::from_f64(0.5) * (low + high), high - low);
         let distance = (low - state.mean[STORE]).max(state.mean[STORE] - high).max(S::ZERO);
         let of_reading = noise * noise + width * width * S::from_f64(1.0 / 12.0);
@@ -318,7 +315,7 @@ impl<S: Scalar> Filter<S> {
             state.low[0] = S::ZERO;
             state.covariance.clear(STORE, of_reading);
             (state.located, state.was_full) = (true, full);
-            (state.was_doubted, state.since, state.outgo) = (false, 0, S::ZERO);
+            (state.was_doubted, state.since) = (false, 0);
             return (StoreReading::Silent, S::ZERO);
         }
         if departure > square(DOUBTED) && !state.was_doubted {
@@ -345,7 +342,7 @@ impl<S: Scalar> Filter<S> {
             let time = S::from_u32(state.since);
             state.covariance.walk(time, S::from_f64(3.0) * power * power / time, S::ZERO);
         }
-        (state.was_full, state.was_doubted, state.since, state.outgo) = (full, false, 0, S::ZERO);
+        (state.was_full, state.was_doubted, state.since) = (full, false, 0);
         let surprise = if jump { departure.sqrt() } else { S::ZERO };
         (if jump { StoreReading::Jump } else { StoreReading::Used }, surprise)
     }
@@ -363,7 +360,7 @@ impl<S: Scalar> Filter<S> {
 }
 
 snapshot_fields!(impl [S: Scalar] FilterState<S> {
-    mean, low, covariance, since, of_hour, outgo, located, was_full, was_doubted,
+    mean, low, covariance, since, of_hour, located, was_full, was_doubted,
 } if |state| {
     let [_, power, gain, ..] = state.mean;
     power >= S::ZERO && gain >= S::ZERO

@@ -107,13 +107,13 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
 
     /// The power may be any like it: the shaking is another one than before.
     pub(super) fn lose(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
-        let power = Scalar::max(state.filter.power().mean, state.budget.mean_power());
+        let power = state.usual_power();
         state.filter.widen_power(power * power);
     }
 
     /// Variances that power and income gain in a second.
     pub(super) fn growth(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> Growth<f32> {
-        let power = Scalar::max(state.filter.power().mean, state.budget.mean_power());
+        let power = state.usual_power();
         let deviation = self.parameters.spread.income * power;
         let assumed = deviation * deviation * (1.0 / 3600.0);
         let interval = real(self.listening.interval(&state.listening));

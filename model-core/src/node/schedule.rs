@@ -2,7 +2,6 @@
 
 use super::{Node, NodeState, real};
 use crate::energy::response_map::Words;
-use crate::scalar::Scalar;
 
 /// Readings at the start that are taken at the shortest interval.
 const FIRST_READINGS: u32 = 4;
@@ -50,7 +49,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         if state.readings < FIRST_READINGS || is_refilled {
             return interval;
         }
-        let power = cost.reading_share * Scalar::max(state.budget.mean_power(), state.filter.power().mean);
+        let power = self.share_of_readings() * cost.reading_share * state.usual_power();
         for _ in 0..cost.reading_doublings {
             if cost.reading <= power * real(interval) {
                 break;

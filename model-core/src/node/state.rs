@@ -1,11 +1,12 @@
 //! The state of a node, and what it tells.
 
 use super::filter::{FilterState, StoreReading};
+use super::glance::Glances;
 use super::hearing::Blocks;
 use super::parameters::{MOST_BLOCKS, MOST_START_UP};
 use crate::energy::{BudgetState, ListeningState};
 use crate::excitation::LineBankState;
-use crate::scalar::CompensatedSum;
+use crate::scalar::{CompensatedSum, Scalar};
 use crate::snapshot::{snapshot_fields, snapshot_variants};
 
 /// Standard deviations in a bound. The shaking of machines jumps more often than a normal distribution has it: two would
@@ -17,6 +18,9 @@ const BOUND: f32 = 2.5;
 pub struct NodeState<const P: usize, const SLOTS: usize, const ACTIONS: usize> {
     /// Seconds of the clock at the last wake.
     pub(super) second: u32,
+    /// Seconds of the clock up to which filter and budget have come.
+    pub(super) settled: u32,
+    pub(super) glances: Glances<ACTIONS>,
     pub(super) filter: FilterState<f32>,
     pub(super) listening: ListeningState<f32>,
     pub(super) budget: BudgetState<f32, SLOTS>,
@@ -89,6 +93,8 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         let listen = Listen { bank, blocks: Blocks::default(), start_up: 0, missing: 0, started: second };
         Self {
             second,
+            settled: second,
+            glances: Glances::new(second),
             filter,
             listening,
             budget,
@@ -205,6 +211,11 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         &self.budget
     }
 
+    /// The power in W by which shares of the income are counted: the mean, or the present one if it is larger.
+    pub(super) fn usual_power(&self) -> f32 {
+        Scalar::max(self.budget.mean_power(), self.filter.power().mean)
+    }
+
     /// Begins a listen.
     pub(super) fn begin(&mut self, bank: LineBankState<P>, samples: u32, start_up: u32) {
         let blocks = Blocks::default();
@@ -259,7 +270,7 @@ snapshot_fields!(impl [const P: usize] Listen<P> { bank, blocks, start_up, missi
 });
 
 snapshot_fields!(impl [const P: usize, const SLOTS: usize, const ACTIONS: usize] NodeState<P, SLOTS, ACTIONS> {
-    second, filter, listening, budget, listen, last_listen, last_reading, last_run, listens, misses, readings,
+    second, settled, glances, filter, listening, budget, listen, last_listen, last_reading, last_run, listens, misses, readings,
     last_modelled, fluctuation, was_undecided, departure, reading, spent, knowing, booked, started, hour_start, hour, silent, silent_before,
 } if |state| {
     let before = [state.last_listen, state.last_reading, state.listen.started, state.hour_start];

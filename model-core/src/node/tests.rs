@@ -96,11 +96,11 @@ fn two_readings_know_the_income_to_the_error_of_both() {
     // √2 ΔV C V, the contract of an instrument of energy.
     let filter = filter(1e-3);
     let mut state = filter.start();
-    filter.observe(&mut state, code(3.0));
+    filter.observe(&mut state, code(3.0), false);
     state.close_hour();
     filter.predict(&mut state, 3600, true, 0.0, only(1e-12));
     let end = (9.0 + 2.0 * (1.5e-6 - 1e-6) * 3600.0 / 1e-3_f64).sqrt();
-    filter.observe(&mut state, code(end));
+    filter.observe(&mut state, code(end), false);
     let hour = state.hour();
     let of_reading = (CELL * CELL / 12.0 + 0.25 * CELL * CELL).sqrt();
     let expected = of_reading * 1e-3 * (9.0 + end * end).sqrt();
@@ -133,7 +133,7 @@ fn with_a_modelled_power_the_gain_is_that_of_a_correction() {
         other.widen_power(1e-10);
         filter.hear(&mut other, 0, steady(modelled, 0.0));
         filter.predict(&mut other, 60, true, spent, only(0.0));
-        filter.observe(&mut other, code);
+        filter.observe(&mut other, code, false);
     }
     let (one, gain) = (one.estimate(), other.gain());
     assert!((one.gain - 1.7).abs() < 3.0 * one.gain_deviation);
@@ -161,7 +161,7 @@ fn the_draw_is_learnt_while_the_harvester_rests() {
         if minute >= 60 && minute % 10 == 0 {
             filter.hear(&mut state, 600, steady(0.0, 1e-9));
         }
-        filter.observe(&mut state, code((2e3 * energy).sqrt() + 0.5 * CELL * random.normal()));
+        filter.observe(&mut state, code((2e3 * energy).sqrt() + 0.5 * CELL * random.normal()), false);
     }
     let draw = state.draw();
     assert!(draw.deviation() < 0.03e-6 && (draw.mean - 0.25e-6).abs() < 3.0 * draw.deviation(), "{draw:?}");
@@ -175,7 +175,7 @@ fn a_full_storage_says_nothing_about_the_income() {
     let (before, power) = (state.gain(), state.power().mean);
     for _ in 0..50 {
         filter.predict(&mut state, 60, true, 0.0, only(0.0));
-        assert_eq!(filter.observe(&mut state, code(4.9)).0, StoreReading::Silent);
+        assert_eq!(filter.observe(&mut state, code(4.9), true).0, StoreReading::Silent);
         assert!(state.was_full());
     }
     let after = state.gain();
@@ -194,7 +194,7 @@ fn hours(capacitance: f64, listen_every: u32, cases: u64) -> (f64, f64, f64) {
         let walk: f64 = 1e-16;
         let (mut power, mut energy) = (6e-6_f64, 0.5 * capacitance * 9.0);
         let mut state: FilterState<f64> = filter.start();
-        filter.observe(&mut state, code(3.0));
+        filter.observe(&mut state, code(3.0), false);
         let mut income = 0.0;
         for minute in 1..=240_u32 {
             if (minute - 1) % listen_every == 0 {
@@ -209,6 +209,7 @@ fn hours(capacitance: f64, listen_every: u32, cases: u64) -> (f64, f64, f64) {
             filter.observe(
                 &mut state,
                 code((2.0 * energy / capacitance).sqrt() + 0.5 * CELL * random.normal()),
+                false,
             );
             // Spend what came in, so that the storage does not fill up.
             if minute % 60 == 0 {

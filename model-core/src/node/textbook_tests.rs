@@ -148,7 +148,7 @@ fn ten_hours<S: Scalar>(filter: &Filter<S>, double: &Filter<f64>) -> (f64, f64) 
     };
     let mut state = filter.start();
     let first = code(energy, &mut random);
-    filter.observe(&mut state, first);
+    filter.observe(&mut state, first, false);
     let [low, high] = [-0.5, 0.5].map(|part| double.storage.energy((f64::from(first) + part) * CELL));
     let noise = |low: f64, high: f64| {
         let width = high - low;
@@ -178,7 +178,7 @@ fn ten_hours<S: Scalar>(filter: &Filter<S>, double: &Filter<f64>) -> (f64, f64) 
         filter.predict(&mut state, 60, true, S::from_f64(spent), only(S::from_f64(walk)));
         dense.predict(60.0, double.standing, spent, walk, double.spent * spent);
         let code = code(energy, &mut random);
-        assert_eq!(filter.observe(&mut state, code).0, StoreReading::Used, "minute {minute}");
+        assert_eq!(filter.observe(&mut state, code, false).0, StoreReading::Used, "minute {minute}");
         let [low, high] = [-0.5, 0.5].map(|part| double.storage.energy((f64::from(code) + part) * CELL));
         dense.update([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.5 * (low + high), noise(low, high));
         if minute % 60 == 0 {

@@ -124,12 +124,14 @@ impl Build {
         let sensor = accelerometer(self.kind);
         let samples = bank.block() as u32 * BLOCKS;
         let cost = CostModel::new(self.processor, sensor);
-        let Instructions { reading: wake, sample, block } = node_instructions(self.processor.core);
+        let Instructions { reading: wake, glance, sample, block } = node_instructions(self.processor.core);
         let instructions = f64::from(samples) * f64::from(sample) + f64::from(BLOCKS) * f64::from(block);
         let listen = cost.listen(samples, rate, instructions, Code::Filter).expect("a rate").total();
-        let reading = cost.voltage_reading.value
-            + cost.processor.wake_up_energy()
-            + cost.processor.computing(wake.into(), Code::Filter);
+        let reading = |instructions: f32| {
+            cost.voltage_reading.value
+                + cost.processor.wake_up_energy()
+                + cost.processor.computing(instructions.into(), Code::Filter)
+        };
         let small = |energy: f64| (energy / scale) as f32;
         let parameters = NodeParameters {
             budget: BudgetParameters {
@@ -169,7 +171,7 @@ impl Build {
             },
             cost: KnowingCost {
                 listen: small(listen),
-                reading: small(reading),
+                reading: small(reading(wake)),
                 reading_share: 0.4 * self.share as f32,
                 shortest_reading: 60,
                 reading_doublings: 6,
@@ -187,7 +189,8 @@ impl Build {
                 every: self.every,
             }],
         };
-        Node::new(map, bank, parameters).expect("valid")
+        let node = Node::new(map, bank, parameters).expect("valid");
+        node.with_glances(small(reading(glance))).expect("valid")
     }
 }
 
@@ -313,25 +316,32 @@ impl<'a> World<'a> {
     /// Sleeps, and wakes the node.
     fn sleep(&mut self, state: &mut OneState, wake: Wake) -> Wake {
         self.advance(wake.again_in);
-        if wake.read && self.is_on {
-            self.spend(self.node.parameters().cost.reading.into());
-        }
         let code = (wake.read && self.is_on).then(|| self.code());
         self.wake(state, code)
     }
 
-    /// Wakes the node; after a lock-out when the storage has reached its turn-on voltage.
+    /// Wakes the node, after a lock-out when the storage has reached its turn-on voltage. What a glance or a reading takes
+    /// leaves the storage.
     fn wake(&mut self, state: &mut OneState, code: Option<u32>) -> Wake {
-        if self.is_on {
-            return self.node.wake(state, self.second(), code);
-        }
-        let turn_on = self.at(self.node.parameters().budget.storage.turn_on_voltage);
-        while self.energy < turn_on && self.is_going_on() {
-            self.advance(1);
-        }
-        self.is_on = true;
-        let code = self.code();
-        self.node.wake_after_gap(state, self.second(), Some(code))
+        let [before, _] = state.instruments();
+        let (wake, is_read) = if self.is_on {
+            (self.node.wake(state, self.second(), code), code.is_some())
+        } else {
+            let turn_on = self.at(self.node.parameters().budget.storage.turn_on_voltage);
+            while self.energy < turn_on && self.is_going_on() {
+                self.advance(1);
+            }
+            self.is_on = true;
+            let code = self.code();
+            (self.node.wake_after_gap(state, self.second(), Some(code)), true)
+        };
+        let [after, _] = state.instruments();
+        let spent = match after - before {
+            0 if is_read => f64::from(self.node.glance().unwrap_or(0.0)),
+            readings => f64::from(readings) * f64::from(self.node.parameters().cost.reading),
+        };
+        self.spend(spent);
+        wake
     }
 
     fn is_going_on(&self) -> bool {
