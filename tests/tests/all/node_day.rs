@@ -33,11 +33,11 @@ fn the_shipped_day_is_what_the_full_model_yields() {
 
 /// The states of a log, in order.
 fn last_state(native: &Native) -> firmware_example::node::State {
-    let states = native.entries.iter().filter_map(|entry| match entry {
+    let mut states = native.entries.iter().filter_map(|entry| match entry {
         Entry::State(state) => Some(*state),
         _ => None,
     });
-    states.last().expect("states")
+    states.next_back().expect("states")
 }
 
 #[test]
