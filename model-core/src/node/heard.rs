@@ -11,9 +11,9 @@ use super::covariance::{GAIN, POWER, STORE};
 use super::filter::{Filter, FilterState, JUMP};
 use crate::scalar::Scalar;
 
-/// A modelled power that was heard.
+/// What a listen says of the power.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Heard<S> {
+pub(super) struct PowerMeasurement<S> {
     /// The modelled power in W.
     pub(super) modelled: S,
     /// The part of it that lasts, in W: without what changes from listen to listen.
@@ -35,8 +35,8 @@ pub(super) enum Motion {
 
 impl<S: Scalar> Filter<S> {
     /// Takes in a modelled power in W, `elapsed` s after the one before.
-    pub(super) fn hear(&self, state: &mut FilterState<S>, elapsed: u32, heard: Heard<S>) {
-        let Heard { modelled, lasting, change, variance: of_noise } = heard;
+    pub(super) fn hear(&self, state: &mut FilterState<S>, elapsed: u32, measurement: PowerMeasurement<S>) {
+        let PowerMeasurement { modelled, lasting, change, variance: of_noise } = measurement;
         self.follow(state, elapsed, modelled, change);
         let measured = |state: &FilterState<S>| {
             let (power, gain) = (state.covariance.row(POWER), state.covariance.row(GAIN));

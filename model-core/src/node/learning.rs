@@ -1,7 +1,7 @@
 //! What a node learns from a listen: the power, how it changes, and the gain of the map.
 
 use super::filter::Growth;
-use super::heard::{Heard, Motion};
+use super::heard::{Motion, PowerMeasurement};
 use super::hearing::{Modelled, Yield};
 use super::{Hearing, Node, NodeState, real};
 use crate::energy::response_map::Words;
@@ -52,23 +52,22 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             }
         }
         state.was_undecided = hearing == Hearing::TwoMotions;
-        let heard = self.heard(state, &found);
-        self.widen(state, heard.change, found.systematic);
-        self.filter.hear(&mut state.filter, elapsed, heard);
-        let noise = state.filter.gain().mean * found.noise;
-        state.fluctuation = Scalar::max(state.listening.fluctuation() - noise * noise, 0.0);
+        let measurement = self.measurement(state, &found);
+        self.widen(state, measurement.change, found.systematic);
+        self.filter.hear(&mut state.filter, elapsed, measurement);
         let gain = state.filter.gain().mean;
         let [power, deviation] = [found.value, found.noise].map(|part| gain * part);
+        state.fluctuation = Scalar::max(state.listening.fluctuation() - deviation * deviation, 0.0);
         self.listening.hear(&mut state.listening, elapsed, power, deviation, self.parameters.cost.listen);
-        state.heard(heard.lasting);
+        state.heard(measurement.lasting);
         hearing
     }
 
-    /// What a listen gave, with the part of it that lasts by the differences of the listens before.
-    fn heard(&self, state: &NodeState<P, SLOTS, ACTIONS>, found: &Yield) -> Heard<f32> {
-        let noise = state.filter.gain().mean * found.noise;
-        let before = state.last_modelled;
+    /// What a listen measured, with the part of it that lasts by the differences of the listens before.
+    fn measurement(&self, state: &NodeState<P, SLOTS, ACTIONS>, found: &Yield) -> PowerMeasurement<f32> {
         let gain = state.filter.gain().mean;
+        let noise = gain * found.noise;
+        let before = state.last_modelled;
         let change = found.value - before;
         let moved = gain * change;
         let part = match state.listening.differences() {
@@ -78,7 +77,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             _ => 1.0,
         };
         let change = if state.listens == 0 { 0.0 } else { part * change };
-        Heard {
+        PowerMeasurement {
             modelled: found.value,
             lasting: if state.listens == 0 { found.value } else { before + change },
             change,

@@ -1,7 +1,7 @@
 //! The filter against closed forms of its covariances, against `Correction`, and over random incomes.
 
 use super::filter::{Filter, FilterState, Growth, StoreReading};
-use super::heard::Heard;
+use super::heard::PowerMeasurement;
 use crate::energy::{Capacitor, CorrectionParameters, Storage, StorageParameters};
 use crate::scalar::Scalar;
 
@@ -31,8 +31,8 @@ pub(super) fn only<S: Scalar>(walk: S) -> Growth<S> {
 }
 
 /// A modelled power that lasts, and is not known to follow the one before.
-fn steady(modelled: f64, deviation: f64) -> Heard<f64> {
-    Heard { modelled, lasting: modelled, change: 0.0, variance: deviation * deviation }
+fn steady(modelled: f64, deviation: f64) -> PowerMeasurement<f64> {
+    PowerMeasurement { modelled, lasting: modelled, change: 0.0, variance: deviation * deviation }
 }
 
 pub(super) const CELL: f64 = 5.0 / 4096.0;

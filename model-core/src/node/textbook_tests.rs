@@ -1,7 +1,7 @@
 //! The filter against a Kalman filter with dense matrices in `f64`, in the form of Joseph.
 
 use super::filter::{Filter, FilterState, StoreReading};
-use super::heard::Heard;
+use super::heard::PowerMeasurement;
 use super::tests::{CELL, Random, filter, only, storage};
 use crate::scalar::Scalar;
 
@@ -168,7 +168,7 @@ fn ten_hours<S: Scalar>(filter: &Filter<S>, double: &Filter<f64>) -> (f64, f64) 
             let variance = (0.1 * modelled).powi(2);
             let heard = [modelled, lasting, change, variance].map(S::from_f64);
             let [modelled, lasting, change, variance] = heard;
-            filter.hear(&mut state, 600, Heard { modelled, lasting, change, variance });
+            filter.hear(&mut state, 600, PowerMeasurement { modelled, lasting, change, variance });
             dense.hear(600.0, f64::from(60 * ((minute - 1) % 60)), heard.map(S::to_f64));
         }
         power = (power + (60.0 * walk).sqrt() * random.normal()).max(1e-6);
