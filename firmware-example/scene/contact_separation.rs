@@ -13,7 +13,7 @@ use model_core::scene::Simulation;
 use model_core::scene::contact_separation::{Choices, ContactSeparation, Parameters, Start};
 
 /// Mean power of the full scene in W, in double precision.
-pub const MEAN_POWER: f32 = 1.1748747e-5;
+pub const MEAN_POWER: f32 = 1.174873e-5;
 /// Relative accuracy to which this module holds it.
 pub const ACCURACY: f32 = 0.01;
 /// Start and end of the window of the mean power in ticks of the clock.
@@ -37,7 +37,7 @@ pub const PARAMETERS: Parameters<f32, Parts> = Parameters {
     charge_density: 5e-5,
     choices: Choices {
         load: Resistor { resistance: 100000000.0 },
-        restitution: ConstantRestitution { coefficient: 0.7527893 },
+        restitution: ConstantRestitution { coefficient: 0.7527891 },
         force_law: NoForce,
         parasitic: ParasiticCapacitance { capacitance: 1e-12 },
         sticking: NeverSticks,

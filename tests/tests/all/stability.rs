@@ -216,8 +216,8 @@ fn a_release_within_a_step_and_powers_below_rounding_are_right_or_warned() {
     let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true };
     let cases: Vec<(Case, Effort)> = FOUND.iter().map(|&number| (draw(13, number), effort)).collect();
     let findings = none_fails(&cases);
-    let classes: Vec<Class> = findings.iter().map(|finding| finding.class).collect();
-    assert_eq!(classes, [Class::Right, Class::Warned, Class::Warned], "{findings:?}");
+    assert_eq!(findings[0].class, Class::Right, "{findings:?}");
+    assert!(findings[1..].iter().all(|finding| finding.is_warned && finding.stated.is_none()), "{findings:?}");
 }
 
 #[test]
