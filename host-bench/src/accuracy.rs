@@ -11,7 +11,7 @@ mod warnings;
 
 use self::difference::{difference, is_same};
 pub use self::warnings::imbalance;
-use self::warnings::{unresolved, warning};
+use self::warnings::{beyond_threshold, unresolved, warning};
 use crate::embedded::{DEFAULT_SHORT_STEP_S, default_accuracy};
 use crate::method::{Failure, Method, Options, Precision};
 use crate::outcome::{Accuracy, Outcome};
@@ -94,7 +94,7 @@ pub(crate) fn run_with_companions(
         if let Some(asked) = asked {
             (outcome, options) = tightened(&mut finer, options, outcome, asked);
         }
-        let unresolved = unresolved(scene, &outcome);
+        let unresolved = unresolved(scene, &outcome).or_else(|| beyond_threshold(scene, &outcome));
         if unresolved.is_some() {
             outcome.accuracy.total = None;
         }

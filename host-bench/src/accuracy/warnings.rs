@@ -7,6 +7,8 @@ use crate::scene_file::{Load, Scene};
 
 /// Estimated relative error of the mean power above which a run warns.
 const NOTABLE: f64 = 5e-3;
+/// RMS voltage behind a bridge over the highest voltage at which it conducts above which a run warns.
+const BEYOND: f64 = 1.1;
 /// Relative residual of the energy ledger above which a run warns.
 const UNBALANCED: f64 = 1e-2;
 /// Parts of the energy that a harvester exchanges below which the energy delivered to a resistor, which is quadratic in
@@ -66,4 +68,22 @@ pub(super) fn unresolved(scene: &Scene, outcome: &Outcome) -> Option<String> {
              {exchanged_j:.1e} J"
         )
     })
+}
+
+/// The warning of a terminal voltage at which the bridge would have conducted: a conduction was missed.
+pub(super) fn beyond_threshold(scene: &Scene, outcome: &Outcome) -> Option<String> {
+    let (drop_v, store_v) = match &scene.load {
+        Load::Resistor { .. } => return None,
+        Load::DcBus { voltage_v, diode_drop_v } => (*diode_drop_v, *voltage_v),
+        // All that came in, and nothing of it drawn.
+        Load::RectifiedStore(store) => {
+            let squares = 2.0 * outcome.flow.as_ref()?.delivered_j.max(0.0) / store.capacitance_f;
+            (store.diode_drop_v, (store.initial_v * store.initial_v + squares).sqrt())
+        }
+    };
+    let most_v = store_v + 2.0 * drop_v;
+    let rms_v = outcome.rms_voltage_v.filter(|&rms_v| rms_v > BEYOND * most_v)?;
+    Some(format!(
+        "accuracy: rms_voltage_v = {rms_v:.3e} is above the {most_v:.3e} V at which the bridge conducts: a conduction was missed"
+    ))
 }
