@@ -64,10 +64,15 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
                 Some(fall) => search.approach(fall),
                 None => self.stretches(search, &end),
             },
-            Some(index) => {
-                // A copy: the end of every prediction would otherwise be written to memory.
-                search.advance(&self.guard(index, &end, search.ticks)) || self.turns(search, index, &{ end })
-            }
+            // Copies: the end of every prediction would otherwise be written to memory.
+            Some(index) => match search.advance(&self.guard(index, &end, search.ticks)) {
+                Next::Located => self.turns(search, index, &{ end }),
+                Next::Half(_) if self.turns_early(search, index, &{ end }) => true,
+                Next::Near(ticks) | Next::Half(ticks) => {
+                    search.ticks = ticks;
+                    true
+                }
+            },
         }
     }
 
@@ -101,6 +106,21 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         }
         search.done |= 1 << index;
         self.approaches(search, end)
+    }
+
+    /// Whether the search leaves a guard that is above zero at `end` for another one that is below zero there.
+    ///
+    /// The other one falls first. Beyond its fall the first one can be without meaning: the voltage of a parasitic
+    /// capacitance has a pole at a gap below zero.
+    #[cold]
+    #[inline(never)]
+    fn turns_early(&self, search: &mut Search<S>, index: usize, end: &Point<S, N, P>) -> bool {
+        let done = search.done | 1 << index;
+        let Some(fall) = self.expected_fall(search.ticks, end, done).filter(|fall| fall.certain) else {
+            return false;
+        };
+        search.done = done;
+        search.approach(fall)
     }
 
     /// Whether a guard that was not located is expected to fall before `end`. The search then continues there.
@@ -197,6 +217,16 @@ struct Fall<S> {
     theta: S,
     /// Whether the guard is at or below zero at the end of the step; if not, it may only graze.
     certain: bool,
+}
+
+/// What follows a prediction of an event.
+enum Next {
+    /// The step ends here.
+    Located,
+    /// A prediction of so many ticks.
+    Near(u32),
+    /// A prediction of so many ticks: half of the bracket, since the tangent of a guard above zero leads out of it.
+    Half(u32),
 }
 
 /// How an attempt ends that was to reach an event.
@@ -305,21 +335,21 @@ impl<S: Scalar> Search<S> {
         self.ticks = ticks_after(self.ticks, missing).min(self.most);
     }
 
-    /// Takes the guard at the end of a prediction. Returns whether another prediction is needed.
+    /// Takes the guard at the end of a prediction.
     #[cold]
     #[inline(never)]
-    fn advance(&mut self, guard: &Guard<S>) -> bool {
+    fn advance(&mut self, guard: &Guard<S>) -> Next {
         let Guard { value, rate } = *guard;
         let missing = value / -rate;
         self.left -= 1;
         if rate < S::ZERO && self.is_near(missing) || self.far - self.short <= 1 {
             self.left = 0;
-            return false;
+            return Next::Located;
         }
         if value > S::ZERO && !(rate < S::ZERO) && !self.falls {
             // The guard has passed a minimum above zero. The step ends here: it is not predicted again.
             self.event = None;
-            return false;
+            return Next::Located;
         }
         if value > S::ZERO {
             self.short = self.ticks;
@@ -327,11 +357,12 @@ impl<S: Scalar> Search<S> {
             (self.far, self.falls) = (self.ticks, true);
         }
         let there = ticks_after(self.ticks, missing);
-        let inside = rate < S::ZERO && there > self.short && there < self.far;
-        let next = if inside { there } else { self.short + (self.far - self.short) / 2 };
         // A fall within the first tick is at its end.
-        self.ticks = next.max(1);
-        true
+        if rate < S::ZERO && there > self.short && there < self.far {
+            return Next::Near(there.max(1));
+        }
+        let half = (self.short + (self.far - self.short) / 2).max(1);
+        if value > S::ZERO { Next::Half(half) } else { Next::Near(half) }
     }
 
     /// Takes guard `index` at the end of an attempt.

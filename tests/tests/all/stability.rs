@@ -208,20 +208,18 @@ fn a_case_follows_from_its_seed_and_number() {
 /// Cases of seed 13 in which the reference is off: a stiff circuit, noise of 80 kHz, powers that are its rounding.
 const REFERENCE_IS_OFF: [u64; 8] = [2534, 3136, 9217, 10_911, 11_576, 13_147, 15_823, 18_954];
 
-/// Cases of seed 13: a release at the crest of the base acceleration, which is within a step; powers of 10⁻²¹ and 10⁻⁴³ W; a
-/// conduction that is missed.
-const FOUND: [u64; 4] = [19_158, 10_165, 9824, 3408];
+/// Cases of seed 13: a release at the crest of the base acceleration, which is within a step; a conduction before the impact
+/// that ends a step; powers of 10⁻²¹ and 10⁻⁴³ W.
+const FOUND: [u64; 4] = [19_158, 3408, 10_165, 9824];
 
 #[test]
-fn a_release_within_a_step_powers_below_rounding_and_a_missed_conduction_are_right_or_warned() {
+fn events_within_a_step_are_right_and_powers_below_rounding_are_warned() {
     let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true };
     let cases: Vec<(Case, Effort)> = FOUND.iter().map(|&number| (draw(13, number), effort)).collect();
     let findings = none_fails(&cases);
-    assert_eq!(findings[0].class, Class::Right, "{findings:?}");
-    assert!(
-        findings[1..].iter().all(|finding| finding.is_warned && finding.stated.is_none()),
-        "{findings:?}"
-    );
+    let (events, powers) = findings.split_at(2);
+    assert!(events.iter().all(|finding| finding.class == Class::Right), "{findings:?}");
+    assert!(powers.iter().all(|finding| finding.is_warned && finding.stated.is_none()), "{findings:?}");
 }
 
 #[test]
