@@ -18,14 +18,16 @@
 //!
 //! * The storage's voltage is the first instrument: a reading corrects the income since the last one. Below some size of
 //!   the storage it is the only one that is needed, and the node listens at its longest interval.
-//! * A listen gives the power by the map. The ratio of the true to the modelled power, the gain, is learnt from the storage.
+//! * A listen gives the power by the map. The ratio of the true to the modelled power, the gain, is learnt where a listen
+//!   finds the shaking of the listen before, and the storage has told its power in between.
 //! * Between readings and listens the power is held, and its uncertainty grows as the listens have shown it to change.
 //! * A full storage says nothing about the income ([`NodeState::store_tells`]), and the income is then that of the map times
 //!   the gain learnt before.
 //! * The standing power is learnt while the harvester rests, when nothing else moves the storage.
 //!
 //! Every income is told with a bound of two and a half standard deviations. The capacitance, the leakage and the efficiencies of the
-//! storage are taken as exact: an income is as wrong as the capacitance.
+//! storage are taken as exact: an income is as wrong as the capacitance. The highest voltage need not be exact
+//! ([`Spread::highest_voltage`]).
 
 mod board;
 mod covariance;
@@ -360,6 +362,13 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             }
         } else if is_later {
             state.filter.miss_confirmation();
+            if state.second.saturating_sub(state.last_reading.max(state.last_missing))
+                >= self.reading_interval(state)
+            {
+                // The converter did not answer.
+                state.last_missing = state.second;
+                self.spend_on_knowing(state, self.parameters.cost.reading);
+            }
         }
         let store = state.filter.store();
         if state.filter.is_located() && (is_later || code.is_some()) {
@@ -373,8 +382,10 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         }
         // A listen may last beyond the hour: the next reading ends it.
         let is_over = state.second.saturating_sub(state.hour_start) >= HOUR;
-        if is_over && code.is_some() && !state.filter.is_doubted() {
+        let is_answered = code.is_some() || state.last_missing == state.second;
+        if is_over && is_answered && !state.filter.is_doubted() {
             state.close_hour();
+            state.glances.close_hour();
             self.ask_beforehand(state);
         }
     }
@@ -417,6 +428,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             spread.action,
             spread.income,
             spread.gain_by_place,
+            spread.highest_voltage,
             spread.power,
         ]);
         let Filter { cell, noise, gain_variance, gain_drift, full_code, .. } = self.filter;

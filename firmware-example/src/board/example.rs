@@ -124,7 +124,14 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
             shortest_reading: 60,
             reading_doublings: 6,
         },
-        spread: Spread { standing: 0.2, action: 0.1, income: 0.3, gain_by_place: 0.1, power: 1e-4 },
+        spread: Spread {
+            standing: 0.2,
+            action: 0.1,
+            income: 0.3,
+            gain_by_place: 0.1,
+            highest_voltage: 0.03,
+            power: 1e-4,
+        },
         // Half an hour asleep.
         reserve: 1800.0 * standing_power,
         actions: [

@@ -160,7 +160,14 @@ impl Part {
                 shortest_reading: 60,
                 reading_doublings: 6,
             },
-            spread: Spread { standing: 0.2, action: 0.02, income: 0.5, gain_by_place: 0.5, power: 300e-6 },
+            spread: Spread {
+                standing: 0.2,
+                action: 0.02,
+                income: 0.5,
+                gain_by_place: 0.5,
+                highest_voltage: 0.03,
+                power: 300e-6,
+            },
             // Ten hours asleep.
             reserve: 36_000.0 * standing_power,
             actions: [

@@ -15,6 +15,10 @@
 //! the voltage corrects power and income of the whole interval before it. A reading is a measurement of `E`, within the cell
 //! of the converter, as in [`Correction`](crate::energy::Correction); a listen is one of `P = g m` with the modelled power `m`.
 //!
+//! A reading does not move the gain, which stays uncertain in what the reading tells (a consider state, or Schmidt filter):
+//! between two listens the shaking may change, and a storage shows its end but not its beginning, since it is full by then.
+//! The next listen then compares the power that the readings have told with that of the map.
+//!
 //! A reading that departs by more than three standard deviations says that the power has jumped: the walk of the interval
 //! is widened, after the fact, until the departure is one standard deviation.
 
@@ -27,6 +31,8 @@ use crate::snapshot::snapshot_fields;
 pub(super) const JUMP: f64 = 3.0;
 /// Departure from which a reading must be confirmed by the next one.
 const DOUBTED: f64 = 12.0;
+/// Change of the power, relative, that is expected where a storage is no longer full.
+const CHANGE_FROM_FULL: f64 = 2.0;
 /// Usual power over the deviation before anything is known.
 const USUAL: f64 = 0.1;
 /// Largest gain.
@@ -186,12 +192,17 @@ impl<S: Scalar> FilterState<S> {
     }
 
     /// Takes in a measurement: `along` are the covariances of the states with the measured quantity, `shift` how far it
-    /// is moved in its variance, `removed` one over that variance with the noise.
-    pub(super) fn update(&mut self, along: [S; STATES], shift: S, removed: S) {
+    /// is moved in its variance, `removed` one over that variance with the noise. The gain moves by the part `of_gain` of
+    /// what would be best.
+    pub(super) fn update(&mut self, along: [S; STATES], shift: S, removed: S, of_gain: S) {
+        let gain = self.mean[GAIN] + of_gain * along[GAIN] * shift;
         for (mean, &along) in self.mean.iter_mut().zip(&along) {
             *mean += along * shift;
         }
+        self.mean[GAIN] = gain;
         self.covariance.remove(along, removed);
+        let kept = (S::ONE - of_gain) * along[GAIN];
+        self.covariance.widen(GAIN, kept * kept * removed);
     }
 
     /// Adds to the variance of the power.
@@ -293,12 +304,13 @@ impl<S: Scalar> Filter<S> {
     /// three. `full` is whether the storage may have been full since the reading before.
     pub(super) fn observe(&self, state: &mut FilterState<S>, code: u32, full: bool) -> (StoreReading, S) {
         if code == 0 || code >= self.full_code {
-            // Such a reading confirms nothing, and the next one may be no better.
-            state.was_doubted = false;
-            if code > 0 {
+            let is_above = code > 0;
+            if is_above && state.was_doubted {
                 // The storage may be full at any voltage from there on.
                 (state.located, state.was_full) = (false, true);
             }
+            // Code 0 confirms nothing, and the next reading may be no better.
+            state.was_doubted = is_above && state.located && !state.was_doubted;
             return (StoreReading::Refused, S::ZERO);
         }
         let (low, high, noise) = self.cell(code);
@@ -309,7 +321,8 @@ impl<S: Scalar> Filter<S> {
         let departure = distance * distance / variance;
         // Shunted income does not appear in a reading, and the expected energy may exceed it by any amount.
         let square = |deviations: f64| S::from_f64(deviations * deviations);
-        let limited = full && (state.mean[STORE] >= low || departure <= square(JUMP));
+        let rises = !state.was_full && distance * distance > square(JUMP) * of_reading;
+        let limited = full && (state.mean[STORE] >= low || !rises);
         if !state.located || limited {
             state.mean[STORE] = middle.min(self.storage.capacity());
             state.low[0] = S::ZERO;
@@ -322,6 +335,13 @@ impl<S: Scalar> Filter<S> {
             state.was_doubted = true;
             return (StoreReading::Refused, departure.sqrt());
         }
+        if state.was_full && !full && state.since > 0 {
+            // What ends a full storage is most often another power, of which the time before says nothing.
+            let change = S::from_f64(CHANGE_FROM_FULL) * state.mean[POWER];
+            let time = S::from_u32(state.since);
+            let walk = change * change / time;
+            state.covariance.walk(time, walk, self.storage.stored(S::ONE));
+        }
         let jump = departure > square(JUMP) && state.since > 0;
         if jump {
             let time = S::from_u32(state.since);
@@ -331,8 +351,10 @@ impl<S: Scalar> Filter<S> {
             state.covariance.walk(time, walk, stored);
         }
         // A cell of even density, as wide as the noise or less, counts by its variance.
-        let removed = S::ONE / (state.covariance.variance(STORE) + of_reading);
-        state.update(state.covariance.row(STORE), (middle - state.mean[STORE]) * removed, removed);
+        let variance = state.covariance.variance(STORE) + of_reading;
+        let removed = S::ONE / variance;
+        let shift = (middle - state.mean[STORE]) * removed;
+        state.update(state.covariance.row(STORE), shift, removed, S::ZERO);
         let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
         state.covariance.raise(STORE, rounding * rounding);
         self.limit(state);

@@ -29,11 +29,17 @@ const GLANCES: f32 = 0.5;
 /// Standard deviations of the standing power above the stated one that may leave the storage.
 const DEVIATIONS: f32 = 3.0;
 
+/// Change, relative, of the voltage at which a storage is full, from one time to the next.
+const FULL_DRIFT: f32 = 2e-3;
+
 /// Codes of the storage's voltage from which on something may be the case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Thresholds<const ACTIONS: usize> {
-    /// From this code on the storage may be full.
+    /// From this code on the storage may be full: at the least, where it has been as high, and in any case.
+    least_full: u32,
     full: u32,
+    /// Codes below the highest one from which on it may be full again.
+    below_top: u32,
     /// Largest drop of the code for an energy drawn, in 2⁻¹⁶ a joule: of a storage that was full, and of any.
     drop_of_full: f32,
     drop: f32,
@@ -69,12 +75,16 @@ impl<const ACTIONS: usize> Thresholds<ACTIONS> {
             let above = 1.5 + DEVIATIONS * noise;
             (code(storage.voltage(energy)) + above).to_u32().saturating_add(1)
         });
+        let below = 1.5 + 2.0 * noise;
         let rise = |regular: &Regular| {
             let drop = storage.drawn(regular.action.energy()) * drop_of_full;
             ((0.25 / PARTS) * drop).to_u32().saturating_add(1)
         };
         Self {
-            full: Scalar::max(code(highest) - 1.5 - 2.0 * noise, 0.0).to_u32(),
+            least_full: Scalar::max(code(highest * (1.0 - parameters.spread.highest_voltage)) - below, 0.0)
+                .to_u32(),
+            full: Scalar::max(code(highest) - below, 0.0).to_u32(),
+            below_top: (2.0 * below + FULL_DRIFT * code(highest)).to_u32(),
             drop_of_full,
             drop: PARTS * code(1.0) / (farads * lowest),
             standing: ((drawn + leaked) * drop_of_full).to_u32().saturating_add(1),
@@ -92,6 +102,8 @@ pub(super) struct Glances<const ACTIONS: usize> {
     /// The last code and its second.
     pub(super) second: u32,
     pub(super) code: u32,
+    /// The highest code that two readings in turn have reached, less one for each hour since.
+    top: u32,
     /// Largest drop of the code in 2⁻¹⁶ by what was spent since: after that second, at the slope of a full storage, and in
     /// all, at the steepest.
     later: u32,
@@ -118,6 +130,7 @@ impl<const ACTIONS: usize> Glances<ACTIONS> {
         Self {
             second,
             code: 0,
+            top: 0,
             later: 0,
             paid: 0,
             was_full: false,
@@ -135,7 +148,14 @@ impl<const ACTIONS: usize> Glances<ACTIONS> {
 
     /// A code was read.
     pub(super) fn see(&mut self, second: u32, code: u32) {
+        // One reading alone may be a glitch.
+        self.top = self.top.max(code.min(self.code));
         (self.second, self.code, self.later, self.paid) = (second, code, 0, 0);
+    }
+
+    /// Where the storage is full may have changed.
+    pub(super) fn close_hour(&mut self) {
+        self.top = self.top.saturating_sub(1);
     }
 
     /// The code now, at least.
@@ -192,8 +212,12 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     }
 
     /// Whether the storage may have been full since the last code, or is at this one.
+    ///
+    /// Where it is full is known to [`Spread::highest_voltage`](super::Spread::highest_voltage) only, and where it has not
+    /// been higher before it may be full there.
     pub(super) fn may_be_full(&self, state: &NodeState<P, SLOTS, ACTIONS>, now: u32, code: u32) -> bool {
-        let Thresholds { full, standing, .. } = self.thresholds;
+        let Thresholds { least_full, full, below_top, standing, .. } = self.thresholds;
+        let full = state.glances.top.saturating_sub(below_top).max(least_full).min(full);
         let seconds = now.saturating_sub(state.glances.second);
         let left = standing.saturating_mul(seconds).saturating_add(state.glances.later);
         code.saturating_add(left >> 16).saturating_add(1) >= full
@@ -397,5 +421,5 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
 }
 
 snapshot_fields!(impl [const ACTIONS: usize] Glances<ACTIONS> {
-    second, code, later, paid, was_full, is_open, spent, count, interval, reading, listen, asked, granted, refused,
+    second, code, top, later, paid, was_full, is_open, spent, count, interval, reading, listen, asked, granted, refused,
 });

@@ -1,11 +1,13 @@
-//! What a listen moves in the filter: the power, and by their covariances all else but what only readings tell.
+//! What a listen moves in the filter: the power, the gain of the map, and by their covariances all else.
 //!
-//! What was heard is the measurement `P = g m` of the modelled power `m`. It also holds for a power and a gain of 0, so that a
-//! power that was taken to stay while `m` changes would explain each change by a smaller gain. Therefore
+//! What was heard is the measurement `P = g m` of the modelled power `m`. It also holds for a power and a gain of 0. Therefore
 //!
-//! * the power moves with the gain times the change of `m`, and what walks is the difference `P − g m`;
+//! * the power moves with the gain times the change of `m`, and what walks is the difference `P − g m`: a power that was
+//!   taken to stay while `m` changes would explain each change by a smaller gain;
 //! * what changes from listen to listen and does not last is noise: it moves neither the power nor the slope of the
-//!   measurement.
+//!   measurement;
+//! * the gain moves by a listen of steady shaking only, after readings that have told the power of the same shaking
+//!   ([`PowerMeasurement::of_gain`]).
 
 use super::covariance::{GAIN, POWER, STORE};
 use super::filter::{Filter, FilterState, JUMP};
@@ -22,6 +24,8 @@ pub(super) struct PowerMeasurement<S> {
     pub(super) change: S,
     /// Variance of the power times the gain by noise and by what does not last, in W².
     pub(super) variance: S,
+    /// Part of what it says of the gain that is believed, 0 to 1.
+    pub(super) of_gain: S,
 }
 
 /// One of two steady motions.
@@ -36,7 +40,7 @@ pub(super) enum Motion {
 impl<S: Scalar> Filter<S> {
     /// Takes in a modelled power in W, `elapsed` s after the one before.
     pub(super) fn hear(&self, state: &mut FilterState<S>, elapsed: u32, measurement: PowerMeasurement<S>) {
-        let PowerMeasurement { modelled, lasting, change, variance: of_noise } = measurement;
+        let PowerMeasurement { modelled, lasting, change, variance: of_noise, of_gain } = measurement;
         self.follow(state, elapsed, modelled, change);
         let measured = |state: &FilterState<S>| {
             let (power, gain) = (state.covariance.row(POWER), state.covariance.row(GAIN));
@@ -56,7 +60,7 @@ impl<S: Scalar> Filter<S> {
             (along, variance) = measured(state);
         }
         if variance > S::ZERO {
-            state.update(along, departure / variance, S::ONE / variance);
+            state.update(along, departure / variance, S::ONE / variance, of_gain);
         }
         self.limit(state);
     }
@@ -104,7 +108,7 @@ impl<S: Scalar> Filter<S> {
         let variance = state.covariance.variance(POWER) + modelled * modelled * spread;
         let departure = gain.mean * modelled - state.mean[POWER];
         if variance > S::ZERO {
-            state.update(state.covariance.row(POWER), departure / variance, S::ONE / variance);
+            state.update(state.covariance.row(POWER), departure / variance, S::ONE / variance, S::ONE);
         }
         self.limit(state);
     }

@@ -7,6 +7,10 @@ use super::{Hearing, Node, NodeState, real};
 use crate::energy::response_map::Words;
 use crate::scalar::Scalar;
 
+/// Weights of squares of relative changes, above the inverse of which shaking tells nothing of the gain: of the change since
+/// the listen before, and of the changes of all listens.
+const UNSTEADY: [f32; 2] = [4.0, 0.5];
+
 impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize>
     Node<W, M, P, SLOTS, ACTIONS>
 {
@@ -17,7 +21,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let mut found = lower;
         match hearing {
             Hearing::Line | Hearing::Broadband | Hearing::Rest => {}
-            Hearing::TwoMotions => match self.filter.decide(&state.filter, [lower.value, upper.value]) {
+            // What the storage saw before the first such listen may have been another shaking.
+            Hearing::TwoMotions => match self.decided(state, [lower.value, upper.value]) {
                 Some(motion) => {
                     hearing = Hearing::TwoMotionsOneSeen;
                     found = if motion == Motion::Lower { lower } else { upper };
@@ -52,19 +57,32 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             }
         }
         state.was_undecided = hearing == Hearing::TwoMotions;
-        let measurement = self.measurement(state, &found);
+        let measurement = self.measurement(state, &found, !state.was_undecided);
         self.widen(state, measurement.change, found.systematic);
         self.filter.hear(&mut state.filter, elapsed, measurement);
         let gain = state.filter.gain().mean;
         let [power, deviation] = [found.value, found.noise].map(|part| gain * part);
         state.fluctuation = Scalar::max(state.listening.fluctuation() - deviation * deviation, 0.0);
         self.listening.hear(&mut state.listening, elapsed, power, deviation, self.parameters.cost.listen);
-        state.heard(measurement.lasting);
+        state.heard(measurement.lasting, if state.was_undecided { 0.0 } else { found.value });
         hearing
     }
 
+    /// Which of two motions the storage has seen since a listen found both.
+    fn decided(&self, state: &NodeState<P, SLOTS, ACTIONS>, modelled: [f32; 2]) -> Option<Motion> {
+        if !(state.was_undecided && state.store_tells()) {
+            return None;
+        }
+        self.filter.decide(&state.filter, modelled)
+    }
+
     /// What a listen measured, with the part of it that lasts by the differences of the listens before.
-    fn measurement(&self, state: &NodeState<P, SLOTS, ACTIONS>, found: &Yield) -> PowerMeasurement<f32> {
+    fn measurement(
+        &self,
+        state: &NodeState<P, SLOTS, ACTIONS>,
+        found: &Yield,
+        is_sure: bool,
+    ) -> PowerMeasurement<f32> {
         let gain = state.filter.gain().mean;
         let noise = gain * found.noise;
         let before = state.last_modelled;
@@ -76,13 +94,33 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             }
             _ => 1.0,
         };
+        let variance = Scalar::max(noise * noise, state.listening.fluctuation());
+        let of_gain = if is_sure { self.part_of_gain(state, found.value, variance) } else { 0.0 };
         let change = if state.listens == 0 { 0.0 } else { part * change };
         PowerMeasurement {
             modelled: found.value,
             lasting: if state.listens == 0 { found.value } else { before + change },
             change,
-            variance: Scalar::max(noise * noise, state.listening.fluctuation()),
+            variance,
+            of_gain,
         }
+    }
+
+    /// Part of what a listen says of the gain that is believed.
+    ///
+    /// The power that the storage has shown is that of the time before the listen, and behind it where the shaking changes:
+    /// above what was heard where it has ended, below it where it has begun. The storage of a strong shaking is full. So
+    /// only steady shaking tells the gain: each other one would pull it to one side.
+    fn part_of_gain(&self, state: &NodeState<P, SLOTS, ACTIONS>, found: f32, variance: f32) -> f32 {
+        // The power and not what was heard: a part that grew with it would make the gain too small.
+        let power = state.filter.power().mean;
+        let (product, square) = (state.last_heard * found, power * power);
+        if !(product > 0.0 && square > 0.0 && state.store_tells()) {
+            return 0.0;
+        }
+        let change = found - state.last_heard;
+        let [of_change, of_variance] = UNSTEADY;
+        Scalar::max(1.0 - of_change * change * change / product - of_variance * variance / square, 0.0)
     }
 
     /// Widens the gain by how far the place in the map has moved: by `moved` W from the last one.

@@ -71,6 +71,9 @@ pub struct Spread {
     /// Of the gain of the map after a change of the yield by a factor of e, relative, 0 to 10: a map of a harvester with
     /// another resonance is off by another factor elsewhere.
     pub gain_by_place: f32,
+    /// Of the voltage at which the storage is full, relative, 0 to 0.5: how far it may be below the highest voltage of the
+    /// storage as the converter reads it. A limit, not a deviation: threshold of the protection and reference together.
+    pub highest_voltage: f32,
     /// Of the income before anything is known, in W, 10⁻⁹ to 10³: the largest power of such a harvester.
     pub power: f32,
 }
@@ -181,6 +184,7 @@ impl<const ACTIONS: usize> NodeParameters<ACTIONS> {
             ("spread.action", spread.action, 0.0, 1.0),
             ("spread.income", spread.income, 1e-3, 10.0),
             ("spread.gain_by_place", spread.gain_by_place, 0.0, 10.0),
+            ("spread.highest_voltage", spread.highest_voltage, 0.0, 0.5),
             ("spread.power", spread.power, 1e-9, 1e3),
             ("reserve", self.reserve, 0.0, 1e6),
         ] {

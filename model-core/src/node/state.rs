@@ -27,13 +27,16 @@ pub struct NodeState<const P: usize, const SLOTS: usize, const ACTIONS: usize> {
     pub(super) listen: Listen<P>,
     pub(super) last_listen: u32,
     pub(super) last_reading: u32,
+    /// Second of the last reading that was due and did not come.
+    pub(super) last_missing: u32,
     pub(super) last_run: [u32; ACTIONS],
     /// Listens with a value, listens without one since, and readings.
     pub(super) listens: u32,
     pub(super) misses: u32,
     pub(super) readings: u32,
-    /// Modelled power of the last listen in W.
+    /// Modelled power in W: the part of it that lasts, and that of the last listen, 0 if that was in doubt.
     pub(super) last_modelled: f32,
+    pub(super) last_heard: f32,
     /// Variance in W² of what changes within the time from listen to listen.
     pub(super) fluctuation: f32,
     /// Whether the last listen found two motions, and the storage knew neither.
@@ -101,11 +104,13 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
             listen,
             last_listen: second,
             last_reading: second,
+            last_missing: second,
             last_run: [second; ACTIONS],
             listens: 0,
             misses: 0,
             readings: 0,
             last_modelled: 0.0,
+            last_heard: 0.0,
             fluctuation: 0.0,
             was_undecided: false,
             departure: 0.0,
@@ -228,19 +233,19 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
     }
 
     /// A listen gave a value.
-    pub(super) fn heard(&mut self, modelled: f32) {
+    pub(super) fn heard(&mut self, lasting: f32, modelled: f32) {
         self.last_listen = self.second;
         self.listens = self.listens.saturating_add(1);
         self.misses = 0;
         self.departure = 0.0;
-        self.last_modelled = modelled;
+        (self.last_modelled, self.last_heard) = (lasting, modelled);
     }
 
     /// A listen gave none.
     pub(super) fn missed(&mut self) {
         self.last_listen = self.second;
         self.misses = self.misses.saturating_add(1);
-        self.departure = 0.0;
+        (self.departure, self.last_heard) = (0.0, 0.0);
     }
 
     /// Ends the hour.
@@ -270,13 +275,13 @@ snapshot_fields!(impl [const P: usize] Listen<P> { bank, blocks, start_up, missi
 });
 
 snapshot_fields!(impl [const P: usize, const SLOTS: usize, const ACTIONS: usize] NodeState<P, SLOTS, ACTIONS> {
-    second, settled, glances, filter, listening, budget, listen, last_listen, last_reading, last_run, listens, misses, readings,
-    last_modelled, fluctuation, was_undecided, departure, reading, spent, knowing, booked, started, hour_start, hour, silent, silent_before,
+    second, settled, glances, filter, listening, budget, listen, last_listen, last_reading, last_missing, last_run, listens, misses, readings,
+    last_modelled, last_heard, fluctuation, was_undecided, departure, reading, spent, knowing, booked, started, hour_start, hour, silent, silent_before,
 } if |state| {
-    let before = [state.last_listen, state.last_reading, state.listen.started, state.hour_start];
+    let before = [state.last_listen, state.last_reading, state.last_missing, state.listen.started, state.hour_start];
     state.started <= state.hour_start
         && before.iter().chain(&state.last_run).all(|&second| second <= state.second)
-        && [state.last_modelled, state.fluctuation, state.departure, state.spent].iter().all(|&number| number >= 0.0)
+        && [state.last_modelled, state.last_heard, state.fluctuation, state.departure, state.spent].iter().all(|&number| number >= 0.0)
 });
 
 snapshot_variants!(StoreReading { Used, Jump, Silent, Refused });

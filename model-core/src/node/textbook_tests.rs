@@ -24,6 +24,9 @@ fn diagonal(entries: [f64; N]) -> Matrix {
     std::array::from_fn(|row| std::array::from_fn(|column| if row == column { entries[row] } else { 0.0 }))
 }
 
+/// Part of what a listen says of the gain that is believed.
+const OF_GAIN: f64 = 0.7;
+
 /// Energy, power, gain, excess draw, income of the hour, income of all.
 struct Dense {
     mean: [f64; N],
@@ -103,14 +106,15 @@ impl Dense {
             self.walk(time, departure.powi(2) / time);
         }
         let measured = departure + (0..N).map(|k| h[k] * self.mean[k]).sum::<f64>();
-        self.update(h, measured, variance);
+        self.update(h, measured, variance, OF_GAIN);
     }
 
-    /// Takes in `measured = h x` with a noise of variance `noise`.
-    fn update(&mut self, h: [f64; N], measured: f64, noise: f64) {
+    /// Takes in `measured = h x` with a noise of variance `noise`; the gain of the map moves by a part of what would be best.
+    fn update(&mut self, h: [f64; N], measured: f64, noise: f64, of_gain: f64) {
         let with: [f64; N] = std::array::from_fn(|row| (0..N).map(|k| self.covariance[row][k] * h[k]).sum());
         let variance = noise + (0..N).map(|k| h[k] * with[k]).sum::<f64>();
-        let gain = with.map(|with| with / variance);
+        let mut gain = with.map(|with| with / variance);
+        gain[2] *= of_gain;
         let departure = measured - (0..N).map(|k| h[k] * self.mean[k]).sum::<f64>();
         for (mean, gain) in self.mean.iter_mut().zip(gain) {
             *mean += gain * departure;
@@ -168,7 +172,8 @@ fn ten_hours<S: Scalar>(filter: &Filter<S>, double: &Filter<f64>) -> (f64, f64) 
             let variance = (0.1 * modelled).powi(2);
             let heard = [modelled, lasting, change, variance].map(S::from_f64);
             let [modelled, lasting, change, variance] = heard;
-            filter.hear(&mut state, 600, PowerMeasurement { modelled, lasting, change, variance });
+            let of_gain = S::from_f64(OF_GAIN);
+            filter.hear(&mut state, 600, PowerMeasurement { modelled, lasting, change, variance, of_gain });
             dense.hear(600.0, f64::from(60 * ((minute - 1) % 60)), heard.map(S::to_f64));
         }
         power = (power + (60.0 * walk).sqrt() * random.normal()).max(1e-6);
@@ -180,7 +185,7 @@ fn ten_hours<S: Scalar>(filter: &Filter<S>, double: &Filter<f64>) -> (f64, f64) 
         let code = code(energy, &mut random);
         assert_eq!(filter.observe(&mut state, code, false).0, StoreReading::Used, "minute {minute}");
         let [low, high] = [-0.5, 0.5].map(|part| double.storage.energy((f64::from(code) + part) * CELL));
-        dense.update([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.5 * (low + high), noise(low, high));
+        dense.update([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.5 * (low + high), noise(low, high), 0.0);
         if minute % 60 == 0 {
             let (mean, deviation) = differences(&state, &dense);
             largest = (largest.0.max(mean), largest.1.max(deviation));

@@ -256,7 +256,14 @@ fn node() -> OneNode {
             shortest_reading: 60,
             reading_doublings: 4,
         },
-        spread: Spread { standing: 0.2, action: 0.02, income: 0.5, gain_by_place: 0.5, power: 100e-6 },
+        spread: Spread {
+            standing: 0.2,
+            action: 0.02,
+            income: 0.5,
+            gain_by_place: 0.5,
+            highest_voltage: 0.03,
+            power: 100e-6,
+        },
         reserve: 1e-4,
         actions: [
             Regular { action: action("measure", 50e-6), every: 60 },

@@ -12,6 +12,7 @@
 //!
 //! and hears 16-bit samples of the shaking with gravity and noise. Energies are scaled so that the mean income is 2.9 µW.
 
+mod converter;
 mod plant;
 mod truth;
 mod wavering;
@@ -87,7 +88,7 @@ impl Timeline {
         let node = self.node(build);
         let mut random = Source(seed);
         let standing = 1.0 + build.spread * (2.0 * random.uniform() - 1.0);
-        let plant = Plant { standing, action: 1.0 };
+        let plant = Plant { standing, action: 1.0, highest: 1.0 };
         World::new(build, &node, (&self.minutes, &self.shaking), plant, seed).run(|state| state)
     }
 
@@ -170,7 +171,7 @@ fn a_node_that_is_restored_from_its_image_after_each_sleep_ends_with_the_same_bi
     let build = build(line.kind, Processor::nrf52832(), 1e-3, 0.2);
     let node = line.node(&build);
     let world = || {
-        let plant = Plant { standing: 1.1, action: 1.0 };
+        let plant = Plant { standing: 1.1, action: 1.0, highest: 1.0 };
         World::new(&build, &node, (&line.minutes, &line.shaking), plant, 9)
     };
     let whole = world().run(|state| state);
@@ -308,7 +309,7 @@ fn a_week_of_the_larger_harvester_costs_less_than_a_hundredth_and_never_locks_ou
             ..build(kind, processor, 0.2, 0.2)
         };
         let node = build.node(map(kind), 1.0);
-        let plant = Plant { standing: 1.1, action: 0.98 };
+        let plant = Plant { standing: 1.1, action: 0.98, highest: 1.0 };
         let run = World::new(&build, &node, (&minutes, &shaking), plant, 1).run(|state| state);
         let errors = Errors::of(run.hours.iter().filter(|hour| hour.truth > 1e-6 * 3600.0));
         println!(

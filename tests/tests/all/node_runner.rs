@@ -60,7 +60,14 @@ fn parameters() -> NodeParameters<2> {
             shortest_reading: 60,
             reading_doublings: 4,
         },
-        spread: Spread { standing: 0.2, action: 0.02, income: 0.5, gain_by_place: 0.5, power: 100e-6 },
+        spread: Spread {
+            standing: 0.2,
+            action: 0.02,
+            income: 0.5,
+            gain_by_place: 0.5,
+            highest_voltage: 0.03,
+            power: 100e-6,
+        },
         reserve: 1e-3,
         actions: [regular("measure", 50e-6, 60), regular("transmit", 300e-6, 300)],
     }

@@ -74,6 +74,8 @@ pub(super) struct Plant {
     pub(super) standing: f64,
     /// Energy of actions over the stated one.
     pub(super) action: f64,
+    /// Highest voltage of the storage over the stated one.
+    pub(super) highest: f64,
 }
 
 /// An hour that a node has told.
@@ -181,6 +183,7 @@ impl Build {
                 action: 0.02,
                 income: 0.5,
                 gain_by_place: 0.5,
+                highest_voltage: 0.03,
                 power: small(10.0 * self.income),
             },
             reserve: small(self.reserve),
@@ -255,7 +258,7 @@ impl<'a> World<'a> {
     fn advance(&mut self, seconds: u32) {
         let parameters = self.node.parameters().budget;
         let draw = f64::from(parameters.standing_power) * self.plant.standing;
-        let capacity = self.at(parameters.storage.highest_voltage);
+        let capacity = self.at(parameters.storage.highest_voltage) * self.plant.highest.powi(2);
         for _ in 0..seconds {
             let draw = if self.is_on { draw } else { 0.0 };
             let income = self.minutes.get(self.second() as usize / 60).map_or(0.0, |minute| minute / 60.0);
@@ -405,7 +408,7 @@ fn a_lock_out_within_a_sleep_and_one_by_an_action_are_counted() {
     let node = build.node(super::map(build.kind), 1.0);
     // Half an hour without income, and one with 1 mJ a minute: at its end the storage is full again.
     let minutes: Vec<f64> = (0..60).map(|minute| if minute < 30 { 0.0 } else { 1e-3 }).collect();
-    let plant = Plant { standing: 1.0, action: 1.0 };
+    let plant = Plant { standing: 1.0, action: 1.0, highest: 1.0 };
     let mut world = World::new(&build, &node, (&minutes, &[]), plant, 1);
     let lock_out = world.at(node.parameters().budget.storage.lock_out_voltage);
     let mut state = node.start(0);
