@@ -46,13 +46,41 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         };
         let Some(index) = fallen else { return false };
         let ticks = search.ticks;
-        match search.reach(&self.guard(index, &trial.end, ticks), index) {
+        let guard = self.guard(index, &trial.end, ticks);
+        match search.reach(&guard, index) {
+            Reached::Past => return self.approaches(search, &{ trial.end }),
+            Reached::Beyond => {
+                if guard.value > S::ZERO {
+                    self.returns(search, index, ticks, &{ trial.end });
+                }
+                return true;
+            }
+            Reached::Kept if search.event.is_none() => return false,
+            Reached::Kept | Reached::Near { .. } if self.returns(search, index, ticks, &{ trial.end }) => {
+                return true;
+            }
             Reached::Kept => {}
             Reached::Near { missing, curved } => self.extend(trial, ticks, missing, curved),
-            Reached::Beyond => return true,
-            Reached::Past => return self.approaches(search, &{ trial.end }),
         }
         !search.predicted && self.turns(search, index, &{ trial.end })
+    }
+
+    /// Whether the search for an event returns to another guard that has fallen in an attempt of `ticks`.
+    ///
+    /// The predicted circuit can conduct before an impact, and that of the attempt after it.
+    #[cold]
+    #[inline(never)]
+    fn returns(&self, search: &mut Search<S>, index: usize, ticks: u32, end: &Point<S, N, P>) -> bool {
+        if search.corrections == 0 {
+            return false;
+        }
+        let fall = self.expected_fall(ticks, end, 1 << index).filter(|fall| fall.certain);
+        let Some(fall) = fall.filter(|fall| self.guard(fall.index, self.start, 0).value > S::ZERO) else {
+            return false;
+        };
+        search.corrections -= 1;
+        (search.done, search.ticks) = (1 << index, ticks);
+        search.approach(fall)
     }
 
     /// Whether the search for an event along the predicted motion needs a prediction of [`Search::ticks`].
