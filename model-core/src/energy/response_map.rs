@@ -38,6 +38,7 @@
 
 mod coordinate;
 mod image;
+mod plan;
 #[cfg(test)]
 mod tests;
 
@@ -51,6 +52,7 @@ pub use image::{
 };
 
 use image::Head;
+use plan::{Column, Plan};
 
 /// A map in flash, checked.
 ///
@@ -58,7 +60,7 @@ use image::Head;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ResponseMap<W> {
     words: W,
-    head: Head,
+    plan: Plan,
 }
 
 /// A value with its bounds, in W, or in A where [`ResponseMap::is_current`].
@@ -165,13 +167,6 @@ pub struct Agreement {
     pub bounds_hold: f32,
 }
 
-/// Between two columns: the column below, and the place above it in 2⁻¹⁰ of their distance.
-#[derive(Clone, Copy)]
-struct Column {
-    below: usize,
-    place: i32,
-}
-
 impl<W: Words> ResponseMap<W> {
     /// Checks a map: its checksum, its layout, and that it is of the harvester with this fingerprint.
     ///
@@ -184,13 +179,16 @@ impl<W: Words> ResponseMap<W> {
     /// # Errors
     /// [`MapError`].
     pub fn new(words: W, fingerprint: u32) -> Result<Self, MapError> {
-        Ok(Self { words, head: Head::read(words, fingerprint)? })
+        let head = Head::read(words, fingerprint)?;
+        // Word 12 is where the columns begin.
+        let plan = Plan::new(&head).ok_or(MapError::Malformed { word: 12 })?;
+        Ok(Self { words, plan })
     }
 
     /// Whether the values are charge per second in A, for a storage at a stated voltage; otherwise power in W.
     #[must_use]
     pub fn is_current(&self) -> bool {
-        self.head.is_current
+        self.plan.is_current
     }
 
     /// Fingerprint of the harvester.
@@ -210,20 +208,20 @@ impl<W: Words> ResponseMap<W> {
     /// Lowest and highest amplitude in m/s².
     #[must_use]
     pub fn amplitudes(&self) -> [f32; 2] {
-        [self.head.lowest, self.head.highest]
-            .map(|level| number(level - AMPLITUDE_OCTAVES * LEVELS_PER_OCTAVE))
+        [18, 19]
+            .map(|index| number(i32::from(self.words.word(index)) - AMPLITUDE_OCTAVES * LEVELS_PER_OCTAVE))
     }
 
     /// Number of slices.
     #[must_use]
     pub fn slices(&self) -> usize {
-        self.head.slices
+        self.plan.slices.into()
     }
 
     /// Voltage of the storage of a slice in V; 0 of a map of power.
     #[must_use]
     pub fn voltage(&self, slice: usize) -> f32 {
-        match self.voltage_level(slice) {
+        match u16::try_from(slice).map_or(0, |slice| self.voltage_level(slice)) {
             0 => 0.0,
             level => number(level - AMPLITUDE_OCTAVES * LEVELS_PER_OCTAVE),
         }
@@ -245,21 +243,21 @@ impl<W: Words> ResponseMap<W> {
     #[must_use]
     #[inline]
     pub fn at(&self, amplitude: f32, frequency: f32) -> Response {
-        match self.place(amplitude, frequency) {
-            Ok((level, column)) => self.in_slice(0, level, column),
-            Err(outside) => Response::Outside(outside),
+        match self.plan.place(amplitude.to_bits(), frequency.to_bits()) {
+            Some((level, column)) => self.in_slice(0, level, column),
+            None => self.outside(amplitude, frequency),
         }
     }
 
     /// As [`ResponseMap::at`] by another slice, at its own voltage; [`Outside::Voltage`] if there is no such slice.
     #[must_use]
     pub fn in_slice_at(&self, slice: usize, amplitude: f32, frequency: f32) -> Response {
-        if slice >= self.head.slices {
+        let Some(slice) = u16::try_from(slice).ok().filter(|&slice| slice < self.plan.slices) else {
             return Response::Outside(Outside::Voltage);
-        }
-        match self.place(amplitude, frequency) {
-            Ok((level, column)) => self.in_slice(slice, level, column),
-            Err(outside) => Response::Outside(outside),
+        };
+        match self.plan.place(amplitude.to_bits(), frequency.to_bits()) {
+            Some((level, column)) => self.in_slice(slice, level, column),
+            None => self.outside(amplitude, frequency),
         }
     }
 
@@ -268,12 +266,13 @@ impl<W: Words> ResponseMap<W> {
     /// Where the two slices do not agree about the motion, both motions are told, with bounds of both slices.
     #[must_use]
     pub fn at_voltage(&self, amplitude: f32, frequency: f32, voltage: f32) -> Response {
-        let (at, voltage) = match (self.place(amplitude, frequency), level(voltage)) {
-            (Ok(at), Some(voltage)) => (at, voltage),
-            (Err(outside), _) => return Response::Outside(outside),
+        let place = self.plan.place(amplitude.to_bits(), frequency.to_bits());
+        let (at, voltage) = match (place, level(voltage)) {
+            (Some(at), Some(voltage)) => (at, voltage),
+            (None, _) => return self.outside(amplitude, frequency),
             (_, None) => return Response::Outside(Outside::NoNumber),
         };
-        let above = (0..self.head.slices).find(|&slice| self.voltage_level(slice) >= voltage);
+        let above = (0..self.plan.slices).find(|&slice| self.voltage_level(slice) >= voltage);
         match above {
             Some(0) if self.voltage_level(0) == voltage => self.in_slice(0, at.0, at.1),
             Some(slice @ 1..) => {
@@ -301,106 +300,47 @@ impl<W: Words> ResponseMap<W> {
         Some(Broadband { value, is_linear })
     }
 
-    fn voltage_level(&self, slice: usize) -> i32 {
-        i32::from(self.words.word(HEAD + slice))
+    fn voltage_level(&self, slice: u16) -> i32 {
+        i32::from(self.words.word(HEAD + usize::from(slice)))
     }
 
     /// Whether the map reaches over a frequency in Hz.
     pub(crate) fn has_frequency(&self, frequency: f32) -> bool {
-        use Outside::{FrequencyAbove, FrequencyBelow, NoNumber};
-        !matches!(self.place(1.0, frequency), Err(FrequencyBelow | FrequencyAbove | NoNumber))
+        self.plan.has_frequency(frequency.to_bits())
     }
 
-    /// Level of the amplitude, and the columns beside the frequency.
-    #[inline]
-    fn place(&self, amplitude: f32, frequency: f32) -> Result<(i32, Column), Outside> {
-        let head = &self.head;
-        let (Some(level), Some(frequency)) = (level(amplitude), fixed(frequency, head.frequency_shift))
-        else {
-            return Err(Outside::NoNumber);
-        };
-        let distance = frequency.cast_signed() - head.resonance;
-        let beyond = if distance < 0 { Outside::FrequencyBelow } else { Outside::FrequencyAbove };
-        if distance.unsigned_abs() > FARTHEST {
-            return Err(beyond);
-        }
-        let from_first = detuning(distance, head.slope) - head.first;
-        if from_first < 0 {
-            return Err(Outside::FrequencyBelow);
-        }
-        let from_first = from_first.cast_unsigned();
-        if from_first > head.span {
-            return Err(Outside::FrequencyAbove);
-        }
-        if level < head.lowest {
-            return Err(Outside::AmplitudeBelow);
-        }
-        if level > head.highest {
-            return Err(Outside::AmplitudeAbove);
-        }
-        let columns = (from_first * head.factor) >> head.factor_shift;
-        // The last column is the end of the cell before it.
-        let below = (columns >> 10).min((1 << head.column_bits) - 1);
-        let place = (columns - (below << 10)).cast_signed();
-        Ok((level, Column { below: below as usize, place }))
+    #[cold]
+    #[inline(never)]
+    fn outside(&self, amplitude: f32, frequency: f32) -> Response {
+        Response::Outside(self.plan.edge(amplitude, frequency))
     }
 
     /// The answer of one slice.
     #[inline]
-    fn in_slice(&self, slice: usize, level: i32, column: Column) -> Response {
-        let head = &self.head;
-        let start = HEAD + head.slices + slice * head.slice();
-        let rising = self.curve(start, column);
-        if !head.has_boundary() {
-            let income = self.branch(start + head.columns(), 0, rising - level, column);
-            return Response::One { branch: Branch::Lower, income };
-        }
-        let falling = self.curve(start + head.columns(), column);
-        let lower_at = start + 2 * head.columns();
-        let upper_at = if head.lower { lower_at + head.nodes() + BOUNDS } else { lower_at };
-        let lower =
-            || if head.lower { self.branch(lower_at, 0, rising - level, column) } else { Bounded::default() };
-        let upper = || self.branch(upper_at, 1, level - falling, column);
-        if level > rising + head.margin {
-            Response::One { branch: Branch::Upper, income: upper() }
-        } else if level < falling - head.margin {
-            Response::One { branch: Branch::Lower, income: lower() }
+    fn in_slice(&self, slice: u16, level: i32, column: Column) -> Response {
+        // A checked map has all words.
+        self.answer(self.plan.start(slice), level, column).unwrap_or(Response::Outside(Outside::NoNumber))
+    }
+
+    #[inline(always)]
+    fn answer(&self, start: u32, level: i32, column: Column) -> Option<Response> {
+        let Self { words, plan } = self;
+        let [rising, falling] = plan.curves(*words, start, column)?;
+        let (branch, which, distance) = if !plan.has_upper || level < falling - plan.margin {
+            (Branch::Lower, 0, rising - level)
+        } else if level > rising + plan.margin {
+            (Branch::Upper, 1, level - falling)
         } else {
-            Response::Two { lower: lower(), upper: upper() }
-        }
+            return self.two(start, [rising - level, level - falling], column);
+        };
+        Some(Response::One { branch, income: plan.branch(*words, start, which, distance, column)? })
     }
 
-    /// The level of a boundary between two columns.
-    #[inline]
-    fn curve(&self, start: usize, Column { below, place }: Column) -> i32 {
-        let [left, right] = self.words.pair(start + below);
-        left + (((right - left) * place) >> 10)
-    }
-
-    /// The value of a branch at a distance in levels from its boundary, with its bounds.
-    #[inline]
-    fn branch(&self, start: usize, which: usize, distance: i32, Column { below, place }: Column) -> Bounded {
-        let head = &self.head;
-        let [lower, upper] = head.spacings;
-        let spacing = if which == 0 { lower } else { upper };
-        let (row, above) = row(distance.max(0).cast_unsigned(), spacing);
-        let last = head.rows - 2;
-        // The rows reach over the whole map.
-        let (row, above) = if row > last { (last, 1 << 10) } else { (row, above.cast_signed()) };
-        let rows = head.rows as usize;
-        let node = start + below * rows + row as usize;
-        let across = |[left, right]: [i32; 2], part: i32| left + (((right - left) * part + 512) >> 10);
-        let left = across(self.words.pair(node), above);
-        let right = across(self.words.pair(node + rows), above);
-        let level = across([left, right], place) + head.value_octaves * LEVELS_PER_OCTAVE;
-        let part =
-            (below >> (head.column_bits - 3)) + if row < NEAR << (spacing.bits - 1) { 0 } else { BOUNDS / 2 };
-        let bounds = i32::from(self.words.word(start + head.nodes() + part));
-        // From 1/128 octaves to levels.
-        let (lower, higher) = ((bounds & 0xff) << 4, (bounds >> 8) << 4);
-        // The largest byte is no bound: the model may yield nothing.
-        let low = if bounds & 0xff == 0xff { 0.0 } else { number(level - lower) };
-        Bounded { value: number(level), low, high: number(level + higher) }
+    /// Both motions of the slice at `start`, at distances in levels from their boundaries.
+    #[inline(never)]
+    fn two(&self, start: u32, [below, above]: [i32; 2], column: Column) -> Option<Response> {
+        let branch = |which, distance| self.plan.branch(self.words, start, which, distance, column);
+        Some(Response::Two { lower: branch(0, below)?, upper: branch(1, above)? })
     }
 }
 

@@ -5,6 +5,8 @@
 //! through the exact values at sixteen (level) or eight (detuning) places in an octave. The host places the nodes by
 //! these very functions, so their difference from the exact ones is no error of the map.
 
+use core::num::NonZeroU16;
+
 /// Units of a level in an octave.
 pub const LEVELS_PER_OCTAVE: i32 = 1 << LEVEL_BITS;
 const LEVEL_BITS: u32 = 11;
@@ -17,7 +19,7 @@ const DETUNING_BITS: u32 = 12;
 pub const FARTHEST: u32 = (1 << 18) - 1;
 
 /// `2¹¹ log2(1 + k/16)`, rounded.
-const LOGARITHM: [u16; 17] =
+const LOGARITHM: [u32; 17] =
     [0, 179, 348, 508, 659, 803, 941, 1072, 1198, 1319, 1435, 1546, 1653, 1757, 1857, 1954, 2048];
 
 /// `2²³ (2^(k/16) − 1)`, rounded.
@@ -27,7 +29,7 @@ const EXPONENTIAL: [u32; 17] = [
 ];
 
 /// `2¹² arsinh(2^e (1 + k/8) − 1)` at `8 e + k` for e and k from 0 to 7, rounded, and that for e = 8, k = 0.
-const ARSINH: [u16; 65] = [
+const ARSINH: [u32; 65] = [
     0, 511, 1014, 1502, 1971, 2417, 2839, 3237, 3610, 4291, 4894, 5431, 5913, 6349, 6747, 7112, 7448, 8052,
     8580, 9049, 9472, 9855, 10206, 10530, 10830, 11372, 11852, 12281, 12669, 13024, 13351, 13654, 13936,
     14448, 14902, 15312, 15684, 16025, 16340, 16633, 16906, 17403, 17846, 18246, 18610, 18944, 19254, 19541,
@@ -35,11 +37,42 @@ const ARSINH: [u16; 65] = [
     25271, 25536,
 ];
 
-/// The entry of a table; 0 beyond its end, which no caller reaches.
-#[inline(always)]
-fn entry<T: Copy + Into<u32>, const N: usize>(table: &[T; N], index: u32) -> u32 {
-    table.get(index as usize).map_or(0, |&entry| entry.into())
-}
+/// Each entry of [`ARSINH`] in the upper 16 bits and the rise to the next one in the lower ones: one load for a chord.
+static ARSINH_CHORDS: [u32; 64] = {
+    let mut chords = [0; 64];
+    let mut index = 0;
+    while index < 64 {
+        chords[index] = ARSINH[index] << 16 | (ARSINH[index + 1] - ARSINH[index]);
+        index += 1;
+    }
+    chords
+};
+
+/// Chords of [`LOGARITHM`] less the mantissa, which the bits of a number have already: offset in 2⁻⁸ levels, with the
+/// exponent's and the rounding, and slope.
+static LOGARITHM_CHORDS: [[i32; 2]; 16] = {
+    let mut chords = [[0; 2]; 16];
+    let mut index = 0;
+    while index < 16 {
+        let [low, high] = [LOGARITHM[index] as i32, LOGARITHM[index + 1] as i32];
+        let exponent = ((LEAST >> 23) << LEVEL_BITS) as i32;
+        chords[index] = [((low - 128 * index as i32 - exponent) << 8) + 128, high - low - 128];
+        index += 1;
+    }
+    chords
+};
+
+/// Chords of [`EXPONENTIAL`] less the fraction of the level: offset, and slope over 2⁷ levels.
+static EXPONENTIAL_CHORDS: [[i32; 2]; 16] = {
+    let mut chords = [[0; 2]; 16];
+    let mut index = 0;
+    while index < 16 {
+        let [low, high] = [EXPONENTIAL[index] as i32, EXPONENTIAL[index + 1] as i32];
+        chords[index] = [low - ((index as i32) << 19), high - low - (1 << 19)];
+        index += 1;
+    }
+    chords
+};
 
 /// The level of an amplitude in m/s² or of a voltage in V, shifted by [`AMPLITUDE_OCTAVES`]: 0 at 2⁻¹⁶ and less, below
 /// 2¹⁹ for every finite number; `None` for a negative number and for one that is not finite.
@@ -51,28 +84,39 @@ pub fn level(number: f32) -> Option<i32> {
     if bits >= f32::INFINITY.to_bits() {
         return if number == 0.0 { Some(0) } else { None };
     }
-    let octave = (bits >> 23).cast_signed() - 127 + AMPLITUDE_OCTAVES;
-    if octave < 0 {
+    if bits < LEAST {
         return Some(0);
     }
-    let place = (bits >> 19) & 15;
-    let low = entry(&LOGARITHM, place);
-    let rise = entry(&LOGARITHM, place + 1) - low;
-    let within = (rise * ((bits >> 11) & 0xff) + 128) >> 8;
-    Some((octave << LEVEL_BITS) + (low + within).cast_signed())
+    Some(level_of_bits(bits))
+}
+
+/// Bits of 2⁻¹⁶, the least number with a level of its own.
+const LEAST: u32 = (127 - AMPLITUDE_OCTAVES.cast_unsigned()) << 23;
+
+/// The level of a finite number of at least 2⁻¹⁶, by its bits.
+#[inline(always)]
+pub(super) fn level_of_bits(bits: u32) -> i32 {
+    let [offset, slope] = LOGARITHM_CHORDS.get((bits >> 19 & 15) as usize).copied().unwrap_or([0; 2]);
+    let mantissa = (bits >> 4 & !127).cast_signed();
+    mantissa.wrapping_add(offset).wrapping_add(slope * (bits >> 11 & 0xff).cast_signed()) >> 8
 }
 
 /// The number of a level that is not shifted, within the normal numbers.
 #[inline]
 #[must_use]
 pub fn number(level: i32) -> f32 {
-    let octave = (level >> LEVEL_BITS).clamp(-126, 127);
-    let rest = level.cast_unsigned() & ((1 << LEVEL_BITS) - 1);
-    let place = rest >> 7;
-    let low = entry(&EXPONENTIAL, place);
-    let rise = entry(&EXPONENTIAL, place + 1) - low;
-    let fraction = low + ((rise * (rest & 127)) >> 7);
-    f32::from_bits(((octave + 127).cast_unsigned() << 23) + fraction)
+    f32::from_bits(bits_of_raised(level.clamp(-126 << LEVEL_BITS, (128 << LEVEL_BITS) - 1) + RAISED))
+}
+
+/// What is added to a level for [`bits_of_raised`].
+pub(super) const RAISED: i32 = 127 << LEVEL_BITS;
+
+/// The bits of the number of a level that is raised by [`RAISED`] and then from 1 octave to below 255.
+#[inline(always)]
+pub(super) fn bits_of_raised(level: i32) -> u32 {
+    let [offset, slope] = EXPONENTIAL_CHORDS.get((level >> 7 & 15) as usize).copied().unwrap_or([0; 2]);
+    let fraction = offset.wrapping_add((slope * (level & 127)) >> 7);
+    level.wrapping_shl(23 - LEVEL_BITS).wrapping_add(fraction).cast_unsigned()
 }
 
 /// A frequency in units of 2^−`shift` Hz, rounded down; `None` unless positive and below 2³⁰ units.
@@ -84,12 +128,18 @@ pub fn fixed(frequency: f32, shift: i32) -> Option<u32> {
     if !(0x0080_0000..f32::INFINITY.to_bits()).contains(&bits) {
         return None;
     }
-    let mantissa = (bits & 0x007f_ffff) | 0x0080_0000;
-    let left = (bits >> 23).cast_signed() - 150 + shift;
-    if left > 6 {
+    // Of the leading bit above bit 31: the mantissa lies at the upper end.
+    let right = 158 - (bits >> 23).cast_signed() - shift;
+    if right <= 1 {
         return None;
     }
-    Some(if left >= 0 { mantissa << left } else { mantissa.checked_shr(left.unsigned_abs()).unwrap_or(0) })
+    Some(if right < 32 { fixed_of_bits(bits, right.cast_unsigned()) } else { 0 })
+}
+
+/// A normal number in units, by its bits: its mantissa at the upper end of a word, moved `right` by up to 31.
+#[inline(always)]
+pub(super) fn fixed_of_bits(bits: u32, right: u32) -> u32 {
+    (bits << 8 | 1 << 31).wrapping_shr(right)
 }
 
 /// The detuning of a frequency `distance` units from the resonance, at most [`FARTHEST`] in magnitude; `slope` is 2²⁴ over
@@ -99,14 +149,12 @@ pub fn fixed(frequency: f32, shift: i32) -> Option<u32> {
 pub fn detuning(distance: i32, slope: u32) -> i32 {
     let half_bandwidths = (distance.unsigned_abs() * slope) >> 12;
     let beside = half_bandwidths + (1 << DETUNING_BITS);
-    let octave = octave_above(beside, DETUNING_BITS);
-    let place = beside >> (octave + DETUNING_BITS - 3);
-    let rest = (beside & ((1 << (octave + DETUNING_BITS - 3)) - 1)) >> octave;
-    // `place` has its leading bit, which is 8.
-    let index = 8 * octave + place - 8;
-    let low = entry(&ARSINH, index);
-    let rise = entry(&ARSINH, index + 1).wrapping_sub(low);
-    let magnitude = (low + ((rise * rest + 256) >> 9)).cast_signed();
+    let zeros = beside.leading_zeros();
+    let top = beside << zeros;
+    // The leading bit and three more: 8 to 15.
+    let index = (top >> 28) + 8 * (31 - DETUNING_BITS) - 8 - 8 * zeros;
+    let chord = ARSINH_CHORDS.get((index & 63) as usize).copied().unwrap_or(0);
+    let magnitude = ((chord >> 16) + (((chord & 0xffff) * (top << 4 >> 23) + 256) >> 9)).cast_signed();
     if distance < 0 { -magnitude } else { magnitude }
 }
 
@@ -119,20 +167,47 @@ pub struct Spacing {
     pub bits: u32,
 }
 
+impl Spacing {
+    /// For look-ups.
+    pub(super) const fn folded(self) -> FoldedSpacing {
+        let Self { shift, bits } = self;
+        let first = NonZeroU16::MIN.saturating_add((1 << if shift < 15 { shift } else { 15 }) - 1);
+        FoldedSpacing { first, octave: 1 << bits, from: 30_u32.wrapping_sub(shift) << bits }
+    }
+}
+
+/// A [`Spacing`] as a look-up takes it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct FoldedSpacing {
+    /// Levels of the first octave of rows.
+    first: NonZeroU16,
+    /// Rows in an octave.
+    pub(super) octave: u8,
+    /// Rows up to the leading bit of a number without leading zeros.
+    from: u32,
+}
+
+impl FoldedSpacing {
+    /// As [`row`].
+    #[inline(always)]
+    pub(super) fn row(self, distance: u32) -> (u32, u32) {
+        let octave = u32::from(self.octave);
+        let beside = distance.wrapping_add(u32::from(self.first.get()));
+        let zeros = beside.leading_zeros();
+        // The leading bit is 2¹⁶, so that the upper word counts the rows of an octave from `octave`.
+        let rows = ((beside << zeros) >> 15) * octave;
+        (self.from.wrapping_sub(zeros * octave).wrapping_add(rows >> 16), rows >> 6 & 1023)
+    }
+}
+
 /// The row and the place above it, in 2⁻¹⁰ of the distance to the next row, of a level at a distance from the boundary.
 ///
 /// The rows lie evenly in each octave of the distance increased by 2^`shift`: with two of them in an octave 0, ½, 1, 2, 3, 5,
 /// 7, 11, 15, … times 2^`shift` levels from the boundary.
 #[inline]
 #[must_use]
-pub fn row(distance: u32, Spacing { shift, bits }: Spacing) -> (u32, u32) {
-    let beside = distance + (1 << shift);
-    let octave = octave_above(beside, shift);
-    // A row has 2^(octave + shift − bits) levels.
-    let within = octave + shift - bits;
-    let row = (beside >> within) & ((1 << bits) - 1);
-    let rest = beside & ((1 << within) - 1);
-    ((octave << bits) + row, if within > 10 { rest >> (within - 10) } else { rest << (10 - within) })
+pub fn row(distance: u32, spacing: Spacing) -> (u32, u32) {
+    spacing.folded().row(distance)
 }
 
 /// Distance of a row from the boundary, in levels: the inverse of [`row`].
@@ -140,12 +215,6 @@ pub fn row(distance: u32, Spacing { shift, bits }: Spacing) -> (u32, u32) {
 pub fn row_distance(row: u32, Spacing { shift, bits }: Spacing) -> u32 {
     let start = 1_u32 << ((row >> bits) + shift);
     start + (row & ((1 << bits) - 1)) * (start >> bits) - (1 << shift)
-}
-
-/// Position of the leading bit of `value` above bit `from`; `value` has a bit there or higher.
-#[inline(always)]
-fn octave_above(value: u32, from: u32) -> u32 {
-    (31 - from).saturating_sub(value.leading_zeros())
 }
 
 #[cfg(test)]

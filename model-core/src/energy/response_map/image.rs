@@ -64,10 +64,23 @@ pub const TAIL: usize = 2;
 /// Where the words of a map are: in memory as words, or as little-endian bytes.
 pub trait Words: Copy {
     /// The word at an index; 0 beyond the end.
-    fn word(self, index: usize) -> u16;
+    #[inline(always)]
+    fn word(self, index: usize) -> u16 {
+        u32::try_from(index).ok().and_then(|index| self.at(index)).unwrap_or(0)
+    }
 
-    /// The word at an index and the next one; zeros beyond the end.
-    fn pair(self, index: usize) -> [i32; 2];
+    /// The word at an index; `None` beyond the end.
+    fn at(self, index: u32) -> Option<u16>;
+
+    /// The words at an index and the next one, and those `stride` behind each; `None` if one of them is beyond the end.
+    #[inline(always)]
+    fn cell(self, index: u32, stride: u8) -> Option<[[i32; 2]; 2]> {
+        let across = index + u32::from(stride);
+        // The last one first: its comparison with the end is enough for all.
+        let last = i32::from(self.at(across + 1)?);
+        let word = |index| Some(i32::from(self.at(index)?));
+        Some([[word(index)?, word(index + 1)?], [word(across)?, last]])
+    }
 
     /// Number of whole words.
     fn count(self) -> usize;
@@ -75,16 +88,8 @@ pub trait Words: Copy {
 
 impl Words for &[u16] {
     #[inline(always)]
-    fn word(self, index: usize) -> u16 {
-        self.get(index).copied().unwrap_or(0)
-    }
-
-    #[inline(always)]
-    fn pair(self, index: usize) -> [i32; 2] {
-        match self.get(index..index + 2) {
-            Some(&[first, second]) => [i32::from(first), i32::from(second)],
-            _ => [0; 2],
-        }
+    fn at(self, index: u32) -> Option<u16> {
+        self.get(index as usize).copied()
     }
 
     fn count(self) -> usize {
@@ -94,16 +99,9 @@ impl Words for &[u16] {
 
 impl Words for &[u8] {
     #[inline(always)]
-    fn word(self, index: usize) -> u16 {
-        match self.get(2 * index..2 * index + 2) {
-            Some(&[low, high]) => u16::from_le_bytes([low, high]),
-            _ => 0,
-        }
-    }
-
-    #[inline(always)]
-    fn pair(self, index: usize) -> [i32; 2] {
-        [self.word(index), self.word(index + 1)].map(i32::from)
+    fn at(self, index: u32) -> Option<u16> {
+        let high = self.get(2 * index as usize + 1)?;
+        Some(u16::from_le_bytes([*self.get(2 * index as usize)?, *high]))
     }
 
     fn count(self) -> usize {
@@ -184,7 +182,7 @@ pub fn seal(words: &mut [u16]) {
     }
 }
 
-/// The numbers of a map that every look-up needs, unpacked.
+/// The numbers of a map, unpacked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Head {
     pub(super) is_current: bool,
@@ -212,13 +210,8 @@ pub(super) struct Head {
 }
 
 impl Head {
-    /// Whether there are two branches, of which the lower may yield nothing.
-    pub(super) fn has_boundary(&self) -> bool {
-        self.upper
-    }
-
     pub(super) fn columns(&self) -> usize {
-        (1 << self.column_bits.min(7)) + 1
+        (1 << self.column_bits.min(6)) + 1
     }
 
     /// Words of a branch without its bounds.
@@ -226,11 +219,15 @@ impl Head {
         self.columns() * self.rows as usize
     }
 
+    /// Words of the boundaries of a slice.
+    pub(super) fn curves(&self) -> usize {
+        (1 + usize::from(self.upper)) * self.columns()
+    }
+
     /// Words of a slice.
     pub(super) fn slice(&self) -> usize {
         let branches = usize::from(self.lower) + usize::from(self.upper);
-        let curves = 1 + usize::from(self.has_boundary());
-        curves * self.columns() + branches * (self.nodes() + BOUNDS)
+        self.curves() + branches * (self.nodes() + BOUNDS)
     }
 
     /// Reads and checks a map.
@@ -285,16 +282,18 @@ impl Head {
         let last = (u64::from(self.span) * u64::from(self.factor)) >> self.factor_shift.min(63);
         let conditions = [
             (5, self.lower || self.upper),
-            (6, (3..=7).contains(&self.column_bits) && (2..=32).contains(&self.rows)),
+            (6, (3..=6).contains(&self.column_bits) && (2..=32).contains(&self.rows)),
             (7, (1..=16).contains(&self.slices)),
             (8, (0..1 << 30).contains(&self.resonance)),
             (10, (-20..=30).contains(&self.frequency_shift)),
             (11, (1..=1 << 13).contains(&self.slope)),
             (13, self.span > 0),
-            (14, last <= 1024 << self.column_bits.min(7)),
+            (14, last <= 1024 << self.column_bits.min(6)),
             (15, (self.factor_shift as usize) < 32),
             (16, spaced(self.spacings[0])),
             (17, spaced(self.spacings[1])),
+            // Smaller numbers have no level of their own.
+            (18, self.lowest > 0),
             (19, self.lowest < self.highest),
             (21, (-80..=60).contains(&self.value_octaves)),
             (2, HEAD + self.slices * (1 + self.slice()) + TAIL == count),

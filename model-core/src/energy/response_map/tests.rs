@@ -299,3 +299,134 @@ fn broadband_shaking_yields_in_proportion_to_its_density_and_is_flagged_above_th
     assert_eq!(map.broadband(0.0), Some(Broadband { value: 0.0, is_linear: true }));
     assert_eq!(map.broadband(f32::NAN), None);
 }
+
+/// What the layout says at a place, word by word: the branches with the levels of value, lower and upper bound. `None`
+/// outside the map and in the last unit of the detuning.
+fn read(words: &[u16], amplitude: f32, frequency: f32) -> Option<Vec<(Branch, [i32; 3])>> {
+    let signed = |index: usize| i32::from(words[index].cast_signed());
+    let word = |index: usize| i32::from(words[index]);
+    let (bits, rows) = (words[6] & 0xff, usize::from(words[6] >> 8));
+    let columns = (1 << bits) + 1;
+    let level = level(amplitude)?;
+    let units = fixed(frequency, signed(10))?.cast_signed() - (word(8) | word(9) << 16);
+    if units.unsigned_abs() > FARTHEST || !(word(18)..=word(19)).contains(&level) {
+        return None;
+    }
+    let from_first = detuning(units, u32::from(words[11])) - signed(12);
+    if !(0..word(13)).contains(&from_first) {
+        return None;
+    }
+    let place = (from_first * word(14)) >> word(15);
+    let (below, place) = ((place >> 10) as usize, place & 1023);
+    let between = |index: usize, stride: usize, part: i32, half: i32| {
+        word(index) + (((word(index + stride) - word(index)) * part + half) >> 10)
+    };
+    let start = HEAD + usize::from(words[7]);
+    let [rising, falling] = [start, start + columns].map(|curve| between(curve + below, 1, place, 0));
+    let branch = |branch: Branch, distance: i32| {
+        let (upper, has_lower) = (branch == Branch::Upper, words[5] & LOWER != 0);
+        if !upper && !has_lower {
+            return (branch, [i32::MIN; 3]);
+        }
+        let spacing = words[16 + usize::from(upper)];
+        let spacing = Spacing { shift: u32::from(spacing & 0xff), bits: u32::from(spacing >> 8) };
+        let nodes = start
+            + columns * if words[5] & UPPER != 0 { 2 } else { 1 }
+            + if upper && has_lower { columns * rows + BOUNDS } else { 0 };
+        let (row, above) = super::row(distance.max(0) as u32, spacing);
+        let (row, above) =
+            if row as usize > rows - 2 { (rows - 2, 1024) } else { (row as usize, above as i32) };
+        let [left, right] =
+            [below, below + 1].map(|column| between(nodes + column * rows + row, 1, above, 512));
+        let value = left + (((right - left) * place + 512) >> 10) + signed(21) * LEVELS_PER_OCTAVE;
+        let near = row < (NEAR as usize) << (spacing.bits - 1);
+        let bounds = word(nodes + columns * rows + (below >> (bits - 3)) + if near { 0 } else { BOUNDS / 2 });
+        let lower = if bounds & 0xff == 0xff { i32::MIN } else { value - (bounds & 0xff) * 16 };
+        (branch, [value, lower, value + (bounds >> 8) * 16])
+    };
+    let lower = || branch(Branch::Lower, rising - level);
+    let upper = || branch(Branch::Upper, level - falling);
+    Some(if words[5] & UPPER == 0 || level < falling - word(20) {
+        vec![lower()]
+    } else if level > rising + word(20) {
+        vec![upper()]
+    } else {
+        vec![lower(), upper()]
+    })
+}
+
+#[test]
+fn a_look_up_tells_what_the_layout_says_to_the_bit() {
+    // Values and boundaries that neither rise nor fall evenly.
+    let value: fn(usize, u32, u32, u32) -> u16 =
+        |slice, branch, column, row| (7919 * (3 * slice as u32 + 5 * branch + 11 * column + 17 * row)) as u16;
+    let plans = [
+        Plan { value, ..BOTH },
+        Plan { value, flags: UPPER, ..BOTH },
+        Plan { value, flags: LOWER, boundaries: [19 * 2048; 2], ..BOTH },
+        Plan { value, flags: LOWER | UPPER | CURRENT, voltages: &[17 * 2048, 18 * 2048], ..BOTH },
+    ];
+    let mut seed = 7_u32;
+    let mut random = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as f32 / 16_777_216.0
+    };
+    let mut told = 0;
+    for plan in &plans {
+        for (shift, bits) in [(10, 1), (9, 1), (8, 2), (12, 2)] {
+            let mut words = built(plan);
+            [words[16], words[17]] = [shift | bits << 8; 2];
+            // As the host rounds it: down, so that the last detuning is in the last cell.
+            words[14] -= 1;
+            for (index, boundary) in words[HEAD + plan.voltages.len()..][..18].iter_mut().enumerate() {
+                *boundary += (100 * (index * index % 7)) as u16;
+            }
+            seal(&mut words);
+            let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+            let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+            let of_bytes = ResponseMap::new(&bytes[..], FINGERPRINT).expect("valid");
+            for _ in 0..2000 {
+                let (amplitude, frequency) = (9.0 * random() * random(), 19.6 + 0.8 * random());
+                let Some(expected) = read(&words, amplitude, frequency) else { continue };
+                let number = |level: i32| if level == i32::MIN { 0.0 } else { number(level) };
+                let expected: Vec<(Branch, Bounded)> = expected
+                    .into_iter()
+                    .map(|(branch, levels)| {
+                        let [value, low, high] = levels.map(number);
+                        (branch, Bounded { value, low, high })
+                    })
+                    .collect();
+                let found = match map.at(amplitude, frequency) {
+                    Response::One { branch, income } => vec![(branch, income)],
+                    Response::Two { lower, upper } => vec![(Branch::Lower, lower), (Branch::Upper, upper)],
+                    Response::Outside(edge) => panic!("{amplitude} {frequency}: {edge:?}"),
+                };
+                assert_eq!(found, expected, "{amplitude} {frequency}");
+                assert_eq!(of_bytes.at(amplitude, frequency), map.at(amplitude, frequency));
+                told += 1;
+            }
+        }
+    }
+    assert!(told > 10_000, "{told}");
+}
+
+#[test]
+fn the_edges_are_the_first_and_the_last_number_with_a_level_and_a_detuning_in_the_map() {
+    let words = built(&BOTH);
+    let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+    let is_inside = |amplitude: f32, frequency: f32| map.at(amplitude, frequency).income().is_some();
+    for bits in (0.2499_f32.to_bits()..0.2501_f32.to_bits()).chain(7.99_f32.to_bits()..8.01_f32.to_bits()) {
+        let amplitude = f32::from_bits(bits);
+        let expected = (14 * 2048..=19 * 2048).contains(&level(amplitude).expect("positive"));
+        assert_eq!(is_inside(amplitude, 20.0), expected, "{amplitude}");
+    }
+    let reach = 2.0_f32.sinh() * 0.1;
+    for edge in [20.0 - reach, 20.0 + reach] {
+        for bits in (0.999_7 * edge).to_bits()..(1.000_3 * edge).to_bits() {
+            let frequency = f32::from_bits(bits);
+            let units = fixed(frequency, 15).expect("positive").cast_signed() - (20 << 15);
+            let from_first = detuning(units, u32::from(words[11])) + 8 * 1024;
+            assert_eq!(is_inside(1.0, frequency), (0..=16 * 1024).contains(&from_first), "{frequency}");
+        }
+    }
+}
