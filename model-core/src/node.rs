@@ -47,7 +47,7 @@ mod textbook_tests;
 
 pub use board::{Board, Fault, Gap, Runner, SaveError, Step};
 pub use filter::StoreReading;
-pub use hearing::Hearing;
+pub use hearing::{Hearing, Modelled, Yield};
 pub use parameters::{KnowingCost, NodeError, NodeParameters, Regular, Sensor, Spread};
 pub use state::{IncomeOfTime, NodeState};
 

@@ -88,9 +88,8 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     };
     let found = map::map(&scene, &request, &arguments.scene.options, &step)?;
     bar.finish_and_clear();
-    let file_name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    if let (Some([map_file, picture]), Some(_)) = (&files, &arguments.output) {
-        let name = file_name(&arguments.scene.scene);
+    let name = arguments.scene.scene.file_name().unwrap_or_default().to_string_lossy();
+    if let Some([map_file, picture]) = &files {
         if map_file.extension() == Some(OsStr::new("rs")) {
             outputs.write(map_file, &map::module(&found, &name, &command(arguments)))?;
         } else {
@@ -129,28 +128,32 @@ fn inputs(heard: &[Heard]) -> Fields {
     let mut all = Fields::default();
     for (kind, name) in map::KINDS.into_iter().zip(["line", "two_lines", "noise"]) {
         let of_kind = heard.iter().filter(|heard| heard.kind == kind && heard.truth > 0.0);
-        let (mut errors, mut holds, mut lines, mut flagged, mut silent) = (Vec::new(), 0, 0, 0, 0);
+        let (mut errors, mut either, mut holds, mut flagged, mut silent) = (Vec::new(), 0, 0_u32, 0, 0);
         for Heard { truth, said, .. } in of_kind {
             match *said {
-                Said::Line { value, low, high } => {
-                    lines += 1;
-                    holds += usize::from((low..=high).contains(truth));
+                Said::Known { value, low, high } => {
+                    holds += u32::from((low..=high).contains(truth));
                     errors.push((value / truth - 1.0).abs());
                 }
-                Said::Broadband { value, is_linear: true } => errors.push((value / truth - 1.0).abs()),
-                Said::Broadband { is_linear: false, .. } => flagged += 1,
+                Said::Either { low, high } => {
+                    holds += u32::from((low..=high).contains(truth));
+                    either += 1;
+                }
+                Said::Beyond => flagged += 1,
                 Said::Nothing => silent += 1,
             }
         }
         errors.sort_by(f64::total_cmp);
         let at = |part: f64| errors.get((errors.len() as f64 * part) as usize).copied();
+        let bounded = errors.len() + either;
         let numbers = json!({
             "estimates": errors.len(),
+            "either_motion": either,
             "flagged": flagged,
             "silent": silent,
             "median_error": at(0.5),
             "error_90_percent": at(0.9),
-            "bounds_hold": (lines > 0).then(|| holds as f64 / f64::from(lines)),
+            "bounds_hold": (bounded > 0).then(|| f64::from(holds) / bounded as f64),
         });
         let named = outcome::fields(&numbers);
         all.extend(named.into_iter().map(|(key, value)| (format!("{name}_{key}"), value)));

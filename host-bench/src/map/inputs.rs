@@ -1,11 +1,12 @@
-//! What a node would say of random inputs, by its 16-bit samples, its bank of lines and its map, against the trajectory
-//! under the same inputs.
+//! What a node says of random inputs, by its 16-bit samples, its bank of lines, its map and its own code, against the
+//! trajectory under the same inputs.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use model_core::energy::ResponseMap;
 use model_core::excitation::{LineBank, Lines};
+use model_core::node::{Hearing, Modelled, Yield};
 use rayon::prelude::*;
 
 use super::Map;
@@ -27,11 +28,6 @@ const UNIT: f64 = 9.806_65 / 1024.0;
 const NOISE_COUNTS: f64 = 3.0;
 /// Gravity on the sensor's axis in m/s².
 const GRAVITY: f64 = 9.806_65;
-/// Purity from which a block counts as a line, and mean purity up to which blocks count as broadband shaking.
-const LINE: f64 = 0.9;
-const BROADBAND: f64 = 0.85;
-/// Part of the line's yield above which another line is relevant.
-const RELEVANT: f64 = 0.05;
 /// Time constants of the free motion before the measurement, and blocks that are measured: of lines and of noise.
 const SETTLING: f64 = 8.0;
 const BLOCKS: [usize; 2] = [2, 40];
@@ -56,11 +52,13 @@ pub const KINDS: [Kind; 3] = [Kind::Line, Kind::TwoLines, Kind::Noise];
 /// What a node says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Said {
-    /// The yield of a line, with its bounds.
-    Line { value: f64, low: f64, high: f64 },
-    /// The yield of broadband shaking; whether it is linear.
-    Broadband { value: f64, is_linear: bool },
-    /// Neither a line nor broadband, or outside the map.
+    /// The yield, with its bounds.
+    Known { value: f64, low: f64, high: f64 },
+    /// That of one of two motions, with bounds that cover both.
+    Either { low: f64, high: f64 },
+    /// An order of magnitude: of broadband shaking beyond the linear motion.
+    Beyond,
+    /// No more than an order of magnitude, or nothing: neither a line nor broadband, or outside the map.
     Nothing,
 }
 
@@ -203,32 +201,23 @@ fn one(
     Ok(Heard { kind, truth: outcome.mean_power_w.unwrap_or(f64::NAN), said })
 }
 
-/// What a node says of its blocks.
+/// What a node says of its blocks while its storage says nothing.
 fn said(map: &ResponseMap<&[u16]>, blocks: &[Lines]) -> Said {
-    let count = blocks.len().max(1) as f64;
-    let mean = |of: fn(&Lines) -> f32| blocks.iter().map(|lines| f64::from(of(lines))).sum::<f64>() / count;
-    if blocks.iter().all(|lines| f64::from(lines.purity) >= LINE) {
-        let rest = map.broadband(mean(|lines| lines.rest) as f32).map_or(0.0, |rest| f64::from(rest.value));
-        let incomes: Option<Vec<_>> =
-            blocks.iter().map(|lines| map.at(lines.amplitude, lines.frequency).income()).collect();
-        let Some(incomes) = incomes.filter(|incomes| !incomes.is_empty()) else { return Said::Nothing };
-        let sum = |of: fn(&model_core::energy::response_map::Bounded) -> f32| {
-            incomes.iter().map(|income| f64::from(of(income))).sum::<f64>() / count
-        };
-        let [value, low, high] = [sum(|i| i.value), sum(|i| i.low), sum(|i| i.high)];
-        // A line at the resonance yields up to three times what broadband shaking of its density does.
-        if 3.0 * rest > RELEVANT * value {
-            return Said::Nothing;
+    let modelled = Modelled::of_blocks(map, blocks, 0.0);
+    let bounds = |found: Yield| {
+        let [value, bound] = [found.value, found.bound()].map(f64::from);
+        [value - bound, value, value + bound]
+    };
+    match modelled.hearing {
+        Hearing::Line | Hearing::Broadband | Hearing::Rest => {
+            let [low, value, high] = bounds(modelled.lower);
+            Said::Known { value, low, high }
         }
-        // What else the band has counts twice, as it may beat with the line.
-        let beside = 2.0 * (1.0 - blocks.iter().map(|lines| f64::from(lines.purity)).fold(1.0, f64::min));
-        return Said::Line { value, low: low * (1.0 - beside), high: high * (1.0 + beside) + 3.0 * rest };
+        Hearing::TwoMotions | Hearing::TwoMotionsOneSeen => {
+            let [low, _, high] = bounds(modelled.either());
+            Said::Either { low, high }
+        }
+        Hearing::BroadbandBeyond => Said::Beyond,
+        Hearing::Outside(_) | Hearing::Unclear | Hearing::Damaged => Said::Nothing,
     }
-    if mean(|lines| lines.purity) <= BROADBAND && blocks.len() >= 8 {
-        return match map.broadband(mean(|lines| lines.density) as f32) {
-            Some(found) => Said::Broadband { value: f64::from(found.value), is_linear: found.is_linear },
-            None => Said::Nothing,
-        };
-    }
-    Said::Nothing
 }

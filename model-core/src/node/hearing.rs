@@ -1,6 +1,7 @@
 //! What a listen says of the income: lines of blocks, looked up in the map.
 
 use super::parameters::MOST_BLOCKS;
+use super::state::BOUND;
 use crate::energy::ResponseMap;
 use crate::energy::response_map::{Bounded, Outside, Response, Words};
 use crate::excitation::Lines;
@@ -45,25 +46,58 @@ pub enum Hearing {
     Damaged,
 }
 
-/// What a listen says by the map.
+/// What a listen says by the map, before the storage has a say.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Modelled {
-    pub(super) hearing: Hearing,
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Modelled {
+    /// Of what kind it is.
+    pub hearing: Hearing,
     /// Of the smaller motion where there are two.
-    pub(super) lower: Yield,
+    pub lower: Yield,
     /// Of the larger motion where there are two.
-    pub(super) upper: Yield,
+    pub upper: Yield,
 }
 
 /// Yield of a motion by the map.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Yield {
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Yield {
     /// In W.
-    pub(super) value: f32,
+    pub value: f32,
     /// Standard deviation in W by noise, new in each listen.
-    pub(super) noise: f32,
+    pub noise: f32,
     /// Relative standard deviation by the map, the same at the same place.
-    pub(super) systematic: f32,
+    pub systematic: f32,
+}
+
+impl Modelled {
+    /// What the blocks of a listen say by the map, with the storage at `voltage` in V, which only a map of charge asks for.
+    /// A [`Node`](super::Node) hears by the same code, as its samples come.
+    #[must_use]
+    pub fn of_blocks<W: Words>(map: &ResponseMap<W>, blocks: &[Lines], voltage: f32) -> Self {
+        let mut sums = Blocks::default();
+        for lines in blocks {
+            sums.add(map, lines, voltage);
+        }
+        sums.modelled(map, voltage)
+    }
+
+    /// The yield of either motion: the middle of both, uncertain by half of their difference.
+    #[must_use]
+    pub fn either(&self) -> Yield {
+        let Self { lower, upper, .. } = *self;
+        let half = 0.5 * (upper.value - lower.value);
+        Yield { value: lower.value + half, noise: half + lower.noise, systematic: upper.systematic }
+    }
+}
+
+impl Yield {
+    /// Bound of its error in W: two and a half standard deviations, as of an [`IncomeOfTime`](super::IncomeOfTime).
+    #[must_use]
+    pub fn bound(&self) -> f32 {
+        let of_map = self.systematic * self.value;
+        BOUND * Scalar::sqrt(self.noise * self.noise + of_map * of_map)
+    }
 }
 
 /// Sums over the blocks of a listen.

@@ -17,7 +17,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// Takes in what a whole listen says.
     pub(super) fn conclude(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, voltage: f32) -> Hearing {
         let elapsed = state.second.saturating_sub(state.last_listen);
-        let Modelled { mut hearing, lower, upper } = state.listen.blocks.modelled(&self.map, voltage);
+        let modelled = state.listen.blocks.modelled(&self.map, voltage);
+        let Modelled { mut hearing, lower, upper } = modelled;
         let mut found = lower;
         match hearing {
             Hearing::Line | Hearing::Broadband | Hearing::Rest => {}
@@ -32,15 +33,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
                     self.miss(state);
                     return hearing;
                 }
-                None => {
-                    // Either: the middle, uncertain by half of the difference.
-                    let half = 0.5 * (upper.value - lower.value);
-                    found = Yield {
-                        value: lower.value + half,
-                        noise: half + lower.noise,
-                        systematic: upper.systematic,
-                    };
-                }
+                None => found = modelled.either(),
             },
             Hearing::Damaged => {
                 self.miss(state);

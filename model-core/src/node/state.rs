@@ -11,7 +11,7 @@ use crate::snapshot::{snapshot_fields, snapshot_variants};
 
 /// Standard deviations in a bound. The shaking of machines jumps more often than a normal distribution has it: two would
 /// hold for nine hours of ten.
-const BOUND: f32 = 2.5;
+pub(super) const BOUND: f32 = 2.5;
 
 /// The state of a [`Node`](super::Node): all that it has learnt, and a listen that is under way.
 #[derive(Debug, Clone, Copy, PartialEq)]
