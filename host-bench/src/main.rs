@@ -72,7 +72,7 @@ enum Command {
     Run(run::RunArguments),
     /// Build the firmware for each core, run it under QEMU
     #[command(
-        after_help = "Run time: some minutes: a build of the firmware for each core, and its runs under QEMU"
+        after_help = "Run time: two minutes on two cores for all cores, most of it a build of the firmware for each; half a minute for another report or one core; the first time a minute more"
     )]
     OnTarget(on_target::OnTargetArguments),
     /// The values of one to four keys at which a number of the result is largest or smallest

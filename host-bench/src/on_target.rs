@@ -9,6 +9,7 @@ pub mod build;
 pub mod core;
 pub mod day;
 pub mod decode;
+pub mod decoder;
 pub mod following;
 pub mod image;
 pub mod native;
@@ -204,7 +205,7 @@ impl Bench {
         let firmware = Firmware::build(core, binary)?;
         let size = firmware.check()?;
         let log = qemu::run(core, &firmware.path, self.time_limit)?;
-        let mut workloads = workloads(core, &firmware.bytes, &log).map_err(|error| Error::on(core, error))?;
+        let mut workloads = workloads(core, &firmware.path, &log).map_err(|error| Error::on(core, error))?;
         // The firmware logs the calibration first.
         if workloads.first().is_none_or(|first| first.name != "calibration") {
             return Err(Error::on(core, decode::Error::Incomplete));
@@ -258,7 +259,7 @@ impl<'a> Firmware<'a> {
 }
 
 /// The workloads of a log.
-fn workloads(core: Core, firmware: &[u8], log: &[u8]) -> Result<Vec<Workload>, decode::Error> {
+fn workloads(core: Core, firmware: &Path, log: &[u8]) -> Result<Vec<Workload>, decode::Error> {
     let sections = decode::decode(firmware, log)?;
     sections.into_iter().map(|section| workload(core, section)).collect()
 }

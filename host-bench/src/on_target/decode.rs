@@ -1,7 +1,7 @@
 //! The firmware's log, read back.
 //!
-//! The frames are defmt's; its own decoder turns them into text, with the strings that only the
-//! firmware's ELF file has. The text is a record of `firmware-example/src/measure.rs`:
+//! The frames are defmt's; its own decoder turns them into text ([`decoder`](super::decoder)), with the strings that only
+//! the firmware's ELF file has. The text is a record of `firmware-example/src/measure.rs`:
 //!
 //! ```text
 //! begin NAME
@@ -13,9 +13,11 @@
 //! The reader is strict. A log with a flaw in it is refused as a whole, because the figures are worth
 //! nothing if a part of them is missing.
 
-use defmt_decoder::{DecodeError, Table};
 use std::collections::BTreeMap;
+use std::path::Path;
 use thiserror::Error;
+
+use super::decoder;
 
 /// All that is logged from one `begin` to its `end`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,9 +46,9 @@ pub struct Sample {
 /// What is wrong with a log.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum Error {
-    /// The ELF file has nothing to decode the log with.
-    #[error("no defmt strings in the firmware: {0}")]
-    Strings(String),
+    /// The decoder cannot be built or run, or the ELF file has nothing to decode the log with.
+    #[error("the log cannot be decoded: {0}")]
+    Decoder(String),
     /// Bytes that are not a frame.
     #[error("a frame of the log is damaged, after {0} good ones")]
     Frame(usize),
@@ -71,29 +73,8 @@ pub enum Error {
 /// # Errors
 ///
 /// At the first flaw.
-pub fn decode(firmware: &[u8], log: &[u8]) -> Result<Vec<Section>, Error> {
-    sections(&messages(firmware, log)?)
-}
-
-/// The messages of any log, one for each frame.
-///
-/// # Errors
-///
-/// If a frame is damaged, or the firmware does not have the strings.
-pub fn messages(firmware: &[u8], log: &[u8]) -> Result<Vec<String>, Error> {
-    let table = Table::parse(firmware)
-        .map_err(|error| Error::Strings(error.to_string()))?
-        .ok_or_else(|| Error::Strings("no .defmt section".to_owned()))?;
-    let mut decoder = table.new_stream_decoder();
-    decoder.received(log);
-    let mut records = Vec::new();
-    loop {
-        match decoder.decode() {
-            Ok(frame) => records.push(frame.display_message().to_string()),
-            Err(DecodeError::UnexpectedEof) => return Ok(records),
-            Err(DecodeError::Malformed) => return Err(Error::Frame(records.len())),
-        }
-    }
+pub fn decode(firmware: &Path, log: &[u8]) -> Result<Vec<Section>, Error> {
+    sections(&decoder::messages(firmware, log)?)
 }
 
 /// Compares the messages of a log with those of the host. A number in either is written with as many digits as tell it from

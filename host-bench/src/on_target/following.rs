@@ -9,7 +9,7 @@ use firmware_example::following::{
 use super::build::Binary;
 use super::core::Core;
 use super::size::Size;
-use super::{Error, Firmware, decode, qemu};
+use super::{Error, Firmware, decode, decoder, qemu};
 
 fn fail(error: NodeError) -> Error {
     Error::Host(format!("the node fails: {error:?}"))
@@ -56,7 +56,7 @@ pub fn follow(core: Core, time_limit: Duration) -> Result<(Vec<Report>, Size), E
     let firmware = Firmware::build(core, Binary::new("node_following"))?;
     let size = firmware.check()?;
     let log = qemu::run(core, &firmware.path, time_limit)?;
-    let found = decode::messages(&firmware.bytes, &log).map_err(|error| Error::on(core, error))?;
+    let found = decoder::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
     let expected = native()?;
     decode::same(&found, &expected.log).map_err(|what| Error::on(core, what))?;
     Ok((expected.reports, size))

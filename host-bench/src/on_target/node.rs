@@ -7,7 +7,7 @@ use firmware_example::node::{Count, End, Entry, LOSSES, NoMeter, Part, World, cy
 use super::build::Binary;
 use super::core::Core;
 use super::size::Size;
-use super::{Error, Firmware, decode, qemu};
+use super::{Error, Firmware, decode, decoder, qemu};
 
 /// The processor of the node on `core`.
 #[must_use]
@@ -106,7 +106,7 @@ pub fn follow(core: Core, time_limit: Duration) -> Result<Followed, Error> {
     let firmware = Firmware::build(core, Binary::new("node"))?;
     let size = firmware.check()?;
     let log = qemu::run(core, &firmware.path, time_limit)?;
-    let messages = decode::messages(&firmware.bytes, &log).map_err(|error| Error::on(core, error))?;
+    let messages = decoder::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
     let (counts, found): (Vec<_>, Vec<_>) =
         messages.into_iter().partition(|message| message.starts_with("count "));
 
