@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use super::Error;
 use crate::embedded::contact_separation_parameters;
 use crate::scene_file;
+use crate::stability::random::source::Source;
 
 /// What shakes the harvester in a minute: amplitudes in mm/s² and frequencies in mHz of two lines.
 pub type Lines = [[u16; 2]; 2];
@@ -49,12 +50,12 @@ const STILL: usize = 2;
 /// What shakes the harvester, minute by minute.
 #[must_use]
 pub fn shaking() -> Vec<Lines> {
-    let mut random = Random(7);
+    let mut random = Source::of_seed(7);
     HOURS.iter().flat_map(|&part| hour((AMPLITUDE * part / 100) as u16, &mut random)).collect()
 }
 
 /// An hour of the machine: an even line, one that wanders, two lines, or bursts.
-fn hour(amplitude: u16, random: &mut Random) -> Vec<Lines> {
+fn hour(amplitude: u16, random: &mut Source) -> Vec<Lines> {
     let kind = random.whole(0..=3);
     let (from, to, beside) =
         (random.whole(FREQUENCIES), random.whole(FREQUENCIES), random.whole(19_600..=21_000));
@@ -162,18 +163,4 @@ amplitude_mm_per_s2,frequency_mhz,second_amplitude_mm_per_s2,second_frequency_mh
         let _ = writeln!(text, "{one},{at},{other},{other_at},{energy}");
     }
     text
-}
-
-/// Whole random numbers by SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn whole(&mut self, range: RangeInclusive<u16>) -> u16 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let count = u64::from(range.end() - range.start()) + 1;
-        range.start() + ((z ^ (z >> 31)) % count) as u16
-    }
 }

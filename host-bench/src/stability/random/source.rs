@@ -1,5 +1,7 @@
 //! Random numbers: SplitMix64 (Steele, Lea and Flood, 2014).
 
+use std::ops::RangeInclusive;
+
 /// A sequence of random numbers.
 #[derive(Debug)]
 pub(crate) struct Source(u64);
@@ -12,6 +14,17 @@ impl Source {
     pub(crate) fn new(seed: u64, number: u64) -> Self {
         let mut by_seed = Self(seed);
         Self(by_seed.bits() ^ number.wrapping_mul(GOLDEN))
+    }
+
+    /// The sequence of a seed alone.
+    pub(crate) fn of_seed(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// A whole number of a range.
+    pub(crate) fn whole(&mut self, range: RangeInclusive<u16>) -> u16 {
+        let count = u64::from(range.end() - range.start()) + 1;
+        range.start() + (self.bits() % count) as u16
     }
 
     fn bits(&mut self) -> u64 {
