@@ -76,9 +76,7 @@ enum Command {
     )]
     OnTarget(on_target::OnTargetArguments),
     /// The values of one to four keys at which a number of the result is largest or smallest
-    #[command(
-        after_help = "Run time: that of its runs on all cores: at most 190, 520, 780 and 1210 of them over one to four keys, with constraints half as many again"
-    )]
+    #[command(after_help = optimise::run_time())]
     Optimise(optimise::OptimiseArguments),
     /// Stiff and extreme scenes: each right, refused, or a named error
     Stability(stability::StabilityArguments),

@@ -11,6 +11,7 @@ mod column;
 mod emit;
 mod image;
 mod inputs;
+mod page;
 mod picture;
 mod places;
 #[cfg(test)]
@@ -24,6 +25,7 @@ pub use self::column::Column;
 pub use self::emit::{bytes, module};
 pub use self::image::Image;
 pub use self::inputs::{Heard, KINDS, Kind, Said, heard};
+pub use self::page::page;
 pub use self::picture::{best, draw};
 pub use self::places::{Place, Truth};
 

@@ -13,6 +13,7 @@ pub(crate) use self::page::page;
 pub(crate) use self::series::{Series, quantity};
 
 use crate::method::Failure;
+use crate::report::html::is_page;
 use crate::report::plot::{self, Axis, Curve, Mark, Plot, height};
 use crate::report::setting::prefix;
 use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, together};
@@ -168,11 +169,7 @@ fn fault(reason: String) -> Failure {
 
 /// What goes into a file of this name: a page if it ends so, else a picture.
 pub(crate) fn of_file(file: &Path, wanted: &Wanted<'_>, series: &[Series]) -> Result<String, Failure> {
-    if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html")) {
-        page(wanted, series)
-    } else {
-        draw(wanted, series)
-    }
+    if is_page(file) { page(wanted, series) } else { draw(wanted, series) }
 }
 
 /// The picture as SVG text.
@@ -266,17 +263,16 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
 
 /// Velocity over position; `None` if no run has both.
 fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Plot> {
-    let all: Vec<Vec<(f64, f64)>> = series.iter().map(|one| one.portrait(wanted.span_s)).collect();
-    let largest =
-        |of: fn(&(f64, f64)) -> f64| all.iter().flatten().map(of).fold(0.0_f64, |a, b| a.max(b.abs()));
-    let [(x_sign, x_factor), (y_sign, y_factor)] =
-        [prefix(largest(|point| point.0)), prefix(largest(|point| point.1))];
+    let all: Vec<Vec<[f64; 3]>> = series.iter().map(|one| one.portrait(wanted.span_s)).collect();
+    let largest = |of: usize| all.iter().flatten().map(|row| row[of]).fold(0.0_f64, |a, b| a.max(b.abs()));
+    let [(x_sign, x_factor), (y_sign, y_factor)] = [1, 2].map(|of| prefix(largest(of)));
     let column = series.iter().find_map(Series::position)?;
     let curves: Vec<Curve> = coloured(series)
         .zip(all)
         .map(|((one, colour), points)| {
-            let scaled = points.into_iter().map(|(x, y)| (x_factor * x, y_factor * y));
-            Curve::new(named(series, one), colour, Mark::Line(1.1), scaled)
+            let scaled = points.iter().map(|[_, x, y]| (x_factor * x, y_factor * y));
+            let times = points.iter().map(|[time, ..]| format!("time: {time:.6} s")).collect();
+            Curve::new(named(series, one), colour, Mark::Line(1.1), scaled).with_notes(times)
         })
         .collect();
     let points = || curves.iter().flat_map(|curve| &curve.points);

@@ -2,16 +2,19 @@
 //! derivatives from its best points.
 
 mod doubt;
+mod page;
 mod picture;
 mod search;
 
 use std::path::Path;
 use std::str::FromStr;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde_json::{Map, Value, json};
 
+pub(crate) use self::page::page;
 pub(crate) use self::picture::draw;
-pub(crate) use self::search::optimise;
+pub(crate) use self::search::{most_runs, optimise};
 use crate::method::{Failure, Options};
 use crate::outcome::{Outcome, fields, flattened, number};
 use crate::run::run_scene;
@@ -125,6 +128,23 @@ pub(crate) struct Request<'a> {
     pub(crate) constraints: Vec<Constraint>,
     /// Points of the grid for each key.
     pub(crate) grid: usize,
+    /// Hears of each run.
+    pub(crate) done: &'a (dyn Fn() + Sync),
+    pub(crate) runs: Runs,
+}
+
+/// The runs so far, and those of them that failed or lack a number.
+#[derive(Debug, Default)]
+pub(crate) struct Runs {
+    all: AtomicUsize,
+    failed: AtomicUsize,
+}
+
+impl Runs {
+    /// All, and those that failed.
+    fn counts(&self) -> [usize; 2] {
+        [&self.all, &self.failed].map(|count| count.load(Ordering::Relaxed))
+    }
 }
 
 impl Request<'_> {
@@ -146,7 +166,34 @@ impl Request<'_> {
     }
 
     fn tried(&self, place: &[f64]) -> Result<Outcome, Failure> {
+        self.counted(self.run(place))
+    }
+
+    /// A run that is not yet counted.
+    fn run(&self, place: &[f64]) -> Result<Outcome, Failure> {
         run_scene(&self.scene(place)?, &self.options)
+    }
+
+    /// Counts a run.
+    fn counted(&self, found: Result<Outcome, Failure>) -> Result<Outcome, Failure> {
+        self.runs.all.fetch_add(1, Ordering::Relaxed);
+        self.runs.failed.fetch_add(usize::from(found.is_err()), Ordering::Relaxed);
+        (self.done)();
+        found
+    }
+
+    /// Runs the scene at a place and judges it.
+    fn point(&self, place: &[f64]) -> Point {
+        self.judged(place, self.outcome(place))
+    }
+
+    fn judged(&self, place: &[f64], outcome: Option<Outcome>) -> Point {
+        let found = outcome.and_then(|outcome| {
+            let found = self.judge(&outcome);
+            self.runs.failed.fetch_add(usize::from(found.is_none()), Ordering::Relaxed);
+            found
+        });
+        Point { place: place.to_vec(), found }
     }
 
     /// The value sought, the higher the better, and the margin of each constraint; `None` where one is undefined.
@@ -257,9 +304,10 @@ pub(crate) struct Found {
     /// For each key the range around the best point within 1 % of the best value.
     pub(crate) flat: Vec<[f64; 2]>,
     pub(crate) outcome: Outcome,
-    /// All points, those of the grid first, the last key running fastest.
+    /// All points of the grid, the last key running fastest, and then those of the searches.
     pub(crate) points: Vec<Point>,
-    pub(crate) failed: usize,
+    /// Runs of these points, of the flat range, of the best point again, and beside it; and those that failed.
+    pub(crate) runs: [usize; 2],
     /// What to know before the optimum is used, besides the warnings of its run.
     pub(crate) doubts: Vec<String>,
 }
@@ -320,8 +368,9 @@ impl Found {
             let relative = cost.zip(value_without).map(|(cost, without)| cost / without.abs());
             put("constraint_cost_relative", json!(relative.filter(|relative| relative.is_finite())));
         }
-        put("evaluations", json!(self.points.len()));
-        put("failed", json!(self.failed));
+        let [runs, failed] = self.runs;
+        put("evaluations", json!(runs));
+        put("failed", json!(failed));
         put("warnings", json!(self.warnings().collect::<Vec<_>>()));
         put("result", Value::Object(fields(&self.outcome)));
         all

@@ -3,6 +3,7 @@
 mod chart;
 pub(crate) mod charts;
 pub(crate) mod colour_bar;
+pub(crate) mod field;
 pub(crate) mod html;
 pub(crate) mod plot;
 pub(crate) mod setting;

@@ -11,6 +11,7 @@ use super::{NODE, SceneArguments, Unused, check_overrides, note, one_more, print
 use crate::map::{self, Heard, Map, Request, Said, Step};
 use crate::method::Failure;
 use crate::outcome::{self, Fields, text};
+use crate::report::html::is_page;
 use crate::scene_file;
 
 /// Keys that a map does not use.
@@ -68,6 +69,9 @@ pub struct MapArguments {
     /// Write the map into this file: .rs constants for firmware, .bin bytes; and a picture beside it
     #[arg(long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write a picture of the first slice (.svg), or a page of all slices with zoom and the yield at the pointer (.html)
+    #[arg(long, value_name = "FILE.svg|.html")]
+    picture: Option<PathBuf>,
 }
 
 /// Makes the map, writes it, and prints how well it agrees with the model.
@@ -80,6 +84,9 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let outputs = Outputs::of(&arguments.scene.scene, overrides)?;
     for file in files.iter().flatten() {
         outputs.check("--output", file)?;
+    }
+    if let Some(file) = &arguments.picture {
+        outputs.check_picture("--picture", file, &["svg", "html"])?;
     }
     let bar = progress(0);
     let step = |step| match step {
@@ -96,6 +103,10 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
             outputs.write_bytes(map_file, &map::bytes(&found))?;
         }
         outputs.write(picture, &map::draw(&found, 0, &name)?)?;
+    }
+    if let Some(file) = &arguments.picture {
+        let drawn = if is_page(file) { map::page(&found, &name)? } else { map::draw(&found, 0, &name)? };
+        outputs.write(file, &drawn)?;
     }
     if found.agreement.median > request.error {
         note(&format!(

@@ -9,8 +9,9 @@ use super::storage_voltage::StorageVoltage;
 use super::{NODE, SceneArguments, check_keys, json_text, one_more, print, progress, tell};
 use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
-use crate::optimise::{Constraint, Found, Range, Request, draw, optimise};
+use crate::optimise::{Constraint, Found, Range, Request, Runs, draw, most_runs, optimise, page};
 use crate::outcome::{Format, text};
+use crate::report::html::is_page;
 use crate::scene_file::{self, Scene};
 
 /// Points of the grid for each of one to four keys.
@@ -45,9 +46,26 @@ pub struct OptimiseArguments {
     /// Write the scene with the best values, and a picture beside it (.svg)
     #[arg(long, value_name = "BEST.toml")]
     output: Option<PathBuf>,
-    /// Write a curve over the key, or a map over the first two, with the best point
-    #[arg(long, value_name = "FILE.svg")]
+    /// Write a curve over the key, or a map over the first two, with the best point (.svg); or a page with zoom, the values
+    /// at the pointer and the way of the search (.html)
+    #[arg(long, value_name = "FILE.svg|.html")]
     picture: Option<PathBuf>,
+}
+
+/// How long it takes, for the help.
+#[must_use]
+pub fn run_time() -> String {
+    let most = |is_constrained: bool| {
+        let [one, two, three, four] =
+            [1, 2, 3, 4].map(|keys| most_runs(keys, GRID[keys - 1], is_constrained));
+        format!("{one}, {two}, {three} and {four}")
+    };
+    format!(
+        "Run time: that of its runs on all cores: at most {} of them over one to four keys, with constraints {}; most searches \
+         end after half of them",
+        most(false),
+        most(true)
+    )
 }
 
 /// Seeks the optimum, writes the files, and prints the result.
@@ -80,23 +98,26 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
         outputs.check("--output", path)?;
     }
     if let Some(path) = &arguments.picture {
-        outputs.check_picture("--picture", path, &["svg"])?;
+        outputs.check_picture("--picture", path, &["svg", "html"])?;
     }
     let hold = |scene: &mut Scene| held.hold(scene);
     scene_file::read(file, overrides)?;
+    let bar = progress(0);
     let request = Request {
         file,
         overrides,
         options,
         hold: &hold,
+        done: &|| one_more(&bar),
+        runs: Runs::default(),
         quantity: arguments.maximise.clone().or(arguments.minimise.clone()).unwrap_or_default(),
         is_largest: arguments.maximise.is_some(),
         ranges: arguments.ranges.clone(),
         constraints: arguments.constraints.clone(),
         grid,
     };
-    let bar = progress(0);
-    let found = optimise(&request, &|count| bar.inc_length(count as u64), &|| one_more(&bar));
+    // A search may end before its most runs.
+    let found = optimise(&request, &|count| bar.set_length(bar.position() + count as u64));
     bar.finish_and_clear();
     let found = found?;
     for warning in found.warnings() {
@@ -105,7 +126,9 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let title = format!("{name}: {}", request.quantity);
     for path in pictures.iter().flatten() {
-        outputs.write(path, &draw(&found, &request, &title).map_err(Failure::Input)?)?;
+        let drawn =
+            if is_page(path) { page(&found, &request, &title) } else { draw(&found, &request, &title) };
+        outputs.write(path, &drawn.map_err(Failure::Input)?)?;
     }
     if let Some(path) = &arguments.output {
         let entries = entries(&found, &request);
@@ -184,6 +207,7 @@ fn for_people(found: &Found, request: &Request<'_>) -> String {
             100.0 * number("constraint_cost_relative")
         );
     }
-    let _ = writeln!(text, "{} runs, {} failed", found.points.len(), found.failed);
+    let [runs, failed] = found.runs;
+    let _ = writeln!(text, "{runs} runs, {failed} failed");
     text
 }

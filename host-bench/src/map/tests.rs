@@ -59,12 +59,13 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
         })
         .collect();
     let unbounded: Vec<SliceBounds> = vec![Default::default()];
+    let slices = [columns];
     let content = Content {
         axes: &axes,
         fingerprint: 7,
         voltages: &[0.0],
         is_current: false,
-        slices: &[columns],
+        slices: &slices,
         margin: 30.0,
         bounds: &unbounded,
     };
@@ -90,6 +91,46 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
         }
     }
     assert!(matches!(map.at(0.9, 240.0), Response::Outside(_)));
+
+    // The page tells the same of its cells.
+    let agreement = Agreement {
+        places: 0,
+        median: 0.0,
+        percentile_90: 0.0,
+        largest: 0.0,
+        bounds_hold: 1.0,
+        regime_right: 1.0,
+        far_places: 0,
+        median_bounds_ratio: 1.0,
+    };
+    let map = Map {
+        image,
+        slices: slices.to_vec(),
+        checked: Vec::new(),
+        agreement,
+        margin: 0.0,
+        broadband: None,
+        periods: 0.0,
+        axes,
+    };
+    let page = page(&map, "a linear beam").expect("a page");
+    let charts =
+        page.split("const charts = ").nth(1).and_then(|rest| rest.split(";\n").next()).expect("charts");
+    let charts: serde_json::Value = serde_json::from_str(charts).expect("JSON");
+    let told = |title: &str, index: usize| {
+        let tells = charts[0]["field"]["tells"].as_array().expect("a list");
+        let found = tells.iter().find(|told| told["title"].as_str().is_some_and(|text| text.contains(title)));
+        found
+            .and_then(|told| told["values"][index].as_f64())
+            .unwrap_or_else(|| panic!("{title} of cell {index}"))
+    };
+    let across = charts[0]["field"]["x"].as_array().expect("edges").len() - 1;
+    for index in [0, across / 2, 20 * across + 3, 40 * across + across / 2] {
+        let (amplitude, frequency) =
+            (told("amplitude [", index / across), told("frequency [", index % across));
+        let error = told("mean power [", index) * 1e-6 / closed_form(&scene, amplitude, frequency) - 1.0;
+        assert!(error.abs() < 0.05 && page.contains("mean power [µW]"), "cell {index}: {error}");
+    }
 }
 
 #[test]

@@ -51,12 +51,20 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
             let fill =
                 if value < 0.0 { "none".to_owned() } else { format!("#{red:02X}{green:02X}{blue:02X}") };
             let of = if known.len() > 1 { format!("  {}", escaped(&one.name)) } else { String::new() };
+            let supplied = parts.first().map_or(0.0, |(_, value)| *value);
+            let part = if supplied > 0.0 {
+                format!(", {:.3} % of what comes from the base", 100.0 * value / supplied)
+            } else {
+                String::new()
+            };
+            // The title is what a browser shows at the pointer.
             let _ = writeln!(
                 text,
-                "<rect x=\"{LEFT}\" y=\"{}\" width=\"{long:.1}\" height=\"{}\" fill=\"{fill}\" \
-                 stroke=\"#{red:02X}{green:02X}{blue:02X}\"/>\n<text x=\"{:.1}\" y=\"{}\">{}{of}</text>",
+                "<rect x=\"{LEFT}\" y=\"{}\" width=\"{long:.1}\" height=\"{}\" fill=\"{fill}\" pointer-events=\"all\" \
+                 stroke=\"#{red:02X}{green:02X}{blue:02X}\"><title>{}: {value:.6e} J{part}</title></rect>\n<text x=\"{:.1}\" y=\"{}\">{}{of}</text>",
                 y + 3,
                 ROW - 6,
+                escaped(name),
                 f64::from(LEFT) + long + 6.0,
                 y + 15,
                 with_unit(value, "J"),

@@ -1,12 +1,16 @@
-//! The picture as a page: time histories and spectrum are charts with zoom and hover, portrait and energy flow are pictures.
+//! The picture as a page: time histories, spectrum and portrait are charts with zoom and hover; of the energy flow the pointer
+//! shows the parts.
 
 use std::fmt::Write;
 
-use super::{COLOURS, PANEL, STRIP, Series, View, WIDTH, Wanted, energy, fault, history, lines, phase};
+use super::{COLOURS, STRIP, Series, View, WIDTH, Wanted, energy, history, lines, phase};
 use crate::method::Failure;
 use crate::report::charts::{Charts, HINT, Look};
 use crate::report::html::{document, escaped};
-use crate::report::plot::{self, Plot};
+use crate::report::plot::Plot;
+
+/// How the portrait stands in the page.
+const PORTRAIT: Look<'_> = Look { height: 560, group: None };
 
 /// The page.
 pub(crate) fn page(wanted: &Wanted<'_>, series: &[Series]) -> Result<String, Failure> {
@@ -29,7 +33,7 @@ pub(crate) fn page(wanted: &Wanted<'_>, series: &[Series]) -> Result<String, Fai
     if has(View::Phase)
         && let Some(plot) = phase(wanted, series)
     {
-        let _ = writeln!(body, "<figure>{}</figure>", plot::draw(PANEL, &[plot]).map_err(fault)?);
+        body += &charts.place_orbits(&plot, PORTRAIT);
     }
     if has(View::Energy)
         && let Some((_, svg)) = energy::flow(WIDTH, series, COLOURS)

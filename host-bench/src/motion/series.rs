@@ -133,9 +133,9 @@ impl Series {
         Some(before.1 + part * (after.1 - before.1))
     }
 
-    /// Position and velocity within two instants in s. Where the velocity is not recorded it is the difference of the
+    /// Time, position and velocity within two instants in s. Where the velocity is not recorded it is the difference of the
     /// positions beside a row.
-    pub(crate) fn portrait(&self, [from, to]: [f64; 2]) -> Vec<(f64, f64)> {
+    pub(crate) fn portrait(&self, [from, to]: [f64; 2]) -> Vec<[f64; 3]> {
         let Some(column) = self.position() else { return Vec::new() };
         let positions = self.over_time(column);
         let recorded = self.over_time("velocity_m_per_s");
@@ -147,6 +147,6 @@ impl Series {
             }
         };
         let within = positions.iter().enumerate().filter(|(_, (time, _))| (from..=to).contains(time));
-        within.filter_map(|(index, (_, position))| Some((*position, velocity(index)?))).collect()
+        within.filter_map(|(index, (time, position))| Some([*time, *position, velocity(index)?])).collect()
     }
 }

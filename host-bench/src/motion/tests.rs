@@ -130,7 +130,7 @@ fn a_page_has_its_data_and_needs_no_network() {
     assert!(page.contains("a &lt; b") && page.contains("from the base"));
     let charts = charts(&page);
     let all = charts.as_array().expect("charts");
-    assert_eq!(all.len(), wanted.quantities.len() + 1);
+    assert_eq!(all.len(), wanted.quantities.len() + 2);
     assert_eq!((&all[0]["up"], &all[0]["curves"][0]["name"]), (&"gap [mm]".into(), &"</script>".into()));
     let shown: Vec<&(f64, f64)> =
         gap.iter().filter(|(time, _)| (wanted.span_s[0]..=wanted.span_s[1]).contains(time)).collect();
@@ -140,6 +140,15 @@ fn a_page_has_its_data_and_needs_no_network() {
         assert!((value.as_f64().expect("a number") - 1e3 * gap).abs() < 1e-5);
     }
     assert_eq!(all[wanted.quantities.len()]["logarithmic"], serde_json::json!([false, true]));
+    // The portrait goes round: its points are in the order of the time, which the pointer shows.
+    let portrait = &all[wanted.quantities.len() + 1];
+    let x: Vec<f64> =
+        portrait["curves"][1]["x"].as_array().expect("values").iter().filter_map(|x| x.as_f64()).collect();
+    assert!(portrait["orbits"] == true && x.windows(2).any(|pair| pair[0] > pair[1]));
+    assert_eq!(portrait["curves"][1]["notes"].as_array().map(Vec::len), Some(x.len()));
+    assert!(
+        page.contains("<title>into the load: ") && page.contains(" % of what comes from the base</title>")
+    );
 }
 
 #[test]

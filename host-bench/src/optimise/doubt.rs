@@ -45,7 +45,8 @@ fn verdict(request: &Request<'_>, best: &Point, outcome: &Outcome) -> Option<&'s
     if !of_core || matches!(scene.load, Load::RectifiedStore(_)) || options.check_scene(&scene).is_err() {
         return None;
     }
-    embedded::steady_state(&scene, &options).ok()?.steady_state.map(|found| found.steady_state)
+    let found = request.counted(embedded::steady_state(&scene, &options)).ok()?;
+    found.steady_state.map(|found| found.steady_state)
 }
 
 /// The least and the largest value of the best point and of those beside it; the higher the better.
@@ -56,7 +57,7 @@ fn neighbours(request: &Request<'_>, best: &Point) -> Option<[f64; 2]> {
         for change in [-NEAR, NEAR] {
             let mut place = best.place.clone();
             place[index] = (place[index] + change).clamp(0.0, 1.0);
-            if let Some((value, _)) = request.outcome(&place).and_then(|outcome| request.judge(&outcome)) {
+            if let Some(value) = request.point(&place).value() {
                 ends = [ends[0].min(value), ends[1].max(value)];
             }
         }

@@ -55,16 +55,30 @@ fn curve(area: &Area<'_>, found: &Found, request: &Request<'_>, key: &Range) -> 
     Ok(())
 }
 
-/// The grid over two keys; with more, each cell has the best value over the others.
-fn map(area: &Area<'_>, found: &Found, request: &Request<'_>, [up, across]: [&Range; 2]) -> Drawn {
+/// The best value of each cell of the grid over the first two keys, the second running fastest; none where no point keeps the
+/// constraints.
+pub(super) fn grid_cells(found: &Found, request: &Request<'_>) -> Vec<Option<f64>> {
     let count = request.grid;
     let others = count.pow(u32::try_from(request.ranges.len()).unwrap_or(2) - 2);
-    let cells: Vec<Option<f64>> = found.points[..count * count * others]
+    found.points[..count * count * others]
         .chunks_exact(others)
         .map(|points| {
             points.iter().filter_map(Point::feasible).reduce(f64::max).map(|value| request.signed(value))
         })
-        .collect();
+        .collect()
+}
+
+/// The value at a part of the way over a range, or beyond its ends.
+pub(super) fn value_beyond(range: &Range, part: f64) -> f64 {
+    let [low, high] = [axis(range, range.low), axis(range, range.high)];
+    let place = low + part * (high - low);
+    if range.is_logarithmic { 10f64.powf(place) } else { place }
+}
+
+/// The grid over two keys; with more, each cell has the best value over the others.
+fn map(area: &Area<'_>, found: &Found, request: &Request<'_>, [up, across]: [&Range; 2]) -> Drawn {
+    let count = request.grid;
+    let cells = grid_cells(found, request);
     let (low, high) = extremes(cells.iter().flatten().copied());
     let (body, scale) = area.split_horizontally(SIZE.0.cast_signed() - 150);
     let half = 0.5 / (count - 1) as f64;

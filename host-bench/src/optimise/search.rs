@@ -26,22 +26,26 @@ const HALVINGS: usize = 5;
 /// What a run that failed is worse than the worst point of the grid, as a part of the spread of the values.
 const FAILED: f64 = 0.1;
 
-/// Finds the best point; calls `done` after each run, and `more` with the number of further ones.
-pub(crate) fn optimise(
-    request: &Request<'_>,
-    more: &(dyn Fn(usize) + Sync),
-    done: &(dyn Fn() + Sync),
-) -> Result<Found, Failure> {
-    let run = |place: &[f64]| {
-        let found = request.outcome(place).and_then(|outcome| request.judge(&outcome));
-        done();
-        Point { place: place.to_vec(), found }
-    };
+/// Most runs over so many keys with a grid of so many points for each.
+pub(crate) const fn most_runs(keys: usize, grid: usize, is_constrained: bool) -> usize {
+    let searches = (FOLLOWED + if keys > 1 { AGAIN } else { 0 }) * RUNS * keys;
+    let aims = if is_constrained { 2 } else { 1 };
+    grid.pow(keys as u32) + aims * searches + most_at_the_end(keys)
+}
+
+/// Most runs of the flat range, of the best point again and of its steady motion, and beside it.
+const fn most_at_the_end(keys: usize) -> usize {
+    2 * keys * (STEPS as usize + HALVINGS) + 2 + 2 * keys
+}
+
+/// Finds the best point; calls `ahead` with the most runs that are still to come.
+pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) -> Result<Found, Failure> {
+    let keys = request.ranges.len();
     request.check_names()?;
-    let grid = grid(request.ranges.len(), request.grid);
-    more(grid.len());
-    let mut points = first(request, &grid, done)?;
-    points.par_extend(grid[points.len()..].par_iter().map(|place| run(place)));
+    let grid = grid(keys, request.grid);
+    ahead(grid.len());
+    let mut points = first(request, &grid)?;
+    points.par_extend(grid[points.len()..].par_iter().map(|place| request.point(place)));
     let values: Vec<f64> = points.iter().filter_map(Point::value).collect();
     if values.is_empty() {
         return Err(Failure::Input(format!(
@@ -55,18 +59,18 @@ pub(crate) fn optimise(
     let aims: &[bool] = if request.constraints.is_empty() { &[true] } else { &[true, false] };
     for &constrained in aims {
         let starts = best_of(&points, constrained, FOLLOWED);
-        more(starts.len() * RUNS * request.ranges.len());
+        ahead(starts.len() * RUNS * keys);
         let found: Vec<Vec<Point>> =
-            starts.into_par_iter().map(|start| search(request, &points, &start, constrained, &run)).collect();
+            starts.into_par_iter().map(|start| search(request, &points, &start, constrained)).collect();
         points.extend(found.into_iter().flatten());
         // One linear approximation does not follow a ridge to its end.
-        for _ in 0..if request.ranges.len() > 1 { AGAIN } else { 0 } {
+        for _ in 0..if keys > 1 { AGAIN } else { 0 } {
             let Some(start) = best_of(&points, constrained, 1).pop() else { break };
-            more(RUNS * request.ranges.len());
-            points.extend(search(request, &points, &start, constrained, &run));
+            ahead(RUNS * keys);
+            points.extend(search(request, &points, &start, constrained));
             let Some(end) = best_of(&points, constrained, 1).pop() else { break };
-            let gained = start.value().zip(end.value()).map_or(0.0, |(start, end)| end - start);
-            if gained <= GAIN * start.value().unwrap_or(0.0).abs() {
+            let [(lack, value), (less, larger)] = [&start, &end].map(|point| rank(point, constrained));
+            if less <= lack && larger - value <= GAIN * value.abs() {
                 break;
             }
         }
@@ -74,47 +78,45 @@ pub(crate) fn optimise(
     let best = best_of(&points, true, 1).into_iter().find(|point| point.feasible().is_some());
     let Some(best) = best else { return Err(nowhere(request, &points)) };
     let unconstrained = (!request.constraints.is_empty()).then(|| best_of(&points, false, 1)[0].clone());
-    let flat = flat(request, &best, &run);
+    ahead(most_at_the_end(keys));
+    let flat = flat(request, &best);
     let outcome = request.outcome(&best.place);
     let outcome =
         outcome.ok_or_else(|| Failure::Step("the best point fails when it is run again".to_owned()))?;
-    let failed = points.iter().filter(|point| point.found.is_none()).count();
     let level = is_level.then(|| {
         format!("{} is the same at all points of the grid: the keys do not change it", request.quantity)
     });
     let doubts = level.into_iter().chain(doubt::of_motion(request, &best, &outcome)).collect();
-    Ok(Found { best, unconstrained, flat, outcome, points, failed, doubts })
+    let runs = request.runs.counts();
+    Ok(Found { best, unconstrained, flat, outcome, points, runs, doubts })
 }
 
-/// The first points of the grid, until one succeeds. Refuses bad input at a corner of the grid, and a quantity that cannot be
-/// sought.
-fn first(request: &Request<'_>, grid: &[Vec<f64>], done: &(dyn Fn() + Sync)) -> Result<Vec<Point>, Failure> {
+/// The first points of the grid, one for each core, until one succeeds. Refuses bad input at a corner of the grid, and a
+/// quantity that cannot be sought.
+fn first(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<Vec<Point>, Failure> {
     let corners = grid.iter().filter(|place| place.iter().all(|part| *part == 0.0 || *part == 1.0));
     for place in corners {
         request.options.check_scene(&request.scene(place)?)?;
     }
     let mut points = Vec::new();
-    let mut reason = String::new();
-    for place in grid {
-        let tried = request.tried(place);
-        let point = |found| Point { place: place.clone(), found };
-        match tried {
-            // The first run that succeeds has the names.
-            Ok(outcome) => {
-                request.check_quantities(&outcome)?;
-                done();
-                points.push(point(request.judge(&outcome)));
-                return Ok(points);
+    let mut reason = None;
+    for places in grid.chunks(rayon::current_num_threads().max(1)) {
+        let tried: Vec<_> = places.par_iter().map(|place| request.run(place)).collect();
+        // The first run that succeeds has the names.
+        let named = tried.iter().find_map(|tried| tried.as_ref().ok());
+        let is_done = named.map(|outcome| request.check_quantities(outcome)).transpose()?.is_some();
+        for (place, tried) in places.iter().zip(tried) {
+            let tried = request.counted(tried);
+            if let Err(failure) = &tried {
+                reason.get_or_insert_with(|| failure.to_string());
             }
-            Err(failure) => {
-                done();
-                points.push(point(None));
-                if reason.is_empty() {
-                    reason = failure.to_string();
-                }
-            }
+            points.push(request.judged(place, tried.ok()));
+        }
+        if is_done {
+            return Ok(points);
         }
     }
+    let reason = reason.unwrap_or_default();
     Err(Failure::Step(format!("all {} points of the grid fail, the first: {reason}", grid.len())))
 }
 
@@ -131,18 +133,22 @@ fn grid(keys: usize, count: usize) -> Vec<Vec<f64>> {
     all
 }
 
-/// The best points: those that keep the constraints, the higher the better; then the others by what they lack.
-fn best_of(points: &[Point], constrained: bool, count: usize) -> Vec<Point> {
-    let rank = |point: &Point| match &point.found {
+/// What a point lacks of the constraints, at most 0, and its value: the higher the better, the first before the second.
+fn rank(point: &Point, constrained: bool) -> (f64, f64) {
+    match &point.found {
         None => (f64::NEG_INFINITY, f64::NEG_INFINITY),
         Some((value, margins)) => {
             let lack = margins.iter().copied().fold(0.0_f64, f64::min);
             (if constrained { lack } else { 0.0 }, *value)
         }
-    };
+    }
+}
+
+/// The best points: those that keep the constraints, the higher the better; then the others by what they lack.
+fn best_of(points: &[Point], constrained: bool, count: usize) -> Vec<Point> {
     let mut sorted: Vec<&Point> = points.iter().filter(|point| point.found.is_some()).collect();
     sorted.sort_by(|one, other| {
-        let (one, other) = (rank(one), rank(other));
+        let (one, other) = (rank(one, constrained), rank(other, constrained));
         other.0.total_cmp(&one.0).then(other.1.total_cmp(&one.1))
     });
     sorted.into_iter().take(count).cloned().collect()
@@ -150,13 +156,7 @@ fn best_of(points: &[Point], constrained: bool, count: usize) -> Vec<Point> {
 
 /// A search by linear approximations within the range and the constraints (M. J. D. Powell's COBYLA, 1994), with all points
 /// that it ran. The values are scaled by the spread of the grid; a run that fails is worse than all of them.
-fn search(
-    request: &Request<'_>,
-    known: &[Point],
-    start: &Point,
-    constrained: bool,
-    run: &(dyn Fn(&[f64]) -> Point + Sync),
-) -> Vec<Point> {
+fn search(request: &Request<'_>, known: &[Point], start: &Point, constrained: bool) -> Vec<Point> {
     let values = || known.iter().filter_map(Point::value);
     let (low, high) = values()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
@@ -167,7 +167,7 @@ fn search(
         let place: Vec<f64> = place.iter().map(|part| part.clamp(0.0, 1.0)).collect();
         let last = ran.borrow().iter().rev().find(|point| point.place == place).cloned();
         last.unwrap_or_else(|| {
-            let point = run(&place);
+            let point = request.point(&place);
             ran.borrow_mut().push(point.clone());
             point
         })
@@ -216,7 +216,7 @@ fn nowhere(request: &Request<'_>, points: &[Point]) -> Failure {
 
 /// For each key the range around the best point, the others held, in which the value stays within 1 % and the constraints
 /// are kept.
-fn flat(request: &Request<'_>, best: &Point, run: &(dyn Fn(&[f64]) -> Point + Sync)) -> Vec<[f64; 2]> {
+fn flat(request: &Request<'_>, best: &Point) -> Vec<[f64; 2]> {
     let Some(value) = best.value() else { return Vec::new() };
     let least = value - FLAT * value.abs();
     let sides: Vec<(usize, f64)> =
@@ -229,7 +229,7 @@ fn flat(request: &Request<'_>, best: &Point, run: &(dyn Fn(&[f64]) -> Point + Sy
             let is_in = |distance: f64| {
                 let mut place = best.place.clone();
                 place[index] = (centre + sign * distance).clamp(0.0, 1.0);
-                run(&place).feasible().is_some_and(|value| value >= least)
+                request.point(&place).feasible().is_some_and(|value| value >= least)
             };
             // Outwards from near, so that a second optimum far off is no part of it.
             let mut near = 0.0;

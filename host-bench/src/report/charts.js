@@ -3,18 +3,64 @@
 const groups = {};
 let zooming = false;
 const digits = (value) => (value == null ? "–" : Number(value.toPrecision(6)).toString());
-// The library's own numbers of a logarithmic axis end at a thousandth.
-const numbers = (_, values) => values.map((value) => (value == null ? "" : Number(value.toPrecision(4)).toString()));
+// Numbers at the ticks: the library's own end at a thousandth.
+function numbers(_, values) {
+  const largest = Math.max(...values.map((value) => Math.abs(value ?? 0)));
+  const isPlain = largest >= 0.01 && largest < 1e6;
+  const text = (value) => (isPlain ? value.toString() : value.toExponential().replace("e+", "e"));
+  return values.map((value) => (value == null ? "" : value === 0 ? "0" : text(Number(value.toPrecision(6)))));
+}
+// The ticks of a logarithmic axis: decades, with 2 and 5 where there are few, and even distances where there are fewer.
+function decades(_, axis, min, max) {
+  const [low, high] = [Math.floor(Math.log10(min)), Math.ceil(Math.log10(max))];
+  const parts = high - low > 4 ? [1] : [1, 2, 5];
+  const every = Math.ceil((high - low) / 10);
+  const ticks = [];
+  for (let decade = low; decade <= high; decade += every)
+    for (const part of parts) ticks.push(Number(`${part}e${decade}`));
+  const within = ticks.filter((tick) => tick >= min * (1 - 1e-9) && tick <= max * (1 + 1e-9));
+  if (within.length > 2) return within;
+  const step = Number(((max - min) / 4).toPrecision(1));
+  const even = [];
+  for (let tick = Math.ceil(min / step); tick * step <= max; tick += 1) even.push(Number((tick * step).toPrecision(12)));
+  return even;
+}
+const scaled = (isLogarithmic) => ({
+  values: numbers,
+  ...(isLogarithmic ? { splits: decades, filter: (_, ticks) => ticks } : {}),
+});
 // "gap [mm]" and a value: "gap: 1.5 mm".
 function told(title, value) {
   const [, name, unit] = /^(.*?)(?: \[(.*)\])?$/.exec(title);
   return `${name}: ${digits(value)}${unit ? " " + unit : ""}`;
 }
+// The number at a place between the edges, on the line between two.
+function between(edges, numbers, place) {
+  const last = edges.length - 1;
+  const next = Math.max(1, Math.min(last, edges.findIndex((edge) => edge > place)));
+  const below = place >= edges[last] ? last - 1 : next - 1;
+  const part = (place - edges[below]) / (edges[below + 1] - edges[below]);
+  return numbers[below] + part * (numbers[below + 1] - numbers[below]);
+}
+// The cell at a place, and what is known of it; null beside the field.
+function cell(field, x, y) {
+  const [column, row] = [[field.x, x], [field.y, y]].map(([edges, place]) =>
+    place < edges[0] ? -1 : edges.findIndex((edge) => edge > place) - 1,
+  );
+  if (column < 0 || row < 0) return null;
+  const index = row * (field.x.length - 1) + column;
+  const lines = field.tells.map(({ of, title, values, texts }) => {
+    const value = values[{ column, row, cell: index }[of]];
+    return texts ? texts[value] : told(title, value);
+  });
+  return lines.join("\n");
+}
 const width = () => Math.min(1120, document.documentElement.clientWidth - 40);
 
 for (const [index, one] of charts.entries()) {
   const distribution = (axis) => (one.logarithmic[axis] ? 3 : 1);
-  const sameX = one.curves.every((curve) => curve.x.join() === one.curves[0].x.join());
+  const { field, span } = one;
+  const sameX = !span && one.curves.every((curve) => curve.x.join() === one.curves[0].x.join());
   const longest = Math.max(0, ...one.curves.flatMap((curve) => curve.bars ?? []));
   const peers = one.group === null ? [] : (groups[one.group] ??= []);
   function zoomed(chart, scale) {
@@ -24,15 +70,49 @@ for (const [index, one] of charts.entries()) {
     for (const other of peers) if (other !== chart) other.setScale("x", { min, max });
     zooming = false;
   }
-  // Half the length of each bar above and below its point.
-  function bars(chart) {
+  // A chart with a span of its own has a first series without a mark, from corner to corner of it.
+  const first = span ? 2 : 1;
+  const number = (x) => (field?.numbers ? between(field.x, field.numbers, x) : x);
+  function clipped(chart, paint) {
     const { ctx, bbox } = chart;
     ctx.save();
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
+    paint(ctx, bbox);
+    ctx.restore();
+  }
+  const cells = (chart) => clipped(chart, (ctx) => {
+    const left = field.x.map((x) => Math.round(chart.valToPos(x, "x", true)));
+    const low = field.y.map((y) => Math.round(chart.valToPos(y, "y", true)));
+    field.shades.forEach((shade, index) => {
+      if (shade === null) return;
+      const [column, row] = [index % (left.length - 1), Math.floor(index / (left.length - 1))];
+      ctx.fillStyle = field.palette[shade];
+      ctx.fillRect(left[column], low[row + 1], left[column + 1] - left[column], low[row] - low[row + 1]);
+    });
+  });
+  const orbits = (chart) => clipped(chart, (ctx) => {
     one.curves.forEach((curve, at) => {
-      if (!curve.bars || !chart.series[at + 1].show) return;
+      if (!chart.series[at + first].show) return;
+      ctx.strokeStyle = curve.colour;
+      ctx.lineWidth = curve.line * window.devicePixelRatio;
+      ctx.lineJoin = "round";
+      ctx.beginPath();
+      let isOn = false;
+      curve.x.forEach((x, row) => {
+        const y = curve.y[row];
+        const isPoint = x !== null && y !== null;
+        if (isPoint) ctx[isOn ? "lineTo" : "moveTo"](chart.valToPos(x, "x", true), chart.valToPos(y, "y", true));
+        isOn = isPoint;
+      });
+      ctx.stroke();
+    });
+  });
+  // Half the length of each bar above and below its point.
+  const bars = (chart) => clipped(chart, (ctx, bbox) => {
+    one.curves.forEach((curve, at) => {
+      if (!curve.bars || !chart.series[at + first].show) return;
       ctx.strokeStyle = curve.colour;
       ctx.lineWidth = window.devicePixelRatio;
       ctx.beginPath();
@@ -47,8 +127,7 @@ for (const [index, one] of charts.entries()) {
       });
       ctx.stroke();
     });
-    ctx.restore();
-  }
+  });
   const options = {
     title: one.title,
     width: width(),
@@ -62,17 +141,26 @@ for (const [index, one] of charts.entries()) {
       x: { time: false, distr: distribution(0) },
       y: {
         distr: distribution(1),
-        ...(longest > 0 && !one.logarithmic[1]
+        ...(span ? { range: () => span[1] } : {}),
+        ...(longest > 0 && !span && !one.logarithmic[1]
           ? { range: (_, low, high) => (low == null ? [0, 1] : uPlot.rangeNum(low - longest, high + longest, 0.1, true)) }
           : {}),
       },
     },
     axes: [
-      { label: one.across, ...(one.logarithmic[0] ? { values: numbers } : {}) },
-      { label: one.up, size: 72, ...(one.logarithmic[1] ? { values: numbers } : {}) },
+      {
+        label: one.across,
+        grid: { show: !field },
+        ...scaled(one.logarithmic[0]),
+        ...(field?.numbers
+          ? { values: (_, places) => places.map((x) => (x < 0 || x > 1 ? "" : Number(number(x).toPrecision(5)).toString())) }
+          : {}),
+      },
+      { label: one.up, size: 72, grid: { show: !field }, ...scaled(one.logarithmic[1]) },
     ],
     series: [
       { label: one.across, value: (_, value) => digits(value) },
+      ...(span ? [{ class: "frame", paths: () => null, points: { show: false } }] : []),
       ...one.curves.map((curve) => ({
         label: curve.name,
         stroke: curve.colour,
@@ -86,10 +174,11 @@ for (const [index, one] of charts.entries()) {
             : { show: false },
       })),
     ],
-    hooks: { setScale: [zoomed], draw: [bars] },
+    hooks: { setScale: [zoomed], drawClear: field ? [cells] : [], draw: one.orbits ? [orbits] : [bars] },
   };
   const place = document.getElementById(`chart-${index}`);
-  const chart = new uPlot(options, uPlot.join(one.curves.map((curve) => [curve.x, curve.y])), place);
+  const tables = one.curves.map((curve) => (one.orbits ? [span[0], [null, null]] : [curve.x, curve.y]));
+  const chart = new uPlot(options, uPlot.join(span ? [span, ...tables] : tables), place);
   peers.push(chart);
   window.addEventListener("resize", () => chart.setSize({ width: width(), height: one.height }));
   // What is known of the nearest point stands beside it.
@@ -100,24 +189,31 @@ for (const [index, one] of charts.entries()) {
   chart.over.addEventListener("mousemove", (event) => {
     const frame = chart.over.getBoundingClientRect();
     const [left, top] = [event.clientX - frame.left, event.clientY - frame.top];
+    // Of points at one place that which is drawn above the others.
     let nearest = null;
     one.curves.forEach((curve, at) => {
-      if (!chart.series[at + 1].show) return;
+      if (!chart.series[at + first].show) return;
       curve.x.forEach((x, row) => {
-        if (curve.y[row] === null) return;
+        if (x === null || curve.y[row] === null) return;
         const [right, down] = [chart.valToPos(x, "x"), chart.valToPos(curve.y[row], "y")];
         const far = Math.hypot(right - left, down - top);
-        if (far < 40 && !(nearest && nearest.far <= far)) nearest = { far, curve, row, right, down };
+        if (far < (field ? 8 : 40) && !(nearest && nearest.far < far)) nearest = { far, curve, row, right, down };
       });
     });
-    tip.style.display = nearest ? "block" : "none";
-    if (!nearest) return;
-    const { curve, row, right, down } = nearest;
-    const bar = curve.bars ? ` ± ${digits(curve.bars[row])}` : "";
-    const lines = [told(one.across, curve.x[row]), told(one.up, curve.y[row]) + bar];
-    if (curve.named) lines.unshift(curve.name);
-    if (curve.notes) lines.push(curve.notes[row]);
-    tip.textContent = lines.join("\n");
+    const below = field && !nearest ? cell(field, chart.posToVal(left, "x"), chart.posToVal(top, "y")) : null;
+    tip.style.display = nearest || below ? "block" : "none";
+    if (!nearest && !below) return;
+    const [right, down] = nearest ? [nearest.right, nearest.down] : [left, top];
+    if (nearest) {
+      const { curve, row } = nearest;
+      const bar = curve.bars ? ` ± ${digits(curve.bars[row])}` : "";
+      const lines = [told(one.across, number(curve.x[row])), told(one.up, curve.y[row]) + bar];
+      if (curve.named) lines.unshift(curve.name);
+      if (curve.notes) lines.push(curve.notes[row]);
+      tip.textContent = lines.join("\n");
+    } else {
+      tip.textContent = below;
+    }
     tip.style.left = `${right + 12 + tip.offsetWidth > frame.width ? right - 12 - tip.offsetWidth : right + 12}px`;
     tip.style.top = `${Math.max(0, Math.min(down + 12, frame.height - tip.offsetHeight))}px`;
   });

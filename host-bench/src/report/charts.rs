@@ -4,6 +4,7 @@
 
 use serde_json::{Value, json};
 
+use super::field::Field;
 use super::plot::{Curve, Mark, Plot};
 use super::svg::extremes;
 
@@ -11,7 +12,8 @@ const LIBRARY: &str = include_str!("uplot/uPlot.iife.min.js");
 const STYLE: &str = include_str!("uplot/uPlot.min.css");
 /// The text beside the pointer.
 const TIP: &str = ".tip{position:absolute;display:none;pointer-events:none;white-space:pre;z-index:10;background:#fff;\
-border:1px solid #57606a;border-radius:4px;padding:.2rem .5rem;font-size:.8rem;line-height:1.35}.uplot{margin:1rem 0}";
+border:1px solid #57606a;border-radius:4px;padding:.2rem .5rem;font-size:.8rem;line-height:1.35}.uplot{margin:1rem 0}.frame{display:none!important}\
+.scale{font-size:.85rem;margin:0 0 1rem 4.5rem}.scale span{display:inline-block;width:16rem;height:.8rem;margin:0 .4rem}";
 /// Makes a chart of each object of `charts`.
 const SCRIPT: &str = include_str!("charts.js");
 
@@ -32,6 +34,17 @@ impl Look<'_> {
     pub(crate) const ALONE: Self = Look { height: 420, group: None };
 }
 
+/// What is particular of a chart.
+#[derive(Debug, Clone, Copy)]
+enum Kind<'a> {
+    /// Curves over rising abscissae.
+    Curves,
+    /// Curves in the order of their points, such as orbits.
+    Orbits,
+    /// Cells of colours below the curves.
+    Cells(&'a Field),
+}
+
 /// The charts of one page.
 #[derive(Debug, Default)]
 pub(crate) struct Charts(Vec<Value>);
@@ -39,7 +52,22 @@ pub(crate) struct Charts(Vec<Value>);
 impl Charts {
     /// Adds a chart, and returns the element of the page in which it will stand.
     pub(crate) fn place(&mut self, plot: &Plot, look: Look<'_>) -> String {
+        self.place_kind(plot, look, Kind::Curves)
+    }
+
+    /// As [`Charts::place`], of curves whose points stay in their order.
+    pub(crate) fn place_orbits(&mut self, plot: &Plot, look: Look<'_>) -> String {
+        self.place_kind(plot, look, Kind::Orbits)
+    }
+
+    /// As [`Charts::place`], with cells below the curves and the scale of their colours below the chart.
+    pub(crate) fn place_field(&mut self, plot: &Plot, field: &Field, look: Look<'_>) -> String {
+        self.place_kind(plot, look, Kind::Cells(field)) + &field.scale()
+    }
+
+    fn place_kind(&mut self, plot: &Plot, look: Look<'_>, kind: Kind<'_>) -> String {
         let element = format!("<div id=\"chart-{}\"></div>\n", self.0.len());
+        let is_orbit = matches!(kind, Kind::Orbits);
         self.0.push(json!({
             "title": plot.title,
             "across": plot.across.title,
@@ -47,7 +75,10 @@ impl Charts {
             "logarithmic": [plot.across.is_logarithmic(), plot.up.is_logarithmic()],
             "height": look.height,
             "group": look.group,
-            "curves": curves(plot),
+            "curves": curves(plot, is_orbit),
+            "orbits": is_orbit,
+            "span": (!matches!(kind, Kind::Curves)).then_some([plot.across.span, plot.up.span]),
+            "field": if let Kind::Cells(field) = kind { field.json() } else { Value::Null },
         }));
         element
     }
@@ -63,7 +94,7 @@ impl Charts {
 }
 
 /// The curves as the script wants them. Dots without a name are those of the line before them.
-fn curves(plot: &Plot) -> Vec<Value> {
+fn curves(plot: &Plot, is_orbit: bool) -> Vec<Value> {
     let mut all: Vec<Value> = Vec::new();
     let mut before: Option<&Curve> = None;
     for one in &plot.curves {
@@ -78,14 +109,14 @@ fn curves(plot: &Plot) -> Vec<Value> {
                 last["dot"] = json!(size);
                 last["ring"] = json!(is_ring);
             }
-            _ => all.push(curve(one, &plot.up.title)),
+            _ => all.push(curve(one, &plot.up.title, is_orbit)),
         }
         before = Some(one);
     }
     all
 }
 
-fn curve(curve: &Curve, quantity: &str) -> Value {
+fn curve(curve: &Curve, quantity: &str, is_orbit: bool) -> Value {
     let (line, dot) = match curve.mark {
         Mark::Line(width) | Mark::Dashes(width) => (width, 0.0),
         Mark::Dots(size) | Mark::Rings(size) => (0.0, size),
@@ -100,8 +131,13 @@ fn curve(curve: &Curve, quantity: &str) -> Value {
         "ring": matches!(curve.mark, Mark::Rings(_)),
     });
     let (rows, x): (Vec<usize>, Vec<f64>) = abscissae(&curve.points).into_iter().unzip();
+    let rows = if is_orbit { (0..curve.points.len()).collect() } else { rows };
     let of = |values: &[f64]| rows.iter().map(|&row| short(values[row])).collect::<Vec<Value>>();
-    value["x"] = json!(x);
+    value["x"] = if is_orbit {
+        of(&curve.points.iter().map(|point| point.0).collect::<Vec<f64>>()).into()
+    } else {
+        json!(x)
+    };
     value["y"] = of(&curve.points.iter().map(|point| point.1).collect::<Vec<f64>>()).into();
     if curve.bars.len() == curve.points.len() && !curve.bars.is_empty() {
         value["bars"] = of(&curve.bars).into();
@@ -113,7 +149,7 @@ fn curve(curve: &Curve, quantity: &str) -> Value {
 }
 
 /// Seven digits, more than a screen shows; nothing for what is not a number.
-fn short(value: f64) -> Value {
+pub(super) fn short(value: f64) -> Value {
     json!(format!("{value:.6e}").parse::<f64>().ok().filter(|value| value.is_finite()))
 }
 
@@ -155,7 +191,7 @@ mod tests {
             up: Axis::linear("gap [mm]", [0.0, 1.0], 4),
             curves,
         };
-        super::curves(&plot)
+        super::curves(&plot, false)
     }
 
     #[test]
@@ -179,6 +215,22 @@ mod tests {
         assert!((x[2] - 1.0).abs() < 1e-8 && (x[3] - 1.5).abs() < 1e-8, "{x:?}");
         // A gap and an infinite value are no numbers.
         assert_eq!(found["y"], json!([1.0, 1.0, 2.0, null, 2.0, null]));
+    }
+
+    #[test]
+    fn an_orbit_keeps_the_order_of_its_points() {
+        let plot = Plot {
+            title: String::new(),
+            across: Axis::linear("gap [mm]", [-2.0, 2.0], 4),
+            up: Axis::linear("velocity [m/s]", [-2.0, 2.0], 4),
+            curves: vec![Curve::new("", BLUE, Mark::Line(1.0), [(1.0, 0.0), (-1.0, 1.0), (0.5, -1.0)])],
+        };
+        let mut charts = Charts::default();
+        charts.place_orbits(&plot, Look::ALONE);
+        let found = &charts.0[0];
+        assert_eq!(found["curves"][0]["x"], json!([1.0, -1.0, 0.5]));
+        assert_eq!(found["curves"][0]["y"], json!([0.0, 1.0, -1.0]));
+        assert_eq!(found["span"], json!([[-2.0, 2.0], [-2.0, 2.0]]));
     }
 
     #[test]

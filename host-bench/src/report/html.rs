@@ -20,6 +20,11 @@ pub(crate) fn document(title: &str, body: &str) -> String {
     )
 }
 
+/// Whether the name of a file is that of a page.
+pub(crate) fn is_page(file: &std::path::Path) -> bool {
+    file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"))
+}
+
 /// Plain text as HTML.
 pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")

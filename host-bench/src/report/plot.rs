@@ -35,6 +35,11 @@ impl Axis {
         Self { title: title.into(), span, ticks: 12, logarithmic: true }
     }
 
+    /// The same over another span.
+    pub(crate) fn over(self, span: [f64; 2]) -> Self {
+        Self { span, ..self }
+    }
+
     /// Whether equal distances are equal ratios.
     pub(crate) fn is_logarithmic(&self) -> bool {
         self.logarithmic

@@ -51,7 +51,39 @@ fn the_frequency_of_the_largest_displacement_and_its_range_are_those_of_the_clos
     }
     assert!(number(&ends[0]) < at && at < number(&ends[1]));
     assert!(std::fs::read_to_string(picture).expect("a picture").contains("<svg"));
+    // 13 points of the grid, the search, both ends of the range, the best point again and its orbit.
+    assert!((13.0 + 8.0..=13.0 + 120.0 + 26.0 + 4.0).contains(&number(&found["evaluations"])), "{found}");
     assert!(std::fs::read_to_string(best).expect("a scene").contains("largest peak_gap_m, within 1 %"));
+}
+
+#[test]
+fn a_page_has_the_cells_of_the_grid_and_all_runs() {
+    let html = folder("optimise-page").join("best.html");
+    let range = format!("{FREQUENCY}=17:23");
+    let mut arguments =
+        vec![SCENE, "--maximise", "peak_gap_m", "--over", "parameters.damping_ratio=0.02:0.04"];
+    arguments.extend(["--over", &range, "--grid", "3", "--picture", html.to_str().expect("plain")]);
+    arguments.extend(&LAW[..2]);
+    let found = found(&arguments);
+    let page = std::fs::read_to_string(&html).expect("a page");
+    let charts =
+        page.split("const charts = ").nth(1).and_then(|rest| rest.split(";\n").next()).expect("charts");
+    let charts: Value = serde_json::from_str(charts).expect("JSON");
+    assert_eq!(charts.as_array().map(Vec::len), Some(2));
+    let field = &charts[0]["field"];
+    assert_eq!(
+        (field["x"].as_array().map(Vec::len), field["shades"].as_array().map(Vec::len)),
+        (Some(4), Some(9))
+    );
+    let titles: Vec<&Value> =
+        field["tells"].as_array().expect("a list").iter().map(|told| &told["title"]).collect();
+    assert_eq!(titles, [FREQUENCY, "parameters.damping_ratio", "peak_gap_m"]);
+    // The best so far never falls, and ends at the value.
+    let curves = charts[1]["curves"].as_array().expect("a list");
+    let best = curves.iter().find(|curve| curve["name"] == "the best so far").expect("a curve");
+    let best: Vec<f64> = best["y"].as_array().expect("values").iter().map(number).collect();
+    assert!(best.windows(2).all(|pair| pair[0] <= pair[1]));
+    assert!((best[best.len() - 1] / number(&found["value"]) - 1.0).abs() < 1e-6);
 }
 
 #[test]
@@ -115,8 +147,17 @@ fn three_and_four_keys_come_to_the_corner_of_the_closed_form() {
         let displacement = number(&found["value"]) - 3e-3;
         assert!((displacement / largest - 1.0).abs() < 2e-3, "{count} keys: {displacement} {largest}");
         assert_eq!(found["at_bound"]["parameters.damping_ratio"], true);
-        // The grid's first point is run once.
-        assert!(number(&found["evaluations"]) >= [343.0, 625.0][count - 3]);
+        // All runs are counted, those of the grid once, and the help has their largest number.
+        let runs = number(&found["evaluations"]);
+        let help = accepted(&["optimise", "--help"]);
+        let most: Vec<f64> = help
+            .rsplit("at most ")
+            .next()
+            .unwrap_or_default()
+            .split(|letter: char| !letter.is_ascii_digit())
+            .filter_map(|number| number.parse().ok())
+            .collect();
+        assert!(runs >= [343.0, 625.0][count - 3] && runs <= most[count - 1], "{runs} of {most:?}");
     }
 }
 

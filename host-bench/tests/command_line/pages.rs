@@ -97,9 +97,10 @@ fn a_browser_draws_a_plot() {
     let path = html.to_str().expect("a plain path");
     accepted(&[&["plot", PASSIVE, "--output", path], &SHORT[..]].concat());
     let charts = used(&html);
-    // Gap, power and voltage over time, and the spectrum.
-    assert_eq!(charts.len(), 4);
-    assert!(tells(&charts, &["time: ", " s", "gap: ", " mm"]), "{charts:?}");
+    // Gap, power and voltage over time, the spectrum, and the phase portrait.
+    assert_eq!(charts.len(), 5);
+    assert!(tells(&charts[..1], &["time: ", " s", "gap: ", " mm"]), "{charts:?}");
+    assert!(tells(&charts[4..], &["gap: ", " mm", "velocity: ", " mm/s", "time: ", " s"]), "{charts:?}");
 }
 
 #[test]
@@ -116,8 +117,47 @@ fn a_browser_draws_a_sweep() {
         [&["sweep", PASSIVE, "--over", "load.resistance_ohm=1e7:1e9:3:log"], &one[..], &SHORT[..]].concat();
     accepted(&two);
     let charts = used(&folder.join("sweep.html"));
+    // Curves and map of mean power and RMS voltage.
+    assert_eq!(charts.len(), 4);
+    assert!(tells(&charts[..2], &["load.resistance_ohm = ", "RMS voltage: ", " V"]), "{charts:?}");
+    let cell = ["load.resistance_ohm: ", "excitation.frequency_hz: ", "mean power: ", " µW"];
+    assert!(tells(&charts[2..], &cell), "{charts:?}");
+}
+
+#[test]
+#[ignore = "nightly: needs Chromium"]
+fn a_browser_draws_an_optimum() {
+    let folder = folder("page-optimise");
+    let html = folder.join("best.html");
+    let path = html.to_str().expect("a plain path");
+    let one = ["--over", "excitation.frequency_hz=18:22", "--grid", "9", "--steady-state", "--picture", path];
+    let command = ["optimise", MEASURED, "--maximise", "mean_power_w"];
+    accepted(&[&command[..], &one[..]].concat());
+    let charts = used(&html);
+    // The curve, and the way of the search.
     assert_eq!(charts.len(), 2);
-    assert!(tells(&charts, &["load.resistance_ohm = ", "RMS voltage: ", " V"]), "{charts:?}");
+    assert!(tells(&charts[..1], &["excitation.frequency_hz: ", "mean_power_w: ", "value: "]), "{charts:?}");
+    assert!(tells(&charts[1..], &["run: ", "mean_power_w: ", "excitation.frequency_hz = "]), "{charts:?}");
+    accepted(&[&command[..], &["--over", "load.resistance_ohm=1e7:1e10:log"], &one[..]].concat());
+    let charts = used(&html);
+    assert_eq!(charts.len(), 2);
+    let cell = ["excitation.frequency_hz: ", "load.resistance_ohm: ", "mean_power_w: "];
+    assert!(tells(&charts[..1], &cell), "{charts:?}");
+}
+
+#[test]
+#[ignore = "nightly: needs Chromium"]
+fn a_browser_draws_a_map() {
+    let folder = folder("page-map");
+    let html = folder.join("map.html");
+    let path = html.to_str().expect("a plain path");
+    let range = ["--amplitude", "0.5:3", "--frequency", "18:23", "--places", "30", "--picture", path];
+    accepted(&[&["map", PASSIVE], &range[..]].concat());
+    let charts = used(&html);
+    assert_eq!(charts.len(), 1);
+    let cell =
+        ["frequency: ", " Hz", "detuning: ", "amplitude: ", "mean power: ", " µW", "at most: ", "motion"];
+    assert!(tells(&charts, &cell), "{charts:?}");
 }
 
 #[test]

@@ -127,6 +127,13 @@ fn label(axis: &Axis, place: f64, all: &[f64]) -> String {
     if axis.logarithmic { logarithmic_label(place, all) } else { tick(place) }
 }
 
+/// Edges of all cells of an axis, in its values.
+pub(super) fn edges(axis: &Axis) -> Vec<f64> {
+    let value = |place: f64| if axis.logarithmic { 10f64.powf(place) } else { place };
+    let last = axis.count() - 1;
+    (0..=last).map(|index| cell(axis, index).0).chain([cell(axis, last).1]).map(value).collect()
+}
+
 /// Edges of the cell around the point with the given index.
 fn cell(axis: &Axis, index: usize) -> (f64, f64) {
     let at = |index: usize| place(axis, axis.value(index));
