@@ -84,7 +84,10 @@ fn interruptible<T: Send + 'static>(
 fn parsed<A: Parser>(given: &[String]) -> Result<A, Failure> {
     A::try_parse_from(given).map_err(|error| {
         let text = error.to_string();
-        Failure::Input(text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned())
+        // Behind the error stands how the command line is used.
+        let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
+        let line = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+        Failure::Input(line.trim_start_matches("error: ").to_owned())
     })
 }
 
@@ -255,6 +258,11 @@ impl Map {
     /// A picture of the map as SVG.
     fn picture(&self) -> PyResult<String> {
         host_bench::map::draw(&self.found, 0, &self.name).map_err(raised)
+    }
+
+    /// A page of the map, as HTML.
+    fn page(&self) -> PyResult<String> {
+        host_bench::map::page(&self.found, &self.name).map_err(raised)
     }
 
     /// Looks places up, as a node does: value, lower and upper bound of each as the bytes of doubles, not-a-number outside

@@ -99,6 +99,8 @@ class Bindings(unittest.TestCase):
             vh.run(SCENE, tolerence=1e-3)
         with self.assertRaisesRegex(ValueError, "amplitude"):
             vh.map(SCENE, amplitude=(4, 0.5), frequency=(18, 22))
+        with self.assertRaisesRegex(ValueError, "not provided: --maximise"):
+            vh.optimise(SCENE, {"load.resistance_ohm": (1e6, 1e10, "log")})
 
     def test_values_are_written_as_in_a_scene_file(self):
         law = {"kind": "constant", "coefficient": 0.5}
@@ -121,6 +123,7 @@ class Bindings(unittest.TestCase):
         self.assertTrue(np.isnan(outside["value"]) and outside["motion"] == 3)
         self.assertIn("pub static MAP", mapped.module())
         self.assertTrue(mapped.picture.startswith("<svg"))
+        self.assertTrue(mapped.page.startswith("<!doctype html>"))
 
     def test_a_fit_finds_what_made_the_data(self):
         # SciPy made the data with these values and noise: scenes/measured/contact_separation.py.
@@ -137,6 +140,17 @@ class Bindings(unittest.TestCase):
             self.assertLess(abs(parameter["value"] - value), 4 * parameter["standard_error"], key)
         with self.assertRaisesRegex(ValueError, "parameters.nothing"):
             vh.fit(measured, free=["parameters.nothing"])
+
+    def test_a_fitted_scene_that_was_asked_for_and_is_not_written_is_an_error(self):
+        measured = ROOT / "host-bench" / "scenes" / "measured" / "contact-separation.toml"
+        off = {"set": {"parameters.stiffness_n_per_m": 70}, "starts": 0, "iterations": 1}
+        self.assertFalse(vh.fit(measured, **off)["converged"])
+        with tempfile.TemporaryDirectory() as folder:
+            output = pathlib.Path(folder) / "fitted.toml"
+            output.write_text("# of an earlier fit")
+            with self.assertRaisesRegex(RuntimeError, "fitted.toml: is not written, because the fit has not converged"):
+                vh.fit(measured, output=output, **off)
+            self.assertEqual(output.read_text(), "# of an earlier fit")
 
     def test_an_optimum_is_that_of_the_closed_form(self):
         # Of one mode without feedback the power V^2/R is largest at R = 1/(w C).

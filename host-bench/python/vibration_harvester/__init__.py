@@ -70,7 +70,8 @@ def sweep(scene, over, *, set=None, steady_state=False, states_accuracy=True, **
 class Map:
     """A response map: the steady yield of a harvester over amplitude and frequency, as a node has it in flash.
 
-    ``agreement`` is how well it agrees with the full model at random places, ``image`` its bytes, ``picture`` an SVG.
+    ``agreement`` is how well it agrees with the full model at random places, ``image`` its bytes, ``picture`` an SVG,
+    ``page`` an HTML page.
     """
 
     def __init__(self, native):
@@ -107,6 +108,11 @@ class Map:
         """A picture of the map as SVG."""
         return self._native.picture()
 
+    @property
+    def page(self):
+        """All slices of the map as an HTML page with zoom, and with the yield at the pointer."""
+        return self._native.page()
+
 
 def map(scene, amplitude, frequency, *, voltage=(), error=0.02, places=300, seed=1, set=None, **options):
     """Makes the response map of a scene, on all cores: a matter of a minute or two of one core.
@@ -125,7 +131,8 @@ def fit(scene, data=(), free=(), *, set=None, loss=None, starts=None, output=Non
     ``data`` are CSV files, ``free`` keys, each as ``"KEY"`` or ``"KEY=LOW:HIGH"``; without them those of the table ``[fit]`` of
     the scene. Returns the object of ``fit --format json``: ``parameters`` with ``value``, ``standard_error`` and
     ``interval_95``, ``correlation``, ``identifiable``, ``converged`` and others. ``output`` is the file for the fitted scene,
-    ``picture`` that for data, model and residuals.
+    ``picture`` that for data, model and residuals. With ``output`` a fit that has not converged, or whose data do not determine
+    all free keys, raises ``RuntimeError``, because the file is not written then.
     """
     arguments = [str(scene), *_given("set", set), *_repeated("data", data), *_repeated("free", free)]
     arguments += _arguments({"loss": loss, "starts": starts, "output": output, "picture": picture, **options})

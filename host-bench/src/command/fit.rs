@@ -7,6 +7,7 @@ use super::{NODE, SceneArguments, check_keys, check_overrides, print, progress, 
 use crate::fit::{self, Found, Request, free::Asked};
 use crate::method::Failure;
 use crate::outcome::Format;
+use crate::report::html::is_page;
 use crate::scene_file::{self, Fit};
 
 /// Starts that are looked at where the first one does not end well.
@@ -58,9 +59,14 @@ pub fn run(arguments: &FitArguments) -> Result<(), Failure> {
 /// Fits and writes the files. Returns the result as JSON, whether it has converged or not.
 ///
 /// # Errors
-/// [`Failure::Input`] for bad input.
+/// [`Failure::Input`] for bad input, [`Failure::Step`] where the fitted scene was asked for and is not written.
 pub fn json(arguments: &FitArguments) -> Result<String, Failure> {
-    fit::text(&fitted(arguments)?, Format::Json)
+    let found = fitted(arguments)?;
+    // Who goes on with the file would take that of an earlier fit.
+    match (&arguments.output, unwritten(&found)) {
+        (Some(path), Some(reason)) => Err(not_written(path, reason)),
+        _ => fit::text(&found, Format::Json),
+    }
 }
 
 fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
@@ -145,10 +151,9 @@ impl FitArguments {
     fn write(&self, outputs: &Outputs, found: &Found) -> Result<(), Failure> {
         let SceneArguments { scene: file, overrides, .. } = &self.scene;
         let name = file.file_name().unwrap_or_default().to_string_lossy();
-        let is_written = found.is_identifiable() && found.converged;
+        let is_written = unwritten(found).is_none();
         for path in self.beside().iter().filter(|_| is_written).chain(&self.picture) {
-            let is_page = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
-            let drawn = if is_page { fit::page(found, &name) } else { fit::draw(found, &name) };
+            let drawn = if is_page(path) { fit::page(found, &name) } else { fit::draw(found, &name) };
             outputs.write(path, &drawn.map_err(Failure::Input)?)?;
         }
         if let Some(path) = self.output.as_ref().filter(|_| is_written) {
@@ -166,13 +171,23 @@ fn ended(found: &Found, output: Option<&Path>) -> Result<(), Failure> {
     if !found.converged {
         return Err(Failure::Step("the fit has not converged; the best point so far is printed".to_owned()));
     }
-    match output {
-        Some(path) if !found.is_identifiable() => Err(Failure::Step(format!(
-            "{}: is not written, because the data do not determine all free keys",
-            path.display()
-        ))),
+    match (output, unwritten(found)) {
+        (Some(path), Some(reason)) => Err(not_written(path, reason)),
         _ => Ok(()),
     }
+}
+
+/// Why there is no fitted scene.
+fn unwritten(found: &Found) -> Option<&'static str> {
+    match found {
+        found if !found.converged => Some("the fit has not converged"),
+        found if !found.is_identifiable() => Some("the data do not determine all free keys"),
+        _ => None,
+    }
+}
+
+fn not_written(path: &Path, reason: &str) -> Failure {
+    Failure::Step(format!("{}: is not written, because {reason}", path.display()))
 }
 
 /// The folder of a file, as the system names it.

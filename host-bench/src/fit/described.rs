@@ -152,7 +152,8 @@ fn systematic(problem: &Problem<'_>, solved: &Solved, found: &Found) -> Vec<Stri
             format!(
                 "the residuals of {name} are systematic: {} runs of one sign where chance has {:.1}; the model does not \
                  follow the data, and the standard errors are too small",
-                runs.count, runs.expected
+                runs.count,
+                runs.expected()[0]
             )
         })
     });

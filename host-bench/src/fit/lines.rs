@@ -64,7 +64,8 @@ fn name(row: &Row, all: &[Row]) -> String {
     parts.filter_map(|(part, differs)| part.filter(|_| differs)).collect::<Vec<_>>().join(", ")
 }
 
-/// For each group and column the model from the lowest to the highest frequency. A value is not a number where the model fails. A trace has no lines, since its rows are close together.
+/// For each group and column the model from the lowest to the highest frequency. A value is not a number where the model
+/// fails. A trace has no lines, since its rows are close together.
 pub(crate) fn lines(
     problem: &Problem<'_>,
     at: &[f64],

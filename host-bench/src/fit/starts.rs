@@ -1,4 +1,4 @@
-//! Further starts, spread within the bounds without chance, with the resonance where the data have theirs.
+//! Further starts, spread around the first one without chance, with the resonance where the data have theirs.
 
 use super::data::{Data, Rows};
 use super::free::{Free, Place};

@@ -7,6 +7,8 @@ use serde_json::Value;
 use super::tool::{PASSIVE, accepted, file, folder, host_bench};
 
 const BEAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
+/// Data by a program of its own: one mode of the beam and a spring, by Runge and Kutta's method.
+const STOPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/bump-stop.toml");
 const MEASURED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
 
 fn value(found: &Value, key: &str) -> f64 {
@@ -57,6 +59,52 @@ fn a_rough_beam_is_sought_from_several_starts() {
         assert!((value(&several, key) / value(&alone, key) - 1.0).abs() < 1e-3, "{several} {alone}");
     }
     assert!((value(&several, KEYS[1]) / 200e9 - 1.0).abs() < 0.01, "{several}");
+}
+
+const STOP: [(&str, f64); 2] = [("stop.gap_m", 30e-6), ("stop.contact_compliance_m_per_n", 20e-6)];
+
+/// The result of a fit of the beam that hits a stop, with other data or options.
+fn stopped(more: &[&str]) -> Value {
+    let all = [&["fit", STOPPED, "--format", "json"], more].concat();
+    serde_json::from_str(&accepted(&all)).expect("JSON")
+}
+
+#[test]
+fn gap_and_compliance_of_a_stop_are_found() {
+    let found = stopped(&[]);
+    for ((key, truth), within) in STOP.into_iter().zip([1e-4, 1e-3]) {
+        assert!((value(&found, key) / truth - 1.0).abs() < within, "{key}: {found}");
+    }
+    assert!(found["relative_residual"]["peak_tip_displacement_m"].as_f64() < Some(1e-5), "{found}");
+}
+
+#[test]
+fn noise_on_the_sweep_of_a_stop_is_in_the_standard_errors() {
+    let folder = folder("fit-stop-noise");
+    let text = std::fs::read_to_string(STOPPED.replace(".toml", ".csv")).expect("the data");
+    let mut rows = text.lines();
+    let mut noisy = format!("{}\n", rows.next().expect("a heading"));
+    // 1 % to both sides, by no rule that a parameter follows.
+    for (row, sign) in rows.zip([1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0, 1.0]) {
+        let (place, displacement) = row.rsplit_once(',').expect("three cells");
+        let displacement: f64 = displacement.parse().expect("a number");
+        let _ = writeln!(noisy, "{place},{:e}", (1.0 + 0.01 * sign) * displacement);
+    }
+    let found = stopped(&["--data", &file(&folder, "noisy.csv", noisy)]);
+    for ((key, truth), part) in STOP.into_iter().zip([0.05, 0.5]) {
+        let error = found["parameters"][key]["standard_error"].as_f64().expect("a number");
+        let off = (value(&found, key) - truth).abs();
+        assert!(off < 3.0 * error && error < part * truth, "{key}: {found}");
+    }
+}
+
+#[test]
+fn a_stop_that_the_sweep_does_not_reach_is_not_identifiable() {
+    let found =
+        stopped(&["--set", "stop.gap_m=1e-3", "--starts", "0", "--free", STOP[0].0, "--free", STOP[1].0]);
+    assert_eq!(found["identifiable"], false, "{found}");
+    let named = found["not_determined"].to_string();
+    assert!(STOP.iter().all(|(key, _)| named.contains(key)), "{named}");
 }
 
 /// A trace of the reference, which shares no code with the model of the fit: 0.8 s with five impacts.
