@@ -26,11 +26,11 @@ struct Memory {
 const BOARDS: [Board; 6] = [
     // Cortex-M4F, STM32F405.
     Board { name: "netduinoplus2", target: "thumbv7em-none-eabihf", memory: None },
-    // Cortex-M0, nRF51822 in its variant with 32 KiB of RAM.
+    // Cortex-M0, nRF51822.
     Board {
         name: "microbit",
         target: "thumbv6m-none-eabi",
-        memory: Some(Memory { flash: (0x0000_0000, 256), ram: (0x2000_0000, 32) }),
+        memory: Some(Memory { flash: (0x0000_0000, 256), ram: (0x2000_0000, 16) }),
     },
     // Cortex-M3, STM32F100RB.
     Board {

@@ -24,7 +24,7 @@ pub use cycle::{End, Failed, cycle};
 pub use entry::{Entry, Hour, State};
 pub use parts::{Part, Runner};
 pub use plant::Plant;
-pub use world::{Count, IMAGE_BYTES, LOSSES, Loss, Moment, WORK, Work, World};
+pub use world::{Count, IMAGE_BYTES, IMAGE_EVERY, LOSSES, Loss, Moment, WORK, Work, World};
 
 /// Counts time. Under QEMU it counts instructions.
 pub trait Meter {

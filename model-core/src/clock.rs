@@ -122,7 +122,7 @@ pub(crate) struct Cycles {
 /// A frequency in units of 2⁻⁹⁶ cycles per tick, which are 2⁻⁵⁶ Hz.
 ///
 /// An `f32` or `f64` from 2⁻⁴ Hz to 1 MHz is represented to that unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Frequency {
     upper: u64,

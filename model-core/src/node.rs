@@ -130,6 +130,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// # Errors
     /// The first parameter outside its bounds, a sensor with another rate than that of the bank, or a map that has none of
     /// the frequencies of the bank.
+    #[cold]
+    #[inline(never)]
     pub fn new(
         map: ResponseMap<W>,
         bank: LineBank<M, P>,
@@ -210,6 +212,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     ///
     /// Cost: at most three exponentials, one square root, and with a reading seven divisions; the decision on an action
     /// as [`Budget::can_run_now`].
+    #[inline(never)]
     pub fn wake(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
         if let Some(wake) = self.look(state, now, code) {
             return wake;
@@ -222,6 +225,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
 
     /// As [`Node::wake`] after a time in which the node was off, locked out or without supply, from the last call to
     /// `now`: nothing was drawn, and nothing was heard.
+    #[cold]
+    #[inline(never)]
     pub fn wake_after_gap(
         &self,
         state: &mut NodeState<P, SLOTS, ACTIONS>,
@@ -241,6 +246,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// As [`Node::wake_after_gap`] where no clock knows how long the node was off: the time goes on from the last call. The
     /// storage is read as for the first time, the power may be any like the last one, and the income of the gap is not
     /// told. Without `code` the node can afford nothing before its next reading.
+    #[cold]
+    #[inline(never)]
     pub fn wake_after_unknown_gap(
         &self,
         state: &mut NodeState<P, SLOTS, ACTIONS>,
@@ -262,6 +269,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// Takes samples of a listen, in order, as many as the FIFO has.
     ///
     /// Cost: that of [`LineBank::take`]; a look-up for each whole block.
+    #[inline(never)]
     pub fn samples(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, samples: &[i16]) -> Progress {
         let listen = &mut state.listen;
         if listen.missing == 0 {
@@ -312,6 +320,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     }
 
     /// Advances filter and budget to `now`; whether that is later than the last time.
+    #[inline(never)]
     fn advance(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, is_on: bool) -> bool {
         let seconds = now.saturating_sub(state.settled);
         if seconds == 0 {
@@ -338,6 +347,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     }
 
     /// Takes in a code at the time of the filter.
+    #[inline(never)]
     fn observe(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, code: u32, is_full: bool) {
         let (reading, departure) = self.filter.observe(&mut state.filter, code, is_full);
         state.reading = Some(reading);
@@ -347,6 +357,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     }
 
     /// Takes in a reading of the voltage; closes the hour.
+    #[inline(never)]
     fn read(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, code: Option<u32>, is_later: bool) {
         if let Some(code) = code {
             let before = state.last_reading.max(state.hour_start);

@@ -43,8 +43,8 @@ use core::fmt;
 use checksum::Checksum;
 pub use checksum::Fingerprint;
 pub use configuration::Configuration;
-pub(crate) use image::is_later;
 pub use image::{Image, image_size, newest_image, save_image};
+pub(crate) use image::{newest_slot, read_image};
 
 const MAGIC: u32 = u32::from_le_bytes(*b"VEHI");
 /// Version of the layout of the snapshot and of every state in it.
@@ -116,11 +116,15 @@ pub trait Snapshot: Sized {
     /// Appends the value.
     fn write(&self, out: &mut Writer<'_>);
 
-    /// Reads the value from the front.
-    ///
-    /// # Errors
-    /// [`SnapshotError::NoState`] if the bytes are too few or not a valid value.
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError>;
+    /// Reads the value from the front. If the bytes are too few or not a valid value, the reader keeps that, and what is
+    /// returned has no meaning: [`restore`] gives [`SnapshotError::NoState`] then.
+    fn read(from: &mut Reader<'_>) -> Self;
+
+    /// Reads the value from the front to where it is to be, entry by entry: a node has no room for another copy of all its
+    /// states. As [`Snapshot::read`] otherwise.
+    fn overwrite(&mut self, from: &mut Reader<'_>) {
+        *self = Self::read(from);
+    }
 }
 
 /// Implements [`Snapshot`] for a struct from one list of its fields, written in that order.
@@ -136,17 +140,22 @@ macro_rules! snapshot_fields {
                 $($crate::snapshot::Snapshot::write(&self.$field, out);)+
             }
 
-            fn read(
-                from: &mut $crate::snapshot::Reader<'_>,
-            ) -> Result<Self, $crate::snapshot::SnapshotError> {
-                let value = Self { $($field: $crate::snapshot::Snapshot::read(from)?),+ };
+            fn read(from: &mut $crate::snapshot::Reader<'_>) -> Self {
+                let value = Self { $($field: $crate::snapshot::Snapshot::read(from)),+ };
                 $(
                     let is_sound: fn(&Self) -> bool = $is_sound;
-                    if !is_sound(&value) {
-                        return Err($crate::snapshot::SnapshotError::NoState);
-                    }
+                    from.require(is_sound(&value));
                 )?
-                Ok(value)
+                value
+            }
+
+            #[inline(never)]
+            fn overwrite(&mut self, from: &mut $crate::snapshot::Reader<'_>) {
+                $($crate::snapshot::Snapshot::overwrite(&mut self.$field, from);)+
+                $(
+                    let is_sound: fn(&Self) -> bool = $is_sound;
+                    from.require(is_sound(self));
+                )?
             }
         }
     };
@@ -168,16 +177,15 @@ macro_rules! snapshot_variants {
                 $crate::snapshot::Snapshot::write(&(*self as u8), out);
             }
 
-            fn read(
-                from: &mut $crate::snapshot::Reader<'_>,
-            ) -> Result<Self, $crate::snapshot::SnapshotError> {
-                let byte: u8 = $crate::snapshot::Snapshot::read(from)?;
+            fn read(from: &mut $crate::snapshot::Reader<'_>) -> Self {
+                let byte: u8 = $crate::snapshot::Snapshot::read(from);
                 $(
                     if byte == Self::$variant as u8 {
-                        return Ok(Self::$variant);
+                        return Self::$variant;
                     }
                 )+
-                Err($crate::snapshot::SnapshotError::NoState)
+                from.require(false);
+                [$(Self::$variant),+][0]
             }
         }
     };
@@ -191,7 +199,9 @@ pub struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Appends `bytes`, or drops them without room; [`save`] has checked the room.
+    /// Appends `bytes`, or drops them without room; [`save`] has checked the room. Not inlined: a node saves a hundred numbers,
+    /// once an hour or so.
+    #[inline(never)]
     pub(crate) fn bytes<const N: usize>(&mut self, bytes: [u8; N]) {
         let left = core::mem::take(&mut self.left);
         if let Some((front, rest)) = left.split_first_chunk_mut::<N>() {
@@ -201,18 +211,32 @@ impl Writer<'_> {
     }
 }
 
-/// The bytes from which a snapshot is read.
+/// The bytes from which a snapshot is read, and whether all that was read is valid.
 #[derive(Debug)]
 pub struct Reader<'a> {
     left: &'a [u8],
+    is_sound: bool,
 }
 
-impl Reader<'_> {
-    /// The next `N` bytes.
-    pub(crate) fn bytes<const N: usize>(&mut self) -> Result<[u8; N], SnapshotError> {
-        let (front, rest) = self.left.split_first_chunk::<N>().ok_or(SnapshotError::NoState)?;
+impl<'a> Reader<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        Self { left: bytes, is_sound: true }
+    }
+
+    /// The next `N` bytes; zeros if there are fewer.
+    #[inline(never)]
+    pub(crate) fn bytes<const N: usize>(&mut self) -> [u8; N] {
+        let Some((front, rest)) = self.left.split_first_chunk::<N>() else {
+            self.is_sound = false;
+            return [0; N];
+        };
         self.left = rest;
-        Ok(*front)
+        *front
+    }
+
+    /// What was read is valid only if `is_sound`.
+    pub(crate) fn require(&mut self, is_sound: bool) {
+        self.is_sound &= is_sound;
     }
 }
 
@@ -261,28 +285,39 @@ fn save_with(
 /// # Errors
 /// Any [`SnapshotError`] except [`SnapshotError::NoRoom`].
 pub fn restore<T: Snapshot>(fingerprint: u32, bytes: &[u8]) -> Result<T, SnapshotError> {
+    read_sound(open(T::BYTES, fingerprint, bytes)?)
+}
+
+/// The states in the bytes of a snapshot of `size` bytes, without its head and its checksum.
+fn open(size: usize, fingerprint: u32, bytes: &[u8]) -> Result<&[u8], SnapshotError> {
     let given = bytes.len();
     let too_short = |needed| SnapshotError::TooShort { needed, given };
-    let mut head = Reader { left: bytes.get(..HEAD).ok_or(too_short(size_of::<T>()))? };
-    if u32::read(&mut head)? != MAGIC {
+    let mut head = Reader::new(bytes.get(..HEAD).ok_or(too_short(HEAD + size + TAIL))?);
+    if u32::read(&mut head) != MAGIC {
         return Err(SnapshotError::NotASnapshot);
     }
-    let version = u16::read(&mut head)?;
+    let version = u16::read(&mut head);
     if version != VERSION {
         return Err(SnapshotError::ForeignVersion { version });
     }
-    let length = usize::from(u16::read(&mut head)?);
+    let length = usize::from(u16::read(&mut head));
     let needed = HEAD + length + TAIL;
     let snapshot = bytes.get(..needed).ok_or(too_short(needed))?;
     let (content, tail) = snapshot.split_last_chunk::<TAIL>().ok_or(too_short(needed))?;
     if Checksum::of(content) != u32::from_le_bytes(*tail) {
         return Err(SnapshotError::Corrupt);
     }
-    if u32::read(&mut head)? != fingerprint || length != T::BYTES {
+    if u32::read(&mut head) != fingerprint || length != size {
         return Err(SnapshotError::ForeignModel);
     }
-    let mut payload = Reader { left: content.get(HEAD..).ok_or(SnapshotError::NoState)? };
-    T::read(&mut payload)
+    content.get(HEAD..).ok_or(SnapshotError::NoState)
+}
+
+/// The value in all of the bytes.
+fn read_sound<T: Snapshot>(bytes: &[u8]) -> Result<T, SnapshotError> {
+    let mut payload = Reader::new(bytes);
+    let value = T::read(&mut payload);
+    if payload.is_sound { Ok(value) } else { Err(SnapshotError::NoState) }
 }
 
 #[cfg(test)]

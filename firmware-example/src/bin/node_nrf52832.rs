@@ -176,9 +176,9 @@ mod board {
         // A reset of the processor may have come in a listen.
         board.stop_sensor();
         let mut runner: Runner<_> = Runner::new(board, node, 0);
-        let (mut one, mut other) = ([0; PAGE], [0; PAGE]);
+        let mut image = [0; image_size::<ExampleNode>()];
         // Without an image the node begins anew. Without a clock of its own supply no one knows how long the power-down was.
-        if runner.resume([&mut one, &mut other], Gap::Unknown).is_ok() {
+        if runner.resume(&mut image, Gap::Unknown).is_ok() {
             clock.borrow_mut().ticks = u64::from(runner.state().second()) * u64::from(TICKS);
         }
         let mut saved = runner.state().second();
@@ -190,7 +190,7 @@ mod board {
             {
                 saved = runner.state().second();
                 // A failure of the flash leaves the image before it; the next attempt is in six hours.
-                let _ = runner.save(&mut one);
+                let _ = runner.save(&mut image);
             }
         }
     }

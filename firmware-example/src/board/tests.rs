@@ -384,8 +384,7 @@ fn a_node_on_the_board_listens_acts_and_resumes() {
     }
     let now = (world.borrow().now / 1000) as u32;
     let mut again: Runner<_> = Runner::new(self::board(&world, flash), node, now);
-    let [first, second] = &mut images;
-    assert_eq!(again.resume([first, second], Gap::OnUntil(now)), Ok(sequence));
+    assert_eq!(again.resume(&mut images[0], Gap::OnUntil(now)), Ok(sequence));
     assert_eq!(again.state().second(), before.second());
 }
 

@@ -5,7 +5,7 @@ use model_core::node::{Gap, IncomeOfTime, Step};
 use super::Meter;
 use super::day::SECONDS;
 use super::entry::{Entry, Hour, State};
-use super::parts::{Part, Runner};
+use super::parts::{Part, PartsError, Runner};
 use super::plant::Draws;
 use super::world::{IMAGE_BYTES, IMAGE_EVERY, Simulated, Work, World};
 
@@ -45,12 +45,11 @@ pub fn cycle<M: Meter>(
     meter: &M,
     log: &mut dyn FnMut(&Entry),
 ) -> Result<End, Failed> {
-    let node = part.node().map_err(|_| Failed::Parameters)?;
-    let draws = Draws::new(node.parameters());
-    world.switch_on();
-    let mut runner = Runner::new(Simulated::new(world, draws, meter), node, 0);
-    resume(&mut runner, log);
-    let mut diary = Diary::new(&runner);
+    let mut started = start(part, world, meter);
+    // By reference: a node has no room for a second copy.
+    let Ok(runner) = &mut started else { return Err(Failed::Parameters) };
+    resume(runner, log);
+    let mut diary = Diary::new(runner);
     loop {
         let readings = runner.state().instruments()[0];
         let board = runner.board_mut();
@@ -74,13 +73,13 @@ pub fn cycle<M: Meter>(
         if board.world.is_off() {
             return Ok(End::PowerLost);
         }
-        diary.write(&mut runner, log);
+        diary.write(runner, log);
         if runner.state().second() >= SECONDS && runner.is_idle() {
-            save(&mut runner, log)?;
+            save(runner, log)?;
             return Ok(End::Day);
         }
-        if step == Step::Slept && runner.is_idle() && diary.is_image_due(&runner) {
-            save(&mut runner, log)?;
+        if step == Step::Slept && runner.is_idle() && diary.is_image_due(runner) {
+            save(runner, log)?;
             if runner.board().world.is_off() {
                 return Ok(End::PowerLost);
             }
@@ -90,12 +89,21 @@ pub fn cycle<M: Meter>(
 
 type Node<'a, M> = Runner<Simulated<'a, M>>;
 
+/// The node on its board. What it takes on the stack is free again afterwards.
+#[inline(never)]
+fn start<'a, M: Meter>(part: Part, world: &'a mut World, meter: &'a M) -> Result<Node<'a, M>, PartsError> {
+    let node = part.node()?;
+    let draws = Draws::new(node.parameters());
+    world.switch_on();
+    Ok(Runner::new(Simulated::new(world, draws, meter), node, 0))
+}
+
 /// Continues from the newest image, if there is one.
 #[inline(never)]
 fn resume<M: Meter>(runner: &mut Node<'_, M>, log: &mut dyn FnMut(&Entry)) {
-    let (mut one, mut other) = ([0; IMAGE_BYTES], [0; IMAGE_BYTES]);
+    let mut buffer = [0; IMAGE_BYTES];
     // The second is that of the image, because a time before it counts as it.
-    if let Ok(sequence) = runner.resume([&mut one, &mut other], Gap::OnUntil(0)) {
+    if let Ok(sequence) = runner.resume(&mut buffer, Gap::OnUntil(0)) {
         let second = runner.state().second();
         let world = &mut runner.board_mut().world;
         world.set_back(second);

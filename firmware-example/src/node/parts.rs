@@ -107,6 +107,7 @@ impl Part {
     ///
     /// # Errors
     /// If a parameter is outside its bounds, or the map does not belong to this version.
+    #[inline(never)]
     pub fn node(self) -> Result<ExampleNode, PartsError> {
         let accelerometer = Accelerometer::adxl362();
         let cost = CostModel::<f32>::new(self.processor(), accelerometer);

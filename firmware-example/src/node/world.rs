@@ -10,7 +10,7 @@ use super::plant::{Draws, Plant};
 pub const IMAGE_BYTES: usize = Runner::<Simulated<'static, super::NoMeter>>::image_bytes();
 
 /// Seconds from one image to the next.
-pub(super) const IMAGE_EVERY: u32 = 3600;
+pub const IMAGE_EVERY: u32 = 3600;
 
 /// When the power is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -25,6 +25,15 @@ impl Binary<'_> {
     pub const fn new(name: &'static str) -> Self {
         Self { name, variant: None, feature: None, scene: None }
     }
+
+    /// The Cargo profile that it is built in.
+    #[must_use]
+    fn profile(&self) -> &'static str {
+        match self.name {
+            "node" | "node_bare" => "node",
+            _ => "firmware",
+        }
+    }
 }
 
 /// Why there is no firmware.
@@ -61,7 +70,7 @@ pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
     let target_directory = workspace.join(all).join("on-target");
     let status = toolchain
         .cargo("build", hardware.target)
-        .args(["--profile", "firmware", "--package", "firmware-example", "--bin", binary.name])
+        .args(["--profile", binary.profile(), "--package", "firmware-example", "--bin", binary.name])
         .args(binary.feature.into_iter().flat_map(|feature| ["--features", feature]))
         .arg("--target-dir")
         .arg(&target_directory)
@@ -77,7 +86,7 @@ pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
 
     // A copy for each board and variant, because the next build overwrites this one. A target directory for each
     // would compile `core` and the dependencies again.
-    let built = target_directory.join(hardware.target).join("firmware").join(binary.name);
+    let built = target_directory.join(hardware.target).join(binary.profile()).join(binary.name);
     let kept = target_directory.join(hardware.board);
     fs::create_dir_all(&kept).map_err(io_error)?;
     let to = kept.join(binary.variant.unwrap_or(binary.name).replace("::", "-"));

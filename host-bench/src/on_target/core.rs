@@ -53,7 +53,7 @@ impl Core {
                 target: "thumbv6m-none-eabi",
                 board: "microbit",
                 flash_origin: 0,
-                stack_top: 0x2000_8000,
+                stack_top: 0x2000_4000,
                 tick_hz: 16_000_000,
             },
             Self::M3 => Hardware {

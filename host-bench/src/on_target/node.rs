@@ -92,8 +92,10 @@ pub struct Followed {
     pub counted: Vec<Counted>,
     /// Deepest stack in bytes.
     pub stack: u64,
-    /// The whole firmware.
+    /// The whole firmware, with the simulated plant.
     pub size: Size,
+    /// The same node on a board in place of the plant, and without a log: what a user would flash.
+    pub bare: Size,
 }
 
 /// Runs the node on `core` for at most `time_limit`, with its losses of power, compares its log with the host's, and that one
@@ -105,6 +107,7 @@ pub struct Followed {
 pub fn follow(core: Core, time_limit: Duration) -> Result<Followed, Error> {
     let firmware = Firmware::build(core, Binary::new("node"))?;
     let size = firmware.check()?;
+    let bare = Firmware::build(core, Binary::new("node_bare"))?.check()?;
     let log = qemu::run(core, &firmware.path, time_limit)?;
     let messages = decoder::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
     let (counts, found): (Vec<_>, Vec<_>) =
@@ -123,7 +126,7 @@ pub fn follow(core: Core, time_limit: Duration) -> Result<Followed, Error> {
         .collect::<Result<Vec<_>, _>>()?;
     let stack = counted.pop().ok_or_else(|| Error::on(core, decode::Error::Incomplete))?;
     let stack = (stack.instructions / per_tick).round() as u64;
-    Ok(Followed { losses: expected.world.losses(), whole, counted, stack, size })
+    Ok(Followed { losses: expected.world.losses(), whole, counted, stack, size, bare })
 }
 
 /// A line "count WORK CALLS SAMPLES TICKS".

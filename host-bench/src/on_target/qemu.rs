@@ -57,8 +57,6 @@ pub fn find() -> Result<(), Error> {
 pub fn run(core: Core, firmware: &Path, limit: Duration) -> Result<Vec<u8>, Error> {
     let mut qemu = Command::new(QEMU)
         .args(["-machine", core.hardware().board])
-        // The nRF51822 with 32 KiB, in place of 16; without effect on other boards.
-        .args(["-global", "nrf51-soc.sram-size=32768"])
         .args(["-display", "none", "-serial", "none", "-monitor", "none"])
         // The log, and nothing else, on the standard output.
         .args(["-chardev", "stdio,id=log"])

@@ -47,6 +47,8 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         let slot = income.slot();
         let over = |seconds: u32| storage.relaxation(S::from_u32(seconds));
         let (first, last) = (end_of::<SLOTS>(slot) - second_of_day, second_of_day - start_of::<SLOTS>(slot));
+        let short = over(shortest_slot::<SLOTS>());
+        let is_even = const { DAY_SECONDS.is_multiple_of(SLOTS as u32) };
         Self {
             storage,
             income,
@@ -54,8 +56,8 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
             slot,
             first: (first, over(first)),
             last: (last, over(last)),
-            short: over(shortest_slot::<SLOTS>()),
-            long: over(shortest_slot::<SLOTS>() + 1),
+            short,
+            long: if is_even { short } else { over(shortest_slot::<SLOTS>() + 1) },
         }
     }
 
@@ -64,17 +66,23 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         Self { part: self.income.certain_part(), ..self }
     }
 
-    fn stretch(&self, index: usize) -> Stretch<S> {
+    /// Slot, length in s and relaxation of a stretch.
+    fn place(&self, index: usize) -> (usize, u32, &Relaxation<S>) {
         let ahead = self.slot + index;
         let slot = if ahead >= SLOTS { ahead - SLOTS } else { ahead };
         let (seconds, relaxation) = if index == 0 {
-            self.first
+            (self.first.0, &self.first.1)
         } else if index == SLOTS {
-            self.last
+            (self.last.0, &self.last.1)
         } else {
             let length = end_of::<SLOTS>(slot) - start_of::<SLOTS>(slot);
-            (length, if length == shortest_slot::<SLOTS>() { self.short } else { self.long })
+            (length, if length == shortest_slot::<SLOTS>() { &self.short } else { &self.long })
         };
+        (slot, seconds, relaxation)
+    }
+
+    fn stretch(&self, index: usize) -> Stretch<S> {
+        let (slot, seconds, &relaxation) = self.place(index);
         Stretch { seconds, harvested: self.part * self.income.expected_power(slot), relaxation }
     }
 
@@ -168,13 +176,24 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
     /// Unserved energy of a load in W over the day, in J at the storage. The load is cut at the lock-out.
     pub(super) fn shortfall(&self, energy: S, load: S) -> S {
         let (mut now, mut sum) = (energy, S::ZERO);
-        for stretch in self.stretches() {
-            let seconds = S::from_u32(stretch.seconds);
-            let income = self.storage.stored(stretch.harvested * seconds);
-            let outgo = self.storage.drawn(load * seconds);
-            let step = self.storage.step(now, &stretch.relaxation, income, outgo);
-            now = step.end;
-            sum += step.unserved;
+        // What a watt of income stores and what the load draws in a stretch: most stretches have the same length.
+        let (mut length, mut of_watt, mut outgo) = (0, S::ZERO, S::ZERO);
+        for index in 0..=SLOTS {
+            let (slot, seconds, relaxation) = self.place(index);
+            if seconds != length {
+                let time = S::from_u32(seconds);
+                (length, of_watt) = (seconds, self.storage.stored(self.part * time));
+                outgo = self.storage.drawn(load * time);
+            }
+            let income = of_watt * self.income.expected_power(slot);
+            let end = now * relaxation.kept + (income - outgo) * relaxation.of_income;
+            if end < self.storage.lock_out() {
+                let step = self.storage.step(now, relaxation, income, outgo);
+                now = step.end;
+                sum += step.unserved;
+            } else {
+                now = end.min(self.storage.capacity());
+            }
         }
         sum
     }

@@ -209,6 +209,7 @@ impl<S: Scalar> Listening<S> {
     /// not in the deviation of many listens.
     ///
     /// A number that is negative, not finite, or above 10⁹ is refused: the listen is then not counted.
+    #[inline(never)]
     pub fn hear(
         &self,
         state: &mut ListeningState<S>,

@@ -68,9 +68,11 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// afforded.
     #[must_use]
     pub fn can_run_now(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>, now: u32) -> bool {
-        if !self.can_afford(state, action, now) {
-            return false;
-        }
+        self.can_afford(state, action, now) && self.leaves_the_day(state, action)
+    }
+
+    /// The second condition of [`Budget::can_run_now`].
+    pub(crate) fn leaves_the_day(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>) -> bool {
         let forecast = self.forecast(state).certain();
         let (energy, load) = (state.certain_energy(), self.standing_power);
         let with = forecast.shortfall(energy - self.storage.drawn(action.energy()), load);

@@ -112,6 +112,7 @@ impl<S: Scalar> Storage<S> {
 
     /// Voltage in V at a stored energy in J; 0 for an energy at or below 0. One square root.
     #[must_use]
+    #[inline(never)]
     pub fn voltage(&self, energy: S) -> S {
         (S::from_f64(2.0) * energy / self.parameters.capacitor.capacitance).sqrt()
     }
@@ -173,9 +174,12 @@ impl<S: Scalar> Storage<S> {
             let shunted = end - self.capacity;
             return StorageStep { end: self.capacity, change, leaked, shunted, unserved: S::ZERO };
         }
-        let without_load = energy + (income - relaxation.leaked(energy, income));
-        let floor = self.lock_out.min(without_load);
-        if end < floor {
+        if end < self.lock_out {
+            let without_load = energy + (income - relaxation.leaked(energy, income));
+            let floor = self.lock_out.min(without_load);
+            if !(end < floor) {
+                return StorageStep { end, change, leaked, shunted: S::ZERO, unserved: S::ZERO };
+            }
             let unserved = ((floor - end) / relaxation.of_income).min(outgo);
             let leaked = leaked + unserved * relaxation.lost_of_income();
             return StorageStep { end: floor, change, leaked, shunted: S::ZERO, unserved };
@@ -215,27 +219,27 @@ pub(crate) struct Relaxation<S> {
 /// Ratio below which the closed forms cancel and their series are used.
 const SERIES_RATIO: f64 = 0.5;
 
-/// `Σ (−x)ⁿ/(n+2)!` up to the rounding of `f64` at [`SERIES_RATIO`].
-const SECOND: [f64; 14] = {
-    let mut coefficients = [0.5; 14];
-    let mut n = 1;
-    while n < 14 {
-        coefficients[n] = -coefficients[n - 1] / (n as f64 + 2.0);
-        n += 1;
+/// The coefficients of `Σ (−x)ⁿ/(n+2)!` up to the rounding of `f64` at [`SERIES_RATIO`].
+fn second<S: Scalar>() -> [S; 14] {
+    // Each by itself: a loop over a table of `f64` would be converted by the firmware.
+    macro_rules! over {
+        ($($product:literal)+) => { [$(S::from_f64(1.0 / $product)),+] };
     }
-    coefficients
-};
+    over!(2.0 -6.0 24.0 -120.0 720.0 -5040.0 40_320.0 -362_880.0 3_628_800.0 -39_916_800.0 479_001_600.0
+        -6_227_020_800.0 87_178_291_200.0 -1_307_674_368_000.0)
+}
 
 impl<S: Scalar> Relaxation<S> {
-    /// Over an interval of `ratio` times the time constant.
+    /// Over an interval of `ratio` times the time constant. A function of its own: a node has five calls of it.
+    #[inline(never)]
     pub(super) fn new(ratio: S) -> Self {
         if ratio < S::from_f64(SERIES_RATIO) {
             let second = if ratio * ratio * ratio < S::from_f64(15.0) * S::EPSILON {
                 // The next term is below a quarter of a rounding.
-                let [first, second, third] = [SECOND[0], SECOND[1], SECOND[2]].map(S::from_f64);
+                let [first, second, third, ..] = second();
                 first + ratio * (second + ratio * third)
             } else {
-                horner(&SECOND.map(S::from_f64), ratio)
+                horner(&second(), ratio)
             };
             let of_income = S::ONE - ratio * second;
             Self { ratio, kept: S::ONE - ratio * of_income, of_income, second }

@@ -111,6 +111,8 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     /// # Errors
     /// [`ExcitationError::Section`], [`ExcitationError::Unit`], [`ExcitationError::Rate`], [`ExcitationError::Resonance`],
     /// [`ExcitationError::Block`].
+    #[cold]
+    #[inline(never)]
     pub fn new(rate: f32, frequency: f32, half_bandwidth: f32, unit: f32) -> Result<Self, ExcitationError> {
         const { assert!(P.is_power_of_two() && P >= 8 && P <= MOST_SECTIONS, "8, 16 or 32 sections") };
         if !(16..=MOST_SAMPLES).contains(&M) {
@@ -334,30 +336,40 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     /// Squares of the magnitudes of the bins with the window of Hann, the lowest first, and zeros.
     fn squares(&self, sections: &[[i32; 2]; P]) -> [f32; MOST_BINS] {
         let mut squares = [0.0; MOST_BINS];
-        let mut below = self.bin(sections, -Self::REACH - 1);
-        let mut here = self.bin(sections, -Self::REACH);
-        for (index, square) in squares.iter_mut().enumerate().take(2 * Self::REACH as usize + 1) {
-            let above = self.bin(sections, index as i32 - Self::REACH + 1);
+        // One more to each side than squares.
+        let mut bins = [[0_i32; 2]; MOST_BINS + 1];
+        let reach = Self::REACH as usize + 1;
+        for bin in 0..=reach {
+            let [of_minus, of_plus] = self.pair(sections, bin);
+            for (place, value) in [(reach - bin, of_minus), (reach + bin, of_plus)] {
+                if let Some(entry) = bins.get_mut(place) {
+                    *entry = value;
+                }
+            }
+        }
+        for (square, bins) in squares.iter_mut().zip(bins.windows(3)).take(2 * Self::REACH as usize + 1) {
+            let &[below, here, above] = bins else { continue };
             // In integers: software floating point takes several times as many instructions.
             let part = |here: i32, below: i32, above: i32| f32::from_i32(here - ((below + above) >> 1));
             let [real, imaginary] = [part(here[0], below[0], above[0]), part(here[1], below[1], above[1])];
             *square = real * real + imaginary * imaginary;
-            (below, here) = (here, above);
         }
         squares
     }
 
-    /// A bin without a window: parts below 2³⁰, of sections of [`SECTION_BITS`] bits.
-    fn bin(&self, sections: &[[i32; 2]; P], bin: i32) -> [i32; 2] {
-        let (mut real, mut imaginary) = (0_i32, 0_i32);
+    /// The bins at `−bin` and at `bin` without a window: parts below 2³⁰, of sections of [`SECTION_BITS`] bits. Both have the
+    /// same four products of a section.
+    fn pair(&self, sections: &[[i32; 2]; P], bin: usize) -> [[i32; 2]; 2] {
+        let (mut minus, mut plus) = ([0_i32; 2], [0_i32; 2]);
         let mut turn = 0_usize;
         for &[a, b] in sections {
             let [c, s] = self.rotation.get(turn & (P - 1)).map_or([0, 0], |pair| pair.map(i32::from));
-            real = real.wrapping_add(a * c - b * s);
-            imaginary = imaginary.wrapping_add(a * s + b * c);
-            turn = turn.wrapping_add(bin as usize);
+            let [ac, bs, a_s, bc] = [a * c, b * s, a * s, b * c];
+            plus = [plus[0].wrapping_add(ac - bs), plus[1].wrapping_add(a_s + bc)];
+            minus = [minus[0].wrapping_add(ac + bs), minus[1].wrapping_add(bc - a_s)];
+            turn = turn.wrapping_add(bin);
         }
-        [real, imaginary]
+        [minus, plus]
     }
 }
 
@@ -372,9 +384,12 @@ fn floor(number: f32) -> i32 {
 }
 
 /// Cosine and minus sine of `part/whole` turns, times `unit`, rounded.
+#[inline(never)]
 fn turned(part: usize, whole: usize, unit: f32) -> [i16; 2] {
     // The upper word of the phase is enough.
-    let phase = u64::from((part % whole) as u32 * (u32::MAX / whole as u32)) << 32;
+    let (part, step) =
+        (part.checked_rem(whole).unwrap_or(0), u32::MAX.checked_div(whole as u32).unwrap_or(0));
+    let phase = u64::from(part as u32 * step) << 32;
     let round = |number: f32| (number * unit + 4096.5) as i32 - 4096;
     let cosine: f32 = Polynomial::cosine_of_turns(phase);
     let sine: f32 = Polynomial::sine_of_turns(phase);

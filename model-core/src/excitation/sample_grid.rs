@@ -68,6 +68,11 @@ pub(super) struct SampleGrid<S> {
 }
 
 impl<S: Scalar> SampleGrid<S> {
+    /// A grid without a rate, for a stream that cannot be restored.
+    pub(super) fn without_rate() -> Self {
+        Self { rate: Frequency::default(), samples_per_second: S::ZERO, ticks_per_sample: 0 }
+    }
+
     /// A grid of `rate` samples per second.
     pub(super) fn new(rate: S) -> Result<Self, ExcitationError> {
         let fixed = Frequency::from_hertz(rate).ok_or(ExcitationError::Frequency)?;

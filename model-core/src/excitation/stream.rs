@@ -5,7 +5,7 @@ use super::{Excitation, ExcitationError, Line};
 use crate::clock::Instant;
 use crate::oscillator::{Kernel, Response};
 use crate::scalar::Scalar;
-use crate::snapshot::{Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::{Reader, Snapshot, Writer};
 
 /// Leaps of [`Stream::restart`]. The number of missing intervals of at least 2²⁰ ticks is at most 2³² at
 /// first, 2¹² after the first leap, and one after the second.
@@ -280,12 +280,21 @@ impl<S: Scalar> Snapshot for Stream<S> {
         self.known_until.write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        let mut stream = Self::new(S::read(from)?, S::ZERO).map_err(|_| SnapshotError::NoState)?;
-        (stream.newest, stream.samples) = (Snapshot::read(from)?, Snapshot::read(from)?);
-        stream.known_until = Snapshot::read(from)?;
-        let ahead = stream.newest.checked_sub(stream.grid.sample_before(stream.known_until));
-        if ahead.is_some_and(|samples| samples <= 1) { Ok(stream) } else { Err(SnapshotError::NoState) }
+    fn read(from: &mut Reader<'_>) -> Self {
+        let rate = S::read(from);
+        let (newest, samples, known_until) =
+            (Snapshot::read(from), Snapshot::read(from), Snapshot::read(from));
+        let grid = SampleGrid::new(rate).ok();
+        let interval = grid.as_ref().and_then(SampleGrid::whole_ticks_per_sample);
+        let (Some(grid), Some(interval)) = (grid, interval) else {
+            from.require(false);
+            let grid = SampleGrid::without_rate();
+            return Self { grid, interval: 0, newest, samples, known_until };
+        };
+        let stream = Self { grid, interval, newest, samples, known_until };
+        let ahead = newest.checked_sub(stream.grid.sample_before(known_until));
+        from.require(ahead.is_some_and(|samples| samples <= 1));
+        stream
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Hearing, Node, NodeState, Progress, Task, Wake};
 use crate::energy::response_map::Words;
-use crate::snapshot::{SnapshotError, image_size, is_later, newest_image, save_image};
+use crate::snapshot::{SnapshotError, image_size, newest_slot, read_image, save_image};
 
 /// The hardware of a node.
 ///
@@ -133,6 +133,7 @@ impl<
 > Runner<B, W, M, P, SLOTS, ACTIONS, BURST>
 {
     /// A node that wakes up at `second` and knows nothing. It reads the voltage of the storage.
+    #[inline(never)]
     pub fn new(mut board: B, node: Node<W, M, P, SLOTS, ACTIONS>, second: u32) -> Self {
         let mut state = node.start(second);
         let code = board.storage_code();
@@ -194,6 +195,7 @@ impl<
     }
 
     /// Takes a burst of samples.
+    #[inline(never)]
     fn listen(&mut self, samples: u32) -> Step {
         if !self.is_listening {
             self.is_listening = true;
@@ -232,6 +234,7 @@ impl<
         heard.map_or(Step::Sampled, Step::Heard)
     }
 
+    #[inline(never)]
     fn ask(&mut self, now: u32, code: Option<u32>) {
         self.wake = self.node.wake(&mut self.state, now, code);
         if self.is_listening && !matches!(self.wake.task, Task::Listen { .. }) {
@@ -247,6 +250,8 @@ impl<
     ///
     /// # Errors
     /// [`SaveError`]. After a failure the next image goes to the same slot with the same number.
+    #[cold]
+    #[inline(never)]
     pub fn save(&mut self, buffer: &mut [u8]) -> Result<u32, SaveError> {
         if !self.is_idle() {
             return Err(SaveError::NotIdle);
@@ -263,7 +268,7 @@ impl<
         let size = save_image(&self.node, &self.state, sequence, buffer).map_err(SaveError::Buffer)?;
         let image = buffer.get_mut(..size).unwrap_or(&mut []);
         self.board.write_slot(slot, image).map_err(|Fault| SaveError::Memory)?;
-        if self.sequence_in(slot, image) != Some(sequence) {
+        if self.sequence_in(slot, image) != Ok(sequence) {
             return Err(SaveError::Memory);
         }
         self.newest = Some((sequence, slot));
@@ -272,31 +277,55 @@ impl<
 
     /// Number and slot of the newest image of this node; number 0 in the second slot without one.
     fn look_for_newest(&mut self, buffer: &mut [u8]) -> (u32, usize) {
-        match (self.sequence_in(0, buffer), self.sequence_in(1, buffer)) {
-            (Some(first), Some(second)) if is_later(second, first) => (second, 1),
-            (Some(first), _) => (first, 0),
-            (None, second) => (second.unwrap_or(0), 1),
+        self.newest_in_slots(buffer).unwrap_or((0, 1))
+    }
+
+    /// Number and slot of the newest image of this node.
+    fn newest_in_slots(&mut self, buffer: &mut [u8]) -> Result<(u32, usize), SnapshotError> {
+        let numbers = [self.sequence_in(0, buffer), self.sequence_in(1, buffer)];
+        let slot = newest_slot(numbers)?;
+        let [first, second] = numbers;
+        Ok((if slot == 0 { first } else { second }?, slot))
+    }
+
+    /// Reads the image in a slot to the state; gives its number. Of an image that is not valid the state has no meaning.
+    #[inline(never)]
+    fn take_image(&mut self, slot: usize, buffer: &mut [u8]) -> Result<u32, SnapshotError> {
+        self.board.read_slot(slot, buffer);
+        read_image(&self.node, buffer, &mut self.state)
+    }
+
+    /// As [`Runner::take_image`]; the state stays if the image is not valid.
+    #[inline(never)]
+    fn continue_from(&mut self, slot: usize, buffer: &mut [u8]) -> Result<u32, SnapshotError> {
+        let state = self.state;
+        let sequence = self.take_image(slot, buffer);
+        if sequence.is_err() {
+            self.state = state;
         }
+        sequence
     }
 
     /// Number of the image in a slot, if it is valid.
-    fn sequence_in(&mut self, slot: usize, buffer: &mut [u8]) -> Option<u32> {
-        self.board.read_slot(slot, buffer);
-        newest_image(&self.node, [&*buffer, &[]]).ok().map(|image| image.sequence)
+    #[inline(never)]
+    fn sequence_in(&mut self, slot: usize, buffer: &mut [u8]) -> Result<u32, SnapshotError> {
+        let state = self.state;
+        let sequence = self.take_image(slot, buffer);
+        self.state = state;
+        sequence
     }
 
     /// Continues from the newest image of both slots after `gap`, with a reading of the voltage if the node was off, by way
-    /// of two buffers of at least [`image_size`] bytes. A listen that was under way gives no value.
+    /// of a buffer of at least [`image_size`] bytes. A listen that was under way gives no value.
     ///
     /// # Errors
     /// If there is no image of this node; the runner is then unchanged.
-    pub fn resume(&mut self, buffers: [&mut [u8]; 2], gap: Gap) -> Result<u32, SnapshotError> {
-        let [first, second] = buffers;
-        self.board.read_slot(0, first);
-        self.board.read_slot(1, second);
-        let image = newest_image(&self.node, [&*first, &*second])?;
-        self.state = image.state;
-        self.newest = Some((image.sequence, image.slot));
+    #[cold]
+    #[inline(never)]
+    pub fn resume(&mut self, buffer: &mut [u8], gap: Gap) -> Result<u32, SnapshotError> {
+        let (_, slot) = self.newest_in_slots(buffer)?;
+        let sequence = self.continue_from(slot, buffer)?;
+        self.newest = Some((sequence, slot));
         self.is_listening = false;
         match gap {
             Gap::OnUntil(now) => {
@@ -312,10 +341,10 @@ impl<
                 self.wake = self.node.wake_after_unknown_gap(&mut self.state, code);
             }
         }
-        Ok(image.sequence)
+        Ok(sequence)
     }
 
-    /// Bytes that a buffer of [`Runner::save`] needs.
+    /// Bytes that a buffer of [`Runner::save`] and [`Runner::resume`] needs.
     #[must_use]
     pub const fn image_bytes() -> usize {
         image_size::<Node<W, M, P, SLOTS, ACTIONS>>()

@@ -61,6 +61,7 @@ impl<S: Scalar> Covariance<S> {
     }
 
     /// The variance of a state.
+    #[inline(always)]
     pub(super) fn variance(&self, index: usize) -> S {
         match index {
             STORE => self.store[0],
@@ -72,6 +73,7 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
+    #[inline(always)]
     fn variance_mut(&mut self, index: usize) -> &mut S {
         match index {
             STORE => &mut self.store[0],
@@ -84,6 +86,7 @@ impl<S: Scalar> Covariance<S> {
     }
 
     /// The covariances of a state with all.
+    #[inline(always)]
     pub(super) fn row(&self, index: usize) -> [S; STATES] {
         let Self { store: e, power: p, gain: g, draw: d, hour: h, all } = *self;
         match index {
@@ -97,17 +100,20 @@ impl<S: Scalar> Covariance<S> {
     }
 
     /// Adds to a variance.
+    #[inline(always)]
     pub(super) fn widen(&mut self, index: usize, variance: S) {
         *self.variance_mut(index) += variance;
     }
 
     /// Adds to a variance, up to `most`.
+    #[inline(always)]
     pub(super) fn widen_to(&mut self, index: usize, variance: S, most: S) {
         let of = self.variance_mut(index);
         *of = (*of + variance).min(most);
     }
 
     /// Raises a variance to at least `least`.
+    #[inline(always)]
     pub(super) fn raise(&mut self, index: usize, least: S) {
         let of = self.variance_mut(index);
         *of = of.max(least);

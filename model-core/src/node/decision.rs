@@ -13,6 +13,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     Node<W, M, P, SLOTS, ACTIONS>
 {
     /// Decides what to do now.
+    #[inline(never)]
     pub(super) fn decide(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) -> Wake {
         if state.listen.missing > 0 {
             let since = state.second.saturating_sub(state.listen.started);
@@ -63,8 +64,10 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     }
 
     /// Whether an action leaves the reserve in the storage, and the coming day as it is.
+    #[inline(never)]
     pub(super) fn grants(&self, state: &BudgetState<f32, SLOTS>, regular: &Regular) -> bool {
-        self.leaves_reserve(state, regular) && self.budget.can_run_now(state, &regular.action, state.second())
+        // What leaves the reserve can be afforded.
+        self.leaves_reserve(state, regular) && self.budget.leaves_the_day(state, &regular.action)
     }
 
     /// Whether an action leaves the reserve in the storage.

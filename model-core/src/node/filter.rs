@@ -117,12 +117,14 @@ pub(super) struct Known<S> {
 
 impl<S: Scalar> Known<S> {
     /// Its standard deviation. One square root.
+    #[inline(never)]
     pub(super) fn deviation(&self) -> S {
         self.variance.sqrt()
     }
 }
 
 impl<S: Scalar> FilterState<S> {
+    #[inline(always)]
     fn known(&self, index: usize) -> Known<S> {
         let mean = self.mean.get(index).copied().unwrap_or(S::ZERO);
         Known { mean, variance: self.covariance.variance(index) }

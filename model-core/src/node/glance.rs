@@ -381,6 +381,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
 
     /// Books the glances, and takes in the last one where the storage has since become full, or no longer is. `code` is that
     /// of the reading at `now`.
+    #[inline(never)]
     pub(super) fn settle(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) {
         let count = core::mem::replace(&mut state.glances.count, 0);
         let is_open = core::mem::replace(&mut state.glances.is_open, false);

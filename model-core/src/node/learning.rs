@@ -15,6 +15,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     Node<W, M, P, SLOTS, ACTIONS>
 {
     /// Takes in what a whole listen says.
+    #[inline(never)]
     pub(super) fn conclude(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, voltage: f32) -> Hearing {
         let elapsed = state.second.saturating_sub(state.last_listen);
         let modelled = state.listen.blocks.modelled(&self.map, voltage);

@@ -147,6 +147,26 @@ const EVERY: [&str; 8] = [
     "actions.6.every",
     "actions.7.every",
 ];
+/// The numbers that belong to no other part, by name, with the least and the largest value of each. In single precision: a loop
+/// over literals in double precision would be converted by the firmware.
+static BOUNDS: [(&str, f32, f32); 15] = [
+    ("sensor.rate", 1.0, 1e5),
+    ("sensor.start_up", 0.0, MOST_START_UP as f32),
+    ("sensor.blocks", 1.0, MOST_BLOCKS as f32),
+    ("sensor.clipped", 1.0, 32_767.0),
+    ("cost.listen", 0.0, 10.0),
+    ("cost.reading", 0.0, 10.0),
+    ("cost.reading_share", 1e-5, 1.0),
+    ("cost.shortest_reading", 1.0, 3600.0),
+    ("cost.reading_doublings", 0.0, 12.0),
+    ("spread.standing", 0.0, 1.0),
+    ("spread.action", 0.0, 1.0),
+    ("spread.income", 1e-3, 10.0),
+    ("spread.gain_by_place", 0.0, 10.0),
+    ("spread.highest_voltage", 0.0, 0.5),
+    ("spread.power", 1e-9, 1e3),
+    ("reserve", 0.0, 1e6),
+];
 /// Part of a rate by which the rates of sensor and bank may differ: the rounding of both.
 const SAME_RATE: f32 = 1e-5;
 
@@ -170,26 +190,26 @@ impl<const ACTIONS: usize> NodeParameters<ACTIONS> {
     pub(super) fn check(&self) -> Result<(), ParameterError<f32>> {
         let Self { sensor, cost, spread, .. } = self;
         let count = f32::from_u32;
-        for (field, value, lowest, highest) in [
-            ("sensor.rate", sensor.rate, 1.0, 1e5),
-            ("sensor.start_up", count(sensor.start_up), 0.0, count(MOST_START_UP)),
-            ("sensor.blocks", count(sensor.blocks), 1.0, count(MOST_BLOCKS)),
-            ("sensor.clipped", f32::from(sensor.clipped), 1.0, 32_767.0),
-            ("cost.listen", cost.listen, 0.0, 10.0),
-            ("cost.reading", cost.reading, 0.0, 10.0),
-            ("cost.reading_share", cost.reading_share, 1e-5, 1.0),
-            ("cost.shortest_reading", count(cost.shortest_reading), 1.0, 3600.0),
-            ("cost.reading_doublings", count(cost.reading_doublings), 0.0, 12.0),
-            ("spread.standing", spread.standing, 0.0, 1.0),
-            ("spread.action", spread.action, 0.0, 1.0),
-            ("spread.income", spread.income, 1e-3, 10.0),
-            ("spread.gain_by_place", spread.gain_by_place, 0.0, 10.0),
-            ("spread.highest_voltage", spread.highest_voltage, 0.0, 0.5),
-            ("spread.power", spread.power, 1e-9, 1e3),
-            ("reserve", self.reserve, 0.0, 1e6),
-        ] {
-            // In single precision: a loop over literals in double precision would be converted by the firmware.
-            Bounds::<f32> { lowest, highest }.check(field, value)?;
+        let values = [
+            sensor.rate,
+            count(sensor.start_up),
+            count(sensor.blocks),
+            f32::from(sensor.clipped),
+            cost.listen,
+            cost.reading,
+            cost.reading_share,
+            count(cost.shortest_reading),
+            count(cost.reading_doublings),
+            spread.standing,
+            spread.action,
+            spread.income,
+            spread.gain_by_place,
+            spread.highest_voltage,
+            spread.power,
+            self.reserve,
+        ];
+        for (value, &(field, lowest, highest)) in values.into_iter().zip(&BOUNDS) {
+            Bounds { lowest, highest }.check(field, value)?;
         }
         for (index, regular) in self.actions.iter().enumerate() {
             let field = EVERY.get(index).copied().unwrap_or("actions.every");

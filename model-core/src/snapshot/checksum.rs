@@ -35,6 +35,8 @@ impl Checksum {
         checksum.value()
     }
 
+    /// Not inlined: a fingerprint calls it for each number, and runs for an image only.
+    #[inline(never)]
     fn include(&mut self, bytes: &[u8]) {
         let four = |remainder: u32| (remainder >> 4) ^ TABLE[(remainder & 15) as usize];
         for byte in bytes {
@@ -73,6 +75,7 @@ impl Fingerprint {
     }
 
     /// Includes the bytes of numbers of at most 64 bits each.
+    #[inline(never)]
     pub fn numbers<T: Snapshot>(&mut self, numbers: &[T]) {
         const { assert!(T::BYTES <= 8, "numbers of at most 64 bits") };
         for number in numbers {

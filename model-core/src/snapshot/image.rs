@@ -25,7 +25,7 @@
 //! # Ok::<(), SnapshotError>(())
 //! ```
 
-use super::{Configuration, Fingerprint, Snapshot, SnapshotError, restore, save_with, size_of};
+use super::{Configuration, Fingerprint, Reader, Snapshot, SnapshotError, open, restore, save_with, size_of};
 
 /// The states of a node as they were saved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,17 +76,21 @@ pub fn save_image<C: Configuration>(
     })
 }
 
-/// The image at the front of `bytes`, as [`save_image`] wrote it for the same configuration. The slot is given.
+/// Reads the image at the front of `bytes` to `state`, as [`save_image`] wrote it for the same configuration; gives its number.
 ///
 /// # Errors
-/// As [`restore`].
-fn restore_image<C: Configuration>(
+/// As [`restore`]. The state has no meaning then.
+#[inline(never)]
+pub(crate) fn read_image<C: Configuration>(
     configuration: &C,
     bytes: &[u8],
-    slot: usize,
-) -> Result<Image<C::State>, SnapshotError> {
-    let (sequence, state) = restore(fingerprint(configuration), bytes)?;
-    Ok(Image { state, sequence, slot })
+    state: &mut C::State,
+) -> Result<u32, SnapshotError> {
+    let content = open(u32::BYTES + C::State::BYTES, fingerprint(configuration), bytes)?;
+    let mut from = Reader::new(content);
+    let sequence = u32::read(&mut from);
+    state.overwrite(&mut from);
+    if from.is_sound { Ok(sequence) } else { Err(SnapshotError::NoState) }
 }
 
 /// The image with the later number of two slots; the only valid one if the other slot is erased, torn or foreign.
@@ -97,20 +101,33 @@ fn restore_image<C: Configuration>(
 /// If neither slot holds a valid image: the error of the first slot that is not erased, as by [`restore`].
 pub fn newest_image<C: Configuration>(
     configuration: &C,
-    [first, second]: [&[u8]; 2],
+    slots: [&[u8]; 2],
 ) -> Result<Image<C::State>, SnapshotError> {
-    match (restore_image(configuration, first, 0), restore_image(configuration, second, 1)) {
-        (Ok(first), Ok(second)) => Ok(if is_later(second.sequence, first.sequence) { second } else { first }),
-        (Ok(only), Err(_)) | (Err(_), Ok(only)) => Ok(only),
-        (Err(SnapshotError::NotASnapshot), Err(error)) | (Err(error), Err(_)) => Err(error),
+    let fingerprint = fingerprint(configuration);
+    let numbers =
+        slots.map(|bytes| restore::<(u32, C::State)>(fingerprint, bytes).map(|(sequence, _)| sequence));
+    let slot = newest_slot(numbers)?;
+    let [first, second] = slots;
+    let (sequence, state) = restore(fingerprint, if slot == 0 { first } else { second })?;
+    Ok(Image { state, sequence, slot })
+}
+
+/// The slot with the later number, by what was read of each.
+pub(crate) fn newest_slot(numbers: [Result<u32, SnapshotError>; 2]) -> Result<usize, SnapshotError> {
+    match numbers {
+        [Ok(first), Ok(second)] => Ok(usize::from(is_later(second, first))),
+        [Ok(_), Err(_)] => Ok(0),
+        [Err(_), Ok(_)] => Ok(1),
+        [Err(SnapshotError::NotASnapshot), Err(error)] | [Err(error), Err(_)] => Err(error),
     }
 }
 
 /// Whether the number of an image is later than another: ahead by less than 2³¹.
-pub(crate) fn is_later(number: u32, than: u32) -> bool {
+fn is_later(number: u32, than: u32) -> bool {
     (1..1 << 31).contains(&number.wrapping_sub(than))
 }
 
+#[inline(never)]
 fn fingerprint<C: Configuration>(configuration: &C) -> u32 {
     let mut fingerprint = Fingerprint::new();
     fingerprint.name("image");

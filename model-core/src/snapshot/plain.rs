@@ -1,8 +1,6 @@
 //! Implements [`Snapshot`] for numbers, truth values, arrays and options.
 
-use heapless::Vec;
-
-use super::{Reader, Snapshot, SnapshotError, Writer};
+use super::{Reader, Snapshot, Writer};
 
 macro_rules! integers {
     ($($integer:ty),*) => {$(
@@ -15,8 +13,8 @@ macro_rules! integers {
             }
 
             #[inline]
-            fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-                Ok(Self::from_le_bytes(from.bytes()?))
+            fn read(from: &mut Reader<'_>) -> Self {
+                Self::from_le_bytes(from.bytes())
             }
         }
     )*};
@@ -38,10 +36,11 @@ macro_rules! floats {
                 self.to_bits().write(out);
             }
 
-            #[inline]
-            fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-                let value = Self::from_bits(Snapshot::read(from)?);
-                if value.abs() <= LARGEST as Self { Ok(value) } else { Err(SnapshotError::NoState) }
+            #[inline(never)]
+            fn read(from: &mut Reader<'_>) -> Self {
+                let value = Self::from_bits(Snapshot::read(from));
+                from.require(value.abs() <= LARGEST as Self);
+                value
             }
         }
     )*};
@@ -55,9 +54,7 @@ impl Snapshot for () {
 
     fn write(&self, _out: &mut Writer<'_>) {}
 
-    fn read(_from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        Ok(())
-    }
+    fn read(_from: &mut Reader<'_>) -> Self {}
 }
 
 /// A byte that is 0 or 1.
@@ -68,12 +65,27 @@ impl Snapshot for bool {
         u8::from(*self).write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        match u8::read(from)? {
-            0 => Ok(false),
-            1 => Ok(true),
-            _ => Err(SnapshotError::NoState),
-        }
+    #[inline(never)]
+    fn read(from: &mut Reader<'_>) -> Self {
+        let byte = u8::read(from);
+        from.require(byte <= 1);
+        byte == 1
+    }
+}
+
+/// Writes entries in order: one loop for each type of entries in place of one for each length.
+#[inline(never)]
+fn write_all<T: Snapshot>(entries: &[T], out: &mut Writer<'_>) {
+    for entry in entries {
+        entry.write(out);
+    }
+}
+
+/// Reads entries in order, as [`write_all`] writes them.
+#[inline(never)]
+fn overwrite_all<T: Snapshot>(entries: &mut [T], from: &mut Reader<'_>) {
+    for entry in entries {
+        entry.overwrite(from);
     }
 }
 
@@ -81,17 +93,15 @@ impl<T: Snapshot, const N: usize> Snapshot for [T; N] {
     const BYTES: usize = N * T::BYTES;
 
     fn write(&self, out: &mut Writer<'_>) {
-        for entry in self {
-            entry.write(out);
-        }
+        write_all(self, out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        let mut entries = Vec::<T, N>::new();
-        for _ in 0..N {
-            entries.push(T::read(from)?).map_err(|_| SnapshotError::NoState)?;
-        }
-        entries.into_array().map_err(|_| SnapshotError::NoState)
+    fn read(from: &mut Reader<'_>) -> Self {
+        core::array::from_fn(|_| T::read(from))
+    }
+
+    fn overwrite(&mut self, from: &mut Reader<'_>) {
+        overwrite_all(self, from);
     }
 }
 
@@ -110,12 +120,10 @@ where
         }
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        let is_some = bool::read(from)?;
-        let value = T::read(from)?;
-        if !is_some && value != T::default() {
-            return Err(SnapshotError::NoState);
-        }
-        Ok(is_some.then_some(value))
+    fn read(from: &mut Reader<'_>) -> Self {
+        let is_some = bool::read(from);
+        let value = T::read(from);
+        from.require(is_some || value == T::default());
+        is_some.then_some(value)
     }
 }

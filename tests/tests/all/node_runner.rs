@@ -220,8 +220,8 @@ fn resumed(mut board: Bench) -> OneRunner {
     board.stop_sensor();
     let second = board.second;
     let mut runner = OneRunner::new(board, node(), second);
-    let (mut first, mut other) = ([0; SLOT_BYTES], [0; SLOT_BYTES]);
-    runner.resume([&mut first, &mut other], Gap::OnUntil(second)).expect("an image");
+    let mut buffer = [0; SLOT_BYTES];
+    runner.resume(&mut buffer, Gap::OnUntil(second)).expect("an image");
     runner
 }
 
@@ -289,8 +289,8 @@ fn a_write_that_is_torn_at_any_byte_leaves_the_image_before_it() {
     }
     // Without any image there is nothing to continue, and the node begins.
     let mut runner = OneRunner::new(Bench::new(), node(), 0);
-    let (mut first, mut other) = ([0; SLOT_BYTES], [0; SLOT_BYTES]);
-    assert_eq!(runner.resume([&mut first, &mut other], Gap::OffUntil(0)), Err(SnapshotError::NotASnapshot));
+    let mut buffer = [0; SLOT_BYTES];
+    assert_eq!(runner.resume(&mut buffer, Gap::OffUntil(0)), Err(SnapshotError::NotASnapshot));
     assert_eq!(runner.state().second(), 0);
 }
 

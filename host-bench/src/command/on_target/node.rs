@@ -119,14 +119,17 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
 {} have an income. {readings} readings, {listens} listens with a value, {measured} measurements, {transmitted} transmissions.
 By its own books the node spent {:.2} % of the income on knowing it.
 {} losses of power; after each the node came to the same bits. Each logged value has the host's bits.
-Flash {} bytes, static RAM {} with the simulated memory and plant, stack {}, image {IMAGE_BYTES}.",
+The node on a board takes {} bytes of flash, map included, and two pages for images of {IMAGE_BYTES} bytes; static RAM {}, stack {}.
+With the log, the simulated memory and the plant: flash {}, static RAM {}.",
         hours.len(),
         with_income.count(),
         100.0 * f64::from(last.knowing) / all.income,
         found.losses,
+        found.bare.flash,
+        found.bare.static_ram,
+        found.stack,
         found.size.flash,
         found.size.static_ram,
-        found.stack,
     );
     let header = vec!["until", "told", "bound", "true", "error", "inside"];
     output.table(header, rows, 1, &note);
@@ -137,8 +140,10 @@ Flash {} bytes, static RAM {} with the simulated memory and plant, stack {}, ima
         "listens": listens,
         "share_of_income": f64::from(last.knowing) / all.income,
         "losses_of_power": found.losses,
-        "flash_bytes": found.size.flash,
-        "ram_bytes": found.size.static_ram,
+        "flash_bytes": found.bare.flash,
+        "ram_bytes": found.bare.static_ram,
+        "flash_bytes_with_plant": found.size.flash,
+        "ram_bytes_with_plant": found.size.static_ram,
         "stack_bytes": found.stack,
         "image_bytes": IMAGE_BYTES,
     });

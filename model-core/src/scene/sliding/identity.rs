@@ -8,7 +8,7 @@ use crate::integrate::StepControl;
 use crate::part::load::Load;
 use crate::scalar::Scalar;
 use crate::scene::{ClosedForm, ParameterError, Scene};
-use crate::snapshot::{Fingerprint, Reader, Snapshot, SnapshotError, Writer};
+use crate::snapshot::{Fingerprint, Reader, Snapshot, Writer};
 
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for Sliding<S, P> {
     type Start = Start<S>;
@@ -73,11 +73,13 @@ impl Snapshot for Mode {
         self.number().write(out);
     }
 
-    fn read(from: &mut Reader<'_>) -> Result<Self, SnapshotError> {
-        match u8::read(from)? {
-            sliding @ 0..=3 => Ok(Self::Sliding { forward: sliding & 1 != 0, ahead: sliding & 2 != 0 }),
-            4 => Ok(Self::Stick),
-            _ => Err(SnapshotError::NoState),
+    fn read(from: &mut Reader<'_>) -> Self {
+        match u8::read(from) {
+            sliding @ 0..=3 => Self::Sliding { forward: sliding & 1 != 0, ahead: sliding & 2 != 0 },
+            number => {
+                from.require(number == 4);
+                Self::Stick
+            }
         }
     }
 }

@@ -28,8 +28,8 @@ fn resumed_after(gap: fn(u32) -> Gap, change: impl Fn(&mut Bench)) -> [OneState;
     change(&mut board);
     let second = board.second;
     let mut runner = OneRunner::new(board, dear_node(), second);
-    let (mut first, mut other) = ([0; SLOT_BYTES], [0; SLOT_BYTES]);
-    runner.resume([&mut first, &mut other], gap(second)).expect("an image");
+    let mut buffer = [0; SLOT_BYTES];
+    runner.resume(&mut buffer, gap(second)).expect("an image");
     let after = *runner.state();
     let (mut last, mut hours) = (before.last_hour(), 0);
     while runner.state().second() < after.second() + 7200 {
