@@ -11,18 +11,18 @@ pub struct Instructions {
     pub glance: f32,
     /// Of a sample in a listen.
     pub sample: f32,
-    /// Of the end of a block, with its look-up and the filter.
+    /// Of the end of a block, with its look-up, the filter and the wake after it.
     pub block: f32,
 }
 
-/// Instructions under QEMU of a node with the map of contact-separation, 24 slots of the day and one action, rounded up:
-/// the table "Cost" of `docs/node.md`.
+/// Instructions under QEMU of the node of `on-target --node` over its day, with its decisions on two actions and the forecasts for
+/// them, rounded up: the table "Cost" of `docs/node.md`.
 #[must_use]
 pub const fn node_instructions(core: Core) -> Instructions {
     match core {
-        Core::M0Plus => Instructions { reading: 54_000.0, glance: 600.0, sample: 60.0, block: 60_000.0 },
+        Core::M0Plus => Instructions { reading: 91_000.0, glance: 600.0, sample: 40.0, block: 140_000.0 },
         Core::M4F | Core::M33 => {
-            Instructions { reading: 1_700.0, glance: 250.0, sample: 23.0, block: 17_200.0 }
+            Instructions { reading: 2_200.0, glance: 320.0, sample: 23.0, block: 15_000.0 }
         }
     }
 }

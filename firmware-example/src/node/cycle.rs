@@ -53,18 +53,21 @@ pub fn cycle<M: Meter>(
     loop {
         let readings = runner.state().instruments()[0];
         let board = runner.board_mut();
-        (board.ticks, board.samples) = (0, 0);
+        (board.ticks, board.samples, board.is_read) = (0, 0, false);
         let started = meter.ticks();
         let step = runner.step();
         let ticks = meter.ticks() - started;
+        let readings = runner.state().instruments()[0] - readings;
         let work = match step {
-            Step::Slept if runner.state().instruments()[0] > readings => Work::Reading,
+            Step::Slept if readings > 0 => Work::Reading,
+            Step::Slept if runner.board().is_read => Work::Glance,
             Step::Slept => Work::Wake,
             Step::Ran(_) => Work::Action,
             Step::Sampled => Work::Samples,
             Step::Heard(_) => Work::Heard,
         };
         let board = runner.board_mut();
+        board.know(readings);
         let (samples, ticks) = (board.samples, ticks.saturating_sub(board.ticks));
         board.world.count(work, samples, ticks);
         if board.world.plant().is_locked_out() {
@@ -93,7 +96,7 @@ type Node<'a, M> = Runner<Simulated<'a, M>>;
 #[inline(never)]
 fn start<'a, M: Meter>(part: Part, world: &'a mut World, meter: &'a M) -> Result<Node<'a, M>, PartsError> {
     let node = part.node()?;
-    let draws = Draws::new(node.parameters());
+    let draws = Draws::new(&node);
     world.switch_on();
     Ok(Runner::new(Simulated::new(world, draws, meter), node, 0))
 }

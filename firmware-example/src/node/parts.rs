@@ -10,6 +10,8 @@ use model_core::energy::{
 use model_core::excitation::{ExcitationError, LineBank};
 use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, Regular, Sensor, Spread};
 
+use crate::board::instructions::{Instructions, node_instructions};
+
 /// The map of `node.toml`: contact-separation under the force of the field, 20 g on 320 N/m, with impacts.
 #[path = "../../map/node.rs"]
 pub mod map;
@@ -94,16 +96,8 @@ impl Part {
         }
     }
 
-    /// Instructions of a wake with a reading, of a sample, and of the end of a listen with its look-up and wake, as the node is
-    /// told them; `on-target --node` counts them.
-    fn instructions(self) -> [f32; 3] {
-        match self {
-            Self::Nrf52832 => [2_100.0, 24.0, 18_000.0],
-            Self::Stm32l051 => [60_000.0, 66.0, 160_000.0],
-        }
-    }
-
-    /// The node with this processor, an ADXL362 and a storage of 47 mF. It measures and transmits each five minutes.
+    /// The node with this processor, an ADXL362 and a storage of 47 mF. It measures and transmits each five minutes. On the core
+    /// without floating point it has glances.
     ///
     /// # Errors
     /// If a parameter is outside its bounds, or the map does not belong to this version.
@@ -111,13 +105,15 @@ impl Part {
     pub fn node(self) -> Result<ExampleNode, PartsError> {
         let accelerometer = Accelerometer::adxl362();
         let cost = CostModel::<f32>::new(self.processor(), accelerometer);
-        let [reading, sample, look_up] = self.instructions();
-        let instructions = LISTEN as f32 * sample + look_up;
+        let Instructions { reading, glance, sample, block } = node_instructions(cost.processor.core);
+        let instructions = LISTEN as f32 * sample + block;
         let listen =
             cost.listen(LISTEN, RATE as f32, instructions, Code::Filter).ok_or(PartsError::Figure)?;
-        let reading = cost.voltage_reading.value
-            + cost.start_energy()
-            + cost.processor.computing(reading, Code::Filter);
+        let of_code = |instructions: f32| {
+            cost.voltage_reading.value
+                + cost.start_energy()
+                + cost.processor.computing(instructions, Code::Filter)
+        };
         let standing_power = cost.standing_power().ok_or(PartsError::Figure)?;
         let part = |percent: u8| 0.01 * f32::from(percent);
         let parameters = NodeParameters {
@@ -156,7 +152,7 @@ impl Part {
             },
             cost: KnowingCost {
                 listen: listen.total(),
-                reading,
+                reading: of_code(reading),
                 reading_share: 0.4 * SHARE,
                 shortest_reading: 60,
                 reading_doublings: 6,
@@ -178,6 +174,11 @@ impl Part {
         };
         let map = ResponseMap::new(&map::MAP[..], map::FINGERPRINT).map_err(PartsError::Map)?;
         let bank = LineBank::new(RATE as f32, 20.1325, 0.09625, UNIT).map_err(PartsError::Bank)?;
-        Node::new(map, bank, parameters).map_err(PartsError::Node)
+        let node = Node::new(map, bank, parameters).map_err(PartsError::Node)?;
+        match self {
+            // The converter and the wake-up are most of a reading: a glance would save little.
+            Self::Nrf52832 => Ok(node),
+            Self::Stm32l051 => Ok(node.with_glances(of_code(glance))?),
+        }
     }
 }

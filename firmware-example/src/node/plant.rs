@@ -3,13 +3,12 @@
 //! All of it is integer arithmetic but for one root, so that it costs little on a core without floating point. Energies are
 //! whole pJ.
 
-use model_core::node::NodeParameters;
 use model_core::scalar::Scalar;
 
 use super::day::minute;
 use super::parts::{
-    ACTIONS, BITS, CAPACITANCE, FIRST, FULL_SCALE, HIGHEST, INTO_STORAGE, LEAKAGE, LOCK_OUT, OUT_OF_STORAGE,
-    RATE,
+    ACTIONS, BITS, CAPACITANCE, ExampleNode, FIRST, FULL_SCALE, HIGHEST, INTO_STORAGE, LEAKAGE, LOCK_OUT,
+    OUT_OF_STORAGE, RATE,
 };
 
 /// What the true node draws, in per cent of what is stated: asleep, for an action, for a reading or a listen.
@@ -30,16 +29,19 @@ pub(super) struct Draws {
     /// In a second.
     standing: u64,
     reading: u64,
+    glance: u64,
     listen: u64,
     actions: [u64; ACTIONS],
 }
 
 impl Draws {
-    pub(super) fn new(parameters: &NodeParameters<ACTIONS>) -> Self {
+    pub(super) fn new(node: &ExampleNode) -> Self {
+        let parameters = node.parameters();
         let of = |joules: f32, percent: u64| (1e12 * joules) as u64 * percent / u64::from(OUT_OF_STORAGE);
         Self {
             standing: of(parameters.budget.standing_power, STANDING),
             reading: of(parameters.cost.reading, KNOWING),
+            glance: of(node.glance().unwrap_or(0.0), KNOWING),
             listen: of(parameters.cost.listen, KNOWING),
             actions: parameters.actions.map(|regular| of(regular.action.energy(), ACTION)),
         }
@@ -126,9 +128,13 @@ impl Plant {
         self.stored = self.stored.saturating_sub(energy);
     }
 
+    /// Draws what so many readings took, or a glance.
+    pub(super) fn know(&mut self, draws: &Draws, readings: u32) {
+        self.draw(if readings > 0 { draws.reading * u64::from(readings) } else { draws.glance });
+    }
+
     /// Reads the voltage of the storage.
-    pub(super) fn read(&mut self, draws: &Draws) -> u32 {
-        self.draw(draws.reading);
+    pub(super) fn read(&mut self) -> u32 {
         const CODES: u32 = 1 << BITS;
         let voltage = Scalar::sqrt(2e-12 / CAPACITANCE * self.stored as f32);
         let code = (voltage * (1024.0 * CODES as f32 / FULL_SCALE)) as i32 + self.noise(CODE_NOISE);
@@ -284,7 +290,7 @@ mod tests {
     #[test]
     fn the_books_of_the_plant_close() {
         use super::super::parts::Part;
-        let draws = super::Draws::new(Part::Nrf52832.node().expect("valid").parameters());
+        let draws = super::Draws::new(&Part::Nrf52832.node().expect("valid"));
         let whole = {
             let mut plant = Plant::new();
             plant.advance(&draws, 86_400);

@@ -73,6 +73,8 @@ pub struct Count {
 pub enum Work {
     /// A wake with a reading of the voltage.
     Reading,
+    /// A wake with a reading that is only compared.
+    Glance,
     /// A wake from sleep without a reading.
     Wake,
     /// A wake after an action.
@@ -84,7 +86,8 @@ pub enum Work {
 }
 
 /// All of them, in order.
-pub const WORK: [Work; 5] = [Work::Reading, Work::Wake, Work::Action, Work::Samples, Work::Heard];
+pub const WORK: [Work; 6] =
+    [Work::Reading, Work::Glance, Work::Wake, Work::Action, Work::Samples, Work::Heard];
 
 impl Work {
     /// One word, for the log.
@@ -92,6 +95,7 @@ impl Work {
     pub fn name(self) -> &'static str {
         match self {
             Self::Reading => "reading",
+            Self::Glance => "glance",
             Self::Wake => "wake",
             Self::Action => "action",
             Self::Samples => "samples",
@@ -199,14 +203,22 @@ pub(super) struct Simulated<'a, M> {
     pub(super) world: &'a mut World,
     draws: Draws,
     meter: &'a M,
-    /// Ticks that the board took, and samples that it gave.
+    /// Ticks that the board took, samples that it gave, and whether it gave a code.
     pub(super) ticks: u64,
     pub(super) samples: u32,
+    pub(super) is_read: bool,
 }
 
 impl<'a, M: Meter> Simulated<'a, M> {
     pub(super) fn new(world: &'a mut World, draws: Draws, meter: &'a M) -> Self {
-        Self { world, draws, meter, ticks: 0, samples: 0 }
+        Self { world, draws, meter, ticks: 0, samples: 0, is_read: false }
+    }
+
+    /// The energy of so many readings, or of a glance, leaves the storage if a code was read.
+    pub(super) fn know(&mut self, readings: u32) {
+        if self.is_read {
+            self.world.plant.know(&self.draws, readings);
+        }
     }
 
     /// Does the work of the board and counts what it takes.
@@ -229,7 +241,8 @@ impl<M: Meter> Board for Simulated<'_, M> {
     }
 
     fn storage_code(&mut self) -> Option<u32> {
-        self.work(|board| Some(board.world.plant.read(&board.draws)))
+        self.is_read = true;
+        self.work(|board| Some(board.world.plant.read()))
     }
 
     fn start_sensor(&mut self) -> Result<(), Fault> {

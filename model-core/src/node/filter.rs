@@ -283,6 +283,11 @@ impl<S: Scalar> Filter<S> {
         state.of_hour = state.of_hour.saturating_add(seconds);
     }
 
+    /// Part of an even income over a time in s that is still stored at its end.
+    pub(super) fn stored_over(&self, time: S) -> S {
+        self.storage.stored(self.storage.relaxation(time).of_income)
+    }
+
     /// Adds to the variance of the gain, which is never known less than by the order of magnitude.
     fn widen_gain(&self, state: &mut FilterState<S>, variance: S) {
         state.covariance.widen_to(GAIN, variance, self.gain_variance.max(S::ONE));
@@ -341,13 +346,12 @@ impl<S: Scalar> Filter<S> {
             // What ends a full storage is most often another power, of which the time before says nothing.
             let change = S::from_f64(CHANGE_FROM_FULL) * state.mean[POWER];
             let time = S::from_u32(state.since);
-            let walk = change * change / time;
-            state.covariance.walk(time, walk, self.storage.stored(S::ONE));
+            state.covariance.walk(time, change * change / time, self.stored_over(time));
         }
         let jump = departure > square(JUMP) && state.since > 0;
         if jump {
             let time = S::from_u32(state.since);
-            let stored = self.storage.stored(S::ONE);
+            let stored = self.stored_over(time);
             let scale = stored * time;
             let walk = S::from_f64(3.0) * (distance / scale) * (distance / scale) / time;
             state.covariance.walk(time, walk, stored);

@@ -55,7 +55,7 @@ impl<S: Scalar> Filter<S> {
         if departure * departure > variance {
             // The power has jumped, or the map is wrong here.
             let time = S::from_u32(self.unseen(state, elapsed, departure).min(state.of_hour).max(1));
-            let stored = self.storage.stored(S::ONE);
+            let stored = self.stored_over(time);
             state.covariance.walk(time, departure * departure / time, stored);
             (along, variance) = measured(state);
         }
@@ -80,14 +80,15 @@ impl<S: Scalar> Filter<S> {
         let time = self.unseen(state, elapsed, moved);
         let jump = Jump::new(S::from_u32(time), S::from_u32(time.min(state.of_hour)));
         let [of_hour, of_all] = jump.means;
-        let along = [self.storage.stored(of_all), S::ONE, S::ZERO, S::ZERO, of_hour, of_all];
+        let stored = self.stored_over(S::from_u32(time));
+        let along = [stored * of_all, S::ONE, S::ZERO, S::ZERO, of_hour, of_all];
         let along = along.map(|part| change * part);
         for (mean, along) in state.mean.iter_mut().zip(along) {
             *mean += gain * along;
         }
         state.covariance.add_gain(along);
         let variances = jump.variances.map(|variance| moved * moved * variance);
-        state.covariance.widen_income(variances, self.storage.stored(S::ONE));
+        state.covariance.widen_income(variances, stored);
         self.limit(state);
     }
 

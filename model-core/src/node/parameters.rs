@@ -149,7 +149,7 @@ const EVERY: [&str; 8] = [
 ];
 /// The numbers that belong to no other part, by name, with the least and the largest value of each. In single precision: a loop
 /// over literals in double precision would be converted by the firmware.
-static BOUNDS: [(&str, f32, f32); 15] = [
+static BOUNDS: [(&str, f32, f32); 16] = [
     ("sensor.rate", 1.0, 1e5),
     ("sensor.start_up", 0.0, MOST_START_UP as f32),
     ("sensor.blocks", 1.0, MOST_BLOCKS as f32),

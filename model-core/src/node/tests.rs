@@ -115,6 +115,34 @@ fn two_readings_know_the_income_to_the_error_of_both() {
 }
 
 #[test]
+fn of_an_income_that_jumps_in_an_hour_without_a_reading_what_leaks_is_told_too() {
+    // 47 mF behind 4 MΩ lose 2 % of an even income in the hour in which it comes.
+    let capacitor = Capacitor { capacitance: 47e-3, leakage_resistance: 4e6 };
+    let lossy = StorageParameters { capacitor, charging_efficiency: 0.8, ..*storage(47e-3).parameters() };
+    // The power is known to be small.
+    let filter = Filter { storage: lossy.build().expect("within bounds"), power: 1e-9, ..filter(47e-3) };
+    let (power, start, seconds) = (45e-6, 2.3_f64, 3600.0);
+    let ratio = 2.0 * seconds / (47e-3 * 4e6);
+    let kept = f64::exp(-ratio);
+    let net = (0.8 * power - filter.standing) * seconds;
+    let end = 0.5 * 47e-3 * start * start * kept + net * (1.0 - kept) / ratio;
+    let last = (2.0 * end / 47e-3).sqrt();
+    // What the cells of both readings are off by.
+    let off = f64::from(code(last)) * CELL - last - (f64::from(code(start)) * CELL - start);
+    let mut state = filter.start();
+    filter.observe(&mut state, code(start), false);
+    state.close_hour();
+    filter.predict(&mut state, 3600, true, 0.0, only(1e-20));
+    state.confirm();
+    assert_eq!(filter.observe(&mut state, code(last), false).0, StoreReading::Jump);
+    let told = state.hour();
+    let of_cells = off.abs() * 47e-3 * last / 0.8;
+    let departure = (told.mean - power * seconds).abs();
+    assert!(departure < of_cells + 1e-3 * power * seconds, "{departure} {told:?}");
+    assert!(departure < 2.5 * told.deviation(), "{departure} {told:?}");
+}
+
+#[test]
 fn a_listen_learns_the_gain_from_a_power_that_the_storage_has_shown() {
     let filter = filter(4e-3);
     let mut state = filter.start();

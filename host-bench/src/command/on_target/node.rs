@@ -157,13 +157,15 @@ With the log, the simulated memory and the plant: flash {}, static RAM {}.",
 fn counted(core: Core, found: &Followed, output: &mut Output) {
     let name = |work: &str| match work {
         "reading" => "wake with a reading of the voltage",
+        "glance" => "wake with a glance",
         "wake" => "wake without one",
         "action" => "wake after an action",
         "samples" => "a burst of samples",
         "heard" => "the last burst of a block, its look-up, and the wake after it",
         _ => "?",
     };
-    let rows = found.counted.iter().map(|counted| {
+    let called = || found.counted.iter().filter(|counted| counted.calls > 0.0);
+    let rows = called().map(|counted| {
         let each = counted.instructions / counted.calls;
         let samples = counted.samples / counted.calls;
         vec![
@@ -177,7 +179,7 @@ fn counted(core: Core, found: &Followed, output: &mut Output) {
         "{core}. Instructions of the calls of the node, without those of its board, with the calls that losses of power repeat."
     );
     output.table(vec!["call", "number", "samples in it", "instructions"], rows.collect(), 1, &note);
-    for counted in &found.counted {
+    for counted in called() {
         output.object(json!({
             "core": core.to_string(),
             "variant": "node",
@@ -200,25 +202,32 @@ fn knowing(core: Core, found: &Followed, output: &mut Output) {
         found.counted.iter().find(|counted| counted.work == name).map_or(f64::NAN, |counted| counted.calls)
     };
     let reading = instructions(&[Work::Reading]) / number(Work::Reading);
+    let glance = instructions(&[Work::Glance]) / number(Work::Glance).max(1.0);
     let listen = instructions(&[Work::Samples, Work::Heard]) / number(Work::Heard);
     let readings = f64::from(calls(&found.whole, Work::Reading).calls);
+    let glances = f64::from(calls(&found.whole, Work::Glance).calls);
     let listens = f64::from(calls(&found.whole, Work::Heard).calls);
     let income = joules(found.whole.world.plant().income);
-    let lines: Vec<(Processor<f64>, [f64; 3])> = parts(core)
+    let lines: Vec<(Processor<f64>, [f64; 4])> = parts(core)
         .into_iter()
         .filter_map(|part| {
             let model = CostModel::new(part, Accelerometer::adxl362());
-            let reading = model.voltage_reading.value
-                + model.start_energy()
-                + model.processor.computing(reading, Code::Filter);
+            let of_code = |instructions: f64| {
+                model.voltage_reading.value
+                    + model.start_energy()
+                    + model.processor.computing(instructions, Code::Filter)
+            };
+            let [reading, glance] = [reading, glance].map(of_code);
             let listen = model.listen(LISTEN, RATE.into(), listen, Code::Filter)?.total();
-            Some((part, [reading, listen, (readings * reading + listens * listen) / income]))
+            let all = readings * reading + glances * glance + listens * listen;
+            Some((part, [reading, glance, listen, all / income]))
         })
         .collect();
-    let rows = lines.iter().map(|(part, [reading, listen, share])| {
+    let rows = lines.iter().map(|(part, [reading, glance, listen, share])| {
         vec![
             marked(part),
             format!("{:.2}", 1e6 * reading),
+            if glances > 0.0 { format!("{:.2}", 1e6 * glance) } else { String::new() },
             format!("{:.2}", 1e6 * listen),
             format!("{:.3} %", 100.0 * share),
         ]
@@ -227,17 +236,23 @@ fn knowing(core: Core, found: &Followed, output: &mut Output) {
         return;
     }
     let note = format!(
-        "{core}. Energy in uJ by the instructions of the table above, with sensor, transfer, wake-ups and converter: {readings} readings and
-{listens} listens in the day. {UNCONFIRMED} marks an energy per cycle that was not confirmed."
+        "{core}. Energy in uJ by the instructions of the table above, with sensor, transfer, wake-ups and converter: {readings} readings,
+{glances} glances and {listens} listens in the day. {UNCONFIRMED} marks an energy per cycle that was not confirmed."
     );
-    output.table(vec!["part", "a reading", "a listen", "of the income"], rows.collect(), 1, &note);
-    for (part, [reading, listen, share]) in &lines {
+    output.table(
+        vec!["part", "a reading", "a glance", "a listen", "of the income"],
+        rows.collect(),
+        1,
+        &note,
+    );
+    for (part, [reading, glance, listen, share]) in &lines {
         output.object(json!({
             "core": core.to_string(),
             "variant": "node",
             "case": "knowing",
             "part": part.name,
             "reading_j": reading,
+            "glance_j": if glances > 0.0 { Some(glance) } else { None },
             "listen_j": listen,
             "share_of_income": share,
         }));
