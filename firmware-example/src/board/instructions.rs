@@ -20,7 +20,7 @@ pub struct Instructions {
 #[must_use]
 pub const fn node_instructions(core: Core) -> Instructions {
     match core {
-        Core::M0Plus => Instructions { reading: 91_000.0, glance: 600.0, sample: 40.0, block: 140_000.0 },
+        Core::M0Plus => Instructions { reading: 120_000.0, glance: 600.0, sample: 40.0, block: 155_000.0 },
         Core::M4F | Core::M33 => {
             Instructions { reading: 2_200.0, glance: 320.0, sample: 23.0, block: 15_000.0 }
         }

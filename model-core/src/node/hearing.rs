@@ -21,6 +21,9 @@ const DENSITY: f32 = 0.5;
 /// Relative standard deviation of a yield by the errors of the amplitude and the frequency of a line.
 const OF_LINE: f32 = 0.02;
 
+/// Highest peak of noise over the amplitude of its strongest bin: three deviations of what some 60 bins add up to.
+const NOISE_PEAK: f32 = 10.0;
+
 /// What a listen found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -203,7 +206,8 @@ impl Blocks {
                 let noise = DENSITY * value / Scalar::sqrt(count);
                 return one(hearing, Yield { value, noise, systematic: 0.0 });
             }
-            if amplitude < lowest {
+            let peak = if self.purity >= LINE * count { amplitude } else { NOISE_PEAK * amplitude };
+            if peak < lowest {
                 // The yield grows with the amplitude.
                 let edge = look_up(map, lowest * 1.001, frequency, voltage).income();
                 return edge.map_or(nothing(Hearing::Outside(Outside::AmplitudeBelow)), |edge| {
