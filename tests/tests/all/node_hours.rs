@@ -18,7 +18,7 @@ mod plant;
 mod truth;
 mod wavering;
 
-use model_core::energy::cost::Processor;
+use model_core::energy::cost::{Core, Processor};
 use model_core::snapshot::{self, image_size};
 use plant::{Build, Hour, OneNode, Plant, Run, Source, World};
 use truth::{AS_DESIGNED, KINDS, Kind, Off, Shaking, WEATHERS, Weather, hour};
@@ -210,22 +210,25 @@ fn random_hours_of_three_harvesters() {
          | storage told: hours | inside | error, median | lock-outs |"
     );
     println!("{}|", "| --- ".repeat(14));
-    let mut worst = (0.0_f64, Vec::new());
+    let mut all_hours = Vec::new();
     for processor in [Processor::nrf52832(), Processor::apollo3(), Processor::stm32l051()] {
         for capacitance in [0.47e-3, 1e-3, 10e-3, 0.1] {
             for spread in [0.2, 0.01] {
                 for as_designed in [true, false] {
                     let (share, hours) = row(&lines, &processor, capacitance, spread, as_designed);
-                    worst.0 = worst.0.max(share);
-                    worst.1.extend(hours);
+                    // A core without floating point pays most for the forecasts of its actions.
+                    let most = if processor.core == Core::M0Plus { 0.02 } else { 0.01 };
+                    assert!(share <= most, "{share}");
+                    let errors = Errors::of(hours.iter().map(|(_, hour)| hour));
+                    assert!(errors.inside >= 0.9, "{}", errors.inside);
+                    all_hours.extend(hours);
                 }
             }
         }
     }
-    by_weather(&worst.1);
-    let all = Errors::of(worst.1.iter().map(|(_, hour)| hour));
-    assert!(worst.0 <= 0.01, "mean share {}", worst.0);
-    assert!(all.inside >= 0.92, "{}", all.inside);
+    by_weather(&all_hours);
+    let all = Errors::of(all_hours.iter().map(|(_, hour)| hour));
+    assert!(all.inside >= 0.97, "{}", all.inside);
 }
 
 /// Prints a row of the table: the mean share, and the hours.
