@@ -28,6 +28,7 @@ mod board {
     use firmware_example::board::hal::HalBoard;
     use firmware_example::stop::{Code, stop};
     use model_core::node::{Board, Gap, Step};
+    use model_core::snapshot::image_size;
     use nrf52832_hal::gpio::{Level, p0};
     use nrf52832_hal::nvmc::Nvmc;
     use nrf52832_hal::pac::{Interrupt, Peripherals, RTC0, interrupt};
