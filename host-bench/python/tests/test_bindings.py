@@ -69,10 +69,13 @@ class Bindings(unittest.TestCase):
         self.assertEqual(list(swept["error"]), [None, None])
 
     def test_a_signal_ends_a_long_run_and_a_sweep(self):
-        long = {"run.duration_s": 3600.0, "run.settle_s": 0.0}
+        # A shell that starts the tests in the background has the signal ignored.
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        self.addCleanup(signal.signal, signal.SIGINT, before)
+        long = {"run.duration_s": 36000.0, "run.settle_s": 0.0}
         for call in (
             lambda: vh.run(SCENE, set=long),
-            lambda: vh.sweep(SCENE, {"load.resistance_ohm": np.geomspace(1e6, 1e9, 64)}, set={"run.duration_s": 60.0}),
+            lambda: vh.sweep(SCENE, {"load.resistance_ohm": np.geomspace(1e6, 1e9, 64)}, set={"run.duration_s": 600.0}),
         ):
             timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
             began = time.monotonic()
