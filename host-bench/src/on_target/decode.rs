@@ -1,6 +1,6 @@
 //! The firmware's log, read back.
 //!
-//! The frames are defmt's; its own decoder turns them into text ([`decoder`](super::decoder)), with the strings that only
+//! The frames are defmt's; its own decoder turns them into text ([`super::decoder`]), with the strings that only
 //! the firmware's ELF file has. The text is a record of `firmware-example/src/measure.rs`:
 //!
 //! ```text
