@@ -373,9 +373,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             }
         } else if is_later {
             state.filter.miss_confirmation();
-            if state.second.saturating_sub(state.last_reading.max(state.last_missing))
-                >= self.reading_interval(state)
-            {
+            if state.second.saturating_sub(state.last_attempt()) >= self.reading_interval(state) {
                 // The converter did not answer.
                 state.last_missing = state.second;
                 self.spend_on_knowing(state, self.parameters.cost.reading);

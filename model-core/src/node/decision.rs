@@ -51,7 +51,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             }
         }
         let until = |last: u32, interval: u32| interval.saturating_sub(now.saturating_sub(last)).max(1);
-        let reading = until(state.last_reading.max(state.last_missing), self.reading_interval(state));
+        let reading = until(state.last_attempt(), self.reading_interval(state));
         // A listen that is due waits for the next reading, for an hour at most.
         let listen = until(state.last_listen, self.listen_interval(state)).max(reading.min(HOUR));
         let again_in = next.min(reading).min(listen);

@@ -221,6 +221,12 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         Scalar::max(self.budget.mean_power(), self.filter.power().mean)
     }
 
+    /// Second of the last reading, or of the last attempt at one.
+    #[inline(always)]
+    pub(super) fn last_attempt(&self) -> u32 {
+        self.last_reading.max(self.last_missing)
+    }
+
     /// Begins a listen.
     pub(super) fn begin(&mut self, bank: LineBankState<P>, samples: u32, start_up: u32) {
         let blocks = Blocks::default();
