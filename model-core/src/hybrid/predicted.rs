@@ -7,10 +7,11 @@ use crate::excitation::Excitation;
 use crate::integrate::{Method, NotConverged, Point, Trial};
 use crate::scalar::{Scalar, add_increment};
 
-/// Most attempts after the first to reach an event. Each is a Newton step from the attempt before; one or two suffice.
+/// Most attempts after the first to reach an event. Each is a Newton step from the attempt before; one or two suffice. A step
+/// that they do not bring to its event is shortened to before it, by halves: at most 32 more attempts.
 const MOST_CORRECTIONS: u32 = 8;
-/// Most predictions to locate an event.
-const MOST_PREDICTIONS: u32 = 12;
+/// Most predictions to locate an event: those that halve a step to a tick, and some more.
+const MOST_PREDICTIONS: u32 = 40;
 /// The least value of a guard along its cubic, relative to its values at both ends, below which the prediction is
 /// evaluated there. The cubic's own error is a hundredth of this.
 const NEAR_ZERO: f64 = 1.0 / 64.0;
@@ -55,10 +56,10 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
                 }
                 return true;
             }
-            Reached::Kept if search.event.is_none() => return false,
             Reached::Kept | Reached::Near { .. } if self.returns(search, index, ticks, &{ trial.end }) => {
                 return true;
             }
+            Reached::Kept if search.event.is_none() => return false,
             Reached::Kept => {}
             Reached::Near { missing, curved } => self.extend(trial, ticks, missing, curved),
         }
@@ -71,15 +72,14 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     #[cold]
     #[inline(never)]
     fn returns(&self, search: &mut Search<S>, index: usize, ticks: u32, end: &Point<S, N, P>) -> bool {
+        let Some(fall) = self.certain_fall(ticks, end, 1 << index) else { return false };
+        search.ticks = ticks;
         if search.corrections == 0 {
-            return false;
+            search.short = 0;
+            return matches!(search.shorten(fall.index), Reached::Beyond);
         }
-        let fall = self.expected_fall(ticks, end, 1 << index).filter(|fall| fall.certain);
-        let Some(fall) = fall.filter(|fall| self.guard(fall.index, self.start, 0).value > S::ZERO) else {
-            return false;
-        };
         search.corrections -= 1;
-        (search.done, search.ticks) = (1 << index, ticks);
+        (search.done, search.missing) = (1 << index, S::INFINITY);
         search.approach(fall)
     }
 
@@ -129,9 +129,6 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     #[cold]
     #[inline(never)]
     fn turns(&self, search: &mut Search<S>, index: usize, end: &Point<S, N, P>) -> bool {
-        if search.event.is_none() {
-            return false;
-        }
         search.done |= 1 << index;
         self.approaches(search, end)
     }
@@ -144,9 +141,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     #[inline(never)]
     fn turns_early(&self, search: &mut Search<S>, index: usize, end: &Point<S, N, P>) -> bool {
         let done = search.done | 1 << index;
-        let Some(fall) = self.expected_fall(search.ticks, end, done).filter(|fall| fall.certain) else {
-            return false;
-        };
+        let Some(fall) = self.certain_fall(search.ticks, end, done) else { return false };
         search.done = done;
         search.approach(fall)
     }
@@ -159,6 +154,20 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             Some(fall) => search.approach(fall),
             None => false,
         }
+    }
+
+    /// The guard that falls first in the step to `end` of those that are at or below zero there and were not due at the
+    /// start, without a bit in `done`. A graze that is expected before it does not hide it.
+    fn certain_fall(&self, ticks: u32, end: &Point<S, N, P>, done: u32) -> Option<Fall<S>> {
+        let stays = |index: usize| {
+            self.guard(index, end, ticks).value > S::ZERO || self.guard(index, self.start, 0).is_due()
+        };
+        let guards = 0..self.automaton.guards(self.mode).min(MOST_GUARDS);
+        let done = guards.fold(done, |done, index| {
+            let bit = 1 << index;
+            if done & bit == 0 && stays(index) { done | bit } else { done }
+        });
+        self.expected_fall(ticks, end, done)
     }
 
     /// The guard that is expected to fall first in the step to `point`, among those without a bit in `done`.
@@ -282,6 +291,8 @@ pub(super) struct Search<S> {
     far: u32,
     /// Whether the guard is known to be at or below zero at `far`.
     falls: bool,
+    /// Whether the bracket is that of predictions: an attempt can end outside of it.
+    of_prediction: bool,
     /// The longest step.
     most: u32,
     /// One bit for each guard that was located: each is located at most once.
@@ -308,6 +319,7 @@ impl<S: Scalar> Search<S> {
             short: 0,
             far: ticks,
             falls: false,
+            of_prediction: true,
             most,
             done: 0,
             left: MOST_PREDICTIONS,
@@ -349,7 +361,7 @@ impl<S: Scalar> Search<S> {
     fn approach(&mut self, fall: Fall<S>) -> bool {
         self.event = Some(fall.index);
         (self.short, self.far, self.falls) = (0, self.ticks, fall.certain);
-        self.left = MOST_PREDICTIONS;
+        (self.left, self.of_prediction) = (MOST_PREDICTIONS, true);
         self.ticks = (fall.theta * S::from_u32(self.ticks)).to_u32().max(1).min(self.ticks);
         true
     }
@@ -360,6 +372,7 @@ impl<S: Scalar> Search<S> {
     fn stretch(&mut self, index: usize, missing: S) {
         self.event = Some(index);
         (self.short, self.far, self.falls) = (self.ticks, self.most, false);
+        self.of_prediction = true;
         self.ticks = ticks_after(self.ticks, missing).min(self.most);
     }
 
@@ -401,9 +414,8 @@ impl<S: Scalar> Search<S> {
     fn reach(&mut self, guard: &Guard<S>, index: usize) -> Reached<S> {
         let missing = guard.value / -guard.rate;
         let there = ticks_after(self.ticks, missing);
-        if self.corrections == MOST_CORRECTIONS {
-            // The bracket was that of the prediction.
-            (self.short, self.falls) = (0, false);
+        if self.of_prediction {
+            (self.short, self.falls, self.of_prediction) = (0, false, false);
         }
         if guard.value > S::ZERO {
             self.short = self.ticks;
@@ -413,8 +425,12 @@ impl<S: Scalar> Search<S> {
         self.left = 0;
         self.event = (guard.value <= S::ZERO).then_some(index);
         let is_falling = guard.rate < S::ZERO;
-        if !is_falling && guard.value < S::ZERO && self.corrections > 0 {
+        if !is_falling && guard.value < S::ZERO {
+            if self.corrections == 0 {
+                return self.shorten(index);
+            }
             self.corrections -= 1;
+            self.done &= !(1 << index);
             return Reached::Past;
         }
         if !self.falls && (!is_falling || there > self.most) {
@@ -431,12 +447,25 @@ impl<S: Scalar> Search<S> {
         }
         let is_inside = is_falling && there > self.short && (there < self.far || !self.falls);
         // A guard that is a stair of its roundings leads out of the bracket: the event is at its known end.
-        if self.corrections == 0 || !is_inside && guard.value <= S::ZERO {
+        if !is_inside && guard.value <= S::ZERO {
             return Reached::Kept;
+        }
+        if self.corrections == 0 {
+            return if self.event.is_none() { Reached::Kept } else { self.shorten(index) };
         }
         let there = if is_inside { there } else { self.far };
         self.corrections -= 1;
         (self.ticks, self.event) = (there, Some(index));
+        Reached::Beyond
+    }
+
+    /// Shortens the step to before the fall of guard `index`, or by half, where there are no corrections left.
+    fn shorten(&mut self, index: usize) -> Reached<S> {
+        if self.ticks <= 1 {
+            return Reached::Kept;
+        }
+        self.ticks = if self.short > 0 { self.short } else { self.ticks / 2 };
+        (self.event, self.left) = (Some(index), 0);
         Reached::Beyond
     }
 }

@@ -5,6 +5,7 @@ mod bouncing_ball;
 mod bridge;
 mod bridged;
 mod bridged_estimator;
+mod bridged_impacts;
 mod bump_stop;
 mod bump_stop_rectifier;
 mod bump_stop_store;
