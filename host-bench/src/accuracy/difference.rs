@@ -12,12 +12,6 @@ pub(super) fn delivers(outcome: &Outcome) -> bool {
     outcome.delivered_energy_j.is_some_and(|energy| energy != 0.0)
 }
 
-/// Whether two runs give the same numbers, to the last bit.
-pub(super) fn is_same(one: &Outcome, two: &Outcome) -> bool {
-    let delivered = one.delivered_energy_j == two.delivered_energy_j;
-    delivered && (delivers(one) || motions(one) == motions(two))
-}
-
 /// The relative difference of the energies delivered in two runs, with the standard error of the mean of the
 /// differences in the parts of the window; `None` if one of the two alone delivers nothing. If none of the two does,
 /// the larger of the relative differences of the largest motion and of the RMS voltage.

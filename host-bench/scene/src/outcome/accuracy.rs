@@ -7,8 +7,9 @@ use serde::Serialize;
 /// trace, double precision, no layer.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Accuracy {
-    /// By the finite step: from a run with half the step or a sixteenth of the tolerance, and from one in default steps where
-    /// a bump-stop run has longer ones. In double precision it includes the rounding, because no operation of the two runs
+    /// By the finite step: from a run with half the step or a sixteenth of the tolerance; where that tolerance takes hardly more
+    /// steps, from one in fixed steps too; for bump-stop from one in default steps where its own are longer, and from how the
+    /// steps before converged. In double precision it includes the rounding, because no operation of the two runs
     /// rounds alike.
     pub step: Option<f64>,
     /// By rounding in single precision: from a run in double precision.
