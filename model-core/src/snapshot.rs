@@ -116,8 +116,8 @@ pub trait Snapshot: Sized {
     /// Appends the value.
     fn write(&self, out: &mut Writer<'_>);
 
-    /// Reads the value from the front. If the bytes are too few or not a valid value, the reader keeps that, and what is
-    /// returned has no meaning: [`restore`] gives [`SnapshotError::NoState`] then.
+    /// Reads the value from the front. If the bytes are too few or not a valid value ([`Reader::require`]), the reader keeps
+    /// that, and what is returned has no meaning: [`restore`] gives [`SnapshotError::NoState`] then.
     fn read(from: &mut Reader<'_>) -> Self;
 
     /// Reads the value from the front to where it is to be, entry by entry: a node has no room for another copy of all its
@@ -234,8 +234,8 @@ impl<'a> Reader<'a> {
         *front
     }
 
-    /// What was read is valid only if `is_sound`.
-    pub(crate) fn require(&mut self, is_sound: bool) {
+    /// Keeps whether what was read is valid: [`restore`] refuses the snapshot if `is_sound` is false once.
+    pub fn require(&mut self, is_sound: bool) {
         self.is_sound &= is_sound;
     }
 }

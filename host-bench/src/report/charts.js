@@ -5,16 +5,20 @@ let zooming = false;
 const digits = (value) => (value == null ? "–" : Number(value.toPrecision(6)).toString());
 // Numbers at the ticks: the library's own end at a thousandth.
 function numbers(_, values) {
+  const present = values.filter((value) => value != null);
+  const closest = Math.min(...present.slice(1).map((value, index) => Math.abs(value - present[index])));
   const largest = Math.max(...values.map((value) => Math.abs(value ?? 0)));
   const isPlain = largest >= 0.01 && largest < 1e6;
+  // As many digits as tell the closest two ticks apart.
+  const places = Math.min(15, Math.max(6, Math.ceil(Math.log10(largest / closest)) + 1) || 6);
   const text = (value) => (isPlain ? value.toString() : value.toExponential().replace("e+", "e"));
-  return values.map((value) => (value == null ? "" : value === 0 ? "0" : text(Number(value.toPrecision(6)))));
+  return values.map((value) => (value == null ? "" : value === 0 ? "0" : text(Number(value.toPrecision(places)))));
 }
 // The ticks of a logarithmic axis: decades, with 2 and 5 where there are few, and even distances where there are fewer.
 function decades(_, axis, min, max) {
   const [low, high] = [Math.floor(Math.log10(min)), Math.ceil(Math.log10(max))];
   const parts = high - low > 4 ? [1] : [1, 2, 5];
-  const every = Math.ceil((high - low) / 10);
+  const every = Math.max(1, Math.ceil((high - low) / 10));
   const ticks = [];
   for (let decade = low; decade <= high; decade += every)
     for (const part of parts) ticks.push(Number(`${part}e${decade}`));

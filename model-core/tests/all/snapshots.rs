@@ -14,7 +14,7 @@ use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{self, AnyContact, AnyCoupling, Restitution, Stepper};
 use model_core::scene::{Harvester, Simulation, contact_separation, sliding};
-use model_core::snapshot::{self, Snapshot, SnapshotError};
+use model_core::snapshot::{self, Reader, Snapshot, SnapshotError, Writer};
 
 const EVER: u32 = u32::MAX;
 
@@ -393,4 +393,36 @@ fn images_in_single_precision_are_a_few_hundred_bytes() {
     assert_eq!(Estimator::<f32, Bump>::SNAPSHOT_BYTES, 336);
     assert_eq!(snapshot::size_of::<<Contact as Harvester<f32>>::State>(), 92);
     assert_eq!(snapshot::size_of::<<Bump as Harvester<f32>>::State>(), 89);
+}
+
+/// The mode of a user's own scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Side {
+    Left,
+    Right,
+}
+
+impl Snapshot for Side {
+    const BYTES: usize = u8::BYTES;
+
+    fn write(&self, out: &mut Writer<'_>) {
+        (*self as u8).write(out);
+    }
+
+    fn read(from: &mut Reader<'_>) -> Self {
+        let number = u8::read(from);
+        from.require(number <= 1);
+        if number == 0 { Self::Left } else { Self::Right }
+    }
+}
+
+#[test]
+fn a_mode_of_a_user_refuses_numbers_that_it_does_not_know() {
+    let mut bytes = [0; snapshot::size_of::<Side>()];
+    for (number, side) in [(0_u8, Ok(Side::Left)), (1, Ok(Side::Right)), (2, Err(SnapshotError::NoState))] {
+        snapshot::save(&number, 5, &mut bytes).expect("room");
+        assert_eq!(snapshot::restore::<Side>(5, &bytes), side);
+    }
+    snapshot::save(&Side::Right, 5, &mut bytes).expect("room");
+    assert_eq!(snapshot::restore(5, &bytes), Ok(Side::Right));
 }
