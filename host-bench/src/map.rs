@@ -45,7 +45,7 @@ pub struct Request {
     pub frequencies: [f64; 2],
     /// Voltages of the storage in V, rising; empty for a resistor.
     pub voltages: Vec<f64>,
-    /// Median of the relative error to aim at.
+    /// Median of the relative error above which the command says so.
     pub error: f64,
     /// Random places in a slice by which the bounds are measured, and as many others that check them.
     pub places: usize,
@@ -118,8 +118,6 @@ pub enum Step {
 }
 
 /// Makes the map of a scene; `step` hears how far it is.
-///
-/// The columns are doubled once if the median of the error is above the one that is aimed at; the better map is returned.
 pub fn map(
     scene: &Scene,
     request: &Request,
@@ -127,13 +125,7 @@ pub fn map(
     step: &(impl Fn(Step) + Sync),
 ) -> Result<Map, Failure> {
     let scenes = scenes(scene, request)?;
-    let [coarse, fine] = axes::COLUMN_BITS;
-    let first = with_columns(&scenes, request, options, coarse, step)?;
-    if first.agreement.median <= request.error {
-        return Ok(first);
-    }
-    let second = with_columns(&scenes, request, options, fine, step)?;
-    Ok(if second.agreement.median < first.agreement.median { second } else { first })
+    of_slices(&scenes, request, options, step)
 }
 
 /// The scene of each slice: at a fixed voltage of the storage behind a bridge.
@@ -166,14 +158,13 @@ fn scenes(scene: &Scene, request: &Request) -> Result<Vec<Scene>, Failure> {
     }
 }
 
-fn with_columns(
+fn of_slices(
     scenes: &[Scene],
     request: &Request,
     options: &Options,
-    bits: u32,
     step: &(impl Fn(Step) + Sync),
 ) -> Result<Map, Failure> {
-    let axes = Axes::new(&scenes[0], request, bits)?;
+    let axes = Axes::new(&scenes[0], request)?;
     let count = request.places * scenes.len();
     step(Step::More(scenes.len() * axes.frequencies.len() + 2 * count));
     let made: Vec<(Column, f64)> = (0..scenes.len() * axes.frequencies.len())

@@ -62,7 +62,7 @@ use parameters::of_part;
 
 /// A node: its map in `W`, a bank of sections of at most `M` samples and blocks of `P` sections, a day of `SLOTS` slots.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Node<W, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize> {
+pub struct Node<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize> {
     map: ResponseMap<W>,
     bank: LineBank<M, P>,
     budget: Budget<f32, SLOTS>,

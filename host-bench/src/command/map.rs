@@ -54,7 +54,7 @@ pub struct MapArguments {
     /// Voltage of the storage behind a bridge in V; several, rising, for a slice each
     #[arg(long, value_name = "V,…", value_delimiter = ',')]
     voltage: Vec<f64>,
-    /// Median of the relative error to aim at
+    /// Median of the relative error above which a note says so
     #[arg(long, value_name = "REL", default_value_t = 0.02)]
     error: f64,
     /// Random places of each slice, off the nodes, by which the bounds are measured, and as many others that check them

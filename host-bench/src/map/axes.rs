@@ -1,7 +1,7 @@
 //! The coordinates of a map: its columns over frequency, its levels of amplitude.
 
 use model_core::energy::response_map::{
-    AMPLITUDE_OCTAVES, FARTHEST, LEVELS_PER_OCTAVE, detuning, fixed, level,
+    AMPLITUDE_OCTAVES, COLUMNS, FARTHEST, LEVELS_PER_OCTAVE, detuning, fixed, level,
 };
 
 use super::Request;
@@ -10,8 +10,8 @@ use crate::embedded::{damping_ratio, natural_frequency_hz};
 use crate::method::{Failure, Precision};
 use crate::scene_file::{Excitation, Scene, Tone};
 
-/// Columns less one as powers of two, in the order in which they are tried.
-pub(super) const COLUMN_BITS: [u32; 2] = [5, 6];
+/// Cells from the first to the last column.
+const CELLS: u32 = COLUMNS as u32 - 1;
 /// Most half-bandwidths from the resonance to an edge; a wider map has wider units.
 const WIDEST: f64 = 63.0;
 /// Frequencies at which the closed form is evaluated to find the resonance.
@@ -20,8 +20,6 @@ const SCAN: usize = 2001;
 /// The coordinates of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axes {
-    /// Columns less one as a power of two.
-    pub(super) bits: u32,
     /// Frequency of each column in Hz.
     pub frequencies: Vec<f64>,
     /// Lowest and highest amplitude in m/s².
@@ -35,8 +33,6 @@ pub struct Axes {
     pub(super) slope: u32,
     pub(super) first: i32,
     pub(super) span: u32,
-    pub(super) factor: u32,
-    pub(super) factor_shift: u32,
     /// Levels of the lowest and the highest amplitude.
     pub(super) levels: [i32; 2],
 }
@@ -52,8 +48,8 @@ pub(super) fn amplitude_of(level: f64) -> f64 {
 }
 
 impl Axes {
-    /// Of a scene whose map is asked for, with 2^`bits` + 1 columns.
-    pub(super) fn new(scene: &Scene, request: &Request, bits: u32) -> Result<Self, Failure> {
+    /// Of a scene whose map is asked for.
+    pub(super) fn new(scene: &Scene, request: &Request) -> Result<Self, Failure> {
         let [low, high] = request.frequencies;
         let (centre_hz, half_bandwidth_hz) = resonance(scene, request)?;
         let reach = (high - centre_hz).abs().max((centre_hz - low).abs());
@@ -75,27 +71,20 @@ impl Axes {
         let [from, to] = [distance(low)?, distance(high)?];
         let first = detuning(from, slope);
         let span = (detuning(to, slope) - first).cast_unsigned();
-        let columns = 1_u32 << bits;
-        if span < 4 * columns {
+        if span < 4 * CELLS {
             return Err(Failure::Input(format!(
                 "--frequency {low}:{high}: must be wider, at least {:.3} half-bandwidths of {half_bandwidth_hz:.3} Hz",
-                f64::from(4 * columns) / 4096.0
+                f64::from(4 * CELLS) / 4096.0
             )));
         }
-        // The factor has fifteen bits.
-        let ratio = f64::from(columns << 10) / f64::from(span);
-        let factor_shift = (15.0 - ratio.log2()).floor().clamp(0.0, 16.0);
-        let factor = (ratio * factor_shift.exp2()).floor() as u32;
-        let frequencies = (0..=columns)
+        let frequencies = (0..=CELLS)
             .map(|column| {
-                let target =
-                    first + (f64::from(span) * f64::from(column) / f64::from(columns)).round() as i32;
+                let target = first + (f64::from(span) * f64::from(column) / f64::from(CELLS)).round() as i32;
                 f64::from(resonance.cast_signed() + inverse(target, slope)) * unit_hz
             })
             .collect();
         let levels = request.amplitudes.map(|amplitude| level(amplitude as f32).unwrap_or(0));
         Ok(Self {
-            bits,
             frequencies,
             amplitudes: request.amplitudes,
             centre_hz,
@@ -105,8 +94,6 @@ impl Axes {
             slope,
             first,
             span,
-            factor,
-            factor_shift: factor_shift as u32,
             levels,
         })
     }
@@ -115,8 +102,8 @@ impl Axes {
     pub(super) fn column(&self, frequency_hz: f64) -> (usize, f64) {
         let units = fixed(frequency_hz as f32, self.shift).unwrap_or(0).cast_signed();
         let from_first = (detuning(units - self.resonance.cast_signed(), self.slope) - self.first).max(0);
-        let place = f64::from(from_first) / f64::from(self.span) * f64::from(1_u32 << self.bits);
-        let below = (place.floor() as usize).min((1 << self.bits) - 1);
+        let place = f64::from(from_first) / f64::from(self.span) * f64::from(CELLS);
+        let below = (place.floor() as usize).min(COLUMNS - 2);
         (below, (place - below as f64).clamp(0.0, 1.0))
     }
 

@@ -2,17 +2,14 @@
 
 use model_core::energy::ResponseMap;
 use model_core::energy::response_map::{
-    BOUNDS, CURRENT, DENSITY_OCTAVES, HEAD, LEVELS_PER_OCTAVE, LOWER, MAGIC, NEAR, POWER_OCTAVES, Spacing,
-    TAIL, UPPER, VERSION, level, row, row_distance, seal,
+    BOUNDS, COLUMNS, CURRENT, DENSITY_OCTAVES, HEAD, LEVELS_PER_OCTAVE, LOWER, MAGIC, NEAR, NOWHERE, PARTS,
+    POWER_OCTAVES, ROWS, Spacing, TAIL, UPPER, VERSION, level, row, row_distance, seal,
 };
 
 use super::agreement::Agreement;
 use super::axes::{Axes, amplitude_of};
 use super::column::{Column, along};
 use crate::method::Failure;
-
-/// Rows of each of two branches: two in an octave.
-const ROWS: u32 = 12;
 
 /// The largest amplitude in m/s² up to which the lower branch of a column is within a tenth of the square law.
 fn straight(column: &Column, over_square: f64) -> f64 {
@@ -98,7 +95,7 @@ impl Content<'_> {
 
     /// Rows of a branch.
     fn rows(&self) -> u32 {
-        ROWS << (self.row_bits() - 1)
+        (ROWS as u32 / 2) << (self.row_bits() - 1)
     }
 
     /// Spacing of the rows of the lower (0) or the upper (1) branch: the closest that reach over the map.
@@ -108,11 +105,7 @@ impl Content<'_> {
             .map(|slice| {
                 let curves = self.curves(slice);
                 let distances: Vec<f64> = match branch {
-                    0 => curves
-                        .rising
-                        .iter()
-                        .map(|rising| rising.min(highest + BEYOND_ROWS) - lowest)
-                        .collect(),
+                    0 => curves.rising.iter().map(|rising| rising - lowest).collect(),
                     _ => curves.falling.iter().map(|falling| highest - falling).collect(),
                 };
                 distances.into_iter().fold(0.0, f64::max)
@@ -120,7 +113,7 @@ impl Content<'_> {
             .fold(0.0, f64::max);
         let bits = self.row_bits();
         let reaches = |shift: &u32| {
-            f64::from(row_distance(self.rows() - 1, Spacing { shift: *shift, bits })) >= farthest
+            f64::from(row_distance(self.rows() - 1, Spacing { shift: *shift, bits })) > farthest
         };
         Spacing { shift: (4..=12).find(reaches).unwrap_or(12), bits }
     }
@@ -182,13 +175,16 @@ impl Content<'_> {
         }
         for (slice, of_slice) in values.iter().enumerate() {
             let curves = self.curves(slice);
-            words.extend(curves.rising.iter().map(|&level| level as u16));
-            if branches.contains(&1) {
-                words.extend(curves.falling.iter().map(|&level| level as u16));
+            for (column, (rising, falling)) in curves.rising.iter().zip(&curves.falling).enumerate() {
+                words.extend([*rising as u16, if branches.contains(&1) { *falling as u16 } else { NOWHERE }]);
+                words.extend(of_slice.iter().flat_map(|branch| &branch[column]).map(|&value| encode(value)));
             }
-            for (&branch, of_branch) in branches.iter().zip(of_slice) {
-                words.extend(of_branch.iter().flatten().map(|&value| encode(value)));
-                words.extend(self.bounds[slice][branch].map(packed));
+        }
+        for bounds in self.bounds {
+            for part in 0..PARTS {
+                words.extend(
+                    bounds.iter().flat_map(|branch| [branch[part], branch[part + PARTS]]).flat_map(factors),
+                );
             }
         }
         words.extend([0; TAIL]);
@@ -208,6 +204,7 @@ impl Content<'_> {
         let flags =
             [(self.is_current, CURRENT), (branches.contains(&0), LOWER), (branches.contains(&1), UPPER)];
         let flags = flags.iter().filter(|(is, _)| *is).fold(0, |flags, (_, flag)| flags | flag);
+        let rows = |branch: usize| if branches.contains(&branch) { self.rows() as u16 } else { 0 };
         let signed = |number: i32| (number as i16).cast_unsigned();
         let head: [u16; HEAD] = [
             MAGIC,
@@ -216,7 +213,7 @@ impl Content<'_> {
             self.fingerprint as u16,
             (self.fingerprint >> 16) as u16,
             flags,
-            axes.bits as u16 | ((self.rows() as u16) << 8),
+            COLUMNS as u16,
             self.slices.len() as u16,
             axes.resonance as u16,
             (axes.resonance >> 16) as u16,
@@ -224,8 +221,8 @@ impl Content<'_> {
             axes.slope as u16,
             signed(axes.first),
             axes.span as u16,
-            axes.factor as u16,
-            axes.factor_shift as u16,
+            rows(0),
+            rows(1),
             spaced(0),
             spaced(1),
             axes.levels[0] as u16,
@@ -309,17 +306,17 @@ impl Content<'_> {
         let distance = if branch == 0 { boundary - at } else { at - boundary };
         let spacing = self.spacing(branch);
         let (row, _) = row(distance.max(0.0) as u32, spacing);
-        (below >> (self.axes.bits - 3)) + if row < NEAR << (spacing.bits - 1) { 0 } else { BOUNDS / 2 }
+        below * PARTS / (COLUMNS - 1) + if row < NEAR << (spacing.bits - 1) { 0 } else { BOUNDS / 2 }
     }
 }
 
-/// How far above the map the rows of the lower branch reach from, at most: the boundary is not sought farther.
-const BEYOND_ROWS: f64 = super::column::BEYOND;
-
-/// The word of a pair of bounds in octaves: rounded up, at most two octaves.
-fn packed([lower, higher]: [f64; 2]) -> u16 {
-    let byte = |octaves: f64| (octaves * 128.0).ceil().clamp(0.0, 255.0) as u16;
-    byte(lower) | (byte(higher) << 8)
+/// The words of a pair of bounds in octaves: factors of eight significant bits, rounded away from 1. From two octaves on there
+/// is no lower bound, and the upper one is two octaves.
+fn factors([lower, higher]: [f64; 2]) -> [u16; 2] {
+    let bits = |octaves: f64| (octaves.exp2() as f32).to_bits();
+    let low = if lower < 2.0 { bits(-lower) >> 16 } else { 0 };
+    let high = (bits(higher.min(2.0)) + 0xffff) >> 16;
+    [low as u16, high as u16]
 }
 
 impl Image {

@@ -12,7 +12,7 @@
 //! Nodes lie evenly over the detuning, `arsinh` of the distance from the resonance in half-bandwidths, over which the
 //! logarithm of the power of a linear resonance has a curvature of at most 2. In the amplitude they lie at fixed ratios to
 //! the boundary of their branch, closer together near it, where the branch is steep. Values between are linear in both, of
-//! the logarithm.
+//! the logarithm, rounded down to 2⁻¹¹ octaves.
 //!
 //! # Broadband shaking
 //!
@@ -34,32 +34,38 @@
 //! to which the branch is within a tenth of the square law, `A_l`, up to `G = A_l²/(2π b)`. Beyond either the answer is
 //! flagged.
 //!
-//! All arithmetic is in integers: a look-up takes no floating-point operation, allocates nothing and cannot panic.
+//! Both coordinates and the value are found in integers; only the factors of both bounds multiply the value as floating-point
+//! numbers, on a core with a floating-point unit, and these products are exact. A look-up allocates nothing and cannot panic.
 
 mod coordinate;
 mod image;
 mod plan;
 #[cfg(test)]
 mod tests;
+mod words;
 
 pub use coordinate::{
     AMPLITUDE_OCTAVES, DETUNING_UNIT, FARTHEST, LEVELS_PER_OCTAVE, Spacing, detuning, fixed, level, number,
     row, row_distance,
 };
 pub use image::{
-    BOUNDS, CURRENT, DENSITY_OCTAVES, HEAD, LOWER, MAGIC, MapError, NEAR, POWER_OCTAVES, TAIL, UPPER,
-    VERSION, Words, seal,
+    BOUNDS, COLUMN_WORDS, COLUMNS, CURRENT, DENSITY_OCTAVES, HEAD, LOWER, MAGIC, MapError, NEAR, NOWHERE,
+    PARTS, POWER_OCTAVES, ROWS, TAIL, UPPER, VERSION, seal,
 };
+pub use words::{Bounds, Columns, Part, Word, Words};
 
 use image::Head;
-use plan::{Column, Plan};
+use plan::{Place, Plan, boundaries};
 
 /// A map in flash, checked.
 ///
 /// `W` is `&[u16]` for the constants of a Rust module, or `&[u8]` for the bytes of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ResponseMap<W> {
+pub struct ResponseMap<W: Words> {
     words: W,
+    /// Of the first slice.
+    columns: W::Columns,
+    bounds: W::Bounds,
     plan: Plan,
 }
 
@@ -182,7 +188,11 @@ impl<W: Words> ResponseMap<W> {
         let head = Head::read(words, fingerprint)?;
         // Word 12 is where the columns begin.
         let plan = Plan::new(&head).ok_or(MapError::Malformed { word: 12 })?;
-        Ok(Self { words, plan })
+        // A checked map has all words.
+        let too_short = MapError::TooShort { needed: words.word(2).into(), given: words.count() };
+        let columns = words.columns(head.columns_from()).ok_or(too_short)?;
+        let bounds = words.bounds(head.parts_from()).ok_or(too_short)?;
+        Ok(Self { words, columns, bounds, plan })
     }
 
     /// Whether the values are charge per second in A, for a storage at a stated voltage; otherwise power in W.
@@ -244,8 +254,8 @@ impl<W: Words> ResponseMap<W> {
     #[inline]
     pub fn at(&self, amplitude: f32, frequency: f32) -> Response {
         match self.plan.place(amplitude.to_bits(), frequency.to_bits()) {
-            Some((level, column)) => self.in_slice(0, level, column),
-            None => self.outside(amplitude, frequency),
+            Some((level, place)) => self.answer(&self.columns, &self.bounds, level, place),
+            None => Response::Outside(self.plan.edge(amplitude, frequency)),
         }
     }
 
@@ -256,8 +266,8 @@ impl<W: Words> ResponseMap<W> {
             return Response::Outside(Outside::Voltage);
         };
         match self.plan.place(amplitude.to_bits(), frequency.to_bits()) {
-            Some((level, column)) => self.in_slice(slice, level, column),
-            None => self.outside(amplitude, frequency),
+            Some((level, place)) => self.in_slice(slice, level, place),
+            None => Response::Outside(self.plan.edge(amplitude, frequency)),
         }
     }
 
@@ -269,7 +279,7 @@ impl<W: Words> ResponseMap<W> {
         let place = self.plan.place(amplitude.to_bits(), frequency.to_bits());
         let (at, voltage) = match (place, level(voltage)) {
             (Some(at), Some(voltage)) => (at, voltage),
-            (None, _) => return self.outside(amplitude, frequency),
+            (None, _) => return Response::Outside(self.plan.edge(amplitude, frequency)),
             (_, None) => return Response::Outside(Outside::NoNumber),
         };
         let above = (0..self.plan.slices).find(|&slice| self.voltage_level(slice) >= voltage);
@@ -309,39 +319,56 @@ impl<W: Words> ResponseMap<W> {
         self.plan.has_frequency(frequency.to_bits())
     }
 
-    #[cold]
-    #[inline(never)]
-    fn outside(&self, amplitude: f32, frequency: f32) -> Response {
-        Response::Outside(self.plan.edge(amplitude, frequency))
+    /// The answer of a slice; `Outside` if there is none of this number.
+    fn in_slice(&self, slice: u16, level: i32, place: Place) -> Response {
+        let [columns, bounds] = self.plan.slice(slice);
+        match (self.words.columns(columns), self.words.bounds(bounds)) {
+            (Some(columns), Some(bounds)) => self.answer(&columns, &bounds, level, place),
+            _ => Response::Outside(Outside::Voltage),
+        }
     }
 
-    /// The answer of one slice.
-    #[inline]
-    fn in_slice(&self, slice: u16, level: i32, column: Column) -> Response {
-        // A checked map has all words.
-        self.answer(self.plan.start(slice), level, column).unwrap_or(Response::Outside(Outside::NoNumber))
-    }
-
+    /// The answer by the columns and bounds of a slice.
     #[inline(always)]
-    fn answer(&self, start: u32, level: i32, column: Column) -> Option<Response> {
-        let Self { words, plan } = self;
-        let [rising, falling] = plan.curves(*words, start, column)?;
-        let (branch, which, distance) = if !plan.has_upper || level < falling - plan.margin {
-            (Branch::Lower, 0, rising - level)
-        } else if level > rising + plan.margin {
-            (Branch::Upper, 1, level - falling)
-        } else {
-            return self.two(start, [rising - level, level - falling], column);
+    fn answer(
+        &self,
+        columns: &Columns<W::Word>,
+        bounds: &Bounds<W::Word>,
+        level: i32,
+        place: Place,
+    ) -> Response {
+        let left = place.column();
+        let (Some([left, right]), Some([lower, upper])) =
+            (columns.get(left..left + 2), bounds.get(place.part()))
+        else {
+            // A checked map has them.
+            return Response::Outside(Outside::NoNumber);
         };
-        Some(Response::One { branch, income: plan.branch(*words, start, which, distance, column)? })
+        let columns = [left, right];
+        let plan = &self.plan;
+        let [rising, falling] = boundaries(columns, place);
+        let [below, above] = [rising - level, level - falling];
+        let (branch, income) = if above + plan.margin < 0 {
+            (Branch::Lower, plan.income(&plan.lower, columns, lower, below, place))
+        } else if below + plan.margin < 0 {
+            (Branch::Upper, plan.income(&plan.upper, columns, upper, above, place))
+        } else {
+            let [lower, upper] = plan.both(columns, [lower, upper], [below, above], place);
+            return Response::Two { lower, upper };
+        };
+        let income = match income {
+            Some(income) => income,
+            None => nothing(),
+        };
+        Response::One { branch, income }
     }
+}
 
-    /// Both motions of the slice at `start`, at distances in levels from their boundaries.
-    #[inline(never)]
-    fn two(&self, start: u32, [below, above]: [i32; 2], column: Column) -> Option<Response> {
-        let branch = |which, distance| self.plan.branch(self.words, start, which, distance, column);
-        Some(Response::Two { lower: branch(0, below)?, upper: branch(1, above)? })
-    }
+/// The yield of a branch without values. A call keeps it out of the usual way, where the numbers are in registers.
+#[cold]
+#[inline(never)]
+fn nothing() -> Bounded {
+    Bounded::default()
 }
 
 /// The level of a density, not shifted; −80 octaves at 2⁻⁸⁰ and less. `None` for a negative one and from 2⁶⁴ on.

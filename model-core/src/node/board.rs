@@ -91,7 +91,7 @@ impl core::error::Error for SaveError {}
 #[derive(Debug)]
 pub struct Runner<
     B,
-    W,
+    W: Words,
     const M: usize,
     const P: usize,
     const SLOTS: usize,

@@ -5,8 +5,6 @@
 //! through the exact values at sixteen (level) or eight (detuning) places in an octave. The host places the nodes by
 //! these very functions, so their difference from the exact ones is no error of the map.
 
-use core::num::NonZeroU16;
-
 /// Units of a level in an octave.
 pub const LEVELS_PER_OCTAVE: i32 = 1 << LEVEL_BITS;
 const LEVEL_BITS: u32 = 11;
@@ -37,38 +35,43 @@ const ARSINH: [u32; 65] = [
     25271, 25536,
 ];
 
-/// Each entry of [`ARSINH`] in the upper 16 bits and the rise to the next one in the lower ones: one load for a chord.
+/// Each entry of [`ARSINH`] in the upper 16 bits and the rise to the next one in the lower ones: one load for a chord. Moved
+/// by 16 places, so that the index is a number's leading four bits less eight times its leading zeros, modulo 64.
 static ARSINH_CHORDS: [u32; 64] = {
     let mut chords = [0; 64];
     let mut index = 0;
     while index < 64 {
-        chords[index] = ARSINH[index] << 16 | (ARSINH[index + 1] - ARSINH[index]);
+        chords[(index + 16) % 64] = ARSINH[index] << 16 | (ARSINH[index + 1] - ARSINH[index]);
         index += 1;
     }
     chords
 };
 
-/// Chords of [`LOGARITHM`] less the mantissa, which the bits of a number have already: offset in 2⁻⁸ levels, with the
-/// exponent's and the rounding, and slope.
-static LOGARITHM_CHORDS: [[i32; 2]; 16] = {
-    let mut chords = [[0; 2]; 16];
+/// Chords of [`LOGARITHM`] less the mantissa, which the bits of a number have already: the offset in 2⁻¹² levels, without the
+/// exponent of the least number and with half a level for rounding. Its lowest byte is the slope in levels; the offset is by up to
+/// 1/16 level larger for it.
+static LOGARITHM_CHORDS: [u32; 16] = {
+    let mut chords = [0; 16];
     let mut index = 0;
     while index < 16 {
         let [low, high] = [LOGARITHM[index] as i32, LOGARITHM[index + 1] as i32];
-        let exponent = ((LEAST >> 23) << LEVEL_BITS) as i32;
-        chords[index] = [((low - 128 * index as i32 - exponent) << 8) + 128, high - low - 128];
+        let offset = ((low - 128 * index as i32) << 12) + (1 << 11) - LEAST as i32;
+        let slope = (high - low - 128) as i8;
+        chords[index] = offset.cast_unsigned() | slope.cast_unsigned() as u32;
         index += 1;
     }
     chords
 };
 
-/// Chords of [`EXPONENTIAL`] less the fraction of the level: offset, and slope over 2⁷ levels.
-static EXPONENTIAL_CHORDS: [[i32; 2]; 16] = {
-    let mut chords = [[0; 2]; 16];
+/// Chords of [`EXPONENTIAL`] less the fraction of the level, in 2⁻¹⁵: offset in the upper half, and in the lower one the slope
+/// over 2⁷ levels.
+static EXPONENTIAL_CHORDS: [u32; 16] = {
+    let mut chords = [0; 16];
     let mut index = 0;
     while index < 16 {
-        let [low, high] = [EXPONENTIAL[index] as i32, EXPONENTIAL[index + 1] as i32];
-        chords[index] = [low - ((index as i32) << 19), high - low - (1 << 19)];
+        let low = ((EXPONENTIAL[index] as i32 + 128) >> 8) - ((index as i32) << 11);
+        let high = ((EXPONENTIAL[index + 1] as i32 + 128) >> 8) - ((index as i32 + 1) << 11);
+        chords[index] = (low.cast_unsigned() << 16) | ((high - low).cast_unsigned() & 0xffff);
         index += 1;
     }
     chords
@@ -96,9 +99,10 @@ const LEAST: u32 = (127 - AMPLITUDE_OCTAVES.cast_unsigned()) << 23;
 /// The level of a finite number of at least 2⁻¹⁶, by its bits.
 #[inline(always)]
 pub(super) fn level_of_bits(bits: u32) -> i32 {
-    let [offset, slope] = LOGARITHM_CHORDS.get((bits >> 19 & 15) as usize).copied().unwrap_or([0; 2]);
-    let mantissa = (bits >> 4 & !127).cast_signed();
-    mantissa.wrapping_add(offset).wrapping_add(slope * (bits >> 11 & 0xff).cast_signed()) >> 8
+    let chord = LOGARITHM_CHORDS.get((bits >> 19 & 15) as usize).copied().unwrap_or(0);
+    let slope = i32::from(chord as i8);
+    let above = (slope * (bits & 0x7_ffff).cast_signed()) >> 7;
+    bits.wrapping_add(chord).cast_signed().wrapping_add(above) >> 12
 }
 
 /// The number of a level that is not shifted, within the normal numbers.
@@ -111,12 +115,13 @@ pub fn number(level: i32) -> f32 {
 /// What is added to a level for [`bits_of_raised`].
 pub(super) const RAISED: i32 = 127 << LEVEL_BITS;
 
-/// The bits of the number of a level that is raised by [`RAISED`] and then from 1 octave to below 255.
+/// The bits of the number of a level that is raised by [`RAISED`] and then from 1 octave to below 255: sixteen significant
+/// bits, the others are 0.
 #[inline(always)]
 pub(super) fn bits_of_raised(level: i32) -> u32 {
-    let [offset, slope] = EXPONENTIAL_CHORDS.get((level >> 7 & 15) as usize).copied().unwrap_or([0; 2]);
-    let fraction = offset.wrapping_add((slope * (level & 127)) >> 7);
-    level.wrapping_shl(23 - LEVEL_BITS).wrapping_add(fraction).cast_unsigned()
+    let chord = EXPONENTIAL_CHORDS.get((level >> 7 & 15) as usize).copied().unwrap_or(0).cast_signed();
+    let fraction = (chord >> 16) + ((i32::from(chord as i16) * (level & 127)) >> 7);
+    (level << 4).wrapping_add(fraction).cast_unsigned() << 8
 }
 
 /// A frequency in units of 2^−`shift` Hz, rounded down; `None` unless positive and below 2³⁰ units.
@@ -147,14 +152,13 @@ pub(super) fn fixed_of_bits(bits: u32, right: u32) -> u32 {
 #[inline]
 #[must_use]
 pub fn detuning(distance: i32, slope: u32) -> i32 {
-    let half_bandwidths = (distance.unsigned_abs() * slope) >> 12;
-    let beside = half_bandwidths + (1 << DETUNING_BITS);
+    // Half-bandwidths and one more, in 2⁻²⁴: 1 has seven leading zeros.
+    let beside = distance.unsigned_abs() * slope + (1 << 24);
     let zeros = beside.leading_zeros();
     let top = beside << zeros;
-    // The leading bit and three more: 8 to 15.
-    let index = (top >> 28) + 8 * (31 - DETUNING_BITS) - 8 - 8 * zeros;
-    let chord = ARSINH_CHORDS.get((index & 63) as usize).copied().unwrap_or(0);
-    let magnitude = ((chord >> 16) + (((chord & 0xffff) * (top << 4 >> 23) + 256) >> 9)).cast_signed();
+    let index = (top >> 28).wrapping_sub(8 * zeros) % 64;
+    let chord = ARSINH_CHORDS.get(index as usize).copied().unwrap_or(0);
+    let magnitude = ((chord >> 16) + (((chord & 0xffff) * (top << 4 >> 23)) >> 9)).cast_signed();
     if distance < 0 { -magnitude } else { magnitude }
 }
 
@@ -168,11 +172,14 @@ pub struct Spacing {
 }
 
 impl Spacing {
-    /// For look-ups.
-    pub(super) const fn folded(self) -> FoldedSpacing {
+    /// For look-ups among rows of which the first has the number `start`.
+    pub(super) const fn folded(self, start: u32) -> FoldedSpacing {
         let Self { shift, bits } = self;
-        let first = NonZeroU16::MIN.saturating_add((1 << if shift < 15 { shift } else { 15 }) - 1);
-        FoldedSpacing { first, octave: 1 << bits, from: 30_u32.wrapping_sub(shift) << bits }
+        FoldedSpacing {
+            first: 1_u32.wrapping_shl(shift),
+            octave: 1_u32.wrapping_shl(bits),
+            from: 30_u32.wrapping_sub(shift).wrapping_shl(bits).wrapping_add(start),
+        }
     }
 }
 
@@ -180,23 +187,22 @@ impl Spacing {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct FoldedSpacing {
     /// Levels of the first octave of rows.
-    first: NonZeroU16,
+    first: u32,
     /// Rows in an octave.
-    pub(super) octave: u8,
+    octave: u32,
     /// Rows up to the leading bit of a number without leading zeros.
     from: u32,
 }
 
 impl FoldedSpacing {
-    /// As [`row`].
+    /// As [`row`], with the number of the first row added.
     #[inline(always)]
     pub(super) fn row(self, distance: u32) -> (u32, u32) {
-        let octave = u32::from(self.octave);
-        let beside = distance.wrapping_add(u32::from(self.first.get()));
+        let beside = distance.wrapping_add(self.first);
         let zeros = beside.leading_zeros();
         // The leading bit is 2¹⁶, so that the upper word counts the rows of an octave from `octave`.
-        let rows = ((beside << zeros) >> 15) * octave;
-        (self.from.wrapping_sub(zeros * octave).wrapping_add(rows >> 16), rows >> 6 & 1023)
+        let rows = (beside.wrapping_shl(zeros) >> 15) * self.octave;
+        (self.from.wrapping_sub(zeros * self.octave).wrapping_add(rows >> 16), rows >> 6 & 1023)
     }
 }
 
@@ -207,7 +213,7 @@ impl FoldedSpacing {
 #[inline]
 #[must_use]
 pub fn row(distance: u32, spacing: Spacing) -> (u32, u32) {
-    spacing.folded().row(distance)
+    spacing.folded(0).row(distance)
 }
 
 /// Distance of a row from the boundary, in levels: the inverse of [`row`].

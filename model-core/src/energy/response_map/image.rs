@@ -6,13 +6,13 @@
 //! | 2 | number of words, the checksum included |
 //! | 3, 4 | fingerprint of the scene, the low word first |
 //! | 5 | [`CURRENT`], [`LOWER`], [`UPPER`] |
-//! | 6 | columns − 1 as a power of two, and rows in the upper byte |
+//! | 6 | columns: [`COLUMNS`] |
 //! | 7 | slices |
 //! | 8, 9 | resonance in units of the frequency, the low word first |
 //! | 10 | units of the frequency: 2^−shift Hz |
 //! | 11 | slope: 2²⁴ over the half-bandwidth in units |
 //! | 12, 13 | detuning of the first column, and from it to the last |
-//! | 14, 15 | factor and shift from a detuning to columns in 2⁻¹⁰ |
+//! | 14, 15 | rows of the lower and of the upper branch, [`ROWS`] together |
 //! | 16, 17 | spacing of the rows of the lower and of the upper branch: shift, and bits in the upper byte |
 //! | 18, 19 | lowest and highest level of the amplitude |
 //! | 20 | levels beside a boundary within which both branches are told |
@@ -23,25 +23,29 @@
 //! | 26 | level of the power over the spectral density of broadband shaking, shifted by 40 octaves; 0 if there is none |
 //! | 27 | level of the largest density for which that holds, shifted by 24 octaves |
 //! | … | level of the voltage of each slice |
-//! | … | the slices |
+//! | … | the columns of each slice, [`COLUMN_WORDS`] words each |
+//! | … | the bounds of each slice, for eight parts of its columns 8 words each |
 //! | 2 | CRC-32 of all words before it, as little-endian bytes, the low word first |
 //!
-//! A slice has, if there are both branches, the level of the amplitude for each column at which a rising sweep leaves the
-//! lower branch, then that at which a falling sweep leaves the upper one; with one branch, the levels from which its rows
-//! count. Then, for each branch, lower first: for each column its rows, each the level of the value, and sixteen words of
-//! bounds, eight parts of the columns for the first rows ([`NEAR`]), then eight for the others; a word has the part by which
-//! the true value may be higher in its upper byte and that by which it may be lower in its lower byte, in 1/128 octaves;
-//! 255 in the lower byte is no lower bound.
+//! A column has the level of the amplitude at which a rising sweep leaves the lower branch, then that at which a falling sweep
+//! leaves the upper one; in a map with one branch, the level from which its rows count, and
+//! [`NOWHERE`]. Then come the rows of the lower branch, and those of the upper one, each the level of the value. The rows reach
+//! beyond the lowest and the highest amplitude of the map.
+//!
+//! The words of bounds of a part are those of the lower branch for its first rows ([`NEAR`]), of the lower branch for its other
+//! rows, and the same of the upper branch: two words each, the factors from the value to the lower and to the upper bound, as
+//! the upper half of a single-precision number. The lower factor is from 1/4 to 1, or 0, which is no bound, the upper one from 1 to 4.
 
 use core::fmt;
 
-use super::coordinate::Spacing;
+use super::coordinate::{Spacing, row_distance};
+use super::words::Words;
 use crate::snapshot::Fingerprint;
 
 /// First word of a map: `RM`.
 pub const MAGIC: u16 = u16::from_le_bytes(*b"RM");
 /// Version of the layout.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// Bit of word 5: the values are charge per second in A; without it, power in W.
 pub const CURRENT: u16 = 1;
 /// Bit of word 5: there is a lower branch with values. Without it the lower branch of a map with boundaries yields nothing.
@@ -54,60 +58,26 @@ pub const HEAD: usize = 28;
 pub const POWER_OCTAVES: i32 = 40;
 /// Octaves by which the level of the largest density is shifted.
 pub const DENSITY_OCTAVES: i32 = 24;
-/// Words of the bounds of one branch.
+/// Rows of a column, of both branches together.
+pub const ROWS: usize = 24;
+/// Columns of a slice.
+pub const COLUMNS: usize = (1 << COLUMN_BITS) + 1;
+/// Columns less one as a power of two.
+pub(super) const COLUMN_BITS: u32 = 5;
+/// Words of a column.
+pub const COLUMN_WORDS: usize = 2 + ROWS;
+/// The falling boundary of a map without an upper branch: above all amplitudes.
+pub const NOWHERE: u16 = u16::MAX;
+/// Bounds of a branch: eight parts of the columns for the first rows, then eight for the others.
 pub const BOUNDS: usize = 16;
+/// Parts of the columns that have bounds of their own.
+pub const PARTS: usize = BOUNDS / 2;
+/// Words of the bounds of a slice: two for each part of either branch.
+pub(super) const SLICE_BOUNDS: usize = 4 * BOUNDS;
 /// Rows of two in an octave that have bounds of their own, next to the boundary; twice as many of four in an octave.
 pub const NEAR: u32 = 4;
 /// Words of the checksum.
 pub const TAIL: usize = 2;
-
-/// Where the words of a map are: in memory as words, or as little-endian bytes.
-pub trait Words: Copy {
-    /// The word at an index; 0 beyond the end.
-    #[inline(always)]
-    fn word(self, index: usize) -> u16 {
-        u32::try_from(index).ok().and_then(|index| self.at(index)).unwrap_or(0)
-    }
-
-    /// The word at an index; `None` beyond the end.
-    fn at(self, index: u32) -> Option<u16>;
-
-    /// The words at an index and the next one, and those `stride` behind each; `None` if one of them is beyond the end.
-    #[inline(always)]
-    fn cell(self, index: u32, stride: u8) -> Option<[[i32; 2]; 2]> {
-        let across = index + u32::from(stride);
-        // The last one first: its comparison with the end is enough for all.
-        let last = i32::from(self.at(across + 1)?);
-        let word = |index| Some(i32::from(self.at(index)?));
-        Some([[word(index)?, word(index + 1)?], [word(across)?, last]])
-    }
-
-    /// Number of whole words.
-    fn count(self) -> usize;
-}
-
-impl Words for &[u16] {
-    #[inline(always)]
-    fn at(self, index: u32) -> Option<u16> {
-        self.get(index as usize).copied()
-    }
-
-    fn count(self) -> usize {
-        self.len()
-    }
-}
-
-impl Words for &[u8] {
-    #[inline(always)]
-    fn at(self, index: u32) -> Option<u16> {
-        let high = self.get(2 * index as usize + 1)?;
-        Some(u16::from_le_bytes([*self.get(2 * index as usize)?, *high]))
-    }
-
-    fn count(self) -> usize {
-        self.len() / 2
-    }
-}
 
 /// The reason why a map is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -186,12 +156,6 @@ pub fn seal(words: &mut [u16]) {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Head {
     pub(super) is_current: bool,
-    /// Whether there is a lower branch with values.
-    pub(super) lower: bool,
-    pub(super) upper: bool,
-    /// Columns less one as a power of two.
-    pub(super) column_bits: u32,
-    pub(super) rows: u32,
     pub(super) slices: usize,
     /// Resonance in units of the frequency.
     pub(super) resonance: i32,
@@ -199,9 +163,8 @@ pub(super) struct Head {
     pub(super) slope: u32,
     pub(super) first: i32,
     pub(super) span: u32,
-    pub(super) factor: u32,
-    pub(super) factor_shift: u32,
-    /// Of the rows of the lower and the upper branch.
+    /// Rows of the lower and the upper branch; 0 of a branch without values.
+    pub(super) rows: [u32; 2],
     pub(super) spacings: [Spacing; 2],
     pub(super) lowest: i32,
     pub(super) highest: i32,
@@ -210,24 +173,14 @@ pub(super) struct Head {
 }
 
 impl Head {
-    pub(super) fn columns(&self) -> usize {
-        (1 << self.column_bits.min(6)) + 1
+    /// First word of the columns of the slices.
+    pub(super) fn columns_from(&self) -> usize {
+        HEAD + self.slices
     }
 
-    /// Words of a branch without its bounds.
-    pub(super) fn nodes(&self) -> usize {
-        self.columns() * self.rows as usize
-    }
-
-    /// Words of the boundaries of a slice.
-    pub(super) fn curves(&self) -> usize {
-        (1 + usize::from(self.upper)) * self.columns()
-    }
-
-    /// Words of a slice.
-    pub(super) fn slice(&self) -> usize {
-        let branches = usize::from(self.lower) + usize::from(self.upper);
-        self.curves() + branches * (self.nodes() + BOUNDS)
+    /// First word of their bounds.
+    pub(super) fn parts_from(&self) -> usize {
+        self.columns_from() + self.slices * COLUMNS * COLUMN_WORDS
     }
 
     /// Reads and checks a map.
@@ -248,59 +201,100 @@ impl Head {
         if checksum(words, count - TAIL) != wide(count - TAIL) {
             return Err(MapError::Corrupt);
         }
+        let spacing = |index: usize| Spacing {
+            shift: u32::from(word(index) & 0xff),
+            bits: u32::from(word(index) >> 8),
+        };
         let head = Self {
             is_current: word(5) & CURRENT != 0,
-            lower: word(5) & LOWER != 0,
-            upper: word(5) & UPPER != 0,
-            column_bits: u32::from(word(6) & 0xff),
-            rows: u32::from(word(6) >> 8),
             slices: usize::from(word(7)),
             resonance: wide(8).cast_signed(),
             frequency_shift: signed(10),
             slope: u32::from(word(11)),
             first: signed(12),
             span: u32::from(word(13)),
-            factor: u32::from(word(14)),
-            factor_shift: u32::from(word(15)),
-            spacings: [16, 17].map(|index| Spacing {
-                shift: u32::from(word(index) & 0xff),
-                bits: u32::from(word(index) >> 8),
-            }),
+            rows: [14, 15].map(|index| u32::from(word(index))),
+            spacings: [16, 17].map(spacing),
             lowest: i32::from(word(18)),
             highest: i32::from(word(19)),
             margin: i32::from(word(20)),
             value_octaves: signed(21),
         };
-        head.check(count)?;
+        head.check(word(5), word(6), count)?;
+        head.check_columns(words)?;
+        head.check_bounds(words)?;
         let of = wide(3);
         if of == fingerprint { Ok(head) } else { Err(MapError::ForeignHarvester { of }) }
     }
 
     /// Refuses numbers with which a look-up would overflow or read beyond the map.
-    fn check(&self, count: usize) -> Result<(), MapError> {
+    fn check(&self, flags: u16, columns: u16, count: usize) -> Result<(), MapError> {
+        let ([lower, upper], [lower_spacing, upper_spacing]) = (self.rows, self.spacings);
         let spaced = |of: Spacing| (1..=2).contains(&of.bits) && (of.bits..=12).contains(&of.shift);
-        let last = (u64::from(self.span) * u64::from(self.factor)) >> self.factor_shift.min(63);
+        let has = |flag: u16, rows: u32| if flags & flag == 0 { rows == 0 } else { rows >= 2 };
         let conditions = [
-            (5, self.lower || self.upper),
-            (6, (3..=6).contains(&self.column_bits) && (2..=32).contains(&self.rows)),
+            (5, flags & (LOWER | UPPER) != 0),
+            (6, usize::from(columns) == COLUMNS),
             (7, (1..=16).contains(&self.slices)),
             (8, (0..1 << 30).contains(&self.resonance)),
             (10, (-20..=30).contains(&self.frequency_shift)),
             (11, (1..=1 << 13).contains(&self.slope)),
             (13, self.span > 0),
-            (14, last <= 1024 << self.column_bits.min(6)),
-            (15, (self.factor_shift as usize) < 32),
-            (16, spaced(self.spacings[0])),
-            (17, spaced(self.spacings[1])),
+            (14, has(LOWER, lower)),
+            (15, has(UPPER, upper) && lower + upper == ROWS as u32),
+            (16, spaced(lower_spacing)),
+            (17, spaced(upper_spacing)),
             // Smaller numbers have no level of their own.
             (18, self.lowest > 0),
             (19, self.lowest < self.highest),
+            (20, upper > 0 || self.highest + self.margin < i32::from(NOWHERE)),
             (21, (-80..=60).contains(&self.value_octaves)),
-            (2, HEAD + self.slices * (1 + self.slice()) + TAIL == count),
+            (2, self.parts_from() + self.slices * SLICE_BOUNDS + TAIL == count),
         ];
         match conditions.iter().find(|(_, holds)| !holds) {
             Some(&(word, _)) => Err(MapError::Malformed { word }),
             None => Ok(()),
         }
     }
+
+    /// Refuses boundaries that are beyond the rows: then each amplitude of the map is between two rows.
+    fn check_columns<W: Words>(&self, words: W) -> Result<(), MapError> {
+        let ([lower_rows, upper_rows], [lower_spacing, upper_spacing]) = (self.rows, self.spacings);
+        let reach = |rows: u32, spacing: Spacing| match rows.checked_sub(1) {
+            Some(last) => row_distance(last, spacing).cast_signed(),
+            None => i32::MAX,
+        };
+        let (lower, upper) = (reach(lower_rows, lower_spacing), reach(upper_rows, upper_spacing));
+        for word in (self.columns_from()..self.parts_from()).step_by(COLUMN_WORDS) {
+            let [rising, falling] = [word, word + 1].map(|index| i32::from(words.word(index)));
+            let is_there = upper_rows > 0 || falling == i32::from(NOWHERE);
+            if rising - self.lowest >= lower {
+                return Err(MapError::Malformed { word });
+            }
+            if !is_there || self.highest - falling >= upper {
+                return Err(MapError::Malformed { word: word + 1 });
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses bounds that do not enclose the value.
+    fn check_bounds<W: Words>(&self, words: W) -> Result<(), MapError> {
+        let end = self.parts_from() + self.slices * SLICE_BOUNDS;
+        for word in (self.parts_from()..end).step_by(2) {
+            let low = words.word(word);
+            if low != 0 && !(factor(0.25)..=factor(1.0)).contains(&low) {
+                return Err(MapError::Malformed { word });
+            }
+            if !(factor(1.0)..=factor(4.0)).contains(&words.word(word + 1)) {
+                return Err(MapError::Malformed { word: word + 1 });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The word of a factor that has no more than eight significant bits.
+const fn factor(number: f32) -> u16 {
+    (number.to_bits() >> 16) as u16
 }

@@ -1,19 +1,36 @@
 //! What a look-up needs of a map, folded once when the map is checked: edges as the bits of floating-point numbers, so that
-//! one subtraction and one comparison find out whether a number is within them, offsets of the curves and branches, and the
-//! constants of both coordinates.
+//! one subtraction and one comparison find out whether a number is within them, and the constants of both coordinates.
 
 use super::coordinate::{
     FARTHEST, FoldedSpacing, LEVELS_PER_OCTAVE, RAISED, bits_of_raised, detuning, fixed, fixed_of_bits,
-    level, level_of_bits, row_distance,
+    level, level_of_bits,
 };
-use super::image::{BOUNDS, HEAD, Head, NEAR, Words};
+use super::image::{COLUMN_BITS, COLUMN_WORDS, COLUMNS, Head, NEAR, SLICE_BOUNDS};
+use super::words::Word;
 use super::{Bounded, Outside, Spacing};
 
-/// Between two columns: the column below, and the place above it in 2⁻¹⁰ of their distance.
+/// A place on the axis of the columns, in 2⁻²⁷ of their distance.
 #[derive(Clone, Copy)]
-pub(super) struct Column {
-    below: u32,
-    place: i32,
+pub(super) struct Place(u32);
+
+impl Place {
+    /// The column to the left.
+    #[inline(always)]
+    pub(super) fn column(self) -> usize {
+        (self.0 >> (32 - COLUMN_BITS)) as usize
+    }
+
+    /// The part of the columns that has bounds of its own.
+    #[inline(always)]
+    pub(super) fn part(self) -> usize {
+        (self.0 >> 29) as usize
+    }
+
+    /// The place to the right of the column, in 2⁻¹⁰ of the distance.
+    #[inline(always)]
+    fn right(self) -> i32 {
+        (self.0 >> (22 - COLUMN_BITS) & 1023).cast_signed()
+    }
 }
 
 /// The bits of the least number within two edges, and by how much those of the largest are greater. Positive numbers rise with
@@ -49,58 +66,45 @@ fn first(holds: impl Fn(u32) -> bool) -> u32 {
     low
 }
 
-/// From a detuning to columns in 2⁻²⁵; the last column is just beyond the last detuning, so that each place is in a cell.
-fn factor(head: &Head) -> u32 {
-    let factor = match 15_u32.checked_sub(head.factor_shift) {
-        Some(left) => head.factor << left,
-        None => head.factor >> (head.factor_shift - 15),
-    };
-    factor.min(((1_u32 << (25 + head.column_bits)) - 1).checked_div(head.span).unwrap_or(0))
+/// Where the rows of a branch are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Side {
+    /// Numbers of the rows begin with the first one's word in its column.
+    spacing: FoldedSpacing,
+    /// Word of the first row that has the bounds of those far from the boundary.
+    far: u32,
 }
 
-/// Where the values of a branch are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Side {
-    /// Its first node, from the start of its slice; 0 if it has no values.
-    nodes: u16,
-    spacing: FoldedSpacing,
-    /// Distance of its last row from the boundary in levels.
-    farthest: u16,
-    /// Rows that have the bounds next to the boundary.
-    near: u32,
+impl Side {
+    fn new(first: u32, rows: u32, spacing: Spacing) -> Self {
+        // A branch without values has its rows behind the column.
+        let first = if rows == 0 { COLUMN_WORDS as u32 } else { first };
+        Self { spacing: spacing.folded(first), far: first + (NEAR << (spacing.bits - 1)) }
+    }
 }
 
 /// All that a look-up needs beside the words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Plan {
-    pub(super) is_current: bool,
-    pub(super) has_upper: bool,
     amplitudes: Edges,
     frequencies: Edges,
     /// By how much a frequency is moved right at the exponent 0.
     right: u32,
     resonance: i32,
     slope: u32,
-    /// Detuning of the first column.
-    first: i32,
-    /// From a detuning to columns in 2⁻²⁵.
+    /// From a detuning to a [`Place`], and the place of the resonance.
     factor: u32,
-    columns: u8,
-    /// Eighths of the columns in eight cells.
-    eighths: u8,
-    rows: u8,
-    sides: [Side; 2],
+    middle: u32,
     /// Levels beside a boundary within which both branches are told.
     pub(super) margin: i32,
     /// What is added to the level of a value.
     raised: i32,
+    pub(super) lower: Side,
+    pub(super) upper: Side,
+    /// First word of the columns, and of the bounds.
+    starts: [u16; 2],
     pub(super) slices: u16,
-    /// First word of the first slice.
-    start: u16,
-    /// Words of a slice.
-    slice: u16,
-    /// Words of a branch without its bounds.
-    nodes: u16,
+    pub(super) is_current: bool,
 }
 
 impl Plan {
@@ -124,45 +128,27 @@ impl Plan {
         };
         let span = head.span.cast_signed();
         let frequencies = Edges::of(|bits| from_first(bits) >= 0, |bits| from_first(bits) > span)?;
-        // A map has less than 2¹⁶ words.
-        let offset = |words: usize| words as u16;
-        let lower_nodes = head.curves();
-        let upper_nodes = lower_nodes + if head.lower { head.nodes() + BOUNDS } else { 0 };
-        let side = |has: bool, nodes: usize, spacing: Spacing| Side {
-            nodes: if has { offset(nodes) } else { 0 },
-            spacing: spacing.folded(),
-            // Two levels are not farther from each other.
-            farthest: u16::try_from(row_distance(head.rows - 1, spacing)).unwrap_or(u16::MAX),
-            near: NEAR << (spacing.bits - 1),
-        };
-        let [lower, upper] = head.spacings;
+        // The last column is just beyond the last detuning, so that each place is between two columns.
+        let factor = u32::MAX.checked_div(head.span)?;
+        let ([lower_rows, upper_rows], [lower, upper]) = (head.rows, head.spacings);
         Some(Self {
-            is_current: head.is_current,
-            has_upper: head.upper,
             amplitudes,
             frequencies,
             right: (158 - head.frequency_shift).cast_unsigned(),
             resonance: head.resonance,
             slope: head.slope,
-            first: head.first,
-            factor: factor(head),
-            columns: head.columns() as u8,
-            eighths: 64 >> head.column_bits,
-            rows: head.rows as u8,
-            sides: [side(head.lower, lower_nodes, lower), side(head.upper, upper_nodes, upper)],
+            factor,
+            middle: (-head.first).cast_unsigned().wrapping_mul(factor),
             margin: head.margin,
             raised: head.value_octaves * LEVELS_PER_OCTAVE + RAISED,
-            slices: offset(head.slices),
-            start: offset(HEAD + head.slices),
-            slice: offset(head.slice()),
-            nodes: offset(head.nodes()),
+            // The boundaries are before the rows.
+            lower: Side::new(2, lower_rows, lower),
+            upper: Side::new(2 + lower_rows, upper_rows, upper),
+            // A map has less than 2¹⁶ words.
+            starts: [head.columns_from() as u16, head.parts_from() as u16],
+            slices: head.slices as u16,
+            is_current: head.is_current,
         })
-    }
-
-    /// The first word of a slice.
-    #[inline(always)]
-    pub(super) fn start(&self, slice: u16) -> u32 {
-        u32::from(self.start) + u32::from(slice) * u32::from(self.slice)
     }
 
     /// Whether the map reaches over a frequency, by its bits.
@@ -172,6 +158,8 @@ impl Plan {
     }
 
     /// Which edge a place outside the map is beyond.
+    #[cold]
+    #[inline(never)]
     pub(super) fn edge(&self, amplitude: f32, frequency: f32) -> Outside {
         let bits = frequency.to_bits();
         if level(amplitude).is_none() || !(frequency.is_normal() && frequency > 0.0) {
@@ -189,62 +177,129 @@ impl Plan {
 
     /// Level of the amplitude and place of the frequency, by the bits of both; `None` outside the map.
     #[inline(always)]
-    pub(super) fn place(&self, amplitude: u32, frequency: u32) -> Option<(i32, Column)> {
+    pub(super) fn place(&self, amplitude: u32, frequency: u32) -> Option<(i32, Place)> {
         if !self.amplitudes.contain(amplitude) || !self.frequencies.contain(frequency) {
             return None;
         }
         let units = fixed_of_bits(frequency, self.right.wrapping_sub(frequency >> 23));
         let distance = units.cast_signed().wrapping_sub(self.resonance);
-        let from_first = (detuning(distance, self.slope) - self.first).cast_unsigned();
-        let columns = from_first.wrapping_mul(self.factor);
-        let column = Column { below: columns >> 25, place: (columns >> 15 & 1023).cast_signed() };
-        Some((level_of_bits(amplitude), column))
+        let from_middle = detuning(distance, self.slope).cast_unsigned();
+        let place = Place(from_middle.wrapping_mul(self.factor).wrapping_add(self.middle));
+        Some((level_of_bits(amplitude), place))
     }
 
-    /// The levels of the rising and of the falling boundary, whose words begin at `start`.
-    #[inline(always)]
-    pub(super) fn curves<W: Words>(
-        &self,
-        words: W,
-        start: u32,
-        Column { below, place }: Column,
-    ) -> Option<[i32; 2]> {
-        let cell = words.cell(start + below, self.columns)?;
-        Some(cell.map(|[left, right]| left + (((right - left) * place) >> 10)))
+    /// First word of the columns of a slice, and of its bounds.
+    pub(super) fn slice(&self, slice: u16) -> [usize; 2] {
+        let [columns, bounds] = self.starts.map(usize::from);
+        let slice = usize::from(slice);
+        [columns + slice * COLUMNS * COLUMN_WORDS, bounds + slice * SLICE_BOUNDS]
     }
 
-    /// The value of a branch, 0 or 1, of the slice at `start`, at a distance in levels from its boundary, with its bounds.
+    /// The yield of a branch between two columns, at a distance in levels from its boundary, beyond it that at the boundary;
+    /// `None` of a branch without values.
     #[inline(always)]
-    pub(super) fn branch<W: Words>(
+    pub(super) fn income<T: Word>(
         &self,
-        words: W,
-        start: u32,
-        which: usize,
+        side: &Side,
+        [left, right]: [&[T; COLUMN_WORDS]; 2],
+        [near, far]: &[[T; 2]; 2],
         distance: i32,
-        Column { below, place }: Column,
+        place: Place,
     ) -> Option<Bounded> {
-        let [lower, upper] = &self.sides;
-        let side = if which == 0 { lower } else { upper };
-        if side.nodes == 0 {
-            return Some(Bounded::default());
+        let (row, above) = side.spacing.row(distance.max(0).cast_unsigned());
+        let row = row as usize;
+        // The rows of a checked map reach over all of its amplitudes.
+        if row >= COLUMN_WORDS - 1 {
+            return None;
         }
-        // The rows reach over the whole map. Beyond the last one is the next column's first one, which counts nothing there.
-        let distance = distance.max(0).min(i32::from(side.farthest)).cast_unsigned();
-        let (row, above) = side.spacing.row(distance);
-        let above = above.cast_signed();
-        let start = start + u32::from(side.nodes);
-        let node = start + below * u32::from(self.rows) + (row & 63);
-        let across = |[left, right]: [i32; 2], part: i32| left + (((right - left) * part + 512) >> 10);
-        let [left, right] = words.cell(node, self.rows)?;
-        let level = across([across(left, above), across(right, above)], place) + self.raised;
-        let part =
-            ((below * u32::from(self.eighths)) >> 3) + if row < side.near { 0 } else { BOUNDS as u32 / 2 };
-        let bounds = i32::from(words.at(start + u32::from(self.nodes) + part)?);
-        // From 1/128 octaves to levels.
-        let (lower, higher) = ((bounds & 0xff) << 4, (bounds >> 8) << 4);
-        let number = |level: i32| f32::from_bits(bits_of_raised(level));
-        // The largest byte is no bound: the model may yield nothing.
-        let low = if bounds & 0xff == 0xff { 0.0 } else { number(level - lower) };
-        Some(Bounded { value: number(level), low, high: number(level + higher) })
+        let along = |column: &[T; COLUMN_WORDS]| {
+            let [low, high] = [row, row + 1].map(|row| column.get(row).map_or(0, number));
+            between(low, high, above.cast_signed())
+        };
+        let level = between(along(left), along(right), place.right()) + self.raised;
+        let value = f32::from_bits(bits_of_raised(level));
+        let [low, high] = if row < side.far as usize { near } else { far };
+        Some(Bounded { value, low: product(value, *low), high: product(value, *high) })
+    }
+
+    /// As [`Plan::income`] of both branches.
+    #[inline(never)]
+    pub(super) fn both<T: Word>(
+        &self,
+        columns: [&[T; COLUMN_WORDS]; 2],
+        [lower, upper]: [&[[T; 2]; 2]; 2],
+        [below, above]: [i32; 2],
+        place: Place,
+    ) -> [Bounded; 2] {
+        let lower = self.income(&self.lower, columns, lower, below, place).unwrap_or_default();
+        let upper = self.income(&self.upper, columns, upper, above, place).unwrap_or_default();
+        [lower, upper]
+    }
+}
+
+/// The levels of the rising and the falling boundary.
+#[inline(always)]
+pub(super) fn boundaries<T: Word>([left, right]: [&[T; COLUMN_WORDS]; 2], place: Place) -> [i32; 2] {
+    let ([rising, falling, ..], [next_rising, next_falling, ..]) = (left, right);
+    let across = |left: &T, right: &T| between(number(left), number(right), place.right());
+    [across(rising, next_rising), across(falling, next_falling)]
+}
+
+#[inline(always)]
+fn number<T: Word>(word: &T) -> i32 {
+    i32::from(word.number())
+}
+
+/// A part of the way in 2⁻¹⁰ from one number to another, rounded down.
+#[inline(always)]
+fn between(from: i32, to: i32, part: i32) -> i32 {
+    from + (((to - from) * part) >> 10)
+}
+
+/// The product of a value of at most sixteen significant bits and the factor of a bound, of at most eight and 0 or from 1/4 to 4: exact, so that
+/// integers yield the same bits, on a core without floating point in a fifth of the instructions.
+#[inline(always)]
+pub(super) fn product<T: Word>(value: f32, factor: T) -> f32 {
+    let factor = factor.number();
+    if cfg!(all(target_arch = "arm", not(target_abi = "eabihf"))) {
+        product_in_integers(value, factor)
+    } else {
+        value * f32::from_bits(u32::from(factor) << 16)
+    }
+}
+
+/// As [`product`].
+#[inline(always)]
+fn product_in_integers(value: f32, factor: u16) -> f32 {
+    if factor == 0 {
+        return 0.0;
+    }
+    let (bits, factor) = (value.to_bits(), u32::from(factor));
+    // From 2²² to below 2²⁴.
+    let significand = ((bits >> 8 & 0x7fff) | 1 << 15) * ((factor & 0x7f) | 1 << 7);
+    let exponent = ((bits >> 23) + (factor >> 7)).wrapping_sub(127) << 23;
+    // The leading bit counts in the exponent.
+    let fraction = if significand < 1 << 23 { 2 * significand - (1 << 23) } else { significand };
+    f32::from_bits(exponent.wrapping_add(fraction))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers_and_floating_point_have_the_same_product() {
+        // 0, and from 1/4 to 4.
+        for factor in [0].into_iter().chain(0x3e80..=0x4080_u16) {
+            // Sixteen significant bits, the lowest and the highest among them, from 10⁻²⁴ to 10²³, as of maps.
+            for significand in [1 << 15, (1 << 16) - 1, 0x9e37, 0xb504, 0xb505, 0xd1b7] {
+                for exponent in [-95, -60, -20, 0, 62] {
+                    let value = significand as f32 * (exponent as f32).exp2();
+                    let product = value * f32::from_bits(u32::from(factor) << 16);
+                    let bits = product_in_integers(value, factor).to_bits();
+                    assert_eq!(bits, product.to_bits(), "{value} {factor:#x}");
+                }
+            }
+        }
     }
 }
