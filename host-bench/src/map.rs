@@ -9,6 +9,7 @@ mod agreement;
 mod axes;
 mod column;
 mod emit;
+mod fit;
 mod image;
 mod inputs;
 mod page;

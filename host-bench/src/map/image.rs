@@ -9,6 +9,7 @@ use model_core::energy::response_map::{
 use super::agreement::Agreement;
 use super::axes::{Axes, amplitude_of};
 use super::column::{Column, along};
+use super::fit::fitted;
 use crate::method::Failure;
 
 /// The largest amplitude in m/s² up to which the lower branch of a column is within a tenth of the square law.
@@ -128,12 +129,17 @@ impl Content<'_> {
             .enumerate()
             .map(|(index, column)| {
                 let distance = |row: u32| f64::from(row_distance(row, spacing));
-                (0..self.rows())
-                    .map(|row| match branch {
-                        0 => along(&column.lower, curves.rising[index] - distance(row)),
-                        _ => along(&column.upper, curves.falling[index] + distance(row)),
-                    })
-                    .collect()
+                let end = f64::from(self.axes.levels[1]);
+                if branch == 0 {
+                    let nodes: Vec<f64> =
+                        (0..self.rows()).rev().map(|row| curves.rising[index] - distance(row)).collect();
+                    let values = fitted(&column.lower, &nodes, end)?;
+                    Some(values.into_iter().rev().collect())
+                } else {
+                    let nodes: Vec<f64> =
+                        (0..self.rows()).map(|row| curves.falling[index] + distance(row)).collect();
+                    fitted(&column.upper, &nodes, end)
+                }
             })
             .collect();
         // A column without this motion has the values of the nearest one with it: it is asked only beside that one.

@@ -134,6 +134,29 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
 }
 
 #[test]
+fn a_motion_with_contact_now_and_then_is_the_upper_one() {
+    // Beyond the boundary the motion is not periodic here, and has windows of a time constant without contact.
+    let scene = scene("node", &[]);
+    let request = request([0.1, 4.0], [17.0, 24.0]);
+    let axes = Axes::new(&scene, &request).expect("in bounds");
+    for frequency in [axes.frequencies[8], axes.frequencies[9]] {
+        let column = with_held(&scene, frequency, &Options::default(), |held| {
+            column::column(held, frequency, request.amplitudes)
+        })
+        .expect("steady motions");
+        let Column { rising, falling, found, lower, upper, .. } = &column;
+        assert!(*found && falling <= rising, "{column:?}");
+        // The upper motion is followed from the boundary to above the map, and the lower one up to the boundary.
+        let ends = [upper.first(), upper.last(), lower.last()].map(|end| end.map_or(f64::NAN, |end| end.0));
+        assert!(ends[0] < rising + 10.0 && ends[1] >= axes::level_of(4.0), "{column:?}");
+        assert!((ends[2] - rising).abs() < 1e-6, "{column:?}");
+        for points in [lower, upper] {
+            assert!(points.windows(2).all(|pair| pair[0].0 < pair[1].0), "{column:?}");
+        }
+    }
+}
+
+#[test]
 fn a_map_needs_power_or_a_voltage() {
     let amplitudes = request([0.1, 4.0], [17.0, 23.0]);
     let refused = |scene: &Scene, request: &Request| scenes(scene, request).is_err();

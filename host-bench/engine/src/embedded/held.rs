@@ -28,8 +28,10 @@ const MOST_WINDOWS: usize = 16;
 const SETTLING: usize = 4;
 /// Fewest periods in a window.
 const SHORTEST_WINDOW: f64 = 8.0;
-/// Relative change from window to window below which a transient has settled, twice in succession.
+/// Relative change from window to window below which windows agree.
 const SETTLED: f64 = 1e-3;
+/// Windows in succession that agree when a transient has settled.
+const AGREE: usize = 3;
 
 /// How a steady motion was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -313,6 +315,7 @@ impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
     fn by_transient(&mut self, excitation: HostExcitation<'_, f64>) -> Result<Motion, Failure> {
         let mut values: Vec<f64> = Vec::new();
         let mut settled = 0;
+        let mut touched = 0;
         for window in 1..=MOST_WINDOWS {
             let mut meter = RunMeter::starting_at(&self.harvester.outputs(&self.state));
             self.advance(excitation, self.window * window as f64, &mut meter)?;
@@ -322,16 +325,20 @@ impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
             if self.is_slider && !is_upper {
                 return Ok(Motion { value: 0.0, is_upper, found: Found::Transient });
             }
+            if is_upper {
+                touched = window;
+            }
             let is_close = values.last().is_some_and(|last| (value - last).abs() <= SETTLED * value.abs());
             settled = if is_close { settled + 1 } else { 0 };
             values.push(value);
-            if settled == 2 {
-                return Ok(Motion { value, is_upper, found: Found::Transient });
+            // A motion that is not periodic may have contact in some windows only: it is the upper one.
+            if settled + 1 == AGREE {
+                return Ok(Motion { value, is_upper: touched + AGREE > window, found: Found::Transient });
             }
             if window == MOST_WINDOWS {
                 let measured = &values[SETTLING..];
                 let value = measured.iter().sum::<f64>() / measured.len() as f64;
-                return Ok(Motion { value, is_upper, found: Found::Mean });
+                return Ok(Motion { value, is_upper: touched > SETTLING, found: Found::Mean });
             }
         }
         unreachable!("the last window returns")
