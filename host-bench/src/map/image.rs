@@ -298,7 +298,8 @@ impl Content<'_> {
             .into_iter()
             .fold([f64::INFINITY; 2], |[a, b], (linear, rising)| [a.min(linear), b.min(rising)]);
         let pi_bandwidth = std::f64::consts::PI * self.axes.half_bandwidth_hz;
-        let largest = (rising * rising / (9.0 * pi_bandwidth)).min(linear * linear / (2.0 * pi_bandwidth));
+        // The mean of the fourth power of the amplitude of noise is twice the square of that of its square.
+        let largest = (rising * rising / (9.0 * pi_bandwidth)).min(linear * linear / (4.0 * pi_bandwidth));
         Some(Broadband { factor: 2.0 * integral, largest })
     }
 

@@ -30,9 +30,9 @@
 //!
 //! That holds while the motion stays on the linear part of the lower branch. A sine of amplitude `A` at the resonance moves
 //! the mass by `A/(2 ζ ω_n²)`; shaking moves it by `√(G/(8 ζ ω_n³))` RMS. With the half-bandwidth `b = ζ ω_n/2π` in Hz, three
-//! times this is below the motion at the rising boundary `A*` up to `G = A*²/(9π b)`, and its mean square is that of a sine up
-//! to which the branch is within a tenth of the square law, `A_l`, up to `G = A_l²/(2π b)`. Beyond either the answer is
-//! flagged.
+//! times this is below the motion at the rising boundary `A*` up to `G = A*²/(9π b)`. Where the branch is within a tenth of the
+//! square law up to a sine of amplitude `A_l`, by a term in `A⁴`, the mean over the amplitudes of noise is within a tenth up to
+//! half of that sine's mean square, `G = A_l²/(4π b)`. Beyond either the answer is flagged.
 //!
 //! Both coordinates and the value are found in integers; only the factors of both bounds multiply the value as floating-point
 //! numbers, on a core with a floating-point unit, and these products are exact. A look-up allocates nothing and cannot panic.

@@ -52,11 +52,11 @@ pub struct Lines {
     pub amplitude: f32,
     /// Its frequency in Hz.
     pub frequency: f32,
-    /// Part of the band's power that is in this line, 0 to 1.
+    /// Part of the band's power that is in this line, 0 to 1; of a steady line alone at least 0.998.
     pub purity: f32,
     /// One-sided spectral density of the acceleration near the resonance, all lines included, in (m/s²)²/Hz: the mean over
-    /// the bins within a half-bandwidth and one bin of the resonance. Of noise it scatters by a half in a block; average
-    /// over blocks.
+    /// the bins within a half-bandwidth and one bin of the resonance. Of noise it has a relative standard deviation of 0.85 in
+    /// a block where these are two bins, and of 0.73 where they are three; average over blocks.
     pub density: f32,
     /// The same without the bins of the strongest line: what else the resonance hears; 0 if the line has all of them.
     pub rest: f32,
@@ -305,12 +305,17 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         let (larger, towards) = if beside[1] > beside[0] { (beside[1], 1.0) } else { (beside[0], -1.0) };
         let ratio = Scalar::sqrt(larger / strongest);
         let off = towards * Scalar::max((2.0 * ratio - 1.0) / (ratio + 1.0), 0.0);
+        // The line's own part of the bin beyond the larger neighbour: the ratio of the window's lobes at 2 − x and x bins.
+        let (x, next) = (off.abs(), place + Self::REACH + 2 * if towards > 0.0 { 1 } else { -1 });
+        let lobes = x * (1.0 + x) / ((2.0 - x) * (3.0 - x));
+        let next = usize::try_from(next).ok().and_then(|index| squares.get(index)).copied().unwrap_or(0.0);
+        let beyond = Scalar::min(next, strongest * lobes * lobes);
         let bins = f32::from_i32(place) + off;
         let samples = real(self.block());
         // The lobe of the window is sinc(x)/(1 − x²), and a sine of amplitude 1 has the sum N/2.
         let lobe = sinc(off) / (1.0 - off * off);
         let peak = Scalar::sqrt(strongest / Self::droop_square(bins)) * scale / lobe;
-        let of_line = (strongest + beside[0] + beside[1]) / total;
+        let of_line = (strongest + beside[0] + beside[1] + beyond) / total;
         // 2 |Σ w x e|²/(r Σ w²), with Σ w² = 3/2 N and the rate r of N bins.
         let noise = NOISE_BINS * samples * samples * self.bin_hz * f32::from_i32(near_count.max(1));
         let density = 2.0 * scale * scale / noise * self.unit * self.unit;

@@ -16,8 +16,13 @@ const BROADBAND: f32 = 0.85;
 const RELEVANT: f32 = 0.05;
 /// Yield of the strongest line over that of broadband shaking from which the shaking is not broadband.
 const STRONG: f32 = 3.0;
-/// Relative standard deviation of the density of noise in a block.
-const DENSITY: f32 = 0.5;
+/// Relative standard deviation of the density of noise in a block: of the mean over two bins of a Hann window, the fewest, whose
+/// powers have the correlation 4/9, √((1 + 4/9)/2).
+const DENSITY: f32 = 0.85;
+/// Power of all else over that of a line, below which a line is alone.
+const ALONE: f32 = 0.002;
+/// Relative error of the amplitude of a line.
+const OF_AMPLITUDE: f32 = 0.004;
 /// Relative standard deviation of a yield by the errors of the amplitude and the frequency of a line.
 const OF_LINE: f32 = 0.02;
 
@@ -118,6 +123,8 @@ pub(super) struct Blocks {
     yields: [f32; 4],
     /// The largest amplitude with its frequency.
     strongest: [f32; 2],
+    /// The smallest amplitude of a line in the map.
+    weakest: f32,
     purity: f32,
     density: f32,
     rest: f32,
@@ -136,24 +143,47 @@ impl Blocks {
         if lines.purity < LINE {
             return;
         }
+        let response = look_up(map, lines.amplitude, lines.frequency, voltage);
+        let Some([less, more]) = motions(&response) else { return };
+        if matches!(response, Response::Two { .. }) {
+            self.doubles = self.doubles.saturating_add(1);
+        }
         let beside = 2.0 * (1.0 - lines.purity);
-        let parts = |one: Bounded, other: Bounded| {
-            let (less, more) = if one.value <= other.value { (one, other) } else { (other, one) };
-            [less.value, more.value, less.low * (1.0 - beside), more.high * (1.0 + beside)]
-        };
-        let yields = match look_up(map, lines.amplitude, lines.frequency, voltage) {
-            Response::One { income, .. } => parts(income, income),
-            Response::Two { lower, upper } => {
-                self.doubles = self.doubles.saturating_add(1);
-                parts(lower, upper)
-            }
-            Response::Outside(_) => return,
-        };
+        let yields = [less.value, more.value, less.low * (1.0 - beside), more.high * (1.0 + beside)];
+        if self.lines == 0 || lines.amplitude < self.weakest {
+            self.weakest = lines.amplitude;
+        }
         self.lines = self.lines.saturating_add(1);
         let scale = if map.is_current() { voltage } else { 1.0 };
         for (sum, part) in self.yields.iter_mut().zip(yields) {
             *sum += part * scale;
         }
+    }
+
+    /// The least and the largest yield of the smaller and of the larger motion at the amplitudes between which the line beats
+    /// with what else the band has, or within the error of its amplitude. `None` outside the map.
+    ///
+    /// Two lines nearer than a bin are one to the bank, whose amplitude differs from block to block: it goes on by half of the
+    /// difference beyond those that were heard. Lines farther apart lower the purity `p`: the others have together up to
+    /// `√((1 − p)/p)` of the amplitude.
+    fn beat<W: Words>(&self, map: &ResponseMap<W>, purity: f32, voltage: f32) -> Option<[[f32; 2]; 2]> {
+        let [most, frequency] = self.strongest;
+        let others = (1.0 - purity) / purity - ALONE;
+        let beside = OF_AMPLITUDE + if others > 0.0 { Scalar::sqrt(others) } else { 0.0 };
+        let beyond = 0.5 * (most - self.weakest);
+        let [lowest, highest] = map.amplitudes();
+        let at = |amplitude: f32| {
+            // The edges of the map are within a rounding of what it answers.
+            let within = Scalar::min(Scalar::max(amplitude, lowest * 1.001), highest * 0.999);
+            motions(&look_up(map, within, frequency, voltage))
+        };
+        let [less, more] = at((1.0 - beside) * (self.weakest - beyond))?;
+        let [less_above, more_above] = at((1.0 + beside) * (most + beyond))?;
+        let scale = if map.is_current() { voltage } else { 1.0 };
+        let span = |one: Bounded, other: Bounded| {
+            [scale * Scalar::min(one.value, other.value), scale * Scalar::max(one.value, other.value)]
+        };
+        Some([span(less, less_above), span(more, more_above)])
     }
 
     /// The yield of all blocks.
@@ -176,17 +206,25 @@ impl Blocks {
                 return about(Hearing::Unclear, Scalar::max(value, rest));
             }
             // What else the band has beats with the line, which an impacting or stuck harvester answers in its own way.
-            let part = OF_LINE + (1.0 - self.purity / count);
-            let with = |value: f32, spread: f32| {
+            let purity = self.purity / count;
+            let part = OF_LINE + (1.0 - purity);
+            let with = |value: f32, spread: f32, [least, most]: [f32; 2]| {
                 let systematic = if value > 0.0 { spread / value } else { 0.0 };
-                Yield { value, noise: part * value, systematic }
+                let beat = Scalar::max(value - least, most - value) / BOUND;
+                Yield { value, noise: Scalar::max(part * value, beat), systematic }
             };
+            let beat = self.beat(map, purity, voltage);
+            let [of_lower, of_upper] = beat.unwrap_or([[value; 2], [upper; 2]]);
             let high = high + rest;
             if self.doubles == 0 {
-                return one(Hearing::Line, with(value, 0.25 * (high - low)));
+                let of_both = [Scalar::min(of_lower[0], of_upper[0]), Scalar::max(of_lower[1], of_upper[1])];
+                // The bound covers those of the map, which need not be even.
+                let away = Scalar::max(high - value, value - low) / BOUND;
+                return one(Hearing::Line, with(value, Scalar::max(0.25 * (high - low), away), of_both));
             }
             // Of each motion the bound away from the other one.
-            let (lower, upper) = (with(value, 0.5 * (value - low)), with(upper, 0.5 * (high - upper)));
+            let lower = with(value, 0.5 * (value - low), of_lower);
+            let upper = with(upper, 0.5 * (high - upper), of_upper);
             return Modelled { hearing: Hearing::TwoMotions, lower, upper };
         }
         let [lowest, _] = map.amplitudes();
@@ -223,6 +261,16 @@ impl Blocks {
     }
 }
 
+/// The yields of the smaller and of the larger motion; the same one of one motion, `None` outside the map.
+fn motions(response: &Response) -> Option<[Bounded; 2]> {
+    match *response {
+        Response::One { income, .. } => Some([income; 2]),
+        Response::Two { lower, upper } if upper.value < lower.value => Some([upper, lower]),
+        Response::Two { lower, upper } => Some([lower, upper]),
+        Response::Outside(_) => None,
+    }
+}
+
 /// The answer of the map, at the voltage of the storage where it has slices.
 fn look_up<W: Words>(map: &ResponseMap<W>, amplitude: f32, frequency: f32, voltage: f32) -> Response {
     if map.is_current() {
@@ -233,9 +281,9 @@ fn look_up<W: Words>(map: &ResponseMap<W>, amplitude: f32, frequency: f32, volta
 }
 
 snapshot_fields!(impl [] Blocks {
-    count, lines, doubles, is_damaged, yields, strongest, purity, density, rest,
+    count, lines, doubles, is_damaged, yields, strongest, weakest, purity, density, rest,
 } if |blocks| {
     let counts = [blocks.doubles, blocks.lines, blocks.count, MOST_BLOCKS];
-    let sums = [blocks.purity, blocks.density, blocks.rest];
+    let sums = [blocks.weakest, blocks.purity, blocks.density, blocks.rest];
     counts.is_sorted() && sums.iter().chain(&blocks.yields).chain(&blocks.strongest).all(|&sum| sum >= 0.0)
 });

@@ -35,7 +35,7 @@ pub struct Sensor {
     pub rate: f32,
     /// Samples after switching on that are not valid, up to 10⁴.
     pub start_up: u32,
-    /// Blocks of the bank in a listen, 1 to 64. Broadband shaking is known to a half over the root of this number.
+    /// Blocks of the bank in a listen, 1 to 64. Broadband shaking is known to 0.85 over the root of this number.
     pub blocks: u32,
     /// Magnitude of a count from which on the sensor is at its end.
     pub clipped: i16,

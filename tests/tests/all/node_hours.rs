@@ -12,6 +12,7 @@
 //!
 //! and hears 16-bit samples of the shaking with gravity and noise. Energies are scaled so that the mean income is 2.9 µW.
 
+mod beating;
 mod below_the_map;
 mod converter;
 mod plant;

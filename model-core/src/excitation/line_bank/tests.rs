@@ -38,7 +38,10 @@ fn a_line_on_gravity_is_found_wherever_it_is_between_the_bins() {
             for line in found {
                 let off = (f64::from(line.amplitude) / amplitude - 1.0).abs();
                 let far = (f64::from(line.frequency) - frequency).abs();
-                assert!(off < 0.006 && far < 0.003 && line.purity > 0.97, "{frequency} {amplitude} {line:?}");
+                assert!(
+                    off < 0.006 && far < 0.003 && line.purity > 0.998,
+                    "{frequency} {amplitude} {line:?}"
+                );
             }
         }
     }
@@ -82,18 +85,24 @@ fn the_density_of_white_noise_is_its_variance_over_half_the_rate() {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     };
-    let (mut state, mut sum, mut count) = (bank.start(), 0.0, 0.0);
-    for _ in 0..400 * bank.block() {
+    let mut state = bank.start();
+    let mut densities = Vec::new();
+    for _ in 0..1600 * bank.block() {
         // Variance 3²/12 (m/s²)².
         let sample = (3.0 * uniform() / 1e-3).round() as i16;
         if let (_, Some(line)) = bank.take(&mut state, &[sample]) {
-            sum += f64::from(line.density);
-            count += 1.0;
+            densities.push(f64::from(line.density));
         }
     }
+    let count = densities.len() as f64;
+    let mean = densities.iter().sum::<f64>() / count;
+    let variance = densities.iter().map(|density| (density - mean).powi(2)).sum::<f64>() / (count - 1.0);
     let exact = 0.75 / 200.0;
-    // Three bins of which neighbours share two thirds: about 0.8 of independent ones, over 400 blocks.
-    assert!((sum / count / exact - 1.0).abs() < 0.12, "{} {exact}", sum / count);
+    // The powers of two bins that are neighbours have the correlation 4/9.
+    assert_eq!(bank.near[1] - bank.near[0], 1);
+    let scatter = ((1.0 + 4.0 / 9.0) / 2.0_f64).sqrt();
+    assert!((mean / exact - 1.0).abs() < 3.0 * scatter / count.sqrt(), "{mean} {exact}");
+    assert!((variance.sqrt() / mean / scatter - 1.0).abs() < 0.08, "{} {scatter}", variance.sqrt() / mean);
 }
 
 #[test]
