@@ -38,6 +38,8 @@ mod heard;
 mod hearing;
 mod learning;
 mod parameters;
+#[cfg(test)]
+mod plant_tests;
 mod schedule;
 mod state;
 #[cfg(test)]
@@ -210,8 +212,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     ///
     /// The clock is that of [`Node::start`]; a time before the last one counts as the last one.
     ///
-    /// Cost: at most three exponentials, one square root, and with a reading seven divisions; the decision on an action
-    /// as [`Budget::can_run_now`].
+    /// Cost: a step of the filter and of the budget, with a reading also a correction of both, and all of this twice where a
+    /// glance is taken in before it; the decision on an action as [`Budget::can_run_now`].
     #[inline(never)]
     pub fn wake(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
         if let Some(wake) = self.look(state, now, code) {
@@ -371,13 +373,11 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
                 // It was full before this reading already.
                 state.silent = state.silent.saturating_add(state.settled.saturating_sub(before));
             }
-        } else if is_later {
+        } else if is_later && state.second >= state.asked_for {
+            // The converter did not answer.
             state.filter.miss_confirmation();
-            if state.second.saturating_sub(state.last_attempt()) >= self.reading_interval(state) {
-                // The converter did not answer.
-                state.last_missing = state.second;
-                self.spend_on_knowing(state, self.parameters.cost.reading);
-            }
+            state.last_missing = state.second;
+            self.spend_on_knowing(state, self.parameters.cost.reading);
         }
         let store = state.filter.store();
         if state.filter.is_located() && (is_later || code.is_some()) {

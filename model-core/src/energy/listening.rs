@@ -197,8 +197,14 @@ impl<S: Scalar> Listening<S> {
     #[must_use]
     pub fn is_due(&self, state: &ListeningState<S>, elapsed: u32, departure: S) -> bool {
         let regular = state.listens == 0 || elapsed >= self.interval(state);
-        let early = departure >= S::from_f64(SURPRISE) && elapsed >= self.parameters.shortest;
-        regular || (early && self.saved(state, elapsed) >= state.cost)
+        regular || self.is_surprise(state, elapsed, departure)
+    }
+
+    /// Whether the departure of the storage calls for a listen before the interval ends.
+    pub(crate) fn is_surprise(&self, state: &ListeningState<S>, elapsed: u32, departure: S) -> bool {
+        departure >= S::from_f64(SURPRISE)
+            && elapsed >= self.parameters.shortest
+            && self.saved(state, elapsed) >= state.cost
     }
 
     /// Takes in a listen of `power` in W with a standard deviation `deviation` in W at a cost of `cost` in J,

@@ -15,6 +15,11 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// Decides what to do now.
     #[inline(never)]
     pub(super) fn decide(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) -> Wake {
+        let wake = self.next(state);
+        state.ask(wake)
+    }
+
+    fn next(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) -> Wake {
         if state.listen.missing > 0 {
             let since = state.second.saturating_sub(state.listen.started);
             let left = (self.duration + GRACE).saturating_sub(since);
@@ -23,7 +28,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
                 return Wake { task: Task::Listen { samples }, again_in: left, read: false };
             }
             self.miss(state);
-            state.abandon();
+            state.listen.missing = 0;
         }
         if self.listen_is_due(state)
             && self.budget.can_afford(&state.budget, &self.listen, state.budget.second())

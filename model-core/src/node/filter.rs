@@ -31,6 +31,8 @@ use crate::snapshot::snapshot_fields;
 pub(super) const JUMP: f64 = 3.0;
 /// Departure from which a reading must be confirmed by the next one.
 const DOUBTED: f64 = 12.0;
+/// No code: the next reading needs no confirmation.
+const CONFIRMED: u32 = u32::MAX;
 /// Change of the power, relative, that is expected where a storage is no longer full.
 const CHANGE_FROM_FULL: f64 = 2.0;
 /// Usual power over the deviation before anything is known.
@@ -79,7 +81,8 @@ pub(super) struct FilterState<S> {
     pub(super) located: bool,
     /// Whether the storage may have been full between the last two readings.
     pub(super) was_full: bool,
-    was_doubted: bool,
+    /// Code of the last reading if the next one must confirm it, [`CONFIRMED`] if the next one needs no confirmation, else 0.
+    doubted: u32,
 }
 
 /// Growth of variances in a second.
@@ -156,17 +159,17 @@ impl<S: Scalar> FilterState<S> {
 
     /// Whether the next reading must confirm the last one.
     pub(super) fn is_doubted(&self) -> bool {
-        self.was_doubted
+        self.doubted != 0
     }
 
     /// A reading that was to confirm the last one did not come.
     pub(super) fn miss_confirmation(&mut self) {
-        self.was_doubted = false;
+        self.doubted = 0;
     }
 
     /// The next reading needs no confirmation.
     pub(super) fn confirm(&mut self) {
-        self.was_doubted = true;
+        self.doubted = CONFIRMED;
     }
 
     /// Whether the stored energy is known.
@@ -189,8 +192,8 @@ impl<S: Scalar> FilterState<S> {
 
     /// The stored energy is unknown, as before the first reading. The other states keep what they know.
     pub(super) fn lose_store(&mut self) {
-        (self.located, self.was_doubted, self.was_full) = (false, false, false);
-        self.since = 0;
+        (self.located, self.was_full) = (false, false);
+        (self.doubted, self.since) = (0, 0);
     }
 
     /// Takes in a measurement: `along` are the covariances of the states with the measured quantity, `shift` how far it
@@ -232,7 +235,7 @@ impl<S: Scalar> Filter<S> {
             of_hour: 0,
             located: false,
             was_full: false,
-            was_doubted: false,
+            doubted: 0,
         }
     }
 
@@ -307,17 +310,26 @@ impl<S: Scalar> Filter<S> {
         (low, high, (high - low) * (self.noise / self.cell))
     }
 
+    /// Whether a reading of an energy in J confirms the one before, or needs no confirmation: it is nearer to that one than to
+    /// what is expected. Two glitches are most often not.
+    fn confirms(&self, state: &FilterState<S>, energy: S) -> bool {
+        let (low, high, _) = self.cell(state.doubted.min(self.full_code));
+        let before = S::from_f64(0.5) * (low + high);
+        let is_near = (energy - before).abs() < (energy - state.mean[STORE]).abs();
+        state.doubted == CONFIRMED || (state.doubted > 0 && is_near)
+    }
+
     /// Takes in a reading of the voltage; also gives its departure from what was expected in standard deviations, 0 up to
     /// three. `full` is whether the storage may have been full since the reading before.
     pub(super) fn observe(&self, state: &mut FilterState<S>, code: u32, full: bool) -> (StoreReading, S) {
         if code == 0 || code >= self.full_code {
             let is_above = code > 0;
-            if is_above && state.was_doubted {
+            if is_above && (state.doubted >= self.full_code || !state.located) {
                 // The storage may be full at any voltage from there on.
                 (state.located, state.was_full) = (false, true);
             }
             // Code 0 confirms nothing, and the next reading may be no better.
-            state.was_doubted = is_above && state.located && !state.was_doubted;
+            state.doubted = if is_above && state.located { self.full_code } else { 0 };
             return (StoreReading::Refused, S::ZERO);
         }
         let (low, high, noise) = self.cell(code);
@@ -335,11 +347,11 @@ impl<S: Scalar> Filter<S> {
             state.low[0] = S::ZERO;
             state.covariance.clear(STORE, of_reading);
             (state.located, state.was_full) = (true, full);
-            (state.was_doubted, state.since) = (false, 0);
+            (state.doubted, state.since) = (0, 0);
             return (StoreReading::Silent, S::ZERO);
         }
-        if departure > square(DOUBTED) && !state.was_doubted {
-            state.was_doubted = true;
+        if departure > square(DOUBTED) && !self.confirms(state, middle) {
+            state.doubted = code;
             return (StoreReading::Refused, departure.sqrt());
         }
         if state.was_full && !full && state.since > 0 {
@@ -370,7 +382,7 @@ impl<S: Scalar> Filter<S> {
             let time = S::from_u32(state.since);
             state.covariance.walk(time, S::from_f64(3.0) * power * power / time, S::ZERO);
         }
-        (state.was_full, state.was_doubted, state.since) = (full, false, 0);
+        (state.was_full, state.doubted, state.since) = (full, 0, 0);
         let surprise = if jump { departure.sqrt() } else { S::ZERO };
         (if jump { StoreReading::Jump } else { StoreReading::Used }, surprise)
     }
@@ -388,7 +400,7 @@ impl<S: Scalar> Filter<S> {
 }
 
 snapshot_fields!(impl [S: Scalar] FilterState<S> {
-    mean, low, covariance, since, of_hour, located, was_full, was_doubted,
+    mean, low, covariance, since, of_hour, located, was_full, doubted,
 } if |state| {
     let [_, power, gain, ..] = state.mean;
     power >= S::ZERO && gain >= S::ZERO

@@ -286,7 +286,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
                 Verdict::Run => {
                     self.keep(state, now, code);
                     self.run(state, index, regular);
-                    return Some(Wake { task: Task::Run(index), again_in: 0, read: false });
+                    return Some(state.ask(Wake { task: Task::Run(index), again_in: 0, read: false }));
                 }
             }
         }
@@ -294,7 +294,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let glances = &state.glances;
         let due = glances.reading.min(glances.listen).saturating_sub(now);
         let again_in = next.min(due).min(glances.interval).max(1);
-        Some(Wake { task: Task::Sleep, again_in, read: true })
+        Some(state.ask(Wake { task: Task::Sleep, again_in, read: true }))
     }
 
     /// Whether an action waits, runs, or is to be asked about; `next` is shortened to when it is due.

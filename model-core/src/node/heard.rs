@@ -102,30 +102,59 @@ impl<S: Scalar> Filter<S> {
     }
 
     /// Takes in the order of magnitude of the power by a modelled power in W, uncertain by its own size. It says nothing
-    /// about the gain.
+    /// about the gain, which stays.
     pub(super) fn hear_about(&self, state: &mut FilterState<S>, modelled: S) {
         let gain = state.gain();
         let spread = gain.mean * gain.mean + gain.variance;
         let variance = state.covariance.variance(POWER) + modelled * modelled * spread;
         let departure = gain.mean * modelled - state.mean[POWER];
         if variance > S::ZERO {
-            state.update(state.covariance.row(POWER), departure / variance, S::ONE / variance, S::ONE);
+            state.update(state.covariance.row(POWER), departure / variance, S::ONE / variance, S::ZERO);
         }
         self.limit(state);
     }
 
-    /// Which of two modelled powers the storage has seen: the power is within two standard deviations of one, and beyond
-    /// four of the other.
-    pub(super) fn decide(&self, state: &FilterState<S>, modelled: [S; 2]) -> Option<Motion> {
+    /// Takes in that the power has become one of two, by modelled powers whose middle is `middle` and whose distance is twice
+    /// `half`, both in W, `elapsed` s after the listen before. The power is then known to cover both, and the gain stays.
+    pub(super) fn hear_either(&self, state: &mut FilterState<S>, elapsed: u32, [middle, half]: [S; 2]) {
+        let gain = state.gain();
+        let departure = gain.mean * middle - state.mean[POWER];
+        let between = gain.mean * half;
+        // What is known of the power is of another shaking, and may be near one of both by chance.
+        let unknown = departure * departure + between * between + half * half * gain.variance;
+        let time = S::from_u32(self.unseen(state, elapsed, departure).min(state.of_hour).max(1));
+        state.covariance.walk(time, unknown / time, self.stored_over(time));
+        let measurement = PowerMeasurement {
+            modelled: middle,
+            lasting: middle,
+            change: S::ZERO,
+            variance: between * between,
+            of_gain: S::ZERO,
+        };
+        self.hear(state, elapsed, measurement);
+    }
+
+    /// Which of two modelled powers in W the storage has seen, each uncertain by a relative variance in `spread`: the power is
+    /// within two standard deviations of one, and beyond four of the other.
+    ///
+    /// It is the ratio `x` of the expected power to that seen that counts, as `(x − 1)/√x`, which is `ln x` up to its third
+    /// power: the gain is a factor. By its difference a motion that yields more could not be excluded where the gain is
+    /// uncertain by a quarter or more, since a gain near 0 would explain whatever was seen.
+    pub(super) fn decide(&self, state: &FilterState<S>, modelled: [S; 2], spread: [S; 2]) -> Option<Motion> {
         let [far, near] = [S::from_f64(16.0), S::from_f64(4.0)];
-        let squares = modelled.map(|modelled| {
-            let (power, gain) = (state.covariance.row(POWER), state.covariance.row(GAIN));
-            let variance =
-                power[POWER] - modelled * (power[GAIN] + gain[POWER]) + modelled * modelled * gain[GAIN];
-            let departure = state.mean[GAIN] * modelled - state.mean[POWER];
-            departure * departure / variance.max(S::TINY)
+        let (power, gain) = (state.mean[POWER], state.mean[GAIN]);
+        if !(power > S::ZERO && gain > S::ZERO) {
+            return None;
+        }
+        let row = state.covariance.row(POWER);
+        let of_power = (row[POWER] / power - (row[GAIN] + row[GAIN]) / gain) / power;
+        let of_ratio = (of_power + state.covariance.variance(GAIN) / gain / gain).max(S::ZERO);
+        let [lower, upper] = modelled.map(|modelled| {
+            let ratio = gain * modelled / power;
+            (ratio - S::ONE) * (ratio - S::ONE) / ratio
         });
-        match squares {
+        let [of_lower, of_upper] = spread.map(|spread| (of_ratio + spread).max(S::EPSILON));
+        match [lower / of_lower, upper / of_upper] {
             [lower, upper] if lower < near && upper > far => Some(Motion::Lower),
             [lower, upper] if upper < near && lower > far => Some(Motion::Upper),
             _ => None,

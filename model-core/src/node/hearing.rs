@@ -37,8 +37,8 @@ pub enum Hearing {
     Line,
     /// A line with two steady motions: the storage decided which.
     TwoMotionsOneSeen,
-    /// A line with two steady motions of which the storage knows neither: the middle of both yields, with a bound that
-    /// covers both.
+    /// A line with two steady motions between which the storage has not decided: where they are new, the power is the middle
+    /// of both yields with a bound that covers both, and then what the storage tells. No value.
     TwoMotions,
     /// Broadband shaking of a harvester that stays linear.
     Broadband,

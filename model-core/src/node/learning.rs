@@ -10,6 +10,8 @@ use crate::scalar::Scalar;
 /// Weights of squares of relative changes, above the inverse of which shaking tells nothing of the gain: of the change since
 /// the listen before, and of the changes of all listens.
 const UNSTEADY: [f32; 2] = [4.0, 0.5];
+/// Square of the relative change up to which two motions are those of the listen before.
+const SAME: f32 = 0.04;
 
 impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize>
     Node<W, M, P, SLOTS, ACTIONS>
@@ -19,28 +21,33 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     pub(super) fn conclude(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, voltage: f32) -> Hearing {
         let elapsed = state.second.saturating_sub(state.last_listen);
         let modelled = state.listen.blocks.modelled(&self.map, voltage);
-        let Modelled { mut hearing, lower, upper } = modelled;
-        let mut found = lower;
+        let mut hearing = modelled.hearing;
+        let mut found = modelled.lower;
         match hearing {
-            Hearing::Line | Hearing::Broadband | Hearing::Rest => {}
-            // What the storage saw before the first such listen may have been another shaking.
-            Hearing::TwoMotions => match self.decided(state, [lower.value, upper.value]) {
-                Some(motion) => {
-                    hearing = Hearing::TwoMotionsOneSeen;
-                    found = if motion == Motion::Lower { lower } else { upper };
-                }
-                // Nothing new: the same doubt again makes nothing more certain.
-                None if state.was_undecided => {
+            Hearing::Line | Hearing::Broadband | Hearing::Rest => state.last_motions = [0.0; 2],
+            Hearing::TwoMotions => {
+                let before = core::mem::replace(&mut state.last_motions, values(&modelled));
+                let Some(motion) = self.decided(state, &modelled, before) else {
+                    self.doubt(state, elapsed, &modelled, before);
                     self.miss(state);
                     return hearing;
+                };
+                hearing = Hearing::TwoMotionsOneSeen;
+                let seen = if motion == Motion::Lower { before[0] } else { before[1] };
+                if motion == Motion::Upper {
+                    found = modelled.upper;
                 }
-                None => found = modelled.either(),
-            },
+                if state.last_heard <= 0.0 {
+                    // What the storage has decided is that the listen before heard this motion.
+                    (state.last_modelled, state.last_heard) = (seen, seen);
+                }
+            }
             Hearing::Damaged => {
                 self.miss(state);
                 return hearing;
             }
             _ => {
+                state.last_motions = [0.0; 2];
                 // Where the order of magnitude is known, it is a measurement, uncertain by its own size.
                 self.lose(state);
                 if found.value > 0.0 {
@@ -50,33 +57,91 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
                 return hearing;
             }
         }
-        state.was_undecided = hearing == Hearing::TwoMotions;
-        let measurement = self.measurement(state, &found, !state.was_undecided);
+        let measurement = self.measurement(state, &found);
         self.widen(state, measurement.change, found.systematic);
         self.filter.hear(&mut state.filter, elapsed, measurement);
         let gain = state.filter.gain().mean;
         let [power, deviation] = [found.value, found.noise].map(|part| gain * part);
         state.fluctuation = Scalar::max(state.listening.fluctuation() - deviation * deviation, 0.0);
         self.listening.hear(&mut state.listening, elapsed, power, deviation, self.parameters.cost.listen);
-        state.heard(measurement.lasting, if state.was_undecided { 0.0 } else { found.value });
+        state.heard(measurement.lasting, found.value);
         hearing
     }
 
-    /// Which of two motions the storage has seen since a listen found both.
-    fn decided(&self, state: &NodeState<P, SLOTS, ACTIONS>, modelled: [f32; 2]) -> Option<Motion> {
-        if !(state.was_undecided && state.store_tells()) {
+    /// Which of two motions the storage has seen since the listen before, which found both with the yields `before`, whether
+    /// it could say which or not. What it saw before the first such listen may have been another shaking.
+    fn decided(
+        &self,
+        state: &NodeState<P, SLOTS, ACTIONS>,
+        modelled: &Modelled,
+        before: [f32; 2],
+    ) -> Option<Motion> {
+        if !(state.has_told() && before[1] > 0.0) {
             return None;
         }
-        self.filter.decide(&state.filter, modelled)
+        let [lower, upper] =
+            [(modelled.lower, before[0]), (modelled.upper, before[1])].map(|(now, before)| {
+                // The storage has seen what was between both listens.
+                let noise = now.noise / now.value;
+                change_of(now.value, before) + noise * noise + now.systematic * now.systematic
+            });
+        self.filter.decide(&state.filter, values(modelled), [lower, upper])
+    }
+
+    /// Two motions were heard, and the storage does not know which one goes on.
+    ///
+    /// Of the same motions as before this is the same doubt, which makes nothing more certain: the power is then what the
+    /// storage tells. Others may yield either power.
+    fn doubt(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        elapsed: u32,
+        modelled: &Modelled,
+        before: [f32; 2],
+    ) {
+        let either = modelled.either();
+        let changes = values(modelled).into_iter().zip(before);
+        if changes.map(|(now, before)| change_of(now, before)).all(|change| change <= SAME) {
+            let power = state.filter.power().mean;
+            let change = change_of(either.value, 0.5 * (before[0] + before[1]));
+            state.filter.widen_power(power * power * change);
+            self.compare_either(state, elapsed, modelled, before);
+        } else {
+            self.widen(state, either.value - state.last_modelled, either.systematic);
+            self.filter.hear_either(&mut state.filter, elapsed, [either.value, either.noise]);
+            state.last_modelled = either.value;
+        }
+    }
+
+    /// Takes in that the gain is the power that the storage has told over one of two yields, where that says more than what is
+    /// known: the middle of both quotients, uncertain by half of their difference.
+    fn compare_either(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        elapsed: u32,
+        modelled: &Modelled,
+        before: [f32; 2],
+    ) {
+        let middle = |[lower, upper]: [f32; 2]| 2.0 * lower * upper / (lower + upper);
+        let [lower, upper] = values(modelled);
+        let (found, half) = (middle([lower, upper]), (upper - lower) / (upper + lower));
+        let (power, gain) = (state.filter.power(), state.filter.gain());
+        let deviation = half * gain.mean;
+        let [of_power, of_gain] = [half * power.mean, deviation].map(|deviation| deviation * deviation);
+        // The doubt is the same each time, and leaves the gain no less uncertain than once.
+        if !(gain.variance > of_gain && 4.0 * power.variance < of_power) {
+            return;
+        }
+        state.last_heard = middle(before);
+        let of_gain = self.part_of_gain(state, found, state.listening.fluctuation());
+        let variance = deviation * found * (deviation * found);
+        let measurement =
+            PowerMeasurement { modelled: found, lasting: found, change: 0.0, variance, of_gain };
+        self.filter.hear(&mut state.filter, elapsed, measurement);
     }
 
     /// What a listen measured, with the part of it that lasts by the differences of the listens before.
-    fn measurement(
-        &self,
-        state: &NodeState<P, SLOTS, ACTIONS>,
-        found: &Yield,
-        is_sure: bool,
-    ) -> PowerMeasurement<f32> {
+    fn measurement(&self, state: &NodeState<P, SLOTS, ACTIONS>, found: &Yield) -> PowerMeasurement<f32> {
         let gain = state.filter.gain().mean;
         let noise = gain * found.noise;
         let before = state.last_modelled;
@@ -89,7 +154,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             _ => 1.0,
         };
         let variance = Scalar::max(noise * noise, state.listening.fluctuation());
-        let of_gain = if is_sure { self.part_of_gain(state, found.value, variance) } else { 0.0 };
+        let of_gain = self.part_of_gain(state, found.value, variance);
         let change = if state.listens == 0 { 0.0 } else { part * change };
         PowerMeasurement {
             modelled: found.value,
@@ -109,7 +174,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         // The power and not what was heard: a part that grew with it would make the gain too small.
         let power = state.filter.power().mean;
         let (product, square) = (state.last_heard * found, power * power);
-        if !(product > 0.0 && square > 0.0 && state.store_tells()) {
+        if !(product > 0.0 && square > 0.0 && state.has_told()) {
             return 0.0;
         }
         let change = found - state.last_heard;
@@ -159,4 +224,14 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         // What does not last from listen to listen lasts half of the time between them at most.
         Growth { power, income: 0.5 * interval * state.fluctuation }
     }
+}
+
+/// Yields of both motions in W.
+fn values(modelled: &Modelled) -> [f32; 2] {
+    [modelled.lower.value, modelled.upper.value]
+}
+
+/// Square of a relative change; not finite or not a number without either of both.
+fn change_of(now: f32, before: f32) -> f32 {
+    (now - before) * (now - before) / (now * before)
 }

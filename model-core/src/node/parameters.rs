@@ -71,8 +71,10 @@ pub struct Spread {
     /// Of the gain of the map after a change of the yield by a factor of e, relative, 0 to 10: a map of a harvester with
     /// another resonance is off by another factor elsewhere.
     pub gain_by_place: f32,
-    /// Of the voltage at which the storage is full, relative, 0 to 0.5: how far it may be below the highest voltage of the
+    /// Of the voltage at which the storage is full, relative, 0 to 0.1: how far it may be below the highest voltage of the
     /// storage as the converter reads it. A limit, not a deviation: threshold of the protection and reference together.
+    /// Within it a storage that sinks from its highest voltage by less than a code of the converter an hour counts as full,
+    /// since the voltage at which it is full may sink so.
     pub highest_voltage: f32,
     /// Of the income before anything is known, in W, 10⁻⁹ to 10³: the largest power of such a harvester.
     pub power: f32,
@@ -163,7 +165,7 @@ static BOUNDS: [(&str, f32, f32); 16] = [
     ("spread.action", 0.0, 1.0),
     ("spread.income", 1e-3, 10.0),
     ("spread.gain_by_place", 0.0, 10.0),
-    ("spread.highest_voltage", 0.0, 0.5),
+    ("spread.highest_voltage", 0.0, 0.1),
     ("spread.power", 1e-9, 1e3),
     ("reserve", 0.0, 1e6),
 ];

@@ -15,10 +15,19 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         if state.listens == 0 && state.misses == 0 {
             return true;
         }
-        if elapsed < self.listen_interval(state) {
-            return state.listens > 0 && self.listening.is_due(&state.listening, elapsed, state.departure);
+        elapsed >= self.listen_interval(state) || self.listen_is_called_for(state, elapsed)
+    }
+
+    /// Whether the storage has departed so far that a listen is due before its time.
+    fn listen_is_called_for(&self, state: &NodeState<P, SLOTS, ACTIONS>, elapsed: u32) -> bool {
+        if state.listens > 0 {
+            return self.listening.is_surprise(&state.listening, elapsed, state.departure);
         }
-        true
+        // No listen has had a value: the income is that of the storage.
+        let parameters = &self.parameters.listening;
+        state.departure > 0.0
+            && elapsed >= parameters.shortest
+            && self.parameters.cost.listen <= parameters.share * state.usual_power() * real(elapsed)
     }
 
     /// Time from a listen to the next in s, without surprises.

@@ -1,5 +1,6 @@
 //! The state of a node, and what it tells.
 
+use super::Wake;
 use super::filter::{FilterState, StoreReading};
 use super::glance::Glances;
 use super::hearing::Blocks;
@@ -27,8 +28,10 @@ pub struct NodeState<const P: usize, const SLOTS: usize, const ACTIONS: usize> {
     pub(super) listen: Listen<P>,
     pub(super) last_listen: u32,
     pub(super) last_reading: u32,
-    /// Second of the last reading that was due and did not come.
+    /// Second of the last reading that was asked for and did not come.
     pub(super) last_missing: u32,
+    /// Second for which the last wake asked for a reading; the largest number if it did not.
+    pub(super) asked_for: u32,
     pub(super) last_run: [u32; ACTIONS],
     /// Listens with a value, listens without one since, and readings.
     pub(super) listens: u32,
@@ -39,8 +42,8 @@ pub struct NodeState<const P: usize, const SLOTS: usize, const ACTIONS: usize> {
     pub(super) last_heard: f32,
     /// Variance in W² of what changes within the time from listen to listen.
     pub(super) fluctuation: f32,
-    /// Whether the last listen found two motions, and the storage knew neither.
-    pub(super) was_undecided: bool,
+    /// Modelled powers in W of the two motions that the last listen with a line in the map found; 0 if it found one.
+    pub(super) last_motions: [f32; 2],
     /// Largest departure of a reading since the last listen, in standard deviations.
     pub(super) departure: f32,
     pub(super) reading: Option<StoreReading>,
@@ -105,6 +108,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
             last_listen: second,
             last_reading: second,
             last_missing: second,
+            asked_for: u32::MAX,
             last_run: [second; ACTIONS],
             listens: 0,
             misses: 0,
@@ -112,7 +116,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
             last_modelled: 0.0,
             last_heard: 0.0,
             fluctuation: 0.0,
-            was_undecided: false,
+            last_motions: [0.0; 2],
             departure: 0.0,
             reading: None,
             spent: 0.0,
@@ -216,6 +220,11 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         &self.budget
     }
 
+    /// Whether the storage has told the power since the last listen: it tells, and was read.
+    pub(super) fn has_told(&self) -> bool {
+        self.store_tells() && self.last_reading > self.last_listen
+    }
+
     /// The power in W by which shares of the income are counted: the mean, or the present one if it is larger.
     pub(super) fn usual_power(&self) -> f32 {
         Scalar::max(self.budget.mean_power(), self.filter.power().mean)
@@ -227,15 +236,22 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         self.last_reading.max(self.last_missing)
     }
 
+    /// Keeps whether a wake asks for a reading, and for when.
+    pub(super) fn ask(&mut self, wake: Wake) -> Wake {
+        self.asked_for = if wake.read { self.second.saturating_add(wake.again_in) } else { u32::MAX };
+        wake
+    }
+
     /// Begins a listen.
     pub(super) fn begin(&mut self, bank: LineBankState<P>, samples: u32, start_up: u32) {
         let blocks = Blocks::default();
         self.listen = Listen { bank, blocks, start_up, missing: samples, started: self.second };
     }
 
-    /// Gives up a listen under way.
+    /// Gives up a listen under way, and a reading that was asked for.
     pub(super) fn abandon(&mut self) {
         self.listen.missing = 0;
+        self.asked_for = u32::MAX;
     }
 
     /// A listen gave a value.
@@ -281,13 +297,13 @@ snapshot_fields!(impl [const P: usize] Listen<P> { bank, blocks, start_up, missi
 });
 
 snapshot_fields!(impl [const P: usize, const SLOTS: usize, const ACTIONS: usize] NodeState<P, SLOTS, ACTIONS> {
-    second, settled, glances, filter, listening, budget, listen, last_listen, last_reading, last_missing, last_run, listens, misses, readings,
-    last_modelled, last_heard, fluctuation, was_undecided, departure, reading, spent, knowing, booked, started, hour_start, hour, silent, silent_before,
+    second, settled, glances, filter, listening, budget, listen, last_listen, last_reading, last_missing, asked_for, last_run, listens, misses, readings,
+    last_modelled, last_heard, fluctuation, last_motions, departure, reading, spent, knowing, booked, started, hour_start, hour, silent, silent_before,
 } if |state| {
     let before = [state.last_listen, state.last_reading, state.last_missing, state.listen.started, state.hour_start];
     state.started <= state.hour_start
         && before.iter().chain(&state.last_run).all(|&second| second <= state.second)
-        && [state.last_modelled, state.last_heard, state.fluctuation, state.departure, state.spent].iter().all(|&number| number >= 0.0)
+        && [state.last_modelled, state.last_heard, state.fluctuation, state.departure, state.spent].iter().chain(&state.last_motions).all(|&number| number >= 0.0)
 });
 
 snapshot_variants!(StoreReading { Used, Jump, Silent, Refused });

@@ -204,6 +204,88 @@ fn a_full_storage_says_nothing_about_the_income() {
     assert!((state.all().mean - power * 3000.0).abs() < 1e-9);
 }
 
+#[test]
+fn of_two_new_motions_the_power_covers_both_whatever_was_known() {
+    for (before, of_before) in [(4e-6, 1e-7), (10e-6, 1e-7), (16e-6, 1e-7), (40e-6, 1e-6), (0.0, 1e-9)] {
+        for gain_variance in [0.0, 0.01, 0.25] {
+            let filter = Filter { gain_variance, ..filter(1e-3) };
+            let mut state = filter.start();
+            filter.hear(&mut state, 0, PowerMeasurement { of_gain: 0.0, ..steady(before, of_before) });
+            filter.predict(&mut state, 600, true, 0.0, only(1e-20));
+            let gain = state.gain();
+            filter.hear_either(&mut state, 600, [16e-6, 8e-6]);
+            let power = state.power();
+            for possible in [8e-6, 24e-6] {
+                let departure = (power.mean - possible).abs();
+                assert!(departure <= 2.5 * power.deviation(), "{before} W: {power:?} {possible} W");
+            }
+            assert!(power.deviation() < 30e-6, "{power:?}");
+            assert_eq!(state.gain().mean, gain.mean);
+            assert!((state.gain().variance - gain.variance).abs() <= 1e-9 * gain.variance);
+        }
+    }
+}
+
+#[test]
+fn an_order_of_magnitude_does_not_move_the_gain() {
+    let filter = Filter { gain_variance: 0.25, ..filter(1e-3) };
+    let mut state = filter.start();
+    filter.hear(&mut state, 0, PowerMeasurement { of_gain: 0.0, ..steady(4e-6, 1e-7) });
+    let (gain, power) = (state.gain().mean, state.power().mean);
+    state.widen_power(1e-10);
+    filter.hear_about(&mut state, 20e-6);
+    assert!(state.gain().mean == gain && state.power().mean > 1.5 * power, "{:?}", state.power());
+}
+
+/// A filter at 3 V, a minute after its last reading, and what it says of these codes, one a second.
+fn after(codes: &[u32]) -> (FilterState<f64>, Vec<StoreReading>) {
+    // Of a power that is known to a microwatt: a minute is uncertain by 16 codes.
+    let filter = Filter { power: 1e-6, ..filter(1e-3) };
+    let mut state = filter.start();
+    filter.observe(&mut state, code(3.0), false);
+    filter.predict(&mut state, 59, true, 0.0, only(1e-19));
+    let read = codes.iter().map(|&code| {
+        filter.predict(&mut state, 1, true, 0.0, only(1e-19));
+        filter.observe(&mut state, code, false).0
+    });
+    let read = read.collect();
+    (state, read)
+}
+
+#[test]
+fn a_doubted_reading_is_confirmed_by_one_like_it_and_by_no_other() {
+    use StoreReading::{Jump, Refused, Used};
+    let steady = code(3.0);
+    for (codes, expected) in [
+        // Two readings that agree are a jump, in either direction and as it goes on.
+        (vec![2000, 2001], vec![Refused, Jump]),
+        (vec![3200, 3300], vec![Refused, Jump]),
+        // One at the end of the converter, or elsewhere, confirms no glitch.
+        (vec![4095, 500, steady], vec![Refused, Refused, Used]),
+        (vec![500, 4095, steady], vec![Refused, Refused, Used]),
+        (vec![500, 3800, steady], vec![Refused, Refused, Used]),
+        (vec![3800, 500, 4095, 500, steady], vec![Refused, Refused, Refused, Refused, Used]),
+        // Nothing confirms a code of 0.
+        (vec![0, 0, steady], vec![Refused, Refused, Used]),
+    ] {
+        let (state, read) = after(&codes);
+        assert_eq!(read, expected, "{codes:?}");
+        assert!(state.is_located() && !state.is_doubted(), "{codes:?}");
+    }
+}
+
+#[test]
+fn two_readings_at_the_end_of_the_converter_say_that_the_storage_may_be_full() {
+    let (state, read) = after(&[4095, 4095]);
+    assert_eq!(read, [StoreReading::Refused; 2]);
+    assert!(!state.is_located() && state.was_full());
+    // At the start there is nothing to doubt it by.
+    let filter = filter(1e-3);
+    let mut state = filter.start();
+    assert_eq!(filter.observe(&mut state, 4095, false).0, StoreReading::Refused);
+    assert!(!state.is_located() && state.was_full() && !state.is_doubted());
+}
+
 /// A random walk of the power; gives squares of errors in deviations, and shares within two, of each hour.
 fn hours(capacitance: f64, listen_every: u32, cases: u64) -> (f64, f64, f64) {
     let (mut squares, mut inside, mut count, mut relative) = (0.0, 0.0, 0.0, 0.0);

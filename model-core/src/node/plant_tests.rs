@@ -1,0 +1,363 @@
+//! A node on a plant of a steady income: two motions, listens without a value, readings that fall due during a listen.
+
+use super::{
+    Hearing, IncomeOfTime, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread,
+    Task, Wake,
+};
+use crate::energy::response_map::{BOUNDS, LOWER, MAGIC, TAIL, UPPER, VERSION, seal};
+use crate::energy::{
+    Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
+    ResponseMap, StorageParameters,
+};
+use crate::excitation::LineBank;
+
+const FINGERPRINT: u32 = 0x1234_5678;
+const COLUMNS: usize = 9;
+const ROWS: usize = 4;
+const RATE: f32 = 100.0;
+const RESONANCE: f32 = 20.0;
+const UNIT: f64 = 9.806_65 / 1024.0;
+const CELL: f64 = 5.0 / 4096.0;
+/// Amplitudes in m/s² with one motion and with two, by the boundaries of the map.
+const LINE: f64 = 0.8;
+const BETWEEN: f64 = 1.5;
+const HOURS: u32 = 3600;
+
+/// A map of the same yields in W at all places, of the smaller motion below 2 m/s² and of the larger one above 1 m/s², each
+/// within 0.2 %.
+fn map(yields: [f64; 2]) -> Vec<u16> {
+    let mut words = vec![
+        MAGIC,
+        VERSION,
+        0,
+        FINGERPRINT as u16,
+        (FINGERPRINT >> 16) as u16,
+        LOWER | UPPER,
+        3 | (ROWS as u16) << 8,
+        1,
+        // 20 Hz, and a half-bandwidth of 0.1 Hz.
+        (20 << 15 & 0xffff) as u16,
+        (20 << 15 >> 16) as u16,
+        15,
+        (f64::from(1 << 24) / (0.1 * f64::from(1 << 15))).round() as u16,
+        // Columns from −8 to 8 half-bandwidths, rows from 1/4 to 8 m/s².
+        (-8 * 1024_i16).cast_unsigned(),
+        2 * 8 * 1024,
+        1 << 13,
+        14,
+        1 << 8 | 10,
+        1 << 8 | 10,
+        14 * 2048,
+        19 * 2048,
+        40,
+        (-20_i16).cast_unsigned(),
+        300,
+        123,
+        456,
+        9700,
+        (20 * 2048) as u16,
+        (24 * 2048) as u16,
+        0,
+    ];
+    for boundary in [17 * 2048, 16 * 2048] {
+        words.extend([boundary; COLUMNS]);
+    }
+    for power in yields {
+        let level = ((power.log2() + 20.0) * 2048.0).round() as u16;
+        words.extend([level; COLUMNS * ROWS]);
+        words.extend([6 << 8 | 6; BOUNDS]);
+    }
+    words.extend([0; TAIL]);
+    seal(&mut words);
+    words
+}
+
+type OneNode<'a> = Node<&'a [u16], 20, 32, 24, 1>;
+
+/// What a run is of.
+#[derive(Clone, Copy)]
+struct Case {
+    /// Yields of both motions by the map, and the true power, in W: that of the load too, so that the storage stays.
+    yields: [f64; 2],
+    power: f64,
+    gain_deviation: f32,
+    /// Blocks of 6.4 s in a listen, and shortest time between readings in s.
+    blocks: u32,
+    shortest_reading: u32,
+    /// Doublings from the shortest time between listens, a minute.
+    doublings: u32,
+}
+
+const CASE: Case = Case {
+    yields: [8e-6, 24e-6],
+    power: 8e-6,
+    gain_deviation: 0.1,
+    blocks: 1,
+    shortest_reading: 60,
+    doublings: 8,
+};
+
+impl Case {
+    fn node<'a>(&self, words: &'a [u16]) -> OneNode<'a> {
+        let map = ResponseMap::new(words, FINGERPRINT).expect("a map");
+        let bank = LineBank::new(RATE, RESONANCE, 0.1, UNIT as f32).expect("fits");
+        let parameters = NodeParameters {
+            budget: BudgetParameters {
+                storage: StorageParameters {
+                    capacitor: Capacitor { capacitance: 10e-3, leakage_resistance: f32::INFINITY },
+                    charging_efficiency: 1.0,
+                    discharging_efficiency: 1.0,
+                    highest_voltage: 4.5,
+                    lock_out_voltage: 1.8,
+                    turn_on_voltage: 2.2,
+                },
+                income: IncomeParameters { time_constant: 14_400.0, day_weight: 0.5 },
+                standing_power: self.power as f32,
+            },
+            converter: CorrectionParameters {
+                bits: 12,
+                full_scale: 5.0,
+                noise: 0.6e-3,
+                gain_deviation: self.gain_deviation,
+                gain_drift: 0.02,
+            },
+            listening: ListeningParameters {
+                share: 8e-3,
+                error: 1e-3,
+                horizon: 3600.0,
+                shortest: 60,
+                doublings: self.doublings,
+            },
+            sensor: Sensor { rate: RATE, start_up: 4, blocks: self.blocks, clipped: 2040 },
+            cost: KnowingCost {
+                listen: 5e-6,
+                reading: 0.3e-6,
+                reading_share: 2e-3,
+                shortest_reading: self.shortest_reading,
+                reading_doublings: 6,
+            },
+            spread: Spread {
+                standing: 0.02,
+                action: 0.1,
+                income: 0.3,
+                gain_by_place: 0.1,
+                highest_voltage: 0.03,
+                power: 1e-4,
+            },
+            reserve: 1e-4,
+            actions: [Regular { action: Action::new("none", 1.0, 0.1).expect("valid"), every: 1800 }],
+        };
+        Node::new(map, bank, parameters).expect("valid")
+    }
+}
+
+/// A node with its plant, from 3 V on.
+struct Plant<'a> {
+    node: OneNode<'a>,
+    state: NodeState<32, 24, 1>,
+    wake: Wake,
+    power: f64,
+    energy: f64,
+    second: u32,
+    samples: u32,
+    /// What was heard, and when the voltage was read.
+    heard: Vec<Hearing>,
+    read: Vec<u32>,
+    hours: Vec<IncomeOfTime>,
+}
+
+impl<'a> Plant<'a> {
+    fn new(case: &Case, words: &'a [u16]) -> Self {
+        let node = case.node(words);
+        let mut state = node.start(0);
+        let energy = 0.5 * 10e-3 * 9.0_f64;
+        let wake = node.wake(&mut state, 0, Some(code(energy, 0)));
+        let (heard, read, hours) = (vec![], vec![0], vec![]);
+        Self { node, state, wake, power: case.power, energy, second: 0, samples: 0, heard, read, hours }
+    }
+
+    fn pass(&mut self, seconds: u32) {
+        let standing = f64::from(self.node.parameters().budget.standing_power);
+        self.energy += (self.power - standing) * f64::from(seconds);
+        self.second += seconds;
+    }
+
+    /// Runs for some seconds in a vibration of an acceleration in m/s² by the number of the sample; calls `each` after each
+    /// wake.
+    fn run(
+        &mut self,
+        seconds: u32,
+        acceleration: impl Fn(f64) -> f64,
+        mut each: impl FnMut(&NodeState<32, 24, 1>),
+    ) {
+        let end = self.second + seconds;
+        while self.second < end {
+            let mut read = None;
+            match self.wake.task {
+                Task::Run(_) => panic!("1 J is more than the storage holds"),
+                Task::Sleep => {
+                    self.pass(self.wake.again_in);
+                    if self.wake.read {
+                        self.energy -= f64::from(self.node.parameters().cost.reading);
+                        self.read.push(self.second);
+                        read = Some(code(self.energy, self.second));
+                    }
+                }
+                Task::Listen { samples } => {
+                    let of = |n: u32| (acceleration(f64::from(n)) / UNIT + dither(n)).round() as i16;
+                    let counts: Vec<i16> = (self.samples..).take(samples as usize).map(of).collect();
+                    self.samples += samples;
+                    self.energy -= f64::from(self.node.parameters().cost.listen);
+                    self.pass(samples.div_ceil(RATE as u32));
+                    let Progress::Heard(heard) = self.node.samples(&mut self.state, &counts) else {
+                        panic!("all samples");
+                    };
+                    self.heard.push(heard);
+                }
+            }
+            let hour = self.state.last_hour();
+            self.wake = self.node.wake(&mut self.state, self.second, read);
+            if self.state.last_hour() != hour {
+                self.hours.extend(self.state.last_hour());
+            }
+            each(&self.state);
+        }
+    }
+
+    fn assert_hours(&self) {
+        assert!(!self.hours.is_empty());
+        for hour in &self.hours {
+            let truth = self.power * f64::from(hour.seconds);
+            assert!((f64::from(hour.energy) - truth).abs() <= f64::from(hour.bound), "{hour:?} {truth}");
+        }
+    }
+}
+
+/// A third of a count, even.
+fn dither(n: u32) -> f64 {
+    (f64::from(n * 7919 % 13) - 6.0) / 18.0
+}
+
+fn code(energy: f64, second: u32) -> u32 {
+    ((200.0 * energy).sqrt() / CELL + dither(second)).round() as u32
+}
+
+fn line(amplitude: f64) -> impl Fn(f64) -> f64 {
+    move |n| amplitude * (std::f64::consts::TAU * f64::from(RESONANCE) * n / f64::from(RATE)).sin()
+}
+
+/// Two strong lines, which no map knows.
+fn beat(n: f64) -> f64 {
+    line(3.0)(n) + 2.7 * (std::f64::consts::TAU * 20.6 * n / f64::from(RATE)).sin()
+}
+
+fn assert_power(state: &NodeState<32, 24, 1>, truth: f64) {
+    let [power, bound] = state.power().map(f64::from);
+    assert!((power - truth).abs() <= bound, "{power} ± {bound} W, {truth} W at {}", state.second());
+}
+
+#[test]
+fn the_storage_decides_between_two_motions_again_and_again() {
+    for power in [8e-6, 24e-6] {
+        for gain in [0.9, 1.0, 1.15] {
+            let case = Case { power: gain * power, doublings: 4, ..CASE };
+            let words = map(case.yields);
+            let mut plant = Plant::new(&case, &words);
+            plant.run(24 * HOURS, line(BETWEEN), |state| assert_power(state, case.power));
+            let (first, others) = plant.heard.split_first().expect("listens");
+            assert_eq!(*first, Hearing::TwoMotions, "nothing was seen before");
+            let seen = others.iter().filter(|&&heard| heard == Hearing::TwoMotionsOneSeen).count();
+            assert!(others.len() > 20 && 20 * seen >= 19 * others.len(), "{seen} of {}", others.len());
+            let share = plant.state.share_spent_on_knowing();
+            assert!(share < 3e-3, "{share}");
+            let [learnt, bound] = plant.state.gain();
+            assert!((learnt - gain as f32).abs() <= bound && bound < 0.1, "{learnt} ± {bound}, {gain}");
+            plant.assert_hours();
+        }
+    }
+}
+
+#[test]
+fn a_gain_that_leaves_two_motions_possible_covers_both_and_costs_few_listens() {
+    for (ratio, gain_deviation) in [(2.0, 0.5), (2.0, 1.0), (3.0, 0.5), (3.0, 1.0)] {
+        let case = Case { yields: [8e-6, ratio * 8e-6], gain_deviation, ..CASE };
+        let words = map(case.yields);
+        let mut plant = Plant::new(&case, &words);
+        plant.run(24 * HOURS, line(BETWEEN), |state| assert_power(state, case.power));
+        plant.assert_hours();
+        assert!(plant.heard.iter().all(|&heard| heard == Hearing::TwoMotions), "{:?}", plant.heard);
+        // Eight doublings, and then each four hours.
+        assert!(plant.heard.len() <= 8 + 6, "{}", plant.heard.len());
+        let [gain, bound] = plant.state.gain().map(f64::from);
+        for possible in [1.0, 1.0 / ratio] {
+            assert!((gain - possible).abs() <= bound, "{gain} ± {bound}, {possible}");
+        }
+        assert!(bound < 0.8 * 2.5 * f64::from(gain_deviation), "{gain} ± {bound}");
+    }
+}
+
+#[test]
+fn two_motions_that_are_far_apart_tell_an_uncertain_gain() {
+    for (power, gain) in [(8e-6, 0.7), (160e-6, 0.7), (8e-6, 1.4)] {
+        let case = Case { yields: [8e-6, 160e-6], power: gain * power, gain_deviation: 0.5, ..CASE };
+        let words = map(case.yields);
+        let mut plant = Plant::new(&case, &words);
+        plant.run(24 * HOURS, line(BETWEEN), |state| assert_power(state, case.power));
+        let [learnt, bound] = plant.state.gain();
+        assert!((learnt - gain as f32).abs() <= bound && bound < 0.2, "{learnt} ± {bound}, {gain}");
+    }
+}
+
+#[test]
+fn listens_without_a_value_become_rare_after_one_with_a_value_too() {
+    let words = map(CASE.yields);
+    let mut plant = Plant::new(&CASE, &words);
+    plant.run(2 * HOURS, line(LINE), |_| {});
+    assert!(plant.heard.iter().all(|&heard| heard == Hearing::Line), "{:?}", plant.heard);
+    plant.run(24 * HOURS, beat, |_| {});
+    let before = plant.heard.len();
+    plant.run(24 * HOURS, beat, |_| {});
+    let heard = &plant.heard[before..];
+    let has_no_value = |heard: &Hearing| matches!(heard, Hearing::Unclear | Hearing::BroadbandBeyond);
+    assert!(heard.iter().all(has_no_value), "{heard:?}");
+    // Of 15 360 s.
+    assert!((4..=7).contains(&heard.len()), "{}", heard.len());
+    assert!(plant.state.share_spent_on_knowing() < 5e-3, "{}", plant.state.share_spent_on_knowing());
+}
+
+#[test]
+fn a_reading_that_falls_due_during_a_listen_is_made_after_it() {
+    // Listens take 52 s.
+    let case = Case { blocks: 8, shortest_reading: 30, ..CASE };
+    let words = map(case.yields);
+    let mut plant = Plant::new(&case, &words);
+    plant.run(2 * HOURS, line(LINE), |_| {});
+    assert!(plant.heard.len() > 5, "{}", plant.heard.len());
+    let longest = plant.read.windows(2).map(|pair| pair[1] - pair[0]).max();
+    assert!(longest.is_some_and(|longest| longest <= 60), "{longest:?}");
+    // Nothing is booked that was not spent.
+    let cost = plant.node.parameters().cost;
+    let spent = cost.reading * plant.read.len() as f32 + cost.listen * plant.heard.len() as f32;
+    assert!((plant.state.spent_on_knowing() / spent - 1.0).abs() < 1e-4, "{spent}");
+}
+
+#[test]
+fn a_wake_that_was_not_asked_to_read_misses_no_reading() {
+    let words = map(CASE.yields);
+    let mut plant = Plant::new(&CASE, &words);
+    plant.run(HOURS, line(LINE), |_| {});
+    while plant.wake.task != Task::Sleep {
+        plant.run(1, line(LINE), |_| {});
+    }
+    // An interrupt, before the reading that was asked for.
+    assert!(plant.wake.read && plant.wake.again_in > 10, "{:?}", plant.wake);
+    let spent = plant.state.spent_on_knowing();
+    plant.pass(5);
+    let again = plant.node.wake(&mut plant.state, plant.second, None);
+    assert_eq!((again.again_in, again.read), (plant.wake.again_in - 5, true));
+    assert_eq!(plant.state.spent_on_knowing(), spent);
+    // The converter does not answer.
+    plant.pass(again.again_in);
+    let missed = plant.node.wake(&mut plant.state, plant.second, None);
+    assert!(plant.state.spent_on_knowing() > spent && missed.again_in > 1, "{missed:?}");
+}
