@@ -17,7 +17,7 @@
 //! # What is known, and by what
 //!
 //! * The storage's voltage is the first instrument: a reading corrects the income since the last one. Below some size of
-//!   the storage it is the only one that is needed, and the node listens at its longest interval.
+//!   the storage it is the only one that is needed, and the node wakes for a listen at the longest interval only.
 //! * A listen gives the power by the map. The ratio of the true to the modelled power, the gain, is learnt where a listen
 //!   finds the shaking of the listen before, and the storage has told its power in between.
 //! * Between readings and listens the power is held, and its uncertainty grows as the listens have shown it to change.
@@ -311,8 +311,10 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         state.listen.blocks.is_damaged = true;
     }
 
-    /// The sensor starts anew: samples were lost if a listen has begun and is not complete.
+    /// The sensor starts anew: samples were lost if a listen has begun and is not complete. A reading that was asked for was not
+    /// attempted.
     fn interrupt(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
+        state.asked_for = u32::MAX;
         if state.listen.missing == self.samples {
             // The sensor starts up again.
             state.listen.start_up = self.parameters.sensor.start_up;

@@ -26,21 +26,11 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         match hearing {
             Hearing::Line | Hearing::Broadband | Hearing::Rest => state.last_motions = [0.0; 2],
             Hearing::TwoMotions => {
-                let before = core::mem::replace(&mut state.last_motions, values(&modelled));
-                let Some(motion) = self.decided(state, &modelled, before) else {
-                    self.doubt(state, elapsed, &modelled, before);
+                let Some(seen) = self.seen(state, elapsed, &modelled) else {
                     self.miss(state);
                     return hearing;
                 };
-                hearing = Hearing::TwoMotionsOneSeen;
-                let seen = if motion == Motion::Lower { before[0] } else { before[1] };
-                if motion == Motion::Upper {
-                    found = modelled.upper;
-                }
-                if state.last_heard <= 0.0 {
-                    // What the storage has decided is that the listen before heard this motion.
-                    (state.last_modelled, state.last_heard) = (seen, seen);
-                }
+                (hearing, found) = (Hearing::TwoMotionsOneSeen, seen);
             }
             Hearing::Damaged => {
                 self.miss(state);
@@ -66,6 +56,29 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         self.listening.hear(&mut state.listening, elapsed, power, deviation, self.parameters.cost.listen);
         state.heard(measurement.lasting, found.value);
         hearing
+    }
+
+    /// The yield of the one of two motions that goes on, if the storage has seen which; else what the doubt means.
+    fn seen(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        elapsed: u32,
+        modelled: &Modelled,
+    ) -> Option<Yield> {
+        let before = core::mem::replace(&mut state.last_motions, values(modelled));
+        let Some(motion) = self.decided(state, modelled, before) else {
+            self.doubt(state, elapsed, modelled, before);
+            return None;
+        };
+        let (found, before) = match motion {
+            Motion::Lower => (modelled.lower, before[0]),
+            Motion::Upper => (modelled.upper, before[1]),
+        };
+        if state.last_heard <= 0.0 {
+            // The listen before heard this motion too.
+            (state.last_modelled, state.last_heard) = (before, before);
+        }
+        Some(found)
     }
 
     /// Which of two motions the storage has seen since the listen before, which found both with the yields `before`, whether
@@ -129,7 +142,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let deviation = half * gain.mean;
         let [of_power, of_gain] = [half * power.mean, deviation].map(|deviation| deviation * deviation);
         // The doubt is the same each time, and leaves the gain no less uncertain than once.
-        if !(gain.variance > of_gain && 4.0 * power.variance < of_power) {
+        let is_told = state.has_told() && 4.0 * power.variance < of_power;
+        if !(is_told && gain.variance > of_gain) {
             return;
         }
         state.last_heard = middle(before);

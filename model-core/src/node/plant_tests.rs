@@ -160,6 +160,8 @@ struct Plant<'a> {
     energy: f64,
     second: u32,
     samples: u32,
+    /// Whether the converter answers.
+    answers: bool,
     /// What was heard, and when the voltage was read.
     heard: Vec<Hearing>,
     read: Vec<u32>,
@@ -173,7 +175,19 @@ impl<'a> Plant<'a> {
         let energy = 0.5 * 10e-3 * 9.0_f64;
         let wake = node.wake(&mut state, 0, Some(code(energy, 0)));
         let (heard, read, hours) = (vec![], vec![0], vec![]);
-        Self { node, state, wake, power: case.power, energy, second: 0, samples: 0, heard, read, hours }
+        Self {
+            node,
+            state,
+            wake,
+            power: case.power,
+            energy,
+            second: 0,
+            samples: 0,
+            answers: true,
+            heard,
+            read,
+            hours,
+        }
     }
 
     fn pass(&mut self, seconds: u32) {
@@ -200,7 +214,7 @@ impl<'a> Plant<'a> {
                     if self.wake.read {
                         self.energy -= f64::from(self.node.parameters().cost.reading);
                         self.read.push(self.second);
-                        read = Some(code(self.energy, self.second));
+                        read = self.answers.then(|| code(self.energy, self.second));
                     }
                 }
                 Task::Listen { samples } => {
@@ -323,6 +337,25 @@ fn listens_without_a_value_become_rare_after_one_with_a_value_too() {
     // Of 15 360 s.
     assert!((4..=7).contains(&heard.len()), "{}", heard.len());
     assert!(plant.state.share_spent_on_knowing() < 5e-3, "{}", plant.state.share_spent_on_knowing());
+}
+
+#[test]
+fn a_storage_that_is_not_read_tells_nothing_of_the_gain() {
+    let case = Case { power: 1.2 * 8e-6, ..CASE };
+    let words = map(case.yields);
+    let mut plant = Plant::new(&case, &words);
+    plant.run(200, line(LINE), |_| {});
+    plant.answers = false;
+    // The readings so far are in the next listen.
+    let heard = plant.heard.len();
+    while plant.heard.len() == heard {
+        plant.run(1, line(LINE), |_| {});
+    }
+    let [gain, _] = plant.state.gain();
+    assert!(gain > 1.0 && gain < 1.2, "{gain}");
+    plant.run(20 * HOURS, line(LINE), |_| {});
+    assert!(plant.state.store_tells() && plant.heard.len() > heard + 3, "{:?}", plant.heard);
+    assert_eq!(plant.state.gain()[0], gain);
 }
 
 #[test]

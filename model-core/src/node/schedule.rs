@@ -15,11 +15,24 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         if state.listens == 0 && state.misses == 0 {
             return true;
         }
-        elapsed >= self.listen_interval(state) || self.listen_is_called_for(state, elapsed)
+        if elapsed >= self.listen_interval(state) {
+            return true;
+        }
+        if state.listens > 0 && elapsed >= self.after_misses(state) {
+            // Where the storage knows the power, a wake for another reason is one to learn the gain.
+            return self.listening.is_due(&state.listening, elapsed, state.departure);
+        }
+        self.is_called_for(state, elapsed)
+    }
+
+    /// Least time in s from a listen to the next after listens without a value.
+    fn after_misses(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> u32 {
+        let parameters = &self.parameters.listening;
+        parameters.shortest << state.misses.min(parameters.doublings)
     }
 
     /// Whether the storage has departed so far that a listen is due before its time.
-    fn listen_is_called_for(&self, state: &NodeState<P, SLOTS, ACTIONS>, elapsed: u32) -> bool {
+    fn is_called_for(&self, state: &NodeState<P, SLOTS, ACTIONS>, elapsed: u32) -> bool {
         if state.listens > 0 {
             return self.listening.is_surprise(&state.listening, elapsed, state.departure);
         }
@@ -30,11 +43,11 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             && self.parameters.cost.listen <= parameters.share * state.usual_power() * real(elapsed)
     }
 
-    /// Time from a listen to the next in s, without surprises.
+    /// Time in s from a listen to the next, without surprises, for which the node wakes.
     pub(super) fn listen_interval(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> u32 {
         let parameters = &self.parameters.listening;
         let longest = parameters.shortest << parameters.doublings;
-        let after_misses = parameters.shortest << state.misses.min(parameters.doublings);
+        let after_misses = self.after_misses(state);
         let power = state.filter.power();
         if state.listens > 0
             && power.variance <= (parameters.error * power.mean) * (parameters.error * power.mean)

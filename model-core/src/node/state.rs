@@ -42,7 +42,7 @@ pub struct NodeState<const P: usize, const SLOTS: usize, const ACTIONS: usize> {
     pub(super) last_heard: f32,
     /// Variance in W² of what changes within the time from listen to listen.
     pub(super) fluctuation: f32,
-    /// Modelled powers in W of the two motions that the last listen with a line in the map found; 0 if it found one.
+    /// Modelled powers in W of the two motions that the last whole listen found, 0 if it found other shaking.
     pub(super) last_motions: [f32; 2],
     /// Largest departure of a reading since the last listen, in standard deviations.
     pub(super) departure: f32,
