@@ -19,6 +19,7 @@ mod tone_meter;
 mod tones;
 
 use crate::any::forward;
+use crate::bounds::ParameterError;
 use crate::clock::Instant;
 use crate::oscillator::{Kernel, Response};
 use crate::scalar::Scalar;
@@ -161,17 +162,25 @@ pub enum ExcitationError {
     },
     /// A random acceleration has no line, or more than its capacity.
     Lines,
-    /// The rate of a bank of lines is not from 1 to 10⁵ Hz.
-    Rate,
-    /// The resonance of a bank of lines is below two section rates or above 0.45 of the rate, or its half-bandwidth is not
-    /// above 0 and within the bins.
-    Resonance,
-    /// A section of a bank of lines is not of 16 to 128 samples.
-    Section,
-    /// A block of a bank of lines is shorter than the memory of the harvester, 1/(2π · half-bandwidth).
-    Block,
-    /// The unit of a count is not above 0 or not finite.
-    Unit,
+    /// A number of a bank of lines is outside its bounds: `M`, the most samples of a section; `unit`; `rate`; `frequency`, two
+    /// section rates to 0.45 of the rate; or `half_bandwidth`.
+    Bank(ParameterError<f32>),
+    /// The bins of a bank of lines do not cover the resonance with its half-bandwidth: its sections are too long.
+    Band {
+        /// Rate of the sections in Hz.
+        section_rate: f32,
+        /// Half-bandwidth of the resonance in Hz.
+        half_bandwidth: f32,
+        /// Half-bandwidth in Hz below which these sections cover this resonance.
+        limit: f32,
+    },
+    /// A block of a bank of lines is shorter than the memory of the harvester.
+    Block {
+        /// Length of a block in s.
+        seconds: f32,
+        /// Least length in s: 1/(2π · half-bandwidth).
+        least: f32,
+    },
     /// The length of a shock, a burst or a sweep is out of bounds.
     Duration,
     /// The start of a shock or a burst is out of bounds.
@@ -199,18 +208,17 @@ impl core::fmt::Display for ExcitationError {
                  1e-12 to 1e8 (m/s²)²/Hz"
             ),
             Self::Lines => write!(f, "lines must be at least 1 and at most the capacity"),
-            Self::Rate => write!(f, "rate of a bank of lines must be from 1 to 1e5 Hz"),
-            Self::Resonance => write!(
+            Self::Bank(error) => write!(f, "bank of lines: {error}"),
+            Self::Band { section_rate, half_bandwidth, limit } => write!(
                 f,
-                "resonance of a bank of lines must be from two section rates to 0.45 of the rate, and its half-bandwidth \
-                 above 0 and within the bins"
+                "bank of lines: half-bandwidth {half_bandwidth:?} Hz must be below {limit:?} Hz with sections at {section_rate:?} \
+                 Hz: fewer samples in a section, or a higher rate"
             ),
-            Self::Section => write!(f, "section of a bank of lines must be of 16 to 128 samples"),
-            Self::Block => write!(
+            Self::Block { seconds, least } => write!(
                 f,
-                "block of a bank of lines must be at least 1/(2 pi half-bandwidth) long: more samples or more sections"
+                "bank of lines: a block of {seconds:?} s must be at least {least:?} s, 1/(2 pi half-bandwidth): more samples in a \
+                 section, or more sections"
             ),
-            Self::Unit => write!(f, "unit of a count must be above 0 and finite"),
             Self::Duration => {
                 write!(
                     f,

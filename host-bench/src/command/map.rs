@@ -215,7 +215,14 @@ fn command(arguments: &MapArguments) -> String {
         }
     }
     for change in &scene.overrides {
-        text += &format!(" --set {}={}", change.key(), change.value());
+        let value = change.value().to_string();
+        // A shell takes braces and quotes for its own.
+        let quote = match value.contains(['{', '[', '\'', ' ']) {
+            true if value.contains('"') => "'",
+            true => "\"",
+            false => "",
+        };
+        text += &format!(" --set {quote}{}={value}{quote}", change.key());
     }
     text
 }

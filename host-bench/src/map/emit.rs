@@ -27,12 +27,17 @@ pub fn module(map: &Map, scene: &str, command: &str) -> String {
          //! hold at {:.1} %.\n\n\
          /// Fingerprint of the harvester.\n\
          pub const FINGERPRINT: u32 = {:#010x};\n\n\
+         /// Resonance of the harvester and its half-bandwidth in Hz: arguments of `excitation::LineBank::new`.\n\
+         pub const RESONANCE_HZ: f32 = {:?};\n\
+         pub const HALF_BANDWIDTH_HZ: f32 = {:?};\n\n\
          /// The map: `ResponseMap::new(&MAP[..], FINGERPRINT)`.\n\
          pub static MAP: [u16; {}] = [\n",
         100.0 * median,
         100.0 * percentile_90,
         100.0 * bounds_hold,
         image.fingerprint,
+        axes.centre_hz as f32,
+        axes.half_bandwidth_hz as f32,
         image.words.len(),
     );
     for line in image.words.chunks(PER_LINE) {

@@ -24,6 +24,7 @@
 mod tests;
 
 use super::ExcitationError;
+use crate::bounds::Bounds;
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
 
@@ -33,7 +34,8 @@ const REFERENCE: f32 = 256.0;
 const ROTATION: f32 = 2048.0;
 /// Bits that a normalised section has at most.
 const SECTION_BITS: u32 = 13;
-/// Most samples in a section.
+/// Fewest samples that a section may have, and most.
+const LEAST_SAMPLES: usize = 16;
 const MOST_SAMPLES: usize = 128;
 /// Most sections in a block.
 const MOST_SECTIONS: usize = 32;
@@ -109,25 +111,22 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     /// in Hz.
     ///
     /// # Errors
-    /// [`ExcitationError::Section`], [`ExcitationError::Unit`], [`ExcitationError::Rate`], [`ExcitationError::Resonance`],
-    /// [`ExcitationError::Block`].
+    /// [`ExcitationError::Bank`], [`ExcitationError::Band`], [`ExcitationError::Block`].
     #[cold]
     #[inline(never)]
     pub fn new(rate: f32, frequency: f32, half_bandwidth: f32, unit: f32) -> Result<Self, ExcitationError> {
         const { assert!(P.is_power_of_two() && P >= 8 && P <= MOST_SECTIONS, "8, 16 or 32 sections") };
-        if !(16..=MOST_SAMPLES).contains(&M) {
-            return Err(ExcitationError::Section);
+        let half_rate = 0.45 * rate;
+        for (field, value, lowest, highest) in [
+            ("M", real(M), real(LEAST_SAMPLES), real(MOST_SAMPLES)),
+            ("unit", unit, f32::MIN_POSITIVE, f32::MAX),
+            ("rate", rate, 1.0, 1e5),
+            ("frequency", frequency, 2.0 * rate / real(M), half_rate),
+            ("half_bandwidth", half_bandwidth, f32::MIN_POSITIVE, half_rate),
+        ] {
+            Bounds { lowest, highest }.check(field, value).map_err(ExcitationError::Bank)?;
         }
-        if !(unit > 0.0 && unit.is_finite()) {
-            return Err(ExcitationError::Unit);
-        }
-        if !(1.0..=1e5).contains(&rate) {
-            return Err(ExcitationError::Rate);
-        }
-        if !(frequency > 0.0 && frequency <= 0.45 * rate && half_bandwidth > 0.0) {
-            return Err(ExcitationError::Resonance);
-        }
-        let (samples, cycles) = Self::section(rate, frequency).ok_or(ExcitationError::Resonance)?;
+        let (samples, cycles) = Self::section(rate, frequency);
         let section_rate = rate / real(samples);
         let reference_hz = section_rate * real(cycles);
         let bin_hz = section_rate / real(P);
@@ -135,11 +134,13 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         let high = (frequency + half_bandwidth - reference_hz) / bin_hz + 1.0;
         let reach = f32::from_i32(Self::REACH) + 1.0;
         if !(low > -reach && high < reach) {
-            return Err(ExcitationError::Resonance);
+            let off = Scalar::abs(frequency - reference_hz);
+            let limit = f32::from_i32(Self::REACH) * bin_hz - off;
+            return Err(ExcitationError::Band { section_rate, half_bandwidth, limit });
         }
-        // A block lasts 1/bin_hz.
-        if bin_hz > core::f32::consts::TAU * half_bandwidth {
-            return Err(ExcitationError::Block);
+        let (seconds, least) = (1.0 / bin_hz, 1.0 / (core::f32::consts::TAU * half_bandwidth));
+        if seconds < least {
+            return Err(ExcitationError::Block { seconds, least });
         }
         let mut bank = Self {
             reference: [[0; 2]; M],
@@ -174,19 +175,20 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         }
     }
 
-    /// The section, of at least half of `M` samples, whose reference is nearest to the resonance: samples and periods.
-    fn section(rate: f32, frequency: f32) -> Option<(usize, usize)> {
-        let mut best: Option<(f32, usize, usize)> = None;
+    /// The section, of at least half of `M` samples, whose reference is nearest to the resonance: samples and periods. At two
+    /// section rates or above there is one.
+    fn section(rate: f32, frequency: f32) -> (usize, usize) {
+        let (mut least, mut best) = (f32::INFINITY, (M, 2));
         for samples in M.div_ceil(2)..=M {
             let periods = frequency * real(samples) / rate;
             let cycles = (periods + 0.5) as usize;
             let off = (real(cycles) * rate / real(samples) - frequency).abs();
             // Of equal ones the longer, as its section needs fewer rotations.
-            if cycles >= 2 && best.is_none_or(|(least, ..)| off <= least) {
-                best = Some((off, samples, cycles));
+            if cycles >= 2 && off <= least {
+                (least, best) = (off, (samples, cycles));
             }
         }
-        best.map(|(_, samples, cycles)| (samples, cycles))
+        best
     }
 
     /// Samples in a block.

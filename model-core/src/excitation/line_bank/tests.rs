@@ -108,18 +108,57 @@ fn the_density_of_white_noise_is_its_variance_over_half_the_rate() {
 #[test]
 fn what_cannot_be_resolved_is_refused() {
     let new = |rate, frequency, half, unit| LineBank::<80, 16>::new(rate, frequency, half, unit).err();
+    let field = |error: Option<ExcitationError>| match error {
+        Some(ExcitationError::Bank(error)) => error.field,
+        other => panic!("{other:?}"),
+    };
     assert_eq!(new(400.0, 20.0, 0.1, 1e-3), None);
-    assert_eq!(new(400.0, 190.0, 0.1, 1e-3), Some(ExcitationError::Resonance));
-    assert_eq!(new(400.0, 5.0, 0.1, 1e-3), Some(ExcitationError::Resonance));
-    assert_eq!(new(0.5, 0.1, 0.1, 1e-3), Some(ExcitationError::Rate));
-    assert_eq!(new(400.0, 20.0, 0.0, 1e-3), Some(ExcitationError::Resonance));
-    assert_eq!(new(400.0, 20.0, f32::NAN, 1e-3), Some(ExcitationError::Resonance));
-    // 3.2 s are shorter than the memory of 8 s.
-    assert_eq!(new(400.0, 20.0, 0.02, 1e-3), Some(ExcitationError::Block));
-    // A band wider than the bins.
-    assert_eq!(new(400.0, 20.0, 2.0, 1e-3), Some(ExcitationError::Resonance));
-    assert_eq!(new(400.0, 20.0, 0.1, 0.0), Some(ExcitationError::Unit));
-    assert_eq!(LineBank::<8, 16>::new(400.0, 20.0, 0.1, 1e-3).err(), Some(ExcitationError::Section));
+    // Two section rates, 10 Hz, to 0.45 of the rate.
+    assert_eq!(new(400.0, 10.0, 0.1, 1e-3), None);
+    assert_eq!(new(400.0, 180.0, 0.1, 1e-3), None);
+    for frequency in [190.0, 9.9, 5.0, -20.0, f32::NAN] {
+        assert_eq!(field(new(400.0, frequency, 0.1, 1e-3)), "frequency", "{frequency}");
+    }
+    assert_eq!(field(new(0.5, 0.1, 0.1, 1e-3)), "rate");
+    for half_bandwidth in [0.0, -0.1, f32::NAN, f32::INFINITY] {
+        assert_eq!(field(new(400.0, 20.0, half_bandwidth, 1e-3)), "half_bandwidth", "{half_bandwidth}");
+    }
+    for unit in [0.0, -1e-3, f32::NAN, f32::INFINITY] {
+        assert_eq!(field(new(400.0, 20.0, 0.1, unit)), "unit", "{unit}");
+    }
+    for error in [
+        LineBank::<8, 16>::new(400.0, 20.0, 0.1, 1e-3).err(),
+        LineBank::<129, 16>::new(400.0, 20.0, 0.1, 1e-3).err(),
+    ] {
+        assert_eq!(field(error), "M");
+    }
+}
+
+#[test]
+fn a_bank_that_does_not_fit_its_resonance_says_by_how_much() {
+    // Sections of 80 samples at 400 Hz reach a quarter of 5 Hz to both sides of 20 Hz.
+    let band = |half| LineBank::<80, 16>::new(400.0, 20.0, half, 1e-3).err();
+    assert_eq!(band(1.24), None);
+    let error = band(1.26).expect("too wide");
+    assert_eq!(error, ExcitationError::Band { section_rate: 5.0, half_bandwidth: 1.26, limit: 1.25 });
+    let text = "bank of lines: half-bandwidth 1.26 Hz must be below 1.25 Hz with sections at 5.0 Hz: fewer samples in a section, or \
+                a higher rate";
+    assert_eq!(error.to_string(), text);
+    // 16 sections last 3.2 s, the memory of a half-bandwidth of 0.02 Hz 8 s.
+    match band(0.02) {
+        Some(ExcitationError::Block { seconds, least }) => {
+            assert!((seconds - 3.2).abs() < 1e-5 && (least - 7.957_747).abs() < 1e-4, "{seconds} {least}");
+        }
+        other => panic!("{other:?}"),
+    }
+    // Sections of 128 samples at 100 Hz, 0.78 Hz apart.
+    let slow = LineBank::<128, 32>::new(100.0, 20.0, 0.5, 1e-3).err().expect("too wide");
+    assert!(
+        matches!(slow, ExcitationError::Band { section_rate, limit, .. } if section_rate < 1.6 && limit < 0.5),
+        "{slow}"
+    );
+    let low = LineBank::<80, 16>::new(400.0, 5.0, 0.1, 1e-3).err().expect("too low");
+    assert_eq!(low.to_string(), "bank of lines: frequency = 5.0 must be from 10.0 to 180.0");
 }
 
 #[test]
