@@ -11,6 +11,10 @@
 /// Fingerprint of the harvester.
 pub const FINGERPRINT: u32 = 0xb1c9bf0a;
 
+/// Resonance of the harvester and its half-bandwidth in Hz: arguments of `excitation::LineBank::new`.
+pub const RESONANCE_HZ: f32 = 20.1325;
+pub const HALF_BANDWIDTH_HZ: f32 = 0.09625;
+
 /// The map: `ResponseMap::new(&MAP[..], FINGERPRINT)`.
 pub static MAP: [u16; 953] = [
     19794, 2, 953, 48906, 45513, 6, 33, 1, 4341, 10, 15, 5319, 48439, 35060, 12, 12, 265, 264, 25964, 36864,

@@ -10,7 +10,10 @@
 //! | `cycle` | the loop from a start to the end of the day or to a loss of power |
 //! | `entry` | what the log has |
 //! | `target` | the loop on a microcontroller: a loss of power is a reset |
+//! | `bare` | the program without plant and log, on the registers of a microcontroller or on registers in memory |
 
+#[cfg(target_os = "none")]
+pub mod bare;
 mod cycle;
 pub mod day;
 mod entry;

@@ -8,7 +8,7 @@ use model_core::energy::{
     ResponseMap, StorageParameters,
 };
 use model_core::excitation::{ExcitationError, LineBank};
-use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, Regular, Sensor, Spread};
+use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, NodeState, Regular, Sensor, Spread};
 
 use crate::board::instructions::{Instructions, node_instructions};
 
@@ -30,6 +30,8 @@ pub const LISTEN: u32 = (SECTION * SECTIONS) as u32;
 
 /// The node.
 pub type ExampleNode = Node<&'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS>;
+/// What it has learnt.
+pub type ExampleState = NodeState<SECTIONS, SLOTS, ACTIONS>;
 /// The node with its board.
 pub type Runner<B> = model_core::node::Runner<B, &'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS, BURST>;
 
@@ -103,6 +105,22 @@ impl Part {
     /// If a parameter is outside its bounds, or the map does not belong to this version.
     #[inline(never)]
     pub fn node(self) -> Result<ExampleNode, PartsError> {
+        let (parameters, glance) = self.parameters()?;
+        let map = ResponseMap::new(&map::MAP[..], map::FINGERPRINT).map_err(PartsError::Map)?;
+        let bank = LineBank::new(RATE as f32, map::RESONANCE_HZ, map::HALF_BANDWIDTH_HZ, UNIT)
+            .map_err(PartsError::Bank)?;
+        let node = Node::new(map, bank, parameters).map_err(PartsError::Node)?;
+        match self {
+            // The converter and the wake-up are most of a reading: a glance would save little.
+            Self::Nrf52832 => Ok(node),
+            Self::Stm32l051 => Ok(node.with_glances(glance)?),
+        }
+    }
+
+    /// The parameters of the node, and the energy of a glance in J. A call of its own: what the figures of the parts take on the
+    /// stack is free again afterwards.
+    #[inline(never)]
+    fn parameters(self) -> Result<(NodeParameters<ACTIONS>, f32), PartsError> {
         let accelerometer = Accelerometer::adxl362();
         let cost = CostModel::<f32>::new(self.processor(), accelerometer);
         let Instructions { reading, glance, sample, block } = node_instructions(cost.processor.core);
@@ -172,13 +190,6 @@ impl Part {
                 Regular { action: Action::new("transmit", 6.6e-3, 0.1)?, every: 300 },
             ],
         };
-        let map = ResponseMap::new(&map::MAP[..], map::FINGERPRINT).map_err(PartsError::Map)?;
-        let bank = LineBank::new(RATE as f32, 20.1325, 0.09625, UNIT).map_err(PartsError::Bank)?;
-        let node = Node::new(map, bank, parameters).map_err(PartsError::Node)?;
-        match self {
-            // The converter and the wake-up are most of a reading: a glance would save little.
-            Self::Nrf52832 => Ok(node),
-            Self::Stm32l051 => Ok(node.with_glances(of_code(glance))?),
-        }
+        Ok((parameters, of_code(glance)))
     }
 }

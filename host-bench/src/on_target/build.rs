@@ -30,7 +30,7 @@ impl Binary<'_> {
     #[must_use]
     fn profile(&self) -> &'static str {
         match self.name {
-            "node" | "node_bare" => "node",
+            "node" | "node_bare" | "node_stack" => "node",
             _ => "firmware",
         }
     }

@@ -96,6 +96,48 @@ pub struct Followed {
     pub size: Size,
     /// The same node on a board in place of the plant, and without a log: what a user would flash.
     pub bare: Size,
+    /// The memory of that node.
+    pub memory: Memory,
+}
+
+/// RAM of a node on a board, in bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Memory {
+    /// Deepest stack over some days, with all of the below.
+    pub stack: u64,
+    /// The node: its configuration.
+    pub node: u64,
+    /// Its state.
+    pub state: u64,
+    /// The buffer of a burst of samples.
+    pub burst: u64,
+    /// The buffer of an image, only while the node resumes or saves.
+    pub image: u64,
+}
+
+impl Memory {
+    /// The memory by the lines "bytes NAME NUMBER" of a log.
+    fn read(lines: &[String]) -> Option<Self> {
+        let of = |name: &str| {
+            let prefix = format!("bytes {name} ");
+            lines.iter().find_map(|line| line.strip_prefix(&prefix)?.parse().ok())
+        };
+        Some(Self {
+            stack: of("stack")?,
+            node: of("node")?,
+            state: of("state")?,
+            burst: of("burst")?,
+            image: of("image")?,
+        })
+    }
+}
+
+/// Runs the program of a node on a board on registers in memory, for its stack.
+fn memory(core: Core, time_limit: Duration) -> Result<Memory, Error> {
+    let firmware = Firmware::build(core, Binary::new("node_stack"))?;
+    let log = qemu::run(core, &firmware.path, time_limit)?;
+    let lines = decoder::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
+    Memory::read(&lines).ok_or_else(|| Error::on(core, decode::Error::Incomplete))
 }
 
 /// Runs the node on `core` for at most `time_limit`, with its losses of power, compares its log with the host's, and that one
@@ -108,6 +150,7 @@ pub fn follow(core: Core, time_limit: Duration) -> Result<Followed, Error> {
     let firmware = Firmware::build(core, Binary::new("node"))?;
     let size = firmware.check()?;
     let bare = Firmware::build(core, Binary::new("node_bare"))?.check()?;
+    let memory = memory(core, time_limit)?;
     let log = qemu::run(core, &firmware.path, time_limit)?;
     let messages = decoder::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
     let (counts, found): (Vec<_>, Vec<_>) =
@@ -126,7 +169,7 @@ pub fn follow(core: Core, time_limit: Duration) -> Result<Followed, Error> {
         .collect::<Result<Vec<_>, _>>()?;
     let stack = counted.pop().ok_or_else(|| Error::on(core, decode::Error::Incomplete))?;
     let stack = (stack.instructions / per_tick).round() as u64;
-    Ok(Followed { losses: expected.world.losses(), whole, counted, stack, size, bare })
+    Ok(Followed { losses: expected.world.losses(), whole, counted, stack, size, bare, memory })
 }
 
 /// A line "count WORK CALLS SAMPLES TICKS".

@@ -114,22 +114,30 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
     let inside = hours.iter().filter(|hour| hour.is_inside()).count();
     let [readings, listens] = last.instruments;
     let [measured, transmitted] = last.ran;
+    let memory = found.memory;
+    let ram = found.bare.static_ram + memory.stack;
     let note = format!(
         "{core}. Income in uW until that time of the day, told with its bound, and that of the plant. Inside: {inside} of {} hours, of which
 {} have an income. {readings} readings, {listens} listens with a value, {measured} measurements, {transmitted} transmissions.
 By its own books the node spent {:.2} % of the income on knowing it.
 {} losses of power; after each the node came to the same bits. Each logged value has the host's bits.
-The node on a board takes {} bytes of flash, map included, and two pages for images of {IMAGE_BYTES} bytes; static RAM {}, stack {}.
-With the log, the simulated memory and the plant: flash {}, static RAM {}.",
+The node on a board takes {} bytes of flash, map included, and two pages for images of {IMAGE_BYTES} bytes. RAM: {} bytes, of which
+static {}, node {}, state {}, burst {}, image {}; the rest is stack.
+With the log, the simulated memory and the plant: flash {}, static RAM {}, stack {}.",
         hours.len(),
         with_income.count(),
         100.0 * f64::from(last.knowing) / all.income,
         found.losses,
         found.bare.flash,
+        ram,
         found.bare.static_ram,
-        found.stack,
+        memory.node,
+        memory.state,
+        memory.burst,
+        memory.image,
         found.size.flash,
         found.size.static_ram,
+        found.stack,
     );
     let header = vec!["until", "told", "bound", "true", "error", "inside"];
     output.table(header, rows, 1, &note);
@@ -144,7 +152,12 @@ With the log, the simulated memory and the plant: flash {}, static RAM {}.",
         "ram_bytes": found.bare.static_ram,
         "flash_bytes_with_plant": found.size.flash,
         "ram_bytes_with_plant": found.size.static_ram,
-        "stack_bytes": found.stack,
+        "stack_bytes": memory.stack,
+        "ram_with_stack_bytes": ram,
+        "node_bytes": memory.node,
+        "state_bytes": memory.state,
+        "burst_bytes": memory.burst,
+        "stack_bytes_with_plant": found.stack,
         "image_bytes": IMAGE_BYTES,
     });
     if let (Value::Object(day), Value::Object(more)) = (&mut day, more) {
