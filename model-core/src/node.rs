@@ -1,10 +1,14 @@
-//! A node that knows what it harvests for a small share of it.
+//! Estimates the harvested power of a sensor node, with a bound, at a cost of about 1 % of it.
 //!
-//! A firmware engineer writes a [`Board`] and has a response map made; [`Node`] does the rest: it reads the voltage of the
-//! storage, now and then listens to the vibration through the accelerometer's FIFO, looks up what it heard in the map,
-//! keeps the books of the storage, and says which action may run. Nothing here waits: each call does a bounded amount of
-//! work and says when it wants to be called again, so that a node is driven from interrupts, from an executor, or by
-//! [`Runner`].
+//! A firmware engineer writes a [`Board`] and generates a response map with the host's command `map`; [`Node`] does the rest. It
+//! reads the voltage of the storage by the ADC. Now and then it *listens*: it takes a burst of acceleration samples and
+//! looks up what they yield in the map. It estimates income and stored energy, and says which action may run. Nothing here
+//! waits: each call does a bounded amount of work and says when it wants to be called again, so that a node is driven from
+//! interrupts, from an executor, or by [`Runner`].
+//!
+//! The map must be made with the load that the harvester sees: a resistor for a matched converter, a bridge (`map --voltage`) for
+//! a rectifier straight into the storage. `docs/node.md` has the choice, all parameters and a glossary; `examples/node.rs` is a
+//! complete node.
 //!
 //! ```text
 //! wake(second, code of the storage's voltage) → Wake { task, again_in, read }
@@ -16,9 +20,10 @@
 //!
 //! # What is known, and by what
 //!
-//! * The storage's voltage is the first instrument: a reading corrects the income since the last one. Below some size of
-//!   the storage it is the only one that is needed, and the node wakes for a listen at the longest interval only.
-//! * A listen gives the power by the map. The ratio of the true to the modelled power, the gain, is learnt where a listen
+//! * A reading of the storage's voltage corrects the income since the last one. Below some size of the storage nothing else is
+//!   needed, and the node wakes for a listen at its longest interval only.
+//! * A *glance* is a reading that is only compared with thresholds, without an update of the estimate ([`Node::with_glances`]).
+//! * A listen gives the power by the map. The ratio of the true to the modelled power, the *gain* of the map, is learnt where a listen
 //!   finds the shaking of the listen before, and the storage has told its power in between.
 //! * Between readings and listens the power is held, and its uncertainty grows as the listens have shown it to change.
 //! * A full storage says nothing about the income ([`NodeState::store_tells`]), and the income is then that of the map times

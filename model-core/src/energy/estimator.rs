@@ -8,7 +8,7 @@
 //! # use model_core::part::load::Resistor;
 //! # use model_core::part::restitution::ConstantRestitution;
 //! # use model_core::scene::contact_separation::{Choices, Parameters};
-//! # fn fifo(n: u32) -> i16 { (3277.0 * (core::f64::consts::TAU * f64::from(n) / 20.0).sin()) as i16 }
+//! # fn fifo(n: u32) -> i16 { (8192.0 + 3277.0 * (core::f64::consts::TAU * f64::from(n) / 20.0).sin()) as i16 }
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let parameters = Parameters {
@@ -29,11 +29,11 @@
 //!     longest_gap: 4,                                        // lost samples to interpolate
 //!     settling_seconds: 0.0,                                 // the node starts at rest
 //!     interpolation: Interpolation::DroopCompensated,
-//!     bias_seconds: None,                                    // the sensor reads zero at rest
+//!     bias_seconds: Some(2.0),                               // gravity on the axis is removed
 //! };
 //! let mut estimator = Estimator::new(harvester, settings)?;
 //!
-//! for n in 0..800 {
+//! for n in 0..4000 {
 //!     // At most 100 attempted steps per call.
 //!     let mut progress = estimator.push_count(fifo(n), 100)?;
 //!     while !progress.finished {
@@ -43,6 +43,7 @@
 //! let estimate = estimator.estimate();
 //! assert!((5e-6..20e-6).contains(&estimate.mean_power)); // W
 //! assert!(estimate.uncertainty.relative.is_some_and(|relative| relative < 0.5));
+//! assert!(estimate.bias.is_some_and(|bias| (bias - 4.9).abs() < 0.5)); // m/s², half of gravity
 //!
 //! // Power down and wake up after three lost samples.
 //! let mut flash = [0; 400];
@@ -74,7 +75,7 @@
 //! The acceleration between samples is linear, which makes a sine weaker ([`Interpolation`]).
 //! [`Interpolation::DroopCompensated`] corrects that. Below [`LEAST_SAMPLES_PER_PERIOD`] in a resonance period the
 //! uncertainty is unknown. [`Estimator::set_rate`] sets the rate of a sensor that is off its nominal rate;
-//! [`Settings::bias_seconds`] removes gravity and a slow bias.
+//! [`Settings::bias_seconds`] removes gravity and a slow bias; without it gravity counts as acceleration.
 //!
 //! [`Uncertainty`] states the contents and the accuracy of the uncertainty figures.
 
@@ -122,7 +123,8 @@ pub struct Settings<S> {
     pub interpolation: Interpolation,
     /// Time constant in s of a high-pass that removes gravity and a slow bias from the samples, 10⁻² to 10⁶: some tens
     /// of periods, because a sine of angular frequency `w` loses `1/(2 (w · time)²)` of its amplitude. `None` to
-    /// remove nothing.
+    /// remove nothing: only for samples whose mean is 0. With gravity on the axis the estimate is then several times off, and its
+    /// uncertainty does not show it.
     pub bias_seconds: Option<S>,
 }
 

@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 pub struct NodeParameters<const ACTIONS: usize> {
     /// Storage, income by slot of the day, standing power.
     pub budget: BudgetParameters<f32>,
-    /// The converter of the storage's voltage, and how far the map may be off: its gain at the start and in an hour.
+    /// The ADC on the storage's voltage, and how far the map may be off: its gain at the start and in an hour.
     pub converter: CorrectionParameters<f32>,
     /// When to listen.
     pub listening: ListeningParameters<f32>,
@@ -41,7 +41,7 @@ pub struct Sensor {
     pub clipped: i16,
 }
 
-/// What it costs to know the income, all of it at the load: see [`CostModel`](crate::energy::cost::CostModel).
+/// Energies of the estimate itself (*knowing* the income), all of them at the load: see [`CostModel`](crate::energy::cost::CostModel).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct KnowingCost {
@@ -58,7 +58,7 @@ pub struct KnowingCost {
     pub reading_doublings: u32,
 }
 
-/// One standard deviation of what a node cannot know beforehand.
+/// Uncertainties (one standard deviation) of what is stated of a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Spread {

@@ -20,6 +20,7 @@ mod excitations;
 mod exponential_radau;
 mod hidden_crossings;
 mod listening;
+mod node_example;
 mod node_image;
 mod prothero_robinson;
 mod rectified;
