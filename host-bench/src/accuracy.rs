@@ -15,7 +15,7 @@ use self::warnings::{beyond_threshold, unresolved, warning};
 use crate::embedded::{DEFAULT_SHORT_STEP_S, default_accuracy};
 use crate::method::{Failure, Method, Options, Precision};
 use crate::outcome::{Accuracy, Outcome};
-use crate::resolution::too_few_lines;
+use crate::resolution::remarks;
 use crate::run::run_scene;
 use crate::scene_file::{Draw, Excitation, Load, Model, Scene, Trace};
 
@@ -101,11 +101,12 @@ pub(crate) fn run_with_companions(
         if unresolved.is_some() {
             outcome.accuracy.total = None;
         }
-        doubts.extend(unresolved.or_else(|| warning(&outcome, asked)));
+        doubts.extend(unresolved.or_else(|| warning(scene, &outcome, asked)));
     }
     doubts.extend(imbalance(&outcome));
     outcome.warnings.splice(..0, doubts);
-    outcome.warnings.extend(too_few_lines(scene, &outcome));
+    let remarks: Vec<String> = remarks(scene, &outcome).collect();
+    outcome.warnings.extend(remarks);
     Ok((outcome, options))
 }
 

@@ -27,7 +27,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 pub use self::watch::be_quiet;
-use self::watch::{is_quiet, note};
+pub(crate) use self::watch::is_quiet;
+use self::watch::note;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::method::{Failure, Options};

@@ -13,6 +13,7 @@ mod solve;
 mod starts;
 mod systematic;
 mod uncertainty;
+mod unfollowed;
 mod weights;
 
 use std::path::{Path, PathBuf};
@@ -20,7 +21,6 @@ use std::path::{Path, PathBuf};
 use nalgebra::{DMatrix, DVector};
 
 use self::data::{Data, Rows};
-pub(crate) use self::described::Parameter;
 use self::described::described;
 pub(crate) use self::fitted::{Entry, fitted_scene};
 use self::free::Asked;

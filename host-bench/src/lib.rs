@@ -4,6 +4,7 @@ pub mod accuracy;
 mod budget;
 pub mod closed_form;
 pub mod command;
+mod doubt;
 pub mod figures;
 pub mod findings;
 mod fit;

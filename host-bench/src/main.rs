@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use host_bench::command::{
     be_quiet, budget, closed_form, figures, findings, fit, keys, map, needs, on_target, optimise, overview,
@@ -76,7 +76,7 @@ enum Command {
     )]
     OnTarget(on_target::OnTargetArguments),
     /// The values of one to four keys at which a number of the result is largest or smallest
-    #[command(after_help = optimise::run_time())]
+    #[command(alias = "optimize", after_help = optimise::run_time())]
     Optimise(optimise::OptimiseArguments),
     /// Stiff and extreme scenes: each right, refused, or a named error
     Stability(stability::StabilityArguments),
@@ -152,9 +152,19 @@ fn usage(error: &clap::Error) -> ExitCode {
         let _ = error.print();
         return ExitCode::SUCCESS;
     }
+    if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
+        && word.ends_with(".toml")
+    {
+        let text = format!(
+            "{word}: must be a command; a scene file is run by run {word}, other commands are in --help"
+        );
+        return report(&Failure::Input(text));
+    }
     let text = error.to_string();
     let text_lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let lines: Vec<&str> =
         text_lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")).collect();
-    report(&Failure::Input(lines.join(" ").trim_start_matches("error: ").to_owned()))
+    // What is similar follows in a line of its own.
+    let line = lines.join(" ").replace(" tip: ", "; ");
+    report(&Failure::Input(line.trim_start_matches("error: ").to_owned()))
 }

@@ -1,7 +1,6 @@
 //! The values of a few keys at which a number of the result is largest or smallest: a coarse grid, then a search without
 //! derivatives from its best points.
 
-mod doubt;
 mod page;
 mod picture;
 mod search;

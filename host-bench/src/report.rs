@@ -5,6 +5,7 @@ pub(crate) mod charts;
 pub(crate) mod colour_bar;
 pub(crate) mod field;
 pub(crate) mod html;
+pub(crate) mod label;
 pub(crate) mod plot;
 pub(crate) mod setting;
 pub(crate) mod svg;

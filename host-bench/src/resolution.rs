@@ -1,4 +1,5 @@
-//! Whether the lines of a random excitation resolve the resonances of a scene.
+//! Whether an excitation meets the resonances of a scene: a sine is near one, the lines of a random one resolve them, the
+//! samples of a recorded one too.
 
 use crate::outcome::Outcome;
 use crate::scene_file::{Model, Scene};
@@ -11,8 +12,7 @@ fn resonances(scene: &Scene, outcome: &Outcome) -> (Vec<f64>, f64) {
     match &scene.model {
         Model::ContactSeparation(model) => {
             let parameters = &model.parameters;
-            let angular = (parameters.stiffness_n_per_m / parameters.mass_kg).sqrt();
-            (vec![angular / std::f64::consts::TAU], parameters.damping_ratio)
+            (vec![parameters.natural_frequency_hz()], parameters.damping_ratio)
         }
         Model::Sliding(model) => {
             let found = outcome.sliding().and_then(|found| found.natural_frequency_hz);
@@ -27,8 +27,48 @@ fn resonances(scene: &Scene, outcome: &Outcome) -> (Vec<f64>, f64) {
     }
 }
 
+/// How a warning of a sine that is far from every resonance begins.
+const FAR: &str = "excitation.frequency_hz";
+/// Factor between the frequency of a sine and a natural frequency beyond which the resonance has no part in the motion. The
+/// displacement is then within 1 % of that without inertia (`1/(1 − 0.1²)` below), or of that without a spring (above).
+const FARTHEST: f64 = 10.0;
+
+/// What to know of the excitation before the numbers of a run are used.
+pub(crate) fn remarks(scene: &Scene, outcome: &Outcome) -> impl Iterator<Item = String> {
+    [far_from_resonance(scene, outcome), too_few_lines(scene, outcome)].into_iter().flatten()
+}
+
+/// Whether a warning is that of a sine that is far from every resonance.
+pub(crate) fn is_of_a_far_sine(warning: &str) -> bool {
+    warning.starts_with(FAR)
+}
+
+/// The warning of a sine that is far from every resonance, as a wrong unit of a mass or a stiffness makes it.
+fn far_from_resonance(scene: &Scene, outcome: &Outcome) -> Option<String> {
+    let frequency = scene.excitation.single_frequency()?;
+    let (resonances, _) = resonances(scene, outcome);
+    let apart = |natural: &f64| (frequency / natural).max(natural / frequency);
+    let natural = resonances.into_iter().min_by(|one, other| apart(one).total_cmp(&apart(other)))?;
+    let keys = match scene.model {
+        Model::ContactSeparation(_) => "parameters.mass_kg and parameters.stiffness_n_per_m",
+        Model::Sliding(_) | Model::BumpStop(_) => "the beam's dimensions, density and young_modulus_pa",
+    };
+    (apart(&natural) > FARTHEST).then(|| {
+        format!(
+            "{FAR} = {frequency} is a factor of {:.1} from the natural frequency of {natural:.4} Hz: no resonance answers; are \
+             the units of the frequency, of {keys} right?",
+            apart(&natural)
+        )
+    })
+}
+
+/// The natural frequency that a recording should resolve: the lowest one of a scene that has given `outcome`.
+pub(crate) fn natural_frequency_hz(scene: &Scene, outcome: &Outcome) -> Option<f64> {
+    resonances(scene, outcome).0.into_iter().reduce(f64::min)
+}
+
 /// The warning of a random excitation whose lines are too far apart for a resonance in its band.
-pub(crate) fn too_few_lines(scene: &Scene, outcome: &Outcome) -> Option<String> {
+fn too_few_lines(scene: &Scene, outcome: &Outcome) -> Option<String> {
     let random = scene.excitation.random()?;
     let (frequencies, damping_ratio) = resonances(scene, outcome);
     let few = frequencies.into_iter().find_map(|frequency| {

@@ -11,6 +11,7 @@ mod command_line {
     mod fit_kinds;
     mod good_runs;
     mod help;
+    mod hints;
     mod keys;
     mod needs;
     mod optimise;

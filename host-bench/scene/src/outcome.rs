@@ -182,6 +182,8 @@ pub enum Particular {
 /// The numbers of a contact-separation run only.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ContactSeparationOutcome {
+    /// Natural frequency in Hz of the mass on its spring, undamped and without the electrostatic force.
+    pub natural_frequency_hz: Option<f64>,
     /// Largest gap in the window in m.
     pub peak_gap_m: Option<f64>,
     /// Smallest gap in the window in m.

@@ -35,6 +35,7 @@ pub use self::overrides::{Override, contains, replaces};
 pub use self::scene::*;
 use self::section::{Reader, Section};
 pub use self::template::{template, templates};
+pub use self::trace::number::{Delimiter, Numbers};
 /// Acceleration of gravity in m/s²: the factor of `amplitude_g`.
 pub use model_core::part::GRAVITY;
 
@@ -90,6 +91,33 @@ pub fn number_at(file: &Path, overrides: &[Override], key: &str) -> Result<Optio
             Content::Number(value, _) => Ok(Some(value)),
             _ => Err(SceneError::of_value(file, key, node, "must be a number")),
         },
+    }
+}
+
+/// The unit of a key such as `load.resistance_ohm`, empty where it has none; `None` of an unknown key, and of one whose unit
+/// depends on the kind of its table.
+#[must_use]
+pub fn unit_of(key: &str) -> Option<&'static str> {
+    let mut units = Vec::new();
+    add_units(&KEYS, key, &mut units);
+    let first = *units.first()?;
+    units.iter().all(|unit| *unit == first).then_some(first)
+}
+
+/// Adds the units that a key has in the kinds of a table.
+fn add_units(table: &'static Table, key: &str, units: &mut Vec<&'static str>) {
+    let (name, rest) = key.split_once('.').map_or((key, None), |(name, rest)| (name, Some(rest)));
+    let of_kinds = table.kinds.iter().flat_map(|kind| kind.keys);
+    for key in of_kinds.chain(table.keys).filter(|key| key.name == name) {
+        match (key.value, rest) {
+            (_, None) => units.push(key.unit),
+            (Value::Table(inner), Some(rest)) => add_units(inner, rest, units),
+            // A number stands before the key of one of several tables.
+            (Value::Tables(inner), Some(rest)) => {
+                add_units(inner, rest.split_once('.').map_or("", |(_, rest)| rest), units);
+            }
+            _ => {}
+        }
     }
 }
 

@@ -3,10 +3,13 @@
 use super::LEAST;
 use super::difference::delivers;
 use crate::outcome::Outcome;
-use crate::scene_file::{Load, Scene};
+use crate::resolution::natural_frequency_hz;
+use crate::scene_file::{Excitation, Load, Scene};
 
 /// Estimated relative error of the mean power above which a run warns.
 const NOTABLE: f64 = 5e-3;
+/// Estimated relative error above which nothing is known of the quantity.
+const UNKNOWN: f64 = 1.0;
 /// RMS voltage behind a bridge over the highest voltage at which it conducts above which a run warns.
 const BEYOND: f64 = 1.1;
 /// Relative residual of the energy ledger above which a run warns.
@@ -16,7 +19,7 @@ const UNBALANCED: f64 = 1e-2;
 const UNRESOLVED: [f64; 2] = [1e-26, 1e-12];
 
 /// The warning of a statement that is unknown or notable.
-pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
+pub(super) fn warning(scene: &Scene, outcome: &Outcome, asked: Option<f64>) -> Option<String> {
     let accuracy = &outcome.accuracy;
     let quantity =
         if delivers(outcome) { "the mean power" } else { "the largest motion and the RMS voltage" };
@@ -37,11 +40,35 @@ pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
         let known = sources.iter().filter_map(|(name, error)| Some(format!("{:.1e} by {name}", (*error)?)));
         let not_held =
             asked.filter(|_| missed).map_or(String::new(), |asked| format!("{asked:e} is not held: "));
+        let unknown =
+            if total > UNKNOWN { format!("{quantity} cannot be told: ") } else { String::new() };
+        let by_sampling = accuracy.sampling.filter(|sampling| *sampling > 0.5 * total);
+        let remedy = match by_sampling.and_then(|_| more_samples(scene, outcome)) {
+            Some(remedy) => remedy,
+            None if total > UNKNOWN => "; smaller steps (--accuracy, --tolerance or --step) and a longer \
+                                        run.duration_s may help"
+                .to_owned(),
+            None => String::new(),
+        };
         format!(
-            "accuracy: {not_held}the estimated relative error of {quantity} is {total:.1e}: {}",
+            "accuracy: {not_held}{unknown}the estimated relative error of {quantity} is {total:.1e}: {}{remedy}",
             known.collect::<Vec<_>>().join(", ")
         )
     })
+}
+
+/// What helps against an error by the sampling of a trace. Straight lines between `n` samples in a period take
+/// `1 − sinc²(1/n)` ≈ `π²/(3 n²)` of the amplitude of a sine, and twice as much of the power of a linear harvester.
+fn more_samples(scene: &Scene, outcome: &Outcome) -> Option<String> {
+    let Excitation::File(trace) = &scene.excitation else { return None };
+    let natural = natural_frequency_hz(scene, outcome)?;
+    let enough = std::f64::consts::PI * (2.0 / (3.0 * NOTABLE)).sqrt();
+    Some(format!(
+        "; a higher sampling rate helps: {} Hz are {:.1} samples in a period of the natural frequency of {natural:.4} Hz, about \
+         {enough:.0} make the error of a linear harvester {NOTABLE:e}",
+        trace.rate_hz,
+        trace.rate_hz / natural
+    ))
 }
 
 /// The warning of an energy ledger that does not close.

@@ -157,8 +157,7 @@ impl FitArguments {
             outputs.write(path, &drawn.map_err(Failure::Input)?)?;
         }
         if let Some(path) = self.output.as_ref().filter(|_| is_written) {
-            let written = found.parameters.iter().filter(|parameter| parameter.is_written);
-            let entries: Vec<fit::Entry> = written.map(fit::Parameter::entry).collect();
+            let entries = found.entries();
             let moved = folder(path) != folder(file);
             outputs.write(path, &fit::fitted_scene(file, overrides, &entries, moved)?)?;
         }

@@ -24,10 +24,16 @@ pub struct OptimiseArguments {
     #[command(flatten)]
     scene: SceneArguments,
     /// The number of the result that shall be largest, such as mean_power_w
-    #[arg(long, value_name = "QUANTITY", required_unless_present = "minimise", conflicts_with = "minimise")]
+    #[arg(
+        long,
+        alias = "maximize",
+        value_name = "QUANTITY",
+        required_unless_present = "minimise",
+        conflicts_with = "minimise"
+    )]
     maximise: Option<String>,
     /// The number of the result that shall be smallest
-    #[arg(long, value_name = "QUANTITY")]
+    #[arg(long, alias = "minimize", value_name = "QUANTITY")]
     minimise: Option<String>,
     /// A key of the scene and its range; one to four
     #[arg(long = "over", value_name = "KEY=LOW:HIGH[:log]", required = true, allow_hyphen_values = true)]

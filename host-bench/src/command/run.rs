@@ -10,7 +10,7 @@ use crate::accuracy::{imbalance, run_with_accuracy};
 use crate::method::{Failure, Options};
 use crate::motion::{self, Series};
 use crate::report::setting::setting;
-use crate::resolution::too_few_lines;
+use crate::resolution::remarks;
 use crate::run::run_scene;
 use crate::scene_file::{self, Scene};
 use crate::seeds::{self, Statistics};
@@ -73,7 +73,8 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let outcome = if arguments.no_accuracy {
         let mut outcome = run_scene(&scene, &options)?;
         outcome.warnings.splice(..0, imbalance(&outcome));
-        outcome.warnings.extend(too_few_lines(&scene, &outcome));
+        let remarks: Vec<String> = remarks(&scene, &outcome).collect();
+        outcome.warnings.extend(remarks);
         outcome
     } else {
         run_with_accuracy(&scene, &options)?

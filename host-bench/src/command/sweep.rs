@@ -5,6 +5,7 @@ mod page;
 pub(super) mod picture;
 mod rows;
 mod shooting;
+mod told;
 
 use std::path::{Path, PathBuf};
 
@@ -16,9 +17,10 @@ pub use self::axis::Axis;
 use self::picture::{Quantity, Words};
 use self::rows::Rows;
 use self::shooting::{Compared, compared};
+use self::told::{best, doubt, is_of_accuracy, told_best, warnings};
 use super::files::{Outputs, make_folder};
 use super::storage_voltage::StorageVoltage;
-use super::{NODE, SceneArguments, check_keys, note, print, progress, tell};
+use super::{NODE, SceneArguments, check_keys, is_quiet, note, print, progress, tell};
 use crate::accuracy::run_with_accuracy;
 use crate::method::{Failure, Options};
 use crate::outcome::{self, Fields, Format, STABLE, fields, flattened, number, rows_csv, small};
@@ -83,6 +85,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let keys = overrides.chain(axes.iter().map(|axis| ("--over", axis.key.as_str())));
     check_keys(&keys.collect::<Vec<_>>(), &arguments.storage_voltage.unused(&[NODE]))?;
     if let Some(folder) = &arguments.output {
+        check_folder(folder)?;
         outputs.check_in("--output", folder, &FILES)?;
     }
     let rows = match &arguments.output {
@@ -109,11 +112,14 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     if let Some(costs) = shooting::told(points.iter().filter_map(|point| point.compared.as_ref())) {
         note(&costs);
     }
-    for warning in [most_created(axes, &points), first_inaccurate(&points)].into_iter().flatten() {
+    for warning in warnings(axes, &points) {
         tell(&format!("warning: {warning}"));
     }
-    if let (Format::Table, Some(best)) = (arguments.scene.format, best(axes, &points)) {
-        note(&best);
+    if let (Format::Table, false, Some(best)) = (arguments.scene.format, is_quiet(), best(&points)) {
+        note(&told_best(axes, best));
+        if let Some(doubt) = doubt(arguments, &options, best) {
+            tell(&format!("warning: {doubt}"));
+        }
     }
     if let Some(folder) = &arguments.output {
         write(arguments, folder, &outputs, &points)?;
@@ -127,6 +133,19 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         Format::Csv => csv(axes, &points),
     })?;
     none_failed(axes, &points)
+}
+
+/// Refuses a new folder with the name of a file.
+fn check_folder(folder: &Path) -> Result<(), Failure> {
+    let ending = folder.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if !["csv", "svg", "html", "json"].contains(&ending.as_str()) || folder.exists() {
+        return Ok(());
+    }
+    let [table, drawing, page] = FILES;
+    Err(Failure::Input(format!(
+        "--output {}: must be a folder, into which {table}, {drawing} and {page} are written, is named as a file",
+        folder.display()
+    )))
 }
 
 /// The number of points, if it can be counted.
@@ -176,6 +195,11 @@ impl Point {
     /// A number of its outcome.
     fn number(&self, name: &str) -> Option<f64> {
         self.found.as_ref().ok()?.get(name)?.as_f64()
+    }
+
+    /// Whether it was run with an accuracy statement, known or not.
+    fn is_stated(&self) -> bool {
+        self.warnings().any(is_of_accuracy)
     }
 
     /// A text of its outcome.
@@ -238,42 +262,9 @@ fn write(
     Ok(())
 }
 
-/// The warning of the point whose force law created the largest share of the delivered energy, with the number of the
-/// points that warn. A row has its own warnings in JSON and CSV.
-fn most_created(axes: &[Axis], points: &[Point]) -> Option<String> {
-    let warned = points.iter().filter_map(|point| {
-        let share = point.number("created_energy_share").map_or(0.0, f64::abs);
-        let warning = point.warnings().find(|warning| !is_of_accuracy(warning))?;
-        Some((point, warning, share))
-    });
-    let count = warned.clone().count();
-    let (point, warning, _) = warned.max_by(|(.., one), (.., other)| one.total_cmp(other))?;
-    Some(format!("at {count} of {} points, the most at {}: {warning}", points.len(), place(axes, point)))
-}
-
-/// The point with the largest mean power, in words; `None` unless there are several.
-fn best(axes: &[Axis], points: &[Point]) -> Option<String> {
-    let powers = points.iter().filter_map(|point| Some((point, point.number("mean_power_w")?)));
-    let (point, power) = powers.max_by(|one, other| one.1.total_cmp(&other.1))?;
-    (points.len() > 1).then(|| format!("largest mean_power_w {power:e} at {}", place(axes, point)))
-}
-
 /// The values of a point, for a sentence.
 fn place(axes: &[Axis], point: &Point) -> String {
     named(axes, point).map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ")
-}
-
-/// Whether a warning is about the accuracy of the numbers.
-fn is_of_accuracy(warning: &str) -> bool {
-    warning.starts_with("accuracy:")
-}
-
-/// How many points have a warning of their accuracy, and the first of them.
-fn first_inaccurate(points: &[Point]) -> Option<String> {
-    let all = points.iter().filter_map(|point| point.warnings().find(|warning| is_of_accuracy(warning)));
-    let warnings: Vec<&str> = all.collect();
-    let first = warnings.first()?;
-    Some(format!("at {} of {} points, the first: {first}", warnings.len(), points.len()))
 }
 
 fn none_failed(axes: &[Axis], points: &[Point]) -> Result<(), Failure> {
@@ -289,18 +280,23 @@ fn none_failed(axes: &[Axis], points: &[Point]) -> Result<(), Failure> {
 
 /// The values of the point with the given index; the last axis runs fastest.
 pub(super) fn values(axes: &[Axis], index: usize) -> Vec<f64> {
+    axes.iter().zip(indices(axes, index)).map(|(axis, index)| axis.value(index)).collect()
+}
+
+/// The index on each axis of the point with the given index.
+fn indices(axes: &[Axis], index: usize) -> Vec<usize> {
     let mut rest = index;
-    let mut values: Vec<f64> = axes
+    let mut indices: Vec<usize> = axes
         .iter()
         .rev()
         .map(|axis| {
-            let value = axis.value(rest % axis.count());
+            let index = rest % axis.count();
             rest /= axis.count();
-            value
+            index
         })
         .collect();
-    values.reverse();
-    values
+    indices.reverse();
+    indices
 }
 
 fn scene(arguments: &SweepArguments, values: &[f64]) -> Result<Scene, Failure> {

@@ -1,9 +1,10 @@
 //! Measurements from CSV files: sweeps over frequency, traces over time, ring-downs.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use crate::method::Failure;
-use crate::scene_file::{GRAVITY, Model, Scene};
+use crate::scene_file::{Delimiter, GRAVITY, Model, Numbers, Scene};
 
 /// Columns that a sweep may measure, and the kind of scene that has them.
 const SWEEP: [(&str, Option<&str>); 6] = [
@@ -70,6 +71,8 @@ pub(crate) struct Data {
     pub(crate) file: PathBuf,
     pub(crate) rows: Rows,
     pub(crate) columns: Vec<Column>,
+    /// The line of each row.
+    pub(crate) lines: Vec<u64>,
 }
 
 impl Data {
@@ -89,6 +92,8 @@ struct Table<'a> {
     file: &'a Path,
     heading: Vec<String>,
     rows: Vec<(u64, Vec<String>)>,
+    /// Reads its cells, all with the same decimal mark.
+    cells: RefCell<Numbers>,
 }
 
 impl Table<'_> {
@@ -97,8 +102,12 @@ impl Table<'_> {
         let bytes = std::fs::read(file).map_err(|error| refuse(format!(": cannot be read: {error}")))?;
         let text = String::from_utf8(bytes).map_err(|_| refuse(": is not UTF-8 text".to_owned()))?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+        let delimiter = Delimiter::of(text);
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .delimiter(delimiter.byte())
+            .from_reader(text.as_bytes());
         let fault = |error: csv::Error| {
             let line = error.position().map_or(1, csv::Position::line);
             let reason = match error.kind() {
@@ -116,7 +125,7 @@ impl Table<'_> {
             let line = record.position().map_or(0, csv::Position::line);
             rows.push((line, record.iter().map(str::to_owned).collect()));
         }
-        Ok(Table { file, heading, rows })
+        Ok(Table { file, heading, rows, cells: RefCell::new(Numbers::new(delimiter)) })
     }
 
     fn refuse<T>(&self, text: &str) -> Result<T, Failure> {
@@ -126,6 +135,10 @@ impl Table<'_> {
     fn refuse_at<T>(&self, row: usize, text: &str) -> Result<T, Failure> {
         let line = self.rows.get(row).map_or(1, |(line, _)| *line);
         Err(Failure::Input(format!("{}:{line}: {text}", self.file.display())))
+    }
+
+    fn lines(&self) -> Vec<u64> {
+        self.rows.iter().map(|(line, _)| *line).collect()
     }
 
     fn index(&self, name: &str) -> Option<usize> {
@@ -138,7 +151,7 @@ impl Table<'_> {
         let mut values = Vec::new();
         for (row, (_, cells)) in self.rows.iter().enumerate() {
             let cell = &cells[index];
-            match cell.parse::<f64>() {
+            match self.cells.borrow_mut().read(cell) {
                 Ok(value) if (low..=high).contains(&value) => values.push(value),
                 Ok(value) if value.is_finite() => {
                     return self.refuse_at(
@@ -146,7 +159,10 @@ impl Table<'_> {
                         &format!("{name} = {cell}: must be a number from {low:e} to {high:e}"),
                     );
                 }
-                _ => return self.refuse_at(row, &format!("{name} = {cell:?}: must be a finite number")),
+                Ok(_) => return self.refuse_at(row, &format!("{name} = {cell:?}: must be a finite number")),
+                Err(reason) => {
+                    return self.refuse_at(row, &format!("{name}: {reason}, must be a finite number"));
+                }
             }
         }
         Ok(Some(values))
@@ -238,7 +254,7 @@ fn sweep(table: &Table<'_>, scene: &Scene) -> Result<Data, Failure> {
         resistance_ohm: resistances.as_ref().map(|values| values[index]),
         direction: directions.as_ref().map(|values| values[index]),
     });
-    Ok(Data { file: table.file.to_owned(), rows: Rows::Sweep(rows.collect()), columns })
+    Ok(Data { file: table.file.to_owned(), rows: Rows::Sweep(rows.collect()), columns, lines: table.lines() })
 }
 
 fn directions(table: &Table<'_>) -> Result<Option<Vec<Direction>>, Failure> {
@@ -300,5 +316,10 @@ fn trace(table: &Table<'_>, scene: &Scene) -> Result<Data, Failure> {
     }
     let acceleration = table.numbers("acceleration_m_per_s2", -1e5, 1e5)?;
     let acceleration = acceleration.filter(|values| values.iter().any(|value| *value != 0.0));
-    Ok(Data { file: table.file.to_owned(), rows: Rows::Trace { spacing_s, acceleration }, columns })
+    Ok(Data {
+        file: table.file.to_owned(),
+        rows: Rows::Trace { spacing_s, acceleration },
+        columns,
+        lines: table.lines(),
+    })
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::data::Rows;
 use super::fitted::Entry;
 use super::free::Free;
 use super::lines::groups;
@@ -10,6 +11,7 @@ use super::result::{self, Found};
 use super::solve::{Loss, Solved};
 use super::systematic::Runs;
 use super::uncertainty::Uncertainty;
+use super::unfollowed::Unfollowed;
 use super::weights::{self, Weighting, Weights};
 use super::{Request, relative_residuals};
 
@@ -19,6 +21,8 @@ const CORRELATED: f64 = 0.99;
 const DOUBTED: f64 = 3.0;
 /// Relative residual below which it does not matter whether the residuals are systematic.
 const SMALL: f64 = 1e-3;
+/// Most rows that a warning names.
+const NAMED_ROWS: usize = 6;
 
 /// The numbers of a solution.
 pub(super) fn described(
@@ -66,6 +70,7 @@ pub(super) fn described(
     let mut found = Found::new(problem, solved, &uncertainty, &is_free, freedom);
     found.reduced_chi_squared = reduced.filter(|_| weights.all_given());
     found.relative_residual = relative_residuals(problem, values);
+    found.unfollowed = Unfollowed::of(problem, solved, &found.relative_residual);
     found.weighting = weights.weightings().to_vec();
     found.warnings = warnings(problem, request, weights, solved, &found);
     found
@@ -89,14 +94,8 @@ fn warnings(
     found: &Found,
 ) -> Vec<String> {
     let mut all = Vec::new();
-    let lacking = solved.evaluation.lacks_orbits(&problem.data);
-    if lacking > 0 {
-        all.push(format!(
-            "at {lacking} rows the model has no stable motion of one period: the numbers of the run stand there, with a \
-             standard deviation of at least {} % of the value",
-            100.0 * weights::WITHOUT_PERIOD
-        ));
-    }
+    all.extend(found.unfollowed.iter().map(Unfollowed::text));
+    all.extend(without_orbit(problem, solved));
     for combination in &found.undetermined {
         all.push(format!(
             "not identifiable: the data do not determine {}; hold one of these keys, or measure what separates them",
@@ -132,6 +131,32 @@ fn warnings(
     }
     all.extend(systematic(problem, solved, found));
     all
+}
+
+/// The warning of the rows whose motion has no period, which names the first of them.
+fn without_orbit(problem: &Problem<'_>, solved: &Solved) -> Option<String> {
+    let rows: Vec<(usize, usize)> = solved.evaluation.rows_without_orbit(&problem.data).collect();
+    let place = |&(file, row): &(usize, usize)| {
+        let data = &problem.data[file];
+        let name = data.file.file_name().unwrap_or_default().to_string_lossy();
+        let frequency = match &data.rows {
+            Rows::Sweep(rows) => rows.get(row).map(|row| format!(" ({} Hz)", row.frequency_hz)),
+            Rows::Trace { .. } => None,
+        };
+        format!("{name}:{}{}", data.lines.get(row).copied().unwrap_or(0), frequency.unwrap_or_default())
+    };
+    let named: Vec<String> = rows.iter().take(NAMED_ROWS).map(place).collect();
+    let more = if rows.len() > NAMED_ROWS { " and others" } else { "" };
+    (!rows.is_empty()).then(|| {
+        format!(
+            "at {} row{} the model has no stable motion of one period: {}{more}: the numbers of the run stand there, with a \
+             standard deviation of at least {} % of the value",
+            rows.len(),
+            if rows.len() == 1 { "" } else { "s" },
+            named.join(", "),
+            100.0 * weights::WITHOUT_PERIOD
+        )
+    })
 }
 
 /// A warning for each measured column without standard deviations whose residuals hang together.

@@ -135,8 +135,10 @@ pub(crate) fn of_key(file: &Path, overrides: &[Override], asked: &Asked) -> Resu
     if !start.is_finite() {
         return Err(refuse(format!("the scene's {start} must be finite to start from")));
     }
-    read(start)?;
-    if given.is_none() && asked.bounds.is_none() && !asked.key.starts_with("initial.") {
+    let is_chosen = given.is_some() || asked.bounds.is_some();
+    // A value that nobody gave is not told.
+    read(start).map_err(|error| if is_chosen { error } else { error.without_value() })?;
+    if !is_chosen && !asked.key.starts_with("initial.") {
         return Err(refuse(
             "is not in the scene: must have a value there to start from, or LOW:HIGH".to_owned(),
         ));

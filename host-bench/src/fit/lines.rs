@@ -147,7 +147,8 @@ mod tests {
             row(21.0, 2.0, Some(Direction::Up)),
         ];
         let columns = vec![Column { name: "rms_voltage_v".to_owned(), values: vec![0.0; 4], std: None }];
-        let data = Data { file: "sweep.csv".into(), rows: Rows::Sweep(rows.clone()), columns };
+        let data =
+            Data { file: "sweep.csv".into(), rows: Rows::Sweep(rows.clone()), columns, lines: Vec::new() };
         let found = groups(&data);
         let names: Vec<&str> = found.iter().map(|group| group.name.as_str()).collect();
         assert_eq!(names, ["1 m/s², down", "2 m/s², up"]);

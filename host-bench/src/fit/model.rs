@@ -66,13 +66,20 @@ impl Evaluation {
         self.motions[file][row].as_ref().is_some_and(Memory::is_orbit)
     }
 
-    /// Number of the rows of sweeps whose motion has no period.
+    /// The rows of sweeps whose motion has no period, each with the number of its file.
+    pub(crate) fn rows_without_orbit<'a>(
+        &'a self,
+        data: &'a [Data],
+    ) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let sweeps = data.iter().enumerate().filter(|(_, data)| matches!(data.rows, Rows::Sweep(_)));
+        sweeps.flat_map(move |(file, data)| {
+            (0..data.count()).filter(move |row| !self.has_orbit(file, *row)).map(move |row| (file, row))
+        })
+    }
+
+    /// Number of these rows.
     pub(crate) fn lacks_orbits(&self, data: &[Data]) -> usize {
-        let missing = |(file, data): (usize, &Data)| match data.rows {
-            Rows::Sweep(_) => (0..data.count()).filter(|row| !self.has_orbit(file, *row)).count(),
-            Rows::Trace { .. } => 0,
-        };
-        data.iter().enumerate().map(missing).sum()
+        self.rows_without_orbit(data).count()
     }
 }
 

@@ -6,12 +6,14 @@ use std::sync::atomic::Ordering;
 use comfy_table::presets;
 use serde_json::{Map, Value, json};
 
-use super::Parameter;
+use super::described::Parameter;
+use super::fitted::Entry;
 use super::free::Place;
 use super::lines::{Group, Line, groups};
 use super::model::{Interpolation, Problem};
 use super::solve::Solved;
 use super::uncertainty::Uncertainty;
+use super::unfollowed::{Unfollowed, remark};
 use super::weights::Weighting;
 use crate::command::json_text;
 use crate::method::Failure;
@@ -54,6 +56,8 @@ pub(crate) struct Found {
     pub(crate) evaluations: usize,
     pub(crate) undetermined: Vec<Combination>,
     pub(crate) interpolation: Option<&'static str>,
+    /// Measured columns that the model does not follow.
+    pub(super) unfollowed: Vec<Unfollowed>,
     pub(crate) warnings: Vec<String>,
     pub(crate) curves: Vec<Curve>,
 }
@@ -108,6 +112,7 @@ impl Found {
                 Interpolation::Smooth => "smooth",
                 Interpolation::Linear => "linear",
             }),
+            unfollowed: Vec::new(),
             warnings: Vec::new(),
             curves: curves(problem, &solved.evaluation.values),
         }
@@ -115,6 +120,17 @@ impl Found {
 
     pub(crate) fn is_identifiable(&self) -> bool {
         self.undetermined.is_empty()
+    }
+
+    /// What a scene file is to have of the fit.
+    pub(crate) fn entries(&self) -> Vec<Entry> {
+        let remark = remark(&self.unfollowed);
+        let written = self.parameters.iter().filter(|parameter| parameter.is_written);
+        let entry = |parameter: &Parameter| {
+            let entry = parameter.entry();
+            Entry { comment: entry.comment + &remark, ..entry }
+        };
+        written.map(entry).collect()
     }
 
     fn json(&self) -> Value {

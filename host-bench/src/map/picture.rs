@@ -31,16 +31,44 @@ pub fn draw(map: &Map, slice: usize, title: &str) -> Result<String, Failure> {
         .map(|index| value(index % across, index / across).filter(|value| *value > 0.0).map(f64::log10))
         .collect();
     let (least, most) = extremes(values.iter().flatten().copied());
+    let title = match told.is_current() {
+        true => format!("{title}, storage at {:.2} V", told.voltage(slice)),
+        false => title.to_owned(),
+    };
     let picture = svg(SIZE, |area| {
-        let mut area = area.titled(title, (FONT, 18))?;
-        if values.iter().any(Option::is_none) {
-            area = area.titled("white: the map has no income here", LABEL)?;
+        let mut area = area.titled(&title, (FONT, 18))?;
+        for line in legend(map, slice, values.iter().any(Option::is_none)) {
+            area = area.titled(&line, LABEL)?;
         }
         let (body, scale) = area.split_horizontally(SIZE.0.cast_signed() - 130);
         field(&body, map, slice, &values, [least, most])?;
         bar(&scale, unit, [least, most])
     });
     picture.map_err(Failure::Input)
+}
+
+/// What lines, dots and white of a picture are.
+fn legend(map: &Map, slice: usize, has_white: bool) -> Vec<String> {
+    let mut lines = Vec::new();
+    if map.slices[slice].iter().any(|column| column.found) {
+        lines.push(
+            "line: the lower motion ends as the amplitude rises; dashes: the upper one as it falls"
+                .to_owned(),
+        );
+    }
+    let mut checked = map.checked.iter().filter(|judged| judged.place.slice == slice);
+    let dots = if checked.clone().any(|judged| !judged.holds) {
+        "small white dots: checked, the bounds hold; red: they do not"
+    } else {
+        "small white dots: checked, the bounds hold"
+    };
+    let dots = checked.next().map(|_| dots);
+    let white = has_white.then_some("white: the map has no income");
+    let rest: Vec<&str> = white.into_iter().chain(dots).collect();
+    if !rest.is_empty() {
+        lines.push(rest.join("; "));
+    }
+    lines
 }
 
 /// The largest income of the map on the cells of its picture: slice, frequency in Hz, amplitude in m/s², and the income.

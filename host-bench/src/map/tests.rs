@@ -1,5 +1,6 @@
 //! A whole map of a linear harvester against its closed form, and what is refused.
 
+use super::axes::level_of;
 use super::*;
 use crate::closed_form::estimate;
 use crate::method::Precision;
@@ -113,6 +114,11 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
         periods: 0.0,
         axes,
     };
+    let picture = draw(&map, 0, "a linear beam").expect("a picture");
+    // A resistor has no voltage of a slice; this map has neither boundaries nor places that check it.
+    assert!(
+        picture.contains("a linear beam") && !picture.contains("storage at") && !picture.contains("dashes:")
+    );
     let page = page(&map, "a linear beam").expect("a page");
     let charts =
         page.split("const charts = ").nth(1).and_then(|rest| rest.split(";\n").next()).expect("charts");
@@ -130,6 +136,48 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
             (told("amplitude [", index / across), told("frequency [", index % across));
         let error = told("mean power [", index) * 1e-6 / closed_form(&scene, amplitude, frequency) - 1.0;
         assert!(error.abs() < 0.05 && page.contains("mean power [µW]"), "cell {index}: {error}");
+    }
+}
+
+/// A map behind a bridge, of which a boundary was found and a place is wrong, in words.
+#[test]
+fn a_picture_says_what_its_lines_and_dots_are_and_its_voltage() {
+    let scene = scene("contact-separation", &[]);
+    let axes = Axes::new(&scene, &request([0.5, 2.0], [19.0, 21.0])).expect("in bounds");
+    let column = |&frequency_hz: &f64| Column {
+        frequency_hz,
+        rising: level_of(1.5),
+        falling: level_of(0.8),
+        found: true,
+        lower: vec![(level_of(0.4), 1e-6), (level_of(1.5), 2e-6)],
+        upper: vec![(level_of(0.8), 3e-6), (level_of(2.5), 4e-6)],
+    };
+    let slices = [axes.frequencies.iter().map(column).collect::<Vec<Column>>()];
+    let unbounded: Vec<SliceBounds> = vec![Default::default()];
+    let content = Content {
+        axes: &axes,
+        fingerprint: 7,
+        voltages: &[3.0],
+        is_current: true,
+        slices: &slices,
+        margin: 30.0,
+        bounds: &unbounded,
+    };
+    let image = content.image().expect("an image");
+    let place = Place { slice: 0, frequency_hz: 20.0, amplitude: 1.0 };
+    let truth = Truth { lower: Some(9e-6), upper: None };
+    let told = image.map().expect("a map").in_slice_at(0, 1.0, 20.0);
+    let checked = vec![judge(told, [level_of(1.5), level_of(0.8)], place, truth)];
+    let agreement = Agreement::of(&checked).expect("an error");
+    let slices = slices.to_vec();
+    let map = Map { image, axes, slices, checked, agreement, margin: 0.0, broadband: None, periods: 0.0 };
+    let picture = draw(&map, 0, "rectified.toml").expect("a picture");
+    for words in [
+        "rectified.toml, storage at 3.00",
+        "line: the lower motion ends as the amplitude rises; dashes: the upper one as it falls",
+        "red: they do not",
+    ] {
+        assert!(picture.contains(words), "{words} is not in the picture");
     }
 }
 

@@ -27,7 +27,15 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
         .zip(colours.into_iter().cycle())
         .filter_map(|(one, colour)| Some((one, colour, one.flow?.parts())))
         .collect();
-    let names: Vec<&str> = known.first()?.2.iter().map(|(name, _)| *name).collect();
+    // A part that no run has would be a name without a bar; what comes from the base is what the others are parts of.
+    let has = |index: usize| {
+        known.iter().any(|(.., parts)| parts.get(index).is_some_and(|(_, value)| *value != 0.0))
+    };
+    let all = known.first()?.2.iter().enumerate();
+    let names: Vec<(usize, &str)> = all
+        .filter(|(index, _)| *index == 0 || has(*index))
+        .map(|(index, (name, _))| (index, *name))
+        .collect();
     let rows = u32::try_from(names.len() * known.len()).ok()?;
     let height = TOP + ROW * rows + 12 * u32::try_from(names.len()).ok()?;
     let largest =
@@ -42,7 +50,7 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
         width / 2
     );
     let mut y = TOP;
-    for (index, name) in names.iter().enumerate() {
+    for (index, name) in names {
         let _ = writeln!(text, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{name}</text>", LEFT - 8, y + 15);
         for (one, RGBColor(red, green, blue), parts) in &known {
             let value = parts.get(index).map_or(0.0, |(_, value)| *value);

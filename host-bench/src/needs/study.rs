@@ -9,7 +9,7 @@ use crate::accuracy::{
 use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::{Accuracy, Outcome};
-use crate::resolution::too_few_lines;
+use crate::resolution::remarks;
 use crate::run::run_scene;
 use crate::scene_file::{Model, Scene};
 use crate::shift::{SHIFT, shaken};
@@ -99,8 +99,8 @@ impl Study {
         if others.total.is_some() {
             full.accuracy = full.accuracy.summed();
         }
-        let doubts = [imbalance(&full), too_few_lines(scene, &full)];
-        full.warnings.extend(doubts.into_iter().flatten());
+        let doubts: Vec<String> = imbalance(&full).into_iter().chain(remarks(scene, &full)).collect();
+        full.warnings.extend(doubts);
         Ok(Self { scene: scene.clone(), accuracy, full, runs, options, is_chaotic: true }.limited())
     }
 

@@ -2,6 +2,7 @@
 
 use super::core::Core;
 use super::toolchain::{self, Toolchain};
+use crate::command::is_quiet;
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 use thiserror::Error;
@@ -70,6 +71,7 @@ pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
     let target_directory = workspace.join(all).join("on-target");
     let status = toolchain
         .cargo("build", hardware.target)
+        .args(is_quiet().then_some("--quiet"))
         .args(["--profile", binary.profile(), "--package", "firmware-example", "--bin", binary.name])
         .args(binary.feature.into_iter().flat_map(|feature| ["--features", feature]))
         .arg("--target-dir")

@@ -5,6 +5,7 @@ use super::{Found, Point, Range, Request};
 use crate::report::charts::{Charts, HINT, Look};
 use crate::report::field::{Field, Told};
 use crate::report::html::{document, escaped};
+use crate::report::label::label;
 use crate::report::plot::{Axis, Curve, Mark, Plot, height};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, extremes, tick};
 
@@ -92,9 +93,9 @@ fn curve(found: &Found, request: &Request<'_>, key: &Range) -> Plot {
 
 fn axis(key: &Range, span: [f64; 2]) -> Axis {
     if key.is_logarithmic {
-        Axis::logarithmic(key.key.as_str(), span)
+        Axis::logarithmic(label(&key.key), span)
     } else {
-        Axis::linear(key.key.as_str(), span, 8)
+        Axis::linear(label(&key.key), span, 8)
     }
 }
 

@@ -4,6 +4,7 @@ use plotters::prelude::*;
 
 use super::{Found, Point, Range, Request};
 use crate::report::colour_bar::colour_bar;
+use crate::report::label::label as label_of_key;
 use crate::report::svg::{Area, BLUE, Drawn, FONT, VERMILION, extremes, range, shade, svg, tick};
 
 const SIZE: (u32, u32) = (900, 640);
@@ -43,7 +44,7 @@ fn curve(area: &Area<'_>, found: &Found, request: &Request<'_>, key: &Range) -> 
         .build_cartesian_2d(axis(key, key.low)..axis(key, key.high), low..high)?;
     chart
         .configure_mesh()
-        .x_desc(key.key.as_str())
+        .x_desc(label_of_key(&key.key))
         .y_desc(request.quantity.as_str())
         .label_style(LABEL)
         .x_label_formatter(&|x| label(key, *x))
@@ -95,8 +96,8 @@ fn map(area: &Area<'_>, found: &Found, request: &Request<'_>, [up, across]: [&Ra
     chart
         .configure_mesh()
         .disable_mesh()
-        .x_desc(across.key.as_str())
-        .y_desc(up.key.as_str())
+        .x_desc(label_of_key(&across.key))
+        .y_desc(label_of_key(&up.key))
         .label_style(LABEL)
         .x_label_formatter(&|x| label(across, *x))
         .y_label_formatter(&|y| label(up, *y))

@@ -5,8 +5,11 @@ use std::cell::RefCell;
 use cobyla::{Func, RhoBeg, StopTols, minimize};
 use rayon::prelude::*;
 
-use super::{Found, Point, Request, doubt};
+use super::{Found, Point, Request};
+use crate::doubt::Best;
+use crate::embedded;
 use crate::method::Failure;
+use crate::outcome::Outcome;
 
 /// Best points of the grid from which the search goes on.
 const FOLLOWED: usize = 3;
@@ -86,9 +89,25 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     let level = is_level.then(|| {
         format!("{} is the same at all points of the grid: the keys do not change it", request.quantity)
     });
-    let doubts = level.into_iter().chain(doubt::of_motion(request, &best, &outcome)).collect();
+    let doubts = level.into_iter().chain(doubt(request, &best, &outcome)).collect();
     let runs = request.runs.counts();
     Ok(Found { best, unconstrained, flat, outcome, points, runs, doubts })
+}
+
+/// A warning where the value at the best point may be that of a lucky run.
+fn doubt(request: &Request<'_>, best: &Point, outcome: &Outcome) -> Option<String> {
+    let signed = |point: &Point| point.value().map(|value| request.signed(value));
+    Best {
+        quantity: &request.quantity,
+        place: &best.place,
+        value: signed(best)?,
+        scene: request.scene(&best.place).ok()?,
+        options: request.options,
+        verdict: outcome.steady_state.as_ref().map(|found| found.steady_state),
+        shoot: &|scene, options| request.counted(embedded::steady_state(scene, options)),
+        at: &|place| signed(&request.point(place)),
+    }
+    .doubt()
 }
 
 /// The first points of the grid, one for each core, until one succeeds. Refuses bad input at a corner of the grid, and a

@@ -261,7 +261,51 @@ fn sweeps_up_and_down_through_a_bistable_band_are_fitted_on_both_branches() {
     let damping = &found["parameters"]["parameters.damping_ratio"];
     let distance = (number(&damping["value"]) - 0.01).abs();
     assert!(distance <= 3.0 * number(&damping["standard_error"]) && distance < 2e-4, "{damping}");
-    assert!(found["warnings"].to_string().contains("no stable motion of one period"));
+    let warnings = found["warnings"].to_string();
+    assert!(warnings.contains("no stable motion of one period: data.csv:"), "{warnings}");
+}
+
+/// The exact data with factors on both columns.
+fn scaled([voltage_factor, gap_factor]: [f64; 2]) -> String {
+    let row = |[frequency, voltage, gap]: [f64; 3]| {
+        format!("{frequency},{},{}\n", voltage_factor * voltage, gap_factor * gap)
+    };
+    "frequency_hz,rms_voltage_v,peak_gap_m\n".to_owned() + &EXACT.map(row).concat()
+}
+
+#[test]
+fn a_column_in_another_unit_is_told_with_its_ratio() {
+    let folder = folder("fit-units");
+    let output = folder.join("fitted.toml");
+    let data = file(&folder, "data.csv", scaled([1.0, 1e3]));
+    let more = ["--starts", "0", "--output", output.to_str().expect("a plain path")];
+    let found = fitted(&[&data], &more);
+    assert_eq!(found["converged"], true, "the search has done what it can");
+    let warnings = found["warnings"].to_string();
+    assert!(
+        warnings.contains("the model does not follow peak_gap_m") && warnings.contains("check its unit"),
+        "{warnings}"
+    );
+    let scene = std::fs::read_to_string(&output).expect("the fitted scene");
+    assert!(scene.contains(", the model does not follow peak_gap_m"), "{scene}");
+    // Right units, without noise.
+    let data = file(&folder, "right.csv", scaled([1.0, 1.0]));
+    let found = fitted(&[&data], &["--starts", "0"]);
+    assert!(!found["warnings"].to_string().contains("does not follow"), "{}", found["warnings"]);
+}
+
+#[test]
+fn semicolons_and_decimal_commas_are_read_as_in_a_recording() {
+    let folder = folder("fit-commas");
+    let points = scaled([1.0, 1.0]);
+    let commas = points.replace(',', ";").replace('.', ",");
+    let [one, other] = [("points.csv", points), ("commas.csv", commas)].map(|(name, text)| {
+        let data = file(&folder, name, text);
+        fitted(&[&data], &["--starts", "0"])["parameters"].clone()
+    });
+    assert_eq!(one, other);
+    let mixed = file(&folder, "mixed.csv", "frequency_hz;rms_voltage_v\n20,5;0,1\n21.5;0,1\n");
+    refused(&["fit", SCENE, "--data", &mixed], &["mixed.csv:3", "frequency_hz", "decimal mark"]);
 }
 
 #[test]
@@ -283,6 +327,11 @@ fn bad_data_and_keys_are_refused_with_their_place() {
     let data = file(&folder, "good.csv", sweep(false, |_| 0.0));
     let key = |key: &str, parts: &[&str]| refused(&["fit", SCENE, "--data", &data, "--free", key], parts);
     key("parameters.mass", &["--free parameters.mass", "unknown key"]);
+    // No value was given, and none is told.
+    key(
+        "parameters.stifness_n_per_m",
+        &["--free parameters.stifness_n_per_m: unknown key, probably stiffness_n_per_m misspelt"],
+    );
     key("parameters.force_law", &["parameters.force_law", "must be a number"]);
     key("parameters.mass_kg=2:1", &["LOW = 2"]);
     key("parameters.mass_kg=1:2", &["parameters.mass_kg", "within 1:2"]);

@@ -17,7 +17,7 @@ fn json_has_every_key_of_the_contract() {
     let keys: Vec<&str> = found.as_object().expect("an object").keys().map(String::as_str).collect();
     let wanted = "scene method precision math duration_s settle_s mean_power_w rms_voltage_v \
                   peak_voltage_v mean_voltage_v delivered_energy_j created_energy_j created_energy_share energy_residual \
-                  steps rejected_steps newton_iterations events wall_s accuracy warnings peak_gap_m min_gap_m impacts impacts_per_period \
+                  steps rejected_steps newton_iterations events wall_s accuracy warnings natural_frequency_hz peak_gap_m min_gap_m impacts impacts_per_period \
                   max_impact_speed_m_per_s first_impact_s stuck_fraction";
     assert_eq!(keys, wanted.split_whitespace().collect::<Vec<_>>());
     assert_eq!(found["scene"], "contact-separation");
@@ -31,6 +31,9 @@ fn json_has_every_key_of_the_contract() {
     assert!((number(&found, "first_impact_s") - 0.430_180_818).abs() < 1e-8);
     assert!((number(&found, "impacts_per_period") * 6.0 - number(&found, "impacts")).abs() < 1e-9);
     assert_eq!(number(&found, "min_gap_m"), 0.0);
+    // 80 N/m and 5 g.
+    let natural = (80.0_f64 / 5e-3).sqrt() / std::f64::consts::TAU;
+    assert!((number(&found, "natural_frequency_hz") / natural - 1.0).abs() < 1e-14);
     assert!(number(&found, "energy_residual") < 1e-10);
 }
 

@@ -1,8 +1,10 @@
 //! Grids.
 
-use super::tool::{SHIPPED, accepted, folder, outcome, refused};
+use super::tool::{PASSIVE, SHIPPED, accepted, folder, host_bench, outcome, refused};
 
 const SHORT: [&str; 4] = ["--set", "run.duration_s=0.5", "--set", "run.settle_s=0.3"];
+
+const SHORT_RUN: [&str; 2] = ["--set", "run={duration_s=3.0,settle_s=2.0}"];
 
 fn sweep<'a>(options: &[&'a str]) -> Vec<&'a str> {
     [&["sweep", SHIPPED, "--method", "reference"], &SHORT[..], options].concat()
@@ -54,7 +56,7 @@ fn a_grid_has_a_row_for_each_point_and_a_picture() {
         page.contains("load.resistance_ohm = 1e7") && !page.contains("src="),
         "a page needs no other file"
     );
-    for label in ["load.resistance_ohm", "excitation.frequency_hz", "mean power [µW]", "10⁷", "19.5"] {
+    for label in ["load resistance [Ω]", "excitation frequency [Hz]", "mean power [µW]", "10⁷", "19.5"] {
         assert!(picture.contains(label), "{label} is in the picture");
     }
     assert!(picture.matches("<rect").count() > 6);
@@ -99,6 +101,38 @@ fn each_point_states_its_accuracy_unless_told_not_to() {
     assert_eq!(stated(&["--no-accuracy"]), Vec::<f64>::new());
     let table = accepted(&[&["sweep", SHIPPED], &SHORT[..], &over[..2]].concat());
     assert!(table.lines().next().is_some_and(|line| line.contains("stated_error")), "{table}");
+}
+
+/// The best of these points is a lucky run of a chaotic motion.
+#[test]
+fn the_best_point_is_told_with_its_stated_error_and_is_doubted_where_its_motion_has_no_period() {
+    let told = |over: &str, options: &[&str]| {
+        let arguments = [&["sweep", PASSIVE, "--over", over], options].concat();
+        String::from_utf8(host_bench(&arguments).stderr).expect("text")
+    };
+    let chaotic = told("excitation.frequency_hz=20.04:20.07:4", &["--no-accuracy"]);
+    assert!(chaotic.contains("warning: the best point has no steady motion of one period"), "{chaotic}");
+    assert!(chaotic.contains("which may be a lucky one: ") && !chaotic.contains("stated error"), "{chaotic}");
+    let periodic = told("excitation.frequency_hz=20.4:20.6:3", &SHORT_RUN);
+    let best = periodic.lines().find(|line| line.starts_with("largest mean_power_w ")).expect("it is told");
+    let error = best.split(", stated error ").nth(1).and_then(|error| error.parse::<f64>().ok());
+    assert!(error.is_some_and(|error| error > 0.0), "{best}");
+    assert!(!periodic.contains("lucky"), "{periodic}");
+    // The motion at these frequencies is chaotic, and the error of its mean large.
+    let doubtful = told("excitation.frequency_hz=19.75:20.5:2", &[]);
+    let place = "at 1 of 2 points, the first at excitation.frequency_hz = 19.75: accuracy:";
+    assert!(doubtful.contains(place), "{doubtful}");
+}
+
+#[test]
+fn a_folder_that_is_named_as_a_file_is_refused() {
+    let output = folder("named-as-a-file").join("sw.csv");
+    let path = output.to_str().expect("a plain path");
+    refused(
+        &sweep(&["--over", "load.resistance_ohm=1e6:1e8:3:log", "--output", path]),
+        &["--output", "sw.csv", "must be a folder"],
+    );
+    assert!(!output.exists());
 }
 
 #[test]

@@ -129,6 +129,7 @@ impl Triboelectric for ContactSeparation {
         let number = |value: S| Some(value.to_f64());
         let impacts = u64::from(window.report().impacts);
         Particular::ContactSeparation(ContactSeparationOutcome {
+            natural_frequency_hz: Some(self.parameters.natural_frequency_hz()),
             peak_gap_m: number(window.report().coordinate.highest),
             // A step that ends in an impact ends up to a tick beyond contact.
             min_gap_m: number(window.report().coordinate.lowest.max(S::ZERO)),

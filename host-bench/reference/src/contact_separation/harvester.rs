@@ -1,5 +1,7 @@
 //! The contact-separation harvester in the marching loop: equations of motion, impacts and stick.
 
+use std::f64::consts::TAU;
+
 use super::guards::{Impact, ImpactSearch};
 use super::physics::Physics;
 use crate::triboelectric::{
@@ -177,6 +179,7 @@ impl Harvester for Physics {
     fn particular(&self, counts: &Counts) -> Particular {
         let Counts { impacts, periods, .. } = *counts;
         Particular::ContactSeparation(ContactSeparationOutcome {
+            natural_frequency_hz: Some(self.angular_frequency / TAU),
             // An impact is located on its far side, one rounding below the closed gap.
             peak_gap_m: Some(counts.highest.max(0.0)),
             min_gap_m: Some(counts.lowest.max(0.0)),

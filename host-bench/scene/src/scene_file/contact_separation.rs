@@ -1,7 +1,5 @@
 //! `[parameters]` and `[initial]` of a contact-separation scene.
 
-use std::f64::consts::TAU;
-
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{ConstantRestitution, VelocityDependentRestitution};
 use model_core::scene::contact_separation::{Parameters, Start};
@@ -115,8 +113,7 @@ fn parameters(mut section: Section<'_>) -> Result<ContactSeparationParameters, S
         stick_charge: stick_charge(&mut section)?,
         restitution: restitution(section.table("restitution")?)?,
     });
-    let frequency = (parameters.stiffness_n_per_m / parameters.mass_kg).sqrt() / TAU;
-    bounds::natural_frequency(frequency, "mass_kg", parameters.mass_kg)
+    bounds::natural_frequency(parameters.natural_frequency_hz(), "mass_kg", parameters.mass_kg)
         .map_err(|reason| section.refuse("stiffness_n_per_m", reason))?;
     section.finish()?;
     Ok(parameters)

@@ -36,6 +36,12 @@ impl SceneError {
         Self { file: file.to_owned(), origin: None, key, value: None, reason: reason.into() }
     }
 
+    /// The same without the value, which the user did not give.
+    #[must_use]
+    pub fn without_value(self) -> Self {
+        Self { value: None, ..self }
+    }
+
     /// Something wrong with a value.
     pub(super) fn of_value(file: &Path, key: &str, node: &Node, reason: impl Into<String>) -> Self {
         Self {
@@ -191,6 +197,13 @@ impl Document {
         found
     }
 
+    /// The keys of the scene whose last part is `name`, those of its kinds only.
+    pub(super) fn paths_of(&self, name: &str) -> Vec<String> {
+        let mut found = Vec::new();
+        add_paths(&KEYS, Some(&self.content), "", name, &mut found);
+        found
+    }
+
     fn put(&mut self, change: &Override) -> Result<(), SceneError> {
         let node = Node { content: change.content(), origin: change.origin() };
         let key = change.key();
@@ -268,6 +281,34 @@ fn kind_of(table: &Table, content: &Content) -> Option<&'static Kind> {
     match entry(content, table.selector)? {
         Content::Text(word) => table.kind(word),
         _ => None,
+    }
+}
+
+/// Adds the keys of a table and of those in it whose last part is `name`; `prefix` leads to the table.
+fn add_paths(
+    table: &'static Table,
+    content: Option<&Content>,
+    prefix: &str,
+    name: &str,
+    found: &mut Vec<String>,
+) {
+    let kind = content.and_then(|content| kind_of(table, content));
+    for key in kind.map_or(&[][..], |kind| kind.keys).iter().chain(table.keys) {
+        let path = format!("{prefix}{}", key.name);
+        let inside = content.and_then(|content| entry(content, key.name));
+        match key.value {
+            Value::Table(inner) => add_paths(inner, inside, &format!("{path}."), name, found),
+            Value::Tables(inner) => {
+                if let Some(Content::List(items)) = inside {
+                    let first = items.first().map(|node| &node.content);
+                    add_paths(inner, first, &format!("{path}.0."), name, found);
+                }
+            }
+            _ => {}
+        }
+        if key.name == name {
+            found.push(path);
+        }
     }
 }
 

@@ -120,6 +120,14 @@ pub struct ContactSeparationParameters {
     pub restitution: Restitution,
 }
 
+impl ContactSeparationParameters {
+    /// Natural frequency in Hz of the mass on its spring, undamped and without the electrostatic force.
+    #[must_use]
+    pub fn natural_frequency_hz(&self) -> f64 {
+        (self.stiffness_n_per_m / self.mass_kg).sqrt() / std::f64::consts::TAU
+    }
+}
+
 /// Electrostatic force law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForceLaw {

@@ -8,6 +8,8 @@ use super::key::{Default, Key, Kind, Table, Value};
 
 /// Most letters by which a misspelt key differs.
 const MOST_EDITS: usize = 2;
+/// Most keys of other tables that an error names.
+const MOST_PATHS: usize = 3;
 
 /// A table of the file, and the keys that it may have.
 #[derive(Debug)]
@@ -108,15 +110,9 @@ impl<'a> Section<'a> {
 
     /// A key of the file that is unknown, and that differs from `key` in its unit or in a few letters.
     fn misspelt(&self, key: &str) -> Option<(&'a str, &'a Node)> {
-        let close = |written: &str| {
-            let same_quantity = key.split_once('_').is_some_and(|(quantity, _)| written == quantity)
-                || key.rsplit_once('_').is_some_and(|(quantity, _)| written == quantity);
-            let edits = damerau_levenshtein(&written.to_lowercase(), key);
-            same_quantity || edits <= MOST_EDITS.min(key.len() / 3)
-        };
         let is_another = |written: &str| self.known().any(|name| name == written);
         let mut entries = self.entries.iter().map(|(written, node)| (written.as_str(), node));
-        entries.find(|(written, _)| !is_another(written) && close(written))
+        entries.find(|(written, _)| !is_another(written) && is_close(written, key))
     }
 
     /// The file of the scene.
@@ -374,10 +370,29 @@ impl<'a> Section<'a> {
                     name = format!("{name}.{key}");
                     node = inner;
                 }
-                let reason =
-                    format!("unknown key; known here: {}", self.known().collect::<Vec<_>>().join(", "));
+                let known: Vec<&str> = self.known().collect();
+                let meant = known.iter().find(|known| is_close(key, known));
+                let probably = meant.map_or_else(String::new, |meant| format!(", probably {meant} misspelt"));
+                let elsewhere = match meant {
+                    None => self.document.paths_of(name.rsplit('.').next().unwrap_or(key)),
+                    Some(_) => Vec::new(),
+                };
+                let elsewhere = match &elsewhere[..elsewhere.len().min(MOST_PATHS)] {
+                    [] => String::new(),
+                    paths => format!("; did you mean {}?", paths.join(" or ")),
+                };
+                let known = known.join(", ");
+                let reason = format!("unknown key{probably}; known here: {known}{elsewhere}");
                 Err(SceneError::of_value(&self.document.file, &name, node, reason))
             }
         }
     }
+}
+
+/// Whether what was written differs from a key in its unit or in a few letters.
+fn is_close(written: &str, key: &str) -> bool {
+    let same_quantity = key.split_once('_').is_some_and(|(quantity, _)| written == quantity)
+        || key.rsplit_once('_').is_some_and(|(quantity, _)| written == quantity);
+    let edits = damerau_levenshtein(&written.to_lowercase(), key);
+    same_quantity || edits <= MOST_EDITS.min(key.len() / 3)
 }

@@ -1,7 +1,7 @@
 //! A recorded acceleration in a CSV or a WAV file.
 
 mod clock;
-mod number;
+pub(super) mod number;
 mod table;
 mod wave;
 

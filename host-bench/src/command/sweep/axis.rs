@@ -31,7 +31,11 @@ impl Axis {
         if index + 1 >= self.count {
             return self.to;
         }
-        let part = index as f64 / (self.count - 1) as f64;
+        self.at(index as f64 / (self.count - 1) as f64)
+    }
+
+    /// The value at a part of the way from FROM to TO.
+    pub(super) fn at(&self, part: f64) -> f64 {
         if self.logarithmic {
             // To base ten, so that decades are exact.
             10f64.powf(self.from.log10() + part * (self.to.log10() - self.from.log10()))

@@ -7,6 +7,7 @@ use super::picture::{Quantity, Words, across, curve, edges, long, shown};
 use crate::report::charts::{Charts, HINT, Look};
 use crate::report::field::{Field, Told};
 use crate::report::html::{document, escaped};
+use crate::report::label::label;
 use crate::report::plot::{self, Curve, Plot, height};
 use crate::report::svg::{extremes, shade, tick};
 
@@ -81,8 +82,8 @@ fn map([rows, axis]: [&Axis; 2], quantity: &Quantity) -> (Plot, Field) {
         curves: Vec::new(),
     };
     let tells = vec![
-        Told::Column(axis.key.clone(), all(axis, &columns)),
-        Told::Row(rows.key.clone(), all(rows, &lines)),
+        Told::Column(label(&axis.key), all(axis, &columns)),
+        Told::Row(label(&rows.key), all(rows, &lines)),
         Told::Cell(name, values.clone()),
     ];
     (plot, Field { edges, values, ends, words: ends.map(tick), tells, numbers: None })

@@ -4,6 +4,7 @@ use plotters::prelude::*;
 
 use super::axis::Axis;
 use crate::report::colour_bar::colour_bar;
+use crate::report::label::label as label_of_key;
 use crate::report::plot::{self, Curve, Mark, Plot, height};
 use crate::report::setting::prefix;
 use crate::report::svg::{
@@ -83,8 +84,8 @@ pub(super) fn shown(quantities: &[Quantity]) -> Vec<&Quantity> {
 pub(super) fn across(axis: &Axis) -> plot::Axis {
     let span = [axis.value(0), axis.value(axis.count() - 1)];
     match axis.logarithmic {
-        true => plot::Axis::logarithmic(axis.key.as_str(), span),
-        false => plot::Axis::linear(axis.key.as_str(), span, 8),
+        true => plot::Axis::logarithmic(label_of_key(&axis.key), span),
+        false => plot::Axis::linear(label_of_key(&axis.key), span, 8),
     }
 }
 
@@ -164,8 +165,8 @@ fn map(area: &Area<'_>, words: Words<'_>, [across, up]: [&Axis; 2], quantity: &Q
     chart
         .configure_mesh()
         .disable_mesh()
-        .x_desc(across.key.as_str())
-        .y_desc(up.key.as_str())
+        .x_desc(label_of_key(&across.key))
+        .y_desc(label_of_key(&up.key))
         .label_style(LABEL)
         .x_label_formatter(&|x| label(across, *x, &columns))
         .y_label_formatter(&|y| label(up, *y, &rows))
@@ -211,7 +212,8 @@ mod tests {
         let svg = svg.expect("drawn").expect("a picture");
         let turned =
             |name: &str| svg.split("<text").any(|text| text.contains(name) && text.contains("rotate"));
-        assert!(turned("load.resistance_ohm") && !turned("excitation.frequency_hz"));
+        assert!(turned("load resistance [Ω]") && !turned("excitation frequency [Hz]"));
+        assert!(svg.contains("excitation frequency [Hz]") && !svg.contains("frequency_hz"), "no raw key");
         assert!(!told.iter().any(|text| text.contains("3.16") || text.starts_with('-')), "{told:?}");
         let all = (0..20).map(|index| Some(f64::from(index)));
         let told = texts(&draw(words, &axes, &[power(all)]).expect("drawn").expect("a picture"));

@@ -2,7 +2,7 @@
 
 /// How the columns of a table are separated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Delimiter {
+pub enum Delimiter {
     Comma,
     Semicolon,
     Tab,
@@ -10,7 +10,7 @@ pub(super) enum Delimiter {
 
 impl Delimiter {
     /// The delimiter of a file, by its first row: a semicolon or a tab if there is one.
-    pub(super) fn of(text: &str) -> Self {
+    pub fn of(text: &str) -> Self {
         let first = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'));
         match first {
             Some(line) if line.contains(';') => Self::Semicolon,
@@ -19,7 +19,8 @@ impl Delimiter {
         }
     }
 
-    pub(super) fn byte(self) -> u8 {
+    /// The letter that separates two cells.
+    pub fn byte(self) -> u8 {
         match self {
             Self::Comma => b',',
             Self::Semicolon => b';',
@@ -30,19 +31,23 @@ impl Delimiter {
 
 /// Reads numbers that all have the same decimal mark.
 #[derive(Debug)]
-pub(super) struct Numbers {
+pub struct Numbers {
     delimiter: Delimiter,
     /// The mark of the first number that has one.
     mark: Option<char>,
 }
 
 impl Numbers {
-    pub(super) fn new(delimiter: Delimiter) -> Self {
+    /// Of a table with this delimiter.
+    pub fn new(delimiter: Delimiter) -> Self {
         Self { delimiter, mark: None }
     }
 
-    /// The number in a cell, or why there is none.
-    pub(super) fn read(&mut self, cell: &str) -> Result<f64, String> {
+    /// The number in a cell.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn read(&mut self, cell: &str) -> Result<f64, String> {
         let mark = cell.chars().find(|letter| matches!(letter, '.' | ','));
         let with_point = match mark {
             Some(',') if self.delimiter != Delimiter::Comma => cell.replacen(',', ".", 1),

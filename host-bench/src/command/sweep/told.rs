@@ -1,0 +1,103 @@
+//! What is told of all points of a sweep: their warnings, and the best of them.
+
+use super::{Axis, Point, SweepArguments, indices, place, scene};
+use crate::doubt::Best;
+use crate::embedded;
+use crate::method::Options;
+use crate::resolution::is_of_a_far_sine;
+use crate::run::run_scene;
+
+/// The warnings of the points together. A row has its own warnings in JSON and CSV.
+pub(super) fn warnings(axes: &[Axis], points: &[Point]) -> impl Iterator<Item = String> {
+    [most_created(axes, points), all_far(axes, points), first_inaccurate(axes, points)].into_iter().flatten()
+}
+
+/// The warning of the point whose force law created the largest share of the delivered energy, with the number of the
+/// points that warn.
+fn most_created(axes: &[Axis], points: &[Point]) -> Option<String> {
+    let warned = points.iter().filter_map(|point| {
+        let share = point.number("created_energy_share").map_or(0.0, f64::abs);
+        let is_other = |warning: &&str| !is_of_accuracy(warning) && !is_of_a_far_sine(warning);
+        let warning = point.warnings().find(is_other)?;
+        Some((point, warning, share))
+    });
+    let count = warned.clone().count();
+    let (point, warning, _) = warned.max_by(|(.., one), (.., other)| one.total_cmp(other))?;
+    Some(format!("at {count} of {} points, the most at {}: {warning}", points.len(), place(axes, point)))
+}
+
+/// The point with the largest mean power, its index, and the power in W; `None` unless there are several points.
+pub(super) fn best(points: &[Point]) -> Option<(usize, &Point, f64)> {
+    let powers = points.iter().enumerate();
+    let powers = powers.filter_map(|(index, point)| Some((index, point, point.number("mean_power_w")?)));
+    powers.max_by(|one, other| one.2.total_cmp(&other.2)).filter(|_| points.len() > 1)
+}
+
+/// It in words.
+pub(super) fn told_best(axes: &[Axis], (_, point, power): (usize, &Point, f64)) -> String {
+    let accuracy = point.found.as_ref().ok().and_then(|fields| fields.get("accuracy"));
+    let stated = match (accuracy.and_then(|accuracy| accuracy.get("total")?.as_f64()), point.is_stated()) {
+        (Some(total), _) => format!(", stated error {total:.1e}"),
+        (None, true) => ", stated error unknown".to_owned(),
+        (None, false) => String::new(),
+    };
+    format!("largest mean_power_w {power:e} at {}{stated}", place(axes, point))
+}
+
+/// The warning of a best point that may be a lucky one.
+pub(super) fn doubt(
+    arguments: &SweepArguments,
+    options: &Options,
+    (index, point, value): (usize, &Point, f64),
+) -> Option<String> {
+    let axes = &arguments.axes;
+    let moved: Vec<usize> = (0..axes.len()).filter(|&axis| axes[axis].count() > 1).collect();
+    let indices = indices(axes, index);
+    let part = |&axis: &usize| indices[axis] as f64 / (axes[axis].count() - 1) as f64;
+    let parts: Vec<f64> = moved.iter().map(part).collect();
+    let at = |parts: &[f64]| {
+        let mut values = point.values.clone();
+        moved.iter().zip(parts).for_each(|(&axis, part)| values[axis] = axes[axis].at(*part));
+        run_scene(&scene(arguments, &values).ok()?, options).ok()?.mean_power_w
+    };
+    Best {
+        quantity: "mean_power_w",
+        place: &parts,
+        value,
+        scene: scene(arguments, &point.values).ok()?,
+        options: *options,
+        verdict: point.text("steady_state"),
+        shoot: &embedded::steady_state,
+        at: &at,
+    }
+    .doubt()
+}
+
+/// Whether a warning is about the accuracy of the numbers.
+pub(super) fn is_of_accuracy(warning: &str) -> bool {
+    warning.starts_with("accuracy:")
+}
+
+/// How many points have a warning of their accuracy, and the first of them.
+fn first_inaccurate(axes: &[Axis], points: &[Point]) -> Option<String> {
+    first_of(axes, points, is_of_accuracy).map(|(_, text)| text)
+}
+
+/// The warning of sines that are far from every resonance, where all points have it: a sweep may go beyond the resonances on
+/// purpose.
+fn all_far(axes: &[Axis], points: &[Point]) -> Option<String> {
+    first_of(axes, points, is_of_a_far_sine).filter(|(count, _)| *count == points.len()).map(|(_, text)| text)
+}
+
+/// How many points have a warning of a kind, and the first of them in words.
+fn first_of(axes: &[Axis], points: &[Point], is_of_kind: fn(&str) -> bool) -> Option<(usize, String)> {
+    let warned = points
+        .iter()
+        .filter_map(|point| Some((point, point.warnings().find(|warning| is_of_kind(warning))?)));
+    let count = warned.clone().count();
+    let (point, warning) = warned.clone().next()?;
+    Some((
+        count,
+        format!("at {count} of {} points, the first at {}: {warning}", points.len(), place(axes, point)),
+    ))
+}

@@ -1,0 +1,108 @@
+//! What an error or a warning says of the way out: slips of the command line, wrong units, coarse recordings.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use super::tool::{PASSIVE, SHIPPED, accepted, file, folder, host_bench, refused};
+
+const OVER: [&str; 2] = ["--over", "load.resistance_ohm=1e6:1e8"];
+
+#[test]
+fn a_key_without_its_table_and_one_that_is_misspelt() {
+    refused(
+        &["run", SHIPPED, "--set", "resistance_ohm=1e6"],
+        &["--set resistance_ohm = 1e6: unknown key", "did you mean load.resistance_ohm?"],
+    );
+    refused(
+        &["sweep", SHIPPED, "--over", "frequency_hz=19:20:2"],
+        &["--over frequency_hz = 19.0: unknown key", "did you mean excitation.frequency_hz?"],
+    );
+    refused(
+        &["run", SHIPPED, "--set", "load.resistence_ohm=1e6"],
+        &["load.resistence_ohm = 1e6: unknown key, probably resistance_ohm misspelt"],
+    );
+    // Only keys of the scene's own kinds.
+    let output = host_bench(&["run", SHIPPED, "--set", "beam_modes=2"]);
+    let told = String::from_utf8(output.stderr).expect("text");
+    assert!(told.contains("unknown key") && !told.contains("did you mean"), "{told}");
+}
+
+#[test]
+fn a_word_in_place_of_a_command() {
+    refused(&["motor.toml"], &["motor.toml: must be a command", "run motor.toml"]);
+    refused(&["sweeep", SHIPPED], &["sweeep", "similar", "'sweep'"]);
+    refused(&["run", SHIPPED, "--toleranse", "1e-3"], &["--toleranse", "similar", "'--tolerance'"]);
+    // The other spelling.
+    let known = ["optimize", SHIPPED, "--maximize", "wall_s", "--grid", "3"];
+    refused(&[&known[..], &OVER].concat(), &["--maximise wall_s", "a time of this computer"]);
+    let known = ["optimise", SHIPPED, "--minimize", "wall_s", "--grid", "3"];
+    refused(&[&known[..], &OVER].concat(), &["--minimise wall_s", "a time of this computer"]);
+}
+
+/// The result of a run, with its warnings.
+#[track_caller]
+fn run(scene: &str, options: &[&str]) -> (Value, String) {
+    let text = accepted(&[&["run", scene, "--format", "json"], options].concat());
+    let found: Value = serde_json::from_str(&text).expect("an object");
+    let warnings = found["warnings"].to_string();
+    (found, warnings)
+}
+
+#[test]
+fn a_mass_in_grams_shakes_far_from_the_resonance() {
+    let short = ["--no-accuracy", "--set", "run={duration_s=1.0,settle_s=0.5}"];
+    let (found, warnings) = run(PASSIVE, &[&short[..], &["--set", "parameters.mass_kg=5.0"]].concat());
+    let natural = (80.0_f64 / 5.0).sqrt() / std::f64::consts::TAU;
+    assert!((found["natural_frequency_hz"].as_f64().expect("a number") / natural - 1.0).abs() < 1e-12);
+    let apart = format!(
+        "excitation.frequency_hz = 20.5 is a factor of {:.1} from the natural frequency of {natural:.4} Hz",
+        20.5 / natural
+    );
+    assert!(warnings.contains(&apart) && warnings.contains("parameters.mass_kg"), "{warnings}");
+    assert!(!warnings.contains("accuracy:"), "the numbers are right for that mass: {warnings}");
+    let (_, warnings) = run(PASSIVE, &short);
+    assert!(!warnings.contains("natural frequency"), "{warnings}");
+}
+
+#[test]
+fn an_error_above_the_value_is_not_a_value() {
+    // A transient of a minute: the mean over the second half of the run depends on when it began.
+    let (found, warnings) = run(PASSIVE, &["--set", "parameters.mass_kg=8.0"]);
+    let total = found["accuracy"]["total"].as_f64().expect("a statement");
+    assert!(total > 1.0, "{total}");
+    assert!(
+        warnings.contains("accuracy: the mean power cannot be told: the estimated relative error"),
+        "{warnings}"
+    );
+    assert!(warnings.contains("a longer run.duration_s may help"), "{warnings}");
+}
+
+#[test]
+fn a_coarse_recording_is_told_how_many_samples_it_needs() {
+    let folder = folder("coarse-recording");
+    let mut samples = String::from("acceleration_m_per_s2\n");
+    for row in 0..=300 {
+        let _ = writeln!(samples, "{}", (std::f64::consts::TAU * 20.1 * 0.01 * f64::from(row)).sin());
+    }
+    file(&folder, "recorded.csv", samples);
+    let shipped = std::fs::read_to_string(PASSIVE).expect("the shipped scene");
+    let from = shipped.find("[excitation]").expect("the table");
+    let scene = file(
+        &folder,
+        "scene.toml",
+        format!(
+            "{}[excitation]\nkind = \"file\"\npath = \"recorded.csv\"\nrate_hz = 100\nscale_m_per_s2 = 0.2\n\
+             [run]\nduration_s = 3.0\nsettle_s = 1.0\n",
+            &shipped[..from]
+        ),
+    );
+    let (_, warnings) = run(&scene, &[]);
+    let natural = (80.0_f64 / 5e-3).sqrt() / std::f64::consts::TAU;
+    assert!(warnings.contains("by the sampling of the trace"), "{warnings}");
+    let told = format!(
+        "100 Hz are {:.1} samples in a period of the natural frequency of {natural:.4} Hz",
+        100.0 / natural
+    );
+    assert!(warnings.contains("a higher sampling rate helps: ") && warnings.contains(&told), "{warnings}");
+}
