@@ -9,7 +9,6 @@ use model_core::hybrid::{Automaton, Driver, HybridState};
 use model_core::integrate::{AnyStepControl, ExponentialRadau, Method, TrBdf2};
 use model_core::observer::{AcceptedStep, Event, Observer, Outputs};
 use model_core::part::force_law::AnyForceLaw;
-use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::part::storage::{Capacitor, DcBus, StorageCapacitor, StorageElement};
 use model_core::scalar::Scalar;
 use model_core::scene::rectified::{BridgeRegime, ElectricalPort, FullBridge, Mode, Rectified, STATES};

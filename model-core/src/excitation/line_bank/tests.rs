@@ -152,12 +152,12 @@ fn a_bank_that_does_not_fit_its_resonance_says_by_how_much() {
         other => panic!("{other:?}"),
     }
     // Sections of 128 samples at 100 Hz, 0.78 Hz apart.
-    let slow = LineBank::<128, 32>::new(100.0, 20.0, 0.5, 1e-3).err().expect("too wide");
+    let slow = LineBank::<128, 32>::new(100.0, 20.0, 0.5, 1e-3).expect_err("too wide");
     assert!(
         matches!(slow, ExcitationError::Band { section_rate, limit, .. } if section_rate < 1.6 && limit < 0.5),
         "{slow}"
     );
-    let low = LineBank::<80, 16>::new(400.0, 5.0, 0.1, 1e-3).err().expect("too low");
+    let low = LineBank::<80, 16>::new(400.0, 5.0, 0.1, 1e-3).expect_err("too low");
     assert_eq!(low.to_string(), "bank of lines: frequency = 5.0 must be from 10.0 to 180.0");
 }
 
