@@ -158,7 +158,7 @@ pub fn detuning(distance: i32, slope: u32) -> i32 {
     let top = beside << zeros;
     let index = (top >> 28).wrapping_sub(8 * zeros) % 64;
     let chord = ARSINH_CHORDS.get(index as usize).copied().unwrap_or(0);
-    let magnitude = ((chord >> 16) + (((chord & 0xffff) * (top << 4 >> 23)) >> 9)).cast_signed();
+    let magnitude = ((chord >> 16) + (((chord & 0xffff) * (top << 4 >> 23) + 256) >> 9)).cast_signed();
     if distance < 0 { -magnitude } else { magnitude }
 }
 
