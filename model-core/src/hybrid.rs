@@ -10,6 +10,7 @@ mod driver;
 mod locate;
 mod outcome;
 mod predicted;
+mod search;
 
 use core::fmt::Debug;
 

@@ -3,7 +3,7 @@
 use super::attempt::{Attempts, MOST_GUARDS};
 use super::locate::MOST_ATTEMPTS;
 use super::outcome::{Advance, Ended, StepError, StepFailure, Work};
-use super::predicted::Search;
+use super::search::Search;
 use super::{Automaton, HybridState, InputAt};
 use crate::clock::{Instant, seconds_of_ticks, ticks_of_seconds};
 use crate::excitation::Excitation;
