@@ -114,7 +114,7 @@ impl Parts {
         if axis == 2 && is_high {
             self.taken += 1;
         }
-        let shaking = if self.second() / 21_600 % 2 == 0 {
+        let shaking = if (self.second() / 21_600).is_multiple_of(2) {
             if count % 5 < 3 { 30 } else { -45 }
         } else {
             (count.wrapping_mul(2_654_435_769) >> 26) as i32 - 32
