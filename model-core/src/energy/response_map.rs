@@ -41,6 +41,8 @@ mod coordinate;
 mod image;
 mod plan;
 #[cfg(test)]
+pub(crate) mod test_map;
+#[cfg(test)]
 mod tests;
 mod words;
 

@@ -4,14 +4,14 @@ use super::{
     Hearing, IncomeOfTime, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread,
     Task, Wake,
 };
-use crate::energy::response_map::{COLUMNS, LOWER, MAGIC, PARTS, ROWS, TAIL, UPPER, VERSION, seal};
+use crate::energy::response_map::test_map::{FINGERPRINT, factors, head};
+use crate::energy::response_map::{COLUMNS, LOWER, PARTS, ROWS, TAIL, UPPER, seal};
 use crate::energy::{
     Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
     ResponseMap, StorageParameters,
 };
 use crate::excitation::LineBank;
 
-const FINGERPRINT: u32 = 0x1234_5678;
 const RATE: f32 = 100.0;
 const RESONANCE: f32 = 20.0;
 const UNIT: f64 = 9.806_65 / 1024.0;
@@ -24,47 +24,16 @@ const HOURS: u32 = 3600;
 /// A map of the same yields in W at all places, of the smaller motion below 2 m/s² and of the larger one above 1 m/s², each
 /// from 0.4 % below to 0.8 % above.
 fn map(yields: [f64; 2]) -> Vec<u16> {
-    let mut words = vec![
-        MAGIC,
-        VERSION,
-        0,
-        FINGERPRINT as u16,
-        (FINGERPRINT >> 16) as u16,
-        LOWER | UPPER,
-        COLUMNS as u16,
-        1,
-        // 20 Hz, and a half-bandwidth of 0.1 Hz.
-        (20 << 15 & 0xffff) as u16,
-        (20 << 15 >> 16) as u16,
-        15,
-        (f64::from(1 << 24) / (0.1 * f64::from(1 << 15))).round() as u16,
-        // Columns from −8 to 8 half-bandwidths, rows from 1/4 to 8 m/s².
-        (-8 * 1024_i16).cast_unsigned(),
-        2 * 8 * 1024,
-        ROWS as u16 / 2,
-        ROWS as u16 / 2,
-        1 << 8 | 11,
-        1 << 8 | 11,
-        14 * 2048,
-        19 * 2048,
-        40,
-        (-20_i16).cast_unsigned(),
-        300,
-        123,
-        456,
-        9700,
-        (20 * 2048) as u16,
-        (24 * 2048) as u16,
-        0,
-    ];
+    let rows = ROWS as u16 / 2;
+    let mut words = head(LOWER | UPPER, [rows; 2], 1);
+    words.push(0);
     let levels = yields.map(|power| ((power.log2() + 20.0) * 2048.0).round() as u16);
     for _ in 0..COLUMNS {
         words.extend([17 * 2048, 16 * 2048]);
         words.extend(levels.iter().flat_map(|&level| [level; ROWS / 2]));
     }
-    let bounds = [255.0 / 256.0, 129.0 / 128.0].map(|factor: f32| (factor.to_bits() >> 16) as u16);
     // Two for near and far rows of either branch.
-    words.extend(bounds.repeat(2 * 2 * PARTS));
+    words.extend(factors([255.0 / 256.0, 129.0 / 128.0]).repeat(2 * 2 * PARTS));
     words.extend([0; TAIL]);
     seal(&mut words);
     words

@@ -2,9 +2,9 @@
 
 mod interpolation;
 
+use super::test_map::{FINGERPRINT, factors, head};
 use super::*;
 
-const FINGERPRINT: u32 = 0x1234_5678;
 const SPACING: Spacing = Spacing { shift: 11, bits: 1 };
 
 /// What a test map has.
@@ -26,7 +26,7 @@ const BOTH: Plan = Plan {
     value: |_, branch, column, row| (1000 + 20_000 * branch + 100 * column + 10 * row) as u16,
 };
 
-/// Resonance at 20 Hz, half-bandwidth 0.1 Hz, from −8 to 8 in 2¹² of the detuning; amplitudes from 1/4 to 8 m/s².
+/// The map of a plan, with the [`head`] of all test maps.
 fn built(plan: &Plan) -> Vec<u16> {
     let rows = match plan.flags & (LOWER | UPPER) {
         LOWER => [ROWS as u16, 0],
@@ -44,43 +44,11 @@ fn built(plan: &Plan) -> Vec<u16> {
         };
         (0..COLUMNS).flat_map(column)
     };
-    let half_bandwidth = 0.1_f64 * f64::from(1 << 15);
-    let span = 2 * 8 * 1024_u16;
-    let mut words = vec![
-        MAGIC,
-        VERSION,
-        0,
-        FINGERPRINT as u16,
-        (FINGERPRINT >> 16) as u16,
-        plan.flags,
-        COLUMNS as u16,
-        plan.voltages.len() as u16,
-        (20 << 15 & 0xffff) as u16,
-        (20 << 15 >> 16) as u16,
-        15,
-        (f64::from(1 << 24) / half_bandwidth).round() as u16,
-        (-8 * 1024_i16).cast_unsigned(),
-        span,
-        rows[0],
-        rows[1],
-        1 << 8 | 11,
-        1 << 8 | 11,
-        14 * 2048,
-        19 * 2048,
-        40,
-        (-20_i16).cast_unsigned(),
-        300,
-        123,
-        456,
-        9700,
-        (20 * 2048) as u16,
-        (24 * 2048) as u16,
-    ];
+    let mut words = head(plan.flags, rows, plan.voltages.len());
     words.extend(plan.voltages);
     words.extend((0..plan.voltages.len()).flat_map(columns));
     // An eighth lower, a half higher; far rows a quarter and twice.
-    let branch = [0.875, 1.5, 0.75, 2.0].map(|factor: f32| (factor.to_bits() >> 16) as u16);
-    words.extend(branch.repeat(2 * PARTS * plan.voltages.len()));
+    words.extend(factors([0.875, 1.5, 0.75, 2.0]).repeat(2 * PARTS * plan.voltages.len()));
     words.extend([0; TAIL]);
     seal(&mut words);
     words
