@@ -38,6 +38,7 @@ mod board;
 mod covariance;
 mod decision;
 mod filter;
+mod gap;
 mod glance;
 mod heard;
 mod hearing;
@@ -227,49 +228,6 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         self.settle(state, now, code);
         let is_later = self.advance(state, now, true);
         self.read(state, code, is_later);
-        self.decide(state)
-    }
-
-    /// As [`Node::wake`] after a time in which the node was off, locked out or without supply, from the last call to
-    /// `now`: nothing was drawn, and nothing was heard.
-    #[cold]
-    #[inline(never)]
-    pub fn wake_after_gap(
-        &self,
-        state: &mut NodeState<P, SLOTS, ACTIONS>,
-        now: u32,
-        code: Option<u32>,
-    ) -> Wake {
-        state.abandon();
-        self.settle(state, now, None);
-        self.advance(state, state.second, true);
-        self.lose(state);
-        self.be_off(state, now);
-        self.advance(state, now, false);
-        self.read(state, code, true);
-        self.decide(state)
-    }
-
-    /// As [`Node::wake_after_gap`] where no clock knows how long the node was off: the time goes on from the last call. The
-    /// storage is read as for the first time, the power may be any like the last one, and the income of the gap is not
-    /// told. Without `code` the node can afford nothing before its next reading.
-    #[cold]
-    #[inline(never)]
-    pub fn wake_after_unknown_gap(
-        &self,
-        state: &mut NodeState<P, SLOTS, ACTIONS>,
-        code: Option<u32>,
-    ) -> Wake {
-        state.abandon();
-        let now = state.second;
-        self.settle(state, now, None);
-        self.advance(state, now, true);
-        state.filter.lose_store();
-        // What was spent before the gap left another storage.
-        state.spent = 0.0;
-        self.budget.correct(&mut state.budget, 0.0, 0.0);
-        self.lose(state);
-        self.read(state, code, true);
         self.decide(state)
     }
 

@@ -55,9 +55,12 @@ pub struct Fault;
 pub enum Gap {
     /// The node was on until this second of its clock, and lost its memory only.
     OnUntil(u32),
-    /// The node was off until this second of its clock: nothing was drawn since the image. Save an image before the
-    /// power-down, or what the node spent after the image is taken for an income that was missing.
+    /// The node was off from the image until this second of its clock: nothing was drawn. An image is then saved at the
+    /// power-down. What the node spends after the image is taken for an income that was missing.
     OffUntil(u32),
+    /// The node went off at an unknown time after the image, as by a lock-out, and was off until this second of its clock. It
+    /// drew any energy up to what it draws at most; the income of the time is uncertain by as much.
+    LockedOutUntil(u32),
     /// The node was off for a time that no clock knows. The clock goes on from the second of the image.
     Unknown,
 }
@@ -335,6 +338,10 @@ impl<
             Gap::OffUntil(now) => {
                 let code = self.board.storage_code();
                 self.wake = self.node.wake_after_gap(&mut self.state, now, code);
+            }
+            Gap::LockedOutUntil(now) => {
+                let code = self.board.storage_code();
+                self.wake = self.node.wake_after_lost_calls(&mut self.state, now, code);
             }
             Gap::Unknown => {
                 let code = self.board.storage_code();

@@ -210,6 +210,11 @@ impl<S: Scalar> FilterState<S> {
         self.covariance.widen(GAIN, kept * kept * removed);
     }
 
+    /// Adds to the variance of the stored energy.
+    pub(super) fn widen_store(&mut self, variance: S) {
+        self.covariance.widen(STORE, variance);
+    }
+
     /// Adds to the variance of the power.
     pub(super) fn widen_power(&mut self, variance: S) {
         self.covariance.widen(POWER, variance);

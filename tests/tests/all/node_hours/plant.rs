@@ -336,7 +336,7 @@ impl<'a> World<'a> {
             }
             self.is_on = true;
             let code = self.code();
-            (self.node.wake_after_gap(state, self.second(), Some(code)), true)
+            (self.node.wake_after_lock_out(state, self.second(), Some(code)), true)
         };
         let [after, _] = state.instruments();
         let spent = match after - before {
@@ -370,7 +370,7 @@ impl<'a> World<'a> {
         let mut state = self.node.start(0);
         let (mut actions, mut hours) = (0, Vec::new());
         let code = self.code();
-        let mut wake = self.node.wake(&mut state, 0, Some(code));
+        let mut wake = self.wake(&mut state, Some(code));
         let mut last = state.last_hour();
         while self.is_going_on() {
             wake = match wake.task {
@@ -424,4 +424,28 @@ fn a_lock_out_within_a_sleep_and_one_by_an_action_are_counted() {
     world.wake(&mut state, None);
     assert_eq!(world.lock_outs, 2);
     assert!(world.is_on && world.energy > lock_out);
+}
+
+#[test]
+fn the_hours_of_a_lock_out_are_inside_their_bounds() {
+    let build = super::build(Kind::ContactSeparation, Processor::nrf52832(), 1e-3, 0.01);
+    let node = build.node(super::map(build.kind), 1.0);
+    let plant = Plant { standing: 1.0, action: 1.0, highest: 1.0 };
+    let mut lock_outs = 0;
+    for later in [600.0, 1200.0, 2400.0] {
+        for income in [0.1e-6, 1e-6, 5e-6] {
+            // Two hours without income, and a lock-out in the second of them.
+            let minutes: Vec<f64> =
+                (0..360).map(|minute| if minute < 120 { 0.0 } else { 60.0 * income }).collect();
+            let mut world = World::new(&build, &node, (&minutes, &[]), plant, 1);
+            let lock_out = world.at(node.parameters().budget.storage.lock_out_voltage);
+            world.energy = lock_out + (3600.0 + later) * build.standing;
+            let run = world.run(|state| state);
+            lock_outs += run.lock_outs;
+            for hour in &run.hours {
+                assert!((hour.told - hour.truth).abs() <= hour.bound, "{later} s, {income} W: {hour:?}");
+            }
+        }
+    }
+    assert!(lock_outs >= 6, "{lock_outs}");
 }

@@ -1,0 +1,112 @@
+//! Returns of a node from a time in which it was off.
+
+use super::{Node, NodeState, Wake, real};
+use crate::energy::response_map::Words;
+use crate::scalar::Scalar;
+
+/// Standard deviation of an even distribution from −1 to 1.
+const ONE_OF_EVEN: f32 = 0.577_350_26;
+
+impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize>
+    Node<W, M, P, SLOTS, ACTIONS>
+{
+    /// As [`Node::wake`] after a time in which the node was off from the last call to `now`: nothing was drawn, and nothing
+    /// was heard. If it went off later, as by a lock-out while it slept, use [`Node::wake_after_lock_out`].
+    #[cold]
+    #[inline(never)]
+    pub fn wake_after_gap(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        now: u32,
+        code: Option<u32>,
+    ) -> Wake {
+        self.return_from_gap(state, now, code, 0.0)
+    }
+
+    /// As [`Node::wake_after_gap`] where the node went off at an unknown time between the last call and `now`: it slept first,
+    /// and drew any part of its standing power over that time. The income of the time is uncertain by as much.
+    #[cold]
+    #[inline(never)]
+    pub fn wake_after_lock_out(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        now: u32,
+        code: Option<u32>,
+    ) -> Wake {
+        self.return_from_gap(state, now, code, self.largest_standing_power(state))
+    }
+
+    /// As [`Node::wake_after_lock_out`], of a node that was awake after the last call too: it also ran any part of what it runs
+    /// at most.
+    pub(super) fn wake_after_lost_calls(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        now: u32,
+        code: Option<u32>,
+    ) -> Wake {
+        let cost = &self.parameters.cost;
+        let mut power = self.largest_standing_power(state)
+            + cost.listen / real(self.parameters.listening.shortest)
+            + cost.reading / real(cost.shortest_reading);
+        for regular in &self.parameters.actions {
+            power += regular.action.energy() / real(regular.every);
+        }
+        self.return_from_gap(state, now, code, power)
+    }
+
+    /// Standing power in W with what it may exceed the stated one by.
+    fn largest_standing_power(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> f32 {
+        let excess = state.filter.draw();
+        Scalar::max(self.filter.standing + excess.mean + 2.0 * excess.deviation(), 0.0)
+    }
+
+    /// Wakes from a time in which nothing was heard, and any energy up to `largest_power` in W over it was drawn.
+    fn return_from_gap(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        now: u32,
+        code: Option<u32>,
+        largest_power: f32,
+    ) -> Wake {
+        state.abandon();
+        self.settle(state, now, None);
+        self.advance(state, state.second, true);
+        self.lose(state);
+        // A storage that was emptied and is charged again has an income of the order of what was drawn.
+        state.filter.widen_power(largest_power * largest_power);
+        self.be_off(state, now);
+        let half = 0.5 * largest_power * real(now.saturating_sub(state.second));
+        self.budget.spend(&mut state.budget, half);
+        state.spent += half;
+        self.pay(state, 2.0 * half);
+        self.advance(state, now, false);
+        // Each energy up to the largest one is as likely.
+        let deviation = self.budget.storage().drawn(half) * ONE_OF_EVEN;
+        state.filter.widen_store(deviation * deviation);
+        self.read(state, code, true);
+        self.decide(state)
+    }
+
+    /// As [`Node::wake_after_gap`] where no clock knows how long the node was off: the time goes on from the last call. The
+    /// storage is read as for the first time, the power may be any like the last one, and the income of the gap is not
+    /// told. Without `code` the node can afford nothing before its next reading.
+    #[cold]
+    #[inline(never)]
+    pub fn wake_after_unknown_gap(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        code: Option<u32>,
+    ) -> Wake {
+        state.abandon();
+        let now = state.second;
+        self.settle(state, now, None);
+        self.advance(state, now, true);
+        state.filter.lose_store();
+        // What was spent before the gap left another storage.
+        state.spent = 0.0;
+        self.budget.correct(&mut state.budget, 0.0, 0.0);
+        self.lose(state);
+        self.read(state, code, true);
+        self.decide(state)
+    }
+}
