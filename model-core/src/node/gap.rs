@@ -71,7 +71,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         state.abandon();
         self.settle(state, now, None);
         self.advance(state, state.second, true);
-        self.lose(state);
+        self.lose(state, 0.0);
         // A storage that was emptied and is charged again has an income of the order of what was drawn.
         state.filter.widen_power(largest_power * largest_power);
         self.be_off(state, now);
@@ -105,7 +105,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         // What was spent before the gap left another storage.
         state.spent = 0.0;
         self.budget.correct(&mut state.budget, 0.0, 0.0);
-        self.lose(state);
+        self.lose(state, 0.0);
         self.read(state, code, true);
         self.decide(state)
     }

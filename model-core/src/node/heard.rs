@@ -101,19 +101,6 @@ impl<S: Scalar> Filter<S> {
         if tells { state.since.min(elapsed) } else { elapsed }.max(1)
     }
 
-    /// Takes in the order of magnitude of the power by a modelled power in W, uncertain by its own size. It says nothing
-    /// about the gain, which stays.
-    pub(super) fn hear_about(&self, state: &mut FilterState<S>, modelled: S) {
-        let gain = state.gain();
-        let spread = gain.mean * gain.mean + gain.variance;
-        let variance = state.covariance.variance(POWER) + modelled * modelled * spread;
-        let departure = gain.mean * modelled - state.mean[POWER];
-        if variance > S::ZERO {
-            state.update(state.covariance.row(POWER), departure / variance, S::ONE / variance, S::ZERO);
-        }
-        self.limit(state);
-    }
-
     /// Takes in that the power has become one of two, by modelled powers whose middle is `middle` and whose distance is twice
     /// `half`, both in W, `elapsed` s after the listen before. The power is then known to cover both, and the gain stays.
     pub(super) fn hear_either(&self, state: &mut FilterState<S>, elapsed: u32, [middle, half]: [S; 2]) {

@@ -42,7 +42,7 @@ pub enum Hearing {
     TwoMotions,
     /// Broadband shaking of a harvester that stays linear.
     Broadband,
-    /// Broadband shaking beyond the linear motion: an order of magnitude only.
+    /// Broadband shaking beyond the linear motion: the yield of the linear motion, of which the true one may be many times.
     BroadbandBeyond,
     /// Shaking below the map: at most the yield at its lowest amplitude.
     Rest,

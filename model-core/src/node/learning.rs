@@ -38,11 +38,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             }
             _ => {
                 state.last_motions = [0.0; 2];
-                // Where the order of magnitude is known, it is a measurement, uncertain by its own size.
-                self.lose(state);
-                if found.value > 0.0 {
-                    self.filter.hear_about(&mut state.filter, found.value);
-                }
+                self.lose(state, found.value);
                 self.miss(state);
                 return hearing;
             }
@@ -215,9 +211,13 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         state.missed();
     }
 
-    /// The power may be any like it: the shaking is another one than before.
-    pub(super) fn lose(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
-        let power = state.usual_power();
+    /// The shaking is another one than before: the power may be any like the usual one, or like a modelled one in W, of which
+    /// only the order of magnitude is known.
+    ///
+    /// The modelled one is no measurement: impacts yield up to a hundred times what the linear motion does.
+    pub(super) fn lose(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, modelled: f32) {
+        let modelled = state.filter.gain().mean * modelled;
+        let power = Scalar::max(state.usual_power(), modelled);
         state.filter.widen_power(power * power);
     }
 

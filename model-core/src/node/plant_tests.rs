@@ -307,6 +307,28 @@ fn listens_without_a_value_become_rare_after_one_with_a_value_too() {
 }
 
 #[test]
+fn a_listen_that_tells_an_order_of_magnitude_makes_nothing_more_certain() {
+    let words = map(CASE.yields);
+    let mut plant = Plant::new(&CASE, &words);
+    plant.run(2 * HOURS, line(LINE), |_| {});
+    for _ in 0..4 {
+        let listens = plant.heard.len();
+        let [mut before, mut after] = [plant.state; 2];
+        while plant.heard.len() == listens {
+            before = plant.state;
+            plant.run(1, beat, |state| after = *state);
+        }
+        let known = |state: &NodeState<32, 24, 1>| {
+            [state.power(), state.gain(), state.excess_draw()].map(|[value, bound]| (value, bound))
+        };
+        for ((value, bound), (value_after, bound_after)) in known(&before).into_iter().zip(known(&after)) {
+            assert!(bound_after >= bound, "{bound} {bound_after}");
+            assert_eq!(value, value_after);
+        }
+    }
+}
+
+#[test]
 fn a_storage_that_is_not_read_tells_nothing_of_the_gain() {
     let case = Case { power: 1.2 * 8e-6, ..CASE };
     let words = map(case.yields);

@@ -226,17 +226,6 @@ fn of_two_new_motions_the_power_covers_both_whatever_was_known() {
     }
 }
 
-#[test]
-fn an_order_of_magnitude_does_not_move_the_gain() {
-    let filter = Filter { gain_variance: 0.25, ..filter(1e-3) };
-    let mut state = filter.start();
-    filter.hear(&mut state, 0, PowerMeasurement { of_gain: 0.0, ..steady(4e-6, 1e-7) });
-    let (gain, power) = (state.gain().mean, state.power().mean);
-    state.widen_power(1e-10);
-    filter.hear_about(&mut state, 20e-6);
-    assert!(state.gain().mean == gain && state.power().mean > 1.5 * power, "{:?}", state.power());
-}
-
 /// A filter at 3 V, a minute after its last reading, and what it says of these codes, one a second.
 fn after(codes: &[u32]) -> (FilterState<f64>, Vec<StoreReading>) {
     // Of a power that is known to a microwatt: a minute is uncertain by 16 codes.

@@ -24,6 +24,9 @@ use model_core::snapshot::{self, image_size};
 use plant::{Build, Hour, OneNode, Plant, Run, Source, World};
 use truth::{AS_DESIGNED, KINDS, Kind, Off, Shaking, WEATHERS, Weather, hour};
 
+/// Noises of the converter and the sensor, and true draws, with which each random timeline is run.
+const NOISES: u64 = 4;
+
 /// Mean income in W to which a harvester is scaled.
 const INCOME: f64 = 2.9e-6;
 
@@ -221,7 +224,7 @@ fn random_hours_of_three_harvesters() {
                     let most = if processor.core == Core::M0Plus { 0.02 } else { 0.01 };
                     assert!(share <= most, "{share}");
                     let errors = Errors::of(hours.iter().map(|(_, hour)| hour));
-                    assert!(errors.inside >= 0.9, "{}", errors.inside);
+                    assert!(errors.inside >= 0.95, "{}", errors.inside);
                     all_hours.extend(hours);
                 }
             }
@@ -229,7 +232,7 @@ fn random_hours_of_three_harvesters() {
     }
     by_weather(&all_hours);
     let all = Errors::of(all_hours.iter().map(|(_, hour)| hour));
-    assert!(all.inside >= 0.97, "{}", all.inside);
+    assert!(all.inside >= 0.99, "{}", all.inside);
 }
 
 /// Prints a row of the table: the mean share, and the hours.
@@ -242,11 +245,14 @@ fn row(
 ) -> (f64, Vec<(Weather, Hour)>) {
     let (mut shares, mut hours, mut lock_outs) = (Vec::new(), Vec::new(), 0);
     for (number, line) in lines.iter().enumerate().filter(|(_, line)| line.as_designed == as_designed) {
-        let run = line.run(&build(line.kind, *processor, capacitance, spread), number as u64);
-        shares.push(run.share);
-        lock_outs += run.lock_outs;
-        let last = line.weathers.len() - 1;
-        hours.extend(run.hours.iter().map(|hour| (line.weathers[hour.index.min(last)], *hour)));
+        for noise in 0..NOISES {
+            let seed = number as u64 + 1000 * noise;
+            let run = line.run(&build(line.kind, *processor, capacitance, spread), seed);
+            shares.push(run.share);
+            lock_outs += run.lock_outs;
+            let last = line.weathers.len() - 1;
+            hours.extend(run.hours.iter().map(|hour| (line.weathers[hour.index.min(last)], *hour)));
+        }
     }
     let share = shares.iter().sum::<f64>() / shares.len() as f64;
     let all = Errors::of(hours.iter().map(|(_, hour)| hour));
