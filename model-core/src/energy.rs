@@ -28,6 +28,7 @@ pub use ledger::{Ledger, Residual};
 pub use listening::{Heard, Listening, ListeningParameters, ListeningState};
 pub use meter::{Integrals, Peak, PowerMeter, RunMeter, RunReport};
 pub use response_map::{Response, ResponseMap};
+pub(crate) use storage::Relaxation;
 pub use storage::{Storage, StorageParameters};
 
 pub use crate::part::storage::Capacitor;

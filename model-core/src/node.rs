@@ -52,6 +52,8 @@ mod state;
 mod tests;
 #[cfg(test)]
 mod textbook_tests;
+#[cfg(test)]
+mod voltage_tests;
 
 pub use board::{Board, Fault, Gap, Runner, SaveError, Step};
 pub use filter::StoreReading;
@@ -64,7 +66,7 @@ use crate::energy::{Action, Budget, Listening, ResponseMap};
 use crate::excitation::LineBank;
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint};
-use filter::Filter;
+use filter::{Filter, Growth};
 use glance::Thresholds;
 use parameters::of_part;
 
@@ -168,6 +170,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             spent: parameters.spread.action,
             cell,
             noise: Scalar::max(converter.noise, Filter::least_noise(cell)),
+            lasting: Filter::lasting_variance(converter.noise / cell),
             full_code: codes - 1,
             gain_variance: converter.gain_deviation * converter.gain_deviation,
             gain_drift: converter.gain_drift * converter.gain_drift * (1.0 / 3600.0),
@@ -236,6 +239,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// Cost: that of [`LineBank::take`]; a look-up for each whole block.
     #[inline(never)]
     pub fn samples(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, samples: &[i16]) -> Progress {
+        let voltage = self.voltage_of_map(state);
         let listen = &mut state.listen;
         if listen.missing == 0 {
             return Progress::Idle;
@@ -246,12 +250,6 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let mut left = valid.get(..listen.missing as usize).unwrap_or(valid);
         let clipped = self.parameters.sensor.clipped;
         listen.blocks.is_damaged |= left.iter().any(|&sample| sample >= clipped || sample <= -clipped);
-        // Only a map of charge asks for it.
-        let voltage = if self.map.is_current() {
-            self.budget.storage().voltage(state.filter.store().mean)
-        } else {
-            0.0
-        };
         while !left.is_empty() {
             let (taken, lines) = self.bank.take(&mut listen.bank, left);
             if taken == 0 {
@@ -267,6 +265,16 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             return Progress::Heard(self.conclude(state, voltage));
         }
         Progress::More(listen.start_up.saturating_add(listen.missing))
+    }
+
+    /// Voltage of the storage in V for a map of charge; 0 for another one, which does not ask for it.
+    fn voltage_of_map(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> f32 {
+        if !self.map.is_current() {
+            return 0.0;
+        }
+        let storage = self.budget.storage();
+        let energy = Scalar::min(Scalar::max(state.filter.store().mean, 0.0), storage.capacity());
+        storage.voltage(energy)
     }
 
     /// Says that samples were lost, for example by an overrun of the FIFO: the listen goes on and gives no value.
@@ -297,6 +305,19 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             state.silent = state.silent.saturating_add(seconds);
         }
         let growth = self.growth(state);
+        self.advance_by(state, seconds, is_on, growth);
+        state.second = state.second.max(state.settled);
+        true
+    }
+
+    /// Advances filter and budget by some seconds.
+    pub(super) fn advance_by(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        seconds: u32,
+        is_on: bool,
+        growth: Growth<f32>,
+    ) {
         let spent = core::mem::replace(&mut state.spent, 0.0);
         self.filter.predict(&mut state.filter, seconds, is_on, spent, growth);
         let harvested = state.filter.all().mean - state.booked;
@@ -309,8 +330,6 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             state.booked += harvested;
         }
         state.settled += seconds;
-        state.second = state.second.max(state.settled);
-        true
     }
 
     /// Takes in a code at the time of the filter.
@@ -358,7 +377,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let is_over = state.second.saturating_sub(state.hour_start) >= HOUR;
         let is_answered = code.is_some() || state.last_missing == state.second;
         if is_over && is_answered && !state.filter.is_doubted() {
-            state.close_hour();
+            state.close_hour(code.map_or(0.0, |code| self.filter.resolution(code)));
             state.glances.close_hour();
             self.ask_beforehand(state);
         }
@@ -405,8 +424,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             spread.highest_voltage,
             spread.power,
         ]);
-        let Filter { cell, noise, gain_variance, gain_drift, full_code, .. } = self.filter;
-        fingerprint.numbers(&[cell, noise, gain_variance, gain_drift]);
+        let Filter { cell, noise, lasting, gain_variance, gain_drift, full_code, .. } = self.filter;
+        fingerprint.numbers(&[cell, noise, lasting, gain_variance, gain_drift]);
         fingerprint.numbers(&[full_code]);
         fingerprint.numbers(&[self.parameters.reserve, self.glance.unwrap_or(-1.0)]);
         for Regular { action, every } in &self.parameters.actions {

@@ -46,6 +46,20 @@ pub(super) struct Flow<S> {
     pub(super) of_draw: S,
 }
 
+/// What becomes of an income over an interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Storing<S> {
+    /// Part of an even income that is stored at the end.
+    pub(super) stored: S,
+    /// Variance of that part by the time at which the income came, even in the interval: what comes first leaks for longest.
+    pub(super) uneven: S,
+}
+
+impl<S: Scalar> Storing<S> {
+    /// No income is stored.
+    pub(super) const NOTHING: Self = Self { stored: S::ZERO, uneven: S::ZERO };
+}
+
 impl<S: Scalar> Covariance<S> {
     /// Without correlations, of the variances of energy, power, gain and draw, before any income.
     pub(super) fn new([store, power, gain, draw]: [S; 4]) -> Self {
@@ -157,19 +171,22 @@ impl<S: Scalar> Covariance<S> {
         *all += time * (all_before + p[4]);
     }
 
-    /// Adds a walk of the power of variance `walk` in a second over `time` in s; `stored` is the part of the income that is
-    /// stored.
-    pub(super) fn walk(&mut self, time: S, walk: S, stored: S) {
+    /// Adds a walk of the power of variance `walk` in a second over `time` in s.
+    ///
+    /// Of an income that came early or late another part is stored. The same energy then tells another income, so that the incomes
+    /// are uncertain by it and the energy is not.
+    pub(super) fn walk(&mut self, time: S, walk: S, Storing { stored, uneven }: Storing<S>) {
         let power = walk * time;
         let both = S::from_f64(0.5) * power * time;
         let income = S::from_f64(2.0 / 3.0) * both * time;
         let in_store = stored * income;
+        let told = income + uneven * income;
         self.power[0] += power;
         self.power[3] += both;
         self.power[4] += both;
-        self.hour[0] += income;
-        self.hour[1] += income;
-        self.all += income;
+        self.hour[0] += told;
+        self.hour[1] += told;
+        self.all += told;
         self.store[1] += stored * both;
         self.store[4] += in_store;
         self.store[5] += in_store;

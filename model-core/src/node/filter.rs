@@ -22,9 +22,12 @@
 //! A reading that departs by more than three standard deviations says that the power has jumped: the walk of the interval
 //! is widened, after the fact, until the departure is one standard deviation.
 
-use super::covariance::{ALL, Covariance, DRAW, Flow, GAIN, HOUR, POWER, STATES, STORE};
-use crate::energy::Storage;
-use crate::scalar::{Scalar, add_increment};
+use core::f64::consts::PI;
+
+use super::covariance::{ALL, Covariance, DRAW, Flow, GAIN, HOUR, POWER, STATES, STORE, Storing};
+use crate::energy::{Relaxation, Storage};
+
+use crate::scalar::{Mathematics, Scalar, add_increment};
 use crate::snapshot::snapshot_fields;
 
 /// Departure in standard deviations from which a jump is assumed.
@@ -36,7 +39,7 @@ const CONFIRMED: u32 = u32::MAX;
 /// Change of the power, relative, that is expected where a storage is no longer full.
 const CHANGE_FROM_FULL: f64 = 2.0;
 /// Usual power over the deviation before anything is known.
-const USUAL: f64 = 0.1;
+pub(super) const USUAL: f64 = 0.1;
 /// Largest gain.
 const HIGHEST_GAIN: f64 = 1e3;
 /// Time in s in which the standing power changes by the deviation of its stated value.
@@ -59,6 +62,8 @@ pub(super) struct Filter<S> {
     /// Width of a cell of the converter in V, its noise in V, and its highest code.
     pub(super) cell: S,
     pub(super) noise: S,
+    /// Variance of a reading in squares of the cell that is the same at the next reading of the same voltage.
+    pub(super) lasting: S,
     pub(super) full_code: u32,
     /// Variance of the gain at the start, and its increase in a second.
     pub(super) gain_variance: S,
@@ -244,6 +249,13 @@ impl<S: Scalar> Filter<S> {
         }
     }
 
+    /// Variance in squares of the cell of what a converter with a normal noise in cells rounds, in the mean over many readings
+    /// of one voltage. The first harmonic of the error falls with the noise as `exp(−2π² noise²)`.
+    pub(super) fn lasting_variance(noise: S) -> S {
+        let harmonic = S::Build::exponential(S::from_f64(-2.0 * PI * PI) * noise * noise);
+        S::from_f64(1.0 / 12.0) * harmonic * harmonic
+    }
+
     /// Width of a cell in V, with the least noise of a reading.
     pub(super) fn least_noise(cell: S) -> S {
         S::from_f64(LEAST_NOISE) * cell
@@ -271,16 +283,16 @@ impl<S: Scalar> Filter<S> {
         (state.mean[ALL], state.low[1]) = add_increment(state.mean[ALL], state.low[1], income);
         state.mean[HOUR] += income;
 
-        let stored = storage.stored(relaxation.of_income);
+        let storing = self.storing(&relaxation);
         let flow = Flow {
             time,
             kept: relaxation.kept,
-            of_power: stored * time,
+            of_power: storing.stored * time,
             of_draw: on * storage.drawn(relaxation.of_income) * time,
         };
         state.covariance.advance(flow);
-        state.covariance.walk(time, growth.power, stored);
-        state.covariance.widen_income([growth.income * time; 3], stored);
+        state.covariance.walk(time, growth.power, storing);
+        state.covariance.widen_income([growth.income * time; 3], storing.stored);
         if spent > S::ZERO {
             let deviation = self.spent * storage.drawn(spent);
             state.covariance.widen(STORE, deviation * deviation);
@@ -291,9 +303,17 @@ impl<S: Scalar> Filter<S> {
         state.of_hour = state.of_hour.saturating_add(seconds);
     }
 
-    /// Part of an even income over a time in s that is still stored at its end.
-    pub(super) fn stored_over(&self, time: S) -> S {
-        self.storage.stored(self.storage.relaxation(time).of_income)
+    /// What becomes of the income over a time in s.
+    pub(super) fn storing_over(&self, time: S) -> Storing<S> {
+        self.storing(&self.storage.relaxation(time))
+    }
+
+    fn storing(&self, relaxation: &Relaxation<S>) -> Storing<S> {
+        let lost = S::ONE - relaxation.kept;
+        Storing {
+            stored: self.storage.stored(relaxation.of_income),
+            uneven: S::from_f64(1.0 / 12.0) * lost * lost,
+        }
     }
 
     /// Adds to the variance of the gain, which is never known less than by the order of magnitude.
@@ -315,6 +335,14 @@ impl<S: Scalar> Filter<S> {
         (low, high, (high - low) * (self.noise / self.cell))
     }
 
+    /// Standard deviation of an income in J that two readings near a code show, as well as they resolve the energy.
+    pub(super) fn resolution(&self, code: u32) -> S {
+        let (low, high, noise) = self.cell(code);
+        let width = high - low;
+        let of_two = S::from_f64(2.0) * (noise * noise + width * width * S::from_f64(1.0 / 12.0));
+        of_two.sqrt() / self.storage.stored(S::ONE)
+    }
+
     /// Whether a reading of an energy in J confirms the one before, or needs no confirmation: it is nearer to that one than to
     /// what is expected. Two glitches are most often not.
     fn confirms(&self, state: &FilterState<S>, energy: S) -> bool {
@@ -324,17 +352,29 @@ impl<S: Scalar> Filter<S> {
         state.doubted == CONFIRMED || (state.doubted > 0 && is_near)
     }
 
+    /// Takes in that the voltage is at the end of the converter or above: the storage may be full at any voltage from there on.
+    fn locate_above(&self, state: &mut FilterState<S>) {
+        let (low, high, noise) = self.cell(self.full_code);
+        let capacity = self.storage.capacity();
+        let half = S::from_f64(0.5) * (capacity.max(high) - low);
+        state.mean[STORE] = (low + half).min(capacity);
+        state.low[0] = S::ZERO;
+        state.covariance.clear(STORE, noise * noise + half * half * S::from_f64(1.0 / 3.0));
+        (state.located, state.was_full) = (true, true);
+        (state.doubted, state.since) = (0, 0);
+    }
+
     /// Takes in a reading of the voltage; also gives its departure from what was expected in standard deviations, 0 up to
     /// three. `full` is whether the storage may have been full since the reading before.
     pub(super) fn observe(&self, state: &mut FilterState<S>, code: u32, full: bool) -> (StoreReading, S) {
         if code == 0 || code >= self.full_code {
             let is_above = code > 0;
-            if is_above && (state.doubted >= self.full_code || !state.located) {
-                // The storage may be full at any voltage from there on.
-                (state.located, state.was_full) = (false, true);
+            if is_above && (state.doubted >= self.full_code || !state.located || state.was_full) {
+                self.locate_above(state);
+                return (StoreReading::Silent, S::ZERO);
             }
             // Code 0 confirms nothing, and the next reading may be no better.
-            state.doubted = if is_above && state.located { self.full_code } else { 0 };
+            state.doubted = if is_above { self.full_code } else { 0 };
             return (StoreReading::Refused, S::ZERO);
         }
         let (low, high, noise) = self.cell(code);
@@ -363,15 +403,15 @@ impl<S: Scalar> Filter<S> {
             // What ends a full storage is most often another power, of which the time before says nothing.
             let change = S::from_f64(CHANGE_FROM_FULL) * state.mean[POWER];
             let time = S::from_u32(state.since);
-            state.covariance.walk(time, change * change / time, self.stored_over(time));
+            state.covariance.walk(time, change * change / time, self.storing_over(time));
         }
         let jump = departure > square(JUMP) && state.since > 0;
         if jump {
             let time = S::from_u32(state.since);
-            let stored = self.stored_over(time);
-            let scale = stored * time;
+            let storing = self.storing_over(time);
+            let scale = storing.stored * time;
             let walk = S::from_f64(3.0) * (distance / scale) * (distance / scale) / time;
-            state.covariance.walk(time, walk, stored);
+            state.covariance.walk(time, walk, storing);
         }
         // A cell of even density, as wide as the noise or less, counts by its variance.
         let variance = state.covariance.variance(STORE) + of_reading;
@@ -379,34 +419,33 @@ impl<S: Scalar> Filter<S> {
         let shift = (middle - state.mean[STORE]) * removed;
         state.update(state.covariance.row(STORE), shift, removed, S::ZERO);
         let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
-        state.covariance.raise(STORE, rounding * rounding);
+        state.covariance.raise(STORE, rounding * rounding + self.lasting * width * width);
         self.limit(state);
         if full && state.since > 0 {
             // The income may have been larger by what was shunted.
             let power = state.mean[POWER].max(self.power * S::from_f64(USUAL));
             let time = S::from_u32(state.since);
-            state.covariance.walk(time, S::from_f64(3.0) * power * power / time, S::ZERO);
+            state.covariance.walk(time, S::from_f64(3.0) * power * power / time, Storing::NOTHING);
         }
         (state.was_full, state.doubted, state.since) = (full, 0, 0);
         let surprise = if jump { departure.sqrt() } else { S::ZERO };
         (if jump { StoreReading::Jump } else { StoreReading::Used }, surprise)
     }
 
-    /// Keeps the states within what they can be.
+    /// Keeps gain and draw within what they can be.
+    ///
+    /// Not so the energy, the power and the incomes: noise takes each below 0, and what is cut off there the next reading takes
+    /// back from the others. [`NodeState`](super::NodeState) tells them from 0 on.
     pub(super) fn limit(&self, state: &mut FilterState<S>) {
-        let [store, power, gain, draw, hour, all] = &mut state.mean;
-        *store = store.max(S::ZERO).min(self.storage.capacity());
-        *power = power.max(S::ZERO);
+        let [_, _, gain, draw, ..] = &mut state.mean;
         *gain = gain.max(S::ZERO).min(S::from_f64(HIGHEST_GAIN));
         *draw = draw.max(-self.standing);
-        *hour = hour.max(S::ZERO);
-        *all = all.max(S::ZERO);
     }
 }
 
 snapshot_fields!(impl [S: Scalar] FilterState<S> {
     mean, low, covariance, since, of_hour, located, was_full, doubted,
 } if |state| {
-    let [_, power, gain, ..] = state.mean;
-    power >= S::ZERO && gain >= S::ZERO
+    let [_, _, gain, ..] = state.mean;
+    gain >= S::ZERO
 });

@@ -1,5 +1,6 @@
 //! Returns of a node from a time in which it was off.
 
+use super::filter::Growth;
 use super::{Node, NodeState, Wake, real};
 use crate::energy::response_map::Words;
 use crate::scalar::Scalar;
@@ -54,6 +55,26 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         self.return_from_gap(state, now, code, power)
     }
 
+    /// Growth of variances in a gap: any income up to that of the usual power, and up to what the storage shows, may have come at
+    /// any time in it. A storage that was emptied and is charged again has one of the order of what was drawn.
+    fn growth_in_gap(
+        &self,
+        state: &NodeState<P, SLOTS, ACTIONS>,
+        seconds: u32,
+        code: Option<u32>,
+        largest_power: f32,
+    ) -> Growth<f32> {
+        let (growth, storage, time) = (self.growth(state), self.budget.storage(), real(seconds));
+        let relaxation = storage.relaxation(time);
+        let shown = code.map_or(0.0, |code| {
+            let gained =
+                storage.energy(real(code) * self.filter.cell) - relaxation.kept * state.filter.store().mean;
+            gained / (storage.stored(relaxation.of_income) * time)
+        });
+        let power = Scalar::max(Scalar::max(state.usual_power(), largest_power), shown);
+        Growth { power: growth.power + 3.0 * power * power / time, ..growth }
+    }
+
     /// Standing power in W with what it may exceed the stated one by.
     fn largest_standing_power(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> f32 {
         let excess = state.filter.draw();
@@ -71,15 +92,17 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         state.abandon();
         self.settle(state, now, None);
         self.advance(state, state.second, true);
+        let seconds = now.saturating_sub(state.settled);
         self.lose(state, 0.0);
-        // A storage that was emptied and is charged again has an income of the order of what was drawn.
-        state.filter.widen_power(largest_power * largest_power);
         self.be_off(state, now);
-        let half = 0.5 * largest_power * real(now.saturating_sub(state.second));
+        let half = 0.5 * largest_power * real(seconds);
         self.budget.spend(&mut state.budget, half);
         state.spent += half;
         self.pay(state, 2.0 * half);
-        self.advance(state, now, false);
+        if seconds > 0 {
+            self.advance_by(state, seconds, false, self.growth_in_gap(state, seconds, code, largest_power));
+            state.second = state.second.max(now);
+        }
         // Each energy up to the largest one is as likely.
         let deviation = self.budget.storage().drawn(half) * ONE_OF_EVEN;
         state.filter.widen_store(deviation * deviation);

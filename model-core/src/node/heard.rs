@@ -55,8 +55,7 @@ impl<S: Scalar> Filter<S> {
         if departure * departure > variance {
             // The power has jumped, or the map is wrong here.
             let time = S::from_u32(self.unseen(state, elapsed, departure).min(state.of_hour).max(1));
-            let stored = self.stored_over(time);
-            state.covariance.walk(time, departure * departure / time, stored);
+            state.covariance.walk(time, departure * departure / time, self.storing_over(time));
             (along, variance) = measured(state);
         }
         if variance > S::ZERO {
@@ -80,7 +79,7 @@ impl<S: Scalar> Filter<S> {
         let time = self.unseen(state, elapsed, moved);
         let jump = Jump::new(S::from_u32(time), S::from_u32(time.min(state.of_hour)));
         let [of_hour, of_all] = jump.means;
-        let stored = self.stored_over(S::from_u32(time));
+        let stored = self.storing_over(S::from_u32(time)).stored;
         let along = [stored * of_all, S::ONE, S::ZERO, S::ZERO, of_hour, of_all];
         let along = along.map(|part| change * part);
         for (mean, along) in state.mean.iter_mut().zip(along) {
@@ -110,7 +109,7 @@ impl<S: Scalar> Filter<S> {
         // What is known of the power is of another shaking, and may be near one of both by chance.
         let unknown = departure * departure + between * between + half * half * gain.variance;
         let time = S::from_u32(self.unseen(state, elapsed, departure).min(state.of_hour).max(1));
-        state.covariance.walk(time, unknown / time, self.stored_over(time));
+        state.covariance.walk(time, unknown / time, self.storing_over(time));
         let measurement = PowerMeasurement {
             modelled: middle,
             lasting: middle,

@@ -240,9 +240,15 @@ impl Blocks {
                 if !found.is_linear {
                     return about(Hearing::BroadbandBeyond, value);
                 }
-                let hearing = if amplitude < lowest { Hearing::Rest } else { Hearing::Broadband };
                 let noise = DENSITY * value / Scalar::sqrt(count);
-                return one(hearing, Yield { value, noise, systematic: 0.0 });
+                if amplitude >= lowest {
+                    return one(Hearing::Broadband, Yield { value, noise, systematic: 0.0 });
+                }
+                // The yield of the linear motion grows with the square of the amplitude.
+                let edge = look_up(map, lowest * 1.001, frequency, voltage).income();
+                let part = amplitude / lowest;
+                let line = edge.map_or(0.0, |edge| 0.5 * edge.high * scale * part * part);
+                return one(Hearing::Rest, Yield { value, noise: Scalar::max(noise, line), systematic: 0.0 });
             }
             let peak = if self.purity >= LINE * count { amplitude } else { NOISE_PEAK * amplitude };
             if peak < lowest {

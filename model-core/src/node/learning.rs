@@ -1,6 +1,6 @@
 //! What a node learns from a listen: the power, how it changes, and the gain of the map.
 
-use super::filter::Growth;
+use super::filter::{Growth, USUAL};
 use super::heard::{Motion, PowerMeasurement};
 use super::hearing::{Modelled, Yield};
 use super::{Hearing, Node, NodeState, real};
@@ -223,7 +223,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
 
     /// Variances that power and income gain in a second.
     pub(super) fn growth(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> Growth<f32> {
-        let power = state.usual_power();
+        // A full storage does not show a shaking that begins between two listens.
+        let least = if state.store_tells() { 0.0 } else { USUAL as f32 * self.parameters.spread.power };
+        let power = Scalar::max(state.usual_power(), least);
         let deviation = self.parameters.spread.income * power;
         let assumed = deviation * deviation * (1.0 / 3600.0);
         let interval = real(self.listening.interval(&state.listening));

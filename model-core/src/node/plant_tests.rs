@@ -14,16 +14,16 @@ use crate::excitation::LineBank;
 
 const RATE: f32 = 100.0;
 const RESONANCE: f32 = 20.0;
-const UNIT: f64 = 9.806_65 / 1024.0;
+pub(super) const UNIT: f64 = 9.806_65 / 1024.0;
 const CELL: f64 = 5.0 / 4096.0;
 /// Amplitudes in m/s² with one motion and with two, by the boundaries of the map.
-const LINE: f64 = 0.8;
+pub(super) const LINE: f64 = 0.8;
 const BETWEEN: f64 = 1.5;
 const HOURS: u32 = 3600;
 
 /// A map of the same yields in W at all places, of the smaller motion below 2 m/s² and of the larger one above 1 m/s², each
 /// from 0.4 % below to 0.8 % above.
-fn map(yields: [f64; 2]) -> Vec<u16> {
+pub(super) fn map(yields: [f64; 2]) -> Vec<u16> {
     let rows = ROWS as u16 / 2;
     let mut words = head(LOWER | UPPER, [rows; 2], 1);
     words.push(0);
@@ -39,39 +39,55 @@ fn map(yields: [f64; 2]) -> Vec<u16> {
     words
 }
 
-type OneNode<'a> = Node<&'a [u16], 20, 32, 24, 1>;
+pub(super) type OneNode<'a> = Node<&'a [u16], 20, 32, 24, 1>;
 
 /// What a run is of.
 #[derive(Clone, Copy)]
-struct Case {
+pub(super) struct Case {
     /// Yields of both motions by the map, and the true power, in W: that of the load too, so that the storage stays.
-    yields: [f64; 2],
-    power: f64,
-    gain_deviation: f32,
+    pub(super) yields: [f64; 2],
+    pub(super) power: f64,
+    pub(super) gain_deviation: f32,
     /// Blocks of 6.4 s in a listen, and shortest time between readings in s.
-    blocks: u32,
-    shortest_reading: u32,
-    /// Doublings from the shortest time between listens, a minute.
-    doublings: u32,
+    pub(super) blocks: u32,
+    pub(super) shortest_reading: u32,
+    /// Doublings from the shortest time between readings, and from that between listens, a minute.
+    pub(super) reading_doublings: u32,
+    pub(super) doublings: u32,
+    /// Storage in F and ohm, and converter: range and noise in V.
+    pub(super) capacitance: f32,
+    pub(super) leakage: f32,
+    pub(super) full_scale: f32,
+    pub(super) noise: f32,
+    /// An action in J, and its interval in s.
+    pub(super) action: f32,
+    pub(super) every: u32,
 }
 
-const CASE: Case = Case {
+pub(super) const CASE: Case = Case {
     yields: [8e-6, 24e-6],
     power: 8e-6,
     gain_deviation: 0.1,
     blocks: 1,
     shortest_reading: 60,
+    reading_doublings: 6,
     doublings: 8,
+    capacitance: 10e-3,
+    leakage: f32::INFINITY,
+    full_scale: 5.0,
+    noise: 0.6e-3,
+    action: 1.0,
+    every: 1800,
 };
 
 impl Case {
-    fn node<'a>(&self, words: &'a [u16]) -> OneNode<'a> {
+    pub(super) fn node<'a>(&self, words: &'a [u16]) -> OneNode<'a> {
         let map = ResponseMap::new(words, FINGERPRINT).expect("a map");
         let bank = LineBank::new(RATE, RESONANCE, 0.1, UNIT as f32).expect("fits");
         let parameters = NodeParameters {
             budget: BudgetParameters {
                 storage: StorageParameters {
-                    capacitor: Capacitor { capacitance: 10e-3, leakage_resistance: f32::INFINITY },
+                    capacitor: Capacitor { capacitance: self.capacitance, leakage_resistance: self.leakage },
                     charging_efficiency: 1.0,
                     discharging_efficiency: 1.0,
                     highest_voltage: 4.5,
@@ -83,8 +99,8 @@ impl Case {
             },
             converter: CorrectionParameters {
                 bits: 12,
-                full_scale: 5.0,
-                noise: 0.6e-3,
+                full_scale: self.full_scale,
+                noise: self.noise,
                 gain_deviation: self.gain_deviation,
                 gain_drift: 0.02,
             },
@@ -101,7 +117,7 @@ impl Case {
                 reading: 0.3e-6,
                 reading_share: 2e-3,
                 shortest_reading: self.shortest_reading,
-                reading_doublings: 6,
+                reading_doublings: self.reading_doublings,
             },
             spread: Spread {
                 standing: 0.02,
@@ -112,7 +128,10 @@ impl Case {
                 power: 1e-4,
             },
             reserve: 1e-4,
-            actions: [Regular { action: Action::new("none", 1.0, 0.1).expect("valid"), every: 1800 }],
+            actions: [Regular {
+                action: Action::new("send", self.action, 0.1).expect("valid"),
+                every: self.every,
+            }],
         };
         Node::new(map, bank, parameters).expect("valid")
     }
@@ -223,7 +242,7 @@ fn code(energy: f64, second: u32) -> u32 {
     ((200.0 * energy).sqrt() / CELL + dither(second)).round() as u32
 }
 
-fn line(amplitude: f64) -> impl Fn(f64) -> f64 {
+pub(super) fn line(amplitude: f64) -> impl Fn(f64) -> f64 {
     move |n| amplitude * (std::f64::consts::TAU * f64::from(RESONANCE) * n / f64::from(RATE)).sin()
 }
 

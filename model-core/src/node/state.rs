@@ -148,7 +148,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         let all = self.filter.all();
         IncomeOfTime {
             seconds: self.second.saturating_sub(self.started),
-            energy: all.mean,
+            energy: Scalar::max(all.mean, 0.0),
             bound: BOUND * all.deviation(),
             silent: self.silent_before.saturating_add(self.silent),
         }
@@ -158,7 +158,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
     #[must_use]
     pub fn power(&self) -> [f32; 2] {
         let power = self.filter.power();
-        [power.mean, BOUND * power.deviation()]
+        [Scalar::max(power.mean, 0.0), BOUND * power.deviation()]
     }
 
     /// Ratio of the true power to that of the map, and its bound.
@@ -179,7 +179,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
     #[must_use]
     pub fn stored(&self) -> [f32; 2] {
         let store = self.filter.store();
-        [store.mean, BOUND * store.deviation()]
+        [Scalar::max(store.mean, 0.0), BOUND * store.deviation()]
     }
 
     /// Whether the storage tells the income: its energy is known, and it was not full at the last reading.
@@ -270,14 +270,15 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         (self.departure, self.last_heard) = (0.0, 0.0);
     }
 
-    /// Ends the hour.
-    pub(super) fn close_hour(&mut self) {
+    /// Ends the hour, with the deviation in J of an income by the last reading: listens hear seconds of an hour, and an income
+    /// that the storage does not resolve may have come between them.
+    pub(super) fn close_hour(&mut self, resolution: f32) {
         let hour = self.filter.hour();
         let seconds = self.second.saturating_sub(self.hour_start);
         self.hour = Some(IncomeOfTime {
             seconds,
-            energy: hour.mean,
-            bound: BOUND * hour.deviation(),
+            energy: Scalar::max(hour.mean, 0.0),
+            bound: BOUND * Scalar::max(hour.deviation(), resolution),
             silent: self.silent,
         });
         self.silent_before = self.silent_before.saturating_add(self.silent);

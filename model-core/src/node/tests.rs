@@ -65,6 +65,7 @@ pub(super) fn filter(capacitance: f64) -> Filter<f64> {
         spent: 0.0,
         cell: CELL,
         noise: 0.5 * CELL,
+        lasting: 0.0,
         full_code: 4095,
         gain_variance: 1.0,
         gain_drift: 0.0,
@@ -266,13 +267,15 @@ fn a_doubted_reading_is_confirmed_by_one_like_it_and_by_no_other() {
 #[test]
 fn two_readings_at_the_end_of_the_converter_say_that_the_storage_may_be_full() {
     let (state, read) = after(&[4095, 4095]);
-    assert_eq!(read, [StoreReading::Refused; 2]);
-    assert!(!state.is_located() && state.was_full());
+    assert_eq!(read, [StoreReading::Refused, StoreReading::Silent]);
+    assert!(state.is_located() && state.was_full());
     // At the start there is nothing to doubt it by.
     let filter = filter(1e-3);
     let mut state = filter.start();
-    assert_eq!(filter.observe(&mut state, 4095, false).0, StoreReading::Refused);
-    assert!(!state.is_located() && state.was_full() && !state.is_doubted());
+    assert_eq!(filter.observe(&mut state, 4095, false).0, StoreReading::Silent);
+    assert!(state.is_located() && state.was_full() && !state.is_doubted());
+    let [capacity, stored] = [filter.storage.capacity(), state.store().mean];
+    assert!((stored / capacity - 1.0).abs() < 1e-9, "{stored} {capacity}");
 }
 
 /// A random walk of the power; gives squares of errors in deviations, and shares within two, of each hour.

@@ -214,6 +214,7 @@ fn the_filter_is_that_of_the_textbook_with_dense_matrices() {
             spent: double.spent as f32,
             cell: double.cell as f32,
             noise: double.noise as f32,
+            lasting: 0.0,
             full_code: double.full_code,
             gain_variance: double.gain_variance as f32,
             gain_drift: 0.0,

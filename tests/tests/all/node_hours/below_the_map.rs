@@ -1,4 +1,4 @@
-//! Shaking below the lowest amplitude of a map without a linear motion, as of a slider that sticks.
+//! Shaking below the lowest amplitude of a map, without a linear motion, as of a slider that sticks, and with one.
 
 use model_core::energy::ResponseMap;
 use model_core::excitation::Lines;
@@ -22,4 +22,29 @@ fn noise_whose_peaks_reach_into_the_map_is_no_rest() {
     assert_eq!(hearing(0.5, 0.99), Hearing::Rest, "a line");
     assert_eq!(hearing(0.05, 0.2), Hearing::Rest, "noise of the sensor");
     assert_eq!(hearing(0.5, 0.2), Hearing::Unclear, "noise");
+}
+
+#[test]
+fn a_line_below_the_map_and_beside_the_resonance_is_covered() {
+    let bytes = map(Kind::BumpStop);
+    let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
+    let response = ResponseMap::new(bytes, fingerprint).expect("a map");
+    let [lowest, _] = response.amplitudes();
+    let [resonance, half] = Kind::BumpStop.resonance().map(|of| of as f32);
+    for beside in [0.0, 1.0, 3.0, 4.0] {
+        let frequency = resonance + beside * half;
+        let edge = response.at(lowest * 1.001, frequency).income().expect("in the map").value;
+        for part in [0.3, 0.6, 0.97] {
+            // The bank's density is that at the resonance, where the line is not.
+            let lines =
+                Lines { amplitude: part * lowest, frequency, purity: 0.99, density: 1e-6, rest: 1e-6 };
+            let told = Modelled::of_blocks(&response, &[lines], 0.0);
+            assert_eq!(told.hearing, Hearing::Rest);
+            let truth = part * part * edge;
+            assert!(
+                (told.lower.value - truth).abs() <= told.lower.bound(),
+                "{beside} {part}: {told:?} {truth}"
+            );
+        }
+    }
 }
