@@ -280,8 +280,10 @@ fn by_shorter_steps(runs: &mut Halvings<'_>, options: &Options, outcome: &Outcom
     let finer = options.halvings + if adaptive { TOLERANCE_HALVINGS } else { 1 };
     let finer = runs.get(finer)?;
     let mut step = BY_HALVING * difference(outcome, &finer)?;
-    // Motions far below the size of the harvester have errors below any tolerance: the step is then the longest.
-    if adaptive && (finer.steps as f64) < MORE_STEPS * outcome.steps as f64 {
+    // Motions far below the size of the harvester have errors below any tolerance: the step is then the longest. So it is of what
+    // is left of a start that is far from rest, by whose voltages the errors are scaled.
+    let changes_few = (finer.steps as f64) < MORE_STEPS * outcome.steps as f64;
+    if adaptive && (changes_few || start_charge(scene).is_some()) {
         step = step.max(by_fixed_steps(scene, options, outcome)?);
     }
     if let Some(run) = by_default_steps(scene, options) {
@@ -335,13 +337,17 @@ fn by_fixed_steps(scene: &Scene, options: &Options, outcome: &Outcome) -> Option
 /// within nanoseconds acts throughout its first step.
 fn has_start_layer(scene: &Scene, options: &Options) -> bool {
     let own = matches!(options.method, Method::Auto | Method::ExponentialRadau);
-    let charge = match &scene.model {
+    let conducts = matches!(scene.load, Load::Resistor { resistance_ohm } if resistance_ohm.is_finite());
+    own && conducts && start_charge(scene).is_some()
+}
+
+/// The charge in C with which a triboelectric scene starts, if it is given.
+fn start_charge(scene: &Scene) -> Option<f64> {
+    match &scene.model {
         Model::ContactSeparation(model) => model.initial.charge_c,
         Model::Sliding(model) => model.initial.charge_c,
         Model::BumpStop(_) => None,
-    };
-    let conducts = matches!(scene.load, Load::Resistor { resistance_ohm } if resistance_ohm.is_finite());
-    own && conducts && charge.is_some()
+    }
 }
 
 /// The difference from a run by TR-BDF2, which takes the boundary layer out of its steps.

@@ -112,6 +112,8 @@ pub(super) fn run(
     let mut meter = Meter::new(&system, stiffness, model.stop.is_some(), &vector, options.record_every);
     meter.ledger.in_window = scene.run.settle_s <= 0.0;
     meter.ledger.add(&system.share_at_start(&model.initial, &mut vector));
+    // A start voltage may have charged the storage.
+    let connected = system.is_connected_at_start(&vector);
     let mut march = March {
         meter,
         system: &system,
@@ -119,10 +121,7 @@ pub(super) fn run(
         regimes: Regimes { system: &system, closed, step, entered: Default::default() },
         vector,
         in_contact: false,
-        circuit: Circuit {
-            sign: 0,
-            connected: system.storage.is_some_and(|storage| storage.starts_connected()),
-        },
+        circuit: Circuit { sign: 0, connected },
         latches: Latches::default(),
         events: 0,
         steps: 0,

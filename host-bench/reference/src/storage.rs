@@ -63,9 +63,9 @@ impl Storage {
         }
     }
 
-    /// Whether the draw is connected at the start: from the turn-on voltage.
-    pub(super) fn starts_connected(&self) -> bool {
-        self.lockout().is_none_or(|lockout| self.initial >= lockout.turn_on_v)
+    /// Whether the draw is connected by a voltage in V at the start: from the turn-on voltage.
+    pub(super) fn starts_connected(&self, voltage: f64) -> bool {
+        self.lockout().is_none_or(|lockout| voltage >= lockout.turn_on_v)
     }
 
     /// Energy in J at a voltage in V; 0 for a bus.

@@ -237,6 +237,21 @@ fn errors_that_the_next_smaller_step_shares_are_within_the_statement() {
     }
 }
 
+/// Cases of seed 27 with a start charge: of two the reference did not connect the draw of a storage that it charged, and of one the
+/// errors are scaled by the first kilovolts.
+const CHARGED: [u64; 3] = [4798, 5434, 13_982];
+
+#[test]
+fn what_a_start_charge_leaves_is_right_or_warned() {
+    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true };
+    let cases: Vec<(Case, Effort)> = CHARGED.iter().map(|&number| (draw(27, number), effort)).collect();
+    let findings = none_fails(&cases);
+    assert!(
+        findings.iter().all(|finding| matches!(finding.class, Class::Right | Class::Warned)),
+        "{findings:?}"
+    );
+}
+
 #[test]
 fn a_reference_that_does_not_repeat_itself_does_not_judge() {
     let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true };

@@ -334,6 +334,11 @@ impl System {
         shared
     }
 
+    /// Whether the draw is connected by the voltage of the storage.
+    pub(super) fn is_connected_at_start(&self, vector: &[f64]) -> bool {
+        self.storage.is_some_and(|storage| storage.starts_connected(value(&self.storage_voltage, vector)))
+    }
+
     /// Sets the generator of a constant power in W to the tangent to `P/V_s`; `storage_rate` is the row of the
     /// rate of the storage voltage.
     pub(super) fn set_draw(&self, vector: &mut [f64], power: f64, storage_rate: &[f64]) {

@@ -62,7 +62,7 @@ const MARGIN: f64 = 1e-11;
 impl Storage {
     /// State at the start, before the bridge has found its regime.
     pub(crate) fn start(&self) -> Bridge {
-        Bridge { gain: 0.0, sign: 0.0, connected: self.starts_connected() }
+        Bridge { gain: 0.0, sign: 0.0, connected: self.starts_connected(self.initial) }
     }
 
     /// Voltage of the storage in V.
