@@ -54,6 +54,8 @@ variants! {
     bump_stop::spring,
     bump_stop::fewer_modes,
     bump_stop::more_modes,
+    bump_stop::checked,
+    bump_stop::checked_longer,
     node_parts::resistor,
     node_parts::bus,
     node_parts::storage,

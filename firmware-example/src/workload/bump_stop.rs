@@ -6,10 +6,14 @@ pub mod parts;
 
 use core::hint::black_box;
 
+use model_core::hybrid::Work;
 use model_core::part::load::OpenCircuit;
-use model_core::scene::bump_stop::{BumpStop, Choices, OneWay, Parameters, Parts, Start, Stepper};
+use model_core::scene::Harvester;
+use model_core::scene::bump_stop::{
+    BumpStop, Checked, CheckedState, Choices, OneWay, Parameters, Parts, Start, StateOf, Stepper,
+};
 
-use self::parts::{GAP, LOAD};
+use self::parts::{GAP, LOAD, Whole};
 use super::building::Building;
 use super::run::{self, Plan, Run};
 use super::{Visit, Workload, show};
@@ -36,6 +40,10 @@ pub const SETTLING: Plan = Plan { name: "settling", samples: 8, ..IMPACTING };
 pub const SHORT: f32 = 13e-6;
 /// Step in free flight in seconds.
 pub const LONG: f32 = 180e-6;
+/// A longer one, of [`checked_longer`].
+pub const LONGER: f32 = 220e-6;
+/// Inverse of the part of the time in which [`checked`] and [`checked_longer`] check their steps.
+pub const CHECKED_EVERY: u32 = 128;
 /// The same for [`TOUCHING`]: beam and rod touch in every half period, and longer steps lose 3 % of the mean power.
 pub const TOUCHING_STEPS: [f32; 2] = [9e-6, 80e-6];
 /// Distances of beam and rod at rest of [`precision`], in m.
@@ -95,6 +103,42 @@ pub fn more_modes(visit: Visit<'_>) -> Option<()> {
 
 fn modes<const B: usize, const R: usize>(visit: Visit<'_>) -> Option<()> {
     show(visit, run::<_, B, R>(IMPACTING, parts::whole(GAP), [SHORT, LONG]))
+}
+
+/// The default scene with the estimate of the error of its steps.
+pub fn checked(visit: Visit<'_>) -> Option<()> {
+    show(visit, run_checked([SHORT, LONG]))
+}
+
+/// The same with [`LONGER`] steps in free flight: what they save pays for the estimate.
+pub fn checked_longer(visit: Visit<'_>) -> Option<()> {
+    show(visit, run_checked([SHORT, LONGER]))
+}
+
+#[inline(never)]
+fn run_checked([short, long]: [f32; 2]) -> Option<impl Workload> {
+    let scene: BumpStop<f32, Whole, BEAM_MODES, ROD_MODES> = black_box(parts::whole(GAP)).build().ok()?;
+    let stepper = Stepper::new(scene, black_box(short), black_box(long)).ok()?;
+    let checked = Checked::new(stepper, black_box(CHECKED_EVERY));
+    Run::new(IMPACTING, checked, &Start::default(), with_statement)
+}
+
+type OfWhole = StateOf<f32, Whole, BEAM_MODES, ROD_MODES>;
+
+/// As [`run::piezoelectric`], without the last two words; then the stated error of the steps, relative, and the part of the
+/// time in which the motion is irregular.
+fn with_statement(
+    checked: &Checked<f32, Whole, BEAM_MODES, ROD_MODES>,
+    state: &CheckedState<f32, OfWhole>,
+    delivered: f32,
+    work: Work,
+    words: &mut [u32; 8],
+) {
+    run::piezoelectric(checked.stepper(), state.run(), delivered, work, words);
+    let [.., relative, irregular] = words;
+    let stated = checked.checked_error(state);
+    *relative = stated.map_or(f32::INFINITY, |stated| stated.relative).to_bits();
+    *irregular = stated.map_or(f32::INFINITY, |stated| stated.irregular).to_bits();
 }
 
 /// [`TOUCHING`], and the build of the coefficients, the compliance of the modes left out included.

@@ -51,12 +51,15 @@
 //! The static compliance and the static curvatures of all modes together do not depend on masses; only the curvature under
 //! the base acceleration has the moment `M (L_b + d)` of the body as well.
 
+mod checked;
+mod checks;
 mod choices;
 mod circuit;
 mod clamp;
 mod closed_form;
 mod contact_law;
 mod energies;
+mod halves;
 mod harvester;
 mod identity;
 mod impact;
@@ -71,6 +74,8 @@ mod stop;
 mod tip_mass;
 mod trial;
 
+pub use checked::{Checked, CheckedState};
+pub use checks::Checks;
 pub use choices::{AnyChoices, AnyCoupling, Choices, OneWay, Parts, TwoWay};
 pub use circuit::{Circuit, Resistive};
 pub use clamp::{ClampBending, ClampMeter, Fibre};

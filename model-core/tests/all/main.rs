@@ -7,6 +7,7 @@ mod bridged;
 mod bridged_estimator;
 mod bridged_impacts;
 mod bump_stop;
+mod bump_stop_checked;
 mod bump_stop_rectifier;
 mod bump_stop_store;
 mod common;

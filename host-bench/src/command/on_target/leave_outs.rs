@@ -136,7 +136,7 @@ fn sliding() -> Result<Variants, Error> {
 }
 
 fn bump_stop() -> Result<Variants, Error> {
-    use bump_stop::{FEWER_MODES, GAPS, IMPACTING, LONG, MORE_MODES, SHORT};
+    use bump_stop::{FEWER_MODES, GAPS, IMPACTING, LONG, LONGER, MORE_MODES, SHORT};
     type Change = fn(&mut BumpStop, &mut Load);
     let case = |name, long, change: Change| {
         let scene = accuracy::bump_stop(&IMPACTING, GAPS[1], 0.5, change)?;
@@ -168,6 +168,11 @@ fn bump_stop() -> Result<Variants, Error> {
         (
             const { named("bump_stop::more_modes") },
             case("(6,2) modes", LONG, |model, _| with_modes(model, MORE_MODES))?,
+        ),
+        (const { named("bump_stop::checked") }, case("with the error of the steps", LONG, |_, _| {})?),
+        (
+            const { named("bump_stop::checked_longer") },
+            case("the same, 220 µs in flight", LONGER, |_, _| {})?,
         ),
     ])
 }

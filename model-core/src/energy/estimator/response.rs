@@ -20,6 +20,8 @@ const LEAST_GAIN: f64 = 2.0;
 const LARGEST_GAIN: f64 = 20.0;
 /// Periods for which a motion is independent of a neighbouring one after an impact. Fitted: docs/energy.md.
 const PERIODS_AFTER_IMPACT: f64 = 6.0;
+/// Standard errors that are stated where the part of the time is known in which motions are independent.
+const STANDARD_ERRORS: f64 = 2.0;
 /// Number of periods below which neither gain nor scatter are known.
 const LEAST_PERIODS: u32 = 3;
 /// Roundings of the sum of squares below which the periods have equal velocities.
@@ -155,7 +157,17 @@ impl<S: Scalar> Response<S> {
         let Periods { count, with_impact, .. } = self.periods;
         let affected = S::from_u32(with_impact) * S::from_f64(PERIODS_AFTER_IMPACT);
         let share = (affected / S::from_u32(count.max(1))).min(S::ONE);
-        S::from_f64(core::f64::consts::SQRT_2) * self.scatter() * share
+        self.difference() * share
+    }
+
+    /// The same if the motions are independent in a part `share` of the time, with the coverage of two standard errors.
+    pub(super) fn irregularity_in(&self, share: S) -> S {
+        S::from_f64(STANDARD_ERRORS) * self.difference() * share
+    }
+
+    /// Standard error of the difference of the mean energies of two independent motions.
+    fn difference(&self) -> S {
+        S::from_f64(core::f64::consts::SQRT_2) * self.scatter()
     }
 }
 

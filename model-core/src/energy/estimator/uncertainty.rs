@@ -6,6 +6,9 @@ use crate::observer::StorageOutput;
 use crate::scalar::Scalar;
 use crate::scene::Harvester;
 
+/// Mean power over that in the checks of the steps above which the checks have met too little of it for a statement.
+const LARGEST_SHARE: f64 = 3.0;
+
 impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// The estimate so far.
     #[must_use]
@@ -13,13 +16,22 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         let Settings { interpolation, bias_seconds, .. } = self.settings;
         let state = &self.state;
         let (energy, seconds) = (state.accumulator.energy(), state.accumulator.seconds());
-        let step = H::ESTIMATES_ERROR.then(|| {
+        let checked = self
+            .harvester
+            .checked_error(&state.harvester)
+            .filter(|checked| S::from_f64(LARGEST_SHARE) * checked.power * seconds >= energy.abs());
+        let step = if H::ESTIMATES_ERROR {
             let estimated = state.accumulator.step_error(self.harvester.angular_frequency());
-            S::from_f64(H::ERROR_PER_ESTIMATE) * estimated
-        });
+            Some(S::from_f64(H::ERROR_PER_ESTIMATE) * estimated)
+        } else {
+            checked.map(|checked| checked.relative * energy.abs())
+        };
         let rounding = state.accumulator.rounding();
         let sampling = sampling_error(&state.response, &self.droop, interpolation, seconds);
-        let irregularity = state.response.irregularity();
+        let irregularity = match checked {
+            Some(checked) => state.response.irregularity_in(checked.irregular),
+            None => state.response.irregularity(),
+        };
         let [uncertain_seconds, unknown_seconds]: [S; 2] =
             [state.uncertain_time.seconds(), state.unknown_time.seconds()];
         let of_time = (uncertain_seconds + unknown_seconds) / (seconds + unknown_seconds).max(S::TINY);
@@ -81,6 +93,9 @@ pub struct Estimate<S> {
 /// first second from rest it can be half of the actual error.
 /// `cargo test -p model-core estimator::uncertainty -- --nocapture` prints the ratios.
 ///
+/// [`bump_stop::Checked`](crate::scene::bump_stop::Checked) checks its steps against steps of half the length in a part of the
+/// time. Its figure is twice the change of the delivered energy in the checks, with twice the standard error of that.
+///
 /// # Rounding
 ///
 /// 74 roundings of the energy: those of the energy of a step; those of the compensated sum, whose error does
@@ -99,16 +114,19 @@ pub struct Estimate<S> {
 ///
 /// Impacts make a small difference of two motions grow until the motions are independent. Then their mean powers differ
 /// by the standard error of the mean of a period, times √2. In a periodic motion with impacts the figure is too large.
+/// Checks of the steps show whether two motions come apart: the figure of a harvester with checks is 0 if they do not, and
+/// twice this standard error if they do in a quarter of the checks.
 ///
 /// # Not covered
 ///
-/// Chaotic motion (bump-stop in contact), and the difference between the model's parameters and the real harvester.
+/// Chaotic motion of a bump-stop without checks, and the difference between the model's parameters and the real harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Uncertainty<S> {
-    /// Error of the energy in J by the finite step, estimated by the method; `None` for a method without an
-    /// estimate (RK4, the modal steps of bump-stop): choose its step on the host.
+    /// Error of the energy in J by the finite step, estimated by the method or by checks; `None` for a method without an
+    /// estimate (RK4, the modal steps of bump-stop without checks), and as long as checks have not met a third of the mean
+    /// power: bursts between them.
     pub step: Option<S>,
     /// Error of the energy in J by rounding.
     pub rounding: S,

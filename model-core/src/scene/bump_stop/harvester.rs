@@ -87,7 +87,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
         budget: u32,
         observer: &mut O,
     ) -> Result<Advance, StepError<S>> {
-        if u64::from(self.short().ticks) < sample_ticks {
+        if self.overshoots(sample_ticks) {
             self.run::<false, E, O>(state, excitation, until, budget, observer)
         } else {
             self.run::<true, E, O>(state, excitation, until, budget, observer)

@@ -25,7 +25,7 @@ pub(super) const LEAST_BUDGET: u32 = LEVELS as u32 + 1 + impact::MOST_LOCATING;
 const OPENED: f64 = 16.0;
 
 /// Number of step lengths. A fifth saves 7 % of the steps and 1 % of the instructions.
-const LEVELS: usize = 4;
+pub(super) const LEVELS: usize = 4;
 
 /// A bump-stop harvester with its step lengths, and the coefficients of a bound on the gap within a step.
 ///
@@ -100,21 +100,33 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         check_step("long_step", long)?;
         let middle = (short * long).sqrt();
         let steps = [long, middle, (short * middle).sqrt(), short];
+        Ok(Self::of_ticks(scene, steps.map(ticks_of_seconds)))
+    }
+
+    /// With steps of so many ticks, from the long step to the short one.
+    // Inlined as `build` is.
+    #[inline(always)]
+    pub(super) fn of_ticks(scene: BumpStop<S, P, B, R>, [a, b, c, d]: [u32; LEVELS]) -> Self {
         // Not by a map, which would need the space of all sets twice.
-        let [a, b, c, d] = steps.map(ticks_of_seconds);
         let reach = |ticks| Reach::new(&scene, seconds_of_ticks(ticks));
-        Ok(Self {
+        Self {
             gramians: core::array::from_fn(|_| [a, b, c, d].map(|ticks| GramianSet::new(&scene, ticks))),
             reaches: [reach(a), reach(b), reach(c)],
             sets: [scene.step_set(a), scene.step_set(b), scene.step_set(c), scene.step_set(d)],
             scene,
-        })
+        }
     }
 
     /// The harvester.
     #[must_use]
     pub fn scene(&self) -> &BumpStop<S, P, B, R> {
         &self.scene
+    }
+
+    /// Whether whole steps past a sample stay below the next one.
+    #[inline(always)]
+    pub(super) fn overshoots(&self, sample_ticks: u64) -> bool {
+        u64::from(self.short().ticks) < sample_ticks
     }
 
     /// Advances `state` to `until`; without `CUT` it ends with a whole step, less than a short step past `until`.
@@ -217,7 +229,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     ///
     /// Most rejected steps end in contact or start near it: the gap's rate rejects them before they are computed.
     #[inline(always)]
-    fn passes(
+    pub(super) fn passes(
         &self,
         level: usize,
         left: u32,
@@ -241,7 +253,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     /// Takes a step in free flight if its end and the bound of the gap are clear; `room` is the part of the modes in
     /// the bound in m.
     #[inline(always)]
-    fn try_flight<E: Excitation<S>, O: Observer<S>>(
+    pub(super) fn try_flight<E: Excitation<S>, O: Observer<S>>(
         &self,
         level: usize,
         mut room: S,
@@ -416,7 +428,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
 
     /// A step near contact, up to the first impact in it.
     #[inline(always)]
-    fn short_step<E: Excitation<S>, O: Observer<S>>(
+    pub(super) fn short_step<E: Excitation<S>, O: Observer<S>>(
         &self,
         set: &StepSetOf<S, P, B, R>,
         pair: &mut PairOf<'_, S, P, B, R>,
