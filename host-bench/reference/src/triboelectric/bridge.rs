@@ -241,6 +241,8 @@ impl Storage {
             shared[integral::INTO_LOAD] += charge * (self.voltage(bridge) + 0.5 * rise);
             shared[integral::DIODES] += charge * (self.drop + 0.5 * excess.max(0.0));
             bridge.gain += rise;
+            // A charge that the storage takes at once may lift it over the turn-on voltage.
+            bridge.connected |= rise > 0.0 && self.starts_connected(self.voltage(bridge));
             port.voltage = sign * self.threshold(bridge);
             let conducting = Bridge { sign, ..*bridge };
             if sign * self.current(&port, &conducting) > 0.0 {
