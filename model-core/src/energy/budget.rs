@@ -6,7 +6,8 @@
 
 use super::account::{Account, AccountSums};
 use super::action::Action;
-use super::income::{Income, IncomeParameters, IncomeState};
+use super::forecast::SlotRelaxations;
+use super::income::{DAY_SECONDS, Income, IncomeParameters, IncomeState};
 use super::storage::{Storage, StorageParameters};
 use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::{Scalar, add_increment};
@@ -80,6 +81,10 @@ pub struct Budget<S, const SLOTS: usize> {
     pub(super) storage: Storage<S>,
     pub(super) income: Income<S, SLOTS>,
     pub(super) standing_power: S,
+    pub(super) slots: SlotRelaxations<S>,
+    /// Part of the stored energy that a day leaves, and energy in J from the storage that the standing load draws in it.
+    pub(super) day_kept: S,
+    pub(super) day_drawn: S,
 }
 
 /// The state of a [`Budget`] at one time, with the income by slot of the day.
@@ -146,10 +151,15 @@ impl<S: Scalar> BudgetParameters<S> {
     /// The first field outside its bounds.
     pub fn build<const SLOTS: usize>(self) -> Result<Budget<S, SLOTS>, ParameterError<S>> {
         Bounds::new(0.0, 1e6).check("standing_power", self.standing_power)?;
+        let storage = self.storage.build()?;
+        let day = S::from_u32(DAY_SECONDS);
         Ok(Budget {
-            storage: self.storage.build()?,
             income: self.income.build()?,
             standing_power: self.standing_power,
+            slots: SlotRelaxations::new::<SLOTS>(&storage),
+            day_kept: storage.relaxation(day).kept,
+            day_drawn: storage.drawn(self.standing_power * day),
+            storage,
         })
     }
 }

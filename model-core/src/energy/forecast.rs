@@ -2,7 +2,7 @@
 //!
 //! The stored energy is monotone within a stretch, so its extremes lie at the ends of stretches. It rises
 //! with the energy at the start of the day and falls with the load, so bisection finds the largest load. The
-//! exponentials do not depend on the load, and slots have at most two lengths, so they are computed once.
+//! exponentials do not depend on the load, and whole slots have at most two lengths, whose exponentials the budget keeps.
 
 use super::income::{DAY_SECONDS, IncomeState, end_of, shortest_slot, start_of};
 use super::storage::{Relaxation, Storage};
@@ -31,34 +31,40 @@ pub(super) struct Forecast<'a, S, const SLOTS: usize> {
     part: S,
     /// The present slot.
     slot: usize,
-    /// The remaining part of the present slot in s.
+    /// The remaining part of the present slot in s, and the elapsed one, which ends the coming day.
     first: (u32, Relaxation<S>),
-    /// The elapsed part of the present slot in s; it ends the coming day.
     last: (u32, Relaxation<S>),
-    /// Relaxation over the shortest slot.
+    /// Relaxation over whole slots.
+    slots: &'a SlotRelaxations<S>,
+}
+
+/// The relaxation over the shortest slot, and over one that is a second longer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct SlotRelaxations<S> {
     short: Relaxation<S>,
-    /// Relaxation over a slot that is one second longer.
     long: Relaxation<S>,
 }
 
+impl<S: Scalar> SlotRelaxations<S> {
+    /// Those of a day of `SLOTS` slots.
+    pub(super) fn new<const SLOTS: usize>(storage: &Storage<S>) -> Self {
+        let over = |seconds: u32| storage.relaxation(S::from_u32(seconds));
+        Self { short: over(shortest_slot::<SLOTS>()), long: over(shortest_slot::<SLOTS>() + 1) }
+    }
+}
+
 impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
-    pub(super) fn new(storage: &'a Storage<S>, income: &'a IncomeState<S, SLOTS>) -> Self {
+    pub(super) fn new(
+        storage: &'a Storage<S>,
+        slots: &'a SlotRelaxations<S>,
+        income: &'a IncomeState<S, SLOTS>,
+    ) -> Self {
         let second_of_day = income.second() % DAY_SECONDS;
         let slot = income.slot();
-        let over = |seconds: u32| storage.relaxation(S::from_u32(seconds));
         let (first, last) = (end_of::<SLOTS>(slot) - second_of_day, second_of_day - start_of::<SLOTS>(slot));
-        let short = over(shortest_slot::<SLOTS>());
-        let is_even = const { DAY_SECONDS.is_multiple_of(SLOTS as u32) };
-        Self {
-            storage,
-            income,
-            part: S::ONE,
-            slot,
-            first: (first, over(first)),
-            last: (last, over(last)),
-            short,
-            long: if is_even { short } else { over(shortest_slot::<SLOTS>() + 1) },
-        }
+        let over = |seconds: u32| (seconds, storage.relaxation(S::from_u32(seconds)));
+        Self { storage, income, part: S::ONE, slot, first: over(first), last: over(last), slots }
     }
 
     /// The same day with the income that is as good as certain in place of the expected one.
@@ -76,7 +82,8 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
             (self.last.0, &self.last.1)
         } else {
             let length = end_of::<SLOTS>(slot) - start_of::<SLOTS>(slot);
-            (length, if length == shortest_slot::<SLOTS>() { &self.short } else { &self.long })
+            let is_short = length == shortest_slot::<SLOTS>();
+            (length, if is_short { &self.slots.short } else { &self.slots.long })
         };
         (slot, seconds, relaxation)
     }
@@ -173,30 +180,66 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         ((a - energy) / b).max(least).min(most)
     }
 
-    /// Unserved energy of a load in W over the day, in J at the storage. The load is cut at the lock-out.
-    pub(super) fn shortfall(&self, energy: S, load: S) -> S {
-        let (mut now, mut sum) = (energy, S::ZERO);
-        // What a watt of income stores and what the load draws in a stretch: most stretches have the same length.
-        let (mut length, mut of_watt, mut outgo) = (0, S::ZERO, S::ZERO);
+    /// Whether an expenditure of `used` in J at the start leaves the unserved energy of the standing load over the day as it
+    /// is, to within `rounding` in J at the storage. The load is cut at the lock-out.
+    ///
+    /// Both days are followed at once, until they are the same: with a full storage, or at the lock-out. What is unserved more
+    /// grows only, so that the first shortage most often decides.
+    pub(super) fn spares(&self, energy: S, used: S, load: S, rounding: S) -> bool {
+        let (capacity, lock_out) = (self.storage.capacity(), self.storage.lock_out());
+        let (mut without, mut with) = (energy, energy - used);
+        let mut more = S::ZERO;
+        let mut length = Length::default();
         for index in 0..=SLOTS {
             let (slot, seconds, relaxation) = self.place(index);
-            if seconds != length {
-                let time = S::from_u32(seconds);
-                (length, of_watt) = (seconds, self.storage.stored(self.part * time));
-                outgo = self.storage.drawn(load * time);
+            if seconds != length.seconds {
+                length = self.length(seconds, relaxation, load);
             }
-            let income = of_watt * self.income.expected_power(slot);
-            let end = now * relaxation.kept + (income - outgo) * relaxation.of_income;
-            if end < self.storage.lock_out() {
-                let step = self.storage.step(now, relaxation, income, outgo);
-                now = step.end;
-                sum += step.unserved;
-            } else {
-                now = end.min(self.storage.capacity());
+            let power = self.income.expected_power(slot);
+            let net = power * length.of_watt - length.of_load;
+            let end = |now: S| {
+                let end = now * relaxation.kept + net;
+                if end < lock_out {
+                    let step =
+                        self.storage.step(now, relaxation, power * length.stored_of_watt, length.outgo);
+                    (step.end, step.unserved)
+                } else {
+                    (end.min(capacity), S::ZERO)
+                }
+            };
+            let (of_with, unserved) = end(with);
+            let (of_without, less) = end(without);
+            more += unserved - less;
+            if more > rounding {
+                return false;
+            }
+            (with, without) = (of_with, of_without);
+            if with >= without {
+                return true;
             }
         }
-        sum
+        true
     }
+
+    fn length(&self, seconds: u32, relaxation: &Relaxation<S>, load: S) -> Length<S> {
+        let time = S::from_u32(seconds);
+        let stored_of_watt = self.storage.stored(self.part * time);
+        let outgo = self.storage.drawn(load * time);
+        let [of_watt, of_load] = [stored_of_watt, outgo].map(|energy| energy * relaxation.of_income);
+        Length { seconds, stored_of_watt, outgo, of_watt, of_load }
+    }
+}
+
+/// What does not change among stretches of one length.
+#[derive(Debug, Clone, Copy, Default)]
+struct Length<S> {
+    seconds: u32,
+    /// Stored energy in J of a watt of expected income, and energy in J that the load draws.
+    stored_of_watt: S,
+    outgo: S,
+    /// What of both is left at the end of the stretch.
+    of_watt: S,
+    of_load: S,
 }
 
 /// The largest allowed number from 0 to `highest` by bisection, from below and to within 2⁻²⁴ of `highest`;
@@ -218,4 +261,70 @@ pub(super) fn largest<S: Scalar>(highest: S, allowed: impl Fn(S) -> bool) -> Opt
         }
     }
     Some(inside)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::budget::{Budget, BudgetParameters};
+    use super::super::income::IncomeParameters;
+    use super::super::storage::{StorageParameters, tests::example};
+    use super::*;
+    use crate::energy::Action;
+    use crate::part::storage::Capacitor;
+
+    const SLOTS: usize = 24;
+
+    /// Unserved energy over the day, stretch by stretch.
+    fn shortfall(forecast: &Forecast<'_, f64, SLOTS>, energy: f64, load: f64) -> f64 {
+        let storage = forecast.storage;
+        let day = forecast.stretches().map(|Stretch { seconds, harvested, relaxation }| {
+            let time = f64::from(seconds);
+            (relaxation, storage.stored(harvested * time), storage.drawn(load * time))
+        });
+        let steps = day.scan(energy, |now, (relaxation, income, outgo)| {
+            let step = storage.step(*now, &relaxation, income, outgo);
+            *now = step.end;
+            Some(step.unserved)
+        });
+        steps.sum()
+    }
+
+    #[test]
+    fn an_action_is_spared_where_both_days_lack_the_same() {
+        let mut seed = 1_u32;
+        let mut random = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / f64::from(1 << 24)
+        };
+        let (mut spared, mut refused, mut short) = (0, 0, 0);
+        for _ in 0..3000 {
+            let [size, leakage, standing] = [100.0, 1e4, 30.0].map(|most: f64| most.powf(random()));
+            let capacitor = Capacitor { capacitance: 1e-3 * size, leakage_resistance: 2e5 * leakage };
+            let income = IncomeParameters { time_constant: 7200.0, day_weight: 0.5 };
+            let parameters = BudgetParameters {
+                storage: StorageParameters { capacitor, ..example() },
+                income,
+                standing_power: 3e-7 * standing,
+            };
+            let budget: Budget<f64, SLOTS> = parameters.build().expect("within bounds");
+            let mut state = budget.start((86_400.0 * random()) as u32);
+            let most = 2e-5 * random();
+            for _ in 0..60 {
+                let power = if random() < 0.5 { most } else { 0.0 };
+                budget.update(&mut state, 3600, power * 3600.0, 0.0);
+            }
+            budget.correct_by_voltage(&mut state, 1.8 + 2.7 * random(), 0.0);
+            let above = state.certain_energy() - budget.storage().lock_out();
+            let action = Action::new("any", 0.9 * above * random(), 0.1).expect("within bounds");
+            let (energy, load) = (state.certain_energy(), budget.standing_power);
+            let forecast = Forecast::new(&budget.storage, &budget.slots, &state.income).certain();
+            let with = shortfall(&forecast, energy - budget.storage().drawn(action.energy()), load);
+            let without = shortfall(&forecast, energy, load);
+            short += u32::from(without > 0.0);
+            let is_spared = budget.leaves_the_day(&state, &action);
+            assert_eq!(is_spared, with - without <= 1e-12 * budget.storage().capacity(), "{with} {without}");
+            *(if is_spared { &mut spared } else { &mut refused }) += 1;
+        }
+        assert!(spared.min(refused).min(short) > 300, "{spared} {refused} {short}");
+    }
 }

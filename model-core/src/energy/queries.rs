@@ -3,12 +3,11 @@
 //!
 //! The forecast of the coming day consists of the expected income of each slot, the standing load, and a cut
 //! of the load at the lock-out without hysteresis. A *pass* is one walk through the `SLOTS + 1` stretches of
-//! that day, with two multiplications and a few additions per stretch. A forecast takes four exponentials.
+//! that day, with two multiplications and a few additions per stretch, and two exponentials.
 
 use super::action::Action;
 use super::budget::{Budget, BudgetState};
 use super::forecast::{Forecast, largest};
-use super::income::DAY_SECONDS;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
@@ -64,8 +63,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// a night without income the second condition reserves the energy for the night. It does not hold back
     /// an action if the storage fills up.
     ///
-    /// Cost: five exponentials and two passes; one pass if nothing stays unserved, one exponential if the action cannot be
-    /// afforded.
+    /// Cost: an exponential; where the stored energy does not last for the day without income, two more and both passes, up to
+    /// the first shortage or a full storage.
     #[must_use]
     pub fn can_run_now(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>, now: u32) -> bool {
         self.can_afford(state, action, now) && self.leaves_the_day(state, action)
@@ -73,27 +72,26 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
 
     /// The second condition of [`Budget::can_run_now`].
     pub(crate) fn leaves_the_day(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>) -> bool {
-        let forecast = self.forecast(state).certain();
         let (energy, load) = (state.certain_energy(), self.standing_power);
-        let with = forecast.shortfall(energy - self.storage.drawn(action.energy()), load);
-        if with == S::ZERO {
+        let used = self.storage.drawn(action.energy());
+        // A few roundings per stretch of the energy that the standing load draws.
+        let rounding = S::from_f64(16.0) * S::EPSILON * (self.day_drawn + self.storage.capacity());
+        if (energy - used) * self.day_kept >= self.storage.lock_out() + self.day_drawn + rounding {
+            // It lasts for the day without any income.
             return true;
         }
-        let without = forecast.shortfall(energy, load);
-        // A few roundings per stretch of the energy that the standing load draws.
-        let drawn = self.storage.drawn(load * S::from_u32(DAY_SECONDS));
-        with - without <= S::from_f64(16.0) * S::EPSILON * (drawn + self.storage.capacity())
+        self.forecast(state).certain().spares(energy, used, load, rounding)
     }
 
     fn forecast<'a>(&'a self, state: &'a BudgetState<S, SLOTS>) -> Forecast<'a, S, SLOTS> {
-        Forecast::new(&self.storage, &state.income)
+        Forecast::new(&self.storage, &self.slots, &state.income)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::budget::BudgetParameters;
-    use super::super::income::IncomeParameters;
+    use super::super::income::{DAY_SECONDS, IncomeParameters};
     use super::super::storage::{StorageParameters, tests::example};
     use super::*;
     use crate::part::storage::Capacitor;

@@ -206,6 +206,7 @@ pub(crate) struct StorageStep<S> {
 
 /// The closed forms of an interval of ratio `x = λ h`; `x = 0` without leakage.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Relaxation<S> {
     ratio: S,
     /// `e^(−x)`: remaining part of the initial energy.
