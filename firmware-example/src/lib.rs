@@ -14,11 +14,13 @@
 //! | `node` | a node of `model_core::node` on a simulated plant: a day with losses of power |
 //! | `following` | the laboratory node, which follows its harvester: acceleration samples in, a decision a second out |
 //! | `board` | boards of `model_core::node` over `embedded-hal`: an accelerometer's driver, slots in flash |
+//! | `arithmetic` | products and sums of `f32` for a Cortex-M0, in half of the instructions |
 //! | `logger` | defmt frames over semihosting |
 //! | `stop` | panics and faults end the run with a code |
 
 #![no_std]
 
+pub mod arithmetic;
 pub mod board;
 #[cfg(target_os = "none")]
 mod calibration;

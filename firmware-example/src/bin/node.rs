@@ -8,6 +8,8 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+firmware_example::cortex_m0_arithmetic!();
+
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {

@@ -6,6 +6,8 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+firmware_example::cortex_m0_arithmetic!();
+
 #[cfg(target_os = "none")]
 mod target {
     use firmware_example::node::bare::{Register, Registers, run};
