@@ -319,11 +319,11 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         growth: Growth<f32>,
     ) {
         let spent = core::mem::replace(&mut state.spent, 0.0);
-        self.filter.predict(&mut state.filter, seconds, is_on, spent, growth);
+        let relaxation = self.filter.predict(&mut state.filter, seconds, is_on, spent, growth);
         let harvested = state.filter.all().mean - state.booked;
         if is_on {
             let harvested = Scalar::max(harvested, 0.0);
-            self.budget.update(&mut state.budget, seconds, harvested, 0.0);
+            self.budget.update_over(&mut state.budget, seconds, &relaxation, harvested);
             state.booked += harvested;
         } else {
             self.budget.gap(&mut state.budget, seconds);

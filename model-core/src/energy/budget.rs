@@ -8,7 +8,7 @@ use super::account::{Account, AccountSums};
 use super::action::Action;
 use super::forecast::SlotRelaxations;
 use super::income::{DAY_SECONDS, Income, IncomeParameters, IncomeState};
-use super::storage::{Storage, StorageParameters};
+use super::storage::{Relaxation, Storage, StorageParameters};
 use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::{Scalar, add_increment};
 use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
@@ -195,6 +195,17 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// Cost: at most two exponentials.
     pub fn update(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, harvested: S, spent: S) {
         self.spend(state, spent);
+        self.update_over(state, interval, &self.storage.relaxation(S::from_u32(interval)), harvested);
+    }
+
+    /// As [`Budget::update`] without actions, with the relaxation of the storage over the interval.
+    pub(crate) fn update_over(
+        &self,
+        state: &mut BudgetState<S, SLOTS>,
+        interval: u32,
+        relaxation: &Relaxation<S>,
+        harvested: S,
+    ) {
         let harvested = state.account.admit(harvested);
         match harvested {
             Some(energy) => self.income.update(&mut state.income, interval, energy),
@@ -202,7 +213,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         }
         let income = self.storage.stored(harvested.unwrap_or(S::ZERO));
         let standing = self.storage.drawn(self.standing_power * S::from_u32(interval));
-        self.move_store(state, interval, income, standing);
+        self.move_store(state, relaxation, income, standing);
     }
 
     /// Books `spent` J of an action at once, before the next update.
@@ -219,7 +230,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// counted, and the slots of the day in the interval keep their means.
     pub fn gap(&self, state: &mut BudgetState<S, SLOTS>, interval: u32) {
         self.income.gap(&mut state.income, interval);
-        self.move_store(state, interval, S::ZERO, S::ZERO);
+        let relaxation = self.storage.relaxation(S::from_u32(interval));
+        self.move_store(state, &relaxation, S::ZERO, S::ZERO);
     }
 
     /// Sets the stored energy to a measured `energy` in J that may be `uncertainty` in J too high. An energy
@@ -229,7 +241,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let energy = energy.min(self.storage.capacity());
         if state.pending > S::ZERO {
             // The measurement includes the energy spent since the last update.
-            self.move_store(state, 0, S::ZERO, S::ZERO);
+            self.move_store(state, &self.storage.relaxation(S::ZERO), S::ZERO, S::ZERO);
         }
         state.account.corrected.add(energy - state.energy);
         state.account.corrected.add(-state.energy_low);
@@ -274,15 +286,20 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         left >= self.storage.lock_out() + rounding
     }
 
-    /// Advances the storage by an interval in s, with the pending energy; `income` and `standing` are in J at
+    /// Advances the storage by the interval of `relaxation`, with the pending energy; `income` and `standing` are in J at
     /// the storage.
-    fn move_store(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, income: S, standing: S) {
+    fn move_store(
+        &self,
+        state: &mut BudgetState<S, SLOTS>,
+        relaxation: &Relaxation<S>,
+        income: S,
+        standing: S,
+    ) {
         let storage = &self.storage;
-        let relaxation = storage.relaxation(S::from_u32(interval));
         let least = state.energy - state.uncertainty;
         let wanted = standing + state.pending;
         state.pending = S::ZERO;
-        let step = storage.step(state.energy, &relaxation, income, wanted);
+        let step = storage.step(state.energy, relaxation, income, wanted);
         state.account.enter(income, wanted, &step);
 
         // The lower bound of the energy: all income first, the part without room lost, then leakage, then all

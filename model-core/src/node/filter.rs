@@ -26,7 +26,6 @@ use core::f64::consts::PI;
 
 use super::covariance::{ALL, Covariance, DRAW, Flow, GAIN, HOUR, POWER, STATES, STORE, Storing};
 use crate::energy::{Relaxation, Storage};
-
 use crate::scalar::{Mathematics, Scalar, add_increment};
 use crate::snapshot::snapshot_fields;
 
@@ -261,8 +260,8 @@ impl<S: Scalar> Filter<S> {
         S::from_f64(LEAST_NOISE) * cell
     }
 
-    /// Advances the time by `seconds` in which the node spent `spent` J beside its standing power, while the variance of
-    /// the power grows by `walk` in a second.
+    /// Advances the time by `seconds` in which the node spent `spent` J beside its standing power, while the variances grow by
+    /// `growth`. Gives the relaxation of the storage over that time.
     pub(super) fn predict(
         &self,
         state: &mut FilterState<S>,
@@ -270,14 +269,14 @@ impl<S: Scalar> Filter<S> {
         is_on: bool,
         spent: S,
         growth: Growth<S>,
-    ) {
+    ) -> Relaxation<S> {
         let time = S::from_u32(seconds);
         let storage = &self.storage;
         let relaxation = storage.relaxation(time);
         let [_, power, _, draw, ..] = state.mean;
-        let on = if is_on { S::ONE } else { S::ZERO };
         let income = power * time;
-        let outgo = storage.drawn(on * (self.standing + draw) * time + spent).max(S::ZERO);
+        let asleep = if is_on { (self.standing + draw) * time } else { S::ZERO };
+        let outgo = storage.drawn(asleep + spent).max(S::ZERO);
         let change = storage.step(state.mean[STORE], &relaxation, storage.stored(income), outgo).change;
         (state.mean[STORE], state.low[0]) = add_increment(state.mean[STORE], state.low[0], change);
         (state.mean[ALL], state.low[1]) = add_increment(state.mean[ALL], state.low[1], income);
@@ -288,7 +287,7 @@ impl<S: Scalar> Filter<S> {
             time,
             kept: relaxation.kept,
             of_power: storing.stored * time,
-            of_draw: on * storage.drawn(relaxation.of_income) * time,
+            of_draw: if is_on { storage.drawn(relaxation.of_income) * time } else { S::ZERO },
         };
         state.covariance.advance(flow);
         state.covariance.walk(time, growth.power, storing);
@@ -301,6 +300,7 @@ impl<S: Scalar> Filter<S> {
         state.covariance.widen(DRAW, self.draw_drift * time);
         state.since = state.since.saturating_add(seconds);
         state.of_hour = state.of_hour.saturating_add(seconds);
+        relaxation
     }
 
     /// What becomes of the income over a time in s.

@@ -271,18 +271,12 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             None if now == plans.second => {}
             None => return None,
         }
-        let before = state.glances;
-        if let Some(code) = code {
-            state.glances.see(now, code);
-        }
+        let least = code.unwrap_or_else(|| state.glances.least());
         let mut next = HOUR.saturating_sub(now.saturating_sub(state.hour_start));
         for (index, regular) in self.parameters.actions.iter().enumerate() {
-            match self.verdict(state, now, index, regular, &mut next) {
+            match self.verdict(state, [now, least], index, regular, &mut next) {
                 Verdict::Wait => {}
-                Verdict::Ask => {
-                    state.glances = before;
-                    return None;
-                }
+                Verdict::Ask => return None,
                 Verdict::Run => {
                     self.keep(state, now, code);
                     self.run(state, index, regular);
@@ -297,17 +291,18 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         Some(state.ask(Wake { task: Task::Sleep, again_in, read: true }))
     }
 
-    /// Whether an action waits, runs, or is to be asked about; `next` is shortened to when it is due.
+    /// Whether an action waits, runs, or is to be asked about at the second `now` with at least a `code`; `next` is shortened
+    /// to when it is due.
     fn verdict(
         &self,
         state: &NodeState<P, SLOTS, ACTIONS>,
-        now: u32,
+        [now, code]: [u32; 2],
         index: usize,
         regular: &Regular,
         next: &mut u32,
     ) -> Verdict {
         let at = |of: &[u32; ACTIONS]| of.get(index).copied().unwrap_or(u32::MAX);
-        let (glances, code) = (&state.glances, state.glances.least());
+        let glances = &state.glances;
         if code < at(&self.thresholds.affordable) {
             return Verdict::Wait;
         }
@@ -364,7 +359,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// Keeps a glance.
     fn keep(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) {
         state.second = now;
-        if code.is_some() {
+        if let Some(code) = code {
+            state.glances.see(now, code);
             state.glances.count = state.glances.count.saturating_add(1);
             state.glances.is_open = true;
             state.glances.spent = state.spent;
