@@ -16,11 +16,12 @@ pub struct Instructions {
 }
 
 /// Instructions under QEMU of the node of `on-target --node` over its day, with its decisions on two actions and the forecasts for
-/// them: the table "Cost" of `docs/node.md`, rounded; what the M0 takes for a reading or a glance is up to 9 % more.
+/// them: the table "Cost" of `docs/node.md`, rounded up. Those of the M0 are with
+/// [`cortex_m0_arithmetic!`](crate::cortex_m0_arithmetic).
 #[must_use]
 pub const fn node_instructions(core: Core) -> Instructions {
     match core {
-        Core::M0Plus => Instructions { reading: 120_000.0, glance: 600.0, sample: 40.0, block: 155_000.0 },
+        Core::M0Plus => Instructions { reading: 37_000.0, glance: 560.0, sample: 40.0, block: 82_000.0 },
         Core::M4F | Core::M33 => {
             Instructions { reading: 2_200.0, glance: 320.0, sample: 23.0, block: 15_000.0 }
         }

@@ -19,7 +19,7 @@ mod plant;
 mod truth;
 mod wavering;
 
-use model_core::energy::cost::{Core, Processor};
+use model_core::energy::cost::Processor;
 use model_core::snapshot::{self, image_size};
 use plant::{Build, Hour, OneNode, Plant, Run, Source, World};
 use truth::{AS_DESIGNED, KINDS, Kind, Off, Shaking, WEATHERS, Weather, hour};
@@ -220,9 +220,7 @@ fn random_hours_of_three_harvesters() {
             for spread in [0.2, 0.01] {
                 for as_designed in [true, false] {
                     let (share, hours) = row(&lines, &processor, capacitance, spread, as_designed);
-                    // A core without floating point pays most for the forecasts of its actions.
-                    let most = if processor.core == Core::M0Plus { 0.02 } else { 0.01 };
-                    assert!(share <= most, "{share}");
+                    assert!(share <= 0.01, "{share}");
                     let errors = Errors::of(hours.iter().map(|(_, hour)| hour));
                     assert!(errors.inside >= 0.95, "{}", errors.inside);
                     all_hours.extend(hours);
