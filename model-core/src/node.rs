@@ -301,9 +301,6 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         if seconds == 0 {
             return false;
         }
-        if !state.store_tells() {
-            state.silent = state.silent.saturating_add(seconds);
-        }
         let growth = self.growth(state);
         self.advance_by(state, seconds, is_on, growth);
         state.second = state.second.max(state.settled);
@@ -318,6 +315,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         is_on: bool,
         growth: Growth<f32>,
     ) {
+        if !state.store_tells() {
+            state.silent = state.silent.saturating_add(seconds);
+        }
         let spent = core::mem::replace(&mut state.spent, 0.0);
         let relaxation = self.filter.predict(&mut state.filter, seconds, is_on, spent, growth);
         let harvested = state.filter.all().mean - state.booked;

@@ -369,7 +369,7 @@ impl<S: Scalar> Filter<S> {
     pub(super) fn observe(&self, state: &mut FilterState<S>, code: u32, full: bool) -> (StoreReading, S) {
         if code == 0 || code >= self.full_code {
             let is_above = code > 0;
-            if is_above && (state.doubted >= self.full_code || !state.located || state.was_full) {
+            if is_above && (state.doubted >= self.full_code || state.was_full) {
                 self.locate_above(state);
                 return (StoreReading::Silent, S::ZERO);
             }

@@ -7,6 +7,8 @@ use crate::scalar::Scalar;
 
 /// Standard deviation of an even distribution from −1 to 1.
 const ONE_OF_EVEN: f32 = 0.577_350_26;
+/// Mean power of a gap over the usual power, one standard deviation.
+const OF_USUAL: f32 = 3.0;
 
 impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize>
     Node<W, M, P, SLOTS, ACTIONS>
@@ -24,8 +26,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         self.return_from_gap(state, now, code, 0.0)
     }
 
-    /// As [`Node::wake_after_gap`] where the node went off at an unknown time between the last call and `now`: it slept first,
-    /// and drew any part of its standing power over that time. The income of the time is uncertain by as much.
+    /// As [`Node::wake_after_gap`] where the node went off at an unknown time between the last call and the wake that was due
+    /// then: it slept first, and drew any part of its standing power over that time. The income of the gap is uncertain by as
+    /// much.
     #[cold]
     #[inline(never)]
     pub fn wake_after_lock_out(
@@ -34,17 +37,20 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         now: u32,
         code: Option<u32>,
     ) -> Wake {
-        self.return_from_gap(state, now, code, self.largest_standing_power(state))
+        let asleep = now.min(state.asked_for).saturating_sub(state.second);
+        let largest = self.largest_standing_power(state) * real(asleep);
+        self.return_from_gap(state, now, code, largest)
     }
 
     /// As [`Node::wake_after_lock_out`], of a node that was awake after the last call too: it also ran any part of what it runs
-    /// at most.
+    /// at most, as far as the storage and the income of the time allowed it.
     pub(super) fn wake_after_lost_calls(
         &self,
         state: &mut NodeState<P, SLOTS, ACTIONS>,
         now: u32,
         code: Option<u32>,
     ) -> Wake {
+        let seconds = real(now.saturating_sub(state.second));
         let cost = &self.parameters.cost;
         let mut power = self.largest_standing_power(state)
             + cost.listen / real(self.parameters.listening.shortest)
@@ -52,26 +58,22 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         for regular in &self.parameters.actions {
             power += regular.action.energy() / real(regular.every);
         }
-        self.return_from_gap(state, now, code, power)
+        let [stored, bound] = state.stored();
+        let above = Scalar::max(stored + bound - self.budget.storage().lock_out(), 0.0);
+        let there = above + OF_USUAL * state.usual_power() * seconds;
+        self.return_from_gap(state, now, code, Scalar::min(power * seconds, there))
     }
 
-    /// Growth of variances in a gap: any income up to that of the usual power, and up to what the storage shows, may have come at
-    /// any time in it. A storage that was emptied and is charged again has one of the order of what was drawn.
+    /// Growth of variances in a gap: an income of some times that of the usual power may have come at any time in it. A storage that
+    /// was emptied and is charged again has one of the order of what was drawn.
     fn growth_in_gap(
         &self,
         state: &NodeState<P, SLOTS, ACTIONS>,
         seconds: u32,
-        code: Option<u32>,
-        largest_power: f32,
+        largest_drawn: f32,
     ) -> Growth<f32> {
-        let (growth, storage, time) = (self.growth(state), self.budget.storage(), real(seconds));
-        let relaxation = storage.relaxation(time);
-        let shown = code.map_or(0.0, |code| {
-            let gained =
-                storage.energy(real(code) * self.filter.cell) - relaxation.kept * state.filter.store().mean;
-            gained / (storage.stored(relaxation.of_income) * time)
-        });
-        let power = Scalar::max(Scalar::max(state.usual_power(), largest_power), shown);
+        let (growth, time) = (self.growth(state), real(seconds));
+        let power = OF_USUAL * Scalar::max(state.usual_power(), largest_drawn / time);
         Growth { power: growth.power + 3.0 * power * power / time, ..growth }
     }
 
@@ -81,13 +83,13 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         Scalar::max(self.filter.standing + excess.mean + 2.0 * excess.deviation(), 0.0)
     }
 
-    /// Wakes from a time in which nothing was heard, and any energy up to `largest_power` in W over it was drawn.
+    /// Wakes from a time in which nothing was heard, and any energy up to `largest_drawn` in J was drawn.
     fn return_from_gap(
         &self,
         state: &mut NodeState<P, SLOTS, ACTIONS>,
         now: u32,
         code: Option<u32>,
-        largest_power: f32,
+        largest_drawn: f32,
     ) -> Wake {
         state.abandon();
         self.settle(state, now, None);
@@ -95,12 +97,12 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let seconds = now.saturating_sub(state.settled);
         self.lose(state, 0.0);
         self.be_off(state, now);
-        let half = 0.5 * largest_power * real(seconds);
+        let half = 0.5 * largest_drawn;
         self.budget.spend(&mut state.budget, half);
         state.spent += half;
         self.pay(state, 2.0 * half);
         if seconds > 0 {
-            self.advance_by(state, seconds, false, self.growth_in_gap(state, seconds, code, largest_power));
+            self.advance_by(state, seconds, false, self.growth_in_gap(state, seconds, largest_drawn));
             state.second = state.second.max(now);
         }
         // Each energy up to the largest one is as likely.

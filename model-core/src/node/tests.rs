@@ -269,9 +269,11 @@ fn two_readings_at_the_end_of_the_converter_say_that_the_storage_may_be_full() {
     let (state, read) = after(&[4095, 4095]);
     assert_eq!(read, [StoreReading::Refused, StoreReading::Silent]);
     assert!(state.is_located() && state.was_full());
-    // At the start there is nothing to doubt it by.
+    // At the start too.
     let filter = filter(1e-3);
     let mut state = filter.start();
+    assert_eq!(filter.observe(&mut state, 4095, false).0, StoreReading::Refused);
+    assert!(!state.is_located() && state.is_doubted());
     assert_eq!(filter.observe(&mut state, 4095, false).0, StoreReading::Silent);
     assert!(state.is_located() && state.was_full() && !state.is_doubted());
     let [capacity, stored] = [filter.storage.capacity(), state.store().mean];

@@ -305,10 +305,18 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> C
             state.clock = until;
             return Some(delivered.0);
         }
-        let advance =
-            self.finer.run::<true, E, _>(state, excitation, until, MOST_CATCHING_UP, &mut delivered).ok()?;
-        *work = work.and(advance.work);
-        (advance.ended == Ended::Finished).then_some(delivered.0)
+        // A step that was cut is shorter than any of the finer steps: it has its own halves.
+        let half = state.clock.ticks_until(until, u32::MAX) / 2;
+        for end in [state.clock.after(half.max(1)), until] {
+            let budget = MOST_CATCHING_UP / 2;
+            let advance =
+                self.finer.run::<true, E, _>(state, excitation, end, budget, &mut delivered).ok()?;
+            *work = work.and(advance.work);
+            if advance.ended != Ended::Finished {
+                return None;
+            }
+        }
+        Some(delivered.0)
     }
 
     /// Ends a period of a check, and with the last one the check. It ends early where both states have come apart: from there

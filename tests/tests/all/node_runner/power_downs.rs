@@ -41,7 +41,7 @@ fn resumed_after(gap: fn(u32) -> Gap, change: impl Fn(&mut Bench)) -> [OneState;
             let hour = last.expect("an hour");
             assert_inside(hour);
             // The first hour is that of the gap.
-            let most = if hours == 0 { 0.7 } else { 0.3 };
+            let most = if hours == 0 { 1.5 } else { 0.3 };
             assert!(hour.bound < most * hour.energy, "{hour:?}");
             hours += 1;
         }
