@@ -14,7 +14,7 @@
 //! | `node` | a node of `model_core::node` on a simulated plant: a day with losses of power |
 //! | `following` | the laboratory node, which follows its harvester: acceleration samples in, a decision a second out |
 //! | `board` | boards of `model_core::node` over `embedded-hal`: an accelerometer's driver, slots in flash |
-//! | `arithmetic` | products and sums of `f32` for a Cortex-M0, in half of the instructions |
+//! | `arithmetic` | products, sums and comparisons of `f32` for a Cortex-M0, in half to two thirds of the instructions |
 //! | `logger` | defmt frames over semihosting |
 //! | `stop` | panics and faults end the run with a code |
 

@@ -1,4 +1,5 @@
 @ Product, sum, difference and comparisons of f32 on an ARMv6-M core (Cortex-M0, M0+), with the bits of IEEE 754: to nearest and to even.
+@ Of two operands that are not a number the bits of either may be kept.
 @ What is not a normal number, or has no normal result, goes to the functions of the compiler, __mulsf3 and __addsf3; zeros do not.
 @ Arguments and results are bits in registers: r0, r1 in, r0 out; r2, r3 and r12 are free by the calling convention.
 

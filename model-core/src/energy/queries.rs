@@ -3,7 +3,7 @@
 //!
 //! The forecast of the coming day consists of the expected income of each slot, the standing load, and a cut
 //! of the load at the lock-out without hysteresis. A *pass* is one walk through the `SLOTS + 1` stretches of
-//! that day, with two multiplications and a few additions per stretch, and two exponentials.
+//! that day, with two multiplications and a few additions per stretch. The whole takes two exponentials.
 
 use super::action::Action;
 use super::budget::{Budget, BudgetState};

@@ -231,7 +231,7 @@ fn second<S: Scalar>() -> [S; 14] {
 }
 
 impl<S: Scalar> Relaxation<S> {
-    /// Over an interval of `ratio` times the time constant. A function of its own: a node has five calls of it.
+    /// Over an interval of `ratio` times the time constant. A function of its own: a node calls it from several places.
     #[inline(never)]
     pub(super) fn new(ratio: S) -> Self {
         if ratio < S::from_f64(SERIES_RATIO) {

@@ -100,6 +100,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let half = 0.5 * largest_drawn;
         self.budget.spend(&mut state.budget, half);
         state.spent += half;
+        // Glances assume the largest drop of the code since the last one.
         self.pay(state, 2.0 * half);
         if seconds > 0 {
             self.advance_by(state, seconds, false, self.growth_in_gap(state, seconds, largest_drawn));
