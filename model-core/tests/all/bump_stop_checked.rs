@@ -5,10 +5,10 @@ mod calibration;
 use crate::bridged::{AnyBridge, baseline, resistor, shaking, storage};
 use crate::common::Random;
 use crate::common::harvesters::{bump_parameters, sine_samples};
+use crate::estimator::settings;
 use core::fmt::Debug;
 use model_core::clock::{Instant, TICKS_PER_SECOND};
 use model_core::energy::PowerMeter;
-use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
 use model_core::energy::{Estimate, Estimator};
 use model_core::excitation::{Silence, Stream};
 use model_core::hybrid::Ended;
@@ -29,17 +29,6 @@ fn contacts<S: Scalar>() -> [AnyContact<S>; 4] {
         AnyContact::Restitution(Restitution { coefficient: S::from_f64(0.7) }),
         AnyContact::NoStop,
     ]
-}
-
-fn settings<S: Scalar>(rate: f64) -> Settings<S> {
-    Settings {
-        rate: S::from_f64(rate),
-        format: SampleFormat::accelerations(S::INFINITY),
-        longest_gap: 4,
-        settling_seconds: S::ZERO,
-        interpolation: Interpolation::Linear,
-        bias_seconds: None,
-    }
 }
 
 fn stepper<S: Scalar, L: Circuit<S> + Copy>(

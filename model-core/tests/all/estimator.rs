@@ -20,7 +20,7 @@ use model_core::scene::{Harvester, Scene, Simulation};
 
 const EVER: u32 = u32::MAX;
 
-fn settings<S: Scalar>(rate: f64) -> Settings<S> {
+pub(crate) fn settings<S: Scalar>(rate: f64) -> Settings<S> {
     Settings {
         rate: S::from_f64(rate),
         format: SampleFormat::accelerations(S::INFINITY),
