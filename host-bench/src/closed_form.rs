@@ -1,15 +1,11 @@
-//! Mean power, RMS voltage and amplitude of a scene by the core's closed forms, and the error of the closed forms.
-
-pub mod map;
+//! Mean power, RMS voltage and amplitude of a beam that does not reach its stop, by the core's closed forms.
 
 use model_core::bounds::ParameterError;
-use model_core::part::storage::DcBus;
 use model_core::scalar::Scalar;
-use model_core::scene::closed_form::{ClosedForm, Reason, Validity};
-use model_core::scene::rectified::{FullBridge, Rectified, RegularMotion};
+use model_core::scene::bump_stop::{ClosedForm, Reason, Validity};
 use serde_json::json;
 
-use crate::embedded::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
+use crate::embedded::bump_stop_parameters;
 use crate::method::{Failure, Precision};
 use crate::outcome::{Fields, fields};
 use crate::scene_file::{BumpStop, Draw, Excitation, Load, Model, RectifiedStore, Scene};
@@ -21,7 +17,7 @@ pub struct Estimate {
     pub mean_power_w: f64,
     /// Root mean square of the terminal voltage in V.
     pub rms_voltage_v: f64,
-    /// Amplitude of the motion in m.
+    /// Amplitude of the tip in m.
     pub amplitude_m: f64,
     /// Mean current in A into the storage or bus behind a bridge, its charge per second; `None` without one, and at 0 V.
     pub mean_store_current_a: Option<f64>,
@@ -65,36 +61,25 @@ pub fn estimate(scene: &Scene, precision: Precision) -> Result<Estimate, Failure
 }
 
 fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
-    let Excitation::Sine(tone) = &scene.excitation else { return Err(no_sine(scene)) };
-    if !(tone.frequency_hz > 0.0) {
-        return Err(no_sine(scene));
-    }
+    let Model::BumpStop(model) = &scene.model else {
+        return Err(Failure::of_file(
+            scene,
+            "scene: must be \"bump-stop\" for a closed form; run --steady-state and map have the other scenes",
+        ));
+    };
+    let tone = match &scene.excitation {
+        Excitation::Sine(tone) if tone.frequency_hz > 0.0 => tone,
+        _ => {
+            let text = "excitation.kind: must be \"sine\" with a frequency_hz above 0 for a closed form";
+            return Err(Failure::of_file(scene, text));
+        }
+    };
     let (amplitude, frequency) = (S::from_f64(tone.amplitude_m_per_s2), S::from_f64(tone.frequency_hz));
-    let refused = |error| refused(scene, error);
-    let found = match &scene.model {
-        Model::ContactSeparation(model) => {
-            let harvester =
-                contact_separation_parameters::<S, S::Build>(model, scene.load).build().map_err(refused)?;
-            match scene.load {
-                Load::Resistor { .. } => harvester.closed_form(amplitude, frequency),
-                _ => behind_bridge(scene, harvester, amplitude, frequency)?,
-            }
-        }
-        Model::Sliding(model) => {
-            let harvester = sliding_parameters::<S>(model, scene.load).build().map_err(refused)?;
-            match scene.load {
-                Load::Resistor { .. } => harvester.closed_form(amplitude, frequency),
-                _ => behind_bridge(scene, harvester, amplitude, frequency)?,
-            }
-        }
-        // The mode capacities of a run.
-        Model::BumpStop(model) => {
-            match (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)) {
-                (..=4, ..=2) => of_beam::<S, 4, 2>(scene, model, amplitude, frequency)?,
-                (..=10, ..=10) => of_beam::<S, 10, 10>(scene, model, amplitude, frequency)?,
-                _ => of_beam::<S, 20, 20>(scene, model, amplitude, frequency)?,
-            }
-        }
+    // The mode capacities of a run.
+    let found = match (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)) {
+        (..=4, ..=2) => of_beam::<S, 4, 2>(scene, model, amplitude, frequency)?,
+        (..=10, ..=10) => of_beam::<S, 10, 10>(scene, model, amplitude, frequency)?,
+        _ => of_beam::<S, 20, 20>(scene, model, amplitude, frequency)?,
     };
     let mut estimate = Estimate::new(&found);
     if let Load::DcBus { voltage_v, .. } = scene.load
@@ -103,27 +88,6 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
         estimate.mean_store_current_a = Some(estimate.mean_power_w / voltage_v);
     }
     Ok(estimate)
-}
-
-/// The closed form of a triboelectric harvester with open terminals, behind the bridge of a scene.
-fn behind_bridge<S: Scalar, H: RegularMotion<S>>(
-    scene: &Scene,
-    harvester: H,
-    amplitude: S,
-    frequency: S,
-) -> Result<ClosedForm<S>, Failure> {
-    let Load::DcBus { voltage_v, diode_drop_v } = scene.load else {
-        return Err(Failure::of_file(
-            scene,
-            "load.kind: must be \"resistor\" or \"dc-bus\" for a closed form of this scene; --storage-voltage holds the \
-             voltage of a storage",
-        ));
-    };
-    let [voltage, diode_drop] = [voltage_v, diode_drop_v].map(S::from_f64);
-    let bridge = FullBridge { diode_drop, storage: DcBus { voltage } };
-    let rectified = Rectified::new(harvester, bridge)
-        .map_err(|error| Failure::of_file(scene, format!("load.{error}")))?;
-    Ok(rectified.closed_form_at(amplitude, frequency, voltage))
 }
 
 /// Undamped frequencies in Hz of the first mode with short-circuited and open terminals; `None` for a triboelectric scene,
@@ -152,12 +116,9 @@ fn of_beam<S: Scalar, const B: usize, const R: usize>(
     let number = S::from_f64;
     match scene.load {
         Load::Resistor { .. } => Ok(beam.closed_form(amplitude, frequency)),
-        Load::DcBus { voltage_v, diode_drop_v } => Ok(beam.closed_form_into_bus_coupled(
-            amplitude,
-            frequency,
-            number(voltage_v),
-            number(diode_drop_v),
-        )),
+        Load::DcBus { voltage_v, diode_drop_v } => {
+            Ok(beam.closed_form_into_bus(amplitude, frequency, number(voltage_v), number(diode_drop_v)))
+        }
         Load::RectifiedStore(RectifiedStore {
             diode_drop_v,
             leakage_ohm,
@@ -177,10 +138,6 @@ fn of_beam<S: Scalar, const B: usize, const R: usize>(
 
 fn refused<S: Scalar>(scene: &Scene, error: ParameterError<S>) -> Failure {
     Failure::of_file(scene, format!("parameters.{error}"))
-}
-
-fn no_sine(scene: &Scene) -> Failure {
-    Failure::of_file(scene, "excitation.kind: must be \"sine\" with a frequency_hz above 0 for a closed form")
 }
 
 impl Estimate {
@@ -203,14 +160,9 @@ impl Estimate {
 /// A reason, as the command line writes it.
 fn name(reason: Reason) -> &'static str {
     match reason {
-        Reason::Impacts => "impacts",
         Reason::ImpactsInTransient => "impacts-in-transient",
-        Reason::LeavesOverlap => "leaves-overlap",
-        Reason::Sticks => "sticks",
         Reason::ReachesStop => "reaches-stop",
-        Reason::HigherHarmonics => "higher-harmonics",
         Reason::StrongCoupling => "strong-coupling",
-        Reason::Overdamped => "overdamped",
         Reason::NotBalanced => "not-balanced",
         _ => "other",
     }

@@ -33,7 +33,7 @@ enum Command {
         /// Which shell
         shell: clap_complete::Shell,
     },
-    /// Mean power without a trajectory, whether that holds, and the map of its error
+    /// Mean power of a beam without a trajectory, and whether that holds
     ClosedForm(closed_form::ClosedFormArguments),
     /// Rebuild the figures of the two papers: sliding 3 to 6, contact-separation 8 to 11, bump-stop 6 to 11
     Figures(figures::FiguresArguments),

@@ -165,7 +165,7 @@ fn of_slices(
     options: &Options,
     step: &(impl Fn(Step) + Sync),
 ) -> Result<Map, Failure> {
-    let axes = Axes::new(&scenes[0], request)?;
+    let axes = Axes::new(&scenes[0], request, options)?;
     let count = request.places * scenes.len();
     step(Step::More(scenes.len() * axes.frequencies.len() + 2 * count));
     let made: Vec<(Column, f64)> = (0..scenes.len() * axes.frequencies.len())

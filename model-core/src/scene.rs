@@ -5,7 +5,6 @@
 //! harvesters. Bump-stop has its own [`bump_stop::Stepper`].
 
 pub mod bump_stop;
-pub mod closed_form;
 pub mod contact_separation;
 mod coupled;
 mod electrical_port;
@@ -25,7 +24,6 @@ use crate::scalar::Scalar;
 use crate::snapshot::{Fingerprint, Snapshot};
 
 pub use crate::bounds::{Bounds, ParameterError};
-pub use closed_form::ClosedForm;
 pub use simulation::Simulation;
 
 /// Natural frequencies in Hz, undamped, that a triboelectric harvester may have.
@@ -138,12 +136,6 @@ pub trait Harvester<S: Scalar> {
         self.angular_frequency() * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI)
     }
 
-    /// Mean power without a trajectory, under the base acceleration `amplitude · sin(2π · frequency · t)` in m/s² and
-    /// Hz; `None` for a harvester without a closed form.
-    fn closed_form(&self, _amplitude: S, _frequency: S) -> Option<ClosedForm<S>> {
-        None
-    }
-
     /// Includes all parameters and choices that determine the meaning of a state in a fingerprint.
     fn identify(&self, fingerprint: &mut Fingerprint);
 
@@ -224,11 +216,6 @@ pub trait Scene<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, P, M
         _voltage: S,
         _acceleration: S,
     ) {
-    }
-
-    /// As [`Harvester::closed_form`].
-    fn closed_form(&self, _amplitude: S, _frequency: S) -> Option<ClosedForm<S>> {
-        None
     }
 
     /// As [`Harvester::identify`].

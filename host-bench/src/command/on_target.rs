@@ -51,7 +51,7 @@ pub struct OnTargetArguments {
     #[arg(long, group = "report", value_name = "FILE")]
     day: Option<PathBuf>,
 
-    /// What an estimate costs for each sample, and a closed form for each call [default: M4F and M0]
+    /// What an estimate costs for each sample, and a look-up in a response map for each call [default: M4F and M0]
     #[arg(long, group = "report")]
     estimators: bool,
 

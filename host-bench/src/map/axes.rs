@@ -5,17 +5,16 @@ use model_core::energy::response_map::{
 };
 
 use super::Request;
-use crate::closed_form::estimate;
-use crate::embedded::{damping_ratio, natural_frequency_hz};
-use crate::method::{Failure, Precision};
+use crate::embedded::{Search, damping_ratio, natural_frequency_hz, search};
+use crate::method::{Failure, Options};
 use crate::scene_file::{Excitation, Scene, Tone};
 
 /// Cells from the first to the last column.
 const CELLS: u32 = COLUMNS as u32 - 1;
 /// Most half-bandwidths from the resonance to an edge; a wider map has wider units.
 const WIDEST: f64 = 63.0;
-/// Frequencies at which the closed form is evaluated to find the resonance.
-const SCAN: usize = 2001;
+/// Frequencies from which the resonance is narrowed down.
+const SCAN: usize = 81;
 
 /// The coordinates of a map.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,9 +48,9 @@ pub(super) fn amplitude_of(level: f64) -> f64 {
 
 impl Axes {
     /// Of a scene whose map is asked for.
-    pub(super) fn new(scene: &Scene, request: &Request) -> Result<Self, Failure> {
+    pub(super) fn new(scene: &Scene, request: &Request, options: &Options) -> Result<Self, Failure> {
         let [low, high] = request.frequencies;
-        let (centre_hz, half_bandwidth_hz) = resonance(scene, request)?;
+        let (centre_hz, half_bandwidth_hz) = resonance(scene, request, options)?;
         let reach = (high - centre_hz).abs().max((centre_hz - low).abs());
         let half_bandwidth_hz = half_bandwidth_hz.max(reach / WIDEST);
         // A half-bandwidth of 2048 to 4096 units.
@@ -125,26 +124,33 @@ fn inverse(target: i32, slope: u32) -> i32 {
     low
 }
 
-/// Resonance and half of its bandwidth in Hz: of the closed form at the lowest amplitude, over the frequencies of the map;
-/// the natural frequency with its damping where that has no peak between them.
-fn resonance(scene: &Scene, request: &Request) -> Result<(f64, f64), Failure> {
-    let [low, high] = request.frequencies;
-    let frequency = |index: usize| low + (high - low) * index as f64 / (SCAN - 1) as f64;
+/// Resonance and half of its bandwidth in Hz: of the power of the steady motion at the lowest amplitude, over the
+/// frequencies of the map; the natural frequency with its damping where that has no peak between them.
+fn resonance(scene: &Scene, request: &Request, options: &Options) -> Result<(f64, f64), Failure> {
     let mut scene = scene.clone();
-    let mut power = |frequency_hz: f64| {
-        let amplitude_m_per_s2 = request.amplitudes[0];
-        scene.excitation = Excitation::Sine(Tone { amplitude_m_per_s2, frequency_hz, phase_rad: 0.0 });
-        estimate(&scene, Precision::F64).map_or(0.0, |found| found.mean_power_w)
-    };
-    let powers: Vec<f64> = (0..SCAN).map(|index| power(frequency(index))).collect();
-    let best = (0..SCAN).max_by(|&one, &other| powers[one].total_cmp(&powers[other])).unwrap_or(0);
-    let half = 0.5 * powers[best];
-    let below = (0..best).rev().find(|&index| powers[index] < half);
-    let above = (best..SCAN).find(|&index| powers[index] < half);
-    if let (Some(below), Some(above)) = (below, above)
-        && half > 0.0
+    let ([amplitude_m_per_s2, _], [frequency_hz, _]) = (request.amplitudes, request.frequencies);
+    scene.excitation = Excitation::Sine(Tone { amplitude_m_per_s2, frequency_hz, phase_rad: 0.0 });
+    let over = Search { range_hz: request.frequencies, points: SCAN, with_power: true };
+    let (found, _) = search(&scene, &over, options, &mut || {})?;
+    if let Some((peak, responses)) = found.and_then(|found| Some((found.mean_power?, found.responses)))
+        && !peak.at_edge
     {
-        return Ok((frequency(best), 0.5 * (frequency(above) - frequency(below))));
+        // Of the response nearest to half of the power on either side: `P = P₀/(1 + (Δf/b)²)`.
+        let beside = |is_side: fn(f64) -> bool| {
+            let widths = responses.iter().filter_map(|(frequency_hz, response)| {
+                let distance = frequency_hz - peak.frequency_hz;
+                let ratio = peak.value / response.as_ref()?.mean_power_w;
+                (is_side(distance) && ratio > 1.0 && ratio.is_finite())
+                    .then(|| (ratio, distance.abs() / (ratio - 1.0).sqrt()))
+            });
+            let off_half = |ratio: f64| (ratio / 2.0).ln().abs();
+            widths.min_by(|one, other| off_half(one.0).total_cmp(&off_half(other.0))).map(|(_, width)| width)
+        };
+        if let (Some(below), Some(above)) =
+            (beside(|distance| distance < 0.0), beside(|distance| distance > 0.0))
+        {
+            return Ok((peak.frequency_hz, 0.5 * (below + above)));
+        }
     }
     let natural = natural_frequency_hz(&scene)?;
     Ok((natural, natural * damping_ratio(&scene).max(1e-3)))

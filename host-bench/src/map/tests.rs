@@ -27,7 +27,7 @@ fn closed_form(scene: &Scene, amplitude_m_per_s2: f64, frequency_hz: f64) -> f64
 fn axes_place_columns_over_the_whole_range_and_find_them_again() {
     let scene = scene("contact-separation", &[]);
     for range in [[17.0, 23.0], [20.0, 20.3], [20.5, 26.0], [5.0, 60.0]] {
-        let axes = Axes::new(&scene, &request([0.1, 4.0], range)).expect("in bounds");
+        let axes = Axes::new(&scene, &request([0.1, 4.0], range), &Options::default()).expect("in bounds");
         assert_eq!(axes.frequencies.len(), 33);
         for (end, found) in range.into_iter().zip([axes.frequencies[0], axes.frequencies[32]]) {
             // A unit of the detuning, far from the resonance.
@@ -39,7 +39,7 @@ fn axes_place_columns_over_the_whole_range_and_find_them_again() {
         }
     }
     // 20.13 Hz, softened by the charge, and the damping ratio of 0.005.
-    let axes = Axes::new(&scene, &request([0.1, 4.0], [17.0, 23.0])).expect("in bounds");
+    let axes = Axes::new(&scene, &request([0.1, 4.0], [17.0, 23.0]), &Options::default()).expect("in bounds");
     assert!((axes.centre_hz - 20.13).abs() < 1.0, "{}", axes.centre_hz);
     assert!((0.08..0.3).contains(&axes.half_bandwidth_hz), "{}", axes.half_bandwidth_hz);
 }
@@ -50,7 +50,7 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
     let scene = scene("bump-stop-none", &changes);
     let options = Options { step_s: Some(1e-4), long_step_s: Some(1e-4), ..Options::default() };
     let request = request([1.0, 2.0], [225.0, 255.0]);
-    let axes = Axes::new(&scene, &request).expect("in bounds");
+    let axes = Axes::new(&scene, &request, &Options::default()).expect("in bounds");
     let columns: Vec<Column> = axes
         .frequencies
         .iter()
@@ -143,7 +143,7 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
 #[test]
 fn a_picture_says_what_its_lines_and_dots_are_and_its_voltage() {
     let scene = scene("contact-separation", &[]);
-    let axes = Axes::new(&scene, &request([0.5, 2.0], [19.0, 21.0])).expect("in bounds");
+    let axes = Axes::new(&scene, &request([0.5, 2.0], [19.0, 21.0]), &Options::default()).expect("in bounds");
     let column = |&frequency_hz: &f64| Column {
         frequency_hz,
         rising: level_of(1.5),
@@ -186,7 +186,7 @@ fn a_motion_with_contact_now_and_then_is_the_upper_one() {
     // Beyond the boundary the motion is not periodic here, and has windows of a time constant without contact.
     let scene = scene("node", &[]);
     let request = request([0.1, 4.0], [17.0, 24.0]);
-    let axes = Axes::new(&scene, &request).expect("in bounds");
+    let axes = Axes::new(&scene, &request, &Options::default()).expect("in bounds");
     for frequency in [axes.frequencies[8], axes.frequencies[9]] {
         let column = with_held(&scene, frequency, &Options::default(), |held| {
             column::column(held, frequency, request.amplitudes)

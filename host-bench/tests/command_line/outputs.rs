@@ -109,13 +109,11 @@ fn a_path_is_checked_before_the_runs() {
     for output in [taken.as_str(), text(&inside)] {
         let sweep = [&["sweep", SHIPPED, "--output", output], &long[..], &over[..]].concat();
         refused(&sweep, &["--output", "must be a folder"]);
-        let map = [&["closed-form", SHIPPED, "--map", "--output", output], &long[..]].concat();
-        refused(&map, &["--output", "must be a folder"]);
         refused(&["figures", "--output", output], &["taken"]);
     }
-    fs::create_dir(folder.join("closed-form-3.svg")).expect("a folder");
-    let map = [&["closed-form", SHIPPED, "--map", "--output", text(&folder)], &long[..]].concat();
-    refused(&map, &["--output", "closed-form-3.svg", "must be a file"]);
+    fs::create_dir(folder.join("sweep.csv")).expect("a folder");
+    let sweep = [&["sweep", SHIPPED, "--output", text(&folder)], &long[..], &over[..]].concat();
+    refused(&sweep, &["--output", "sweep.csv", "must be a file"]);
 }
 
 #[test]

@@ -112,7 +112,6 @@ fn a_key_that_the_command_does_not_use() {
     let of_node = ["--set node.update_s", "[node] is of the command budget"];
     refused(&[&["run", NODE], &node[..]].concat(), &of_node);
     refused(&[&["closed-form", NODE], &node[..]].concat(), &of_node);
-    refused(&[&["closed-form", NODE, "--map"], &node[..]].concat(), &of_node);
     refused(&[&["work-precision", NODE], &node[..]].concat(), &of_node);
     refused(&["sweep", NODE, "--over", "node.update_s=1:2:2"], &["--over node.update_s", of_node[1]]);
     let resonance = ["resonance", SHIPPED, "--from", "19", "--to", "21"];
@@ -121,6 +120,6 @@ fn a_key_that_the_command_does_not_use() {
         refused(&[&resonance[..], &["--set", key]].concat(), &[&told, "is not used here"]);
     }
     for key in ["run.duration_s=20", "initial.gap_m=1e-3"] {
-        refused(&["closed-form", SHIPPED, "--set", key], &["is not used here", "--map"]);
+        refused(&["closed-form", SHIPPED, "--set", key], &["is not used here", "steady motion"]);
     }
 }

@@ -22,10 +22,6 @@ impl<S: Scalar> Complex<S> {
         Self { re: factor * self.re, im: factor * self.im }
     }
 
-    pub(crate) fn conjugate(self) -> Self {
-        Self { re: self.re, im: -self.im }
-    }
-
     /// `|z|²`.
     pub(crate) fn square(self) -> S {
         self.re * self.re + self.im * self.im

@@ -73,6 +73,7 @@ mod stepper;
 mod stop;
 mod tip_mass;
 mod trial;
+mod validity;
 
 pub use checked::{Checked, CheckedState};
 pub use checks::Checks;
@@ -86,6 +87,7 @@ use stepper::LEAST_BUDGET;
 pub use stepper::Stepper;
 pub use stop::Stop;
 pub use tip_mass::NoTipMass;
+pub use validity::{ClosedForm, Reason, Validity};
 
 pub use crate::part::beam::TipMass;
 use crate::scalar::Scalar;

@@ -40,7 +40,6 @@
 mod automaton;
 mod choices;
 mod circuit;
-mod closed_form;
 mod electrical_port;
 mod flow;
 mod force_law;

@@ -107,14 +107,12 @@
 //! ```
 
 mod automaton;
-mod closed_form;
 mod electrics;
 mod flow;
 mod identity;
 
 pub use crate::scene::coupled::{CHARGE, POSITION, VELOCITY};
 pub use automaton::Mode;
-pub use closed_form::{Needs, RegularMotion};
 pub use flow::Flow;
 
 pub use crate::part::rectifier::{BridgeRegime, FullBridge};

@@ -1,6 +1,6 @@
 //! A scene with its method and step control.
 
-use super::{ClosedForm, Harvester, ParameterError, Scene};
+use super::{Harvester, ParameterError, Scene};
 use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::{Advance, Driver, HybridState, LEAST_BUDGET, StepError};
@@ -135,10 +135,6 @@ where
 
     fn angular_frequency(&self) -> S {
         self.scene.error_scale().angular_frequency
-    }
-
-    fn closed_form(&self, amplitude: S, frequency: S) -> Option<ClosedForm<S>> {
-        self.scene.closed_form(amplitude, frequency)
     }
 
     /// The method is identified by its error estimate and the order of it, the step control by its results on test

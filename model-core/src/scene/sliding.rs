@@ -51,7 +51,6 @@
 mod automaton;
 mod choices;
 mod circuit;
-mod closed_form;
 mod electrical_port;
 mod flow;
 mod force_law;

@@ -25,7 +25,6 @@ mod node_example;
 mod node_image;
 mod prothero_robinson;
 mod rectified;
-mod rectified_closed_form;
 mod rectified_limits;
 mod release;
 mod resuming;

@@ -193,66 +193,27 @@ fn behind_a_bridge_the_orbit_is_that_of_the_transient() {
     });
 }
 
-/// The closed forms behind a bridge against shooting, where they are claimed to hold.
+/// The closed form of the beam behind a bridge against shooting, where it is claimed to hold.
 #[test]
-fn the_closed_forms_behind_a_bridge_are_those_of_the_orbits() {
-    let bus = |volts: f64, drop: f64| format!("{{kind='dc-bus',voltage_v={volts},diode_drop_v={drop}}}");
-    let mut cases = Vec::new();
-    for law in ["'transferred-charge'", "'gap-field'"] {
-        for (gravities, hertz) in [("0.02", "18"), ("0.05", "18"), ("0.02", "19.3"), ("0.05", "23")] {
-            for volts in [1.0, 10.0, 100.0] {
-                let changes = [
-                    ("load".to_owned(), bus(volts, 0.3)),
-                    ("parameters.force_law".to_owned(), law.to_owned()),
-                    ("excitation.amplitude_g".to_owned(), gravities.to_owned()),
-                    ("excitation.frequency_hz".to_owned(), hertz.to_owned()),
-                ];
-                cases.push(("contact-separation", changes.to_vec(), 2e-2));
-            }
-        }
-    }
-    for hertz in ["16", "17.5", "18.3", "20"] {
-        for volts in [5.0, 50.0] {
-            let changes = [
-                ("load".to_owned(), bus(volts, 0.3)),
-                ("excitation.frequency_hz".to_owned(), hertz.to_owned()),
-            ];
-            cases.push(("sliding", changes.to_vec(), 4e-2));
-        }
-    }
-    for (hertz, volts) in [("200", 0.1), ("200", 0.3), ("230", 1.0), ("260", 0.5)] {
+fn the_closed_form_behind_a_bridge_is_that_of_the_orbits() {
+    let cases = [("200", 0.1), ("200", 0.3), ("230", 1.0), ("260", 0.5)];
+    on_all_cores(&cases, |(hertz, volts)| {
+        let bus = format!("{{kind='dc-bus',voltage_v={volts},diode_drop_v=0.02}}");
         let changes = [
-            ("load".to_owned(), bus(volts, 0.02)),
-            ("excitation.frequency_hz".to_owned(), hertz.to_owned()),
-            ("parameters.beam_modes".to_owned(), "3".to_owned()),
-            ("parameters.piezo_d31_m_per_v".to_owned(), "-40e-12".to_owned()),
+            ("load", &bus[..]),
+            ("excitation.frequency_hz", hertz),
+            ("parameters.beam_modes", "3"),
+            ("parameters.piezo_d31_m_per_v", "-40e-12"),
         ];
-        cases.push(("bump-stop-none", changes.to_vec(), 2e-2));
-    }
-    let found = on_all_cores(&cases, |(name, changes, _)| {
-        let changes: Vec<(&str, &str)> =
-            changes.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect();
-        let scene = shipped(name, &changes);
+        let scene = shipped("bump-stop-none", &changes);
         let expected = estimate(&scene, Precision::F64).expect("one sine");
-        let options = if *name == "bump-stop-none" { Options::default() } else { adaptive(1e-4) };
-        (expected, expected.holds().then(|| shot(&scene, &options)))
-    });
-    let mut holding = 0;
-    for ((name, changes, allowed), (expected, outcome)) in cases.iter().zip(&found) {
-        let Some(outcome) = outcome else {
-            println!("{name}, {changes:?}: {:?}", expected.reason);
-            continue;
-        };
-        holding += 1;
+        let outcome = shot(&scene, &Options::default());
         let off = relative_difference(outcome.mean_power_w, Some(expected.mean_power_w));
         let voltage = relative_difference(outcome.rms_voltage_v, Some(expected.rms_voltage_v));
-        println!("{name}, {changes:?}: {off:.1e}, {voltage:.1e}, margin {}", expected.margin);
-        // While the bridge blocks, the mean voltage is that of the charge which the transient leaves.
-        let conducts = expected.mean_power_w > 0.0;
-        let good = off < *allowed && (!conducts || voltage < *allowed);
-        assert!(good, "{name}, {changes:?}: {off:e}, {voltage:e}");
-    }
-    assert!(holding >= 24, "{holding} of {}", cases.len());
+        println!("{changes:?}: {off:.1e}, {voltage:.1e}, margin {}", expected.margin);
+        assert!(expected.holds() && expected.mean_power_w > 0.0, "{changes:?}: {expected:?}");
+        assert!(off < 2e-2 && voltage < 2e-2, "{changes:?}: {off:e}, {voltage:e}");
+    });
 }
 
 /// The resonances of the beam with short-circuited and open terminals are those of the closed form, and the peak powers at

@@ -1,4 +1,4 @@
-//! What an estimate costs for each sample, and a closed form for each call.
+//! What an estimate costs for each sample, and a look-up in a response map for each call.
 
 use super::estimate_energy::{self, Estimate};
 use super::output::Output;
@@ -8,14 +8,11 @@ use firmware_example::variant::named;
 use firmware_example::workload::{bump_stop, contact_separation, sliding};
 use model_core::energy::cost::Code;
 
-/// Name of the method that finds the strongest sine.
-const TONE_METER: &str = "tone meter";
-
 const ESTIMATE: Column = ("estimate", |row, _| row.workload.name.clone());
 const PER_CALL: Column = ("instructions per sample or call", rows::PER_STEP.1);
 const PER_SECOND: Column = ("per second", rows::PER_SECOND.1);
 
-/// Measures the estimators and the closed forms of all scenes and prints their cost, in instructions and in energy.
+/// Measures the estimators of all scenes and the look-up, and prints their cost, in instructions and in energy.
 ///
 /// # Errors
 ///
@@ -23,15 +20,10 @@ const PER_SECOND: Column = ("per second", rows::PER_SECOND.1);
 pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     let estimator =
         |scene, method, steps| Case { steps, by_sample: true, ..Case::new("estimator", scene, method) };
-    let closed_form = |scene| Case::new("closed form", scene, "closed form");
     let cases = vec![
         estimator("contact-separation", RADAU, Steps::Tolerance(contact_separation::TOLERANCE)),
         estimator("sliding", RADAU, Steps::Tolerance(sliding::TOLERANCE)),
         estimator("bump-stop", "discrete gradient", Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG])),
-        estimator("strongest-sine", TONE_METER, Steps::None),
-        closed_form("contact-separation"),
-        closed_form("sliding"),
-        closed_form("bump-stop"),
     ];
     let mut found = rows::measure(bench, &const { named("estimators::all") }, cases)?;
     let look_up = |motions| Case::new("look-up", "contact-separation", motions);
@@ -43,16 +35,13 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     found.extend(rows::measure(bench, &const { named("response_map::all") }, cases)?);
     let columns = [rows::CORE, ESTIMATE, PER_CALL, PER_SECOND, rows::STACK];
     let note =
-        "Samples at 400 a second (contact-separation, strongest sine), 367 (sliding) and 3520 (bump-stop).
-A closed form or a response map is called once a second. Each estimate has the host's bits.";
+        "Samples at 400 a second (contact-separation, lines of the band), 367 (sliding) and 3520 (bump-stop).
+A response map is called once a second. Each estimate has the host's bits.";
     output.rows(&found, &columns, 2, note);
     let estimates: Vec<Estimate> = found
         .iter()
         .filter(|row| row.case.by_sample)
-        .map(|row| {
-            let filter = row.case.method == TONE_METER;
-            Estimate::sampled(row, if filter { Code::Filter } else { Code::Trajectory })
-        })
+        .map(|row| Estimate::sampled(row, Code::Trajectory))
         .collect();
     estimate_energy::report(bench.core(), &estimates, estimate_energy::income()?, output);
     Ok(())

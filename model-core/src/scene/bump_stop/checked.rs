@@ -16,7 +16,7 @@ use crate::excitation::Excitation;
 use crate::hybrid::{Advance, Ended, StepError, Work};
 use crate::observer::{AcceptedStep, Event, Observer, Outputs, PowerIndex};
 use crate::scalar::Scalar;
-use crate::scene::{CheckedError, ClosedForm, Harvester};
+use crate::scene::{CheckedError, Harvester};
 use crate::snapshot::{Fingerprint, Snapshot, snapshot_fields};
 
 /// Periods of the first mode in a check: at the usual damping of 0.01 a motion remembers an error for 16 periods.
@@ -452,10 +452,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
 
     fn checked_error(&self, state: &Self::State) -> Option<CheckedError<S>> {
         state.checks.error(self.angular_frequency())
-    }
-
-    fn closed_form(&self, amplitude: S, frequency: S) -> Option<ClosedForm<S>> {
-        self.stepper.closed_form(amplitude, frequency)
     }
 
     fn identify(&self, fingerprint: &mut Fingerprint) {

@@ -117,11 +117,6 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
         None
     }
 
-    /// The resistance of a resistive load; `None` behind a bridge.
-    fn load_resistance(&self) -> Option<Resistance<S>> {
-        None
-    }
-
     /// Sets the storage to a voltage in V; without effect on a circuit without a storage.
     fn set_storage_voltage(_state: &mut Self::State, _volts: S) {}
 }
@@ -152,10 +147,6 @@ impl<S: Scalar, L: Load<S>> Circuit<S> for Resistive<L> {
     }
 
     fn start(&self) {}
-
-    fn load_resistance(&self) -> Option<Resistance<S>> {
-        Some(self.resistance())
-    }
 
     fn step(&self, capacitance: S, step: S) -> CircuitStep<S> {
         CircuitStep::new(capacitance, self.resistance(), step)

@@ -13,10 +13,10 @@
 
 use super::choices::Coupling;
 use super::contact_law::{ContactKind, ContactLaw};
-use super::{BumpStop, Parts};
+use super::validity::ratio;
+use super::{BumpStop, ClosedForm, Parts, Reason, Validity};
 use crate::part::load::{Load, Resistance};
 use crate::scalar::{Complex, Scalar};
-use crate::scene::closed_form::{ClosedForm, Reason, Validity, ratio};
 
 /// Halvings of the interval of an open-circuit frequency.
 const HALVINGS: u32 = 55;
@@ -42,22 +42,10 @@ impl<S: Scalar, P: Parts<S, Load: Load<S>>, const B: usize, const R: usize> Bump
     /// to twice the amplitude, reaches the stop, the result is not claimed to hold.
     #[must_use]
     pub fn closed_form(&self, amplitude: S, frequency: S) -> ClosedForm<S> {
-        self.closed_form_into(Load::resistance(&self.load), amplitude, frequency)
-    }
-}
-
-impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// [`BumpStop::closed_form`] with a resistance in place of the load.
-    pub(super) fn closed_form_into(
-        &self,
-        resistance: Resistance<S>,
-        amplitude: S,
-        frequency: S,
-    ) -> ClosedForm<S> {
         let response = self.response(frequency);
         let by_base = response.charge_by_base.scaled(amplitude * self.elastance);
         let unloaded = Complex::new(S::ONE, S::ZERO) - response.charge_by_voltage.scaled(self.elastance);
-        let (voltage, conductance) = match resistance {
+        let (voltage, conductance) = match Load::resistance(&self.load) {
             Resistance::Short => (Complex::ZERO, S::ZERO),
             Resistance::Open => (by_base * unloaded.inverse(), S::ZERO),
             Resistance::Finite(resistance) => {
@@ -80,7 +68,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             validity: Validity::of(self.clearance(&response, amplitude, voltage)),
         }
     }
+}
 
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// The requirements of the gap for a motion with the terminal voltage `voltage`.
     pub(super) fn clearance(
         &self,

@@ -11,7 +11,7 @@ use crate::excitation::Excitation;
 use crate::hybrid::{Advance, StepError};
 use crate::observer::{Motion, Observer, Outputs};
 use crate::scalar::Scalar;
-use crate::scene::{ClosedForm, Harvester};
+use crate::scene::Harvester;
 use crate::snapshot::Fingerprint;
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
@@ -117,11 +117,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
 
     fn angular_frequency(&self) -> S {
         self.scene.beam_angular_frequency(0).unwrap_or(S::ONE)
-    }
-
-    fn closed_form(&self, amplitude: S, frequency: S) -> Option<ClosedForm<S>> {
-        let resistance = self.scene.load.load_resistance()?;
-        Some(self.scene.closed_form_into(resistance, amplitude, frequency))
     }
 
     fn identify(&self, fingerprint: &mut Fingerprint) {

@@ -5,12 +5,10 @@
 //! which takes `2 C_p V_b`; the remaining charge passes the bridge at `V_b = V_dc + 2 V_D`, with two diodes
 //! conducting.
 
-use super::{BumpStop, Parts};
+use super::validity::ratio;
+use super::{BumpStop, ClosedForm, Parts, Reason, Validity};
 use crate::scalar::{Complex, Scalar, arcsine};
-use crate::scene::closed_form::{ClosedForm, Reason, Validity, ratio};
 
-/// Largest effect of the voltage on the motion, relative to the power of a bus.
-const WEAK: f64 = 0.05;
 /// Largest `|Q_v|/C_p`, at resonance the figure of merit `k² Q`, for a nearly harmonic motion behind a bridge.
 const HARMONIC: f64 = 1.0;
 /// Largest relative change of the voltage in the last iteration.
@@ -21,52 +19,20 @@ const HALVINGS: u32 = 50;
 const ITERATIONS: u32 = 8;
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
-    /// Mean power in W into a DC bus behind a full bridge, `P = 4 f C_p V_dc (V_oc − V_dc − 2 V_D)` with `V_oc =
-    /// |Q|/C_p`; 0 if the bridge blocks. The motion is that of the short circuit: exact with one-way coupling, an
-    /// approximation for weak two-way coupling.
+    /// Mean power in W into a DC bus behind a full bridge, with the effect of the voltage on the motion: Guyomar's and Shu
+    /// and Lien's standard interface at a fixed voltage, for a harmonic motion with two-way coupling, all beam modes and
+    /// the drop of the diodes. With one-way coupling exact, `P = 4 f C_p V_dc (V_oc − V_dc − 2 V_D)` with `V_oc = |Q|/C_p`;
+    /// 0 if the bridge blocks.
     ///
     /// The base acceleration is `amplitude · sin(2π · frequency · t)` in m/s² and Hz; `bus_voltage` and `diode_drop`,
     /// per diode, are in V. The load of the scene is ignored.
-    #[must_use]
-    pub fn closed_form_into_bus(
-        &self,
-        amplitude: S,
-        frequency: S,
-        bus_voltage: S,
-        diode_drop: S,
-    ) -> ClosedForm<S> {
-        let response = self.response(frequency);
-        let amplitude = amplitude.abs();
-        let open = response.charge_by_base.magnitude() * amplitude * self.elastance;
-        let bridge = bus_voltage + diode_drop + diode_drop;
-        // If the bridge blocks, the terminals are open and the voltage acts back on the motion.
-        let swing = open - bridge;
-        let coupling = response.charge_by_voltage.magnitude() * self.elastance;
-        let bend = if swing > S::ZERO {
-            S::from_f64(2.0 * core::f64::consts::FRAC_2_PI / WEAK) * coupling * bridge / swing
-        } else {
-            coupling * S::from_f64(1.0 / WEAK)
-        };
-        let power = S::from_f64(4.0) * frequency * self.capacitance * bus_voltage * swing.max(S::ZERO);
-        let [reaches, in_transient] = self.clearance(&response, amplitude, Complex::ZERO);
-        ClosedForm {
-            mean_power: power,
-            rms_voltage: rms_behind_bridge(open, bridge),
-            amplitude: response.tip_amplitude(amplitude, Complex::ZERO),
-            validity: Validity::of([(Reason::StrongCoupling, bend), reaches, in_transient]),
-        }
-    }
-
-    /// As [`BumpStop::closed_form_into_bus`], with the effect of the voltage on the motion: Guyomar's and Shu and Lien's
-    /// standard interface at a fixed voltage, for a harmonic motion with two-way coupling, all beam modes and the drop of
-    /// the diodes. Exact with one-way coupling.
     ///
     /// Over a period the bridge takes `P_b = 4 f V_b (|Q| − C_p V_b)` at `V_b = V_dc + 2 V_D`, so the modes see a voltage
     /// per charge of `V_b/|Q|` in phase with the charge and of `2 P_b/(ω |Q|²)` ahead of it. `|Q|` is found by bisection
     /// above `C_p V_b`. If the voltage of the open terminals stays below `V_b`, the bridge blocks and the terminals are
     /// open.
     #[must_use]
-    pub fn closed_form_into_bus_coupled(
+    pub fn closed_form_into_bus(
         &self,
         amplitude: S,
         frequency: S,

@@ -8,7 +8,7 @@ use crate::integrate::StepControl;
 use crate::part::load::Load;
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
-use crate::scene::{ClosedForm, ParameterError, Scene};
+use crate::scene::{ParameterError, Scene};
 use crate::snapshot::{Fingerprint, snapshot_variants};
 
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for ContactSeparation<S, P> {
@@ -21,10 +21,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for C
         control: &C,
     ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>> {
         self.start(start, excitation, control)
-    }
-
-    fn closed_form(&self, amplitude: S, frequency: S) -> Option<ClosedForm<S>> {
-        Some(self.closed_form(amplitude, frequency))
     }
 
     fn identify(&self, fingerprint: &mut Fingerprint) {

@@ -7,7 +7,7 @@ use crate::hybrid::HybridState;
 use crate::integrate::StepControl;
 use crate::part::load::Load;
 use crate::scalar::Scalar;
-use crate::scene::{ClosedForm, ParameterError, Scene};
+use crate::scene::{ParameterError, Scene};
 use crate::snapshot::{Fingerprint, Reader, Snapshot, Writer};
 
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for Sliding<S, P> {
@@ -20,10 +20,6 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for S
         control: &C,
     ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>> {
         self.start(start, excitation, control)
-    }
-
-    fn closed_form(&self, amplitude: S, frequency: S) -> Option<ClosedForm<S>> {
-        Some(self.closed_form(amplitude, frequency))
     }
 
     fn identify(&self, fingerprint: &mut Fingerprint) {

@@ -1,10 +1,4 @@
-//! Computes the mean power of the regular regime under one sine without a trajectory.
-//!
-//! The method `closed_form(amplitude, frequency)` of each scene gives the mean power of the periodic motion from rest
-//! under the base acceleration `amplitude · sin(2π · frequency · t)`. It takes a bounded number of operations and no
-//! state: for a bump-stop beam that does not reach its stop, exactly; for a slider that never sticks and a plate that
-//! never touches, by harmonic balance. The requirements of the regime are checked with the result, and [`Validity`]
-//! states the margin.
+//! The result of a closed form, and whether the motion is in its regime: the beam does not reach its stop.
 
 use crate::scalar::Scalar;
 
@@ -17,7 +11,7 @@ pub struct ClosedForm<S> {
     pub mean_power: S,
     /// Root mean square of the terminal voltage, in V.
     pub rms_voltage: S,
-    /// Amplitude of the motion relative to the base, in m: of the gap, of the slider, or of the beam's tip.
+    /// Amplitude of the tip relative to the base, in m.
     pub amplitude: S,
     /// Whether the motion is in the regime of the formula.
     pub validity: Validity<S>,
@@ -46,22 +40,12 @@ pub enum Validity<S> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Reason {
-    /// The plate reaches the dielectric: amplitude over 0.9 of the mean gap.
-    Impacts,
-    /// A motion with impacts coexists, and the transient from rest may end in it: twice the amplitude over the gap.
+    /// A motion with contact coexists, and the transient from rest may end in it: twice the amplitude over the gap.
     ImpactsInTransient,
-    /// The slider leaves the active patch: amplitude over 0.9 of the diameter.
-    LeavesOverlap,
-    /// The slider sticks at its turning point: static friction over the force on the slider.
-    Sticks,
     /// The beam reaches the stop: amplitude of the gap coordinate over the gap.
     ReachesStop,
-    /// The motion is not harmonic, as the balance assumes: third harmonic over its limit.
-    HigherHarmonics,
-    /// The rectifier's voltage changes the motion more than the formula allows.
+    /// The rectifier's voltage acts too strongly on the motion for it to be harmonic: `|Q_v|/C_p` over its limit.
     StrongCoupling,
-    /// The mode is too strongly damped: damping ratio over its limit.
-    Overdamped,
     /// The iteration did not converge: residual of the balance over its tolerance.
     NotBalanced,
 }
@@ -103,12 +87,12 @@ mod tests {
 
     #[test]
     fn the_verdict_is_that_of_the_worst_requirement() {
-        let verdict = Validity::<f64>::of([(Reason::Sticks, 0.2), (Reason::Impacts, 0.7)]);
+        let verdict = Validity::<f64>::of([(Reason::NotBalanced, 0.2), (Reason::ReachesStop, 0.7)]);
         assert_eq!(verdict, Validity::Holds { margin: 0.7 });
-        let verdict = Validity::<f64>::of([(Reason::Sticks, 3.0), (Reason::Impacts, 1.5)]);
-        assert_eq!(verdict, Validity::NeedsTrajectory { reason: Reason::Sticks, margin: 3.0 });
+        let verdict = Validity::<f64>::of([(Reason::NotBalanced, 3.0), (Reason::ReachesStop, 1.5)]);
+        assert_eq!(verdict, Validity::NeedsTrajectory { reason: Reason::NotBalanced, margin: 3.0 });
         for values in [[f64::NAN, 0.5], [0.5, f64::NAN], [f64::NAN, 5.0]] {
-            let verdict = Validity::of(values.map(|value| (Reason::Sticks, value)));
+            let verdict = Validity::of(values.map(|value| (Reason::NotBalanced, value)));
             assert!(!verdict.holds(), "{values:?}");
         }
         assert_eq!((ratio(0.0, 0.0), ratio(1.0, 0.0)), (0.0, f64::INFINITY));
