@@ -1,4 +1,4 @@
-//! Base acceleration `a(t)` in m/s² as a function of the integer clock, and the strongest sine in its samples.
+//! Base acceleration `a(t)` in m/s² as a function of the integer clock, and the lines of a band in its samples.
 //!
 //! An excitation is a pure function of time, without state. In every scene `a` is the acceleration of the
 //! base in the positive direction of the relative coordinate, so the force on the mass is `−m a`.
@@ -15,7 +15,6 @@ mod silence;
 mod sine;
 mod stream;
 mod sweep;
-mod tone_meter;
 mod tones;
 
 use crate::any::forward;
@@ -35,7 +34,6 @@ pub use sine::Sine;
 pub(crate) use stream::is_acceleration;
 pub use stream::{LARGEST_SAMPLE, Stream, StreamError};
 pub use sweep::{Sweep, SweepLaw};
-pub use tone_meter::{SpectralPeak, ToneMeter, ToneMeterState};
 pub use tones::Tones;
 
 /// The straight line over a step with the mean and the first moment of an acceleration, in m/s².

@@ -1,7 +1,7 @@
 //! The income under one sine, looked up in a map that the host computed with the full model.
 //!
 //! A node knows the amplitude and the frequency of its shaking, for example by
-//! [`ToneMeter`](crate::excitation::ToneMeter). A [`ResponseMap`] gives the mean power into the load, or the charge per
+//! [`LineBank`](crate::excitation::LineBank). A [`ResponseMap`] gives the mean power into the load, or the charge per
 //! second into a storage, of the steady motion at that place, with bounds that were measured against the full model at
 //! random places off the map's nodes. `map` of the host writes such a map as constants for firmware.
 //!

@@ -4,21 +4,21 @@
 //! sequence number, and resumes from the newest image that is whole:
 //!
 //! ```
-//! use model_core::excitation::ToneMeter;
+//! use model_core::excitation::LineBank;
 //! use model_core::snapshot::{self, SnapshotError};
 //!
-//! let meter = ToneMeter::<f32>::new(400.0, 400).expect("in bounds");
-//! let mut state = meter.start();
-//! let mut flash = [[0xff_u8; 128]; 2];
-//! let slots = |flash: &[[u8; 128]; 2]| {
-//!     snapshot::newest_image(&meter, [&flash[0], &flash[1]]).map(|image| image.state)
+//! let bank = LineBank::<80, 16>::new(400.0, 20.0, 0.2, 9.81 / 8192.0).expect("in bounds");
+//! let mut state = bank.start();
+//! let mut flash = [[0xff_u8; 256]; 2];
+//! let slots = |flash: &[[u8; 256]; 2]| {
+//!     snapshot::newest_image(&bank, [&flash[0], &flash[1]]).map(|image| image.state)
 //! };
 //! assert_eq!(slots(&flash), Err(SnapshotError::NotASnapshot)); // erased
 //!
-//! snapshot::save_image(&meter, &state, 1, &mut flash[0])?;
+//! snapshot::save_image(&bank, &state, 1, &mut flash[0])?;
 //! let first = state;
-//! meter.push::<model_core::scalar::Polynomial>(&mut state, 9.81);
-//! snapshot::save_image(&meter, &state, 2, &mut flash[1])?;
+//! bank.take(&mut state, &[8192, 8200]);
+//! snapshot::save_image(&bank, &state, 2, &mut flash[1])?;
 //! assert_eq!(slots(&flash), Ok(state));
 //! flash[1][40..].fill(0xff); // torn
 //! assert_eq!(slots(&flash), Ok(first));

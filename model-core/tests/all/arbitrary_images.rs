@@ -9,7 +9,7 @@ use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, Capacitor, CorrectionParameters, Estimator,
     IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
 };
-use model_core::excitation::{LineBank, ToneMeter};
+use model_core::excitation::LineBank;
 use model_core::integrate::{Adaptive, ExponentialRadau, TrBdf2};
 use model_core::node::{
     KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread, Task,
@@ -160,24 +160,6 @@ fn a_correction_of_arbitrary_bytes_is_refused_or_works() {
         assert!((0.0..=10.0).contains(&found.gain), "{found:?}");
         let finite = [found.gain_deviation, found.energy, found.energy_deviation].map(f32::is_finite);
         assert_eq!(finite, [true; 3], "{found:?}");
-    });
-}
-
-#[test]
-fn a_tone_meter_of_arbitrary_bytes_is_refused_or_works() {
-    let meter = ToneMeter::<f32>::new(400.0, 100).expect("in bounds");
-    let mut state = meter.start();
-    let samples = sine_samples::<f32>(3.0, 20.0, 400.0, 450);
-    for &sample in &samples {
-        meter.push::<<f32 as Scalar>::Build>(&mut state, sample);
-    }
-    judge(&meter, &state, count(6000), |mut state| {
-        for &sample in &samples[..250] {
-            if let Some(peak) = meter.push::<<f32 as Scalar>::Build>(&mut state, sample) {
-                let finite = [peak.amplitude, peak.frequency, peak.purity].map(f32::is_finite);
-                assert_eq!(finite, [true; 3], "{peak:?}");
-            }
-        }
     });
 }
 

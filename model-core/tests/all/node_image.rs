@@ -1,4 +1,4 @@
-//! One image of all that a node learns: budget with income by slot, correction, estimator and tone meter.
+//! One image of all that a node learns: budget with income by slot, correction, estimator and bank of lines.
 
 use crate::common::harvesters::{Contact, contact, sine_samples};
 use crate::common::{Random, finished};
@@ -7,7 +7,7 @@ use model_core::energy::{
     Budget, BudgetParameters, BudgetState, Capacitor, Correction, CorrectionParameters, CorrectionState,
     Estimator, IncomeParameters, StorageParameters,
 };
-use model_core::excitation::{ToneMeter, ToneMeterState};
+use model_core::excitation::{LineBank, LineBankState};
 use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::scalar::Scalar;
 use model_core::scene::Simulation;
@@ -26,7 +26,7 @@ struct Node<S: Scalar> {
     estimator: Estimator<S, Harvester<S>>,
     budget: Budget<S, 24>,
     correction: Correction<S>,
-    meter: ToneMeter<S>,
+    bank: LineBank<32, 8>,
 }
 
 /// The settings that the tests change one by one.
@@ -49,8 +49,8 @@ struct Numbers {
     gain_deviation: f64,
     gain_drift: f64,
     longest_gap: u16,
-    meter_rate: f64,
-    window: u32,
+    bank_rate: f32,
+    unit: f32,
 }
 
 const NUMBERS: Numbers = Numbers {
@@ -71,8 +71,8 @@ const NUMBERS: Numbers = Numbers {
     gain_deviation: 0.5,
     gain_drift: 0.05,
     longest_gap: 4,
-    meter_rate: RATE,
-    window: 64,
+    bank_rate: RATE as f32,
+    unit: 1e-3,
 };
 
 impl<S: Scalar> Node<S> {
@@ -116,7 +116,7 @@ impl<S: Scalar> Node<S> {
             estimator: Estimator::new(harvester, settings).expect("in bounds"),
             correction: reading.build(budget.storage()).expect("in bounds"),
             budget,
-            meter: ToneMeter::new(number(numbers.meter_rate), numbers.window).expect("in bounds"),
+            bank: LineBank::new(numbers.bank_rate, 20.0, 0.5, numbers.unit).expect("in bounds"),
         }
     }
 }
@@ -127,10 +127,11 @@ struct Learnt<S: Scalar> {
     estimator: Estimator<S, Harvester<S>>,
     budget: BudgetState<S, 24>,
     correction: CorrectionState<S>,
-    tone: ToneMeterState<S>,
+    lines: LineBankState<8>,
 }
 
-type Parts<'a, S> = (&'a Estimator<S, Harvester<S>>, &'a Budget<S, 24>, &'a Correction<S>, &'a ToneMeter<S>);
+type Parts<'a, S> =
+    (&'a Estimator<S, Harvester<S>>, &'a Budget<S, 24>, &'a Correction<S>, &'a LineBank<32, 8>);
 
 impl<S: Scalar> Node<S> {
     fn start(&self) -> Learnt<S> {
@@ -140,25 +141,25 @@ impl<S: Scalar> Node<S> {
             estimator: self.estimator,
             budget,
             correction: self.correction.start(),
-            tone: self.meter.start(),
+            lines: self.bank.start(),
         }
     }
 
     fn parts(&self) -> Parts<'_, S> {
-        (&self.estimator, &self.budget, &self.correction, &self.meter)
+        (&self.estimator, &self.budget, &self.correction, &self.bank)
     }
 
     fn save(&self, learnt: &Learnt<S>, sequence: u32, bytes: &mut [u8]) -> Result<usize, SnapshotError> {
-        let states = (*learnt.estimator.state(), learnt.budget, learnt.correction, learnt.tone);
+        let states = (*learnt.estimator.state(), learnt.budget, learnt.correction, learnt.lines);
         snapshot::save_image(&self.parts(), &states, sequence, bytes)
     }
 
     fn restore(&self, slots: [&[u8]; 2]) -> Result<(Learnt<S>, u32), SnapshotError> {
         let Image { state, sequence, .. } = snapshot::newest_image(&self.parts(), slots)?;
-        let (state, budget, correction, tone) = state;
+        let (state, budget, correction, lines) = state;
         let mut estimator = self.estimator;
         estimator.set_state(state);
-        Ok((Learnt { estimator, budget, correction, tone }, sequence))
+        Ok((Learnt { estimator, budget, correction, lines }, sequence))
     }
 
     /// A minute: a second of samples, some lost, then the rest of the minute as that second; a reading of the voltage.
@@ -171,7 +172,7 @@ impl<S: Scalar> Node<S> {
             } else {
                 finished(learnt.estimator.push_acceleration(sample, EVER));
             }
-            self.meter.push::<S::Build>(&mut learnt.tone, sample);
+            self.bank.take(&mut learnt.lines, &[(1e3 * sample.to_f64()) as i16]);
         }
         let estimate = learnt.estimator.estimate();
         learnt.estimator.clear();
@@ -227,7 +228,7 @@ fn resumes_in_the_middle_of_a_day<S: Scalar>() {
     // It has learnt something of each kind.
     assert!(steady.correction.estimate().used > 1000 && steady.budget.mean_power() > S::ZERO);
     assert!(steady.estimator.estimate().bias.is_some_and(|bias| bias != S::ZERO));
-    assert!(steady.budget.account().drawn > S::ZERO && steady.tone != node.meter.start());
+    assert!(steady.budget.account().drawn > S::ZERO && steady.lines != node.bank.start());
 }
 
 fn saved<S: Scalar>(node: &Node<S>, learnt: &Learnt<S>) -> Vec<u8> {
@@ -249,9 +250,9 @@ fn morning<S: Scalar>() -> (Node<S>, Vec<u8>) {
     for minute in 0..200 {
         node.minute(&mut learnt, &mut random, minute);
     }
-    // In the middle of a sample and of a window.
+    // In the middle of a block.
     for sample in sine_samples::<S>(9.0, 20.0, RATE, 33) {
-        node.meter.push::<S::Build>(&mut learnt.tone, sample);
+        node.bank.take(&mut learnt.lines, &[(1e3 * sample.to_f64()) as i16]);
     }
     let bytes = saved(&node, &learnt);
     (node, bytes)
@@ -304,8 +305,8 @@ fn foreign_settings_are_refused<S: Scalar>() {
         |n| n.gain_deviation = 0.51,
         |n| n.gain_drift = 0.051,
         |n| n.longest_gap = 5,
-        |n| n.meter_rate = 201.0,
-        |n| n.window = 65,
+        |n| n.bank_rate = 201.0,
+        |n| n.unit = 1.1e-3,
     ];
     for (index, change) in changes.into_iter().enumerate() {
         let mut numbers = NUMBERS;
