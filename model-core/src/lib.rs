@@ -51,7 +51,7 @@
 //! | module | content |
 //! | --- | --- |
 //! | [`node`] | a node that joins map, listening, storage and budget |
-//! | [`energy`] | meters, the energy ledger, the event log; a node's energy budget |
+//! | [`energy`] | meters, the energy ledger; a node's energy budget |
 //! | [`scene`] | the harvesters: parameters, checked once, and pure functions |
 //! | [`part`] | the components of harvesters: loads, restitution |
 //! | [`observer`] | the accepted step and the event of every harvester |

@@ -1,7 +1,7 @@
 //! Observes every run: accepted steps, events, and the outputs at their ends, alike for all harvesters.
 //!
 //! A harvester fills one [`AcceptedStep`] for each accepted step and one [`Event`] for each jump. Meters, the energy
-//! ledger, the event log and the estimator are [`Observer`]s of these and independent of the scene. An observer that
+//! ledger and the estimator are [`Observer`]s of these and independent of the scene. An observer that
 //! reads no outputs of steps declares it by [`Observer::READS_OUTPUTS`]; the harvester then does not compute them.
 
 use crate::clock::Instant;
