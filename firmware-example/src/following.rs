@@ -9,17 +9,12 @@
 //! axes at once, on an old `micromath`.
 
 mod estimate;
-mod flash;
 mod flash_board;
 mod harvester;
 mod power_manager;
 
 pub use estimate::Following;
 pub(crate) use estimate::settings;
-use flash::Seconds;
-#[cfg(target_os = "none")]
-pub use flash::log_image;
-pub use flash::{Flash, ImageReport};
 pub use flash_board::{FlashBoard, STORE_VOLTAGE};
 pub use harvester::{DIODE_DROP, following};
 pub(crate) use harvester::{behind_bridge, charging};
@@ -49,22 +44,6 @@ pub enum Decision {
     Transmit,
 }
 
-impl Decision {
-    /// One word, for the log.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sleep => "sleep",
-            Self::Measure => "measure",
-            Self::Transmit => "transmit",
-        }
-    }
-}
-
-/// Seconds that the binaries run.
-pub const SECONDS: u32 = 64;
-/// Seconds from one image of the node's states to the next, each of which the binaries follow by a power-down.
-pub const IMAGE_EVERY: u32 = 16;
 /// Size of a slot of flash in bytes, with room for the image of the node.
 pub const SLOT_BYTES: usize = 768;
 
@@ -90,41 +69,6 @@ pub struct Report {
     pub steps: u32,
 }
 
-impl Report {
-    /// Harvested and stored energy in microjoules.
-    #[must_use]
-    pub fn microjoules(&self) -> [f32; 2] {
-        [1e6 * self.harvested, 1e6 * self.stored]
-    }
-}
-
-/// Writes a report to the log.
-#[cfg(target_os = "none")]
-pub fn log(report: &Report) {
-    let [harvested, stored] = report.microjoules();
-    defmt::info!(
-        "second {=u32}: {=f32} uJ in, {=f32} uJ stored, {=str}, {=u32} steps",
-        report.second,
-        harvested,
-        stored,
-        report.decision.name(),
-        report.steps
-    );
-}
-
-impl core::fmt::Display for Report {
-    /// As the log has it: numbers with as many digits as tell them from their neighbours.
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { second, decision, steps, .. } = self;
-        let [harvested, stored] = self.microjoules();
-        write!(
-            f,
-            "second {second}: {harvested:?} uJ in, {stored:?} uJ stored, {}, {steps} steps",
-            decision.name()
-        )
-    }
-}
-
 /// Why there is no report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NodeError {
@@ -132,6 +76,4 @@ pub enum NodeError {
     Parameters,
     /// The harvester's model could not be stepped.
     Model,
-    /// An image of the node was not written, or not accepted.
-    Image,
 }

@@ -10,7 +10,6 @@ pub mod core;
 pub mod day;
 pub mod decode;
 pub mod decoder;
-pub mod following;
 pub mod image;
 pub mod native;
 pub mod node;

@@ -3,9 +3,9 @@
 use model_core::energy::Estimator;
 use model_core::energy::estimator::{EstimatorError, Interpolation, SampleFormat, Settings};
 use model_core::scene::Harvester;
-use model_core::snapshot::{self, Image, SnapshotError};
+use model_core::snapshot::{self, Configuration, Fingerprint, Image, SnapshotError};
 
-use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE, Seconds};
+use super::{Board, NodeError, PowerManager, RATE_HZ, Report, SCALE};
 
 /// Attempted steps for a sample: some ten are usual, of which an impact takes a few.
 const BUDGET: u32 = 200;
@@ -126,5 +126,16 @@ impl<B: Board, H: Harvester<f32>> Following<B, H> {
 
     fn settings(&self) -> (&Estimator<f32, H>, &PowerManager, Seconds) {
         (&self.estimator, &self.power_manager, Seconds)
+    }
+}
+
+/// The counter of whole seconds, in an image beside the states of the node's parts.
+struct Seconds;
+
+impl Configuration for Seconds {
+    type State = [u32; 1];
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("seconds");
     }
 }

@@ -18,7 +18,7 @@ use super::contact_separation::{PASSIVE, TOLERANCE};
 use super::run::{self, Run};
 use super::{Progress, Visit, Workload, show};
 use crate::following::{
-    Board, Decision, Following, ImageReport, RATE_HZ, SCALE, SLOT_BYTES, behind_bridge, charging, settings,
+    Board, Decision, Following, RATE_HZ, SCALE, SLOT_BYTES, behind_bridge, charging, settings,
 };
 
 pub use crate::following::{CAPACITANCE, DIODE_DROP};
@@ -89,8 +89,9 @@ pub fn snapshot(visit: Visit<'_>) -> Option<()> {
         let report = node.second().ok()?;
         *energy += report.harvested;
         let bytes = node.save(second, &mut slot).ok()?;
-        let image = ImageReport::new(second, bytes, &slot);
-        *words = [report.harvested.to_bits(), report.stored.to_bits(), image.checksum];
+        // The CRC-32 of the image.
+        let checksum = u32::from_le_bytes(*slot.get(..bytes)?.last_chunk()?);
+        *words = [report.harvested.to_bits(), report.stored.to_bits(), checksum];
         Some(report.steps)
     })
 }

@@ -3,7 +3,6 @@
 mod cores;
 mod estimate_energy;
 mod estimators;
-mod following;
 mod leave_outs;
 mod node;
 mod output;

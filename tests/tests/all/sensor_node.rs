@@ -1,9 +1,9 @@
 //! The node that follows its harvester on the host: its storage, kept again in double precision beside it.
 //!
-//! That its log on a microcontroller is that of the host is checked by `host-bench on-target --node`.
+//! That its bits on a microcontroller are those of the host is checked by `host-bench on-target --node` and `--leave-outs`.
 
 use firmware_example::following::{
-    Decision, Flash, FlashBoard, Following, Report, SLOT_BYTES, STORE_VOLTAGE, following,
+    Decision, FlashBoard, Following, Report, SLOT_BYTES, STORE_VOLTAGE, following,
 };
 use model_core::snapshot::{Image, SnapshotError};
 
@@ -37,10 +37,10 @@ fn keep(reports: impl Iterator<Item = Report>) -> (f64, [u32; 3]) {
         stored = stored.min(energy(FULL));
         counts[report.decision as usize] += 1;
         let off = (f64::from(report.stored) - stored).abs();
-        assert!(off < 1e-3 * (came_in + energy(STORE_VOLTAGE.into())), "{report}: {stored:e} J");
+        assert!(off < 1e-3 * (came_in + energy(STORE_VOLTAGE.into())), "{report:?}: {stored:e} J");
         // What was decided is not yet spent in the report.
         stored -= cost(report.decision);
-        assert!(stored > energy(1.9), "{report}: below the lock-out");
+        assert!(stored > energy(1.9), "{report:?}: below the lock-out");
     }
     (came_in, counts)
 }
@@ -70,6 +70,25 @@ fn the_following_node_keeps_its_books_for_twenty_minutes() {
 #[ignore = "a minute in the release profile"]
 fn the_following_node_keeps_its_books_for_a_day() {
     assert_active(86_400, follow(86_400));
+}
+
+/// Two slots of flash, of which images of a node are written by turns.
+struct Flash([[u8; SLOT_BYTES]; 2]);
+
+impl Flash {
+    fn new() -> Self {
+        Self([[0xff; SLOT_BYTES]; 2])
+    }
+
+    fn slots(&self) -> [&[u8]; 2] {
+        self.0.each_ref().map(<[u8; SLOT_BYTES]>::as_slice)
+    }
+
+    /// The number of the next image and its slot, after the newest image.
+    fn next(&mut self, newest: Option<Image<()>>) -> (u32, &mut [u8]) {
+        let (sequence, slot) = newest.map_or((1, 0), |image| (image.next_sequence(), image.next_slot()));
+        (sequence, &mut self.0[slot])
+    }
 }
 
 /// The log and the final image of the node with a power-down after each of these numbers of seconds.

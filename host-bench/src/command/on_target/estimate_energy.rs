@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use super::output::Output;
 use super::rows::Row;
 use crate::on_target::core::Core;
-use crate::on_target::{Bench, Error, following};
-use firmware_example::following::{RATE_HZ, Report};
+use crate::on_target::{Bench, Error};
+use firmware_example::following::{FlashBoard, Following, NodeError, RATE_HZ, following};
 use firmware_example::variant::named;
 
 /// What a node does for its estimate of each second.
@@ -49,18 +49,20 @@ impl Estimate {
     }
 }
 
-/// Mean power in W that the host's run of the node that follows its harvester harvests.
+/// Mean power in W that the node that follows its harvester harvests in its first 64 s, on the host.
 ///
 /// # Errors
 ///
 /// If the node cannot go on.
 pub(super) fn income() -> Result<f64, Error> {
-    Ok(mean_income(&following::native()?.reports))
-}
-
-/// Mean power in W that a node harvested in the seconds of `reports`.
-pub(super) fn mean_income(reports: &[Report]) -> f64 {
-    reports.iter().map(|report| f64::from(report.harvested)).sum::<f64>() / reports.len() as f64
+    const SECONDS: u32 = 64;
+    let fail = |error: NodeError| Error::Host(format!("the node fails: {error:?}"));
+    let mut node = Following::new(FlashBoard::default(), following().map_err(fail)?).map_err(fail)?;
+    let mut energy = 0.0;
+    for _ in 0..SECONDS {
+        energy += f64::from(node.second().map_err(fail)?.harvested);
+    }
+    Ok(energy / f64::from(SECONDS))
 }
 
 /// Prints the energy of each estimate on each part with `core`, and its share of the income in W.

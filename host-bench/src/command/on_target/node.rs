@@ -8,14 +8,14 @@ use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
 use model_core::node::IncomeOfTime;
 use serde_json::{Value, json};
 
-use super::estimate_energy::{UNCONFIRMED, marked, parts};
+use super::announce;
+use super::estimate_energy::{self, Estimate, UNCONFIRMED, marked, parts};
 use super::output::Output;
-use super::{announce, following};
-use crate::on_target::Error;
 use crate::on_target::core::Core;
 use crate::on_target::node::{self, Followed, calls};
+use crate::on_target::{Bench, Error};
 
-/// Runs the node of each core, and on a core with floating point the one that follows its harvester.
+/// Runs the node of each core; on a core with floating point, what it costs to follow the harvester instead.
 ///
 /// # Errors
 ///
@@ -29,7 +29,11 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
         knowing(core, &found, output);
     }
     let floating = |core: &&Core| matches!(core, Core::M4f | Core::M7 | Core::M33);
-    cores.iter().filter(floating).try_for_each(|&core| following::report(core, limit, output))
+    for &core in cores.iter().filter(floating) {
+        let estimate = Estimate::of_node(&Bench::new(core, limit)?)?;
+        estimate_energy::report(core, &[estimate], estimate_energy::income()?, output);
+    }
+    Ok(())
 }
 
 /// What the node told, and the truth.
