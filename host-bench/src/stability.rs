@@ -17,6 +17,7 @@ mod page;
 pub(crate) mod random;
 mod rows;
 mod summary;
+mod twin;
 
 pub(crate) use build::{build, fnv_1a};
 pub use case::Case;
@@ -26,6 +27,6 @@ pub use exact::Quantity;
 pub use grid::{Extent, Kind, grid};
 pub use judge::{Class, Effort, Finding, Judge, judge};
 pub(crate) use page::{CASES, page};
-pub use random::draw;
+pub use random::{draw, draw_varied};
 pub(crate) use rows::Row;
 pub(crate) use summary::summary;

@@ -11,7 +11,7 @@ use super::files::{Outputs, make_folder, report_folder};
 use super::{SHIPPED_SCENES, json_text, note, print};
 use crate::method::Failure;
 use crate::outcome::Format;
-use crate::stability::{CASES, Case, Effort, Extent, Kind, Row, draw, grid, page, summary};
+use crate::stability::{CASES, Case, Effort, Extent, Kind, Row, draw_varied, grid, page, summary};
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(
@@ -90,7 +90,7 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
 
 fn cases(arguments: &StabilityArguments) -> Vec<Case> {
     match (arguments.random, arguments.scene) {
-        (Some(count), _) => (0..count).map(|number| draw(arguments.seed, number)).collect(),
+        (Some(count), _) => (0..count).map(|number| draw_varied(arguments.seed, number)).collect(),
         (None, Some(kind)) => grid(kind, arguments.grid),
         (None, None) => Kind::value_variants().iter().flat_map(|&kind| grid(kind, arguments.grid)).collect(),
     }

@@ -7,10 +7,12 @@ use serde::{Deserialize, Serialize};
 
 use super::Case;
 use super::chaos::{Comparison, Ensemble};
-use super::exact::{Numbers, Quantity, by_reference, reference_repeats, tighter};
+use super::exact::{Numbers, Quantity, by_reference, reference_repeats, relative, tighter};
+use super::twin::{POWER, rescaled, split_error};
 use crate::accuracy::{Companions, run_with_companions};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::Outcome;
+use crate::run::run_scene;
 use crate::scene_file::{Scene, SceneError};
 
 /// Relative error up to which a run is right, in double and in single precision.
@@ -107,6 +109,8 @@ pub fn judge(case: &Case, effort: Effort) -> Finding {
 #[derive(Debug)]
 pub struct Judge {
     scene: Result<Scene, SceneError>,
+    /// The scene in other units, which multiply the power by [`POWER`].
+    twin: Option<Scene>,
     options: Options,
     effort: Effort,
     /// The more accurate run, and whether it is the reference.
@@ -126,6 +130,7 @@ impl Judge {
         let options = Options { most_attempts: Some(effort.most_attempts), ..case.options() };
         Self {
             scene: case.read(),
+            twin: effort.by_reference.then(|| rescaled(case)?.read().ok()).flatten(),
             options,
             effort,
             exact: OnceCell::new(),
@@ -195,7 +200,40 @@ impl Judge {
             (Some(Comparison::Differ), false) => Class::Wrong,
         };
         finding.reason = if is_off { found.difference(exact, quantity) } else { String::new() };
+        if !is_off && quantity == Quantity::Power && self.effort.by_reference {
+            let broken = self.broken_identity(scene, &options, &outcome, allowed);
+            if let Some(reason) = broken.filter(|_| !finding.is_warned) {
+                return Finding { class: Class::Wrong, reason, ..finding };
+            }
+        }
         finding
+    }
+
+    /// The identity that a right run does not hold within `allowed`: the window split in two, or the scene in other units. A
+    /// motion that diverges from displaced starts holds none.
+    fn broken_identity(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        outcome: &Outcome,
+        allowed: f64,
+    ) -> Option<String> {
+        let energy_j = outcome.delivered_energy_j?;
+        let split = split_error(scene, options, energy_j).unwrap_or(0.0);
+        let options = Options { step_s: options.step_s.map(|step_s| 2.0 * step_s), ..*options };
+        let power_w = self.twin.as_ref().and_then(|twin| run_scene(twin, &options).ok()?.mean_power_w);
+        let units =
+            power_w.map_or(0.0, |power_w| relative(power_w / POWER, outcome.mean_power_w.unwrap_or(0.0)));
+        let (error, identity) = if split > units {
+            (split, "the sum over both halves of the window")
+        } else {
+            (units, "the scene in other units")
+        };
+        let chaotic = || {
+            let ensemble = self.ensemble.get_or_init(|| Ensemble::of(scene, &options));
+            ensemble.diverges(Quantity::Power, allowed)
+        };
+        (error > allowed && !chaotic()).then(|| format!("{identity} differs by {error:.1e}"))
     }
 
     fn exact(&self, scene: &Scene, options: &Options) -> Option<&(Numbers, bool)> {

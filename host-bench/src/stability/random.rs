@@ -1,7 +1,9 @@
-//! Random scenes over the whole range of the bounds. A case follows from a seed and its number alone.
+//! Random scenes: over the whole range of the bounds, and of stated features. A case follows from a seed and its number alone.
 
+mod feature;
 pub(crate) mod source;
 
+pub use self::feature::draw_varied;
 use self::source::Source;
 use super::Case;
 use crate::method::Precision;
@@ -207,9 +209,13 @@ impl Drawing {
     /// Multiplies each number of a table by a power of ten up to the spread of the case.
     fn spread(&mut self, table: &str, rows: &[Row]) {
         let spread = self.source.one_of(SPREADS);
-        if spread == 0.0 {
-            return;
+        if spread > 0.0 {
+            self.multiply(table, rows, spread);
         }
+    }
+
+    /// Multiplies each number of a table by a power of ten up to `spread`.
+    fn multiply(&mut self, table: &str, rows: &[Row], spread: f64) {
         for (key, value, [lowest, highest]) in rows {
             let changed = value * 10.0_f64.powf(self.source.uniform(-spread, spread));
             self.set_number(&format!("{table}.{key}"), changed.clamp(*lowest, *highest));

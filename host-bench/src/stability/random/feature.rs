@@ -1,0 +1,217 @@
+//! Random scenes of ordinary dimensions with a stated feature: what a draw over all bounds seldom hits.
+
+use super::source::Source;
+use super::{BUMP_STOP, CONTACT_SEPARATION, Drawing, Row, SLIDING, draw, text};
+use crate::stability::Case;
+
+/// What a featured case has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Feature {
+    /// A random acceleration whose band ends 1.05 to 4 times the natural frequency.
+    RandomNearResonance,
+    /// A weak tone of a hundred to ten thousand times the frequency of a strong one.
+    FastTone,
+    /// A start charge or voltage behind a bridge.
+    StartCharge,
+    /// A storage whose start voltage is within a rounding of the turn-on voltage of its draw.
+    Threshold,
+    Sweep,
+    Burst,
+    /// A start displaced from rest near the resonance of the passive scene, which has several steady motions.
+    Attractors,
+    /// Impacts at ordinary amplitudes near the resonance.
+    Chaos,
+}
+
+/// Each feature with its share of the cases; the others are drawn over all bounds.
+const SHARES: [(Feature, f64); 8] = [
+    (Feature::RandomNearResonance, 0.06),
+    (Feature::FastTone, 0.06),
+    (Feature::StartCharge, 0.06),
+    (Feature::Threshold, 0.06),
+    (Feature::Sweep, 0.06),
+    (Feature::Burst, 0.06),
+    (Feature::Attractors, 0.06),
+    (Feature::Chaos, 0.2),
+];
+/// Mixed into the seed, so that the feature is independent of what [`draw`] draws under the same seed.
+const OTHER_SEQUENCE: u64 = 0x5851_f42d_4c95_7f2d;
+/// Decades up to which a featured scene changes the shipped dimensions and materials.
+const SPREAD: f64 = 0.1;
+
+/// A shipped scene as a base of featured ones.
+struct Base {
+    name: &'static str,
+    rows: &'static [Row],
+    natural_hz: f64,
+    /// Amplitudes of the base in m/s² and loads in Ω.
+    amplitudes: [f64; 2],
+    resistances: [f64; 2],
+    start: &'static str,
+}
+
+const BASES: [Base; 4] = [
+    Base {
+        name: "contact-separation",
+        rows: &CONTACT_SEPARATION,
+        natural_hz: 20.13,
+        amplitudes: [0.3, 8.0],
+        resistances: [1e5, 1e10],
+        start: "initial.charge_c",
+    },
+    Base {
+        name: "sliding",
+        rows: &SLIDING,
+        natural_hz: 18.373,
+        amplitudes: [0.5, 5.0],
+        resistances: [1e5, 1e10],
+        start: "initial.charge_c",
+    },
+    Base {
+        name: "bump-stop",
+        rows: &BUMP_STOP,
+        natural_hz: 240.0,
+        amplitudes: [1.0, 50.0],
+        resistances: [1e3, 1e7],
+        start: "initial.voltage_v",
+    },
+    Base {
+        name: "contact-separation-passive",
+        rows: &CONTACT_SEPARATION,
+        natural_hz: 20.13,
+        amplitudes: [1.0, 4.0],
+        resistances: [1e7, 1e9],
+        start: "initial.charge_c",
+    },
+];
+
+/// The case of a number under a seed: with a feature in about three of five, otherwise that of [`draw`].
+#[must_use]
+pub fn draw_varied(seed: u64, number: u64) -> Case {
+    let mut source = Source::new(seed ^ OTHER_SEQUENCE, number);
+    let mut left = source.uniform(0.0, 1.0);
+    for (feature, share) in SHARES {
+        if left < share {
+            return Drawing { source, changes: Vec::new() }.with(feature);
+        }
+        left -= share;
+    }
+    draw(seed, number)
+}
+
+impl Drawing {
+    fn with(mut self, feature: Feature) -> Case {
+        let index = match feature {
+            Feature::Attractors => 3,
+            Feature::Chaos => self.source.one_of([2, 2, 3]),
+            _ => self.source.one_of([0, 1, 2]),
+        };
+        let base = &BASES[index];
+        if self.source.chance(0.5) {
+            self.multiply("parameters", base.rows, SPREAD);
+        }
+        self.featured_load(base, feature);
+        let factor = self.source.uniform(0.85, 1.15);
+        let frequency = base.natural_hz * factor;
+        let amplitude = self.source.logarithmic(base.amplitudes[0], base.amplitudes[1]);
+        let excitation = self.featured_excitation(feature, frequency, amplitude);
+        self.set("excitation", excitation);
+        if feature == Feature::Attractors {
+            let velocity = self.source.signed(1e-2, 1.0);
+            self.set_number("initial.velocity_m_per_s", velocity);
+        }
+        let duration = 40.0 / base.natural_hz;
+        let settle = duration * self.source.one_of([0.0, 0.3]);
+        self.set("run", format!("{{duration_s={},settle_s={}}}", text(duration), text(settle)));
+        self.case(base.name)
+    }
+
+    /// A resistor, or a storage or bus where the feature has one.
+    fn featured_load(&mut self, base: &Base, feature: Feature) {
+        let [low, high] = base.resistances;
+        match feature {
+            Feature::StartCharge => {
+                let voltage = text(self.source.logarithmic(0.1, 20.0));
+                let drop = text(self.source.one_of([0.0, 0.3]));
+                let bus = format!("{{kind=\"dc-bus\",voltage_v={voltage},diode_drop_v={drop}}}");
+                let store = format!(
+                    "{{kind=\"rectified-store\",capacitance_f=1e-7,initial_v={voltage},diode_drop_v={drop}}}"
+                );
+                let load = self.source.one_of([&bus, &store]).clone();
+                self.set("load", load);
+                let range = if base.start == "initial.charge_c" { [1e-10, 1e-7] } else { [1e-1, 1e3] };
+                let start = self.source.signed(range[0], range[1]);
+                self.set_number(base.start, start);
+            }
+            Feature::Threshold => {
+                let on = self.source.uniform(1.0, 5.0);
+                let apart = self.source.signed(1e-9, 1e-6);
+                let [kind, value] = self.source.one_of([["power", "1e-6"], ["current", "1e-7"]]);
+                self.set(
+                    "load",
+                    format!(
+                        "{{kind=\"rectified-store\",capacitance_f=1e-7,initial_v={:e},diode_drop_v=0.3,leakage_ohm=inf,\
+                         draw={{kind=\"{kind}\",value={value},turn_on_v={on:e},turn_off_v={}}}}}",
+                        on * (1.0 + apart),
+                        text(0.6 * on),
+                    ),
+                );
+            }
+            _ => {
+                let resistance = self.source.logarithmic(low, high);
+                self.set_number("load.resistance_ohm", resistance);
+            }
+        }
+    }
+
+    /// The table `excitation`.
+    fn featured_excitation(&mut self, feature: Feature, frequency: f64, amplitude: f64) -> String {
+        let sine = |amplitude: f64, frequency: f64| {
+            format!("amplitude_m_per_s2={},frequency_hz={}", text(amplitude), text(frequency))
+        };
+        match feature {
+            Feature::RandomNearResonance => {
+                let top = frequency * self.source.uniform(1.05, 4.0);
+                let bottom = frequency * self.source.uniform(0.3, 0.95);
+                let density = text(amplitude * amplitude / (top - bottom));
+                let lines = self.source.one_of([16, 32, 128, 512]);
+                let seed = self.source.whole(0..=u16::MAX);
+                format!(
+                    "{{kind=\"random\",spectral_density_m2_per_s3=[[{},{density}],[{},{density}]],lines={lines},seed={seed}}}",
+                    text(bottom),
+                    text(top)
+                )
+            }
+            Feature::FastTone => {
+                let fast = (frequency * self.source.logarithmic(100.0, 1e4)).min(9e5);
+                let weak = amplitude * self.source.logarithmic(1e-4, 1e-1);
+                format!(
+                    "{{kind=\"sines\",tones=[{{{}}},{{{}}}]}}",
+                    sine(amplitude, frequency),
+                    sine(weak, fast)
+                )
+            }
+            Feature::Sweep => {
+                let [from, to] = [self.source.uniform(0.3, 0.95), self.source.uniform(1.05, 3.0)];
+                let law = self.source.one_of(["linear", "logarithmic"]);
+                let sweep_s = self.source.uniform(10.0, 40.0) / frequency;
+                format!(
+                    "{{kind=\"sweep\",amplitude_m_per_s2={},from_hz={},to_hz={},sweep_s={},law=\"{law}\"}}",
+                    text(amplitude),
+                    text(from * frequency),
+                    text(to * frequency),
+                    text(sweep_s)
+                )
+            }
+            Feature::Burst => {
+                let cycles = self.source.whole(1..=6);
+                let period = text(self.source.uniform(1.1, 4.0) * f64::from(cycles) / frequency);
+                format!(
+                    "{{kind=\"bursts\",{},cycles={cycles},period_s={period}}}",
+                    sine(amplitude, frequency)
+                )
+            }
+            _ => format!("{{kind=\"sine\",{}}}", sine(amplitude, frequency)),
+        }
+    }
+}
