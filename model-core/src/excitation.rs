@@ -99,7 +99,7 @@ pub trait Excitation<S: Scalar> {
     /// The response of an oscillator over a step of `ticks` from `at`; `kernel` is of this step.
     ///
     /// By default that to the parabola through three accelerations. The types of this module are exact, but for
-    /// [`Sweep`], which states its error.
+    /// [`Random`] and [`Sweep`], which state their errors.
     #[inline]
     fn response(&self, at: Instant, ticks: u32, kernel: &Kernel<S>) -> Response<S> {
         kernel.to_parabola([0, ticks / 2, ticks].map(|offset| self.acceleration(at.after(offset))))

@@ -10,16 +10,35 @@ use super::sample_grid::SampleGrid;
 use super::{Excitation, ExcitationError, Line, SpectralDensity};
 use crate::clock::{Frequency, Instant};
 use crate::oscillator::{Kernel, Response};
-use crate::scalar::{Mathematics, Polynomial, Scalar};
+use crate::scalar::{Mathematics, Polynomial, Scalar, horner};
 
 /// Knots of the spline in a period of the highest frequency, as a power of two.
 const KNOTS_LOG2: u32 = 3;
 /// Turns in a knot of the highest frequency, in units of 2⁻⁶⁴.
 const HIGHEST_TURNS: u64 = 1 << (64 - KNOTS_LOG2);
-/// Knots that are kept: those of two pieces.
-const KEPT: usize = 5;
+/// Knots of a piece, half of them on each side of its middle.
+const KNOTS: usize = 8;
+/// The coefficients over [`SCALE`] of the powers of the place in a piece, −1 to 1, by pairs of knots from the middle out:
+/// of the sums of the pairs for even powers, of first less second for odd ones.
+const WEIGHTS: [[i32; KNOTS / 2]; KNOTS] = [
+    [259_723, 60_657, 2_179, 1],
+    [-91_035, -68_747, -5_047, -7],
+    [-30_345, 25_389, 4_935, 21],
+    [13_545, -175, -2_555, -35],
+    [1_505, -2_205, 665, 35],
+    [-945, 399, -21, -21],
+    [-35, 63, -35, 7],
+    [35, -21, 7, -1],
+];
+/// `2⁷ 7!`.
+const SCALE: f64 = 645_120.0;
+/// Gauss's nodes of the inner and the outer pair in a step, in halves of the step from its middle.
+const INNER: f64 = 0.339_981_043_584_856_3;
+const OUTER: f64 = 0.861_136_311_594_052_6;
+/// Weights of these nodes in the mean.
+const NODE_WEIGHTS: [f64; 2] = [0.326_072_577_431_273_1, 0.173_927_422_568_726_9];
 
-/// Random acceleration with a one-sided spectral density, from a seed: a sum of sines, joined by a cubic spline.
+/// Random acceleration with a one-sided spectral density, from a seed: a sum of sines, joined by a spline.
 ///
 /// # The sum
 ///
@@ -39,13 +58,13 @@ const KEPT: usize = 5;
 ///
 /// # The spline
 ///
-/// The sum is computed at knots, eight in a period of the highest frequency, and joined by a cubic spline whose filter is
-/// compensated in the amplitudes. What the spline adds to the sum is above seven times the highest frequency, with
-/// less than 2·10⁻⁷ of the spectral density. A step within a piece costs the same with any number of lines, and the
-/// response to it is exact; a new piece costs a sine for each line.
+/// The sum is computed at knots, eight in a period of the highest frequency, and joined by a spline of degree 7 whose filter
+/// is compensated in the amplitudes. What the spline adds to a line at the highest frequency is below 2·10⁻⁷ of its
+/// amplitude, and above seven times its frequency. A step costs the same with any number of lines; the response to it is
+/// that to the cubic through Gauss's nodes of the step, which adds less than 10⁻⁸. A new piece costs a sine for each line.
 ///
 /// Frequencies and phases are integers: both precisions draw the same ones, if the ends of the band are numbers of both.
-/// The pieces in use are kept in a cell, so the type is not `Sync`; the acceleration does not depend on them.
+/// The pieces in use are in cells, so the type is not `Sync`; the acceleration does not depend on them.
 ///
 /// ```
 /// use model_core::clock::Instant;
@@ -68,7 +87,9 @@ pub struct Random<S: Scalar, const LINES: usize, M = Polynomial> {
     /// Of the highest frequency, in rad/s.
     angular_frequency: S,
     band: Band<S>,
-    knots: Cell<Knots<S>>,
+    knots: Cell<Piece<S>>,
+    /// The pieces of an even and of an odd number in use, as coefficients of the powers of the place, −1 to 1, in m/s².
+    pieces: [Cell<Piece<S>>; 2],
     mathematics: PhantomData<M>,
 }
 
@@ -79,16 +100,15 @@ struct Drawn<S> {
     coefficient: S,
     /// Turns from one knot to the next, in units of 2⁻⁶⁴.
     turns: u64,
-    /// Phase at the knot before time zero, in units of 2⁻⁶⁴ turns.
+    /// Phase three knots before time zero, in units of 2⁻⁶⁴ turns.
     phase: u64,
 }
 
-/// The sum at successive knots, divided by the spline's factors.
+/// Eight numbers of a piece of the spline.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Knots<S> {
-    /// Number of the piece that begins at the second of them.
-    piece: u64,
-    values: [S; KEPT],
+struct Piece<S> {
+    index: u64,
+    values: [S; KNOTS],
 }
 
 /// A sine of a random acceleration, `A sin(2π f t + φ)`.
@@ -170,14 +190,15 @@ fn fraction<S: Scalar>(number: u64) -> S {
     S::from_fraction((number << (shift - 1)).cast_signed()) * S::power_of_two(1 - shift.cast_signed())
 }
 
-/// The spline's factor at a frequency of so many turns in a knot, `(sin πx / πx)⁴` for `x ≤ 1/8`.
+/// The spline's factor at a frequency of so many turns in a knot, `(sin πx / πx)⁸` for `x ≤ 1/8`.
 fn spline_factor<S: Scalar>(turns: u64) -> S {
     // `1 − z/3! + z²/5! − …` with `z = (πx)²`.
     let angle = fraction::<S>(turns) * S::from_f64(core::f64::consts::FRAC_PI_2);
     let square = angle * angle;
     let factor =
         (1..=7_u32).rev().fold(S::ONE, |sum, n| S::ONE - square / S::from_u32(2 * n * (2 * n + 1)) * sum);
-    factor * factor * (factor * factor)
+    let square = factor * factor;
+    square * square * (square * square)
 }
 
 impl<S: Scalar, const LINES: usize, M: Mathematics<S>> Random<S, LINES, M> {
@@ -200,22 +221,23 @@ impl<S: Scalar, const LINES: usize, M: Mathematics<S>> Random<S, LINES, M> {
             let [turns, width] = band.turns(part, (generator.next() >> 32) as u32);
             let frequency = band.hertz(turns).max(low).min(high);
             let twice = S::from_f64(2.0) * density.at(frequency) * band.hertz(width);
-            let phase = generator.next().wrapping_sub(turns);
+            let phase = generator.next().wrapping_sub(3 * turns);
             let coefficient = twice.sqrt() / spline_factor(turns);
             drawn.push(Drawn { coefficient, turns, phase }).map_err(|_| ExcitationError::Lines)?;
         }
         let interval = grid.whole_ticks_per_sample().unwrap_or(u64::MAX);
-        let random = Self {
+        // The clock reaches neither this piece nor the next.
+        let nothing = || Cell::new(Piece { index: u64::MAX - 1, values: [S::ZERO; KNOTS] });
+        Ok(Self {
             lines: drawn,
             grid,
             interval: u32::try_from(interval).unwrap_or(u32::MAX),
             angular_frequency: high * S::from_f64(core::f64::consts::TAU),
             band,
-            knots: Cell::new(Knots { piece: 0, values: [S::ZERO; KEPT] }),
+            knots: nothing(),
+            pieces: [nothing(), nothing()],
             mathematics: PhantomData,
-        };
-        random.knots.set(random.knots_from(0));
-        Ok(random)
+        })
     }
 
     /// The sines of the sum.
@@ -223,7 +245,7 @@ impl<S: Scalar, const LINES: usize, M: Mathematics<S>> Random<S, LINES, M> {
         self.lines.iter().map(|line| SpectralLine {
             amplitude: line.coefficient * spline_factor(line.turns),
             frequency: self.band.hertz(line.turns),
-            phase: S::from_fraction((line.phase.wrapping_add(line.turns) >> 1).cast_signed())
+            phase: S::from_fraction((line.phase.wrapping_add(3 * line.turns) >> 1).cast_signed())
                 * S::from_f64(core::f64::consts::TAU),
         })
     }
@@ -245,7 +267,7 @@ impl<S: Scalar, const LINES: usize, M: Mathematics<S>> Random<S, LINES, M> {
         octave * self.band.octaves
     }
 
-    /// The sum at the knot before that with an index, divided by the spline's factors.
+    /// The sum three knots before that with an index, divided by the spline's factors.
     fn knot(&self, index: u64) -> S {
         self.lines.iter().fold(S::ZERO, |sum, line| {
             let phase = line.turns.wrapping_mul(index).wrapping_add(line.phase);
@@ -253,96 +275,68 @@ impl<S: Scalar, const LINES: usize, M: Mathematics<S>> Random<S, LINES, M> {
         })
     }
 
-    fn knots_from(&self, piece: u64) -> Knots<S> {
-        let mut index = piece;
-        let values = [S::ZERO; KEPT].map(|_| {
-            let value = self.knot(index);
-            index = index.wrapping_add(1);
-            value
-        });
-        Knots { piece, values }
-    }
-
-    /// The four knots of a piece. Successive pieces cost one new knot each.
-    #[inline]
-    fn knots_of(&self, piece: u64) -> [S; 4] {
-        let kept = self.knots.get();
-        let Knots { piece: first, values: [a, b, c, d, e] } = kept;
-        match piece.wrapping_sub(first) {
-            0 => [a, b, c, d],
-            1 => [b, c, d, e],
-            2 => {
-                let next = self.knot(piece.wrapping_add(3));
-                self.knots.set(Knots { piece: first.wrapping_add(1), values: [b, c, d, e, next] });
-                [c, d, e, next]
-            }
-            u64::MAX => {
-                let before = self.knot(piece);
-                self.knots.set(Knots { piece, values: [before, a, b, c, d] });
-                [before, a, b, c]
-            }
-            _ => {
-                let found = self.knots_from(piece);
-                self.knots.set(found);
-                let [a, b, c, d, _] = found.values;
-                [a, b, c, d]
+    /// The knots of a piece; one is new if the last piece was the one before.
+    fn knots_of(&self, index: u64) -> [S; KNOTS] {
+        let Piece { index: last, values: [_, a, b, c, d, e, f, g] } = self.knots.get();
+        let known = if last.wrapping_add(1) == index { KNOTS as u64 - 1 } else { 0 };
+        let mut values = [a, b, c, d, e, f, g, S::ZERO];
+        for (number, value) in (0..).zip(&mut values) {
+            if number >= known {
+                *value = self.knot(index.wrapping_add(number));
             }
         }
+        self.knots.set(Piece { index, values });
+        values
     }
 
-    /// Coefficients of a piece in powers of the place in it, 0 to 1, in m/s².
-    #[inline]
-    fn piece(&self, piece: u64) -> [S; 4] {
-        let [a, b, c, d] = self.knots_of(piece);
-        let (half, sixth) = (S::from_f64(0.5), S::from_f64(1.0 / 6.0));
-        let bow = a - (b + b) + c;
-        [b + sixth * bow, half * (c - a), half * bow, sixth * (d - a + S::from_f64(3.0) * (b - c))]
+    #[inline(never)]
+    fn new_piece(&self, index: u64) -> Piece<S> {
+        let [h, f, d, b, a, c, e, g] = self.knots_of(index);
+        let mut pairs = [b + a, d + c, f + e, h + g];
+        let mut others = [b - a, d - c, f - e, h - g];
+        let mut values = [S::ZERO; KNOTS];
+        for (value, weights) in values.iter_mut().zip(&WEIGHTS) {
+            for (pair, weight) in pairs.iter().zip(weights) {
+                *value += S::from_i32(*weight) * *pair;
+            }
+            *value = S::from_f64(1.0 / SCALE) * *value;
+            (pairs, others) = (others, pairs);
+        }
+        Piece { index, values }
     }
 
-    /// The cubic over a step from `at`, in powers of the place in the step, 0 to 1, in m/s²; with the piece of `at`, the
-    /// place in it, and the length of the step in knots.
+    /// The coefficients of a piece.
     #[inline]
-    fn cubic(&self, at: Instant, step: S) -> Cubic<S> {
+    fn piece(&self, index: u64) -> [S; KNOTS] {
+        let [even, odd] = &self.pieces;
+        let cell = if index & 1 == 0 { even } else { odd };
+        if cell.get().index != index {
+            cell.set(self.new_piece(index));
+        }
+        cell.get().values
+    }
+
+    /// The acceleration at a place from the start of a piece in pieces, 0 to 2.
+    fn value(&self, index: u64, place: S) -> S {
+        let (index, place) =
+            if place < S::ONE { (index, place) } else { (index.wrapping_add(1), place - S::ONE) };
+        horner(&self.piece(index), place + place - S::ONE)
+    }
+
+    /// The accelerations at the nodes of a step of at most an interval of the knots: for both pairs the sum, and the later
+    /// less the earlier.
+    #[inline]
+    fn pairs(&self, at: Instant, step: S) -> [[S; 2]; 2] {
         let (index, place) = self.grid.place(at);
-        let piece = self.piece(index);
-        let length = step * self.grid.samples_per_second;
-        let [_, rate, bow, cube] = derivatives(piece, place);
-        let square = length * length;
-        Cubic {
-            coefficients: [value(piece, place), length * rate, square * bow, square * length * cube],
-            index,
-            place,
-            length,
-            cube,
-        }
+        let half = S::from_f64(0.5) * step * self.grid.samples_per_second;
+        let pair = |node: S| {
+            let (middle, offset) = (place + half, half * node);
+            let before = self.value(index, middle - offset);
+            let after = self.value(index, middle + offset);
+            [before + after, after - before]
+        };
+        [pair(S::from_f64(INNER)), pair(S::from_f64(OUTER))]
     }
-}
-
-/// A piece of the spline over a step.
-struct Cubic<S> {
-    coefficients: [S; 4],
-    /// Number of the piece.
-    index: u64,
-    /// Start of the step in the piece, 0 to 1.
-    place: S,
-    /// Length of the step in knots.
-    length: S,
-    /// Coefficient of the cube of the place in the piece.
-    cube: S,
-}
-
-/// A cubic at `x`.
-#[inline]
-fn value<S: Scalar>([zeroth, first, second, third]: [S; 4], x: S) -> S {
-    zeroth + x * (first + x * (second + x * third))
-}
-
-/// The coefficients of a cubic around `x`.
-#[inline]
-fn derivatives<S: Scalar>(cubic: [S; 4], x: S) -> [S; 4] {
-    let [_, first, second, third] = cubic;
-    let thrice = S::from_f64(3.0) * third;
-    [value(cubic, x), first + x * (second + second + x * thrice), second + x * thrice, third]
 }
 
 impl<S: Scalar, const LINES: usize, M> PartialEq for Random<S, LINES, M> {
@@ -355,13 +349,17 @@ impl<S: Scalar, const LINES: usize, M> PartialEq for Random<S, LINES, M> {
 impl<S: Scalar, const LINES: usize, M: Mathematics<S>> Excitation<S> for Random<S, LINES, M> {
     fn acceleration(&self, at: Instant) -> S {
         let (index, place) = self.grid.place(at);
-        value(self.piece(index), place)
+        self.value(index, place)
     }
 
     fn jerk(&self, at: Instant) -> S {
         let (index, place) = self.grid.place(at);
-        let [_, rate, ..] = derivatives(self.piece(index), place);
-        rate * self.grid.samples_per_second
+        let piece = self.piece(index);
+        let place = place + place - S::ONE;
+        let (slope, _) = piece.iter().rev().fold((S::ZERO, S::ZERO), |(slope, value), &coefficient| {
+            (slope * place + value, value * place + coefficient)
+        });
+        S::from_f64(2.0) * slope * self.grid.samples_per_second
     }
 
     fn resolved_ticks(&self) -> u32 {
@@ -372,36 +370,34 @@ impl<S: Scalar, const LINES: usize, M: Mathematics<S>> Excitation<S> for Random<
         self.angular_frequency
     }
 
-    fn smooth_ticks(&self, at: Instant) -> u32 {
-        self.grid.ticks_to_next(at)
+    /// To the cubic through the accelerations at Gauss's nodes.
+    fn response(&self, at: Instant, ticks: u32, kernel: &Kernel<S>) -> Response<S> {
+        const DISTANCE: f64 = OUTER * OUTER - INNER * INNER;
+        let [[inner, inner_rise], [outer, outer_rise]] = self.pairs(at, kernel.step);
+        // Powers of the place from −1 to 1.
+        let [half, square] = [0.5, INNER * INNER].map(S::from_f64);
+        let slope = S::from_f64(0.5 / INNER) * inner_rise;
+        let second = S::from_f64(0.5 / DISTANCE) * (outer - inner);
+        let third = S::from_f64(1.0 / DISTANCE) * (S::from_f64(0.5 / OUTER) * outer_rise - slope);
+        let (zeroth, first) = (half * inner - square * second, slope - square * third);
+        let [twice, thrice, fourfold] = [2.0, 3.0, 4.0].map(S::from_f64);
+        let response = kernel.to_cubic([
+            zeroth - first + second - third,
+            twice * (first - twice * second + thrice * third),
+            fourfold * (second - thrice * third),
+            fourfold * (third + third),
+        ]);
+        let [start, end] = [at, at.after(ticks)].map(|at| self.acceleration(at));
+        Response { start, end, ..response }
     }
 
-    fn response(&self, at: Instant, _ticks: u32, kernel: &Kernel<S>) -> Response<S> {
-        kernel.to_cubic(self.cubic(at, kernel.step).coefficients)
-    }
-
-    /// Exact for a step of at most an interval of the knots. Beyond a knot the next piece differs by a cube of the place
-    /// after the knot alone.
     fn line(&self, at: Instant, ticks: u32, step: S, _start: S) -> Line<S> {
-        let Cubic { coefficients, index, place, length, cube } = self.cubic(at, step);
-        let [zeroth, first, second, third] = coefficients;
-        let [half, quarter] = [0.5, 0.25].map(S::from_f64);
-        let mean = zeroth + half * first + S::from_f64(1.0 / 3.0) * second + quarter * third;
-        let tilt = half * (first + second) + S::from_f64(0.45) * third;
-        let (last, end) = self.grid.place(at.after(ticks));
-        if last == index {
-            return Line { mean, tilt, end: value(coefficients, S::ONE) };
-        }
-        let next = self.piece(last);
-        let [.., next_cube] = next;
-        let beyond = (length - (S::ONE - place)).max(S::ZERO) / length;
-        let square = beyond * beyond;
-        let change = (next_cube - cube) * length * length * length * square * square;
-        Line {
-            mean: mean + quarter * change,
-            tilt: tilt + S::from_f64(3.0) * change * (quarter - S::from_f64(0.1) * beyond),
-            end: value(next, end),
-        }
+        let [[inner, inner_rise], [outer, outer_rise]] = self.pairs(at, step);
+        let [by_inner, by_outer] = NODE_WEIGHTS.map(S::from_f64);
+        let mean = by_inner * inner + by_outer * outer;
+        let [inner_lever, outer_lever] = [3.0 * INNER, 3.0 * OUTER].map(S::from_f64);
+        let tilt = by_inner * (inner_lever * inner_rise) + by_outer * (outer_lever * outer_rise);
+        Line { mean, tilt, end: self.acceleration(at.after(ticks)) }
     }
 }
 

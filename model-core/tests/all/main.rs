@@ -24,6 +24,7 @@ mod listening;
 mod node_example;
 mod node_image;
 mod prothero_robinson;
+mod random_sums;
 mod rectified;
 mod rectified_limits;
 mod release;

@@ -269,8 +269,8 @@ fn every_kind_agrees_with_the_reference() {
         });
         let exact = outcome(&scene, &reference());
         let found = outcome(&scene, &adaptive(1e-7));
-        // The images of the spline are 4·10⁻⁴ of a line at the end of the band, the sweep is within 3·10⁻⁶.
-        let bound = if name == "random" { 1e-3 } else { 3e-5 };
+        // A sweep is within 3·10⁻⁶.
+        let bound = if name == "random" { 1e-6 } else { 3e-5 };
         assert_close(name, value(found.mean_power_w), value(exact.mean_power_w), bound);
         let found = outcome(&scene, &single(adaptive(1e-4)));
         assert_close(name, value(found.mean_power_w), value(exact.mean_power_w), 2e-3);
@@ -279,7 +279,7 @@ fn every_kind_agrees_with_the_reference() {
         let (scene, _) = beam(3, excitation, [0.02, 0.1]);
         let exact = outcome(&scene, &reference());
         let found = outcome(&scene, &fixed(2e-6));
-        let bound = if name == "random" { 1e-3 } else { 3e-5 };
+        let bound = 3e-5;
         assert_close(name, value(found.mean_power_w), value(exact.mean_power_w), bound);
         let found = outcome(&scene, &single(fixed(1e-5)));
         assert_close(name, value(found.mean_power_w), value(exact.mean_power_w), 2e-3);

@@ -92,6 +92,5 @@ fn a_random_acceleration_is_emitted() {
         };
         given.tones.iter().map(line).sum::<f64>()
     };
-    // A cubic spline joins the knots of the library's sum.
-    compare(&random::excitation().expect("accepted"), expected, 1e-3 * given.rms_m_per_s2());
+    compare(&random::excitation().expect("accepted"), expected, 1e-5 * given.rms_m_per_s2());
 }
