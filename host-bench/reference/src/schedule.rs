@@ -11,7 +11,7 @@ const STORM: u32 = 10_000;
 #[derive(Debug)]
 pub(super) struct Schedule<'a> {
     base: Base<'a>,
-    /// Whether a stretch has a few sines and a cubic only.
+    /// Whether a stretch has a few sines and a polynomial only.
     in_pieces: bool,
     run: RunSpan,
     /// Longest stretch in s.
@@ -47,7 +47,7 @@ impl<'a> Schedule<'a> {
         Self { base, in_pieces, run: scene.run, longest, progress, time: 0.0, storm: 0, storm_began: 0.0 }
     }
 
-    /// The same, with a base acceleration of a few sines and a cubic in each stretch.
+    /// The same, with a base acceleration of a few sines and a polynomial in each stretch.
     pub(super) fn in_pieces(scene: &'a Scene, longest: f64, progress: f64) -> Self {
         Self { in_pieces: true, ..Self::new(scene, longest, progress) }
     }

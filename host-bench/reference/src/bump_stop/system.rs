@@ -11,7 +11,7 @@
 //!
 //! The coordinates are scaled so that half their square is energy: `ω r`, `r'`, `Ω q`, `q'`, `√C v`, and
 //! `√C_s V_s` of a storage. The vector holds after them a constant 1, the generators of the base acceleration
-//! (a straight line, sine and cosine of each tone), and the generator of a constant power. The contact force
+//! (a polynomial, sine and cosine of each tone), and the generator of a constant power. The contact force
 //! and every current are rows times this vector, so its propagation is exact.
 
 use nalgebra::DMatrix;
@@ -28,7 +28,7 @@ pub(super) struct Layout {
     beam: usize,
     rod: usize,
     tones: usize,
-    /// The straight line of the base acceleration and its slope, or its cubic and three derivatives.
+    /// The straight line of the base acceleration and its slope, or its polynomial and all derivatives.
     powers: usize,
     has_power: bool,
 }
@@ -157,7 +157,7 @@ impl System {
         let storage = Storage::of(load);
         let has_power = storage.is_some_and(|storage| matches!(storage.draw, Draw::Power { .. }));
         let tones = base.sines().len();
-        let powers = if base.is_cubic() { 4 } else { 2 };
+        let powers = base.powers().len();
         let layout = Layout { beam: modes.beam.len(), rod: modes.rod.len(), tones, powers, has_power };
         let size = layout.size();
         let zero = || vec![0.0; size];
@@ -351,9 +351,10 @@ impl System {
 
     /// Sets the generators to the base acceleration from its local origin on.
     pub(super) fn set_base(&self, vector: &mut [f64], base: &LocalBase) {
-        let [value, slope, square, cube] = base.powers();
-        for (place, entry) in self.layout.polynomial().zip([value, slope, 2.0 * square, 6.0 * cube]) {
-            vector[place] = entry;
+        let mut factorial = 1.0;
+        for (n, (place, power)) in self.layout.polynomial().zip(base.powers()).enumerate() {
+            factorial *= n.max(1) as f64;
+            vector[place] = factorial * power;
         }
         for (tone, [amplitude, _, phase]) in base.sines().iter().enumerate() {
             let [sine, cosine] = self.layout.tone(tone);

@@ -44,17 +44,38 @@ impl LocalSweep {
         }
     }
 
-    /// Acceleration in m/s² and its rate in m/s³ at local time `t` in s.
-    pub(super) fn at(&self, t: f64) -> [f64; 2] {
-        let Self { frequency, rate, .. } = *self;
-        let (turned, now) = if self.logarithmic {
+    /// Acceleration in m/s² at local time `t` in s.
+    pub(super) fn at(&self, t: f64) -> f64 {
+        self.amplitude * self.turn(t)[0].sin()
+    }
+
+    /// Phase in rad and angular frequency in rad/s at local time `t` in s.
+    fn turn(&self, t: f64) -> [f64; 2] {
+        let Self { phase, frequency, rate, .. } = *self;
+        if self.logarithmic {
             let grown = (rate * t).exp_m1();
-            (frequency / rate * grown, frequency * (1.0 + grown))
+            [phase + frequency / rate * grown, frequency * (1.0 + grown)]
         } else {
-            (t * (frequency + 0.5 * rate * t), frequency + rate * t)
-        };
-        let phase = self.phase + turned;
-        [self.amplitude * phase.sin(), self.amplitude * now * phase.cos()]
+            [phase + t * (frequency + 0.5 * rate * t), frequency + rate * t]
+        }
+    }
+
+    /// Coefficients of the powers of the time since the local time `t` in s.
+    pub(super) fn taylor<const N: usize>(&self, t: f64) -> [f64; N] {
+        let [phase, mut frequency] = self.turn(t);
+        let (mut rates, mut sines, mut cosines) = ([0.0; N], [0.0; N], [0.0; N]);
+        for (n, rate) in rates.iter_mut().enumerate() {
+            *rate = frequency;
+            let linear = if n == 0 { self.rate } else { 0.0 };
+            frequency = if self.logarithmic { frequency * self.rate / (n + 1) as f64 } else { linear };
+        }
+        (sines[0], cosines[0]) = (self.amplitude * phase.sin(), self.amplitude * phase.cos());
+        for n in 1..N {
+            // Of the derivatives `φ' cos φ` and `−φ' sin φ`.
+            let product = |of: &[f64; N]| (0..n).map(|k| rates[k] * of[n - 1 - k]).sum::<f64>() / n as f64;
+            (sines[n], cosines[n]) = (product(&cosines), -product(&sines));
+        }
+        sines
     }
 
     /// Seconds until the frequency turns.
