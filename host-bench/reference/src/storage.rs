@@ -56,11 +56,7 @@ impl Storage {
 
     /// Thresholds of the draw; `None` if the draw is always connected, or if there is none.
     pub(super) fn lockout(&self) -> Option<Lockout> {
-        match self.draw {
-            Draw::None => None,
-            Draw::Resistor { lockout, .. } => lockout,
-            Draw::Current { lockout, .. } | Draw::Power { lockout, .. } => Some(lockout),
-        }
+        self.draw.lockout()
     }
 
     /// Whether the draw is connected by a voltage in V at the start: from the turn-on voltage.

@@ -19,7 +19,7 @@ pub(super) fn bridge<S: Scalar>(load: Load) -> Option<FullBridge<S, AnyStorage<S
                     capacitance: number(store.capacitance_f),
                     leakage_resistance: number(store.leakage_ohm),
                 },
-                initial_voltage: number(store.initial_v),
+                initial_voltage: initial_voltage(store.initial_v, store.draw.lockout()),
                 draw: draw(store.draw),
             }),
         }),
@@ -28,6 +28,13 @@ pub(super) fn bridge<S: Scalar>(load: Load) -> Option<FullBridge<S, AnyStorage<S
             storage: AnyStorage::DcBus(DcBus { voltage: number(voltage_v) }),
         }),
     }
+}
+
+/// The start voltage in V; of a draw that it does not connect, below the rounded turn-on voltage.
+fn initial_voltage<S: Scalar>(initial_v: f64, lockout: Option<scene_file::Lockout>) -> S {
+    let below = lockout.filter(|lockout| initial_v < lockout.turn_on_v);
+    let most = below.map(|lockout| S::from_f64(lockout.turn_on_v) * (S::ONE - S::EPSILON));
+    most.map_or(S::from_f64(initial_v), |most| S::from_f64(initial_v).min(most))
 }
 
 fn draw<S: Scalar>(draw: Draw) -> AnyDraw<S> {

@@ -264,6 +264,18 @@ pub enum Draw {
     },
 }
 
+impl Draw {
+    /// Thresholds of the draw; `None` if the draw is always connected, or if there is none.
+    #[must_use]
+    pub fn lockout(&self) -> Option<Lockout> {
+        match *self {
+            Self::None => None,
+            Self::Resistor { lockout, .. } => lockout,
+            Self::Current { lockout, .. } | Self::Power { lockout, .. } => Some(lockout),
+        }
+    }
+}
+
 /// Under-voltage lock-out with hysteresis. A store that starts between the two starts disconnected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lockout {
