@@ -4,5 +4,4 @@
 //! has no unit tests, so that this happens once.
 
 pub mod embedded;
-pub mod progress;
 pub mod steady_state;

@@ -23,6 +23,7 @@ use super::schedule::{Schedule, Stretch};
 use super::totals::Effort;
 use harvester_scene::base_motion::Base;
 use harvester_scene::outcome::Outcome;
+use harvester_scene::progress;
 use harvester_scene::scene_file::Scene;
 
 /// Part of the time scale of the motion that counts as progress between events.
@@ -61,12 +62,14 @@ pub(super) fn run<H: Harvester>(
     };
     march.meter.ledger.in_window = scene.run.settle_s <= 0.0;
     march.start(Base(&scene.excitation).from(0.0).at(0.0));
+    progress::begin();
     while let Some(stretch) = schedule.next() {
         if options.most_steps.is_some_and(|most| march.effort.steps > most) {
             let reason = format!("given up after {} steps", march.effort.steps);
             return Err(march.failure(reason, stretch.start));
         }
         march.meter.ledger.in_window = stretch.in_window;
+        progress::report(stretch.start / scene.run.duration_s, [march.effort.steps, march.events]);
         let event = match march.mode {
             Mode::Flow => march.flow(&stretch)?,
             Mode::Stick => march.stick(&stretch),

@@ -4,6 +4,7 @@ pub mod base_motion;
 pub mod keys;
 pub mod method;
 pub mod outcome;
+pub mod progress;
 pub mod rainflow;
 pub mod root;
 pub mod scene_file;

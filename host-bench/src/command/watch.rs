@@ -5,7 +5,7 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use harvester_engine::progress;
+use harvester_scene::progress;
 
 use super::tell;
 
@@ -46,18 +46,18 @@ impl Watch {
             return Self { stop: None, thread: None };
         }
         let (stop, stopped) = mpsc::channel::<()>();
-        let (before, _) = progress::read();
+        let (before, ..) = progress::read();
         let thread = thread::spawn(move || {
             let (mut run, mut began, mut told) = (before, Instant::now(), Instant::now());
             // The sender is dropped where the watch is.
             while stopped.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
-                let (runs, part) = progress::read();
+                let (runs, part, done) = progress::read();
                 if runs != run {
                     (run, began) = (runs, Instant::now());
                 }
                 if told.elapsed() >= EVERY {
                     told = Instant::now();
-                    tell(&line(run.saturating_sub(before).max(1), part, began.elapsed().as_secs_f64()));
+                    tell(&line(run.saturating_sub(before).max(1), part, done, began.elapsed().as_secs_f64()));
                 }
             }
         });
@@ -75,14 +75,16 @@ impl Drop for Watch {
     }
 }
 
-/// How far a run is, and how long it will take if it goes on like that.
-fn line(run: u64, part: f64, elapsed_s: f64) -> String {
+/// How far a run is, what it does in a second, and how long it will take if it goes on like that.
+fn line(run: u64, part: f64, done: [u64; 2], elapsed_s: f64) -> String {
     let to_go = if part > 0.0 && elapsed_s > 0.0 {
         format!(", about {:.0} s to go", elapsed_s * (1.0 - part) / part)
     } else {
         String::new()
     };
-    format!("run {run}: {:.1} % done, {elapsed_s:.0} s elapsed{to_go}", 100.0 * part)
+    let [steps, events] = done.map(|count| count as f64 / elapsed_s.max(f64::MIN_POSITIVE));
+    let rates = format!("{steps:.0} steps and {events:.0} events a second");
+    format!("run {run}: {:.1} % done, {elapsed_s:.0} s elapsed{to_go}; {rates}", 100.0 * part)
 }
 
 #[cfg(test)]
@@ -91,7 +93,11 @@ mod tests {
 
     #[test]
     fn the_time_to_go_follows_from_the_part_that_is_done() {
-        assert_eq!(line(1, 0.25, 10.0), "run 1: 25.0 % done, 10 s elapsed, about 30 s to go");
-        assert_eq!(line(2, 0.0, 3.0), "run 2: 0.0 % done, 3 s elapsed");
+        let quarter = "run 1: 25.0 % done, 10 s elapsed, about 30 s to go; 500 steps and 2 events a second";
+        assert_eq!(line(1, 0.25, [5000, 20], 10.0), quarter);
+        assert_eq!(
+            line(2, 0.0, [0, 0], 3.0),
+            "run 2: 0.0 % done, 3 s elapsed; 0 steps and 0 events a second"
+        );
     }
 }

@@ -11,8 +11,6 @@ use model_core::observer::PowerIndex;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
-use crate::progress;
-
 use super::auto;
 use super::blocks::Blocks;
 use super::bump_stop::Clamp;
@@ -23,6 +21,7 @@ use super::{DEFAULT_TOLERANCE, precision_name};
 use crate::steady_state::Total;
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
 use harvester_scene::outcome::{Accuracy, CreatedEnergy, EnergyFlow, Outcome, Recording, StoreOutcome};
+use harvester_scene::progress;
 use harvester_scene::scene_file::{Random, RunSpan, Scene};
 
 /// The refusal of a parameter by the core.
@@ -111,8 +110,12 @@ pub(super) fn remainder<S: Scalar>(ledger: &Ledger<S>) -> f64 {
     mechanical.abs().max(electrical.abs()).to_f64()
 }
 
-/// Attempts per call: the counts of a call fit in 32 bits.
-pub(super) const BUDGET: u32 = 1 << 24;
+/// Attempts per call, a few hundredths of a second: the progress is reported after each.
+pub(super) const BUDGET: u32 = 1 << 16;
+
+/// Attempted steps, and radians of the motion that as many must pass: a storage of picofarads in `f32`, whose voltage is
+/// below the roundings of the harvester's, takes steps without end. A right run takes at most 10,000 attempts a radian.
+const STUCK: (u64, f64) = (1 << 19, 8.0);
 
 /// A harvester of the core with all that a run of its scene needs.
 pub(super) struct Run<'a, S: Scalar, H, R> {
@@ -196,6 +199,9 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         observer: &mut impl model_core::observer::Observer<S>,
     ) -> Result<(), Failure> {
         let Self { setting: Setting { scene, options, excitation, .. }, harvester, .. } = *self;
+        let frequency = harvester.angular_frequency().max(excitation.angular_frequency()).to_f64();
+        let adaptive = H::ESTIMATES_ERROR && options.step_s.is_none();
+        let mut mark = (total.attempts(), harvester.clock(state).seconds::<f64>());
         while harvester.clock(state) < until {
             let left = options.most_attempts.map_or(u64::MAX, |most| most.saturating_sub(total.attempts()));
             if left == 0 {
@@ -206,7 +212,21 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 .advance(state, &excitation, until, budget, observer)
                 .map_err(|error| self.step_failure(&error, state))?;
             total.add(&advance.work);
-            progress::report(harvester.clock(state).seconds::<f64>() / scene.run.duration_s);
+            let at = harvester.clock(state).seconds::<f64>();
+            progress::report(at / scene.run.duration_s, [total.attempts(), total.events]);
+            if adaptive && total.attempts() >= mark.0 + STUCK.0 {
+                if frequency * (at - mark.1) < STUCK.1 && harvester.clock(state) < until {
+                    let steps = total.attempts() - mark.0;
+                    return Err(Failure::Step(format!(
+                        "steps without end at {at} s: {steps} attempts advanced {:.1e} s; a voltage may be within \
+                         its roundings in {}: {}",
+                        at - mark.1,
+                        precision_name::<S>(),
+                        self.report.describe(&harvester.outputs(state))
+                    )));
+                }
+                mark = (total.attempts(), at);
+            }
         }
         Ok(())
     }

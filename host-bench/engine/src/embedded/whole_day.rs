@@ -7,7 +7,7 @@ use model_core::integrate::ExponentialRadau;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
-use crate::progress;
+use harvester_scene::progress;
 
 use super::excitation::{Setting, with_setting};
 use super::refuse_bump_stop;
@@ -89,7 +89,7 @@ fn day<S: Scalar, T: Triboelectric>(
                 .map_err(|error| prepared.run(&simulation).step_failure(&error, &state))?;
             steps += u64::from(advance.work.steps);
         }
-        progress::report(f64::from(end) / f64::from(DAY_S));
+        progress::report(f64::from(end) / f64::from(DAY_S), [steps, 0]);
         energies_j.push(meter.delivered_energy().to_f64());
     }
     let energy_residual = model.residual(&ledger.residual()).map(S::to_f64);

@@ -1,8 +1,8 @@
 //! A storage that is simulated with its harvester and bridge, step by step, on the embedded core.
 
-use super::{Plant, StorageAccount, energy_at, standing_power};
-use harvester_engine::progress;
+use harvester_scene::progress;
 
+use super::{Plant, StorageAccount, energy_at, standing_power};
 use crate::embedded::StoreInLoop;
 use crate::method::Failure;
 use crate::scene_file::Storage;
@@ -63,7 +63,7 @@ impl Plant for LoopedStorage<'_> {
         let standing = self.standing_w * length;
         let asked = std::mem::take(&mut self.pending_j) + excess + standing;
         let stretch = self.looped.advance(from + seconds, asked / length)?;
-        progress::report(f64::from(from + seconds) / 86_400.0);
+        progress::report(f64::from(from + seconds) / 86_400.0, [self.account.steps, 0]);
         self.was_supplied = began && self.looped.is_connected();
         // A node that is switched off within the interval takes the same part of each.
         let part = if asked > 0.0 { stretch.drawn_j / asked } else { 0.0 };
