@@ -92,6 +92,8 @@ pub struct StorageOutput<S> {
     pub remainder: S,
     /// Capacitance in F; infinite for a DC bus, which has no energy balance.
     pub capacitance: S,
+    /// Magnitude of the terminal voltage in V at which the bridge conducts, and above which it is not.
+    pub threshold: S,
     /// Whether the draw of the node is connected.
     pub connected: bool,
 }

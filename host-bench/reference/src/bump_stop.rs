@@ -24,6 +24,7 @@ use super::options::{ReferenceOptions, StepFailure};
 use super::schedule::{Schedule, Stretch};
 use harvester_scene::base_motion::Base;
 use harvester_scene::outcome::Outcome;
+use harvester_scene::progress;
 use harvester_scene::scene_file::{BumpStop, Draw, Scene};
 
 /// Grid steps in the shortest period.
@@ -127,7 +128,9 @@ pub(super) fn run(
         steps: 0,
     };
     let mut schedule = Schedule::in_pieces(scene, STRETCH as f64 * step, step);
+    progress::begin();
     while let Some(stretch) = schedule.next() {
+        progress::report(stretch.start / scene.run.duration_s, [march.steps, march.events]);
         march.meter.ledger.in_window = stretch.in_window;
         system.set_base(&mut march.vector, &stretch.base);
         let event = march.stretch(&stretch, step);
@@ -181,7 +184,7 @@ impl March<'_> {
                 regime.propagator.advance_measured(&self.vector, taken, &mut end, moments);
             }
             let length = taken as f64 * tick;
-            self.meter.watch([&self.vector, &end], length, regime, self.in_contact);
+            self.meter.watch([&self.vector, &end], taken, regime, self.in_contact);
             self.meter.record(stretch.start + elapsed, length, &self.vector, regime);
             std::mem::swap(&mut self.vector, &mut end);
             self.steps += 1;

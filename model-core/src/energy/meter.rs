@@ -133,11 +133,11 @@ impl<S: Scalar> Peak<S> {
         Self { lowest: S::INFINITY, highest: -S::INFINITY }
     }
 
-    /// Includes a step with the extrema inside it.
+    /// Includes a step with the extrema inside it, of a magnitude of at most `most`.
     #[inline]
-    pub(crate) fn include(&mut self, cubic: &Cubic<S>) {
-        self.lowest = cubic.smallest().min(self.lowest);
-        self.highest = cubic.largest().max(self.highest);
+    pub(crate) fn include(&mut self, cubic: &Cubic<S>, most: S) {
+        self.lowest = cubic.smallest().max(-most).min(self.lowest);
+        self.highest = cubic.largest().min(most).max(self.highest);
     }
 
     /// Largest magnitude; 0 before the first step.
@@ -215,10 +215,21 @@ impl<S: Scalar> RunMeter<S> {
         }
     }
 
-    /// A meter at zero. A contact that is closed at `outputs` is not counted.
+    /// A meter that starts at `outputs`, whose voltage counts: the circuit of a resistor may be faster than the first step.
+    /// Behind a bridge the first step shows what the bridge leaves of it. A contact that is closed is not counted.
     #[must_use]
     pub fn starting_at(outputs: &Outputs<'_, S>) -> Self {
-        Self { in_contact: outputs.in_contact, ..Self::new() }
+        let mut meter = Self { in_contact: outputs.in_contact, ..Self::new() };
+        meter.start(outputs);
+        meter
+    }
+
+    /// Counts the voltage at the start, or at the end of a stick from the start on, through which no charge passed.
+    fn start(&mut self, outputs: &Outputs<'_, S>) {
+        if outputs.storage.is_none() {
+            self.voltage.lowest = self.voltage.lowest.min(outputs.voltage);
+            self.voltage.highest = self.voltage.highest.max(outputs.voltage);
+        }
     }
 
     /// The integrals of the powers.
@@ -284,11 +295,15 @@ impl<S: Scalar> Observer<S> for RunMeter<S> {
         self.integrals.add(step.energies, step.ticks);
         let ends = step.start.motions.iter().zip(&step.end.motions);
         for (peak, (start, end)) in self.motions.iter_mut().zip(ends) {
-            peak.include(&Cubic::new(start.value, start.rate, end.value, end.rate, step.step));
+            peak.include(&Cubic::new(start.value, start.rate, end.value, end.rate, step.step), S::INFINITY);
         }
         // A parabola through the mean is more accurate than a cubic of the rates: the rate of the voltage of
         // a stiff circuit is a small difference.
-        self.voltage.include(&Cubic::with_mean(step.start.voltage, step.end.voltage, step.mean_voltage));
+        let voltage = Cubic::with_mean(step.start.voltage, step.end.voltage, step.mean_voltage);
+        // No bridge leaves more than its threshold: what the parabola or a rounding has above it is no voltage.
+        let [start, end] = [&step.start, &step.end]
+            .map(|outputs| outputs.storage.map_or(S::INFINITY, |storage| storage.threshold));
+        self.voltage.include(&voltage, start.max(end));
         if step.start.stick {
             self.stick_ticks = self.stick_ticks.wrapping_add(u64::from(step.ticks));
         }
@@ -314,6 +329,8 @@ impl<S: Scalar> Observer<S> for RunMeter<S> {
         }
         if event.after.stick && !event.before.stick {
             self.sticks = self.sticks.saturating_add(1);
+        } else if event.before.stick && self.sticks == 0 {
+            self.start(&event.after);
         }
     }
 }

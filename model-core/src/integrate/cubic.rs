@@ -108,6 +108,15 @@ impl<S: Scalar> Cubic<S> {
         self.extrema().into_iter().flatten().fold(ends, |largest, theta| largest.max(self.value(theta)))
     }
 
+    /// The values at the start, at the extrema inside in their order, and at the end.
+    #[must_use]
+    pub(crate) fn turns(&self) -> [S; 4] {
+        let mut turns = [self.start, self.end, self.end, self.end];
+        let inside = self.extrema().into_iter().flatten();
+        turns.iter_mut().skip(1).zip(inside).for_each(|(turn, theta)| *turn = self.value(theta));
+        turns
+    }
+
     /// The smallest value on the step.
     #[must_use]
     pub fn smallest(&self) -> S {

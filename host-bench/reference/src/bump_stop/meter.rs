@@ -15,34 +15,39 @@ use harvester_scene::scene_file::Scene;
 /// Columns of a recording.
 const COLUMNS: &[&str; 8] = &with_store(BUMP_STOP_COLUMNS);
 
-/// The largest magnitude of a linear quantity in a step of `length` seconds between two vectors: at the ends,
-/// and at a turn of the cubic through both. A step is at most a tenth of the shortest period, which a cubic
-/// follows.
-fn highest(row: &[f64], rate: &[f64], [start, end]: [&[f64]; 2], length: f64) -> f64 {
-    let [from, to] = [value(row, start), value(row, end)];
-    let [leaves, arrives] = [value(rate, start), value(rate, end)];
-    let at_ends = from.abs().max(to.abs());
+/// The values of a linear quantity along a step of `ticks` between two vectors: at the start, at a turn, at the end.
+///
+/// The part of the step with the turn is halved on the exact path until a parabola departs from its ends by less than a
+/// thousandth of `scale`: a circuit may relax within a small part of a step.
+fn values(
+    propagator: &Propagator,
+    [row, rate]: [&Row; 2],
+    [start, end]: [&[f64]; 2],
+    mut ticks: u64,
+    scale: f64,
+) -> [f64; 3] {
+    let [first, last] = [value(row, start), value(row, end)];
+    let [mut leaves, mut arrives] = [value(rate, start), value(rate, end)];
     if (leaves > 0.0) == (arrives > 0.0) {
-        return at_ends;
+        return [first, last, last];
     }
-    at_ends.max(cubic_turn(from, to, leaves * length, arrives * length).abs())
-}
-
-/// Value at the turn of the cubic on [0, 1] with these ends and slopes, the slopes of opposite sign.
-fn cubic_turn(from: f64, to: f64, leaves: f64, arrives: f64) -> f64 {
-    // Slope: a s² + b s + leaves; zero once in the interval, by bisection.
-    let a = 3.0 * (leaves + arrives - 2.0 * (to - from));
-    let b = 2.0 * (3.0 * (to - from) - 2.0 * leaves - arrives);
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..50 {
-        let middle: f64 = 0.5 * (low + high);
-        if ((a * middle + b) * middle + leaves > 0.0) == (leaves > 0.0) {
-            low = middle;
+    let (mut here, mut middle) = (start.to_vec(), Vec::new());
+    loop {
+        let length = ticks as f64 * propagator.tick();
+        if ticks < 2 || length * (leaves - arrives).abs() <= 1e-3 * scale.max(first.abs()).max(last.abs()) {
+            return [first, value(row, &here) + 0.5 * length * leaves * leaves / (leaves - arrives), last];
+        }
+        propagator.advance(&here, ticks / 2, &mut middle);
+        let slope = value(rate, &middle);
+        if (slope > 0.0) == (leaves > 0.0) {
+            leaves = slope;
+            std::mem::swap(&mut here, &mut middle);
+            ticks -= ticks / 2;
         } else {
-            high = middle;
+            arrives = slope;
+            ticks /= 2;
         }
     }
-    from + low * (leaves + low * (0.5 * b + low * a / 3.0))
 }
 
 /// Everything that is summed or compared along a run.
@@ -118,9 +123,9 @@ impl<'a> Meter<'a> {
         self.ledger.add(&self.moments.take(propagator));
     }
 
-    /// Measures one step of `length` seconds.
-    pub(super) fn watch(&mut self, ends: [&[f64]; 2], length: f64, regime: &Regime, in_contact: bool) {
-        let [_, end] = ends;
+    /// Measures one step of `ticks`.
+    pub(super) fn watch(&mut self, ends: [&[f64]; 2], ticks: u64, regime: &Regime, in_contact: bool) {
+        let ([_, end], length) = (ends, ticks as f64 * regime.propagator.tick());
         self.ledger.compare(energies(self.system, self.stiffness, end));
         // The trapezium is accurate enough for the scale of a residual.
         let power = (value(&self.system.base, end) * value(&self.system.base_lever, end)).abs();
@@ -130,15 +135,19 @@ impl<'a> Meter<'a> {
             return;
         }
         let system = self.system;
-        let turned = |so_far: &mut f64, row, rate| *so_far = so_far.max(highest(row, rate, ends, length));
+        let turned = |so_far: &mut f64, row, rate| {
+            let values = values(&regime.propagator, [row, rate], ends, ticks, *so_far);
+            *so_far = values.into_iter().fold(*so_far, |largest, value| largest.max(value.abs()));
+            values
+        };
         turned(&mut self.tip, &system.tip, &self.tip_rate);
         turned(&mut self.stop_point, &system.stop_point, &self.stop_point_rate);
         turned(&mut self.voltage, &system.voltage, &regime.voltage_rate);
-        turned(&mut self.curvature, &regime.clamp, &regime.clamp_rate);
+        let bent = turned(&mut self.curvature, &regime.clamp, &regime.clamp_rate);
+        bent.into_iter().for_each(|curvature| self.cycles.push(curvature));
         // The trapezium: a step is at most a tenth of the shortest period.
-        let [from, to] = ends.map(|vector| value(&regime.clamp, vector));
+        let [from, _, to] = bent;
         self.curvature_squared += 0.5 * length * (from * from + to * to);
-        self.cycles.push(to);
         if in_contact {
             self.contact_time += length;
             turned(&mut self.force, &regime.force, &regime.force_rate);

@@ -75,7 +75,7 @@ impl Physics {
             dielectric,
             closed_capacitance,
             parasitic: p.parasitic_capacitance_f,
-            load: LoadCircuit::new(load, p.stick_charge, closed_capacitance),
+            load: LoadCircuit::new(load, p.stick_charge, closed_capacitance, start.charge_c),
             open_charges: [0.0; 2],
             force_law: p.force_law,
             restitution: p.restitution,

@@ -84,7 +84,7 @@ impl Physics {
             capacitance,
             permittivity_area,
             relative_permittivity: p.relative_permittivity,
-            load: LoadCircuit::new(load, p.stick_charge, capacitance),
+            load: LoadCircuit::new(load, p.stick_charge, capacitance, start.charge_c),
             open_charge: 0.0,
             force_law: p.force_law,
             lateral_force: p.lateral_force,

@@ -41,14 +41,15 @@ pub(crate) struct LoadCircuit {
 }
 
 impl LoadCircuit {
-    /// The circuit of a load at a harvester of at most this capacitance in F.
-    pub(crate) fn new(load: Load, stick_charge: StickCharge, capacitance: f64) -> Self {
+    /// The circuit of a load at a harvester of at most this capacitance in F; with a charge at the start the voltage is a
+    /// state, however fast.
+    pub(crate) fn new(load: Load, stick_charge: StickCharge, capacitance: f64, charge: Option<f64>) -> Self {
         let (resistance, storage) = (load.resistance_ohm(), Storage::of(load));
         let kind = if storage.is_some() {
             CircuitKind::Dynamic
         } else if resistance.is_infinite() {
             CircuitKind::Open
-        } else if resistance * capacitance * FASTEST_RATE < 1e-11 {
+        } else if resistance == 0.0 || charge.is_none() && resistance * capacitance * FASTEST_RATE < 1e-11 {
             CircuitKind::QuasiStatic
         } else {
             CircuitKind::Dynamic

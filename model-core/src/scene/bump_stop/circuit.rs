@@ -111,9 +111,10 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
         None
     }
 
-    /// The storage or DC bus.
+    /// The storage or DC bus at a voltage in V, with an elastance of the electrodes in 1/F. A start voltage above its
+    /// threshold is shared at once, which lifts the threshold.
     #[inline]
-    fn storage(&self, _state: &Self::State) -> Option<StorageOutput<S>> {
+    fn storage(&self, _state: &Self::State, _voltage: S, _elastance: S) -> Option<StorageOutput<S>> {
         None
     }
 
@@ -213,9 +214,12 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
     }
 
     #[inline]
-    fn storage(&self, state: &StorageState<S>) -> Option<StorageOutput<S>> {
+    fn storage(&self, state: &StorageState<S>, terminal: S, elastance: S) -> Option<StorageOutput<S>> {
         let StorageState { voltage, remainder, connected } = *state;
-        Some(StorageOutput { voltage, remainder, capacitance: self.storage.capacitance(), connected })
+        let (capacitance, own) = (self.storage.capacitance(), self.storage.elastance());
+        let mut threshold = self.threshold(voltage);
+        threshold += (terminal.abs() - threshold).max(S::ZERO) * (own / (own + elastance));
+        Some(StorageOutput { voltage, remainder, capacitance, threshold, connected })
     }
 
     /// True if the interval is small relative to the threshold.

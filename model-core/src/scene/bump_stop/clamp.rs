@@ -161,7 +161,7 @@ pub struct ClampMeter<S, E, const B: usize> {
     curvature: Peak<S>,
     square: CompensatedSum<S>,
     ticks: u64,
-    last: S,
+    last: [S; 4],
 }
 
 impl<S: Scalar, E: Excitation<S>, const B: usize> ClampMeter<S, E, B> {
@@ -174,7 +174,7 @@ impl<S: Scalar, E: Excitation<S>, const B: usize> ClampMeter<S, E, B> {
             curvature: Peak::new(),
             square: CompensatedSum::ZERO,
             ticks: 0,
-            last: S::ZERO,
+            last: [S::ZERO; 4],
         }
     }
 
@@ -199,9 +199,9 @@ impl<S: Scalar, E: Excitation<S>, const B: usize> ClampMeter<S, E, B> {
         (self.square.value() / Instant::from_ticks(self.ticks).seconds()).sqrt()
     }
 
-    /// Curvature in 1/m at the end of the last step.
+    /// Curvature in 1/m along the last step: at its start, where it turns, and at its end.
     #[must_use]
-    pub fn last(&self) -> S {
+    pub fn last(&self) -> [S; 4] {
         self.last
     }
 }
@@ -218,11 +218,12 @@ impl<S: Scalar, E: Excitation<S>, const B: usize> Observer<S> for ClampMeter<S, 
         let ([to, arrives], after) = end;
         let slope = (after - before) / step.step;
         let (from, to) = (from + before, to + after);
-        self.curvature.include(&Cubic::new(from, leaves + slope, to, arrives + slope, step.step));
+        let curvature = Cubic::new(from, leaves + slope, to, arrives + slope, step.step);
+        self.curvature.include(&curvature, S::INFINITY);
         // The trapezium: a free step may be longer than the periods of the highest modes.
         self.square.add(S::from_f64(0.5) * step.step * (from * from + to * to));
         self.ticks = self.ticks.wrapping_add(u64::from(step.ticks));
-        self.last = to;
+        self.last = curvature.turns();
     }
 }
 

@@ -9,7 +9,7 @@ use crate::bounds::ParameterError;
 use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::{Advance, StepError};
-use crate::observer::{Motion, Observer, Outputs};
+use crate::observer::{Motion, Observer, Outputs, StorageOutput};
 use crate::scalar::Scalar;
 use crate::scene::Harvester;
 use crate::snapshot::Fingerprint;
@@ -24,7 +24,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         outputs.charge.value = state.moved_charge;
         outputs.voltage = self.voltage(state);
         outputs.stored = self.stored_energy(state);
-        outputs.storage = self.load.storage(&state.circuit);
+        outputs.storage = self.load.storage(&state.circuit, outputs.voltage, self.elastance);
+        if let Some(StorageOutput { threshold, .. }) = outputs.storage {
+            outputs.voltage = outputs.voltage.max(-threshold).min(threshold);
+        }
         outputs.penetration = state.gap;
         outputs.in_contact = ContactOf::<S, P>::POSSIBLE && (state.gap > S::ZERO || state.closed);
         outputs.mode = u8::from(state.closed);

@@ -391,11 +391,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             (accepted.start, accepted.end) = (self.scene.outputs(state), self.scene.outputs(end));
             accepted.end.in_contact |= self.scene.contact.kind() == ContactKind::Constrained;
             accepted.contact = self.scene.contact_within([state, end], trial);
-            if P::Load::SWITCHES {
-                // Behind a bridge the extremes of the voltage in a step are at its ends: the corner of the polyline
-                // does not exceed the end.
-                accepted.mean_voltage = S::from_f64(0.5) * (accepted.start.voltage + accepted.end.voltage);
-            }
         }
         observer.step(&accepted);
         pair.swap();

@@ -313,13 +313,15 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         let mut outputs = self.harvester.outputs(mode.inner, &own).with_state(&point.state);
         let gained = self.electrics(mode, &point.state).gained;
         let (voltage, remainder) = add_increment(point.state[STORAGE], point.remainder[STORAGE], gained);
+        let threshold = self.bridge.threshold(voltage);
         if mode.regime != BridgeRegime::Blocked {
-            outputs.voltage = mode.regime.sign::<S>() * self.bridge.threshold(voltage);
+            outputs.voltage = mode.regime.sign::<S>() * threshold;
         }
         outputs.storage = Some(StorageOutput {
             voltage,
             remainder,
             capacitance: self.bridge.storage.capacitance(),
+            threshold,
             connected: mode.connected,
         });
         outputs.mode = mode.number(outputs.mode);

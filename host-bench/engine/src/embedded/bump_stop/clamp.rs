@@ -43,7 +43,7 @@ impl<'a, S: Scalar> Clamp<'a, S> {
 impl<S: Scalar> Observer<S> for Clamp<'_, S> {
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         self.meter.step(step);
-        self.cycles.push(self.meter.last().to_f64());
+        self.meter.last().into_iter().for_each(|curvature| self.cycles.push(curvature.to_f64()));
         self.seconds += step.step.to_f64();
     }
 }

@@ -183,3 +183,34 @@ fn samples_are_joined_by_lines() {
     let expected = 1.0 - angle * angle / 12.0;
     assert!((ratio - expected).abs() < 0.1 * (1.0 - expected), "{ratio} {expected}");
 }
+
+/// With `RC` far below a grid step: the peak of a free voltage is its start, that of a driven one is `R` times a current
+/// which does not depend on `R`, impacts included.
+#[test]
+fn a_voltage_that_relaxes_within_a_step_has_its_own_peak() {
+    let peak = |restitution: Option<f64>, resistance_ohm: f64, voltage_v: f64| {
+        let (mut model, mut scene) = scene([2, 0], [0.0, 0.01]);
+        scene.load = Load::Resistor { resistance_ohm };
+        let hit = StopParameters { contact: Contact::Restitution, restitution, gap_m: 0.0, ..stop(0) };
+        model.stop = restitution.map(|_| hit);
+        model.initial.voltage_v = voltage_v;
+        run(&model, &scene, None).0.peak_voltage_v.expect("finite")
+    };
+    close(peak(None, 1.0, 62.0), 62.0, 1e-9);
+    let [low, high] = [1e-3, 1e-2].map(|resistance| peak(Some(0.0), resistance, 0.0));
+    close(high, 10.0 * low, 1e-3);
+}
+
+/// A free oscillation of one mode turns at `−e^(−πζ/√(1−ζ²))` of the turn before.
+#[test]
+fn the_largest_range_at_the_clamp_is_between_turning_points() {
+    let (mut model, mut scene) = scene([1, 0], [0.0, 0.05]);
+    model.stop = None;
+    model.parameters.damping_ratio = 0.236;
+    model.initial.modal_velocity = vec![1e-3];
+    scene.load = Load::Resistor { resistance_ohm: 0.0 };
+    scene.excitation = Excitation::Silence;
+    let clamp = particular(&run(&model, &scene, None).0).clamp.expect("measured");
+    let ratio = 1.0 + (-std::f64::consts::PI * 0.236 / (1.0f64 - 0.236 * 0.236).sqrt()).exp();
+    close(clamp.clamp_stress_largest_range_pa, ratio * clamp.clamp_stress_peak_pa, 1e-5);
+}
