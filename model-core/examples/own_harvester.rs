@@ -81,7 +81,8 @@ impl Automaton<f32, 3, ALL_POWERS> for Coil {
         outputs
     }
     fn error_scale(&self) -> ErrorScale<f32> {
-        ErrorScale { angular_frequency: (self.k / self.m).sqrt(), energy_floor: 1e-12 }
+        let [angular_frequency, decay_rate] = [(self.k / self.m).sqrt(), 0.5 * self.c / self.m];
+        ErrorScale { angular_frequency, decay_rate, energy_floor: 1e-12 }
     }
 }
 
@@ -108,12 +109,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let residual = ledger.residual().largest();
     println!("{:.3e} W, {} impacts, ledger {residual:?}", meter.mean_power(), meter.report().impacts);
     assert!(residual.is_some_and(|residual| residual < 1e-3), "the energy ledger closes");
-    let format = SampleFormat::accelerations(100.0);
+    let format = SampleFormat::accelerations(100.0, 0.0);
     let settings = Settings {
         rate: 1000.0,
         format,
         longest_gap: 0,
         settling_seconds: 0.0,
+        rate_tolerance: 0.0,
+        jitter: 0.0,
         interpolation: Interpolation::DroopCompensated,
         bias_seconds: None,
     };

@@ -131,6 +131,12 @@ pub trait Harvester<S: Scalar> {
     /// Angular frequency of the slowest undamped motion in rad/s.
     fn angular_frequency(&self) -> S;
 
+    /// Rate in 1/s at which that motion decays, its damping ratio times its angular frequency; 0 if it is not known: all
+    /// time after a gap of the samples is then uncertain.
+    fn decay_rate(&self) -> S {
+        S::ZERO
+    }
+
     /// Resonance frequency of the slowest undamped motion in Hz.
     fn resonance_frequency(&self) -> S {
         self.angular_frequency() * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI)

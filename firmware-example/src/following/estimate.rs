@@ -17,6 +17,9 @@ pub(crate) fn settings() -> Settings<f32> {
         format: SampleFormat::counts(SCALE, i16::MAX.unsigned_abs()),
         longest_gap: 4,
         settling_seconds: 0.0,
+        // A timer of the node starts each sample.
+        rate_tolerance: 0.0,
+        jitter: 0.0,
         interpolation: Interpolation::DroopCompensated,
         bias_seconds: None,
     }

@@ -97,6 +97,8 @@ fn estimator<H: Harvester<f32>>(tone: Tone, harvester: H) -> Option<Fed<H>> {
         format: SampleFormat::counts(SCALE, i16::MAX.unsigned_abs()),
         longest_gap: 4,
         settling_seconds: 0.0,
+        rate_tolerance: 0.0,
+        jitter: 0.0,
         interpolation: Interpolation::Linear,
         bias_seconds: None,
     };

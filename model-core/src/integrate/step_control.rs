@@ -41,6 +41,8 @@ pub(crate) struct StepErrors<S> {
 pub struct ErrorScale<S> {
     /// Angular frequency of the slow motion in rad/s.
     pub angular_frequency: S,
+    /// Rate in 1/s at which it decays: the damping ratio times the angular frequency; 0 if it is not known.
+    pub decay_rate: S,
     /// Delivered energy per radian in joules below which no relative error is resolved.
     pub energy_floor: S,
 }

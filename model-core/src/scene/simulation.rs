@@ -137,6 +137,10 @@ where
         self.scene.error_scale().angular_frequency
     }
 
+    fn decay_rate(&self) -> S {
+        self.scene.error_scale().decay_rate
+    }
+
     /// The method is identified by its error estimate and the order of it, the step control by its results on test
     /// inputs: the bits of a resumed state depend on both.
     fn identify(&self, fingerprint: &mut Fingerprint) {
@@ -145,7 +149,8 @@ where
         fingerprint.count(u32::from(M::ESTIMATES_ERROR));
         fingerprint.count(M::ESTIMATE_ORDER.unsigned_abs());
         // At this angular frequency the tolerance exceeds the roundings of a step.
-        let scale = ErrorScale { angular_frequency: S::from_f64(1e6), energy_floor: S::ONE };
+        let scale =
+            ErrorScale { angular_frequency: S::from_f64(1e6), decay_rate: S::ZERO, energy_floor: S::ONE };
         let control = &self.driver.control;
         fingerprint.count(control.start(&scale).ticks);
         fingerprint.numbers(&[control.accuracy(u32::MAX, &scale)]);

@@ -166,9 +166,11 @@ fn a_correction_of_arbitrary_bytes_is_refused_or_works() {
 fn arbitrary_estimators<S: Scalar, H: Harvester<S> + Copy>(harvester: H, usual: u32) {
     let settings = Settings {
         rate: S::from_f64(400.0),
-        format: SampleFormat::accelerations(S::from_f64(60.0)),
+        format: SampleFormat::accelerations(S::from_f64(60.0), S::ZERO),
         longest_gap: 3,
         settling_seconds: S::from_f64(0.1),
+        rate_tolerance: S::ZERO,
+        jitter: S::ZERO,
         interpolation: Interpolation::DroopCompensated,
         bias_seconds: Some(S::from_f64(1.0)),
     };

@@ -51,12 +51,14 @@ fn modal(bridge: Bridge) -> Stepper<f32, AnyChoices<f32, Bridge>, 4, 1> {
 }
 
 fn estimator<H: Harvester<f32>>(harvester: H, rate: f32) -> Estimator<f32, H> {
-    let format = SampleFormat::accelerations(f32::INFINITY);
+    let format = SampleFormat::accelerations(f32::INFINITY, 0.0);
     let settings = Settings {
         rate,
         format,
         longest_gap: 4,
         settling_seconds: 0.0,
+        rate_tolerance: 0.0,
+        jitter: 0.0,
         interpolation: Interpolation::Linear,
         bias_seconds: None,
     };

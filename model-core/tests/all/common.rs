@@ -148,7 +148,11 @@ impl<S: Scalar, const N: usize, Q: Problem<S, N>> Automaton<S, N, 1> for Machine
     }
 
     fn error_scale(&self) -> ErrorScale<S> {
-        ErrorScale { angular_frequency: self.0.angular_frequency(), energy_floor: S::ONE }
+        ErrorScale {
+            angular_frequency: self.0.angular_frequency(),
+            decay_rate: S::ZERO,
+            energy_floor: S::ONE,
+        }
     }
 
     fn check(&self, _mode: Q::Mode, state: &[S; N]) -> Result<(), (&'static str, S)> {

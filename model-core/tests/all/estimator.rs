@@ -1,6 +1,7 @@
 //! The estimator: the bits of a whole trace, bounded work, gaps and saturation.
 
 mod calibration;
+mod inputs;
 mod long_running;
 mod uncertainty;
 
@@ -23,9 +24,11 @@ const EVER: u32 = u32::MAX;
 pub(crate) fn settings<S: Scalar>(rate: f64) -> Settings<S> {
     Settings {
         rate: S::from_f64(rate),
-        format: SampleFormat::accelerations(S::INFINITY),
+        format: SampleFormat::accelerations(S::INFINITY, S::ZERO),
         longest_gap: 4,
         settling_seconds: S::ZERO,
+        rate_tolerance: S::ZERO,
+        jitter: S::ZERO,
         interpolation: Interpolation::Linear,
         bias_seconds: None,
     }
@@ -200,7 +203,8 @@ fn counts_are_the_accelerations_they_stand_for() {
     let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2).expect("in bounds"));
     let format = SampleFormat::counts(scale, 32_767);
     let mut raw = Estimator::new(harvester, Settings { format, ..settings(400.0) }).expect("valid");
-    let mut si = Estimator::new(harvester, settings(400.0)).expect("valid");
+    let format = SampleFormat::accelerations(f32::INFINITY, scale);
+    let mut si = Estimator::new(harvester, Settings { format, ..settings(400.0) }).expect("valid");
     for &count in &counts {
         finished(raw.push_count(count, EVER));
         finished(si.push_acceleration(f32::from(count) * scale, EVER));
@@ -237,7 +241,8 @@ fn a_short_gap_is_a_straight_line() {
     assert_eq!(whole.uncertainty.uncertain_seconds, 0.0);
     let relative = |estimate: Estimate<f64>| estimate.uncertainty.relative.expect("known");
     let added = relative(gappy) - relative(whole);
-    assert!((added - f64::from(lost + gaps) / 1022.0).abs() < 1e-12, "{added}");
+    let uncertain = f64::from(lost + gaps);
+    assert!((added - uncertain / (1022.0 - 0.5 * uncertain)).abs() < 1e-12, "{added}");
 }
 
 #[test]
@@ -260,7 +265,8 @@ fn a_long_gap_is_unknown_and_the_harvester_starts_anew() {
     assert_eq!(estimator.known_until(), Instant::from_ticks(998 << 30));
     assert_eq!(after.uncertainty.missing_samples, 100);
     assert_eq!(after.uncertainty.unknown_seconds, 101.0 / 256.0);
-    assert_eq!(after.uncertainty.uncertain_seconds, 1.0);
+    // Three decay times, 4.7 s, are longer than what follows the gap.
+    assert_eq!(after.uncertainty.uncertain_seconds, 0.5 + 398.0 / 256.0);
     assert_eq!(after.seconds, 897.0 / 256.0);
     // After the gap everything is as in a run that begins there; on a binary grid to the bit.
     let mut fresh = Estimator::new(harvester, settled).expect("valid");
@@ -275,7 +281,7 @@ fn a_long_gap_is_unknown_and_the_harvester_starts_anew() {
 #[test]
 fn saturated_samples_are_cut_off_counted_and_uncertain() {
     let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
-    let limited = Settings { format: SampleFormat::accelerations(1.5), ..settings(256.0) };
+    let limited = Settings { format: SampleFormat::accelerations(1.5, 0.0), ..settings(256.0) };
     let mut estimator = Estimator::new(harvester, limited).expect("valid");
     let mut clipped = Estimator::new(harvester, settings(256.0)).expect("valid");
     let samples = sine_samples::<f64>(1.962, 20.0, 256.0, 700);

@@ -21,9 +21,11 @@ const EVER: u32 = u32::MAX;
 fn settings<S: Scalar>(rate: f64) -> Settings<S> {
     Settings {
         rate: S::from_f64(rate),
-        format: SampleFormat::accelerations(S::from_f64(60.0)),
+        format: SampleFormat::accelerations(S::from_f64(60.0), S::ZERO),
         longest_gap: 3,
         settling_seconds: S::from_f64(0.1),
+        rate_tolerance: S::ZERO,
+        jitter: S::ZERO,
         interpolation: Interpolation::Linear,
         bias_seconds: None,
     }
@@ -389,8 +391,8 @@ fn images_in_single_precision_are_a_few_hundred_bytes() {
     type Contact = Simulation<crate::common::harvesters::Contact<f32>, TrBdf2, Adaptive<f32>, 3, 1>;
     type Bump = crate::common::harvesters::Bump<f32, 4, 1>;
     // What a firmware reserves; a change of the layout is another version.
-    assert_eq!(Estimator::<f32, Contact>::SNAPSHOT_BYTES, 339);
-    assert_eq!(Estimator::<f32, Bump>::SNAPSHOT_BYTES, 336);
+    assert_eq!(Estimator::<f32, Contact>::SNAPSHOT_BYTES, 367);
+    assert_eq!(Estimator::<f32, Bump>::SNAPSHOT_BYTES, 364);
     assert_eq!(snapshot::size_of::<<Contact as Harvester<f32>>::State>(), 92);
     assert_eq!(snapshot::size_of::<<Bump as Harvester<f32>>::State>(), 89);
 }

@@ -8,6 +8,9 @@ use crate::excitation::is_acceleration;
 use crate::scalar::Scalar;
 use crate::scene::Harvester;
 
+/// Decay times after which the power of a motion from rest is nearly that of the motion without a gap.
+const SETTLING_DECAYS: f64 = 3.0;
+
 /// The instant from which the clock restarts: half a year.
 const LATEST: Instant = Instant::from_whole_seconds(1 << 24);
 
@@ -80,7 +83,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         }
         state.pending = true;
         let bend = (sample - old) - (old - older);
-        state.response.add(velocity, self.droop.samples_per_period(), &mut state.accumulator);
+        let samples = [sample, sample - old];
+        state.response.add(velocity, samples, self.droop.samples_per_period(), &mut state.accumulator);
         // The interval that is now known lies between the oldest sample and the middle one. The filter includes the
         // samples on either side.
         let mut touched = 0b110;
@@ -99,6 +103,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     pub(super) fn restart(&mut self, sample: S, uncertain: bool) -> Result<(), EstimatorError<S>> {
         let state = &mut self.state;
         let mut stream = state.stream;
+        // The mean is that of the samples so far, and a bias only after its time constant.
+        let mut settling = self.settings.settling_seconds.max(self.settings.bias_seconds.unwrap_or(S::ZERO));
         let before = if state.phase == Phase::Waiting {
             stream.begin_with(sample);
             None
@@ -109,6 +115,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
                 stream.begin_with(sample);
             }
             state.add_unknown(1);
+            settling = settling.max(S::from_f64(SETTLING_DECAYS) / self.harvester.decay_rate());
             Some(&state.harvester)
         };
         match self.harvester.restart(before, &stream, stream.known_until()) {
@@ -120,9 +127,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         }
         state.stream = stream;
         state.uncertain = u8::from(uncertain);
-        // The mean is that of the samples so far, and a bias only after its time constant.
-        let bias_seconds = self.settings.bias_seconds.unwrap_or(S::ZERO);
-        state.settling = (self.settings.settling_seconds.max(bias_seconds) * state.stream.rate()).to_u32();
+        state.settling = (settling * state.stream.rate()).to_u32();
         state.unfiltered = [sample; 2];
         state.missing = 0;
         state.phase = Phase::Following;

@@ -1,7 +1,7 @@
 //! The origin of the clock, the sampling rate while running, and the bias of the samples.
 
 use super::sampling::Droop;
-use super::{Estimator, EstimatorError, RATE};
+use super::{Estimator, EstimatorError, RATE, Settings};
 use crate::bounds::{Bounds, ParameterError};
 use crate::clock::Instant;
 use crate::scalar::Scalar;
@@ -9,18 +9,23 @@ use crate::scene::Harvester;
 
 impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// Sets the sampling rate in Hz, 10⁻³ to 10⁶, as measured against the clock of the node: that of a MEMS sensor is a
-    /// few per cent off. It holds from the newest sample but one on. Snapshots contain it: [`Settings::rate`] stays
+    /// few per cent off. `tolerance` is the largest relative error of that measurement, for the whole of the uncertainty: call
+    /// [`Estimator::clear`] too. The rate holds from the newest sample but one on. Snapshots contain it: [`Settings::rate`] stays
     /// the nominal rate, by which a snapshot is accepted.
     ///
     /// [`Settings::rate`]: super::Settings::rate
     ///
     /// # Errors
-    /// [`EstimatorError::Unfinished`], or [`EstimatorError::Parameter`] for a rate outside its bounds; the rate is
-    /// then as before.
-    pub fn set_rate(&mut self, rate: S) -> Result<(), EstimatorError<S>> {
+    /// [`EstimatorError::Unfinished`], or [`EstimatorError::Parameter`] for a rate or a tolerance outside its bounds;
+    /// both are then as before.
+    pub fn set_rate(&mut self, rate: S, tolerance: S) -> Result<(), EstimatorError<S>> {
         self.refuse_unfinished()?;
-        Bounds::new(RATE.lowest, RATE.highest).check("rate", rate).map_err(EstimatorError::Parameter)?;
-        self.move_origin(rate).map_err(EstimatorError::Parameter)
+        Settings { rate, rate_tolerance: tolerance, ..self.settings }
+            .check_numbers()
+            .and_then(|()| self.move_origin(rate))
+            .map_err(EstimatorError::Parameter)?;
+        self.state.rate_tolerance = tolerance;
+        Ok(())
     }
 
     /// The sampling rate in Hz: that of the settings, or the last one set.

@@ -45,8 +45,8 @@ pub(super) struct Response<S> {
     slope: S,
     /// Number of samples of this period so far.
     samples: u32,
-    /// Squares of the velocity and of its first and second differences in this period.
-    period: [S; 3],
+    /// Squares of the velocity, of its first and second differences, of the sample and of its difference in this period.
+    period: [S; 5],
     periods: Periods<S>,
 }
 
@@ -57,7 +57,7 @@ struct Periods<S> {
     /// Number of periods with an impact.
     with_impact: u32,
     /// As [`Response::period`].
-    squares: [CompensatedSum<S>; 3],
+    squares: [CompensatedSum<S>; 5],
     /// Delivered energies in J.
     energy: CompensatedSum<S>,
     energy_squares: CompensatedSum<S>,
@@ -68,15 +68,20 @@ struct Periods<S> {
 }
 
 impl<S: Scalar> Response<S> {
-    /// Adds the velocity in m/s at the end of a sampling interval.
+    /// Adds the velocity in m/s at the end of a sampling interval, and a sample with its difference in m/s².
     #[inline]
-    pub(super) fn add(&mut self, velocity: S, per_period: u32, accumulator: &mut EnergyAccumulator<S>) {
+    pub(super) fn add(
+        &mut self,
+        velocity: S,
+        [sample, rise]: [S; 2],
+        per_period: u32,
+        accumulator: &mut EnergyAccumulator<S>,
+    ) {
         let slope = velocity - self.velocity;
         let bend = slope - self.slope;
-        let [squares, slopes, bends] = &mut self.period;
-        *squares += velocity * velocity;
-        *slopes += slope * slope;
-        *bends += bend * bend;
+        for (sum, part) in self.period.iter_mut().zip([velocity, slope, bend, sample, rise]) {
+            *sum += part * part;
+        }
         (self.velocity, self.slope) = (velocity, slope);
         self.samples = self.samples.saturating_add(1);
         if self.samples >= per_period {
@@ -115,11 +120,19 @@ impl<S: Scalar> Response<S> {
 
     /// The frequencies in all whole periods; `None` without motion.
     pub(super) fn frequencies(&self) -> Option<Frequencies<S>> {
-        let [squares, slopes, bends] = self.periods.squares.each_ref().map(CompensatedSum::value);
+        let [squares, slopes, bends, ..] = self.periods.squares.each_ref().map(CompensatedSum::value);
         (squares > S::ZERO).then(|| Frequencies {
             sine_squares: (S::from_f64(0.25) * slopes / squares).min(S::ONE),
             sine_fourths: (S::from_f64(0.0625) * bends / squares).min(S::ONE),
         })
+    }
+
+    /// The mean squares of velocity, sample and change of the sample in all whole periods of so many samples, in SI units;
+    /// `None` before the first one has ended.
+    pub(super) fn mean_squares(&self, per_period: u32) -> Option<[S; 3]> {
+        let samples = S::from_u32(self.periods.count) * S::from_u32(per_period);
+        let [velocity, _, _, sample, rise] = self.periods.squares.each_ref().map(|sum| sum.value() / samples);
+        self.has_whole_period().then_some([velocity, sample, rise])
     }
 
     /// Relative change of the energy per relative change of the amplitude, 2 to 20.
@@ -139,16 +152,17 @@ impl<S: Scalar> Response<S> {
         (least * slope * squares / energy.abs().max(S::TINY)).max(least).min(largest)
     }
 
-    /// Standard error of the mean energy of a period, relative to the mean, as if the periods were independent; 1 if it
-    /// is not known.
-    fn scatter(&self) -> S {
+    /// Standard error of the difference of the mean energies of two motions, relative to the mean, as if they and their
+    /// periods were independent; √2 if it is not known.
+    fn difference(&self) -> S {
         let Periods { count, energy, energy_squares, .. } = &self.periods;
+        let both = S::from_f64(core::f64::consts::SQRT_2);
         if *count < LEAST_PERIODS {
-            return S::ONE;
+            return both;
         }
         let (sum, count) = (energy.value(), S::from_u32(*count));
         let deviations = (energy_squares.value() - sum * sum / count).max(S::ZERO);
-        (deviations * count / (count - S::ONE)).sqrt() / sum.abs().max(S::TINY)
+        both * ((deviations * count / (count - S::ONE)).sqrt() / sum.abs().max(S::TINY))
     }
 
     /// The relative difference of the energies of two motions under one input that impacts have made independent of
@@ -163,11 +177,6 @@ impl<S: Scalar> Response<S> {
     /// The same if the motions are independent in a part `share` of the time, with the coverage of two standard errors.
     pub(super) fn irregularity_in(&self, share: S) -> S {
         S::from_f64(STANDARD_ERRORS) * self.difference() * share
-    }
-
-    /// Standard error of the difference of the mean energies of two independent motions.
-    fn difference(&self) -> S {
-        S::from_f64(core::f64::consts::SQRT_2) * self.scatter()
     }
 }
 

@@ -26,6 +26,8 @@ pub struct SampleFormat<S> {
     /// Acceleration at a count of zero in m/s², at most 10⁶ in magnitude: minus the reading at rest, which is
     /// the bias of the sensor and gravity.
     pub offset: S,
+    /// Step of the converter in m/s², 0 to 10⁶: 0 if it does not matter.
+    pub resolution: S,
     /// Magnitude of a raw count from which the sensor is saturated, 1 to 32 768.
     pub count_limit: u16,
     /// Magnitude of an acceleration in m/s² from which the sensor is saturated, 10⁻⁹ to infinity.
@@ -33,16 +35,18 @@ pub struct SampleFormat<S> {
 }
 
 impl<S: Scalar> SampleFormat<S> {
-    /// Readings in m/s² of a sensor that is saturated from `range` in m/s²; infinite for a sensor without limit.
+    /// Readings in m/s² in steps of `resolution` in m/s², 0 if that does not matter, of a sensor that is saturated from
+    /// `range` in m/s²; infinite for a sensor without limit.
     #[must_use]
-    pub fn accelerations(range: S) -> Self {
-        Self { scale: S::ONE, offset: S::ZERO, count_limit: 1 << 15, range }
+    pub fn accelerations(range: S, resolution: S) -> Self {
+        Self { scale: S::ONE, offset: S::ZERO, resolution, count_limit: 1 << 15, range }
     }
 
-    /// Raw counts of `scale` in m/s² with zero at rest, saturated from `count_limit`.
+    /// Raw counts of `scale` in m/s² with zero at rest, saturated from `count_limit`. A sensor of fewer bits whose count is
+    /// a multiple has a larger [`SampleFormat::resolution`].
     #[must_use]
     pub fn counts(scale: S, count_limit: u16) -> Self {
-        Self { scale, offset: S::ZERO, count_limit, range: S::INFINITY }
+        Self { scale, offset: S::ZERO, resolution: scale.abs(), count_limit, range: S::INFINITY }
     }
 
     /// The sample of a raw count.
@@ -76,12 +80,13 @@ impl<S: Scalar> SampleFormat<S> {
     pub(super) fn check(&self) -> Result<(), ParameterError<S>> {
         Bounds::new(1e-9, 1e6).check("magnitude of scale", self.scale.abs())?;
         Bounds::new(-1e6, 1e6).check("offset", self.offset)?;
+        Bounds::new(0.0, 1e6).check("resolution", self.resolution)?;
         Bounds::new(1.0, 32_768.0).check("count_limit", S::from_u32(self.count_limit.into()))?;
         Bounds { lowest: S::from_f64(1e-9), highest: S::INFINITY }.check("range", self.range)
     }
 
     pub(super) fn identify(&self, fingerprint: &mut Fingerprint) {
-        fingerprint.numbers(&[self.scale, self.offset, self.range]);
+        fingerprint.numbers(&[self.scale, self.offset, self.resolution, self.range]);
         fingerprint.count(self.count_limit.into());
     }
 }
@@ -101,13 +106,13 @@ mod tests {
         let whole = SampleFormat::counts(1.0_f64, 1 << 15);
         assert_eq!(whole.of_count(i16::MAX), Sample::Good(32_767.0));
         assert_eq!(whole.of_count(i16::MIN), Sample::Saturated(-32_768.0));
-        let format = SampleFormat::accelerations(20.0_f32);
+        let format = SampleFormat::accelerations(20.0_f32, 0.0);
         assert_eq!(format.of_acceleration(-19.9), Sample::Good(-19.9));
         assert_eq!(format.of_acceleration(25.0), Sample::Saturated(20.0));
         assert_eq!(format.of_acceleration(-20.0), Sample::Saturated(-20.0));
         assert_eq!(format.of_acceleration(f32::NAN), Sample::Missing);
         assert_eq!(format.of_acceleration(f32::INFINITY), Sample::Missing);
-        let format = SampleFormat::accelerations(f32::INFINITY);
+        let format = SampleFormat::accelerations(f32::INFINITY, 0.0);
         assert_eq!(format.of_acceleration(-1e6), Sample::Good(-1e6));
         assert_eq!(format.of_acceleration(1e30), Sample::Missing);
     }

@@ -104,7 +104,7 @@ pub(super) fn sampling_error<S: Scalar>(
 }
 
 /// Half of the relative loss of power by linear interpolation of a sine, `(1/G² − 1)/2`, from `sin² x`.
-fn weakened<S: Scalar>(sine_square: S) -> S {
+pub(super) fn weakened<S: Scalar>(sine_square: S) -> S {
     let sine = sine_square.sqrt();
     // Below this value the quotient is 1 + sin²/6.
     let small = S::from_f64(1e-2);
@@ -160,7 +160,7 @@ mod tests {
             let (mut response, mut accumulator) = (Response::default(), EnergyAccumulator::default());
             for n in 0..5000 {
                 accumulator.add(1e-6 * at(n).powi(2) as f32, 1);
-                response.add(at(n) as f32, droop.samples_per_period(), &mut accumulator);
+                response.add(at(n) as f32, [0.0; 2], droop.samples_per_period(), &mut accumulator);
             }
             let gain = response.gain();
             assert!((gain - 2.0).abs() < 1e-2, "{gain}");
@@ -197,7 +197,7 @@ mod tests {
             let velocity = amplitude * (2.0 * PI / 20.0 * f64::from(n)).sin();
             // The fourth power of the amplitude.
             accumulator.add(amplitude.powi(2) * velocity.powi(2), 1);
-            response.add(velocity, droop.samples_per_period(), &mut accumulator);
+            response.add(velocity, [0.0; 2], droop.samples_per_period(), &mut accumulator);
         }
         assert!((response.gain() - 4.0).abs() < 0.1, "{}", response.gain());
         assert_eq!(response.irregularity(), 0.0);
@@ -217,7 +217,7 @@ mod tests {
                 assert_eq!(error(&response, 0.0), Some(0.0));
                 for n in 1..=20 {
                     assert_eq!(error(&response, f64::from(n)), None, "{n}");
-                    response.add(velocity, droop.samples_per_period(), &mut accumulator);
+                    response.add(velocity, [0.0; 2], droop.samples_per_period(), &mut accumulator);
                 }
                 assert_eq!(error(&response, 20.0).map(|error| error == 0.0), Some(rests));
                 response.clear();

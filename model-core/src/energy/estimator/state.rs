@@ -1,10 +1,10 @@
 //! The state of a running estimator.
 
-use super::Estimator;
 use super::accumulator::EnergyAccumulator;
 use super::bias::Bias;
 use super::elapsed::ElapsedTime;
 use super::response::Response;
+use super::{Estimator, Settings};
 use crate::excitation::Stream;
 use crate::scalar::Scalar;
 use crate::scene::Harvester;
@@ -58,6 +58,8 @@ impl<S: Scalar> Queue<S> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<S, T> {
     pub(super) stream: Stream<S>,
+    /// Largest error of the rate of the stream, relative.
+    pub(super) rate_tolerance: S,
     pub(super) harvester: T,
     pub(super) accumulator: EnergyAccumulator<S>,
     pub(super) response: Response<S>,
@@ -84,9 +86,10 @@ pub struct State<S, T> {
 
 impl<S: Scalar, T> State<S, T> {
     /// Before the first sample, with a harvester at rest.
-    pub(super) fn waiting(stream: Stream<S>, harvester: T) -> Self {
+    pub(super) fn waiting(stream: Stream<S>, rate_tolerance: S, harvester: T) -> Self {
         Self {
             stream,
+            rate_tolerance,
             harvester,
             accumulator: EnergyAccumulator::default(),
             response: Response::default(),
@@ -113,8 +116,11 @@ impl<S: Scalar, T> State<S, T> {
 }
 
 snapshot_fields!(impl [S: Scalar, T: Snapshot] State<S, T> {
-    stream, harvester, accumulator, response, bias, unfiltered, queue, phase, pending, uncertain, settling, missing,
-    expected, missing_samples, saturated_samples, uncertain_time, unknown_time,
+    stream, rate_tolerance, harvester, accumulator, response, bias, unfiltered, queue, phase, pending, uncertain, settling,
+    missing, expected, missing_samples, saturated_samples, uncertain_time, unknown_time,
+} if |state| {
+    let in_range = state.rate_tolerance >= S::ZERO && state.rate_tolerance <= S::ONE;
+    in_range && (state.phase != Phase::Following || state.missing < MOST_QUEUED)
 });
 
 snapshot_fields!(impl [S: Scalar] Queue<S> { from, target, saturated, restarts, length, left }
@@ -129,7 +135,8 @@ impl<S: Scalar, H: Harvester<S>> Configuration for Estimator<S, H> {
     fn identify(&self, fingerprint: &mut Fingerprint) {
         self.harvester.identify(fingerprint);
         self.settings.format.identify(fingerprint);
-        fingerprint.numbers(&[self.settings.rate, self.settings.settling_seconds]);
+        let Settings { rate, settling_seconds, rate_tolerance, jitter, .. } = self.settings;
+        fingerprint.numbers(&[rate, settling_seconds, rate_tolerance, jitter]);
         fingerprint.count(self.settings.longest_gap.into());
         fingerprint.count(self.settings.interpolation as u32);
         fingerprint.numbers(self.settings.bias_seconds.as_slice());

@@ -28,16 +28,20 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         };
         let rounding = state.accumulator.rounding();
         let sampling = sampling_error(&state.response, &self.droop, interpolation, seconds);
+        let [noise, rate] = self.sensor_errors(seconds);
         let irregularity = match checked {
             Some(checked) => state.response.irregularity_in(checked.irregular),
             None => state.response.irregularity(),
         };
         let [uncertain_seconds, unknown_seconds]: [S; 2] =
             [state.uncertain_time.seconds(), state.unknown_time.seconds()];
-        let of_time = (uncertain_seconds + unknown_seconds) / (seconds + unknown_seconds).max(S::TINY);
-        let relative = step.zip(sampling).map(|(step, sampling)| {
-            (step + rounding) / energy.abs().max(S::TINY) + sampling + irregularity + of_time
-        });
+        let unsure = uncertain_seconds + unknown_seconds;
+        let of_time = unsure / (seconds - S::from_f64(0.5) * uncertain_seconds).max(S::TINY);
+        let relative = step
+            .zip(sampling)
+            .map(|(step, sampling)| (step + rounding) / energy.abs().max(S::TINY) + sampling)
+            .map(|error| error + noise + rate + irregularity + of_time)
+            .filter(|relative| relative.is_finite());
         Estimate {
             energy,
             mean_power: if seconds > S::ZERO { energy / seconds } else { S::ZERO },
@@ -53,6 +57,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
                 unknown_seconds,
                 sampling,
                 irregularity,
+                noise,
+                rate,
                 relative,
             },
         }
@@ -117,9 +123,17 @@ pub struct Estimate<S> {
 /// Checks of the steps show whether two motions come apart: the figure of a harvester with checks is 0 if they do not, and
 /// twice this standard error if they do in a quarter of the checks.
 ///
+/// # Noise and rate
+///
+/// The amplitude that steps of the converter and jitter take from the signal, and the motion that they add to that of the
+/// velocity; the largest ratio of the powers of a linear resonator at two frequencies that differ by the tolerance of the rate,
+/// less 1: some hundred for 5 % and a damping ratio of 0.005. Both times the gain of the energy.
+///
 /// # Not covered
 ///
-/// Chaotic motion of a bump-stop without checks, and the difference between the model's parameters and the real harvester.
+/// Intervals whose jitter adds up from sample to sample; a burst in unknown time; a jump to another motion, as from one
+/// without impacts or sliding, by the noise or the rate. Chaotic motion of a bump-stop without checks, and the difference
+/// between the model's parameters and the real harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -146,8 +160,13 @@ pub struct Uncertainty<S> {
     /// Difference of the mean power of two motions under this input that impacts have made independent of one another,
     /// relative. 0 without impacts; up to √2 within the first three resonance periods.
     pub irregularity: S,
-    /// Total relative uncertainty: the errors by step and rounding over the energy, those by sampling and irregularity,
-    /// and the uncertain and unknown time over the total time, as if the power in this time were entirely unknown.
-    /// `None` where [`Uncertainty::step`] or [`Uncertainty::sampling`] is unknown.
+    /// Error of the mean power by the resolution and the jitter of the samples, relative; 0 before the first period has ended.
+    pub noise: S,
+    /// Error of the mean power by the tolerance of the rate, relative.
+    pub rate: S,
+    /// Total relative uncertainty: the errors by step and rounding over the energy, those by sampling, irregularity, noise
+    /// and rate, and the uncertain and unknown time: in it the power is from 0 to twice that of the other time, and the
+    /// estimate half of it, as that of a motion that rises from rest. Above 1 the energy may be any up to that multiple.
+    /// `None` where [`Uncertainty::step`] or [`Uncertainty::sampling`] is unknown, or the sum is not finite.
     pub relative: Option<S>,
 }

@@ -17,7 +17,7 @@ fn logarithm_and_its_inverse_agree() {
 
 #[test]
 fn settles_where_the_error_meets_the_tolerance() {
-    let scale = ErrorScale { angular_frequency: 100.0_f64, energy_floor: 1e-12 };
+    let scale = ErrorScale { angular_frequency: 100.0_f64, decay_rate: 0.0, energy_floor: 1e-12 };
     let control = Adaptive::new(1e-4).expect("in bounds");
     let mut memory = control.start(&scale);
     // A model error of 0.04 (ω h)³ per step: the allowed 1e-4 ω h / 20 gives ω h = 0.0112.
@@ -43,7 +43,7 @@ fn settles_where_the_error_meets_the_tolerance() {
 
 #[test]
 fn a_rejected_step_shrinks_and_the_next_does_not_grow() {
-    let scale = ErrorScale { angular_frequency: 100.0_f32, energy_floor: 1e-12 };
+    let scale = ErrorScale { angular_frequency: 100.0_f32, decay_rate: 0.0, energy_floor: 1e-12 };
     let control = Adaptive::new(1e-4).expect("in bounds");
     let mut memory = control.start(&scale);
     let before = memory.ticks;
@@ -76,7 +76,7 @@ fn a_rejected_step_shrinks_and_the_next_does_not_grow() {
 
 #[test]
 fn an_error_of_the_energy_that_is_rounding_is_no_reason_to_reject() {
-    let scale = ErrorScale { angular_frequency: 100.0_f32, energy_floor: 1e-12 };
+    let scale = ErrorScale { angular_frequency: 100.0_f32, decay_rate: 0.0, energy_floor: 1e-12 };
     let control = Adaptive::new(1e-4).expect("in bounds");
     let start = control.start(&scale);
     let noisy = StepErrors {
@@ -101,7 +101,7 @@ fn an_error_of_the_energy_that_is_rounding_is_no_reason_to_reject() {
 #[test]
 fn the_unit_of_time_is_that_of_the_faster_motion_at_any_frequency() {
     use crate::excitation::{Excitation, Silence, Sine};
-    let scale = ErrorScale { angular_frequency: 126.0_f64, energy_floor: 1e-12 };
+    let scale = ErrorScale { angular_frequency: 126.0_f64, decay_rate: 0.0, energy_floor: 1e-12 };
     let at = |frequency: f64| {
         let sine = Sine::<f64>::new(1.0, frequency, 0.0).expect("valid");
         scale.of_the_faster(sine.angular_frequency()).angular_frequency

@@ -450,6 +450,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
         self.stepper.angular_frequency()
     }
 
+    fn decay_rate(&self) -> S {
+        self.stepper.decay_rate()
+    }
+
     fn checked_error(&self, state: &Self::State) -> Option<CheckedError<S>> {
         state.checks.error(self.angular_frequency())
     }

@@ -122,6 +122,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
         self.scene.beam_angular_frequency(0).unwrap_or(S::ONE)
     }
 
+    fn decay_rate(&self) -> S {
+        self.scene.damping_ratio * self.angular_frequency()
+    }
+
     fn identify(&self, fingerprint: &mut Fingerprint) {
         self.scene.identify(fingerprint);
         for set in &self.sets {

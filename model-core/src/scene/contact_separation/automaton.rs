@@ -160,7 +160,8 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
 
     #[inline]
     fn error_scale(&self) -> ErrorScale<S> {
-        ErrorScale { angular_frequency: self.angular_frequency, energy_floor: self.energy_floor }
+        let Self { angular_frequency, energy_floor, .. } = *self;
+        ErrorScale { angular_frequency, decay_rate: S::from_f64(0.5) * self.damping_per_mass, energy_floor }
     }
 
     #[inline]

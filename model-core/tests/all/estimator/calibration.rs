@@ -20,7 +20,7 @@ use model_core::scalar::Scalar;
 use model_core::scene::{Harvester, Scene, Simulation};
 
 /// Samples per second of the truth.
-const DENSE: f64 = 16_384.0;
+pub(super) const DENSE: f64 = 16_384.0;
 /// A seed on whose inputs the statement was fitted.
 const FITTED: u64 = 5;
 /// The seed on whose inputs it is tested.
@@ -30,7 +30,7 @@ const INTERPOLATIONS: [Interpolation; 2] = [Interpolation::Linear, Interpolation
 const LEAST_ENERGY: f64 = 1e-10;
 
 /// A base acceleration: sines with a Gaussian envelope, or without one.
-struct Shaking {
+pub(super) struct Shaking {
     /// Amplitude, frequency in Hz, phase, centre in s and width in s.
     parts: Vec<[f64; 5]>,
     /// m/s² for a unit of amplitude.
@@ -39,7 +39,14 @@ struct Shaking {
 
 impl Shaking {
     /// Tones, noise or bursts by turns, of a root mean square in m/s², below 0.35 of the rate.
-    fn new(random: &mut Random, kind: u32, resonance: f64, rate: f64, rms: f64, seconds: f64) -> Self {
+    pub(super) fn new(
+        random: &mut Random,
+        kind: u32,
+        resonance: f64,
+        rate: f64,
+        rms: f64,
+        seconds: f64,
+    ) -> Self {
         let top = (0.35 * rate).min(4.0 * resonance);
         let phase = |random: &mut Random| random.between(0.0, TAU);
         let parts: Vec<[f64; 5]> = match kind {
@@ -64,20 +71,34 @@ impl Shaking {
                 .collect(),
         };
         let mut shaking = Self { parts, scale: 1.0 };
-        let squares = shaking.samples::<f64>(800.0, seconds).iter().map(|a| a * a).sum::<f64>();
-        shaking.scale = rms / (squares / (800.0 * seconds)).sqrt();
+        let dense = (8.0 * resonance).max(800.0);
+        let squares = shaking.samples::<f64>(dense, seconds).iter().map(|a| a * a).sum::<f64>();
+        shaking.scale = rms / (squares / (dense * seconds)).sqrt();
         shaking
     }
 
-    fn samples<S: Scalar>(&self, rate: f64, seconds: f64) -> Vec<S> {
-        let at = |time: f64| {
-            let part = |&[amplitude, frequency, phase, centre, width]: &[f64; 5]| {
-                let away = (time - centre) / width;
-                amplitude * (-0.5 * away * away).exp() * (TAU * frequency * (time - centre) + phase).sin()
-            };
-            self.scale * self.parts.iter().map(part).sum::<f64>()
+    /// The acceleration in m/s² at a time in s.
+    pub(super) fn at(&self, time: f64) -> f64 {
+        let part = |&[amplitude, frequency, phase, centre, width]: &[f64; 5]| {
+            let away = (time - centre) / width;
+            amplitude * (-0.5 * away * away).exp() * (TAU * frequency * (time - centre) + phase).sin()
         };
-        (0..(rate * seconds) as u32).map(|n| S::from_f64(at(f64::from(n) / rate))).collect()
+        self.scale * self.parts.iter().map(part).sum::<f64>()
+    }
+
+    pub(super) fn samples<S: Scalar>(&self, rate: f64, seconds: f64) -> Vec<S> {
+        (0..(rate * seconds) as u32).map(|n| S::from_f64(self.at(f64::from(n) / rate))).collect()
+    }
+
+    /// The samples at a rate for [`Sampled`], with the filter of [`Interpolation::DroopCompensated`] at its limit for
+    /// many samples in a period.
+    pub(super) fn dense(&self, rate: f64, seconds: f64) -> Vec<f64> {
+        let raw = self.samples::<f64>(rate, seconds);
+        let mut dense = raw.clone();
+        for (sample, window) in dense[1..].iter_mut().zip(raw.windows(3)) {
+            *sample -= (window[0] - 2.0 * window[1] + window[2]) / 12.0;
+        }
+        dense
     }
 }
 
@@ -126,11 +147,7 @@ impl<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy> Case<A, B> {
 
     /// The energy in J that is delivered in so many seconds.
     fn truth(&self, shaking: &Shaking, seconds: f64) -> f64 {
-        let raw = shaking.samples::<f64>(DENSE, self.seconds);
-        let mut dense = raw.clone();
-        for (sample, window) in dense[1..].iter_mut().zip(raw.windows(3)) {
-            *sample -= (window[0] - 2.0 * window[1] + window[2]) / 12.0;
-        }
+        let dense = shaking.dense(DENSE, self.seconds);
         let trace = Sampled::new(&dense, DENSE, AfterLastSample::Silence).expect("valid");
         let exact = exact(self.double);
         let mut state = exact.start(&Default::default(), &trace).expect("starts");
@@ -141,7 +158,7 @@ impl<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy> Case<A, B> {
     }
 }
 
-fn exact<B: Scene<f64, 3, 1>>(scene: B) -> Simulation<B, ExponentialRadau, Adaptive<f64>, 3, 1> {
+pub(super) fn exact<B: Scene<f64, 3, 1>>(scene: B) -> Simulation<B, ExponentialRadau, Adaptive<f64>, 3, 1> {
     Simulation::new(scene, ExponentialRadau, Adaptive::new(1e-7).expect("in bounds"))
 }
 
@@ -160,10 +177,10 @@ fn random_input<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy>(
 }
 
 /// The scene in both precisions.
-type Both<A, B> = (A, B);
+pub(super) type Both<A, B> = (A, B);
 
 /// Contact-separation with a stiffness in N/m and a load in Ω.
-fn contact_scenes(stiffness: f64, resistance: f64) -> Both<Contact<f32>, Contact<f64>> {
+pub(super) fn contact_scenes(stiffness: f64, resistance: f64) -> Both<Contact<f32>, Contact<f64>> {
     let (mut single, mut double) = (contact_parameters::<f32>(), contact_parameters::<f64>());
     (single.stiffness, double.stiffness) = (stiffness as f32, stiffness);
     (single.choices.load.resistance, double.choices.load.resistance) = (resistance as f32, resistance);
@@ -171,7 +188,7 @@ fn contact_scenes(stiffness: f64, resistance: f64) -> Both<Contact<f32>, Contact
 }
 
 /// Sliding with a mass in kg and a load in Ω.
-fn sliding_scenes(mass: f64, resistance: f64) -> Both<Slide<f32>, Slide<f64>> {
+pub(super) fn sliding_scenes(mass: f64, resistance: f64) -> Both<Slide<f32>, Slide<f64>> {
     let (mut single, mut double) = (sliding_parameters::<f32>(), sliding_parameters::<f64>());
     (single.slider_mass, double.slider_mass) = (mass as f32, mass);
     (single.choices.load.resistance, double.choices.load.resistance) = (resistance as f32, resistance);
@@ -202,7 +219,7 @@ fn random_inputs(seed: u64, count: u32, seconds: f64) -> Vec<Input> {
 }
 
 /// The part of numbers that lies below the quantile.
-fn quantile(mut numbers: Vec<f64>, part: f64) -> f64 {
+pub(super) fn quantile(mut numbers: Vec<f64>, part: f64) -> f64 {
     numbers.sort_by(f64::total_cmp);
     numbers[((numbers.len() - 1) as f64 * part).round() as usize]
 }

@@ -105,7 +105,7 @@ fn a_sensor_off_its_rate_is_followed_at_its_rate() {
     let uncorrected = follow(&mut Estimator::new(harvester, nominal).expect("valid"), &samples);
     assert!((uncorrected.energy / expected.energy - 1.0).abs() > 0.1, "the error of the rate matters");
     let mut estimator = Estimator::new(harvester, nominal).expect("valid");
-    estimator.set_rate(420.0).expect("in bounds");
+    estimator.set_rate(420.0, 0.0).expect("in bounds");
     let corrected = follow(&mut estimator, &samples);
     assert_eq!(corrected.energy, expected.energy);
 
@@ -113,7 +113,7 @@ fn a_sensor_off_its_rate_is_followed_at_its_rate() {
     let mut running = Estimator::new(harvester, nominal).expect("valid");
     follow(&mut running, &samples[..1000]);
     let before = running.estimate();
-    running.set_rate(420.0).expect("in bounds");
+    running.set_rate(420.0, 0.0).expect("in bounds");
     let mut bytes = [0; 640];
     running.save(&mut bytes).expect("fits");
     let mut woken = Estimator::new(harvester, nominal).expect("valid");
@@ -127,7 +127,7 @@ fn a_sensor_off_its_rate_is_followed_at_its_rate() {
     let late = (after.energy - before.energy) / seconds;
     assert!((late / expected.mean_power - 1.0).abs() < 0.1, "{late} {}", expected.mean_power);
 
-    let refused = |rate: f64| woken.clone().set_rate(rate);
+    let refused = |rate: f64| woken.clone().set_rate(rate, 0.0);
     for rate in [0.0, -400.0, f64::NAN, f64::INFINITY, 1.1e6] {
         assert!(matches!(refused(rate), Err(EstimatorError::Parameter(error)) if error.field == "rate"));
     }

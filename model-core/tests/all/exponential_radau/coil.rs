@@ -76,7 +76,7 @@ impl Automaton<f64, 3, 1> for Coil {
     }
 
     fn error_scale(&self) -> ErrorScale<f64> {
-        ErrorScale { angular_frequency: (self.k / self.m).sqrt(), energy_floor: 1e-12 }
+        ErrorScale { angular_frequency: (self.k / self.m).sqrt(), decay_rate: 0.0, energy_floor: 1e-12 }
     }
 }
 
