@@ -25,6 +25,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::method::Failure;
+use crate::run::stopped_as_text;
 
 /// Whether a finding is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -36,6 +37,8 @@ pub enum Mark {
     Chosen,
     /// Not shown.
     NotShown,
+    /// Not measured: a run stopped on its way, at an edge of the model's domain or of its numerics.
+    Stopped,
 }
 
 impl Mark {
@@ -45,6 +48,7 @@ impl Mark {
             Self::Shown => "shown",
             Self::Chosen => "chosen",
             Self::NotShown => "not shown",
+            Self::Stopped => "stopped",
         }
     }
 }
@@ -60,6 +64,7 @@ impl Row {
     /// The mark that the measured values give.
     pub fn mark(&self) -> Mark {
         match (self.checks.iter().all(Check::holds), self.finding.mark) {
+            _ if self.checks.iter().any(|check| check.bound == Bound::Completes) => Mark::Stopped,
             (true, Mark::NotShown) => Mark::Shown,
             (true, expected) => expected,
             (false, _) => Mark::NotShown,
@@ -82,10 +87,21 @@ struct Experiment {
     measure: fn() -> Result<Measured, Failure>,
 }
 
+impl Experiment {
+    /// The checks of its findings. A run that stops on its way is the only check of each of them, so that the others go on.
+    fn measured(&self) -> Result<Measured, Failure> {
+        let stopped = |error: String| {
+            let checks = vec![Check::new(error.split(": ").next().unwrap_or_default(), [], Bound::Completes)];
+            self.numbers.iter().map(|number| (*number, checks.clone())).collect()
+        };
+        Ok(stopped_as_text((self.measure)())?.unwrap_or_else(stopped))
+    }
+}
+
 /// All experiments, the longest first, so that all cores end at about the same time.
 static EXPERIMENTS: [Experiment; 13] = [
     Experiment { numbers: &["18", "19"], measure: convergence::measure },
-    Experiment { numbers: &["33", "34", "35", "36", "40", "41", "43", "b"], measure: contact_band::measure },
+    Experiment { numbers: &["33", "34", "35", "36", "40", "41", "43"], measure: contact_band::measure },
     Experiment {
         numbers: &["1", "2", "3", "4", "5", "5a", "6", "7", "8", "9", "10", "11", "12", "13"],
         measure: phases::measure,
@@ -106,7 +122,7 @@ static EXPERIMENTS: [Experiment; 13] = [
 /// `done` is called after each experiment with the number of findings it measured.
 ///
 /// # Errors
-/// A number that is not in the list, a run that fails, or a finding that its experiment does not measure.
+/// A number that is not in the list, a scene that is refused, or a finding that its experiment does not measure.
 pub fn measure(only: &[String], done: &(dyn Fn(usize) + Sync)) -> Result<Vec<Row>, Failure> {
     let wanted = wanted(only)?;
     let is_wanted = |number: &str| wanted.iter().any(|finding| finding.number == number);
@@ -118,7 +134,7 @@ pub fn measure(only: &[String], done: &(dyn Fn(usize) + Sync)) -> Result<Vec<Row
         .par_iter()
         .with_max_len(1)
         .map(|experiment| {
-            let found = (experiment.measure)();
+            let found = experiment.measured();
             done(experiment.numbers.iter().filter(|number| is_wanted(number)).count());
             found
         })

@@ -39,9 +39,9 @@ pub(crate) fn try_run_scene(scene: &Scene, options: &Options) -> Result<Result<O
 }
 
 /// A run that stopped on its way as text, and bad input as a failure.
-pub(crate) fn stopped_as_text(run: Result<Outcome, Failure>) -> Result<Result<Outcome, String>, Failure> {
+pub(crate) fn stopped_as_text<T>(run: Result<T, Failure>) -> Result<Result<T, String>, Failure> {
     match run {
-        Ok(outcome) => Ok(Ok(outcome)),
+        Ok(found) => Ok(Ok(found)),
         Err(Failure::Step(error) | Failure::StepLimitExceeded(error)) => Ok(Err(error)),
         Err(error @ Failure::Input(_)) => Err(error),
     }

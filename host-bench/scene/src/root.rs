@@ -24,21 +24,25 @@ pub fn far_side<E>(mut f: impl FnMut(f64) -> Result<f64, E>, from: f64, to: f64)
     }
 }
 
-/// The abscissa of the only minimum of `f` between `from` and `to`, to half the digits; the value of `f` there
-/// is right to all digits.
-pub fn lowest_point(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
+/// The abscissa of the only minimum of `f` between `from` and `to`, to the part `within` of their distance. A part of 1e-9
+/// is half the digits; the value of `f` there is right to all digits.
+pub fn lowest_point<E>(
+    mut f: impl FnMut(f64) -> Result<f64, E>,
+    [from, to]: [f64; 2],
+    within: f64,
+) -> Result<f64, E> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let (mut low, mut high) = (from, to);
-    while high - low > 1e-9 * (to - from) {
+    while high - low > within * (to - from) {
         let left = high - GOLDEN * (high - low);
         let right = low + GOLDEN * (high - low);
-        if f(left) < f(right) {
+        if f(left)? < f(right)? {
             high = right;
         } else {
             low = left;
         }
     }
-    0.5 * (low + high)
+    Ok(0.5 * (low + high))
 }
 
 #[cfg(test)]
@@ -58,7 +62,7 @@ mod tests {
 
     #[test]
     fn a_minimum_is_found() {
-        let at = lowest_point(|x| (x - 0.3).powi(2) - 1.0, 0.0, 1.0);
+        let Ok(at) = lowest_point(|x| Ok::<_, Infallible>((x - 0.3).powi(2) - 1.0), [0.0, 1.0], 1e-9);
         assert!((at - 0.3).abs() < 1e-7);
     }
 }

@@ -21,7 +21,7 @@ pub struct FindingsArguments {
 /// Measures the findings on all cores and prints them.
 ///
 /// # Errors
-/// An unknown number, a run that fails, or a finding whose mark is not the expected one.
+/// An unknown number, a scene that is refused, or a finding whose mark is not the expected one.
 pub fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
     let bar = progress(wanted(&arguments.only)?.len());
     let rows = findings::measure(&arguments.only, &|count| bar.inc(count as u64))?;
@@ -47,10 +47,14 @@ const MEASURED: usize = 36;
 pub fn text(rows: &[Row]) -> String {
     let count = |mark: Mark| rows.iter().filter(|row| row.mark() == mark).count();
     let totals = format!(
-        "{} shown, {} chosen (shown only with chosen parameters), {} not shown\n",
+        "{} shown, {} chosen (shown only with chosen parameters), {} not shown{}\n",
         count(Mark::Shown),
         count(Mark::Chosen),
-        count(Mark::NotShown)
+        count(Mark::NotShown),
+        match count(Mark::Stopped) {
+            0 => String::new(),
+            stopped => format!(", {stopped} stopped (a run did not reach its end)"),
+        }
     );
     rows.iter().map(row_text).collect::<String>() + "\n" + &totals
 }

@@ -21,6 +21,8 @@ pub enum Bound {
     Rises,
     /// Nothing: the values are printed only.
     Reported,
+    /// A run reaches its end: the quantity says how it stopped.
+    Completes,
 }
 
 /// Measured values of one quantity, and what is asserted of them.
@@ -55,6 +57,7 @@ impl Check {
             Bound::Falls => steps(&|before, after| after < before),
             Bound::Rises => steps(&|before, after| after > before),
             Bound::Reported => true,
+            Bound::Completes => false,
         }
     }
 
@@ -75,6 +78,7 @@ impl Check {
             Bound::Falls => "falls".to_owned(),
             Bound::Rises => "rises".to_owned(),
             Bound::Reported => String::new(),
+            Bound::Completes => "runs to its end".to_owned(),
         }
     }
 

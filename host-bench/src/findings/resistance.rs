@@ -1,5 +1,7 @@
 //! The resonance of the sliding harvester over charge density and resistance: findings 21 to 30.
 
+use harvester_scene::root::lowest_point;
+
 use super::scenes::{Changes, each, each_of, scene, value};
 use super::statistics::{largest, smallest, spread};
 use super::{Bound, Check, Measured};
@@ -13,6 +15,9 @@ use crate::steady_state::DEFAULT_POINTS;
 const CHARGE_DENSITIES: [&str; 8] = ["0", "10e-6", "20e-6", "40e-6", "60e-6", "80e-6", "100e-6", "120e-6"];
 /// Resistances in Ω.
 const RESISTANCES: [&str; 10] = ["0", "1e6", "5e6", "1e7", "2e7", "5e7", "1e8", "2e8", "1e9", "1e10"];
+/// What stands for 0 Ω on the logarithmic axis, and the part of the distance of three resistances to which an extreme is found.
+const LEAST_OHM: f64 = 1e5;
+const WITHIN: f64 = 1e-2;
 /// Range in Hz of the resonance; with the largest charge and base acceleration it begins lower.
 const RANGE_HZ: [f64; 2] = [18.28, 18.42];
 const WIDE_RANGE_HZ: [f64; 2] = [18.1, 18.45];
@@ -52,8 +57,31 @@ fn natural_frequency_hz(scene: &Scene) -> Result<f64, Failure> {
 }
 
 /// The peaks over the resistances.
-fn over_resistance(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Vec<Peak>, Failure> {
-    each(&RESISTANCES, |resistance| peak(&[changes, &[(RESISTANCE, *resistance)]].concat(), range_hz))
+struct OverResistance {
+    peaks: Vec<Peak>,
+    /// That of the lowest frequency and that of the largest amplitude, at any resistance.
+    lowest: Peak,
+    highest: Peak,
+}
+
+impl OverResistance {
+    fn new(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Self, Failure> {
+        let at = |resistance: &str| peak(&[changes, &[(RESISTANCE, resistance)]].concat(), range_hz);
+        let peaks = each(&RESISTANCES, |resistance| at(resistance))?;
+        // Between the resistances beside that of the least value, by their logarithm.
+        let least = |of: fn(&Peak) -> f64| {
+            let inner = 1..peaks.len() - 1;
+            let place =
+                inner.min_by(|one, other| of(&peaks[*one]).total_cmp(&of(&peaks[*other]))).unwrap_or(1);
+            let exponent =
+                |place: usize| RESISTANCES[place].parse().unwrap_or(0.0_f64).max(LEAST_OHM).log10();
+            let between = |exponent: f64| at(&format!("{:e}", 10_f64.powf(exponent)));
+            let range = [exponent(place - 1), exponent(place + 1)];
+            between(lowest_point(|exponent| between(exponent).map(|peak| of(&peak)), range, WITHIN)?)
+        };
+        let (lowest, highest) = (least(|peak| peak.shift_mhz)?, least(|peak| -peak.amplitude_mm)?);
+        Ok(Self { peaks, lowest, highest })
+    }
 }
 
 fn amplitudes(peaks: &[Peak]) -> Vec<f64> {
@@ -67,11 +95,6 @@ fn shifts(peaks: &[Peak]) -> Vec<f64> {
 /// The last value over the first.
 fn last_over_first(values: &[f64]) -> f64 {
     value(values.last().zip(values.first()).map(|(last, first)| last / first))
-}
-
-/// Index of the smallest value.
-fn lowest(values: &[f64]) -> usize {
-    (0..values.len()).min_by(|one, other| values[*one].total_cmp(&values[*other])).unwrap_or(0)
 }
 
 /// Findings 21 to 24: more charge at 100 MΩ.
@@ -116,10 +139,10 @@ pub(super) fn measure_charge() -> Result<Measured, Failure> {
 
 /// Findings 25 and 26: small charge over resistance.
 pub(super) fn measure_small_charge() -> Result<Measured, Failure> {
-    let peaks = over_resistance(&[(CHARGE_DENSITY, "20e-6")], RANGE_HZ)?;
-    let (amplitudes, shifts) = (amplitudes(&peaks), shifts(&peaks));
-    let moved = largest(shifts.iter().map(|shift| (shift - shifts[0]).abs()));
-    let at = lowest(&shifts);
+    let small = OverResistance::new(&[(CHARGE_DENSITY, "20e-6")], RANGE_HZ)?;
+    let (amplitudes, shifts) = (amplitudes(&small.peaks), shifts(&small.peaks));
+    let moved =
+        largest(shifts.iter().chain([&small.lowest.shift_mhz]).map(|shift| (shift - shifts[0]).abs()));
     Ok(vec![
         (
             "25",
@@ -132,13 +155,14 @@ pub(super) fn measure_small_charge() -> Result<Measured, Failure> {
                 Check::new("largest move of the resonance from 0 Ω [mHz]", [moved], Bound::Below(2.0)),
             ],
         ),
-        ("26", least_inside(shifts, at)),
+        ("26", least_inside(&small)),
     ])
 }
 
 /// That the smallest shift is inside the range of resistances.
-fn least_inside(shifts: Vec<f64>, at: usize) -> Vec<Check> {
-    let ends = [shifts.first(), shifts.last()].map(|end| end.map_or(f64::NAN, |end| end - shifts[at]));
+fn least_inside(of: &OverResistance) -> Vec<Check> {
+    let shifts = shifts(&of.peaks);
+    let ends = [shifts.first(), shifts.last()].map(|end| value(end.map(|end| end - of.lowest.shift_mhz)));
     vec![
         Check::new("shift at 0 Ω and at 10 GΩ less the least [mHz]", ends, Bound::Above(0.1)),
         Check::new("shift [mHz], 0 Ω to 10 GΩ", shifts, Bound::Reported),
@@ -158,35 +182,31 @@ pub(super) fn measure_large_charge() -> Result<Measured, Failure> {
     ];
     let cases: [(Changes<'_>, [f64; 2]); 3] =
         [(&[(CHARGE_DENSITY, "120e-6")], RANGE_HZ), (large, WIDE_RANGE_HZ), (swapped, WIDE_RANGE_HZ)];
-    let peaks = each_of(cases, |(changes, range)| over_resistance(changes, *range))?;
-    let all = peaks.each_ref().map(|peaks| amplitudes(peaks));
-    let rises =
-        all.each_ref().map(|amplitudes| 100.0 * (largest(amplitudes.iter().copied()) / amplitudes[0] - 1.0));
-    let [shipped, large, _] = &peaks;
+    let all = each_of(cases, |(changes, range)| OverResistance::new(changes, *range))?;
+    let rises = all.each_ref().map(|of| 100.0 * (of.highest.amplitude_mm / of.peaks[0].amplitude_mm - 1.0));
+    let [shipped, large, _] = &all;
     let pair = [shipped, large];
-    let falls = pair.map(|peaks| last_over_first(&amplitudes(peaks)));
-    let levels = pair.map(|peaks| match amplitudes(peaks)[..] {
+    let falls = pair.map(|of| last_over_first(&amplitudes(&of.peaks)));
+    let levels = pair.map(|of| match amplitudes(&of.peaks)[..] {
         [.., before, last] => (before / last - 1.0).abs(),
         _ => f64::NAN,
     });
     // From the resonance's least frequency to the ends, in amplitude.
-    let between = pair.map(|peaks| {
-        let (amplitudes, at) = (amplitudes(peaks), lowest(&shifts(peaks)));
-        let ends = [amplitudes[0], amplitudes[amplitudes.len() - 1]];
-        (amplitudes[at] - smallest(ends.into_iter())) / spread(ends.into_iter())
+    let between = pair.map(|of| {
+        let ends = [&of.peaks[0], &of.peaks[of.peaks.len() - 1]].map(|peak| peak.amplitude_mm);
+        (of.lowest.amplitude_mm - smallest(ends.into_iter())) / spread(ends.into_iter())
     });
-    let beyond = pair.map(|peaks| last_less_first(&shifts(peaks)));
+    let beyond = pair.map(|of| last_less_first(&shifts(&of.peaks)));
     let half_width_mhz = half_width_mhz()?;
-    let width = pair.map(|peaks| spread(shifts(peaks).into_iter()) / half_width_mhz);
+    let width =
+        pair.map(|of| (largest(shifts(&of.peaks).into_iter()) - of.lowest.shift_mhz) / half_width_mhz);
     let drops = falls.map(|fall| 1.0 - fall);
-    let inside = shifts(shipped);
-    let at = lowest(&inside);
     let [_, large_rise, swapped_rise] = rises;
     Ok(vec![
         (
             "27",
             [
-                least_inside(inside, at),
+                least_inside(shipped),
                 vec![Check::new(
                     "amplitude at the least: place between the ends, 120 and 200 µC/m²",
                     between,

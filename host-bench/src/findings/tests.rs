@@ -3,7 +3,8 @@ use super::*;
 
 #[test]
 fn every_finding_is_measured_by_one_experiment() {
-    for finding in &FINDINGS {
+    for finding in FINDINGS.iter() {
+        assert_ne!(finding.mark, Mark::Stopped, "{}", finding.number);
         let of = EXPERIMENTS.iter().filter(|experiment| experiment.numbers.contains(&finding.number)).count();
         assert_eq!(of, 1, "{}", finding.number);
         assert!(finding.statement.ends_with('.'), "{}", finding.statement);
@@ -37,9 +38,22 @@ fn the_mark_is_that_of_the_checks() {
         assert!(of(number, 2.5).mark() == Mark::NotShown && !of(number, 2.5).is_as_expected());
         assert!(!of(number, f64::NAN).is_as_expected());
     }
-    assert!(of("b", 2.5).is_as_expected() && !of("b", 1.5).is_as_expected());
-    let unknown = of("b", f64::NAN);
+    assert!(of("a", 2.5).is_as_expected() && !of("a", 1.5).is_as_expected());
+    let unknown = of("a", f64::NAN);
     assert!(unknown.mark() == Mark::NotShown && !unknown.is_as_expected());
+}
+
+#[test]
+fn a_run_that_stops_marks_its_findings_and_the_others_go_on() {
+    let stops = || Err(Failure::Step("displacement = -0.02 is outside the model's domain".to_owned()));
+    let stopped = Experiment { numbers: &["8"], measure: stops }.measured().expect("no bad input");
+    let measured = [stopped, vec![("9", vec![Check::new("", [1.0], Bound::Reported)])]].concat();
+    let wanted = wanted(&["8".to_owned(), "9".to_owned()]).expect("both are in the list");
+    let rows = rows(wanted, measured).expect("both are there");
+    assert_eq!(rows.iter().map(Row::mark).collect::<Vec<_>>(), [Mark::Stopped, Mark::Chosen]);
+    assert!(!rows[0].is_as_expected() && rows[0].checks[0].quantity.contains("domain"), "{:?}", rows[0]);
+    let refused = || Err(Failure::Input("bad".to_owned()));
+    assert!(Experiment { numbers: &["8"], measure: refused }.measured().is_err());
 }
 
 #[test]

@@ -81,7 +81,7 @@ fn large_charge_and_shunting_of_the_first_paper() {
 
 #[test]
 fn the_impacting_band_of_the_first_paper() {
-    as_expected("33 34 35 36 40 41 43 b");
+    as_expected("33 34 35 36 40 41 43");
 }
 
 #[test]

@@ -111,7 +111,7 @@ impl<H: Harvester> Stick<'_, H> {
                 && from < before
                 && from < to
             {
-                let dip = lowest_point(reserve, begin, right);
+                let Ok(dip) = lowest_point(|t| Ok::<_, Infallible>(reserve(t)), [begin, right], 1e-9);
                 if reserve(dip) < 0.0 {
                     return crossing(begin, dip);
                 }
