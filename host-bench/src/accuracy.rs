@@ -143,7 +143,7 @@ fn tightened(
         if !again.accuracy.total.is_some_and(|again| again <= NO_PROGRESS * total) {
             break;
         }
-        again.wall_s += outcome.wall_s;
+        again.processor_s += outcome.processor_s;
         (outcome, options) = (again, Options { most_attempts: options.most_attempts, ..tighter });
     }
     (outcome, options)
@@ -159,7 +159,7 @@ fn by_rungs(
 ) -> (Outcome, Options) {
     let scene = finer.scene;
     let (mut best, mut rung, mut vain) = ((outcome, options), first, 0);
-    let mut spent_s = best.0.wall_s;
+    let mut spent_s = best.0.processor_s;
     while let Accuracy { total: Some(total), step: Some(step), .. } = best.0.accuracy
         && total > asked.max(LEAST)
         && step > 0.5 * total
@@ -173,7 +173,7 @@ fn by_rungs(
         let Ok(mut again) = run_scene(scene, &tighter) else { break };
         let mut companions = Halvings { scene, options: tighter, companions: &mut *finer.companions };
         again.accuracy = statement(&mut companions, &tighter, &again);
-        spent_s += again.wall_s;
+        spent_s += again.processor_s;
         vain += 1;
         let Some(other) = again.accuracy.total.filter(|other| *other < total) else { continue };
         if other <= NO_PROGRESS * total {
@@ -181,7 +181,7 @@ fn by_rungs(
         }
         best = (again, Options { most_attempts: options.most_attempts, ..tighter });
     }
-    best.0.wall_s = spent_s;
+    best.0.processor_s = spent_s;
     best
 }
 

@@ -254,7 +254,7 @@ impl Request<'_> {
 /// Why a number of the result says nothing of the harvester; `None` of one that does.
 fn irrelevant(name: &str) -> Option<&'static str> {
     match name {
-        "wall_s" => Some("it is a time of this computer"),
+        "processor_s" => Some("it is a time of this computer"),
         "steps" | "rejected_steps" | "newton_iterations" | "simulated_periods" => {
             Some("it is what the computation took")
         }

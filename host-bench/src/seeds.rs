@@ -24,7 +24,7 @@ const CONFIDENCE: f64 = 0.95;
 const NO_RESULTS: [&str; 9] = [
     "duration_s",
     "settle_s",
-    "wall_s",
+    "processor_s",
     "steps",
     "rejected_steps",
     "newton_iterations",

@@ -33,7 +33,6 @@ pub(crate) struct Kind {
     errors: fn(&Outcome, &Outcome) -> Errors,
     /// Name and bound of the error that a row must reach to be compared by its run time.
     target: (&'static str, f64),
-    timing: Timing,
     /// Whether the reference has a row of its own.
     lists_reference: bool,
     columns: &'static [Column],
@@ -47,16 +46,6 @@ pub(crate) struct Kind {
     label: fn(&Variant) -> String,
     /// Names and values that stand before the rows in JSON.
     summary: fn(&Comparison) -> Vec<(&'static str, Value)>,
-}
-
-/// How the run time of a row is measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Timing {
-    /// The median of all runs.
-    Median,
-    /// The shortest of runs without energy ledger, after one with it. Those runs are short, and the load of the
-    /// machine shows in their median.
-    ShortestBare,
 }
 
 fn kind(scene: &Scene) -> &'static Kind {
@@ -108,8 +97,10 @@ pub(crate) struct Found {
     contacts: Option<u64>,
     /// Steps, kept and rejected, per simulated second.
     steps_per_s: f64,
-    /// Host time in ns per simulated second.
+    /// Processor time of the host in ns per simulated second, the least of the runs.
     pub(crate) ns_per_s: f64,
+    /// The largest of them over the least, less 1.
+    time_spread: Option<f64>,
     /// Host time over that of the fastest row that reaches the target; `None` if there is no such row.
     time_ratio: Option<f64>,
     /// Residual of the energy ledger, as in [`Outcome::energy_residual`].
@@ -201,54 +192,50 @@ impl Comparison {
 struct Timed {
     variant: Variant,
     outcome: Result<Outcome, String>,
+    /// Those of the runs without energy ledger, after one with it.
     times: Vec<f64>,
-    timing: Timing,
 }
 
 impl Timed {
     /// Runs a variant for its errors.
-    fn run(scene: &Scene, variant: Variant, timing: Timing) -> Result<Self, Failure> {
+    fn run(scene: &Scene, variant: Variant) -> Result<Self, Failure> {
         let outcome = try_run_scene(scene, &variant.options())?;
-        let times = match (&outcome, timing) {
-            (Ok(outcome), Timing::Median) => vec![outcome.wall_s],
-            _ => Vec::new(),
-        };
-        Ok(Self { variant, outcome, times, timing })
+        Ok(Self { variant, outcome, times: Vec::new() })
     }
 
     fn wants_more(&self, extent: &Extent) -> bool {
-        let enough = !self.times.is_empty() && self.times.iter().sum::<f64>() >= extent.seconds_per_row;
+        let enough = self.times.len() > 1 && self.times.iter().sum::<f64>() >= extent.seconds_per_row;
         self.outcome.is_ok() && self.times.len() < extent.runs && !enough
     }
 
     /// Runs the variant once more, for its run time.
     fn repeat(&mut self, scene: &Scene) -> Result<(), Failure> {
-        let bare = self.timing == Timing::ShortestBare;
-        self.times.push(run_scene(scene, &Options { bare, ..self.variant.options() })?.wall_s);
+        self.times.push(run_scene(scene, &Options { bare: true, ..self.variant.options() })?.processor_s);
         Ok(())
-    }
-
-    /// The run time in s.
-    fn seconds(&self) -> f64 {
-        match self.timing {
-            Timing::Median => median(self.times.clone()),
-            Timing::ShortestBare => self.times.iter().copied().fold(f64::INFINITY, f64::min),
-        }
     }
 
     fn row(self, scene: &Scene, reference: &Outcome) -> Row {
         let duration = scene.run.duration_s;
+        let (seconds, time_spread) = least(&self.times);
         let found = self.outcome.as_ref().ok().map(|outcome| Found {
             errors: (kind(scene).errors)(outcome, reference),
             contacts: outcome.bump_stop().map(|found| found.contacts),
             steps_per_s: (outcome.steps + outcome.rejected_steps) as f64 / duration,
-            ns_per_s: 1e9 * self.seconds() / duration,
+            ns_per_s: 1e9 * seconds / duration,
+            time_spread,
             time_ratio: None,
             energy_residual: outcome.energy_residual,
             runs: self.times.len(),
         });
         Row { variant: self.variant, found, failure: self.outcome.err() }
     }
+}
+
+/// The least of some times, and by how much of it the largest is larger: `None` of a single one.
+pub(crate) fn least(times: &[f64]) -> (f64, Option<f64>) {
+    let extreme = |pick: fn(f64, f64) -> f64| times.iter().copied().reduce(pick).unwrap_or(f64::NAN);
+    let least = extreme(f64::min);
+    (least, (times.len() > 1).then(|| extreme(f64::max) / least - 1.0))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -277,7 +264,7 @@ pub(crate) fn compare(scene: &Scene, extent: &Extent, done: impl Fn()) -> Result
     done();
     let mut all = Vec::new();
     for variant in (kind.variants)(scene, extent) {
-        all.push(Timed::run(scene, variant, kind.timing)?);
+        all.push(Timed::run(scene, variant)?);
         done();
     }
     for _ in 0..extent.runs {
@@ -306,8 +293,7 @@ fn reference_row(scene: &Scene, reference: &Outcome) -> Row {
     let timed = Timed {
         variant: Variant::reference(Control::Default),
         outcome: Ok(reference.clone()),
-        times: vec![reference.wall_s],
-        timing: Timing::Median,
+        times: vec![reference.processor_s],
     };
     let mut row = timed.row(scene, reference);
     if let Some(found) = &mut row.found {

@@ -16,10 +16,9 @@ mod peer;
 mod scene;
 mod solver;
 
-use std::time::Instant;
-
 pub use self::case::{CASES, Case};
 pub use self::method::Method;
+use cpu_time::ThreadTime;
 use harvester_scene::scene_file::{Model, Scene};
 
 /// Why a run did not reach its end, or did not begin.
@@ -65,19 +64,19 @@ pub struct Found {
 
 /// The sums of a run.
 pub(crate) struct Meter {
-    began: Instant,
+    began: ThreadTime,
     /// Energy in J delivered before the measuring window.
     before: f64,
     /// Energy in J delivered in the window.
     delivered: f64,
-    wall_s: f64,
+    processor_s: f64,
     steps: f64,
 }
 
 impl Meter {
     /// Begins a run.
     pub(crate) fn begin() -> Self {
-        Self { began: Instant::now(), before: 0.0, delivered: 0.0, wall_s: 0.0, steps: 0.0 }
+        Self { began: ThreadTime::now(), before: 0.0, delivered: 0.0, processor_s: 0.0, steps: 0.0 }
     }
 
     /// Begins the measuring window, with so much energy in J delivered before.
@@ -87,7 +86,7 @@ impl Meter {
 
     /// Ends the window and the run after so many steps.
     pub(crate) fn close(mut self, delivered: f64, steps: f64) -> Self {
-        self.wall_s = self.began.elapsed().as_secs_f64();
+        self.processor_s = self.began.elapsed().as_secs_f64();
         (self.delivered, self.steps) = (delivered - self.before, steps);
         self
     }
@@ -105,7 +104,7 @@ pub fn run(scene: &Scene, method: Method, setting: f64) -> Result<Found, Stop> {
     };
     Ok(Found {
         mean_power_w: meter.delivered / scene.run.window_s(),
-        seconds_per_simulated_second: meter.wall_s / scene.run.duration_s,
+        seconds_per_simulated_second: meter.processor_s / scene.run.duration_s,
         steps_per_simulated_second: meter.steps / scene.run.duration_s,
     })
 }

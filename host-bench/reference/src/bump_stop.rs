@@ -13,7 +13,8 @@ mod regime;
 mod system;
 
 use std::cell::OnceCell;
-use std::time::Instant;
+
+use cpu_time::ThreadTime;
 
 use self::circuit::Circuit;
 use self::meter::Meter;
@@ -102,7 +103,7 @@ pub(super) fn run(
     options: &ReferenceOptions,
     mut watch: impl FnMut(&Event),
 ) -> Result<Outcome, StepFailure> {
-    let began = Instant::now();
+    let began = ThreadTime::now();
     let base = Base(&scene.excitation).pieces_from(0.0);
     let system = System::new(model, scene.load, &base);
     let (closed, stiffness) = system.closed_contact(model);

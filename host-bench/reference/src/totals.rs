@@ -1,7 +1,6 @@
 //! The sums at the end of a reference run, and the outcome made of them.
 
-use std::time::Instant;
-
+use cpu_time::ThreadTime;
 use diffsol::ode_solver::OdeSolverStatistics;
 
 use super::ledger::{Ledger, integral};
@@ -53,7 +52,7 @@ pub(super) struct Totals {
 
 impl Totals {
     /// The outcome of a run of the scene that began at this instant.
-    pub(super) fn outcome(self, scene: &Scene, began: Instant) -> Outcome {
+    pub(super) fn outcome(self, scene: &Scene, began: ThreadTime) -> Outcome {
         let length = scene.run.window_s();
         let Ledger { total, window, .. } = &self.ledger;
         let [voltage, energy] = self.storage_end;
@@ -80,7 +79,7 @@ impl Totals {
             rejected_steps: self.effort.rejected,
             newton_iterations: self.effort.newton_iterations,
             events: self.events,
-            wall_s: began.elapsed().as_secs_f64(),
+            processor_s: began.elapsed().as_secs_f64(),
             particular: self.particular,
             store: self.storage.map(|storage| storage.outcome(voltage, losses)),
             steady_state: None,

@@ -8,7 +8,7 @@ mod motion;
 mod stick;
 mod storage_in_stick;
 
-use std::time::Instant;
+use cpu_time::ThreadTime;
 
 pub(crate) use self::bridge::ElectricalPort;
 use self::flow::{Event, Flow, Reason};
@@ -47,7 +47,7 @@ pub(super) fn run<H: Harvester>(
     (harvester, start): (H, Motion),
     options: &ReferenceOptions,
 ) -> Result<Outcome, StepFailure> {
-    let began = Instant::now();
+    let began = ThreadTime::now();
     let scales = harvester.scales(&start);
     let mut schedule = Schedule::new(scene, f64::INFINITY, PROGRESS * scales.time);
     let mut march = March {

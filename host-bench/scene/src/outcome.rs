@@ -62,8 +62,8 @@ pub struct Outcome {
     pub newton_iterations: u64,
     /// Events, whole run.
     pub events: u64,
-    /// Run time on the host in s, without the runs for the accuracy statement.
-    pub wall_s: f64,
+    /// Processor time of the run on the host in s, without the runs for the accuracy statement.
+    pub processor_s: f64,
     /// Estimated relative error of the mean power.
     pub accuracy: Accuracy,
     /// What to know before the numbers are used. A warning about the accuracy begins with `accuracy:`.

@@ -375,7 +375,7 @@ fn numerics_table(numerics: &[Numerics], by_motion: bool) -> String {
         ]
     });
     let deciding = if by_motion { MOTION } else { "mean power" };
-    let headings = ["method", "precision", "control", deciding, "steps per s", "run time"];
+    let headings = ["method", "precision", "control", deciding, "steps per s", "processor time", "spread"];
     table(presets::NOTHING, headings, rows, 3)
 }
 
@@ -400,3 +400,4 @@ fn chosen(numerics: &[Numerics]) -> String {
         }
     }
 }
+            percent(found.host_spread),

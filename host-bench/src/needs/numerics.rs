@@ -7,6 +7,7 @@ use super::{Change, Study};
 use crate::method::{Method, Options, Precision};
 use crate::run::run_scene;
 use crate::scene_file::{Model, Scene};
+use crate::work_precision::least;
 
 /// Tolerances of an adaptive step, the loosest first.
 const TOLERANCES: [f64; 11] = [5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 1e-5];
@@ -51,8 +52,10 @@ pub(crate) struct Numerics {
     pub(crate) change: Change,
     /// Steps, kept and rejected, per simulated second.
     pub(crate) steps_per_s: f64,
-    /// Run time on the host over simulated time.
+    /// Processor time of the host over simulated time, the least of some runs.
     pub(crate) host_s_per_s: f64,
+    /// The largest of them over the least, less 1.
+    pub(crate) host_spread: Option<f64>,
 }
 
 impl Setting {
@@ -128,7 +131,7 @@ pub(crate) fn cheapest(
     });
     let mut found: Vec<Numerics> = found.collect();
     for numerics in &mut found {
-        numerics.host_s_per_s = host_time(scene, &numerics.setting.options());
+        (numerics.host_s_per_s, numerics.host_spread) = host_time(scene, &numerics.setting.options());
     }
     let work = |found: &Numerics| found.steps_per_s * work_of_step(found.setting.method);
     found.sort_by(|one, other| work(one).total_cmp(&work(other)));
@@ -142,7 +145,13 @@ fn loosest(study: &Study, (scene, is_chaotic): (&Scene, bool), ladder: &[Setting
         let held = study.compared(scene, &options, Some(is_chaotic)).ok().and_then(|(change, run)| {
             let steps_per_s = (run.steps + run.rejected_steps) as f64 / run.duration_s;
             let holds = change.is_within(study.accuracy) == Some(true);
-            holds.then_some(Numerics { setting: *setting, change, steps_per_s, host_s_per_s: f64::NAN })
+            holds.then_some(Numerics {
+                setting: *setting,
+                change,
+                steps_per_s,
+                host_s_per_s: f64::NAN,
+                host_spread: None,
+            })
         });
         match (candidate.is_some(), held.is_some()) {
             (true, true) => return candidate,
@@ -156,6 +165,6 @@ fn loosest(study: &Study, (scene, is_chaotic): (&Scene, bool), ladder: &[Setting
 /// Run time on the host over simulated time, as firmware would run it.
 fn host_time(scene: &Scene, options: &Options) -> f64 {
     let options = Options { bare: true, blocks: false, ..*options };
-    let times = (0..REPEATS).filter_map(|_| run_scene(scene, &options).ok()).map(|run| run.wall_s);
-    times.fold(f64::INFINITY, f64::min) / scene.run.duration_s
+    let runs = (0..REPEATS).filter_map(|_| run_scene(scene, &options).ok());
+    least(&runs.map(|run| run.processor_s / scene.run.duration_s).collect::<Vec<_>>())
 }

@@ -9,7 +9,7 @@ mod meter;
 mod method;
 mod system;
 
-use std::time::Instant;
+use cpu_time::ThreadTime;
 
 use self::meter::Meter;
 use self::method::{Implicit, RungeKutta4, Stepper};
@@ -37,10 +37,10 @@ pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<
         has_stop: model.stop.is_some(),
         steps: 0,
     };
-    let began = Instant::now();
+    let began = ThreadTime::now();
     let mut meter = Meter::new(&system, &march.state);
     march.run(scene, options, &mut meter)?;
-    let wall_s = began.elapsed().as_secs_f64();
+    let processor_s = began.elapsed().as_secs_f64();
     let method = match options.method {
         Method::Rk4 => "rk4",
         Method::TrBdf2 => "tr-bdf2",
@@ -51,7 +51,7 @@ pub(crate) fn run(scene: &Scene, model: &BumpStop, options: &Options) -> Result<
     Ok(Outcome {
         method: method.to_owned(),
         steps: march.steps,
-        wall_s,
+        processor_s,
         trace,
         ..meter.close(scene, march.has_stop, &march.state)
     })

@@ -58,9 +58,9 @@ pub(crate) struct Compared {
     difference: f64,
     /// Its relative standard error, from the sixteen parts of the windows: the two runs are taken as independent.
     standard_error: f64,
-    /// Wall clock time in s of the run in single and in double precision.
-    wall_f32_s: f64,
-    wall_f64_s: f64,
+    /// Processor time in s of the run in single and in double precision.
+    processor_f32_s: f64,
+    processor_f64_s: f64,
 }
 
 impl Compared {
@@ -136,8 +136,8 @@ impl Pair {
             mean_power_f64_w,
             difference: ((mean_power_f32_w - mean_power_f64_w) / mean_power_f64_w).abs(),
             standard_error: of_single.hypot(of_double),
-            wall_f32_s: single.wall_s,
-            wall_f64_s: double.wall_s,
+            processor_f32_s: single.processor_s,
+            processor_f64_s: double.processor_s,
         })
     }
 }
@@ -154,7 +154,7 @@ pub(crate) fn comparison(rows: &[Compared]) -> String {
         "f64 [W]",
         "difference",
         "standard error",
-        "wall f32 [s]",
+        "processor f32 [s]",
         "f64",
     ];
     let lines = rows.iter().map(|row| {
@@ -168,8 +168,8 @@ pub(crate) fn comparison(rows: &[Compared]) -> String {
             format!("{:.6e}", row.mean_power_f64_w),
             small(Some(row.difference)),
             small(Some(row.standard_error)),
-            format!("{:.0}", row.wall_f32_s),
-            format!("{:.0}", row.wall_f64_s),
+            format!("{:.0}", row.processor_f32_s),
+            format!("{:.0}", row.processor_f64_s),
         ]
     });
     table(presets::NOTHING, headings.to_vec(), lines, 2)

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::table::{Cell, Column, grouped, reason, shown};
 use super::variant::microseconds;
-use super::{Comparison, Control, Errors, Extent, Kind, Timing, Variant, relative};
+use super::{Comparison, Control, Errors, Extent, Kind, Variant, relative};
 use crate::method::{Method, Precision};
 use crate::outcome::{BumpStopOutcome, Outcome, name};
 use crate::scene_file::{Model, Scene};
@@ -28,7 +28,6 @@ pub(super) const KIND: Kind = Kind {
     variants,
     errors,
     target: (RMS_VOLTAGE, 1e-2),
-    timing: Timing::ShortestBare,
     lists_reference: false,
     columns: &COLUMNS,
     words: 2,
@@ -38,7 +37,7 @@ pub(super) const KIND: Kind = Kind {
     summary,
 };
 
-const COLUMNS: [Column; 17] = [
+const COLUMNS: [Column; 18] = [
     Column::of("", "scene", |table, _| Cell::word(table.file())),
     Column::of("", "beam_modes", |table, _| Cell::word(modes(&table.scene)[0])),
     Column::of("", "rod_modes", |table, _| Cell::word(modes(&table.scene)[1])),
@@ -58,6 +57,7 @@ const COLUMNS: [Column; 17] = [
     Column::found("contacts", "contacts", |found| Cell::word(found.contacts.unwrap_or(0))),
     Column::STEPS,
     Column::TIME,
+    Column::TIME_SPREAD,
     Column::TIME_RATIO,
     Column::ENERGY_RESIDUAL,
     Column::of("", "failure", |_, row| Cell::word(row.failure.as_deref().map(reason).unwrap_or_default())),
@@ -142,9 +142,9 @@ fn end_error(outcome: &Outcome, reference: &Outcome) -> Option<f64> {
     Some(if whole > 0.0 { (error / whole).sqrt() } else { 0.0 })
 }
 
-/// Run time of the reference in ns per simulated second, one run.
+/// Processor time of the reference in ns per simulated second, one run.
 fn reference_ns_per_s(table: &Comparison) -> f64 {
-    1e9 * table.reference.wall_s / table.scene.run.duration_s
+    1e9 * table.reference.processor_s / table.scene.run.duration_s
 }
 
 fn title(table: &Comparison) -> String {
@@ -172,8 +172,9 @@ fn title(table: &Comparison) -> String {
 
 fn errors_note(table: &Comparison) -> String {
     format!(
-        "Errors are relative to the reference; at the end: of the state, in the energy norm. Run times are those \
-         of stepping and of the meters shown, without energy ledger. Two rates: {:.0} us in free flight. Time ratio \
+        "Errors are relative to the reference; at the end: of the state, in the energy norm. Host time is the \
+         processor time of stepping and of the meters shown, without energy ledger, the least of the runs; spread: the \
+         largest over it, less 1; of the reference, one run. Two rates: {:.0} us in free flight. Time ratio \
          is to the fastest row whose error of RMS voltage is at most {:.0e}. Where the motion is chaotic only \
          statistics can agree.",
         LONG_STEP * 1e6,

@@ -14,7 +14,7 @@ pub(crate) use self::count::run_one;
 use self::count::{Counter, available};
 pub(crate) use self::picture::draw;
 pub(crate) use self::table::{csv, text};
-use super::median;
+use super::least;
 use crate::method::Failure;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{Load, Scene};
@@ -53,6 +53,8 @@ pub(crate) struct Row {
     pub(crate) error: Option<f64>,
     pub(crate) instructions_per_simulated_second: Option<f64>,
     pub(crate) seconds_per_simulated_second: Option<f64>,
+    /// The largest processor time over the least, less 1.
+    time_spread: Option<f64>,
     steps_per_simulated_second: Option<f64>,
     failure: Option<String>,
 }
@@ -153,6 +155,7 @@ pub(crate) fn compare(case: Case, tell: &dyn Fn(&str)) -> Result<Comparison, Fai
         error: None,
         instructions_per_simulated_second: None,
         seconds_per_simulated_second: None,
+        time_spread: None,
         steps_per_simulated_second: None,
         failure: None,
     };
@@ -179,7 +182,8 @@ fn ladder(scene: &Scene, method: Method, reference: f64, blank: &dyn Fn(f64) -> 
     for setting in method.settings() {
         let mut row = blank(setting);
         match timed(scene, method, setting) {
-            Ok(found) => {
+            Ok((found, spread)) => {
+                row.time_spread = spread;
                 let error = ((found.mean_power_w - reference) / reference).abs();
                 given_up = 0;
                 row.error = error.is_finite().then_some(error);
@@ -201,15 +205,16 @@ fn ladder(scene: &Scene, method: Method, reference: f64, blank: &dyn Fn(f64) -> 
     rows
 }
 
-/// A run with the median of the run times of some.
-fn timed(scene: &Scene, method: Method, setting: f64) -> Result<Found, Stop> {
+/// A run with the least of the processor times of some, and their spread.
+fn timed(scene: &Scene, method: Method, setting: f64) -> Result<(Found, Option<f64>), Stop> {
     let began = Instant::now();
     let found = harvester_peers::run(scene, method, setting)?;
     let mut times = vec![found.seconds_per_simulated_second];
     while times.len() < RUNS && began.elapsed().as_secs_f64() < SECONDS {
         times.push(harvester_peers::run(scene, method, setting)?.seconds_per_simulated_second);
     }
-    Ok(Found { seconds_per_simulated_second: median(times), ..found })
+    let (seconds_per_simulated_second, spread) = least(&times);
+    Ok((Found { seconds_per_simulated_second, ..found }, spread))
 }
 
 /// Whether a row of a method is counted.

@@ -26,6 +26,8 @@ impl Column {
         Self::found("steps per simulated s", "steps_per_s", |found| Cell::Large(found.steps_per_s));
     pub(super) const TIME: Self =
         Self::found("host ns per simulated s", "ns_per_s", |found| Cell::Large(found.ns_per_s));
+    pub(super) const TIME_SPREAD: Self =
+        Self::found("spread", "time_spread", |found| Cell::Ratio(found.time_spread));
     pub(super) const TIME_RATIO: Self =
         Self::found("time ratio", "time_ratio", |found| Cell::Ratio(found.time_ratio));
     pub(super) const ENERGY_RESIDUAL: Self =

@@ -71,6 +71,13 @@ fn the_median_of_an_even_number_is_the_mean_of_the_middle_two() {
 }
 
 #[test]
+fn a_time_is_the_least_with_its_spread() {
+    assert_eq!(least(&[3.0, 1.0, 2.0]), (1.0, Some(2.0)));
+    assert_eq!(least(&[3.0]), (3.0, None));
+    assert!(least(&[]).0.is_nan());
+}
+
+#[test]
 fn a_slider_is_compared_by_its_amplitude() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/sliding.toml");
     let overrides = [Override::new("run.duration_s", "0.6"), Override::new("run.settle_s", "0.3")];

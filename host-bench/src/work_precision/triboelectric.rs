@@ -7,7 +7,7 @@ use model_core::part::VACUUM_PERMITTIVITY;
 use serde_json::Value;
 
 use super::table::{Cell, Column, resistance, shown};
-use super::{Comparison, Control, Errors, Extent, Kind, Timing, Variant, relative};
+use super::{Comparison, Control, Errors, Extent, Kind, Variant, relative};
 use crate::method::{Math, Method, Precision};
 use crate::outcome::{Outcome, name};
 use crate::scene_file::{Model, Scene};
@@ -22,7 +22,6 @@ pub(super) const KIND: Kind = Kind {
     variants,
     errors,
     target: (MEAN_POWER, 1e-3),
-    timing: Timing::Median,
     lists_reference: true,
     columns: &COLUMNS,
     words: 4,
@@ -32,7 +31,7 @@ pub(super) const KIND: Kind = Kind {
     summary,
 };
 
-const COLUMNS: [Column; 17] = [
+const COLUMNS: [Column; 18] = [
     Column::of("", "scene", |table, _| Cell::word(table.file())),
     Column::of("", "resistance_ohm", |table, _| Cell::Small(Some(table.scene.load.resistance_ohm()))),
     Column::of("method", "method", |_, row| Cell::word(method_name(&row.variant))),
@@ -50,6 +49,7 @@ const COLUMNS: [Column; 17] = [
     Column::error("", AMPLITUDE),
     Column::STEPS,
     Column::TIME,
+    Column::TIME_SPREAD,
     Column::TIME_RATIO,
     Column::ENERGY_RESIDUAL,
     Column::found("", "runs", |found| Cell::word(found.runs)),
@@ -110,7 +110,7 @@ fn notes(table: &Comparison) -> Vec<String> {
     let runs = table.rows.iter().filter_map(|row| row.found.as_ref()).map(|found| found.runs);
     let mut notes = vec![format!(
         "Errors are relative to the reference; time ratio is to the fastest row whose error of mean power \
-         is at most {:.0e}. Times are medians of up to {} runs in one process on one thread.",
+         is at most {:.0e}. Times are processor times, the least of up to {} runs without energy ledger; spread: the largest over it, less 1.",
         table.target_error(),
         runs.max().unwrap_or(0)
     )];

@@ -96,7 +96,7 @@ impl Variant {
 pub(crate) struct Extent {
     /// Most timed runs of each row.
     pub(crate) runs: usize,
-    /// Seconds of run time after which a row is not run again.
+    /// Seconds of processor time after which a row that was timed twice is not run again.
     pub(crate) seconds_per_row: f64,
     /// Whether all methods are run with all math backends, all peers and all steps.
     pub(crate) whole: bool,
@@ -105,5 +105,5 @@ pub(crate) struct Extent {
 impl Extent {
     pub(crate) const WHOLE: Self = Self { runs: 5, seconds_per_row: 3.0, whole: true };
     /// What fits in half a minute.
-    pub(crate) const SHORT: Self = Self { runs: 3, seconds_per_row: 0.3, whole: false };
+    pub(crate) const SHORT: Self = Self { runs: 5, seconds_per_row: 0.3, whole: false };
 }

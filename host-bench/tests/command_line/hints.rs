@@ -34,10 +34,10 @@ fn a_word_in_place_of_a_command() {
     refused(&["sweeep", SHIPPED], &["sweeep", "similar", "'sweep'"]);
     refused(&["run", SHIPPED, "--toleranse", "1e-3"], &["--toleranse", "similar", "'--tolerance'"]);
     // The other spelling.
-    let known = ["optimize", SHIPPED, "--maximize", "wall_s", "--grid", "3"];
-    refused(&[&known[..], &OVER].concat(), &["--maximise wall_s", "a time of this computer"]);
-    let known = ["optimise", SHIPPED, "--minimize", "wall_s", "--grid", "3"];
-    refused(&[&known[..], &OVER].concat(), &["--minimise wall_s", "a time of this computer"]);
+    let known = ["optimize", SHIPPED, "--maximize", "processor_s", "--grid", "3"];
+    refused(&[&known[..], &OVER].concat(), &["--maximise processor_s", "a time of this computer"]);
+    let known = ["optimise", SHIPPED, "--minimize", "processor_s", "--grid", "3"];
+    refused(&[&known[..], &OVER].concat(), &["--minimise processor_s", "a time of this computer"]);
 }
 
 /// The result of a run, with its warnings.

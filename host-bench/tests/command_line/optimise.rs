@@ -185,7 +185,7 @@ fn what_cannot_be_sought_is_refused() {
         &["power", "must be a number of the result", "mean_power_w"],
     );
     for (name, reason) in [
-        ("wall_s", "a time of this computer"),
+        ("processor_s", "a time of this computer"),
         ("steps", "what the computation took"),
         ("accuracy_total", "without its accuracy statement"),
         ("run.duration_s", "chosen in the scene"),

@@ -28,7 +28,7 @@ fn a_grid_has_a_row_for_each_point_and_a_picture() {
     let written = std::fs::read_to_string(output.join("sweep.csv")).expect("the table");
     let without_time = |text: &str| {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let time = reader.headers().expect("a heading").iter().position(|name| name == "wall_s");
+        let time = reader.headers().expect("a heading").iter().position(|name| name == "processor_s");
         let rows = reader.records().map(|row| {
             let row = row.expect("a row");
             let cells = row.iter().enumerate().filter(|(index, _)| Some(*index) != time);
@@ -205,7 +205,7 @@ fn an_interrupted_sweep_goes_on_from_its_points() {
     // The point that was done is not run again; the others are those of the whole sweep.
     let without_time = |text: &str| -> Vec<Vec<String>> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let time = reader.headers().expect("a heading").iter().position(|name| name == "wall_s");
+        let time = reader.headers().expect("a heading").iter().position(|name| name == "processor_s");
         let rows = reader.records().map(|row| row.expect("a row"));
         rows.map(|row| {
             row.iter()

@@ -1,8 +1,8 @@
 //! A run of any harvester of the core, measured and recorded: one path for every scene.
 
 use std::fmt::Display;
-use std::time::Instant as Stopwatch;
 
+use cpu_time::ThreadTime;
 use model_core::clock::{Instant, LONGEST_STEP_S};
 use model_core::energy::{Ledger, Residual, RunMeter};
 use model_core::hybrid::StepError;
@@ -155,7 +155,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         let mut total = Total::default();
         progress::begin();
         let [settled, end] = ends_of(scene, span)?;
-        let began = Stopwatch::now();
+        let began = ThreadTime::now();
         // One pass over each stretch; the recorder joins in only if a trace was asked for.
         for (until, measured) in [(settled, false), (end, true)] {
             if measured {
@@ -183,11 +183,11 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             }
             self.advance(state, until, &mut total, &mut (&mut whole, &mut others))?;
         }
-        let wall_s = began.elapsed().as_secs_f64();
+        let processor_s = began.elapsed().as_secs_f64();
         let (rows, impacts_s) = recorder.into_parts();
         let columns = self.report.columns(harvester.outputs(state).storage.is_some());
         let trace = options.trace_every_s.map(|_| Recording { columns, rows, impacts_s });
-        Ok(Outcome { trace, ..self.outcome(state, span, &meters, &total, wall_s) })
+        Ok(Outcome { trace, ..self.outcome(state, span, &meters, &total, processor_s) })
     }
 
     /// Advances to `until`, within the attempts that the options allow.
@@ -237,7 +237,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         span: &RunSpan,
         meters: &Meters<'_, S>,
         total: &Total,
-        wall_s: f64,
+        processor_s: f64,
     ) -> Outcome {
         let Self { setting: Setting { scene, math, .. }, harvester, report, .. } = *self;
         let number = |value: S| Some(value.to_f64());
@@ -272,7 +272,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             rejected_steps: total.rejected,
             newton_iterations: total.iterations,
             events: total.events,
-            wall_s,
+            processor_s,
             particular: report.particular(harvester, &found, state),
             store: harvester.outputs(state).storage.map(|storage| StoreOutcome {
                 store_voltage_v: number(storage.voltage),

@@ -7,8 +7,8 @@ mod triboelectric;
 
 use std::any::Any;
 use std::sync::Arc;
-use std::time::Instant as Stopwatch;
 
+use cpu_time::ThreadTime;
 use model_core::scalar::Mathematics;
 
 use self::beam::beam;
@@ -164,12 +164,12 @@ fn reached<H: Coordinates, R: Report<f64, H>>(
     typical: &[f64],
 ) -> Result<Reached<H::State>, Failure> {
     let forced = forced(run.harvester, &run.setting);
-    let began = Stopwatch::now();
+    let began = ThreadTime::now();
     let mut spent = Spent::default();
     let verdict =
         forced.steady_state(start, typical, &mut spent).map_err(|error| run.step_failure(&error, &start))?;
     let (mut outcome, end) = described(run, start, &verdict, &spent)?;
-    outcome.wall_s = began.elapsed().as_secs_f64();
+    outcome.processor_s = began.elapsed().as_secs_f64();
     let motion = match verdict {
         Verdict::StablePeriodOne(orbit) => Known::Orbit(orbit),
         Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound(_) => {
@@ -227,7 +227,7 @@ fn described<H: Coordinates, R: Report<f64, H>>(
     spent: &Spent,
 ) -> Result<(Outcome, H::State), Failure> {
     let forced = forced(run.harvester, &run.setting);
-    let began = Stopwatch::now();
+    let began = ThreadTime::now();
     let (from, span) = match verdict {
         Verdict::StablePeriodOne(orbit) => {
             let settle_s = run.harvester.clock(&orbit.start).seconds::<f64>();
@@ -251,7 +251,7 @@ fn described<H: Coordinates, R: Report<f64, H>>(
     outcome.rejected_steps += spent.work.rejected;
     outcome.newton_iterations += spent.work.iterations;
     outcome.events += spent.work.events;
-    outcome.wall_s = began.elapsed().as_secs_f64();
+    outcome.processor_s = began.elapsed().as_secs_f64();
     if outcome.is_of_an_orbit() {
         // Each period is like the others: parts of one, from another phase in another run, are no samples.
         let parts = outcome.block_energies_j.len() as f64;

@@ -29,7 +29,7 @@ pub(super) fn compared(
     let seconds = if arguments.compare {
         let options = Options { steady_state: false, ..arguments.scene.options };
         // A run that fails leaves nothing to compare with.
-        try_run_scene(scene, &options)?.ok().map(|run| [outcome.wall_s, run.wall_s])
+        try_run_scene(scene, &options)?.ok().map(|run| [outcome.processor_s, run.processor_s])
     } else {
         None
     };

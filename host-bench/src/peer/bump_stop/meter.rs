@@ -135,7 +135,7 @@ impl<'a> Meter<'a> {
             rejected_steps: 0,
             newton_iterations: 0,
             events: 0,
-            wall_s: 0.0,
+            processor_s: 0.0,
             particular: Particular::BumpStop(BumpStopOutcome {
                 beam_natural_frequencies_hz,
                 rod_natural_frequencies_hz,

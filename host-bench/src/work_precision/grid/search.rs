@@ -74,7 +74,7 @@ impl<'a> Search<'a> {
                     .mean_power_w
                     .map_or(f64::INFINITY, |power| ((power - self.power) / self.power).abs()),
                 attempts: (outcome.steps + outcome.rejected_steps) as f64,
-                seconds: outcome.wall_s,
+                seconds: outcome.processor_s,
             },
             Err(_) => Choice {
                 method,
@@ -171,7 +171,7 @@ impl<'a> Search<'a> {
         for _ in 0..RUNS {
             for &place in &places {
                 let choice = &mut self.choices[place];
-                choice.seconds = choice.seconds.min(run_scene(self.scene, &choice.options)?.wall_s);
+                choice.seconds = choice.seconds.min(run_scene(self.scene, &choice.options)?.processor_s);
             }
         }
         Ok(())

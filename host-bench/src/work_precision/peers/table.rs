@@ -40,7 +40,9 @@ impl Comparison {
             match reaching(rows, target) {
                 Some(row) => {
                     let time = row.seconds_per_simulated_second.map(|seconds| digits(1e6 * seconds));
-                    cells.extend([row.setting(), self.shown(row), time.unwrap_or_default()]);
+                    let spread = row.time_spread.map(|spread| format!(" +{:.0} %", 100.0 * spread));
+                    let time = time.unwrap_or_default() + &spread.unwrap_or_default();
+                    cells.extend([row.setting(), self.shown(row), time]);
                 }
                 None => cells.extend([String::new(), instead(rows).to_owned(), String::new()]),
             }
@@ -102,7 +104,7 @@ pub(crate) fn text(comparisons: &[Comparison]) -> String {
     format!(
         "{tables}Costs are per simulated second, of the loosest setting that meets an error of mean power together with \
          the next finer one. Instructions are those of the whole run, counted by valgrind, less those of a run of no \
-         duration; times are medians in one process on one thread. The core runs alone, with parts chosen at compile time \
+         duration; times are processor times, the least of some runs and the largest above it. The core runs alone, with parts chosen at compile time \
          and one power.\n\nCost of the best peer over that of the best method of the core\n\n{ratios}"
     )
 }
@@ -110,7 +112,7 @@ pub(crate) fn text(comparisons: &[Comparison]) -> String {
 /// One line for each row.
 pub(crate) fn csv(comparisons: &[Comparison]) -> String {
     let heading = "scene,load_ohm,method,crate,peer,tolerance,steps_per_period,error,\
-                   instructions_per_simulated_second,seconds_per_simulated_second,steps_per_simulated_second,failure\n";
+                   instructions_per_simulated_second,seconds_per_simulated_second,time_spread,steps_per_simulated_second,failure\n";
     let line = |row: &Row| {
         csv_line([
             row.scene.to_owned(),
@@ -123,6 +125,7 @@ pub(crate) fn csv(comparisons: &[Comparison]) -> String {
             optional_number(row.error),
             optional_number(row.instructions_per_simulated_second),
             optional_number(row.seconds_per_simulated_second),
+            optional_number(row.time_spread),
             optional_number(row.steps_per_simulated_second),
             row.failure.clone().unwrap_or_default(),
         ])

@@ -15,6 +15,7 @@ fn row(method: &'static str, peer: bool, error: Option<f64>, cost: f64) -> Row {
         error,
         instructions_per_simulated_second: Some(cost),
         seconds_per_simulated_second: Some(1e-6 * cost),
+        time_spread: None,
         steps_per_simulated_second: Some(100.0),
         failure: error.is_none().then(|| "gave up".to_owned()),
     }
