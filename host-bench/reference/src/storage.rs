@@ -79,6 +79,7 @@ impl Storage {
             diode_loss_j: Some(diodes),
             leaked_energy_j: Some(leaked),
             drawn_energy_j: Some(drawn),
+            cycles: None,
         }
     }
 }

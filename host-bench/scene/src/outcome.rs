@@ -168,6 +168,26 @@ pub struct StoreOutcome {
     pub leaked_energy_j: Option<f64>,
     /// Energy that the node drew over the whole run in J.
     pub drawn_energy_j: Option<f64>,
+    /// The whole cycles of the switch of the draw in the window; not part of the JSON object. `None` without one, or if the
+    /// parts of the window were not asked for.
+    #[serde(skip)]
+    pub cycles: Option<SwitchCycles>,
+}
+
+/// Means over whole cycles of the switch of a draw, from one turn-on to another.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SwitchCycles {
+    /// Number of cycles.
+    pub count: u64,
+    /// First and last turn-on in s.
+    pub from_s: f64,
+    pub until_s: f64,
+    /// Mean power into the storage in W.
+    pub mean_power_w: f64,
+    /// Root mean square of the terminal voltage in V.
+    pub rms_voltage_v: f64,
+    /// Mean voltage of the storage in V.
+    pub mean_store_voltage_v: f64,
 }
 
 /// The numbers of one kind of scene.

@@ -27,7 +27,7 @@ const UNUSED: [Unused; 3] = [
 
 /// A range: two positive numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Range([f64; 2]);
+pub(super) struct Range(pub(super) [f64; 2]);
 
 impl FromStr for Range {
     type Err = String;

@@ -8,16 +8,18 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::files::Outputs;
+use super::map::Range;
 use super::{NODE, check_overrides, json_text, one_more, print, progress, tell};
 use crate::method::{Failure, Options, Precision};
 use crate::needs::{
-    Change, Control, Emission, Finding, Needs, Numerics, Part, Setting, Study, Verdict, cheapest, impacts,
+    Change, Control, Corner, Emission, Finding, Needs, Numerics, Part, Setting, Study, Verdict, cheapest,
+    corner_name, cycles, impacts,
 };
 use crate::on_target::core::Core;
 use crate::on_target::{self, Bench, Measurement};
-use crate::outcome::{Fields, Format, fields, name, rows_csv, small, table};
+use crate::outcome::{Fields, Format, SwitchCycles, fields, name, rows_csv, small, table};
 use crate::run::run_scene;
-use crate::scene_file::{self, Override, Scene};
+use crate::scene_file::{self, Excitation, Override, Scene};
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct NeedsArguments {
@@ -30,6 +32,12 @@ pub struct NeedsArguments {
     /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
+    /// Lowest and highest amplitude in m/s² of one sine, at which the accuracy must hold too
+    #[arg(long, value_name = "LO:HI")]
+    amplitude: Option<Range>,
+    /// Lowest and highest frequency in Hz of one sine, at which the accuracy must hold too
+    #[arg(long, value_name = "LO:HI")]
+    frequency: Option<Range>,
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -64,7 +72,7 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     if arguments.core.is_some() && scene.excitation.is_recorded() {
         return Err(Failure::Input("--core: must not be with a recorded acceleration".to_owned()));
     }
-    let study = Study::new(&scene, accuracy)?;
+    let study = Study::with_corners(&scene, &corners(arguments, &scene)?, accuracy)?;
     for warning in &study.full.warnings {
         tell(&format!("warning: {warning}"));
     }
@@ -97,6 +105,43 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     })
 }
 
+/// The scene at the corners of the range of amplitude and frequency; without a range there is none.
+fn corners(arguments: &NeedsArguments, scene: &Scene) -> Result<Vec<(Corner, Scene)>, Failure> {
+    let NeedsArguments { amplitude, frequency, .. } = *arguments;
+    if amplitude.is_none() && frequency.is_none() {
+        return Ok(Vec::new());
+    }
+    let Some(own) = sine(scene) else {
+        let text = "--amplitude, --frequency: must be with an excitation of one sine";
+        return Err(Failure::Input(text.to_owned()));
+    };
+    let ends = |range: Option<Range>, own: f64| range.map_or(vec![own], |Range(ends)| ends.to_vec());
+    let mut corners = Vec::new();
+    for frequency in ends(frequency, own[1]) {
+        // Times in periods are those of the frequency.
+        let change = Override::new("excitation.frequency_hz", &frequency.to_string());
+        let there = scene_file::read(&arguments.scene, &[&arguments.overrides[..], &[change]].concat())?;
+        for amplitude in ends(amplitude, own[0]) {
+            let mut there = there.clone();
+            if let Excitation::Sine(tone) = &mut there.excitation {
+                tone.amplitude_m_per_s2 = amplitude;
+            }
+            corners.push(([amplitude, frequency], there));
+        }
+    }
+    Ok(corners)
+}
+
+/// Amplitude in m/s² and frequency in Hz of one sine.
+fn sine(scene: &Scene) -> Option<Corner> {
+    match &scene.excitation {
+        Excitation::Sine(tone) if tone.frequency_hz > 0.0 => {
+            Some([tone.amplitude_m_per_s2, tone.frequency_hz])
+        }
+        _ => None,
+    }
+}
+
 /// The command that makes a file.
 fn command(arguments: &NeedsArguments, file: &Path) -> String {
     let sets: Vec<String> = arguments
@@ -104,9 +149,13 @@ fn command(arguments: &NeedsArguments, file: &Path) -> String {
         .iter()
         .map(|change| format!(" --set '{}={}'", change.key(), change.value()))
         .collect();
-    let NeedsArguments { scene, accuracy, .. } = arguments;
+    let NeedsArguments { scene, accuracy, amplitude, frequency, .. } = arguments;
+    let range = |name: &str, range: Option<Range>| {
+        range.map_or_else(String::new, |Range([low, high])| format!(" --{name} {low}:{high}"))
+    };
+    let ranges = range("amplitude", *amplitude) + &range("frequency", *frequency);
     format!(
-        "host-bench needs {}{} --accuracy {accuracy:e} --emit {}",
+        "host-bench needs {}{}{ranges} --accuracy {accuracy:e} --emit {}",
         scene.display(),
         sets.concat(),
         file.file_name().unwrap_or_default().display()
@@ -145,8 +194,13 @@ impl Emitting<'_> {
     }
 
     fn module(&self, scene: &Scene, cut: &[Part], command: &str) -> Result<String, Failure> {
-        let mean_power_w = self.study.full.mean_power_w.unwrap_or(0.0);
         let setting = self.setting()?;
+        // Means over whole cycles of a switch are no means of the module's window.
+        let mean_power_w = match cycles(&self.study.full) {
+            Some(_) => run_scene(scene, &setting.options())?.mean_power_w,
+            None => self.study.full.mean_power_w,
+        };
+        let mean_power_w = mean_power_w.unwrap_or(0.0);
         let accuracy = self.study.accuracy_of_a_run();
         Emission { scene, cut, setting, command, accuracy, mean_power_w }.module()
     }
@@ -223,6 +277,8 @@ fn object(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
         "is_sound": study.is_sound(),
         "runs": study.runs(),
         "full": study.full,
+        "switch_cycles": cycles(&study.full),
+        "corners": study.corners.iter().map(|(at, corner)| json!({"at": at, "full": corner.full})).collect::<Vec<_>>(),
         "parts": needs.findings,
         "left_out": needs.cut.iter().map(|part| part.name()).collect::<Vec<_>>(),
         "without_all": needs.cut_change,
@@ -261,6 +317,12 @@ fn report(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
         impacts(full).map_or_else(String::new, |count| format!(", {count} impacts")),
         small(full.accuracy.total),
     );
+    if let Some(SwitchCycles { count, from_s, until_s, .. }) = cycles(full) {
+        text += &format!(
+            "Means are over {count} whole cycles of the switch of the draw, {from_s:.3} to {until_s:.3} s; \"storage\" is its mean voltage.\n"
+        );
+    }
+    text += &points(study);
     if !study.is_sound() {
         text.push_str(
             "Its error is not known to be below half the accuracy: the verdicts are not certain.\n",
@@ -284,6 +346,20 @@ fn report(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
     text.push_str(&numerics_table(numerics, by_motion));
     text.push_str(&chosen(numerics));
     text
+}
+
+/// At which points the accuracy must hold.
+fn points(study: &Study) -> String {
+    let corner = |(at, corner): &(Corner, Study)| {
+        format!("At {}: mean power {:.6e} W.\n", corner_name(*at), corner.full.mean_power_w.unwrap_or(0.0))
+    };
+    match sine(&study.scene) {
+        Some(own) if study.corners.is_empty() => format!(
+            "The verdicts are for {} alone; --amplitude and --frequency give a range.\n",
+            corner_name(own)
+        ),
+        _ => study.corners.iter().map(corner).collect(),
+    }
 }
 
 fn percent(value: Option<f64>) -> String {
@@ -332,7 +408,11 @@ fn parts_table(findings: &[Finding], by_motion: bool) -> String {
                 format!("not needed alone, needed without {}", with.join(", "))
             }
         };
-        [finding.part.name()].into_iter().chain(values).chain([verdict]).collect::<Vec<String>>()
+        let at = finding
+            .change
+            .and_then(|change| change.at)
+            .map_or_else(String::new, |at| format!(" (at {})", corner_name(at)));
+        [finding.part.name()].into_iter().chain(values).chain([verdict + &at]).collect::<Vec<String>>()
     });
     let headings: Vec<&str> =
         ["without"].into_iter().chain(columns.iter().copied()).chain(["verdict"]).collect();
@@ -372,6 +452,7 @@ fn numerics_table(numerics: &[Numerics], by_motion: bool) -> String {
             percent(if by_motion { found.change.displacement } else { found.change.mean_power }),
             format!("{:.0}", found.steps_per_s),
             format!("{:.2}", found.host_s_per_s / least),
+            percent(found.host_spread),
         ]
     });
     let deciding = if by_motion { MOTION } else { "mean power" };
@@ -400,4 +481,3 @@ fn chosen(numerics: &[Numerics]) -> String {
         }
     }
 }
-            percent(found.host_spread),

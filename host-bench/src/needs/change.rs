@@ -27,6 +27,16 @@ pub(crate) struct Change {
     pub(crate) sampling_error: Option<f64>,
     /// Number of runs that were compared.
     pub(crate) runs: usize,
+    /// The corner of the range at which it is found; `None` at the scene's own point.
+    pub(crate) at: Option<Corner>,
+}
+
+/// Amplitude in m/s² and frequency in Hz.
+pub(crate) type Corner = [f64; 2];
+
+/// A corner as text.
+pub(crate) fn corner_name([amplitude, frequency]: Corner) -> String {
+    format!("{} m/s² and {frequency} Hz", (1e6 * amplitude).round() / 1e6)
 }
 
 impl Change {
@@ -59,6 +69,7 @@ impl Change {
             impacts: runs.first().and_then(impacts),
             sampling_error: errors.or(displacement.map(|[_, error]| error)),
             runs: runs.len(),
+            at: None,
         }
     }
 
@@ -76,6 +87,11 @@ impl Change {
     /// Whether the change is within `accuracy`; `None` where that may be chance.
     pub(crate) fn is_within(&self, accuracy: f64) -> Option<bool> {
         self.is_within_by(accuracy, 1.0)
+    }
+
+    /// What may be the largest of the changes that decide.
+    pub(super) fn most(&self) -> f64 {
+        self.largest() + self.sampling_error.unwrap_or(0.0)
     }
 
     /// Whether more runs would hardly change whether it is within `accuracy`.

@@ -20,7 +20,7 @@ const LONG_OVER_SHORT: f64 = 20.0;
 /// Halvings of a fixed step.
 const HALVINGS: u32 = 10;
 /// Runs of which the shortest is the cost.
-const REPEATS: usize = 3;
+const REPEATS: usize = 5;
 
 /// What decides on the length of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -142,7 +142,7 @@ fn loosest(study: &Study, (scene, is_chaotic): (&Scene, bool), ladder: &[Setting
     let mut candidate: Option<Numerics> = None;
     for setting in ladder {
         let options = Options { most_attempts: study.options.most_attempts, ..setting.options() };
-        let held = study.compared(scene, &options, Some(is_chaotic)).ok().and_then(|(change, run)| {
+        let held = study.compared(scene, Some(&options), Some(is_chaotic)).ok().and_then(|(change, run)| {
             let steps_per_s = (run.steps + run.rejected_steps) as f64 / run.duration_s;
             let holds = change.is_within(study.accuracy) == Some(true);
             holds.then_some(Numerics {
@@ -162,8 +162,8 @@ fn loosest(study: &Study, (scene, is_chaotic): (&Scene, bool), ladder: &[Setting
     None
 }
 
-/// Run time on the host over simulated time, as firmware would run it.
-fn host_time(scene: &Scene, options: &Options) -> f64 {
+/// Processor time of the host over simulated time, as firmware would run it, and its spread.
+fn host_time(scene: &Scene, options: &Options) -> (f64, Option<f64>) {
     let options = Options { bare: true, blocks: false, ..*options };
     let runs = (0..REPEATS).filter_map(|_| run_scene(scene, &options).ok());
     least(&runs.map(|run| run.processor_s / scene.run.duration_s).collect::<Vec<_>>())

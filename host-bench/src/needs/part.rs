@@ -232,7 +232,8 @@ fn parts_of_load(load: &Load, full: &Outcome) -> Vec<Part> {
         Load::DcBus { diode_drop_v, .. } => diode_drop_v,
         Load::RectifiedStore(store) => {
             let end = full.store.and_then(|store| store.store_voltage_v).unwrap_or(store.initial_v);
-            let mean = 0.5 * (store.initial_v + end);
+            let is_mean = full.store.is_some_and(|store| store.cycles.is_some());
+            let mean = if is_mean { end } else { 0.5 * (store.initial_v + end) };
             parts.extend((mean > 0.0).then_some(Part::Storage(mean)));
             parts.extend(store.leakage_ohm.is_finite().then_some(Part::Leakage));
             parts.extend((store.draw != Draw::None).then_some(Part::Draw));

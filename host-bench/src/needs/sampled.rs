@@ -6,9 +6,9 @@
 
 use rayon::prelude::*;
 
+use super::cycles::run_cycles;
 use crate::method::{Failure, Options};
 use crate::outcome::Outcome;
-use crate::run::run_scene;
 use crate::scene_file::Scene;
 use crate::seeds::student::quantile;
 use crate::shift::shaken;
@@ -63,7 +63,7 @@ impl<'a> Sampled<'a> {
                 let shift = DISTANCE * accuracy * place(index);
                 // A base at rest has no runs that differ.
                 shaken(scene, shift)
-                    .map_or_else(|| run_scene(scene, options), |other| run_scene(&other, options))
+                    .map_or_else(|| run_cycles(scene, options), |other| run_cycles(&other, options))
             })
             .collect();
         self.runs.extend(more?);

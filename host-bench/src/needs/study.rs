@@ -1,6 +1,7 @@
 //! The run of the full scene, and what other scenes change against it.
 
-use super::change::{Change, apart};
+use super::change::{Change, Corner, apart, corner_name};
+use super::cycles::{cycles, over_cycles, run_cycles, switches, with_cycles};
 use super::part::Part;
 use super::sampled::{FEWEST_RUNS, Sampled, mean, relative_deviation};
 use crate::accuracy::{
@@ -41,14 +42,45 @@ pub(crate) struct Study {
     pub(super) options: Options,
     /// Whether a base acceleration larger by 10⁻⁹ changes the mean power by more than a tenth of the accuracy.
     pub(crate) is_chaotic: bool,
+    /// The same scene at the corners of the range of its excitation.
+    pub(crate) corners: Vec<(Corner, Self)>,
 }
 
 impl Study {
+    /// Runs the full scene, and the full scene at the corners of a range, for a study of its parts at a relative accuracy.
+    ///
+    /// # Errors
+    /// If one of them cannot be run.
+    pub(crate) fn with_corners(
+        scene: &Scene,
+        corners: &[(Corner, Scene)],
+        accuracy: f64,
+    ) -> Result<Self, Failure> {
+        let corner = |(at, scene): &(Corner, Scene)| {
+            let study = Self::new(scene, accuracy).map_err(|failure| failure.of_case(&corner_name(*at)))?;
+            Ok((*at, study))
+        };
+        let corners = corners.iter().map(corner).collect::<Result<Vec<_>, Failure>>()?;
+        let mut study = Self::new(scene, accuracy)?;
+        for (at, corner) in &corners {
+            let warned = corner.full.warnings.iter().map(|text| format!("at {}: {text}", corner_name(*at)));
+            study.full.warnings.extend(warned);
+        }
+        Ok(Self { corners, ..study })
+    }
+
     /// Runs the full scene for a study of its parts at a relative accuracy.
     ///
     /// # Errors
     /// If the scene cannot be run.
     pub(crate) fn new(scene: &Scene, accuracy: f64) -> Result<Self, Failure> {
+        let (scene, warning) = with_cycles(scene)?;
+        let mut study = Self::of_window(&scene, accuracy)?;
+        study.full.warnings.extend(warning);
+        Ok(study)
+    }
+
+    fn of_window(scene: &Scene, accuracy: f64) -> Result<Self, Failure> {
         let [triboelectric, bump_stop] = FULL;
         let is_bump_stop = matches!(scene.model, Model::BumpStop(_));
         let share = if is_bump_stop { bump_stop } else { triboelectric };
@@ -60,16 +92,18 @@ impl Study {
         };
         // No step brings two runs of a chaotic motion together: that it is chaotic must be known before one is sought.
         let usual = if is_bump_stop { Options { accuracy: None, ..asked } } else { asked };
-        let first = run_scene(scene, &usual)?;
+        let first = run_cycles(scene, &usual)?;
         if changes_under_a_shift(scene, &first, &usual, accuracy) {
             return Self::of_chaos(scene, accuracy, &usual, first);
         }
         let (full, options) = run_with_steps(scene, &asked)?;
+        let full = over_cycles(full);
         if changes_under_a_shift(scene, &full, &options, accuracy) {
             return Self::of_chaos(scene, accuracy, &usual, first);
         }
         let runs = vec![full.clone()];
-        Ok(Self { scene: scene.clone(), accuracy, full, runs, options, is_chaotic: false }.limited())
+        let corners = Vec::new();
+        Ok(Self { scene: scene.clone(), accuracy, full, runs, options, is_chaotic: false, corners }.limited())
     }
 
     /// The study of a scene whose motion is chaotic: as many runs, in as long steps, as the accuracy of their mean needs.
@@ -80,7 +114,7 @@ impl Study {
         };
         let others = others(scene, usual)?;
         let sampled = |options: &Options| {
-            Ok::<_, Failure>(Sampled::new(scene, options, accuracy, run_scene(scene, options)?))
+            Ok::<_, Failure>(Sampled::new(scene, options, accuracy, run_cycles(scene, options)?))
         };
         let mut options = *usual;
         let mut full = Sampled::new(scene, &options, accuracy, first);
@@ -101,7 +135,8 @@ impl Study {
         }
         let doubts: Vec<String> = imbalance(&full).into_iter().chain(remarks(scene, &full)).collect();
         full.warnings.extend(doubts);
-        Ok(Self { scene: scene.clone(), accuracy, full, runs, options, is_chaotic: true }.limited())
+        let corners = Vec::new();
+        Ok(Self { scene: scene.clone(), accuracy, full, runs, options, is_chaotic: true, corners }.limited())
     }
 
     /// With a limit of the attempted steps, and without the warning of an accuracy that was asked for and is tighter than
@@ -118,6 +153,7 @@ impl Study {
     /// Whether the full run is known to be accurate enough for the verdicts.
     pub(crate) fn is_sound(&self) -> bool {
         self.full.accuracy.total.is_some_and(|total| total <= SOUND * self.accuracy)
+            && self.corners.iter().all(|(_, corner)| corner.is_sound())
     }
 
     /// Number of runs of the full scene.
@@ -143,20 +179,49 @@ impl Study {
         let scene = self.without(left_out);
         if left_out.contains(&Part::Sticking) {
             self.never_sticks(&scene)?;
+            self.corners.iter().try_for_each(|(_, corner)| corner.never_sticks(&corner.here(&scene)))?;
         }
-        self.compared(&scene, &self.options, None).map(|(change, _)| change)
+        self.compared(&scene, None, None).map(|(change, _)| change)
     }
 
-    /// What a scene changes that runs in place of the full one, by some options, and its first run. Whether it is chaotic
-    /// is found out where it is not known.
+    /// A scene under the excitation of this one, over its window.
+    fn here(&self, scene: &Scene) -> Scene {
+        Scene { excitation: self.scene.excitation.clone(), run: self.scene.run, ..scene.clone() }
+    }
+
+    /// What a scene changes at most that runs in place of the full one, at its own point and at the corners, by some options
+    /// or those of the full runs, and its first run. Whether it is chaotic is found out where it is not known.
     pub(super) fn compared(
+        &self,
+        scene: &Scene,
+        options: Option<&Options>,
+        is_chaotic: Option<bool>,
+    ) -> Result<(Change, Outcome), String> {
+        let (mut worst, run) = self.compared_here(scene, options.unwrap_or(&self.options), is_chaotic)?;
+        for (at, corner) in &self.corners {
+            if worst.is_within(self.accuracy) == Some(false) {
+                break;
+            }
+            let found = corner.compared_here(&corner.here(scene), options.unwrap_or(&corner.options), None);
+            let (change, _) = found.map_err(|error| format!("at {}: {error}", corner_name(*at)))?;
+            if change.most() > worst.most() {
+                worst = Change { at: Some(*at), ..change };
+            }
+        }
+        Ok((worst, run))
+    }
+
+    fn compared_here(
         &self,
         scene: &Scene,
         options: &Options,
         is_chaotic: Option<bool>,
     ) -> Result<(Change, Outcome), String> {
         let text = |failure: Failure| failure.to_string();
-        let run = run_scene(scene, options).map_err(text)?;
+        let run = run_cycles(scene, options).map_err(text)?;
+        if switches(scene) && cycles(&self.full).is_some() && cycles(&run).is_none() {
+            return Err("its draw has no whole cycle of the switch".to_owned());
+        }
         let is_chaotic = is_chaotic
             .unwrap_or_else(|| self.is_chaotic || changes_under_a_shift(scene, &run, options, self.accuracy));
         if !is_chaotic {
@@ -198,7 +263,7 @@ impl Study {
 fn changes_under_a_shift(scene: &Scene, run: &Outcome, options: &Options, accuracy: f64) -> bool {
     // A base at rest excites no chaos. A run that ends otherwise is as far from the other as can be.
     shaken(scene, SHIFT).is_some_and(|shifted| {
-        run_scene(&shifted, options).map_or(true, |other| apart(run, &other) > CHAOTIC * accuracy)
+        run_cycles(&shifted, options).map_or(true, |other| apart(run, &other) > CHAOTIC * accuracy)
     })
 }
 

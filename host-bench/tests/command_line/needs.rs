@@ -89,6 +89,26 @@ fn the_scene_of_the_firmware_is_what_the_command_emits() {
     assert_eq!(found, shipped);
 }
 
+/// The force that is not needed at 20.5 Hz moves the power by 17.7 % at 19.8 Hz, below the impacts.
+#[test]
+fn a_cut_holds_at_the_corners_of_a_range_too() {
+    let passive = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation-passive.toml");
+    let weak = ["excitation.amplitude_g=0.15"];
+    let corner = serde_json::json!([0.15 * 9.81, 19.8]);
+    let found = needs(passive, &weak, &["--frequency", "19.8:20.5"]);
+    let force = part(&found, "electrostatic force");
+    assert_eq!((&force["verdict"], &force["at"]), (&"needed".into(), &corner), "{force}");
+    let run = |force: &str| {
+        let changes = [weak[0], "excitation.frequency_hz=19.8", force];
+        outcome(passive, &changes)["mean_power_w"].as_f64().expect("a number")
+    };
+    let exact = run("parameters.force_law=none") / run("parameters.force_law=gap-field") - 1.0;
+    let stated = force["mean_power"].as_f64().expect("a number");
+    assert!((stated - exact).abs() < 1e-3 && (exact + 0.177).abs() < 1e-3, "{stated} {exact}");
+    let noise = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation-truck.toml");
+    refused(&["needs", noise, "--amplitude", "1:2"], &["--amplitude", "one sine"]);
+}
+
 #[test]
 fn csv_is_one_table() {
     let sets = SHORT.iter().flat_map(|change| ["--set", change]);

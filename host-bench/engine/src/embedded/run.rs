@@ -282,6 +282,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 diode_loss_j: spent(PowerIndex::Diodes),
                 leaked_energy_j: spent(PowerIndex::Leakage),
                 drawn_energy_j: spent(PowerIndex::Draw),
+                cycles: meters.blocks.as_ref().and_then(Blocks::cycles),
             }),
             steady_state: None,
             flow: ledger.map(|ledger| {

@@ -194,7 +194,7 @@ fn storage(
     let part = own.or(part_of_load);
     let lockout = own
         .and_then(lockout_of_part)
-        .or(of_load.and_then(|store| lockout_of_draw(store.draw)))
+        .or(of_load.and_then(|store| store.draw.lockout()))
         .or(part.and_then(lockout_of_part));
     let leakage_ohm = own
         .map(|part| part.leakage_resistance())
@@ -221,7 +221,7 @@ fn storage(
 
 /// Refuses keys that state a storage beside the one in `[load]`, which has this draw.
 fn one_storage(section: &mut Section<'_>, draw: Draw) -> Result<(), SceneError> {
-    let of_draw = lockout_of_draw(draw).map_or(&[][..], |_| &["turn_on_v", "turn_off_v"]);
+    let of_draw = draw.lockout().map_or(&[][..], |_| &["turn_on_v", "turn_off_v"]);
     let of_storage = ["preset", "capacitance_f", "leakage_ohm", "initial_v"];
     for key in of_storage.iter().chain(of_draw) {
         if section.has(key) {
@@ -235,14 +235,6 @@ fn one_storage(section: &mut Section<'_>, draw: Draw) -> Result<(), SceneError> 
 
 fn lockout_of_part(part: Preset<f64>) -> Option<Lockout> {
     part.lockout.map(|lockout| Lockout { turn_on_v: lockout.turn_on, turn_off_v: lockout.turn_off })
-}
-
-fn lockout_of_draw(draw: Draw) -> Option<Lockout> {
-    match draw {
-        Draw::None => None,
-        Draw::Resistor { lockout, .. } => lockout,
-        Draw::Current { lockout, .. } | Draw::Power { lockout, .. } => Some(lockout),
-    }
 }
 
 /// Refuses voltages that are not in their order.

@@ -18,6 +18,32 @@ fn scene(duration_s: &str) -> Scene {
     scene_file::read(&scene_file::shipped("bump-stop-mid-span"), &overrides).expect("valid")
 }
 
+/// The window of 14 s ends within a cycle of the switch, the one of 15 s just after a turn-on.
+#[test]
+fn a_switched_storage_is_compared_over_whole_cycles_wherever_the_window_ends() {
+    let of = |duration_s: &str| {
+        let changes = [Override::new("run.duration_s", duration_s)];
+        let scene = scene_file::read(&scene_file::shipped("rectified"), &changes).expect("valid");
+        let study = Study::new(&scene, 0.01).expect("runs");
+        let change = study.change(&[Part::ElectrostaticForce]).expect("runs");
+        (study, change)
+    };
+    let [(study, one), (_, other)] = ["14", "15"].map(of);
+    for change in [one, other] {
+        assert!(change.is_within(0.01) == Some(true) && change.largest() < 0.005, "{change:?}");
+    }
+    let [one, other] = [one, other].map(|change| change.store_voltage.expect("a storage"));
+    assert!((one - other).abs() < 1e-6, "{one} {other}");
+    // The meter of a window from the first turn-on to the last finds the same mean.
+    let cycles = cycles(&study.full).expect("cycles");
+    assert_eq!(cycles.count, 4);
+    let mut scene = study.scene.clone();
+    (scene.run.settle_s, scene.run.duration_s) = (cycles.from_s, cycles.until_s);
+    let run = run_scene(&scene, &study.options).expect("runs");
+    let [found, mean] = [cycles.mean_power_w, run.mean_power_w.expect("a mean")];
+    assert!((found / mean - 1.0).abs() < 1e-6, "{found} {mean}");
+}
+
 #[test]
 fn the_mean_over_runs_is_that_of_a_long_window_and_decides_early() {
     let study = Study::new(&scene("0.5"), ACCURACY).expect("runs");
