@@ -66,6 +66,7 @@ impl Totals {
             duration_s: scene.run.duration_s,
             settle_s: scene.run.settle_s,
             mean_power_w: Some(self.delivered_energy / length),
+            mean_power_standard_error_w: None,
             rms_voltage_v: Some((window[integral::VOLTAGE_SQUARED].max(0.0) / length).sqrt()),
             peak_voltage_v: Some(self.peak_voltage),
             mean_voltage_v: Some(window[integral::VOLTAGE] / length),

@@ -89,9 +89,10 @@ pub struct Options {
     /// Distance in s of the rows of the recorded motion.
     #[arg(skip)]
     pub trace_every_s: Option<f64>,
-    /// Whether a step ends at each row of the recorded motion, so that none is interpolated.
+    /// Distance in s of instants at which a step ends on the core: of recorded rows, so that none is interpolated, or to shorten
+    /// the steps of a tolerance.
     #[arg(skip)]
-    pub ends_at_rows: bool,
+    pub ends_every_s: Option<f64>,
     /// Whether a run on the core keeps no energy ledger and meters the measuring window only, as firmware would: for
     /// measuring its run time.
     #[arg(skip)]

@@ -37,6 +37,9 @@ pub struct Outcome {
     /// Mean power delivered to the load over the window in W: `V²/R`, or the power into the storage or bus behind a
     /// bridge.
     pub mean_power_w: Option<f64>,
+    /// Standard error in W of a mean power that is that of an ensemble of displaced starts; `None` where the motion is not
+    /// chaotic. Every other number is that of the scene's own start.
+    pub mean_power_standard_error_w: Option<f64>,
     /// Root mean square of the terminal voltage over the window in V.
     pub rms_voltage_v: Option<f64>,
     /// Largest magnitude of the terminal voltage in the window in V.

@@ -1,36 +1,42 @@
 //! The difference of two runs of the same scene.
 
-use crate::outcome::{BLOCKS, Outcome, standard_error_of_sum};
+use crate::outcome::{BLOCKS, Outcome};
 
 /// Least mean number of steps in a part of the window.
 const STEPS_PER_PART: u64 = 64;
-/// Standard errors of the mean in a statement.
-const CONFIDENCE: f64 = 2.0;
 
 /// Whether a run delivers power.
 pub(super) fn delivers(outcome: &Outcome) -> bool {
     outcome.delivered_energy_j.is_some_and(|energy| energy != 0.0)
 }
 
-/// The relative difference of the energies delivered in two runs, with the standard error of the mean of the
-/// differences in the parts of the window; `None` if one of the two alone delivers nothing. If none of the two does,
-/// the larger of the relative differences of the largest motion and of the RMS voltage.
-pub(super) fn difference(one: &Outcome, two: &Outcome) -> Option<f64> {
+/// How two runs differ, relative to the smaller energy of the two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Difference {
+    /// Of the energies delivered; where none is, the larger of the relative differences of the largest motion and of the RMS
+    /// voltage.
+    pub(super) whole: f64,
+    /// The root of the sum of the squares of the differences in the parts of the window.
+    pub(super) parts: f64,
+}
+
+/// The difference of two runs; `None` if one of the two alone delivers nothing.
+pub(super) fn difference(one: &Outcome, two: &Outcome) -> Option<Difference> {
     let (energy, other) = (one.delivered_energy_j?, two.delivered_energy_j?);
     if energy == 0.0 && other == 0.0 {
         let [motion, voltage] = [0, 1].map(|index| relative(motions(one)[index], motions(two)[index]));
-        return Some(motion?.max(voltage?));
+        let whole = motion?.max(voltage?);
+        return Some(Difference { whole, parts: whole });
     }
     // Where a part has few steps, the energy of the step across its border is a part of it.
     let parts = (one.steps.min(two.steps) / STEPS_PER_PART).clamp(1, BLOCKS as u64);
     let blocks_of_part = BLOCKS >> parts.ilog2();
     let blocks = one.block_energies_j.iter().zip(&two.block_energies_j);
     let apart: Vec<f64> = blocks.map(|(one, two)| one - two).collect();
-    let apart: Vec<f64> = apart.chunks(blocks_of_part).map(|part| part.iter().sum()).collect();
-    let of_sum = if apart.len() > 1 { standard_error_of_sum(&apart) } else { 0.0 };
-    let difference = (energy - other).abs() + CONFIDENCE * of_sum;
-    let relative = difference / energy.abs().min(other.abs());
-    if difference == 0.0 { Some(0.0) } else { relative.is_finite().then_some(relative) }
+    let squares = apart.chunks(blocks_of_part).map(|part| part.iter().sum::<f64>().powi(2)).sum::<f64>();
+    let over = |apart_j: f64| if apart_j == 0.0 { 0.0 } else { apart_j / energy.abs().min(other.abs()) };
+    let found = Difference { whole: over((energy - other).abs()), parts: over(squares.sqrt()) };
+    (found.whole.is_finite() && found.parts.is_finite()).then_some(found)
 }
 
 /// The largest gap, displacement of the slider or displacement of the tip in m, and the RMS voltage in V; 0 where

@@ -19,42 +19,46 @@ const UNBALANCED: f64 = 1e-2;
 const UNRESOLVED: [f64; 2] = [1e-26, 1e-12];
 
 /// The warning of a statement that is unknown or notable.
-pub(super) fn warning(scene: &Scene, outcome: &Outcome, asked: Option<f64>) -> Option<String> {
+pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
     let accuracy = &outcome.accuracy;
     let quantity =
         if delivers(outcome) { "the mean power" } else { "the largest motion and the RMS voltage" };
     let Some(total) = accuracy.total else {
         return Some(format!(
-            "accuracy: the error of {quantity} is unknown: a run to compare with did not end, or one of the two delivers \
-             nothing"
+            "accuracy: the error of {quantity} is unknown: a run to compare with did not end or has the same steps, or one \
+             of the two delivers nothing"
         ));
     };
     let missed = asked.is_some_and(|asked| total > asked.max(LEAST));
-    (missed || total > NOTABLE).then(|| {
+    (missed || asked.is_none() && total > NOTABLE).then(|| {
         let sources = [
+            ("the chaotic motion", accuracy.chaos),
             ("the step", accuracy.step),
             ("rounding", accuracy.rounding),
             ("fast relaxations", accuracy.boundary_layers),
-            ("the sampling of the trace", accuracy.sampling),
         ];
         let known = sources.iter().filter_map(|(name, error)| Some(format!("{:.1e} by {name}", (*error)?)));
         let not_held =
             asked.filter(|_| missed).map_or(String::new(), |asked| format!("{asked:e} is not held: "));
         let unknown =
             if total > UNKNOWN { format!("{quantity} cannot be told: ") } else { String::new() };
-        let by_sampling = accuracy.sampling.filter(|sampling| *sampling > 0.5 * total);
-        let remedy = match by_sampling.and_then(|_| more_samples(scene, outcome)) {
-            Some(remedy) => remedy,
-            None if total > UNKNOWN => "; smaller steps (--accuracy, --tolerance or --step) and a longer \
-                                        run.duration_s may help"
-                .to_owned(),
-            None => String::new(),
+        let remedy = if total > UNKNOWN {
+            "; smaller steps (--accuracy, --tolerance or --step) and a longer run.duration_s may help"
+        } else {
+            ""
         };
         format!(
             "accuracy: {not_held}{unknown}the estimated relative error of {quantity} is {total:.1e}: {}{remedy}",
             known.collect::<Vec<_>>().join(", ")
         )
     })
+}
+
+/// The warning of a trace whose straight lines differ notably from a smooth curve through its samples.
+pub(super) fn sampled(scene: &Scene, outcome: &Outcome) -> Option<String> {
+    let sampling = outcome.accuracy.sampling.filter(|sampling| *sampling > NOTABLE)?;
+    let remedy = more_samples(scene, outcome).unwrap_or_default();
+    Some(format!("excitation.rate_hz: {sampling:.1e} of the mean power by the sampling of the trace{remedy}"))
 }
 
 /// What helps against an error by the sampling of a trace. Straight lines between `n` samples in a period take

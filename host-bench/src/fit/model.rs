@@ -407,7 +407,8 @@ pub(crate) fn record(
     options: &Options,
 ) -> Result<Option<Vec<[f64; 2]>>, Failure> {
     let Rows::Trace { spacing_s, .. } = data.rows else { return Ok(None) };
-    let options = Options { trace_every_s: Some(spacing_s), ends_at_rows: true, bare: true, ..*options };
+    let options =
+        Options { trace_every_s: Some(spacing_s), ends_every_s: Some(spacing_s), bare: true, ..*options };
     let outcome = embedded::run(scene, &options)?;
     let Some(trace) = outcome.trace else { return Ok(None) };
     let voltage = trace.columns.iter().position(|name| *name == "voltage_v").unwrap_or(0);

@@ -4,9 +4,7 @@ use super::change::{Change, Corner, apart, corner_name};
 use super::cycles::{cycles, over_cycles, run_cycles, switches, with_cycles};
 use super::part::Part;
 use super::sampled::{FEWEST_RUNS, Sampled, mean, relative_deviation};
-use crate::accuracy::{
-    MOST_HALVINGS, TOLERANCE_HALVINGS, imbalance, run_with_steps, statement_in_default_steps,
-};
+use crate::accuracy::{MOST_HALVINGS, imbalance, run_with_steps, statement_in_default_steps};
 use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::{Accuracy, Outcome};
@@ -15,6 +13,8 @@ use crate::run::run_scene;
 use crate::scene_file::{Model, Scene};
 use crate::shift::{SHIFT, shaken};
 
+/// Halvings of a tolerance at a time in search of the accuracy of a chaotic scene.
+const TOLERANCE_HALVINGS: u32 = 4;
 /// Most halvings of a tolerance in search of the accuracy of a chaotic scene.
 const MOST_TOLERANCE_HALVINGS: u32 = 12;
 

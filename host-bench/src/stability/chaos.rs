@@ -1,5 +1,7 @@
 //! Whether a motion is chaotic: runs from starts that are slightly displaced diverge, and statistics agree.
 
+use rayon::prelude::*;
+
 use super::exact::{Numbers, Quantity, relative, tighter};
 use crate::method::Options;
 use crate::outcome::standard_error_of_sum;
@@ -33,11 +35,24 @@ pub(super) enum Comparison {
 pub(super) struct Ensemble(Vec<Numbers>);
 
 impl Ensemble {
-    pub(super) fn of(scene: &Scene, options: &Options) -> Self {
-        let displaced =
-            [SHIFT, -SHIFT].into_iter().flat_map(|shift| [shaken(scene, shift), displaced(scene, shift)]);
-        let scenes = std::iter::once(Some(scene.clone())).chain(displaced).flatten();
-        Self(scenes.filter_map(|scene| tighter(&scene, options)).collect())
+    /// With `pairs` of runs besides that of the scene itself.
+    pub(super) fn of(scene: &Scene, options: &Options, pairs: i32) -> Self {
+        let scene_at = |place: i32| {
+            let shift = f64::from(place) * SHIFT;
+            match place {
+                0 => Some(scene.clone()),
+                _ => shaken(scene, shift).or_else(|| displaced(scene, shift)),
+            }
+        };
+        // The scene itself is the first.
+        let places: Vec<i32> =
+            std::iter::once(0).chain((1..=pairs).flat_map(|place| [place, -place])).collect();
+        Self(places.into_par_iter().filter_map(|place| tighter(&scene_at(place)?, options)).collect())
+    }
+
+    /// The mean of a quantity; not-a-number without runs.
+    pub(super) fn mean(&self, quantity: Quantity) -> f64 {
+        self.0.iter().map(|run| run.value(quantity)).sum::<f64>() / self.0.len() as f64
     }
 
     /// Whether some of the runs differ from the first by more than `allowed`, in a part of the window or as a whole.
@@ -53,7 +68,7 @@ impl Ensemble {
     /// within the scatter.
     pub(super) fn compare(&self, found: &Numbers, quantity: Quantity) -> Comparison {
         let count = self.0.len() as f64;
-        let mean = self.0.iter().map(|run| run.value(quantity)).sum::<f64>() / count;
+        let mean = self.mean(quantity);
         let apart = (found.value(quantity) - mean).abs();
         // Of the difference, and how many of it are allowed.
         let (error, most) = match quantity {
@@ -100,7 +115,7 @@ mod tests {
 
     fn ensemble(changes: &[&str]) -> Ensemble {
         let case = Case::of("contact-separation", changes, Precision::F64);
-        Ensemble::of(&case.read().expect("a scene"), &case.options())
+        Ensemble::of(&case.read().expect("a scene"), &case.options(), 2)
     }
 
     #[test]

@@ -1,12 +1,11 @@
 //! The runs that are more accurate, and what is compared of two runs.
 
-use crate::accuracy::takes_power;
 use crate::embedded::DEFAULT_SHORT_STEP_S;
 use crate::method::{Options, Precision};
 use crate::outcome::Outcome;
 use crate::reference::{self, ReferenceOptions};
 use crate::run::run_scene;
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::{Load, Model, Scene};
 
 /// Halvings of the tolerance of a triboelectric run that give the tighter run.
 const TIGHTER: u32 = 5;
@@ -155,4 +154,13 @@ pub(super) fn tighter(scene: &Scene, options: &Options) -> Option<Numbers> {
         ..*options
     };
     Numbers::of(&run_scene(scene, &options).ok()?)
+}
+
+/// Whether the load of a scene can take power. Where it cannot, the RMS voltage is compared, which a bare run of
+/// bump-stop does not measure.
+fn takes_power(scene: &Scene) -> bool {
+    match scene.load {
+        Load::Resistor { resistance_ohm } => resistance_ohm > 0.0 && resistance_ohm.is_finite(),
+        Load::RectifiedStore(_) | Load::DcBus { .. } => true,
+    }
 }

@@ -1,6 +1,6 @@
 //! Judges the run of a case by runs that are more accurate.
 
-use std::cell::{OnceCell, RefCell};
+use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use super::Case;
 use super::chaos::{Comparison, Ensemble};
 use super::exact::{Numbers, Quantity, by_reference, reference_repeats, relative, tighter};
 use super::twin::{POWER, rescaled, split_error};
-use crate::accuracy::{Companions, run_with_companions};
+use crate::accuracy::run_with_steps;
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::Outcome;
 use crate::run::run_scene;
@@ -17,6 +17,9 @@ use crate::scene_file::{Scene, SceneError};
 
 /// Relative error up to which a run is right, in double and in single precision.
 pub(super) const RIGHT: [f64; 2] = [0.01, 0.02];
+
+/// Pairs of displaced starts by which it is shown that a motion is chaotic, and which judge the mean of an ensemble.
+const PAIRS: [i32; 2] = [2, 32];
 
 /// What became of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -80,6 +83,10 @@ pub struct Finding {
     pub is_warned: bool,
     /// Whether the reference was the more accurate run.
     pub by_reference: bool,
+    /// Whether the mean power is that of an ensemble.
+    pub is_chaotic: bool,
+    /// Steps of the runs of the statement over those of the run.
+    pub work: f64,
     /// Why there is no mean power, or what is wrong with it.
     pub reason: String,
 }
@@ -94,6 +101,8 @@ impl Finding {
             stated: None,
             is_warned: false,
             by_reference: false,
+            is_chaotic: false,
+            work: 0.0,
             reason,
         }
     }
@@ -120,7 +129,6 @@ pub struct Judge {
     /// The run that judges where the reference does not.
     tighter: OnceCell<Option<Numbers>>,
     ensemble: OnceCell<Ensemble>,
-    companions: RefCell<Companions>,
 }
 
 impl Judge {
@@ -137,7 +145,6 @@ impl Judge {
             repeats: OnceCell::new(),
             tighter: OnceCell::new(),
             ensemble: OnceCell::new(),
-            companions: RefCell::default(),
         }
     }
 
@@ -153,8 +160,7 @@ impl Judge {
 
     fn finding_of(&self, scene: &Scene, precision: Precision) -> Finding {
         let options = Options { precision: Some(precision), ..self.options };
-        let companions = &mut self.companions.borrow_mut();
-        let (outcome, options) = match run_with_companions(scene, &options, companions) {
+        let (outcome, options) = match run_with_steps(scene, &options) {
             Ok(found) => found,
             Err(Failure::Input(reason)) => return Finding::new(Class::Refused, reason),
             Err(Failure::Step(reason)) => return Finding::new(Class::NamedError, reason),
@@ -163,6 +169,8 @@ impl Judge {
         let mut finding = Finding {
             stated: outcome.accuracy.total,
             is_warned: outcome.warnings.iter().any(|warning| warning.starts_with("accuracy:")),
+            is_chaotic: outcome.accuracy.chaos.is_some(),
+            work: outcome.accuracy.work,
             ..Finding::new(Class::Unjudged, "no more accurate run came to its end")
         };
         if !is_finite(&outcome) {
@@ -190,6 +198,10 @@ impl Judge {
         finding.quantity = Some(quantity);
         finding.error = Some(error);
         finding.by_reference = by_reference;
+        if finding.is_chaotic {
+            error = relative(found.value(quantity), self.ensemble(scene, &options, true).mean(quantity));
+            finding.error = Some(error);
+        }
         let is_off = !(error <= allowed);
         let comparison = is_off.then(|| self.compared(scene, &options, (&found, quantity, allowed)));
         finding.class = match (comparison, finding.is_warned) {
@@ -229,10 +241,7 @@ impl Judge {
         } else {
             (units, "the scene in other units")
         };
-        let chaotic = || {
-            let ensemble = self.ensemble.get_or_init(|| Ensemble::of(scene, &options));
-            ensemble.diverges(Quantity::Power, allowed)
-        };
+        let chaotic = || self.ensemble(scene, &options, false).diverges(Quantity::Power, allowed);
         (error > allowed && !chaotic()).then(|| format!("{identity} differs by {error:.1e}"))
     }
 
@@ -246,6 +255,10 @@ impl Judge {
         exact.as_ref()
     }
 
+    fn ensemble(&self, scene: &Scene, options: &Options, is_chaotic: bool) -> &Ensemble {
+        self.ensemble.get_or_init(|| Ensemble::of(scene, options, PAIRS[usize::from(is_chaotic)]))
+    }
+
     /// How a run that is off by more than `allowed` compares with those from slightly displaced starts. Where these do
     /// not diverge, chaos excuses nothing.
     fn compared(
@@ -254,7 +267,7 @@ impl Judge {
         options: &Options,
         (found, quantity, allowed): (&Numbers, Quantity, f64),
     ) -> Comparison {
-        let ensemble = self.ensemble.get_or_init(|| Ensemble::of(scene, options));
+        let ensemble = self.ensemble(scene, options, false);
         if ensemble.diverges(quantity, allowed) {
             ensemble.compare(found, quantity)
         } else {

@@ -41,7 +41,7 @@ pub(crate) fn page(cases: &[Case], rows: &[Row]) -> String {
         rows.len()
     );
     body.push_str(&table(&classes(rows)));
-    let _ = writeln!(body, "<p>{}</p>", escaped(&statements(rows)));
+    body.push_str(&table(&statements(rows)));
     let causes = causes(rows);
     if causes.len() > 1 {
         body.push_str("<h2>Named errors by cause</h2>\n");

@@ -22,6 +22,9 @@ pub(crate) struct Row {
     pub(crate) stated: Option<f64>,
     pub(crate) is_warned: bool,
     pub(crate) by_reference: bool,
+    pub(crate) is_chaotic: bool,
+    /// Steps of the runs of the statement over those of the run.
+    pub(crate) work: f64,
     pub(crate) reason: String,
     /// The arguments with which the command line runs the case.
     pub(crate) arguments: String,
@@ -30,7 +33,7 @@ pub(crate) struct Row {
 }
 
 /// Columns of CSV.
-const COLUMNS: [&str; 12] = [
+const COLUMNS: [&str; 14] = [
     "number",
     "scene",
     "precision",
@@ -40,6 +43,8 @@ const COLUMNS: [&str; 12] = [
     "stated",
     "is_warned",
     "by_reference",
+    "is_chaotic",
+    "work",
     "reason",
     "arguments",
     "build",
@@ -55,7 +60,8 @@ impl Row {
     }
 
     fn of(number: usize, case: &Case, finding: Finding) -> Self {
-        let Finding { class, quantity, error, stated, is_warned, by_reference, reason } = finding;
+        let Finding { class, quantity, error, stated, is_warned, by_reference, is_chaotic, work, reason } =
+            finding;
         Self {
             number,
             scene: case.scene.to_owned(),
@@ -66,6 +72,8 @@ impl Row {
             stated,
             is_warned,
             by_reference,
+            is_chaotic,
+            work,
             reason,
             arguments: case.arguments(),
             build: build().to_owned(),
@@ -103,6 +111,8 @@ mod tests {
             stated: Some(0.25),
             is_warned: true,
             by_reference: false,
+            is_chaotic: false,
+            work: 2.0,
             reason: "a, \"b\"".to_owned(),
             arguments: "run x --set 'load={kind=\"dc-bus\"}'".to_owned(),
             build: "0.1.0-0123".to_owned(),

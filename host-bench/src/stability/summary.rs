@@ -21,7 +21,7 @@ pub(crate) fn summary(rows: &[Row]) -> String {
     let classes = aligned(&classes(rows));
     let causes = causes(rows);
     let causes = if causes.len() > 1 { format!("\n{}", aligned(&causes)) } else { String::new() };
-    format!("{classes}{causes}\n{}\n{}", statements(rows), lines.collect::<String>())
+    format!("{classes}{causes}\n{}\n{}", aligned(&statements(rows)), lines.collect::<String>())
 }
 
 fn aligned(rows: &[Vec<String>]) -> String {
@@ -50,37 +50,87 @@ pub(super) fn causes(rows: &[Row]) -> Vec<Vec<String>> {
     counted("named error", causes)
 }
 
-/// The number of the rows of each group by scene and precision, below the headings.
-fn counted<'a>(word: &str, groups: impl IntoIterator<Item = (String, Vec<&'a Row>)>) -> Vec<Vec<String>> {
-    let columns = || KINDS.iter().flat_map(|kind| PRECISIONS.iter().map(move |precision| (kind, precision)));
-    let headings = columns().map(|(kind, precision)| format!("{kind} {precision}"));
-    let headings = std::iter::once(word.to_owned()).chain(headings).chain(["all".to_owned()]).collect();
-    let lines = groups.into_iter().map(|(group, rows)| {
-        let count = |(kind, precision): (&&str, &&str)| {
-            let these =
-                rows.iter().filter(|row| row.scene.starts_with(*kind) && row.precision == **precision);
-            these.count().to_string()
-        };
-        std::iter::once(group).chain(columns().map(count)).chain([rows.len().to_string()]).collect()
-    });
-    std::iter::once(headings).chain(lines).collect()
+/// The columns of scenes and precisions, and of all.
+fn columns() -> impl Iterator<Item = Option<(&'static str, &'static str)>> {
+    let pairs = KINDS.into_iter().flat_map(|kind| PRECISIONS.map(|precision| Some((kind, precision))));
+    pairs.chain([None])
 }
 
-/// How the statements compare with the errors, and by what the cases were judged.
-pub(super) fn statements(rows: &[Row]) -> String {
-    let stated = |row: &&Row| row.quantity == Some(Quantity::Power) && row.stated.is_some();
-    let judged: Vec<&Row> = rows.iter().filter(stated).collect();
-    let pairs: Vec<(f64, f64)> = judged.iter().filter_map(|row| Some((row.error?, row.stated?))).collect();
-    let within = pairs.iter().filter(|(error, stated)| error <= stated).count();
-    let mut ratios: Vec<f64> =
-        pairs.iter().filter(|(error, _)| *error > 0.0).map(|(error, stated)| stated / error).collect();
-    ratios.sort_by(f64::total_cmp);
-    let by_reference = judged.iter().filter(|row| row.by_reference).count();
-    let motions = rows.iter().filter(|row| row.quantity == Some(Quantity::Motion)).count();
-    format!(
-        "{} cases with an error and a statement, {by_reference} of them by the reference: {within} errors within the \
-         statement; median of statement / error {}. {motions} without power were judged by their motion and voltage.",
-        pairs.len(),
-        small(ratios.get(ratios.len() / 2).copied()),
-    )
+/// Whether a row belongs to a column.
+fn stands_in(row: &Row, column: Option<(&str, &str)>) -> bool {
+    column.is_none_or(|(kind, precision)| row.scene.starts_with(kind) && row.precision == precision)
+}
+
+/// A heading for each column, a word before them.
+fn headings(word: &str) -> Vec<String> {
+    let name = |column: Option<(&str, &str)>| {
+        column.map_or_else(|| "all".to_owned(), |(kind, precision)| format!("{kind} {precision}"))
+    };
+    std::iter::once(word.to_owned()).chain(columns().map(name)).collect()
+}
+
+/// The number of the rows of each group by scene and precision, below the headings.
+fn counted<'a>(word: &str, groups: impl IntoIterator<Item = (String, Vec<&'a Row>)>) -> Vec<Vec<String>> {
+    let lines = groups.into_iter().map(|(group, rows)| {
+        let count = |column| rows.iter().filter(|row| stands_in(row, column)).count().to_string();
+        std::iter::once(group).chain(columns().map(count)).collect()
+    });
+    std::iter::once(headings(word)).chain(lines).collect()
+}
+
+/// Errors below which a warning of the accuracy is a false one, and above which statements are compared with them.
+const COMPARED: [f64; 2] = [5e-4, 1e-5];
+
+/// How the statements compare with the errors, by scene and precision, below the headings.
+pub(super) fn statements(rows: &[Row]) -> Vec<Vec<String>> {
+    let judged: Vec<&Row> = rows
+        .iter()
+        .filter(|row| row.quantity == Some(Quantity::Power) && row.error.is_some_and(f64::is_finite))
+        .collect();
+    let line = |name: &str, value: &dyn Fn(&[&Row]) -> String| {
+        let of =
+            |column| value(&judged.iter().copied().filter(|row| stands_in(row, column)).collect::<Vec<_>>());
+        std::iter::once(name.to_owned()).chain(columns().map(of)).collect()
+    };
+    let share = |part: usize, of: usize| format!("{part} / {of}");
+    let [false_below, above] = COMPARED;
+    let error = |row: &Row| row.error.unwrap_or(0.0);
+    let ratio = |part: f64| {
+        move |rows: &[&Row]| {
+            let compared = rows.iter().filter(|row| error(row) > above);
+            quantile(part, compared.filter_map(|row| Some(row.stated? / error(row))))
+        }
+    };
+    let work = |chaotic: bool, part: f64| {
+        move |rows: &[&Row]| {
+            quantile(part, rows.iter().filter(|row| row.is_chaotic == chaotic).map(|row| row.work))
+        }
+    };
+    vec![
+        headings("statements of the mean power"),
+        line("judged", &|rows| rows.len().to_string()),
+        line("inside", &|rows| {
+            let inside = rows.iter().filter(|row| row.stated.is_some_and(|stated| error(row) <= stated));
+            share(inside.count(), rows.len())
+        }),
+        line("unknown", &|rows| rows.iter().filter(|row| row.stated.is_none()).count().to_string()),
+        line("statement / error, median", &ratio(0.5)),
+        line("90th percentile", &ratio(0.9)),
+        line("warned, of them below a tenth", &|rows| {
+            let warned: Vec<f64> = rows.iter().filter(|row| row.is_warned).map(|row| error(row)).collect();
+            share(warned.iter().filter(|error| **error < false_below).count(), warned.len())
+        }),
+        line("chaotic", &|rows| rows.iter().filter(|row| row.is_chaotic).count().to_string()),
+        line("work of a statement, in runs: median", &work(false, 0.5)),
+        line("95th percentile", &work(false, 0.95)),
+        line("largest of a chaotic motion", &work(true, 1.0)),
+    ]
+}
+
+/// The value below which a part of some values lies, in two digits.
+fn quantile(part: f64, values: impl Iterator<Item = f64>) -> String {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    let last = values.len().saturating_sub(1);
+    small(values.get((part * last as f64).round() as usize).copied())
 }

@@ -2,17 +2,22 @@
 
 use super::tool::{PASSIVE, SHIPPED, host_bench};
 
+const BUMP_STOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
+
 const SLIDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
 const RECTIFIED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/rectified.toml");
 
-/// The stated error, and what was told on standard error.
-fn stated(scene: &str, accuracy: &str, more: &[&str]) -> (f64, String) {
-    let mut arguments = vec!["run", scene, "--accuracy", accuracy, "--format", "json"];
-    arguments.extend(more);
-    let output = host_bench(&arguments);
+/// The result of a run, and what was told on standard error.
+fn found(scene: &str, more: &[&str]) -> (serde_json::Value, String) {
+    let output = host_bench(&[&["run", scene, "--format", "json"], more].concat());
     let told = String::from_utf8(output.stderr).expect("text");
     assert_eq!(output.status.code(), Some(0), "{told}");
-    let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).expect("an object");
+    (serde_json::from_slice(&output.stdout).expect("an object"), told)
+}
+
+/// The stated error, and what was told on standard error.
+fn stated(scene: &str, accuracy: &str, more: &[&str]) -> (f64, String) {
+    let (outcome, told) = found(scene, &[&["--accuracy", accuracy], more].concat());
     (outcome["accuracy"]["total"].as_f64().expect("a statement"), told)
 }
 
@@ -52,4 +57,45 @@ fn an_accuracy_that_cannot_be_held_is_told() {
     // Single precision rounds by more.
     let (total, told) = stated(SHIPPED, "1e-5", &["--precision", "f32"]);
     assert!(total > 1e-5 && told.contains("1e-5 is not held"), "{total:e}: {told}");
+}
+
+/// The steps that the core cuts where a sine is too fast for them are the same in half the default steps.
+#[test]
+fn a_sine_of_hundreds_of_kilohertz_is_resolved_and_its_error_stated() {
+    let fast = [
+        "--set",
+        "excitation={kind=\"sine\",amplitude_m_per_s2=1000,frequency_hz=3e5}",
+        "--set",
+        "run={duration_s=0.01,settle_s=0.005}",
+    ];
+    let power = |outcome: &serde_json::Value| outcome["mean_power_w"].as_f64().expect("a number");
+    let (exact, _) = found(BUMP_STOP, &[&fast[..], &["--no-accuracy", "--step", "2e-8"]].concat());
+    for (step, most) in [(&[][..], 2e-3), (&["--step", "1e-6"], 0.5)] {
+        let (outcome, told) = found(BUMP_STOP, &[&fast[..], step].concat());
+        let error = (power(&outcome) / power(&exact) - 1.0).abs();
+        let total = outcome["accuracy"]["total"].as_f64().expect("a statement");
+        assert!(error <= total && total <= most, "{step:?}: {error:e} {total:e} {told}");
+    }
+}
+
+#[test]
+fn a_chaotic_run_prints_the_mean_of_an_ensemble_with_its_error() {
+    let chaotic = ["--set", "excitation.frequency_hz=20", "--set", "run={duration_s=3,settle_s=2}"];
+    let (outcome, _) = found(PASSIVE, &chaotic);
+    let (own, _) = found(PASSIVE, &[&chaotic[..], &["--no-accuracy"]].concat());
+    let number = |name: &str| outcome[name].as_f64().expect("a number");
+    let of = |name: &str| outcome["accuracy"][name].as_f64().expect("a number");
+    let relative = number("mean_power_standard_error_w") / number("mean_power_w");
+    assert!((of("chaos") / relative - 2.2).abs() < 1e-12 && of("total") >= of("chaos"), "{outcome}");
+    assert_ne!(outcome["mean_power_w"], own["mean_power_w"]);
+    for name in ["peak_gap_m", "delivered_energy_j", "rms_voltage_v"] {
+        assert_eq!(outcome[name], own[name], "{name}");
+    }
+    // A window of a second: four times as long halves its error.
+    assert!(of("window") > 0.0 && (of("window_halved_s") - 6.0).abs() < 1e-9, "{outcome}");
+    let (single, _) = found(PASSIVE, &[&chaotic[..], &["--precision", "f32"]].concat());
+    let ratio = single["accuracy"]["total"].as_f64().expect("a number") / of("total");
+    assert!((0.25..4.0).contains(&ratio), "{ratio}");
+    let (periodic, _) = found(SHIPPED, &["--set", "run={duration_periods=36,settle_periods=20}"]);
+    assert!(periodic["mean_power_standard_error_w"].is_null() && periodic["accuracy"]["chaos"].is_null());
 }

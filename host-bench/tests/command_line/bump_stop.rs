@@ -26,7 +26,7 @@ fn number(outcome: &serde_json::Value, key: &str) -> f64 {
 fn json_has_every_key_of_the_contract() {
     let found = outcome(SHIPPED, &SHORT);
     let keys: Vec<&str> = found.as_object().expect("an object").keys().map(String::as_str).collect();
-    let wanted = "scene method precision math duration_s settle_s mean_power_w rms_voltage_v \
+    let wanted = "scene method precision math duration_s settle_s mean_power_w mean_power_standard_error_w rms_voltage_v \
                   peak_voltage_v mean_voltage_v delivered_energy_j energy_residual steps rejected_steps \
                   newton_iterations events processor_s accuracy warnings beam_natural_frequencies_hz \
                   rod_natural_frequencies_hz peak_tip_displacement_m \

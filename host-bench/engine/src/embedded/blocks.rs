@@ -100,12 +100,13 @@ impl<S: Scalar> Observer<S> for Blocks {
 }
 
 /// The energy in J delivered up to a fraction of a step, of the parabola through the powers at both ends that has the
-/// step's energy.
+/// step's energy; from none to all of it, where the powers at the ends are those of a transient.
 fn energy_within<S: Scalar>(step: &AcceptedStep<'_, S>, energy: f64, fraction: f64) -> f64 {
     let length = step.step.to_f64();
     let [start, end] =
         [&step.start, &step.end].map(|outputs| (outputs.charge.rate * outputs.voltage).to_f64() * length);
     let quadratic = 3.0 * energy - 2.0 * start - end;
     let cubic = start + end - 2.0 * energy;
-    fraction * (start + fraction * (quadratic + fraction * cubic))
+    let within = fraction * (start + fraction * (quadratic + fraction * cubic));
+    within.clamp(energy.min(0.0), energy.max(0.0))
 }

@@ -117,6 +117,10 @@ pub(super) const BUDGET: u32 = 1 << 16;
 /// below the roundings of the harvester's, takes steps without end. A right run takes at most 10,000 attempts a radian.
 const STUCK: (u64, f64) = (1 << 19, 8.0);
 
+/// The least length in s, and in distances of the ends of steps, of the first step where those are given.
+const FIRST_S: f64 = 1e-9;
+const FIRST: f64 = 1e-3;
+
 /// A harvester of the core with all that a run of its scene needs.
 pub(super) struct Run<'a, S: Scalar, H, R> {
     pub(super) setting: Setting<'a, S>,
@@ -172,13 +176,15 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             let mut parts = (&mut blocks, &mut clamp);
             let mut measuring = (&mut window, &mut parts);
             let mut others = (&mut recording, &mut measuring);
-            if options.ends_at_rows {
-                // Rows are at the ends of steps, where nothing is interpolated.
+            if let Some(every) = options.ends_every_s {
                 let next = |row: f64| Instant::from_seconds(row * every).filter(|row| *row < until);
-                let mut row = (harvester.clock(state).seconds::<f64>() / every).floor() + 1.0;
+                let at = harvester.clock(state).seconds::<f64>() / every;
+                // A charge that is gone within nanoseconds acts on the motion throughout the first step: that is a short one.
+                let first = (FIRST_S / every).clamp(FIRST, 1.0);
+                let mut row = if at == 0.0 { first } else { at.floor() + 1.0 };
                 while let Some(stop) = next(row) {
                     self.advance(state, stop, &mut total, &mut (&mut whole, &mut others))?;
-                    row += 1.0;
+                    row = row.floor() + 1.0;
                 }
             }
             self.advance(state, until, &mut total, &mut (&mut whole, &mut others))?;
@@ -258,6 +264,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             duration_s: span.duration_s,
             settle_s: span.settle_s,
             mean_power_w: number(window.mean_power()),
+            mean_power_standard_error_w: None,
             rms_voltage_v: window.report().rms_voltage.and_then(number),
             peak_voltage_v: number(window.report().voltage.magnitude()),
             mean_voltage_v: ledger.and_then(|_| number(window.integrals().mean(PowerIndex::Voltage))),

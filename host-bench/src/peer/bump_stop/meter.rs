@@ -123,6 +123,7 @@ impl<'a> Meter<'a> {
             duration_s: scene.run.duration_s,
             settle_s: scene.run.settle_s,
             mean_power_w: Some(delivered_energy / length),
+            mean_power_standard_error_w: None,
             rms_voltage_v: Some((self.voltage_squared.max(0.0) / length).sqrt()),
             peak_voltage_v: Some(self.peaks[VOLTAGE]),
             mean_voltage_v: Some(self.voltage / length),

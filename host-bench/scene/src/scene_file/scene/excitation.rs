@@ -33,6 +33,19 @@ impl Excitation {
         }
     }
 
+    /// The highest frequency in Hz of its sines; 0 of samples and at rest.
+    #[must_use]
+    pub fn highest_hz(&self) -> f64 {
+        match self {
+            Self::Sine(tone) => tone.frequency_hz,
+            Self::Sines(tones) => tones.iter().map(|tone| tone.frequency_hz).fold(0.0, f64::max),
+            Self::Burst(burst) => burst.frequency_hz(),
+            Self::Sweep(sweep) => sweep.from_hz.max(sweep.to_hz),
+            Self::Random(random) => random.density.last().map_or(0.0, |point| point[0]),
+            Self::File(_) | Self::Silence => 0.0,
+        }
+    }
+
     /// The excitation with accelerations times `factor`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
@@ -59,6 +72,12 @@ impl Excitation {
     #[must_use]
     pub fn random(&self) -> Option<&Random> {
         if let Self::Random(random) = self { Some(random) } else { None }
+    }
+
+    /// Whether it is random or recorded: no period repeats.
+    #[must_use]
+    pub fn is_irregular(&self) -> bool {
+        matches!(self, Self::File(_) | Self::Random(_))
     }
 
     /// Whether it is recorded, and not given by a few numbers.
