@@ -5,7 +5,7 @@ use crate::method::{Options, Precision};
 use crate::outcome::Outcome;
 use crate::reference::{self, ReferenceOptions};
 use crate::run::run_scene;
-use crate::scene_file::{Load, Model, Scene};
+use crate::scene_file::{Model, Scene};
 
 /// Halvings of the tolerance of a triboelectric run that give the tighter run.
 const TIGHTER: u32 = 5;
@@ -148,19 +148,11 @@ pub(super) fn tighter(scene: &Scene, options: &Options) -> Option<Numbers> {
         precision: Some(Precision::F64),
         step_s,
         halvings: options.halvings + more,
-        bare: takes_power(scene),
+        // A bare run of bump-stop does not measure the voltage, which is compared where no power is delivered.
+        bare: !is_bump_stop,
         blocks: true,
         most_attempts: options.most_attempts.map(|most| most.saturating_mul(MORE_ATTEMPTS)),
         ..*options
     };
     Numbers::of(&run_scene(scene, &options).ok()?)
-}
-
-/// Whether the load of a scene can take power. Where it cannot, the RMS voltage is compared, which a bare run of
-/// bump-stop does not measure.
-fn takes_power(scene: &Scene) -> bool {
-    match scene.load {
-        Load::Resistor { resistance_ohm } => resistance_ohm > 0.0 && resistance_ohm.is_finite(),
-        Load::RectifiedStore(_) | Load::DcBus { .. } => true,
-    }
 }

@@ -222,15 +222,14 @@ fn events_within_a_step_are_right_and_powers_below_rounding_are_warned() {
     assert!(powers.iter().all(|finding| finding.is_warned && finding.stated.is_none()), "{findings:?}");
 }
 
-/// Cases of seed 13 whose next smaller step agreed by chance: contacts that crowd at a gap of 0, and a power that is that of the
-/// first slide, which one step of any tolerance covers.
-const LUCKY: [u64; 2] = [8656, 9834];
+/// A case of seed 13 whose next smaller step agreed by chance: a power that is that of the first slide, which one step of any
+/// tolerance covers.
+const LUCKY: u64 = 9834;
 
 #[test]
 fn errors_that_the_next_smaller_step_shares_are_within_the_statement() {
     let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true };
-    let cases: Vec<(Case, Effort)> = LUCKY.iter().map(|&number| (draw(13, number), effort)).collect();
-    let findings = none_fails(&cases);
+    let findings = none_fails(&[(draw(13, LUCKY), effort)]);
     for finding in &findings {
         let (error, stated) = (finding.error.expect("an error"), finding.stated.expect("a statement"));
         assert!(finding.is_warned && error <= stated, "{finding:?}");
