@@ -10,10 +10,12 @@ mod ensemble;
 mod rung;
 mod runs;
 mod statement;
+mod statements;
 mod warnings;
 
 use self::runs::MOST_ATTEMPTS;
 use self::statement::state;
+pub(crate) use self::statements::{Statements, tell_warnings};
 pub use self::warnings::imbalance;
 use self::warnings::{beyond_threshold, sampled, unresolved, warning};
 use crate::embedded::default_accuracy;
@@ -41,15 +43,18 @@ pub fn run_with_accuracy(scene: &Scene, options: &Options) -> Result<Outcome, Fa
     run_with_steps(scene, options).map(|(outcome, _)| outcome)
 }
 
-/// The statement of a run that does not tell how its steps were chosen, without the search for them.
+/// Runs a scene by its options as they are, without the search for steps, with its statement and its warnings.
 ///
 /// # Errors
 /// If the scene cannot be run.
-pub(crate) fn statement_in_default_steps(scene: &Scene, options: &Options) -> Result<Accuracy, Failure> {
+pub(crate) fn run_as_it_is(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     let options = Options { blocks: true, ..*options };
     let mut outcome = run_scene(scene, &options)?;
-    state(scene, &options, &mut outcome);
-    Ok(outcome.accuracy)
+    if options.method != Method::Reference {
+        state(scene, &options, &mut outcome);
+    }
+    warn(scene, &mut outcome, &options, None);
+    Ok(outcome)
 }
 
 /// As [`run_with_accuracy`], with the options of the run: its halvings are those that were chosen.
@@ -62,25 +67,32 @@ pub(crate) fn run_with_steps(scene: &Scene, options: &Options) -> Result<(Outcom
     };
     let mut options = Options { blocks: true, accuracy, ..*options };
     let mut outcome = run_scene(scene, &options)?;
-    let mut doubts = Vec::new();
     if options.method != Method::Reference {
         state(scene, &options, &mut outcome);
         let by_default = chooses_steps(scene, &options).then_some(BUMP_STOP_ACCURACY);
         if let Some(asked) = asked.or(by_default) {
             (outcome, options) = tightened(scene, options, outcome, asked);
         }
-        let unresolved = unresolved(scene, &outcome).or_else(|| beyond_threshold(scene, &outcome));
+    }
+    warn(scene, &mut outcome, &options, asked);
+    Ok((outcome, options))
+}
+
+/// Adds what is to be known of a run with a statement to its warnings.
+fn warn(scene: &Scene, outcome: &mut Outcome, options: &Options, asked: Option<f64>) {
+    let mut doubts = Vec::new();
+    if options.method != Method::Reference {
+        let unresolved = unresolved(scene, outcome).or_else(|| beyond_threshold(scene, outcome));
         if unresolved.is_some() {
             outcome.accuracy.total = None;
         }
-        doubts.extend(unresolved.or_else(|| warning(&outcome, asked)));
-        doubts.extend(sampled(scene, &outcome));
+        doubts.extend(unresolved.or_else(|| warning(outcome, asked)));
+        doubts.extend(sampled(scene, outcome));
     }
-    doubts.extend(imbalance(&outcome));
+    doubts.extend(imbalance(outcome));
     outcome.warnings.splice(..0, doubts);
-    let remarks: Vec<String> = remarks(scene, &outcome).collect();
+    let remarks: Vec<String> = remarks(scene, outcome).collect();
     outcome.warnings.extend(remarks);
-    Ok((outcome, options))
 }
 
 /// The run again with the shorter steps that its statement asks for, or the smaller tolerance of a lower accuracy, as long as its statement is above the
@@ -134,7 +146,7 @@ fn by_default(scene: &Scene, options: &Options) -> Option<f64> {
 }
 
 /// Whether the library runs a bump-stop scene: by steps, which an accuracy can choose.
-fn has_own_steps(scene: &Scene, options: &Options) -> bool {
+pub(crate) fn has_own_steps(scene: &Scene, options: &Options) -> bool {
     let own = matches!(options.method, Method::Auto | Method::DiscreteGradient);
     own && matches!(scene.model, Model::BumpStop(_))
 }

@@ -1,5 +1,6 @@
 //! The commands of the binary.
 
+pub mod attractors;
 pub mod budget;
 pub mod closed_form;
 pub mod figures;
@@ -92,7 +93,7 @@ pub fn report(failure: &Failure) -> ExitCode {
 }
 
 /// Prints a line on standard error.
-fn tell(line: &str) {
+pub(crate) fn tell(line: &str) {
     // Without a standard error there is nobody to tell.
     let _ = writeln!(std::io::stderr(), "{line}");
 }

@@ -29,6 +29,7 @@ pub(crate) use self::picture::{draw, page};
 pub(crate) use self::result::{Found, text};
 use self::solve::{Loss, Solved, cost, solve};
 use self::weights::{Weighting, Weights};
+use crate::accuracy::{Statements, run_as_it_is};
 use crate::method::{Failure, Math, Method, Options, Precision, refuse_first};
 use crate::scene_file::{Model, Override, Scene};
 
@@ -104,6 +105,8 @@ pub(crate) fn fit(request: &Request<'_>, scene: &Scene, done: &(dyn Fn() + Sync)
     let polished = solve(&problem, &best.at, weights.sigma(), loss, step);
     let solved = polished.ok_or_else(|| Failure::Step("the model fails at the solution".to_owned()))?;
     let mut found = described(&problem, request, &weights, loss, &solved, step);
+    let whole = Options { bare: false, ..problem.options };
+    found.statements = Statements::of([&run_as_it_is(&problem.scene(&solved.at)?, &whole)?]);
     if request.is_drawn {
         draw_lines(&problem, &solved.at, &coarse, &mut found)?;
     }

@@ -1,6 +1,7 @@
 //! The host side of `model-core`: scene files, the independent reference, and the command line.
 
 pub mod accuracy;
+mod attractors;
 mod budget;
 pub mod closed_form;
 pub mod command;

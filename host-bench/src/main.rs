@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use host_bench::command::{
-    be_quiet, budget, closed_form, figures, findings, fit, keys, map, needs, on_target, optimise, overview,
-    plot, report, resonance, run, stability, stop, sweep, work_precision,
+    attractors, be_quiet, budget, closed_form, figures, findings, fit, keys, map, needs, on_target, optimise,
+    overview, plot, report, resonance, run, stability, stop, sweep, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -25,6 +25,8 @@ struct Arguments {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
+    /// The steady motions to which the starts of a scene lead, with their powers
+    Attractors(attractors::AttractorsArguments),
     /// Simulate a day of a sensor node: stored energy, income and actions
     #[command(after_help = "Run time: below a second; with --exact 5 s of one core for node.toml")]
     Budget(budget::BudgetArguments),
@@ -105,6 +107,7 @@ fn main() -> ExitCode {
     }
     let done = match &arguments.command {
         None => overview::run(),
+        Some(Command::Attractors(arguments)) => attractors::run(arguments),
         Some(Command::Budget(arguments)) => budget::run(arguments),
         Some(Command::Completions { shell }) => completions(*shell),
         Some(Command::ClosedForm(arguments)) => closed_form::run(arguments),

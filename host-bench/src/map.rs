@@ -33,6 +33,7 @@ pub use self::places::{Place, Truth};
 use self::agreement::{bounds, judge, margin};
 use self::image::{Content, SliceBounds};
 use self::places::{random, truth};
+use crate::accuracy::Statements;
 use crate::embedded::{fingerprint, with_held};
 use crate::method::{Failure, Options};
 use crate::scene_file::{Load, Scene};
@@ -54,6 +55,8 @@ pub struct Request {
     pub seed: u64,
 }
 
+/// Places that check a map at which a run is made with its statement.
+const STATED: usize = 8;
 /// Most slices.
 const MOST_SLICES: usize = 16;
 
@@ -107,6 +110,8 @@ pub struct Map {
     pub broadband: Option<[f64; 2]>,
     /// Simulated periods in all.
     pub periods: f64,
+    /// What runs at some of the places that check it state.
+    pub(crate) statements: Statements,
 }
 
 /// How far a map is.
@@ -237,7 +242,12 @@ fn of_slices(
     image.state(&agreement);
     let margin = (content.margin / 2048.0).exp2() - 1.0;
     let broadband = content.linear().map(|found| [found.factor, found.largest]);
-    Ok(Map { image, axes, slices, checked, agreement, margin, broadband, periods })
+    let stated = checked
+        .iter()
+        .take(STATED)
+        .map(|Judged { place, .. }| (&scenes[place.slice], [place.amplitude, place.frequency_hz]));
+    let statements = Statements::of_orbits(&stated.collect::<Vec<_>>(), options)?;
+    Ok(Map { image, axes, slices, checked, agreement, margin, broadband, periods, statements })
 }
 
 /// The levels of both boundaries at a place, by the columns beside it.

@@ -130,6 +130,8 @@ pub(crate) struct Request<'a> {
     /// Hears of each run.
     pub(crate) done: &'a (dyn Fn() + Sync),
     pub(crate) runs: Runs,
+    /// Whether the best point is run from its own start only.
+    pub(crate) single_start: bool,
 }
 
 /// The runs so far, and those of them that failed or lack a number.
@@ -159,15 +161,6 @@ impl Request<'_> {
         Ok(scene)
     }
 
-    /// The numbers of a run at a place; `None` where it fails.
-    fn outcome(&self, place: &[f64]) -> Option<Outcome> {
-        self.tried(place).ok()
-    }
-
-    fn tried(&self, place: &[f64]) -> Result<Outcome, Failure> {
-        self.counted(self.run(place))
-    }
-
     /// A run that is not yet counted.
     fn run(&self, place: &[f64]) -> Result<Outcome, Failure> {
         run_scene(&self.scene(place)?, &self.options)
@@ -183,7 +176,7 @@ impl Request<'_> {
 
     /// Runs the scene at a place and judges it.
     fn point(&self, place: &[f64]) -> Point {
-        self.judged(place, self.outcome(place))
+        self.judged(place, self.counted(self.run(place)).ok())
     }
 
     fn judged(&self, place: &[f64], outcome: Option<Outcome>) -> Point {
@@ -370,6 +363,7 @@ impl Found {
         let [runs, failed] = self.runs;
         put("evaluations", json!(runs));
         put("failed", json!(failed));
+        put("accuracy", json!(self.outcome.accuracy));
         put("warnings", json!(self.warnings().collect::<Vec<_>>()));
         put("result", Value::Object(fields(&self.outcome)));
         all

@@ -8,7 +8,7 @@ use crate::scene_file::{Model, Scene};
 const LEAST_LINES: f64 = 4.0;
 
 /// The natural frequencies in Hz of a scene that has given `outcome`, and their damping ratio.
-fn resonances(scene: &Scene, outcome: &Outcome) -> (Vec<f64>, f64) {
+pub(crate) fn resonances(scene: &Scene, outcome: &Outcome) -> (Vec<f64>, f64) {
     match &scene.model {
         Model::ContactSeparation(model) => {
             let parameters = &model.parameters;

@@ -7,10 +7,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use self::student::quantile;
-use crate::accuracy::{imbalance, run_with_steps};
+use crate::accuracy::{Statements, imbalance, run_as_it_is, run_with_steps};
 use crate::command::json_text;
 use crate::method::{Failure, Options};
-use crate::outcome::{self, Accuracy, Fields, Format, Outcome, fields, rows_csv};
+use crate::outcome::{self, Fields, Format, Outcome, fields, flattened, rows_csv, small};
 use crate::run::run_scene;
 use crate::scene_file::{Excitation, Scene};
 
@@ -127,16 +127,16 @@ pub struct Statistics {
     confidence: f64,
     /// Each quantity of an outcome, over the seeds.
     statistics: serde_json::Map<String, serde_json::Value>,
-    /// Estimated relative error of the mean power of the first seed.
-    accuracy: Accuracy,
-    pub warnings: Vec<String>,
+    /// The largest statement of the seeds, and their warnings.
+    #[serde(flatten)]
+    pub(crate) stated: Fields,
     #[serde(skip)]
     spreads: Vec<(String, Spread)>,
 }
 
 impl Statistics {
-    /// Runs a scene with each seed on all cores; `done` is called after each. With `accuracy` the first seed is run with
-    /// its accuracy statement, and the others by the steps that were chosen for it.
+    /// Runs a scene with each seed on all cores; `done` is called after each. With `accuracy` each has its
+    /// statement, and the others the steps that were chosen for the first.
     ///
     /// # Errors
     /// If a seed cannot be run to its end.
@@ -154,18 +154,20 @@ impl Statistics {
             .into_par_iter()
             .map(|index| {
                 let seed = seeds.first + index;
-                let mut outcome = run_scene(&with_seed(scene, seed)?, &options)
+                let run = if accuracy { run_as_it_is } else { run_scene };
+                let mut outcome = run(&with_seed(scene, seed)?, &options)
                     .map_err(|failure| failure.of_case(&format!("excitation.seed = {seed}")))?;
-                let unbalanced = imbalance(&outcome);
-                outcome.warnings.extend(unbalanced.map(|text| format!("excitation.seed = {seed}: {text}")));
+                if !accuracy {
+                    outcome.warnings.extend(imbalance(&outcome));
+                }
                 done();
                 Ok(outcome)
             })
             .collect::<Result<_, Failure>>()?;
+        let statements = Statements::of(std::iter::once(&first).chain(&others));
         let rows: Vec<Fields> = std::iter::once(&first).chain(&others).map(fields).collect();
         let spreads = spreads(&rows);
         let of_spread = |(name, spread): &(String, Spread)| (name.clone(), fields(spread).into());
-        let later = others.into_iter().flat_map(|outcome| outcome.warnings);
         Ok(Self {
             scene: first.scene,
             method: first.method,
@@ -177,8 +179,7 @@ impl Statistics {
             seeds: [seeds.first, seeds.first + seeds.count - 1],
             confidence: CONFIDENCE,
             statistics: spreads.iter().map(of_spread).collect(),
-            accuracy: first.accuracy,
-            warnings: first.warnings.into_iter().chain(later).collect(),
+            stated: statements.fields(&[]),
             spreads,
         })
     }
@@ -191,18 +192,19 @@ impl Statistics {
         match format {
             Format::Json => json_text(self),
             Format::Csv => {
-                let columns: Vec<String> = std::iter::once("quantity".to_owned())
-                    .chain(
-                        self.spreads
-                            .first()
-                            .into_iter()
-                            .flat_map(|(_, spread)| fields(spread).into_iter().map(|(name, _)| name)),
-                    )
-                    .collect();
-                Ok(rows_csv(&columns, &self.spreads.iter().map(row).collect::<Vec<_>>()))
+                let rows: Vec<Fields> = self.spreads.iter().map(|spread| self.row(spread)).collect();
+                Ok(rows_csv(rows.first().map(Fields::keys).into_iter().flatten(), &rows))
             }
             Format::Table => Ok(self.table()),
         }
+    }
+
+    /// A row of CSV.
+    fn row(&self, (name, spread): &(String, Spread)) -> Fields {
+        let mut row = Fields::from_iter([("quantity".to_owned(), name.as_str().into())]);
+        row.extend(fields(spread));
+        row.extend(flattened(self.stated.clone()));
+        row
     }
 
     fn table(&self) -> String {
@@ -210,8 +212,13 @@ impl Statistics {
         let [first, last] = self.seeds;
         let base = shown(self.base_rms_m_per_s2);
         let heading = format!(
-            "{}, {}, {}: seeds {first} to {last}, {} s to {} s, base {base} m/s² RMS\n",
-            self.scene, self.method, self.precision, self.settle_s, self.duration_s
+            "{}, {}, {}: seeds {first} to {last}, {} s to {} s, base {base} m/s² RMS, accuracy {}\n",
+            self.scene,
+            self.method,
+            self.precision,
+            self.settle_s,
+            self.duration_s,
+            small(self.stated["accuracy"]["total"].as_f64())
         );
         let headings = ["quantity", "mean", "95 % from", "to", "deviation", "least", "largest", "seeds"];
         let rows = self.spreads.iter().map(|(name, spread)| {
@@ -244,14 +251,6 @@ fn spreads(rows: &[Fields]) -> Vec<(String, Spread)> {
         Some((name.clone(), Spread::of(&values)?))
     };
     names.into_iter().filter_map(spread).collect()
-}
-
-/// A row of CSV.
-fn row((name, spread): &(String, Spread)) -> Fields {
-    let mut row = Fields::new();
-    row.insert("quantity".to_owned(), name.as_str().into());
-    row.extend(fields(spread));
-    row
 }
 
 fn with_seed(scene: &Scene, seed: u64) -> Result<Scene, Failure> {

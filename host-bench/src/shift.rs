@@ -1,6 +1,7 @@
-//! A slightly changed scene, from which a chaotic motion diverges and no other does.
+//! A scene that is slightly changed, from which a chaotic motion diverges and no other does, and a scene from another start.
 
-use crate::scene_file::{Excitation, Model, Scene};
+use crate::embedded::bump_stop_parameters;
+use crate::scene_file::{BumpStop, Excitation, Load, Model, Scene};
 
 /// Relative change of the base acceleration or of the start: far above the rounding of `f64`, far below any error that
 /// matters.
@@ -15,18 +16,58 @@ pub(crate) fn shaken(scene: &Scene, shift: f64) -> Option<Scene> {
 
 /// The scene with a start displaced by a part of the gap or of the radius of the patch; `None` for a beam.
 pub(crate) fn displaced(scene: &Scene, shift: f64) -> Option<Scene> {
+    let [at, rate] = start(scene);
+    let length = match &scene.model {
+        Model::ContactSeparation(_) => at,
+        Model::Sliding(model) => model.parameters.patch_radius_m,
+        // No length suits every scene of a beam at rest.
+        Model::BumpStop(_) => return None,
+    };
+    Some(started(scene, [at + length * shift, rate]))
+}
+
+/// The start of a scene: gap, displacement of the slider or of the tip in m, and its velocity in m/s.
+pub(crate) fn start(scene: &Scene) -> [f64; 2] {
+    match &scene.model {
+        Model::ContactSeparation(model) => {
+            let gap_m = model.initial.gap_m.unwrap_or(model.parameters.initial_gap_m);
+            [gap_m, model.initial.velocity_m_per_s.unwrap_or_default()]
+        }
+        Model::Sliding(model) => {
+            [model.initial.displacement_m, model.initial.velocity_m_per_s].map(Option::unwrap_or_default)
+        }
+        Model::BumpStop(model) => [&model.initial.modal_displacement, &model.initial.modal_velocity]
+            .map(|modes| (1..).zip(modes).map(|(mode, at)| tip(model, mode) * at).sum()),
+    }
+}
+
+/// The scene from another [`start`], to which a beam is moved by its first mode.
+pub(crate) fn started(scene: &Scene, [at, rate]: [f64; 2]) -> Scene {
+    let [from, from_rate] = start(scene);
     let mut scene = scene.clone();
     match &mut scene.model {
         Model::ContactSeparation(model) => {
-            let gap = model.initial.gap_m.unwrap_or(model.parameters.initial_gap_m);
-            model.initial.gap_m = Some(gap * (1.0 + shift));
+            (model.initial.gap_m, model.initial.velocity_m_per_s) = (Some(at), Some(rate));
         }
         Model::Sliding(model) => {
-            let displacement = model.initial.displacement_m.unwrap_or(0.0);
-            model.initial.displacement_m = Some(displacement + model.parameters.patch_radius_m * shift);
+            (model.initial.displacement_m, model.initial.velocity_m_per_s) = (Some(at), Some(rate));
         }
-        // No length suits every scene of a beam at rest.
-        Model::BumpStop(_) => return None,
+        Model::BumpStop(model) => {
+            let of_first = tip(model, 1);
+            let initial = &mut model.initial;
+            initial.modal_displacement.iter_mut().take(1).for_each(|first| *first += (at - from) / of_first);
+            initial
+                .modal_velocity
+                .iter_mut()
+                .take(1)
+                .for_each(|first| *first += (rate - from_rate) / of_first);
+        }
     }
-    Some(scene)
+    scene
+}
+
+/// The displacement of the tip in m by a modal displacement of 1 √kg·m.
+fn tip(model: &BumpStop, mode: u32) -> f64 {
+    let open = Load::Resistor { resistance_ohm: f64::INFINITY };
+    bump_stop_parameters::<f64>(model, open).beam_mode(mode).shape(1.0).value
 }

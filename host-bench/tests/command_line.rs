@@ -2,6 +2,7 @@
 
 mod command_line {
     mod accuracy;
+    mod attractors;
     mod budget;
     mod bump_stop;
     mod closed_form;
@@ -25,6 +26,7 @@ mod command_line {
     mod refused_traces;
     mod seeds;
     mod sliding;
+    mod statements;
     mod steady_state;
     mod step_errors;
     mod stop;

@@ -86,6 +86,7 @@ impl Totals {
             steady_state: None,
             flow: None,
             accuracy: Accuracy::default(),
+            branches: None,
             warnings: Vec::new(),
             block_energies_j: Vec::new(),
             trace: self.recorder.map(|recorder| Recording {

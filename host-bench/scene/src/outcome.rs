@@ -13,7 +13,7 @@ pub use self::created::{CreatedEnergy, created_energy_warning};
 pub use self::format::Format;
 pub use self::format::{
     Fields, cell, csv, csv_line, csv_sections, fields, flattened, name, number, optional_number, rows_csv,
-    small, table, text,
+    shown, small, table, text,
 };
 
 /// The result of one run.
@@ -69,7 +69,11 @@ pub struct Outcome {
     pub processor_s: f64,
     /// Estimated relative error of the mean power.
     pub accuracy: Accuracy,
-    /// What to know before the numbers are used. A warning about the accuracy begins with `accuracy:`.
+    /// The steady motions that displaced starts lead to, that of this run first; `None` where they all lead to the motion of
+    /// this run, or none was made.
+    pub branches: Option<Vec<Branch>>,
+    /// What to know before the numbers are used. A warning about the accuracy begins with `accuracy:`, one about other
+    /// steady motions with `attractors:`.
     pub warnings: Vec<String>,
     /// The storage behind a bridge at the end of the run.
     #[serde(flatten)]
@@ -90,6 +94,21 @@ pub struct Outcome {
     /// JSON object.
     #[serde(skip)]
     pub block_energies_j: Vec<f64>,
+}
+
+/// A steady motion and a start that leads to it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Branch {
+    /// Mean power delivered to the load in W.
+    pub mean_power_w: Option<f64>,
+    /// Number of periods of the one sine after which the motion repeats; `None` of a motion that does not within 16 periods.
+    pub period: Option<usize>,
+    /// Part of the starts that lead to the motion.
+    pub share: f64,
+    /// Gap, displacement of the slider or of the tip in m at the start.
+    pub displacement_m: f64,
+    /// Its velocity in m/s at the start.
+    pub velocity_m_per_s: f64,
 }
 
 /// Number of parts of the measuring window whose energies are compared between two runs.

@@ -5,9 +5,9 @@
 //! storage changes little in a period of the motion, and the power is interpolated between them. The transients from
 //! hour to hour are left out. *Exact*: every step of the day.
 
+use crate::accuracy::{Statements, run_as_it_is};
 use crate::embedded::{WholeDay, whole_day};
 use crate::method::{Failure, Options, Precision};
-use crate::run::run_scene;
 use crate::scene_file::{Excitation, Load, Model, Node, Scene};
 
 /// Relative tolerance of the step control of a triboelectric scene, as in firmware.
@@ -70,31 +70,30 @@ pub(crate) fn options(scene: &Scene, precision: Precision, tolerance: Option<f64
     Options { precision: Some(precision), tolerance, ..Options::default() }
 }
 
-/// The income by level, and the warning of the run with the most power, if it has one.
+/// The income by level; the statements of its runs are added.
 pub(crate) fn by_level(
     scene: &Scene,
     node: &Node,
     options: &Options,
-) -> Result<(Income, Option<String>), Failure> {
+    statements: &mut Statements,
+) -> Result<Income, Failure> {
     let mut known: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
-    let mut most = (0.0, None);
     for factor in node.hours {
         if known.iter().all(|(other, _)| *other != factor) {
-            known.push((factor, curve(scene, node, factor, options, &mut most)?));
+            known.push((factor, curve(scene, node, factor, options, statements)?));
         }
     }
     let of = |factor: f64| known.iter().find(|(other, _)| *other == factor).map(|(_, curve)| curve.clone());
-    Ok((Income::ByLevel(node.hours.into_iter().filter_map(of).collect()), most.1))
+    Ok(Income::ByLevel(node.hours.into_iter().filter_map(of).collect()))
 }
 
-/// The power at one amplitude over the voltage of the storage. `most` is the largest power of all runs in W with the
-/// warning of that run.
+/// The power at one amplitude over the voltage of the storage.
 fn curve(
     scene: &Scene,
     node: &Node,
     factor: f64,
     options: &Options,
-    most: &mut (f64, Option<String>),
+    statements: &mut Statements,
 ) -> Result<Vec<(f64, f64)>, Failure> {
     if factor == 0.0 {
         // A harvester at rest has no power; a short run would still have the transient of its start.
@@ -103,16 +102,10 @@ fn curve(
     let excitation = scene.excitation.scaled(factor);
     let mut power = |load: Load| -> Result<f64, Failure> {
         let scene = Scene { load, excitation: excitation.clone(), ..scene.clone() };
-        let outcome = run_scene(&scene, options)?;
-        let power = outcome
-            .mean_power_w
-            .filter(|power| power.is_finite())
-            .ok_or_else(|| Failure::Step("the harvester has no finite mean power".to_owned()))?;
-        if power > most.0 {
-            let warning = outcome.warnings.into_iter().next();
-            *most = (power, warning.map(|warning| format!("at {factor} times the amplitude: {warning}")));
-        }
-        Ok(power)
+        let outcome = run_as_it_is(&scene, options)?;
+        statements.add(&outcome);
+        let power = outcome.mean_power_w.filter(|power| power.is_finite());
+        power.ok_or_else(|| Failure::Step("the harvester has no finite mean power".to_owned()))
     };
     let Load::RectifiedStore(storage) = scene.load else { return Ok(vec![(0.0, power(scene.load)?)]) };
     let points = (0..VOLTAGES).map(|step| {

@@ -119,8 +119,8 @@ pub(crate) struct Source {
     pub(crate) learning_days: u32,
     /// The harvester's day, if every step of it was taken.
     pub(crate) whole_day: Option<WholeDay>,
-    /// What to know before the numbers are used.
-    pub(crate) warnings: Vec<String>,
+    /// The largest statement and the warnings of the runs by which the income was computed.
+    pub(crate) stated: Fields,
 }
 
 impl NodeDay {
@@ -168,7 +168,7 @@ impl NodeDay {
         if account.steps > 0 {
             all.extend(fields(&json!({ "steps": account.steps, "diode_loss_j": account.diodes })));
         }
-        all.insert("warnings".to_owned(), json!(source.warnings));
+        all.extend(source.stated.clone());
         all
     }
 

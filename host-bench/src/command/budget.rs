@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
 use super::watch::Watch;
-use super::{check_overrides, print, tell};
+use super::{check_overrides, print};
+use crate::accuracy::{Statements, run_as_it_is, tell_warnings};
 use crate::budget::outcome::Source;
 use crate::budget::{income, picture, simulate};
 use crate::method::{Failure, Precision};
-use crate::outcome::{Format, created_energy_warning};
+use crate::outcome::Format;
 use crate::scene_file::{self, Load, Override};
 
 /// The picture, and the page with it.
@@ -65,16 +66,17 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
         check_overrides(&arguments.overrides, &[("run", "--exact runs the whole day")])?;
     }
     let watch = arguments.exact.then(Watch::new);
-    let (income, warning, whole_day) = if arguments.exact && !bridged {
+    let mut statements = Statements::default();
+    let (income, whole_day) = if arguments.exact && !bridged {
+        // A day has no other to compare with: the statement is that of a run of the scene.
+        statements.add(&run_as_it_is(&scene, &options)?);
         let (income, day) = income::exact(&scene, &node, &options)?;
-        (income, created_energy_warning(&scene, day.created), Some(day))
+        (income, Some(day))
     } else {
-        let (income, warning) = income::by_level(&scene, &node, &options)?;
-        (income, warning, None)
+        (income::by_level(&scene, &node, &options, &mut statements)?, None)
     };
-    if let Some(warning) = &warning {
-        tell(&format!("warning: {warning}"));
-    }
+    let stated = statements.fields(&[]);
+    tell_warnings(&stated);
     let in_loop = if arguments.exact && bridged {
         income::check_looped(&scene, &node)?;
         Some((&scene, &options))
@@ -89,7 +91,7 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
         income: if arguments.exact { "exact" } else { "by-level" },
         learning_days,
         whole_day,
-        warnings: warning.into_iter().collect(),
+        stated,
     };
     let svg = picture::svg(&day)
         .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))?;

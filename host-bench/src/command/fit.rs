@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::files::Outputs;
-use super::{NODE, SceneArguments, check_keys, check_overrides, print, progress, tell};
+use super::{NODE, SceneArguments, check_keys, check_overrides, print, progress};
+use crate::accuracy::tell_warnings;
 use crate::fit::{self, Found, Request, free::Asked};
 use crate::method::Failure;
 use crate::outcome::Format;
@@ -98,9 +99,7 @@ fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
     let found = fit::fit(&request, &scene, &done);
     bar.finish_and_clear();
     let found = found?;
-    for warning in &found.warnings {
-        tell(&format!("warning: {warning}"));
-    }
+    tell_warnings(&found.statements.fields(&found.warnings));
     arguments.write(&outputs, &found)?;
     Ok(found)
 }

@@ -7,7 +7,8 @@ use std::str::FromStr;
 use serde_json::json;
 
 use super::files::Outputs;
-use super::{NODE, SceneArguments, Unused, check_overrides, one_more, print, progress, tell};
+use super::{NODE, SceneArguments, Unused, check_overrides, one_more, print, progress};
+use crate::accuracy::tell_warnings;
 use crate::map::{self, Agreement, Heard, Map, Request, Said, Step};
 use crate::method::Failure;
 use crate::outcome::{self, Fields, text};
@@ -115,9 +116,8 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let warnings: Vec<String> = missed(&found.agreement, request.error)
         .chain(beside(found.axes.centre_hz, request.frequencies))
         .collect();
-    for warning in &warnings {
-        tell(&format!("warning: {warning}"));
-    }
+    let stated = found.statements.fields(&warnings);
+    tell_warnings(&stated);
     let mut numbers = fields(&found, scene.name());
     if let Some((slice, frequency, amplitude, income)) = map::best(&found)? {
         let name = if request.voltages.is_empty() { "largest_income_w" } else { "largest_income_a" };
@@ -135,7 +135,7 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
         bar.finish_and_clear();
         numbers.extend(inputs(&heard));
     }
-    numbers.insert("warnings".to_owned(), json!(warnings));
+    numbers.extend(stated);
     print(&text(&numbers, arguments.scene.format))
 }
 

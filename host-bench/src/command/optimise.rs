@@ -10,7 +10,7 @@ use super::{NODE, SceneArguments, check_keys, json_text, one_more, print, progre
 use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
 use crate::optimise::{Constraint, Found, Range, Request, Runs, draw, most_runs, optimise, page};
-use crate::outcome::{Format, text};
+use crate::outcome::{Format, small, text};
 use crate::report::html::is_page;
 use crate::scene_file::{self, Scene};
 
@@ -49,6 +49,9 @@ pub struct OptimiseArguments {
     steady_state: bool,
     #[command(flatten)]
     storage_voltage: StorageVoltage,
+    /// Run the best point from its own start only
+    #[arg(long)]
+    single_start: bool,
     /// Write the scene with the best values, and a picture beside it (.svg)
     #[arg(long, value_name = "BEST.toml")]
     output: Option<PathBuf>,
@@ -121,6 +124,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
         ranges: arguments.ranges.clone(),
         constraints: arguments.constraints.clone(),
         grid,
+        single_start: arguments.single_start,
     };
     // A search may end before its most runs.
     let found = optimise(&request, &|count| bar.set_length(bar.position() + count as u64));
@@ -176,12 +180,11 @@ fn entries(found: &Found, request: &Request<'_>) -> Vec<Entry> {
     values.map(entry).collect()
 }
 
-/// The result without that of the best run.
+/// The result without the numbers of the best run.
 fn short(found: &Found, request: &Request<'_>) -> serde_json::Map<String, serde_json::Value> {
     let mut all = found.json(request);
     all.remove("result");
     all.remove("constraints");
-    all.remove("warnings");
     all
 }
 
@@ -213,6 +216,8 @@ fn for_people(found: &Found, request: &Request<'_>) -> String {
             100.0 * number("constraint_cost_relative")
         );
     }
+    let stated = small(found.outcome.accuracy.total);
+    let _ = writeln!(text, "accuracy of the mean power there: {stated}");
     let [runs, failed] = found.runs;
     let _ = writeln!(text, "{runs} runs, {failed} failed");
     text

@@ -8,10 +8,11 @@ use serde_json::json;
 
 use super::storage_voltage::StorageVoltage;
 use super::{NODE, SceneArguments, Unused, check_overrides, note, print};
+use crate::accuracy::{Statements, tell_warnings};
 use crate::embedded::{Search, search};
-use crate::method::Failure;
+use crate::method::{Failure, Options};
 use crate::outcome::{Fields, fields, text};
-use crate::scene_file::{self, Load, Scene};
+use crate::scene_file::{self, Excitation, Load, Scene};
 use crate::steady_state::{DEFAULT_POINTS, Resonance};
 
 /// Keys that the search does not use.
@@ -68,14 +69,32 @@ pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
     storage_voltage.hold(&mut scene)?;
     let mut progress = Progress::new(points);
     let range_hz = [from, to];
+    let options = &arguments.scene.options;
     let found = if short_open {
-        short_open::compared(&scene, range_hz, points, &arguments.scene.options, &mut progress)?
+        short_open::compared(&scene, range_hz, points, options, &mut progress)?
     } else {
         let search = Search { range_hz, points, with_power: true };
         let (found, periods) = peaks(&scene, &search, arguments, &mut progress)?;
-        described(&scene, &found, periods)
+        let peaks = [Some(found.amplitude), Some(found.rms_voltage), found.mean_power];
+        let mut peaks: Vec<f64> = peaks.into_iter().flatten().map(|peak| peak.frequency_hz).collect();
+        peaks.dedup();
+        let mut named = described(&scene, &found, periods);
+        named.extend(stated(&peaks.into_iter().map(|peak| (&scene, peak)).collect::<Vec<_>>(), options)?);
+        named
     };
+    tell_warnings(&found);
     print(&text(&found, arguments.scene.format))
+}
+
+/// What the steady motions of scenes at some frequencies in Hz state.
+fn stated(peaks: &[(&Scene, f64)], options: &Options) -> Result<Fields, Failure> {
+    let amplitude = |scene: &Scene| match &scene.excitation {
+        Excitation::Sine(tone) => tone.amplitude_m_per_s2,
+        _ => 0.0,
+    };
+    let places: Vec<(&Scene, [f64; 2])> =
+        peaks.iter().map(|(scene, peak)| (*scene, [amplitude(scene), *peak])).collect();
+    Statements::of_orbits(&places, options).map(|statements| statements.fields(&[]))
 }
 
 /// The peaks of a scene, and the simulated periods that they took.

@@ -6,7 +6,8 @@ use super::files::Outputs;
 use super::storage_voltage::StorageVoltage;
 use super::watch::Watch;
 use super::{NODE, SceneArguments, check_overrides, one_more, print, progress, tell};
-use crate::accuracy::{imbalance, run_with_accuracy};
+use crate::accuracy::{imbalance, run_with_accuracy, tell_warnings};
+use crate::attractors::add_branches;
 use crate::method::{Failure, Options};
 use crate::motion::{self, Series};
 use crate::report::setting::setting;
@@ -38,6 +39,10 @@ pub struct RunArguments {
     /// Run once only: without the accuracy statement, and a bump-stop scene with its default steps
     #[arg(long)]
     no_accuracy: bool,
+    /// Leave out the runs from displaced starts, which seek other motions under a periodic excitation; --no-accuracy leaves
+    /// them out too
+    #[arg(long)]
+    single_start: bool,
     /// Run a scene with a random excitation with this many seeds, from its own on, on all cores: means over the seeds, with
     /// their confidence intervals
     #[arg(long, value_name = "COUNT", conflicts_with_all = ["trace", "steady_state"], allow_hyphen_values = true)]
@@ -77,7 +82,11 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         outcome.warnings.extend(remarks);
         outcome
     } else {
-        run_with_accuracy(&scene, &options)?
+        let mut outcome = run_with_accuracy(&scene, &options)?;
+        if !arguments.single_start {
+            add_branches(&scene, &options, &mut outcome);
+        }
+        outcome
     };
     drop(watch);
     if let (Some(file), Some(every_s)) = (&arguments.picture, options.trace_every_s) {
@@ -103,8 +112,6 @@ fn run_seeds(arguments: &RunArguments, scene: &Scene, options: &Options, count: 
     let found = Statistics::of(scene, options, &seeds, !arguments.no_accuracy, || one_more(&bar));
     bar.finish_and_clear();
     let found = found?;
-    for warning in &found.warnings {
-        tell(&format!("warning: {warning}"));
-    }
+    tell_warnings(&found.stated);
     print(&found.text(arguments.scene.format)?)
 }

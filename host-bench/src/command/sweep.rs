@@ -22,6 +22,7 @@ use super::files::{Outputs, make_folder};
 use super::storage_voltage::StorageVoltage;
 use super::{NODE, SceneArguments, check_keys, is_quiet, note, print, progress, tell};
 use crate::accuracy::run_with_accuracy;
+use crate::attractors::add_branches;
 use crate::method::{Failure, Options};
 use crate::outcome::{self, Fields, Format, STABLE, fields, flattened, number, rows_csv, small};
 use crate::report::setting::setting;
@@ -57,6 +58,9 @@ pub struct SweepArguments {
     /// Run each point once only: without the accuracy statement, and a bump-stop scene with its default steps
     #[arg(long)]
     no_accuracy: bool,
+    /// Leave out the runs of each point from displaced starts; --no-accuracy leaves them out too
+    #[arg(long)]
+    single_start: bool,
 }
 
 /// One point of the grid and its outcome.
@@ -182,7 +186,10 @@ impl Point {
         }
         let scene = scene(arguments, &values)?;
         let run = if arguments.no_accuracy { run_scene } else { run_with_accuracy };
-        let found = stopped_as_text(run(&scene, options))?;
+        let mut found = stopped_as_text(run(&scene, options))?;
+        if let (Ok(outcome), false) = (&mut found, arguments.no_accuracy || arguments.single_start) {
+            add_branches(&scene, options, outcome);
+        }
         let compared = match &found {
             Ok(outcome) => compared(&scene, outcome, arguments)?,
             Err(_) => None,
@@ -217,9 +224,10 @@ impl Point {
 /// Which sweep it is: the build, the files that are read, and what was asked for.
 fn identity(arguments: &SweepArguments) -> Result<String, Failure> {
     // The same points in another folder or format are the same sweep.
-    let SweepArguments { scene, axes, steady_state, storage_voltage, compare, no_accuracy, output: _ } =
-        arguments;
-    let asked = (&scene.options, &scene.overrides, axes, steady_state, storage_voltage, compare, no_accuracy);
+    let SweepArguments { scene, axes, storage_voltage, output: _, .. } = arguments;
+    let SweepArguments { steady_state, compare, no_accuracy, single_start, .. } = arguments;
+    let flags = [steady_state, compare, no_accuracy, single_start];
+    let asked = (&scene.options, &scene.overrides, axes, storage_voltage, flags);
     let mut asked = format!("{asked:?}").into_bytes();
     for file in scene_file::files(&arguments.scene.scene, &arguments.scene.overrides)? {
         let content = std::fs::read(&file)

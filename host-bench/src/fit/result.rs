@@ -15,9 +15,10 @@ use super::solve::Solved;
 use super::uncertainty::Uncertainty;
 use super::unfollowed::{Unfollowed, remark};
 use super::weights::Weighting;
+use crate::accuracy::Statements;
 use crate::command::json_text;
 use crate::method::Failure;
-use crate::outcome::{Format, csv_line, number, optional_number, table};
+use crate::outcome::{Fields, Format, fields, flattened, rows_csv, small, table};
 use crate::seeds::student::quantile;
 
 /// Probability of the intervals.
@@ -59,6 +60,8 @@ pub(crate) struct Found {
     /// Measured columns that the model does not follow.
     pub(super) unfollowed: Vec<Unfollowed>,
     pub(crate) warnings: Vec<String>,
+    /// What a run of the fitted scene states.
+    pub(crate) statements: Statements,
     pub(crate) curves: Vec<Curve>,
 }
 
@@ -114,6 +117,7 @@ impl Found {
             }),
             unfollowed: Vec::new(),
             warnings: Vec::new(),
+            statements: Statements::default(),
             curves: curves(problem, &solved.evaluation.values),
         }
     }
@@ -182,7 +186,7 @@ impl Found {
         if let Some(interpolation) = self.interpolation {
             put("interpolation", json!(interpolation));
         }
-        put("warnings", json!(self.warnings));
+        object.extend(self.statements.fields(&self.warnings));
         Value::Object(object)
     }
 }
@@ -228,21 +232,25 @@ pub(crate) fn text(found: &Found, format: Format) -> Result<String, Failure> {
     match format {
         Format::Json => json_text(&found.json()),
         Format::Csv => {
-            let heading = ["key", "value", "standard_error", "low_95", "high_95", "start", "at_bound"];
-            let mut text = csv_line(heading.map(str::to_owned));
-            for parameter in &found.parameters {
-                let [low, high] = [0, 1].map(|end| parameter.interval_95.map(|ends| ends[end]));
-                text += &csv_line([
-                    parameter.key.clone(),
-                    number(parameter.value),
-                    optional_number(parameter.standard_error),
-                    optional_number(low),
-                    optional_number(high),
-                    number(parameter.start),
-                    parameter.at_bound.to_string(),
-                ]);
-            }
-            Ok(text)
+            let rows: Vec<Fields> = found
+                .parameters
+                .iter()
+                .map(|parameter| {
+                    let [low, high] = [0, 1].map(|end| parameter.interval_95.map(|ends| ends[end]));
+                    let mut row = fields(&json!({
+                        "key": parameter.key,
+                        "value": parameter.value,
+                        "standard_error": parameter.standard_error,
+                        "low_95": low,
+                        "high_95": high,
+                        "start": parameter.start,
+                        "at_bound": parameter.at_bound,
+                    }));
+                    row.extend(flattened(found.statements.fields(&found.warnings)));
+                    row
+                })
+                .collect();
+            Ok(rows_csv(rows.first().map(Fields::keys).into_iter().flatten(), &rows))
         }
         Format::Table => Ok(for_people(found)),
     }
@@ -279,6 +287,8 @@ fn for_people(found: &Found) -> String {
     }
     let converged = if found.converged { "" } else { ", NOT converged" };
     let _ = writeln!(text, "{} points, {} evaluations{converged}", found.points, found.evaluations);
+    let _ =
+        writeln!(text, "accuracy of the mean power of the fitted scene: {}", small(found.statements.total()));
     for combination in &found.undetermined {
         let _ = writeln!(text, "not identifiable: {}", product(combination));
     }

@@ -4,7 +4,7 @@ use super::change::{Change, Corner, apart, corner_name};
 use super::cycles::{cycles, over_cycles, run_cycles, switches, with_cycles};
 use super::part::Part;
 use super::sampled::{FEWEST_RUNS, Sampled, mean, relative_deviation};
-use crate::accuracy::{MOST_HALVINGS, imbalance, run_with_steps, statement_in_default_steps};
+use crate::accuracy::{MOST_HALVINGS, imbalance, run_as_it_is, run_with_steps};
 use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::{Accuracy, Outcome};
@@ -272,7 +272,7 @@ fn changes_under_a_shift(scene: &Scene, run: &Outcome, options: &Options, accura
 fn others(scene: &Scene, options: &Options) -> Result<Accuracy, Failure> {
     let has_none = matches!(scene.model, Model::BumpStop(_)) && !scene.excitation.is_recorded();
     let none = Accuracy { step: Some(0.0), ..Accuracy::default() };
-    if has_none { Ok(none.summed()) } else { statement_in_default_steps(scene, options) }
+    if has_none { Ok(none.summed()) } else { Ok(run_as_it_is(scene, options)?.accuracy) }
 }
 
 /// The options with twice the default steps of a bump-stop scene, or a looser tolerance.

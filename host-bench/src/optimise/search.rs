@@ -6,6 +6,8 @@ use cobyla::{Func, RhoBeg, StopTols, minimize};
 use rayon::prelude::*;
 
 use super::{Found, Point, Request};
+use crate::accuracy::run_as_it_is;
+use crate::attractors::add_branches;
 use crate::doubt::Best;
 use crate::embedded;
 use crate::method::Failure;
@@ -83,9 +85,11 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     let unconstrained = (!request.constraints.is_empty()).then(|| best_of(&points, false, 1)[0].clone());
     ahead(most_at_the_end(keys));
     let flat = flat(request, &best);
-    let outcome = request.outcome(&best.place);
-    let outcome =
-        outcome.ok_or_else(|| Failure::Step("the best point fails when it is run again".to_owned()))?;
+    let scene = request.scene(&best.place)?;
+    let mut outcome = request.counted(run_as_it_is(&scene, &request.options))?;
+    if !request.single_start {
+        add_branches(&scene, &request.options, &mut outcome);
+    }
     let level = is_level.then(|| {
         format!("{} is the same at all points of the grid: the keys do not change it", request.quantity)
     });

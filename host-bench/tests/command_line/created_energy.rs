@@ -100,9 +100,10 @@ fn a_budget_warns_of_income_that_is_created() {
     let command = ["budget", NODE, "--svg", picture.to_str().expect("a plain path")];
     let short = ["run.duration_s=3", "run.settle_s=2"];
     let (day, lines) = told(&command, &short);
-    assert!(warnings(&day, &lines).is_empty(), "the shipped node conserves energy");
+    let creates = |list: &[String]| list.iter().filter(|text| text.contains("creates energy")).count();
+    assert_eq!(creates(&warnings(&day, &lines)), 0, "the shipped node conserves energy");
     let (day, lines) = told(&command, &[&short[..], &["parameters.force_law=transferred-charge"]].concat());
     let warnings = warnings(&day, &lines);
-    let part = " times the amplitude: force_law = \"transferred-charge\" creates energy";
-    assert!(warnings.len() == 1 && warnings[0].contains(part), "{warnings:?}");
+    let part = "3 of 3 runs: force_law = \"transferred-charge\" creates energy";
+    assert!(warnings.iter().any(|warning| warning.starts_with(part)), "{warnings:?}");
 }

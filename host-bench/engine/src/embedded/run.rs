@@ -304,6 +304,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 }
             }),
             accuracy: Accuracy::default(),
+            branches: None,
             warnings: Vec::new(),
             block_energies_j: meters
                 .blocks

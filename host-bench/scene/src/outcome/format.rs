@@ -156,7 +156,7 @@ pub fn cell(value: &Value) -> String {
 }
 
 /// A value for people: six digits.
-fn shown(value: &Value) -> String {
+pub fn shown(value: &Value) -> String {
     match value {
         Value::Null => "-".to_owned(),
         Value::Number(number) if number.is_f64() => {
@@ -165,6 +165,10 @@ fn shown(value: &Value) -> String {
             if plain { short(&format!("{value:.6}")) } else { format!("{value:.5e}") }
         }
         Value::Array(items) => items.iter().map(shown).collect::<Vec<_>>().join(", "),
+        Value::Object(fields) => {
+            let parts = fields.iter().map(|(name, value)| format!("{name} {}", shown(value)));
+            parts.collect::<Vec<_>>().join(" ")
+        }
         other => cell(other),
     }
 }

@@ -6,7 +6,7 @@
 
 use serde_json::json;
 
-use super::{Progress, no_orbit};
+use super::{Progress, no_orbit, stated};
 use crate::closed_form::undamped_frequencies;
 use crate::embedded::{Search, best_resistance, search};
 use crate::method::{Failure, Options};
@@ -61,6 +61,10 @@ pub(super) fn compared(
             (format!("{name}_peak_power_w"), end.best.map(|best| best.mean_power_w).into()),
         ]);
     }
+    let loaded = [0.0, f64::INFINITY]
+        .map(|resistance_ohm| Scene { load: Load::Resistor { resistance_ohm }, ..scene.clone() });
+    let peaks: Vec<(&Scene, f64)> = loaded.iter().zip(frequencies).collect();
+    named.extend(stated(&peaks, options)?);
     named.extend([("simulated_periods".to_owned(), (short.periods + open.periods).into())]);
     Ok(named)
 }

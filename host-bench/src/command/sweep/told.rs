@@ -9,7 +9,9 @@ use crate::run::run_scene;
 
 /// The warnings of the points together. A row has its own warnings in JSON and CSV.
 pub(super) fn warnings(axes: &[Axis], points: &[Point]) -> impl Iterator<Item = String> {
-    [most_created(axes, points), all_far(axes, points), first_inaccurate(axes, points)].into_iter().flatten()
+    let [inaccurate, branched] =
+        [is_of_accuracy, is_of_attractors].map(|is_of_kind| Some(first_of(axes, points, is_of_kind)?.1));
+    [most_created(axes, points), all_far(axes, points), inaccurate, branched].into_iter().flatten()
 }
 
 /// The warning of the point whose force law created the largest share of the delivered energy, with the number of the
@@ -17,7 +19,8 @@ pub(super) fn warnings(axes: &[Axis], points: &[Point]) -> impl Iterator<Item = 
 fn most_created(axes: &[Axis], points: &[Point]) -> Option<String> {
     let warned = points.iter().filter_map(|point| {
         let share = point.number("created_energy_share").map_or(0.0, f64::abs);
-        let is_other = |warning: &&str| !is_of_accuracy(warning) && !is_of_a_far_sine(warning);
+        let is_known = [is_of_accuracy, is_of_attractors, is_of_a_far_sine];
+        let is_other = |warning: &&str| !is_known.iter().any(|is_of_kind| is_of_kind(warning));
         let warning = point.warnings().find(is_other)?;
         Some((point, warning, share))
     });
@@ -78,9 +81,9 @@ pub(super) fn is_of_accuracy(warning: &str) -> bool {
     warning.starts_with("accuracy:")
 }
 
-/// How many points have a warning of their accuracy, and the first of them.
-fn first_inaccurate(axes: &[Axis], points: &[Point]) -> Option<String> {
-    first_of(axes, points, is_of_accuracy).map(|(_, text)| text)
+/// Whether a warning is about other steady motions.
+fn is_of_attractors(warning: &str) -> bool {
+    warning.starts_with("attractors:")
 }
 
 /// The warning of sines that are far from every resonance, where all points have it: a sweep may go beyond the resonances on

@@ -155,6 +155,7 @@ impl<'a> Meter<'a> {
             steady_state: None,
             flow: None,
             accuracy: Accuracy::default(),
+            branches: None,
             warnings: Vec::new(),
             block_energies_j: Vec::new(),
             trace: None,

@@ -1,0 +1,216 @@
+//! The steady motions of a scene under a periodic excitation, by runs from other starts.
+//!
+//! Impacts and dry friction allow several motions under one excitation; the start decides which of them a run comes to.
+//! Two runs are of one motion if their mean powers agree within a hundredth and within the sampling error of motions that
+//! are not periodic.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+
+use crate::accuracy::{MOST_ATTEMPTS, has_own_steps, takes_power};
+use crate::method::{Method, Options};
+use crate::outcome::{Branch, Outcome, standard_error_of_sum};
+use crate::resolution::resonances;
+use crate::run::run_scene;
+use crate::scene_file::{Excitation, Load, Model, RunSpan, Scene};
+use crate::shift::{start, started};
+
+/// Relative difference of the mean powers of one motion, beside so many standard errors, which allow half of it at most.
+const APART: f64 = 0.01;
+const STANDARD_ERRORS: f64 = 3.0;
+const MOST_BY_SAMPLING: f64 = 0.5;
+/// Most periods after which a motion repeats, and the part of its size by which it then differs.
+const MOST_PERIODS: usize = 16;
+const REPEATS: f64 = 1e-3;
+/// Accuracy of these runs where the options have none.
+const ACCURACY: f64 = 1e-4;
+/// Exponent by which transients have decayed, to a thousandth, and the most times of a run that it may take.
+const DECAY: f64 = 7.0;
+const LONGEST: f64 = 10.0;
+/// Displacement and velocity of the starts of `run` from the place of rest, over the size of the motion. Under a sine they
+/// found the other motion of all of 50 scenes, two random ones that of two thirds.
+const FEW: [[f64; 2]; 2] = [[-0.25, 2.25], [-0.25, 0.5]];
+/// The same of all starts, at most.
+const REACH: f64 = 2.25;
+
+/// From where a scene is started.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    /// Displacement at rest in m.
+    rest_m: f64,
+    /// Size of the motion: of the displacement in m, and of the velocity in m/s.
+    size: [f64; 2],
+    /// Least and largest displacement in m of a start.
+    ends_m: [f64; 2],
+}
+
+impl Place {
+    /// Of a scene that has given `outcome`; `None` where another start has nothing to find.
+    pub(crate) fn new(scene: &Scene, outcome: &Outcome) -> Option<Self> {
+        let is_periodic = match &scene.excitation {
+            Excitation::Sine(tone) => tone.amplitude_m_per_s2 != 0.0 && tone.frequency_hz > 0.0,
+            Excitation::Sines(tones) => tones.iter().any(|tone| tone.amplitude_m_per_s2 != 0.0),
+            Excitation::Burst(burst) => burst.period_s.is_some(),
+            // These lead from one motion to another by themselves.
+            Excitation::Sweep(_) | Excitation::Random(_) | Excitation::File(_) | Excitation::Silence => false,
+        };
+        let fills = matches!(scene.load, Load::RectifiedStore(_));
+        let motion = outcome.largest_motion_m().filter(|_| is_periodic && !fills && takes_power(scene))?;
+        let (rest_m, size_m, ends_m) = match &scene.model {
+            Model::ContactSeparation(model) => {
+                let gap = model.parameters.initial_gap_m;
+                (gap, gap.max(motion - gap), [0.0, f64::INFINITY])
+            }
+            Model::Sliding(model) => {
+                let radius = model.parameters.patch_radius_m;
+                (0.0, radius.max(motion), [-1.95 * radius, 1.95 * radius])
+            }
+            Model::BumpStop(model) => {
+                let gap = model.stop.as_ref().map(|stop| stop.gap_m);
+                (0.0, motion.max(gap.unwrap_or(0.0)), [f64::NEG_INFINITY, gap.unwrap_or(f64::INFINITY)])
+            }
+        };
+        let (frequencies, _) = resonances(scene, outcome);
+        let size = [size_m, size_m * TAU * frequencies.into_iter().reduce(f64::min)?];
+        (size_m > 0.0).then_some(Self { rest_m, size, ends_m })
+    }
+
+    /// The start at some sizes of the motion from rest.
+    fn at(&self, [displacement, velocity]: [f64; 2]) -> [f64; 2] {
+        let [low, high] = self.ends_m;
+        [(self.rest_m + self.size[0] * displacement).clamp(low, high), self.size[1] * velocity]
+    }
+
+    /// Evenly spread starts: the multiples of the powers of the plastic number, modulo 1.
+    pub(crate) fn spread(&self, count: usize) -> Vec<[f64; 2]> {
+        const PLASTIC: f64 = 1.324_717_957_244_746;
+        let [low, high] = self.ends_m.map(|end| ((end - self.rest_m) / self.size[0]).clamp(-REACH, REACH));
+        let part = |index: usize, power: i32| (0.5 + index as f64 / PLASTIC.powi(power)).fract();
+        let start =
+            |index| self.at([low + (high - low) * part(index, 1), REACH * (2.0 * part(index, 2) - 1.0)]);
+        (1..=count).map(start).collect()
+    }
+}
+
+/// Where a run from a start ends.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct End {
+    pub(crate) start: [f64; 2],
+    power_w: f64,
+    /// Standard error of the power in W.
+    error_w: f64,
+    period: Option<usize>,
+}
+
+impl End {
+    fn new(scene: &Scene, start: [f64; 2], outcome: &Outcome, period: Option<usize>) -> Option<Self> {
+        let period = if outcome.is_of_an_orbit() { Some(1) } else { period };
+        let blocks = &outcome.block_energies_j;
+        let is_sampled = period.is_none() && blocks.len() > 1;
+        let error_w = if is_sampled { standard_error_of_sum(blocks) / scene.run.window_s() } else { 0.0 };
+        Some(Self { start, power_w: outcome.mean_power_w?, error_w, period })
+    }
+
+    fn agrees(&self, other: &Self) -> bool {
+        let largest = self.power_w.abs().max(other.power_w.abs());
+        let by_sampling = STANDARD_ERRORS * self.error_w.hypot(other.error_w);
+        let allowed = APART * largest + by_sampling.min(MOST_BY_SAMPLING * largest);
+        let has_period = self.period.zip(other.period).is_none_or(|(one, other)| one == other);
+        has_period && (self.power_w - other.power_w).abs() <= allowed
+    }
+}
+
+/// The periods after which the motion of a run repeats, by its rows, one for each period.
+fn period(scene: &Scene, outcome: &Outcome) -> Option<usize> {
+    let settled = (scene.run.settle_s * scene.excitation.single_frequency()?).ceil() as usize;
+    let rows = outcome.trace.as_ref()?.rows.iter().skip(settled);
+    let at: Vec<f64> = rows.map(|row| row[1]).collect();
+    let allowed = REPEATS * outcome.largest_motion_m()?;
+    let repeats =
+        |period: &usize| at.iter().zip(&at[*period..]).all(|(one, two)| (one - two).abs() <= allowed);
+    (1..=MOST_PERIODS.min(at.len() / 2)).find(repeats)
+}
+
+/// Where the runs from some starts end, on all cores, without those that fail; `done` is called after each.
+pub(crate) fn ends(scene: &Scene, asked: &Options, starts: &[[f64; 2]], done: impl Fn() + Sync) -> Vec<End> {
+    let chooses = matches!(asked.method, Method::Auto | Method::ExponentialRadau) && !asked.steady_state;
+    let is_free = chooses && asked.step_s.is_none() && asked.tolerance.is_none();
+    let by_default = is_free.then_some(ACCURACY);
+    let every_s = scene.excitation.single_frequency().map(|frequency_hz| 1.0 / frequency_hz);
+    let options = Options {
+        accuracy: asked.accuracy.or(by_default).filter(|_| !has_own_steps(scene, asked)),
+        blocks: true,
+        bare: true,
+        trace_every_s: every_s.filter(|_| !asked.steady_state),
+        most_attempts: asked.most_attempts.or(Some(MOST_ATTEMPTS)),
+        ..*asked
+    };
+    let end = |start: &[f64; 2]| {
+        let outcome = run_scene(&started(scene, *start), &options);
+        done();
+        let outcome = outcome.ok()?;
+        End::new(scene, *start, &outcome, period(scene, &outcome))
+    };
+    starts.par_iter().map(end).collect::<Vec<_>>().into_iter().flatten().collect()
+}
+
+/// The scene with its window from an instant in s on, and from where the transients have decayed; `None` if that is far
+/// beyond its end.
+pub(crate) fn settled(scene: &Scene, outcome: &Outcome, from_s: f64) -> Option<Scene> {
+    let (frequencies, damping_ratio) = resonances(scene, outcome);
+    let settle_s = from_s.max(DECAY / (damping_ratio * TAU * frequencies.into_iter().reduce(f64::min)?));
+    let run = RunSpan { duration_s: settle_s + scene.run.window_s(), settle_s };
+    (settle_s <= LONGEST * scene.run.duration_s).then(|| Scene { run, ..scene.clone() })
+}
+
+/// The motions in which runs end, in the order of the first run of each; and the index of the motion of each run.
+pub(crate) fn branches(ends: &[End]) -> (Vec<Branch>, Vec<usize>) {
+    let mut first: Vec<&End> = Vec::new();
+    let mut of = Vec::new();
+    for end in ends {
+        of.push(first.iter().position(|other| other.agrees(end)).unwrap_or(first.len()));
+        if of.last() == Some(&first.len()) {
+            first.push(end);
+        }
+    }
+    let branch = |(index, end): (usize, &&End)| Branch {
+        mean_power_w: Some(end.power_w),
+        period: end.period,
+        share: of.iter().filter(|other| **other == index).count() as f64 / ends.len() as f64,
+        displacement_m: end.start[0],
+        velocity_m_per_s: end.start[1],
+    };
+    (first.iter().enumerate().map(branch).collect(), of)
+}
+
+/// Seeks other motions of a scene that has given `outcome` by two displaced starts. If one seems to end elsewhere, all are
+/// run again with a later window.
+pub(crate) fn add_branches(scene: &Scene, asked: &Options, outcome: &mut Outcome) {
+    outcome.branches = found(scene, asked, outcome);
+    if let Some(branches) = &outcome.branches {
+        let motion = |branch: &Branch| {
+            let Branch { mean_power_w, displacement_m, velocity_m_per_s, .. } = branch;
+            let power_w = mean_power_w.unwrap_or(f64::NAN);
+            format!("{power_w:.3e} W from {displacement_m:.3e} m and {velocity_m_per_s:.3e} m/s")
+        };
+        let motions: Vec<String> = branches.iter().map(motion).collect();
+        outcome.warnings.push(format!(
+            "attractors: the start decides which of several steady motions a run comes to: {}; the command attractors \
+             seeks all of them",
+            motions.join(", ")
+        ));
+    }
+}
+
+fn found(scene: &Scene, asked: &Options, outcome: &Outcome) -> Option<Vec<Branch>> {
+    let place = Place::new(scene, outcome)?;
+    let own = End::new(scene, start(scene), outcome, None)?;
+    let starts = FEW.map(|sizes| place.at(sizes));
+    if ends(scene, asked, &starts, || ()).iter().all(|end| end.agrees(&own)) {
+        return None;
+    }
+    let later = settled(scene, outcome, scene.run.duration_s)?;
+    let (branches, _) = branches(&ends(&later, asked, &[own.start, starts[0], starts[1]], || ()));
+    (branches.len() > 1).then_some(branches)
+}

@@ -1,0 +1,53 @@
+//! Every output that names numbers of runs has their accuracy statement and their warnings, in each format.
+
+use super::tool::{SHIPPED, accepted, file, folder};
+
+const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/");
+
+#[track_caller]
+fn states(arguments: &[&str]) {
+    let of = |format| accepted(&[arguments, &["--format", format]].concat());
+    let found: serde_json::Value = serde_json::from_str(&of("json")).expect("an object");
+    assert!(found["accuracy"]["total"].as_f64().is_some_and(|total| total > 0.0), "{}", found["accuracy"]);
+    // The force law of the shipped scene creates energy.
+    assert!(found["warnings"].to_string().contains("creates energy"), "{}", found["warnings"]);
+    let csv = of("csv");
+    assert!(csv.contains("accuracy_total") && csv.contains("creates energy"), "{csv}");
+    assert!(of("table").contains("accuracy"));
+}
+
+#[test]
+fn an_optimum_a_resonance_and_seeds_have_a_statement() {
+    let short = ["--set", "run={duration_s=2,settle_s=1}", "--set", "excitation.amplitude_g=0.05"];
+    let over =
+        ["optimise", SHIPPED, "--maximise", "mean_power_w", "--over", "load.resistance_ohm=1e7:1e9:log"];
+    states(&[&over[..], &["--grid", "3"], &short].concat());
+    let range = ["resonance", SHIPPED, "--from", "19", "--to", "21", "--points", "5"];
+    states(&[&range[..], &["--set", "excitation.amplitude_g=0.02"]].concat());
+    let truck = format!("{SCENES}contact-separation-truck.toml");
+    let few = ["--set", "excitation.lines=64", "--set", "run={duration_s=2,settle_s=1}"];
+    states(&[&["run", &truck, "--seeds", "3"], &few[..]].concat());
+}
+
+#[test]
+fn a_day_a_map_and_a_fit_have_a_statement() {
+    let law = ["--set", "parameters.force_law=transferred-charge"];
+    let folder = folder("statements");
+    let picture = folder.join("day.svg");
+    let node = format!("{SCENES}node.toml");
+    let day = ["budget", &node, "--svg", picture.to_str().expect("a plain path")];
+    states(&[&day[..], &["--set", "run={duration_s=3,settle_s=2}"], &law].concat());
+    let map = ["map", SHIPPED, "--amplitude", "0.2:0.5", "--frequency", "20:21", "--places", "30"];
+    states(&map);
+    let data = file(&folder, "data.csv", "frequency_hz,rms_voltage_v\n18,0.5\n19,1.2\n20,8\n21,1\n");
+    states(&[
+        "fit",
+        SHIPPED,
+        "--data",
+        &data,
+        "--free",
+        "parameters.charge_density_c_per_m2",
+        "--starts",
+        "0",
+    ]);
+}
