@@ -82,14 +82,10 @@ impl Place {
         [(self.rest_m + self.size[0] * displacement).clamp(low, high), self.size[1] * velocity]
     }
 
-    /// Evenly spread starts: the multiples of the powers of the plastic number, modulo 1.
-    pub(crate) fn spread(&self, count: usize) -> Vec<[f64; 2]> {
-        const PLASTIC: f64 = 1.324_717_957_244_746;
-        let [low, high] = self.ends_m.map(|end| ((end - self.rest_m) / self.size[0]).clamp(-REACH, REACH));
-        let part = |index: usize, power: i32| (0.5 + index as f64 / PLASTIC.powi(power)).fract();
-        let start =
-            |index| self.at([low + (high - low) * part(index, 1), REACH * (2.0 * part(index, 2) - 1.0)]);
-        (1..=count).map(start).collect()
+    /// The least and the largest displacement in m and velocity in m/s of a start.
+    pub(crate) fn ranges(&self) -> [[f64; 2]; 2] {
+        let [low, high] = [[-REACH; 2], [REACH; 2]].map(|sizes| self.at(sizes));
+        [[low[0], high[0]], [low[1], high[1]]]
     }
 }
 
@@ -97,7 +93,7 @@ impl Place {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct End {
     pub(crate) start: [f64; 2],
-    power_w: f64,
+    pub(crate) power_w: f64,
     /// Standard error of the power in W.
     error_w: f64,
     period: Option<usize>,
@@ -164,24 +160,23 @@ pub(crate) fn settled(scene: &Scene, outcome: &Outcome, from_s: f64) -> Option<S
     (settle_s <= LONGEST * scene.run.duration_s).then(|| Scene { run, ..scene.clone() })
 }
 
-/// The motions in which runs end, in the order of the first run of each; and the index of the motion of each run.
-pub(crate) fn branches(ends: &[End]) -> (Vec<Branch>, Vec<usize>) {
-    let mut first: Vec<&End> = Vec::new();
-    let mut of = Vec::new();
+/// The motions in which runs end, in the order of the first run of each.
+pub(crate) fn branches(ends: &[End]) -> Vec<Branch> {
+    let mut found: Vec<(&End, usize)> = Vec::new();
     for end in ends {
-        of.push(first.iter().position(|other| other.agrees(end)).unwrap_or(first.len()));
-        if of.last() == Some(&first.len()) {
-            first.push(end);
+        match found.iter_mut().find(|(first, _)| first.agrees(end)) {
+            Some((_, count)) => *count += 1,
+            None => found.push((end, 1)),
         }
     }
-    let branch = |(index, end): (usize, &&End)| Branch {
+    let branch = |(end, count): (&End, usize)| Branch {
         mean_power_w: Some(end.power_w),
         period: end.period,
-        share: of.iter().filter(|other| **other == index).count() as f64 / ends.len() as f64,
+        share: count as f64 / ends.len() as f64,
         displacement_m: end.start[0],
         velocity_m_per_s: end.start[1],
     };
-    (first.iter().enumerate().map(branch).collect(), of)
+    found.into_iter().map(branch).collect()
 }
 
 /// Seeks other motions of a scene that has given `outcome` by two displaced starts. If one seems to end elsewhere, all are
@@ -211,6 +206,6 @@ fn found(scene: &Scene, asked: &Options, outcome: &Outcome) -> Option<Vec<Branch
         return None;
     }
     let later = settled(scene, outcome, scene.run.duration_s)?;
-    let (branches, _) = branches(&ends(&later, asked, &[own.start, starts[0], starts[1]], || ()));
+    let branches = branches(&ends(&later, asked, &[own.start, starts[0], starts[1]], || ()));
     (branches.len() > 1).then_some(branches)
 }

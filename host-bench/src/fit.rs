@@ -106,7 +106,7 @@ pub(crate) fn fit(request: &Request<'_>, scene: &Scene, done: &(dyn Fn() + Sync)
     let solved = polished.ok_or_else(|| Failure::Step("the model fails at the solution".to_owned()))?;
     let mut found = described(&problem, request, &weights, loss, &solved, step);
     let whole = Options { bare: false, ..problem.options };
-    found.statements = Statements::of([&run_as_it_is(&problem.scene(&solved.at)?, &whole)?]);
+    found.statements = Statements::of(&run_as_it_is(&problem.scene(&solved.at)?, &whole).ok());
     if request.is_drawn {
         draw_lines(&problem, &solved.at, &coarse, &mut found)?;
     }

@@ -1,20 +1,19 @@
 //! `attractors`: the steady motions to which starts of a scene lead.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use comfy_table::presets;
 
 use super::files::Outputs;
+use super::sweep::picture::{Quantity, Words, draw};
+use super::sweep::{Axis, page, values};
 use super::{NODE, SceneArguments, check_overrides, json_text, one_more, print, progress, tell};
-use crate::attractors::{Place, branches, ends, settled};
+use crate::attractors::{End, Place, branches, ends, settled};
 use crate::method::Failure;
-use crate::outcome::{Branch, Fields, Format, fields, rows_csv, shown, table};
-use crate::report::charts::{Charts, HINT, Look};
-use crate::report::html::{document, escaped, is_page};
-use crate::report::plot::{Axis, Curve, Mark, Plot, draw};
-use crate::report::svg::shade;
+use crate::outcome::{Fields, Format, fields, rows_csv, shown, table};
+use crate::report::html::is_page;
 use crate::run::run_scene;
-use crate::scene_file::{self, Scene};
+use crate::scene_file;
 use crate::shift::start;
 
 #[derive(Debug, Clone, clap::Args)]
@@ -25,10 +24,10 @@ use crate::shift::start;
 pub struct AttractorsArguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// Starts: that of the scene, and others evenly spread over displacement and velocity
-    #[arg(long, value_name = "COUNT", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    /// Starts beside that of the scene, in a square grid over displacement and velocity
+    #[arg(long, value_name = "COUNT", default_value_t = 64, value_parser = clap::value_parser!(u32).range(4..=100_000))]
     starts: u32,
-    /// Write the starts over displacement and velocity, in the colour of their motion (.svg), or a page with zoom (.html)
+    /// Write the mean power over displacement and velocity at the start (.svg), or a page with zoom (.html)
     #[arg(long, value_name = "FILE.svg|.html")]
     picture: Option<PathBuf>,
 }
@@ -49,33 +48,47 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
         Failure::of_file(&scene, reason)
     })?;
     let later = settled(&scene, &outcome, scene.run.settle_s);
-    let count = arguments.starts as usize;
-    let mut starts = vec![start(&scene)];
-    starts.extend(place.spread(count - 1));
-    let bar = progress(count);
+    if later.is_none() {
+        tell(
+            "warning: run.settle_s: transients have not decayed where the window begins, and take more than ten times \
+             run.duration_s",
+        );
+    }
+    let side = f64::from(arguments.starts).sqrt().ceil() as usize;
+    let [displacements, velocities] = place.ranges();
+    // The last one goes across.
+    let axes =
+        [("velocity at the start [m/s]", velocities), ("displacement at the start [m]", displacements)]
+            .map(|(name, [low, high])| format!("{name}={low:e}:{high:e}:{side}").parse::<Axis>())
+            .into_iter()
+            .collect::<Result<Vec<Axis>, _>>()
+            .map_err(Failure::Input)?;
+    let grid = (0..side * side).map(|index| values(&axes, index)).map(|at| [at[1], at[0]]);
+    let starts: Vec<[f64; 2]> = std::iter::once(start(&scene)).chain(grid).collect();
+    let bar = progress(starts.len());
     let ends = ends(later.as_ref().unwrap_or(&scene), options, &starts, || one_more(&bar));
     bar.finish_and_clear();
-    let (mut found, of) = branches(&ends);
-    if found.is_empty() {
-        return Err(Failure::Step(format!("all runs from {count} starts fail")));
+    if ends.len() < starts.len() {
+        tell(&format!("warning: {} of {} runs failed", starts.len() - ends.len(), starts.len()));
     }
-    let warnings = [
-        later.is_none().then(|| {
-            "run.settle_s: transients have not decayed where the window begins, and take more than ten times run.duration_s"
-                .to_owned()
-        }),
-        (ends.len() < count).then(|| format!("{} of {count} runs failed", count - ends.len())),
-    ];
-    warnings.into_iter().flatten().for_each(|warning| tell(&format!("warning: {warning}")));
     if let Some(path) = &arguments.picture {
-        let of: Vec<([f64; 2], usize)> = ends.iter().map(|end| end.start).zip(of).collect();
-        outputs.write(path, &picture(path, &scene, &found, &of)?)?;
+        let power = |start: &[f64; 2]| Some(ends.iter().find(|end| end.start == *start)?.power_w);
+        let powers = starts.iter().skip(1).map(power).collect();
+        let quantity = Quantity { name: "mean power", unit: "W", values: powers };
+        let title = file.display().to_string();
+        let words = Words { title: &title, without: "the run failed", marked: (&[], "") };
+        let draw = if is_page(path) { page::page } else { draw };
+        let drawn = draw(words, &axes, &[quantity]);
+        if let Some(drawn) = drawn.map_err(Failure::Input)? {
+            outputs.write(path, &drawn)?;
+        }
     }
-    found.sort_by(|one, other| other.share.total_cmp(&one.share));
-    print(&text(&found, *format)?)
+    print(&text(&ends, *format)?)
 }
 
-fn text(found: &[Branch], format: Format) -> Result<String, Failure> {
+fn text(ends: &[End], format: Format) -> Result<String, Failure> {
+    let mut found = branches(ends);
+    found.sort_by(|one, other| other.share.total_cmp(&one.share));
     let rows: Vec<Fields> = found.iter().map(fields).collect();
     let names = || rows.iter().take(1).flat_map(Fields::keys);
     Ok(match format {
@@ -86,40 +99,4 @@ fn text(found: &[Branch], format: Format) -> Result<String, Failure> {
             table(presets::NOTHING, names().collect::<Vec<_>>(), cells, 0)
         }
     })
-}
-
-/// The basins: the starts, in the colour of the motion to which they lead.
-fn picture(
-    path: &Path,
-    scene: &Scene,
-    found: &[Branch],
-    of: &[([f64; 2], usize)],
-) -> Result<String, Failure> {
-    let title = format!("{}: starts by the motion to which they lead", scene.file.display());
-    let curves = found.iter().enumerate().map(|(index, branch)| {
-        let period = branch.period.map_or("not periodic".to_owned(), |period| format!("period {period}"));
-        let power = branch.mean_power_w.unwrap_or(f64::NAN);
-        let name = format!("{power:.3e} W, {period}, {:.0} %", 100.0 * branch.share);
-        // The lightest yellow would not be seen on white.
-        let colour = shade(index as f64, 0.0, 1.15 * (found.len() - 1).max(1) as f64);
-        let points = of.iter().filter(|(_, motion)| *motion == index);
-        Curve::new(name, colour, Mark::Dots(8.0), points.map(|([at, rate], _)| (*at, *rate)))
-    });
-    let span = |index: usize| {
-        let values = || of.iter().map(|(start, _)| start[index]);
-        [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
-    };
-    let plot = Plot {
-        title: title.clone(),
-        across: Axis::linear("displacement at the start [m]", span(0), 8),
-        up: Axis::linear("velocity at the start [m/s]", span(1), 8),
-        curves: curves.collect(),
-    };
-    if !is_page(path) {
-        return draw((900, 640), &[plot]).map_err(Failure::Input);
-    }
-    let mut charts = Charts::default();
-    let chart = charts.place(&Plot { title: String::new(), ..plot }, Look { height: 560, group: None });
-    let body = format!("<h1>{}</h1>\n{HINT}{chart}{}", escaped(&title), charts.scripts());
-    Ok(document(&title, &body))
 }

@@ -77,12 +77,11 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     };
     let stated = statements.fields(&[]);
     tell_warnings(&stated);
-    let in_loop = if arguments.exact && bridged {
+    let is_looped = arguments.exact && bridged;
+    if is_looped {
         income::check_looped(&scene, &node)?;
-        Some((&scene, &options))
-    } else {
-        None
-    };
+    }
+    let in_loop = is_looped.then_some((&scene, &options));
     let day = simulate(&node, &income, learning_days, arguments.precision, in_loop)?;
     drop(watch);
     let source = Source {

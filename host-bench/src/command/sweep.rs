@@ -1,7 +1,7 @@
 //! `sweep`: a scene over a grid of values, on all cores.
 
 mod axis;
-mod page;
+pub(super) mod page;
 pub(super) mod picture;
 mod rows;
 mod shooting;

@@ -18,7 +18,7 @@ use super::weights::Weighting;
 use crate::accuracy::Statements;
 use crate::command::json_text;
 use crate::method::Failure;
-use crate::outcome::{Fields, Format, fields, flattened, rows_csv, small, table};
+use crate::outcome::{Format, cell, csv_line, flattened, number, optional_number, small, table};
 use crate::seeds::student::quantile;
 
 /// Probability of the intervals.
@@ -232,25 +232,24 @@ pub(crate) fn text(found: &Found, format: Format) -> Result<String, Failure> {
     match format {
         Format::Json => json_text(&found.json()),
         Format::Csv => {
-            let rows: Vec<Fields> = found
-                .parameters
-                .iter()
-                .map(|parameter| {
-                    let [low, high] = [0, 1].map(|end| parameter.interval_95.map(|ends| ends[end]));
-                    let mut row = fields(&json!({
-                        "key": parameter.key,
-                        "value": parameter.value,
-                        "standard_error": parameter.standard_error,
-                        "low_95": low,
-                        "high_95": high,
-                        "start": parameter.start,
-                        "at_bound": parameter.at_bound,
-                    }));
-                    row.extend(flattened(found.statements.fields(&found.warnings)));
-                    row
-                })
-                .collect();
-            Ok(rows_csv(rows.first().map(Fields::keys).into_iter().flatten(), &rows))
+            let stated = flattened(found.statements.fields(&found.warnings));
+            let heading = ["key", "value", "standard_error", "low_95", "high_95", "start", "at_bound"];
+            let heading = heading.map(str::to_owned).into_iter().chain(stated.keys().cloned());
+            let mut text = csv_line(heading);
+            for parameter in &found.parameters {
+                let [low, high] = [0, 1].map(|end| parameter.interval_95.map(|ends| ends[end]));
+                let cells = [
+                    parameter.key.clone(),
+                    number(parameter.value),
+                    optional_number(parameter.standard_error),
+                    optional_number(low),
+                    optional_number(high),
+                    number(parameter.start),
+                    parameter.at_bound.to_string(),
+                ];
+                text += &csv_line(cells.into_iter().chain(stated.values().map(cell)));
+            }
+            Ok(text)
         }
         Format::Table => Ok(for_people(found)),
     }

@@ -18,7 +18,7 @@ const LOOK: Look<'_> = Look { height: 360, group: Some("over") };
 const MAP: Look<'_> = Look { height: 480, group: None };
 
 /// The page; `None` without values, without an axis of several values, or with more than two.
-pub(super) fn page(
+pub(in crate::command) fn page(
     words: Words<'_>,
     axes: &[Axis],
     quantities: &[Quantity],
