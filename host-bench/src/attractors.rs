@@ -28,8 +28,8 @@ const ACCURACY: f64 = 1e-4;
 /// Exponent by which transients have decayed, to a thousandth, and the most times of a run that it may take.
 const DECAY: f64 = 7.0;
 const LONGEST: f64 = 10.0;
-/// Displacement and velocity of the starts of `run` from the place of rest, over the size of the motion. Under a sine they
-/// found the other motion of all of 50 scenes, two random ones that of two thirds.
+/// Displacement and velocity of the starts of `run` from the place of rest, over the size of the motion. They were chosen on
+/// 29 contact-separation scenes with two motions under a sine; two random starts find the other one in 80 % of them.
 const FEW: [[f64; 2]; 2] = [[-0.25, 2.25], [-0.25, 0.5]];
 /// The same of all starts, at most.
 const REACH: f64 = 2.25;
