@@ -25,8 +25,8 @@ const MOST_PERIODS: usize = 16;
 const REPEATS: f64 = 1e-3;
 /// Accuracy of these runs where the options have none.
 const ACCURACY: f64 = 1e-4;
-/// Exponent by which transients have decayed, to a thousandth, and the most times of a run that it may take.
-const DECAY: f64 = 7.0;
+/// Exponent by which transients have decayed, far below [`REPEATS`], and the most times of a run that it may take.
+const DECAY: f64 = 10.0;
 const LONGEST: f64 = 10.0;
 /// Displacement and velocity of the starts of `run` from the place of rest, over the size of the motion. They were chosen on
 /// 29 contact-separation scenes with two motions under a sine; two random starts find the other one in 80 % of them.

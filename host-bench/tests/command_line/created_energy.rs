@@ -81,7 +81,7 @@ fn sliding_without_the_lateral_force_takes_nothing_from_the_motion() {
 
 #[test]
 fn a_sweep_warns_once_and_each_of_its_points_has_its_warning() {
-    let over = ["sweep", SHIPPED, "--over", "load.resistance_ohm=0:2e8:3"];
+    let over = ["sweep", SHIPPED, "--over", "load.resistance_ohm=0:2e8:3", "--single-start"];
     let (points, told) = told(&over, &SHORT);
     let [line] = &told[..] else { panic!("{told:?}") };
     assert!(line.starts_with("warning: at 2 of 3 points, the most at load.resistance_ohm = "), "{line}");
