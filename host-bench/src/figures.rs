@@ -9,9 +9,11 @@ pub use self::page::page;
 
 use rayon::prelude::*;
 
-use crate::method::Failure;
+use crate::method::{Failure, Options};
 use crate::outcome::name;
 use crate::report::plot::{self, Plot};
+use crate::report::setting::margin;
+use crate::run::run_scene;
 use crate::scene_file::{self, Excitation, Scene, Tone};
 
 /// A harvester whose figures are made.
@@ -95,11 +97,17 @@ impl Subject {
 
     /// Makes its figures from the shipped scenes, on all cores; `done` is called after each run.
     pub fn build(self, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
-        match self {
+        let mut chapter = match self {
             Self::Sliding => sliding::build(&shipped("sliding")?, done),
             Self::ContactSeparation => contact_separation::build(&shipped("contact-separation")?, done),
             Self::BumpStop => bump_stop::build(done),
+        }?;
+        let scenes = self.scenes();
+        let outcomes = each(&scenes, &|| {}, |name| run_scene(&shipped(name)?, &Options::default()))?;
+        for (name, outcome) in scenes.iter().zip(outcomes) {
+            chapter.introduction += &format!("<p>{name}{}</p>\n", margin(outcome.margins.smallest_margin));
         }
+        Ok(chapter)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::embedded;
 use crate::method::{Failure, Method, Options};
-use crate::outcome::{Outcome, created_energy_warning};
+use crate::outcome::{Margin, Outcome, created_energy_warning};
 use crate::peer;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{Model, Scene};
@@ -30,6 +30,7 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
         _ => embedded::run(scene, options),
     }?;
     outcome.warnings.extend(outcome.created.and_then(|created| created_energy_warning(scene, created)));
+    outcome.warnings.extend(outcome.margins.limits.iter().filter_map(Margin::warning));
     Ok(outcome)
 }
 

@@ -14,6 +14,7 @@ mod command_line {
     mod help;
     mod hints;
     mod keys;
+    mod limits;
     mod needs;
     mod optimise;
     mod outputs;

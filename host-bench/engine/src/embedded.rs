@@ -10,6 +10,7 @@ mod bump_stop;
 mod contact_separation;
 mod excitation;
 mod held;
+mod limits;
 mod recorder;
 mod report;
 mod run;

@@ -144,7 +144,8 @@ def optimise(scene, over, *, maximise=None, minimise=None, subject_to=(), set=No
 
     ``over`` has the range of each key, (low, high) or (low, high, "log"), ``subject_to`` bounds such as
     ``"peak_gap_m<=0.004"``. Returns the object of ``optimise --format json``: ``value``, ``point``,
-    ``range_within_1_percent`` and others. ``grid``, ``output`` and ``picture`` are those of the command line.
+    ``range_within_1_percent`` and others. ``grid``, ``output``, ``picture`` and ``keep_margins=True``
+    are those of the command line.
     """
     ranges = [f"{key}={':'.join(str(end) for end in ends)}" for key, ends in over.items()]
     arguments = [str(scene), *_given("set", set), *_repeated("over", ranges), *_repeated("subject-to", subject_to)]
@@ -183,8 +184,10 @@ def _toml(value):
 
 
 def _arguments(options):
-    """Options as arguments of the command line."""
-    return [f"--{name.replace('_', '-')}={value}" for name, value in options.items() if value is not None]
+    """Options as arguments of the command line; one that is True has no value there."""
+    given = [(name, value) for name, value in options.items() if value is not None and value is not False]
+    named = [(f"--{name.replace('_', '-')}", value) for name, value in given]
+    return [name if value is True else f"{name}={value}" for name, value in named]
 
 
 # Results that are no numbers, though a point may lack them.

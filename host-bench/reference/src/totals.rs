@@ -6,7 +6,7 @@ use diffsol::ode_solver::OdeSolverStatistics;
 use super::ledger::{Ledger, integral};
 use super::recorder::Recorder;
 use super::storage::Storage;
-use harvester_scene::outcome::{Accuracy, CreatedEnergy, Outcome, Particular, Recording};
+use harvester_scene::outcome::{Accuracy, CreatedEnergy, Margins, Outcome, Particular, Recording};
 use harvester_scene::scene_file::{Random, Scene};
 
 /// Work of the integrator.
@@ -87,6 +87,7 @@ impl Totals {
             flow: None,
             accuracy: Accuracy::default(),
             branches: None,
+            margins: Margins::default(),
             warnings: Vec::new(),
             block_energies_j: Vec::new(),
             trace: self.recorder.map(|recorder| Recording {

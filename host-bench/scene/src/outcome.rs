@@ -4,6 +4,7 @@ mod accuracy;
 mod bump_stop;
 mod created;
 mod format;
+mod limits;
 
 use serde::Serialize;
 
@@ -15,6 +16,7 @@ pub use self::format::{
     Fields, cell, csv, csv_line, csv_sections, fields, flattened, name, number, optional_number, rows_csv,
     shown, small, table, text,
 };
+pub use self::limits::{LIMIT, MODEL, Margin, Margins};
 
 /// The result of one run.
 ///
@@ -72,8 +74,11 @@ pub struct Outcome {
     /// The steady motions that displaced starts lead to, that of this run first; `None` where they all lead to the motion of
     /// this run, or none was made.
     pub branches: Option<Vec<Branch>>,
+    /// Least margins of the whole run to the limits of its model.
+    #[serde(flatten)]
+    pub margins: Margins,
     /// What to know before the numbers are used. A warning about the accuracy begins with `accuracy:`, one about other
-    /// steady motions with `attractors:`.
+    /// steady motions with `attractors:`, one about a limit with `limit:` or `model:`.
     pub warnings: Vec<String>,
     /// The storage behind a bridge at the end of the run.
     #[serde(flatten)]

@@ -11,6 +11,7 @@ mod document;
 mod excitation;
 mod fit;
 pub mod key;
+mod limits;
 mod load;
 pub mod modes;
 mod node;
@@ -31,6 +32,8 @@ pub use self::document::SceneError;
 use self::document::{Content, Document};
 pub use self::fit::Fit;
 use self::key::{Kind, Table, Value, other};
+pub(crate) use self::limits::of_name as limit_of_name;
+pub use self::limits::{breakdown_voltage_v, fringing};
 pub use self::overrides::{Override, contains, replaces};
 pub use self::scene::*;
 use self::section::{Reader, Section};
@@ -158,11 +161,12 @@ fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>,
     let (load, part) = load::load(root.table("load")?)?;
     let excitation = excitation::excitation(root.table("excitation")?)?;
     let run = run_span::run_span(root.table("run")?, &excitation)?;
+    let limits = limits::limits(root.optional_table("limits")?.unwrap_or_else(|| root.empty("limits")))?;
     let node = match root.optional_table("node")? {
         Some(section) => Some(node::node(section, load, part)?),
         None => None,
     };
     let fit = root.optional_table("fit")?.map(fit::fit).transpose()?.unwrap_or_default();
     root.finish()?;
-    Ok((Scene { file: file.to_owned(), model, load, excitation, run }, node, fit))
+    Ok((Scene { file: file.to_owned(), model, load, excitation, run, limits }, node, fit))
 }

@@ -12,12 +12,15 @@ use crate::method::{Failure, Options};
 use crate::optimise::{Constraint, Found, Range, Request, Runs, draw, most_runs, optimise, page};
 use crate::outcome::{Format, small, text};
 use crate::report::html::is_page;
+use crate::report::setting::margin;
 use crate::scene_file::{self, Scene};
 
 /// Points of the grid for each of one to four keys.
 const GRID: [usize; 4] = [41, 15, 7, 5];
 /// Most points of the grid.
 const MOST: usize = 100_000;
+/// The constraint of `--keep-margins`.
+const MARGINS: &str = "impossible_margin>=1";
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct OptimiseArguments {
@@ -41,6 +44,9 @@ pub struct OptimiseArguments {
     /// A bound of a number of the result, such as "peak_gap_m<=0.004"; may be repeated
     #[arg(long = "subject-to", value_name = "QUANTITY<=VALUE")]
     constraints: Vec<Constraint>,
+    /// Keep every limit of the model beyond which nothing real is: --subject-to "impossible_margin>=1"
+    #[arg(long)]
+    keep_margins: bool,
     /// Points of the coarse grid for each key [default: 41, 15, 7 or 5 for one to four keys]
     #[arg(long, value_name = "COUNT")]
     grid: Option<usize>,
@@ -111,6 +117,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
     }
     let hold = |scene: &mut Scene| held.hold(scene);
     scene_file::read(file, overrides)?;
+    let of_margins: Option<Constraint> = arguments.keep_margins.then(|| MARGINS.parse().ok()).flatten();
     let bar = progress(0);
     let request = Request {
         file,
@@ -122,7 +129,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
         quantity: arguments.maximise.clone().or(arguments.minimise.clone()).unwrap_or_default(),
         is_largest: arguments.maximise.is_some(),
         ranges: arguments.ranges.clone(),
-        constraints: arguments.constraints.clone(),
+        constraints: arguments.constraints.iter().cloned().chain(of_margins).collect(),
         grid,
         single_start: arguments.single_start,
     };
@@ -134,7 +141,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
         tell(&format!("warning: {warning}"));
     }
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let title = format!("{name}: {}", request.quantity);
+    let title = format!("{name}: {}{}", request.quantity, margin(found.outcome.margins.smallest_margin));
     for path in pictures.iter().flatten() {
         let drawn =
             if is_page(path) { page(&found, &request, &title) } else { draw(&found, &request, &title) };

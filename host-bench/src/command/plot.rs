@@ -7,7 +7,7 @@ use super::watch::Watch;
 use super::{NODE, check_keys, note, print, tell};
 use crate::method::{Failure, Options};
 use crate::motion::{self, LogAxis, Series, View, Wanted};
-use crate::report::setting::setting;
+use crate::report::setting::{margin, setting};
 use crate::run::run_scene;
 use crate::scene_file::{self, Override, Scene};
 
@@ -105,18 +105,19 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
         }
     };
     let watch = Watch::new();
-    let mut series = Vec::new();
-    let mut method = String::new();
+    let (mut series, mut method) = (Vec::new(), String::new());
+    let (mut smallest, mut warnings) = (Vec::new(), Vec::new());
     for (name, scene) in &scenes {
         let outcome = run_scene(scene, &options).map_err(|failure| failure.of_case(name))?;
-        outcome.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
         series.push(Series::of(name.as_str(), scene, &outcome));
+        smallest.extend(outcome.margins.smallest_margin);
+        warnings.extend(outcome.warnings);
         method = outcome.method;
     }
     drop(watch);
     series.extend(traces);
-    let without: Vec<&str> = compared.map(|one| one.key.as_str()).into_iter().collect();
-    let title = motion::title(&arguments.scene, &method, &setting(first, &without));
+    let words = setting(first, compared.map(|one| one.key.as_str()).as_slice()) + &margin(smallest);
+    let title = motion::title(&arguments.scene, &method, &words);
     let usual = motion::usual(first, &title, &series[0], every_s);
     let wanted = Wanted {
         views: if arguments.view.is_empty() { usual.views } else { &arguments.view },
@@ -126,6 +127,7 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
         logarithmic: &arguments.log,
         ..usual
     };
+    warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
     let picture = motion::of_file(&file, &wanted, &series)?;
     if arguments.output.is_none() {
         make_folder(&report_folder())?;

@@ -10,7 +10,7 @@ use crate::accuracy::{imbalance, run_with_accuracy, tell_warnings};
 use crate::attractors::add_branches;
 use crate::method::{Failure, Options};
 use crate::motion::{self, Series};
-use crate::report::setting::setting;
+use crate::report::setting::{margin, setting};
 use crate::resolution::remarks;
 use crate::run::run_scene;
 use crate::scene_file::{self, Scene};
@@ -91,7 +91,8 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     drop(watch);
     if let (Some(file), Some(every_s)) = (&arguments.picture, options.trace_every_s) {
         let series = Series::of("run", &scene, &outcome);
-        let title = motion::title(&arguments.scene.scene, &outcome.method, &setting(&scene, &[]));
+        let words = setting(&scene, &[]) + &margin(outcome.margins.smallest_margin);
+        let title = motion::title(&arguments.scene.scene, &outcome.method, &words);
         let wanted = motion::usual(&scene, &title, &series, every_s);
         let picture = motion::of_file(file, &wanted, &[series])?;
         outputs.write(file, &picture)?;

@@ -25,7 +25,7 @@ use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
 use crate::method::{Failure, Options};
 use crate::outcome::{self, Fields, Format, STABLE, fields, flattened, number, rows_csv, small};
-use crate::report::setting::setting;
+use crate::report::setting::{margin, setting};
 use crate::run::{run_scene, stopped_as_text};
 use crate::scene_file::{self, Override, Scene};
 use crate::stability::{build, fnv_1a};
@@ -251,7 +251,8 @@ fn write(
     let first = points.first().map_or(&[][..], |point| &point.values);
     let method = points.iter().find_map(|point| point.text("method"));
     let parameters = setting(&scene(arguments, first)?, &keys);
-    let title = format!("{file}, {}: {parameters}", method.unwrap_or("no run"));
+    let smallest = points.iter().filter_map(|point| point.number("smallest_margin"));
+    let title = format!("{file}, {}: {parameters}{}", method.unwrap_or("no run"), margin(smallest));
     let is_of_a_run = |point: &Point| point.text("steady_state").is_some_and(|verdict| verdict != STABLE);
     let unstable: Vec<bool> = points.iter().map(is_of_a_run).collect();
     let words = Words {
@@ -351,7 +352,7 @@ fn table(axes: &[Axis], points: &[Point]) -> String {
     let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5e}"));
     let keys = axes.iter().map(|axis| axis.key.as_str());
     let steady = points.iter().any(|point| point.text("steady_state").is_some());
-    let names = ["mean_power_w", "stated_error", "rms_voltage_v", "steps"].into_iter();
+    let names = ["mean_power_w", "stated_error", "rms_voltage_v", "smallest_margin", "steps"].into_iter();
     let headings = keys.chain(names).chain(steady.then_some("steady_state")).chain(["error"]);
     let rows = points.iter().map(|point| {
         let values = point.values.iter().map(|value| shown(Some(*value)));
@@ -361,11 +362,12 @@ fn table(axes: &[Axis], points: &[Point]) -> String {
                     shown(point.number("mean_power_w")),
                     small(fields.get("accuracy").and_then(|accuracy| accuracy.get("total")?.as_f64())),
                     shown(point.number("rms_voltage_v")),
+                    shown(point.number("smallest_margin")),
                     fields.get("steps").map_or_else(|| shown(None), ToString::to_string),
                 ],
                 String::new(),
             ),
-            Err(error) => ([(); 4].map(|()| shown(None)), error.clone()),
+            Err(error) => ([(); 5].map(|()| shown(None)), error.clone()),
         };
         let verdict = steady.then(|| point.text("steady_state").map_or_else(|| shown(None), str::to_owned));
         values.chain(found).chain(verdict).chain([error]).collect::<Vec<_>>()

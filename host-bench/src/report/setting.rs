@@ -25,6 +25,12 @@ pub(crate) fn with_unit(value: f64, unit: &str) -> String {
     format!("{digits} {prefix}{unit}")
 }
 
+/// The smallest of some margins to limits of a model, for the title of a picture after other text; empty for none.
+pub(crate) fn margin(all: impl IntoIterator<Item = f64>) -> String {
+    let smallest = all.into_iter().min_by(f64::total_cmp);
+    smallest.map_or_else(String::new, |smallest| format!("; smallest margin to a limit {smallest:.3}"))
+}
+
 /// The parameters of a scene that a picture should name, without those of these keys.
 pub(crate) fn setting(scene: &Scene, without: &[&str]) -> String {
     let mut parts: Vec<(&str, String)> = Vec::new();

@@ -28,7 +28,7 @@ fn json_has_every_key_of_the_contract() {
     let keys: Vec<&str> = found.as_object().expect("an object").keys().map(String::as_str).collect();
     let wanted = "scene method precision math duration_s settle_s mean_power_w mean_power_standard_error_w rms_voltage_v \
                   peak_voltage_v mean_voltage_v delivered_energy_j energy_residual steps rejected_steps \
-                  newton_iterations events processor_s accuracy branches warnings beam_natural_frequencies_hz \
+                  newton_iterations events processor_s accuracy branches limits smallest_margin impossible_margin warnings beam_natural_frequencies_hz \
                   rod_natural_frequencies_hz peak_tip_displacement_m \
                   peak_stop_point_displacement_m contacts contacts_per_period contact_fraction \
                   first_contact_s peak_force_n mean_force_n clamp_curvature_peak_per_m clamp_curvature_rms_per_m \

@@ -7,6 +7,11 @@ use super::tool::{PASSIVE, SHIPPED, folder, host_bench};
 const SLIDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
 const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
 
+/// Whether a warning is another than that the plates are too small or the slope too large, which these scenes have.
+fn is_other(text: &str) -> bool {
+    !text.contains("model: ")
+}
+
 /// Runs a command with overrides; gives the JSON and the lines on standard error.
 fn told(command: &[&str], overrides: &[&str]) -> (Value, Vec<String>) {
     let sets = overrides.iter().flat_map(|change| ["--set", change]);
@@ -15,14 +20,15 @@ fn told(command: &[&str], overrides: &[&str]) -> (Value, Vec<String>) {
     let told = String::from_utf8(output.stderr).expect("text");
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {told}");
     let found = serde_json::from_slice(&output.stdout).expect("JSON");
-    (found, told.lines().map(str::to_owned).collect())
+    (found, told.lines().filter(|line| is_other(line)).map(str::to_owned).collect())
 }
 
 /// The warnings of an object, which are the lines on standard error.
 #[track_caller]
 fn warnings(found: &Value, told: &[String]) -> Vec<String> {
     let list = found["warnings"].as_array().expect("a list");
-    let list: Vec<String> = list.iter().map(|text| text.as_str().expect("text").to_owned()).collect();
+    let list = list.iter().map(|text| text.as_str().expect("text"));
+    let list: Vec<String> = list.filter(|text| is_other(text)).map(str::to_owned).collect();
     let lines: Vec<String> = list.iter().map(|text| format!("warning: {text}")).collect();
     assert_eq!(lines, told);
     list
@@ -89,7 +95,8 @@ fn a_sweep_warns_once_and_each_of_its_points_has_its_warning() {
         .as_array()
         .expect("a list")
         .iter()
-        .map(|point| point["warnings"].as_array().map_or(9, Vec::len))
+        .map(|point| point["warnings"].as_array().expect("a list"))
+        .map(|list| list.iter().filter(|text| is_other(text.as_str().expect("text"))).count())
         .collect();
     assert_eq!(counts, [0, 1, 1]);
 }

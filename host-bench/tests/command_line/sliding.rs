@@ -25,7 +25,7 @@ fn json_has_every_key_of_the_contract() {
     let keys: Vec<&str> = found.as_object().expect("an object").keys().map(String::as_str).collect();
     let wanted = "scene method precision math duration_s settle_s mean_power_w mean_power_standard_error_w rms_voltage_v \
                   peak_voltage_v mean_voltage_v delivered_energy_j created_energy_j created_energy_share energy_residual \
-                  steps rejected_steps newton_iterations events processor_s accuracy branches warnings natural_frequency_hz peak_displacement_m amplitude_m \
+                  steps rejected_steps newton_iterations events processor_s accuracy branches limits smallest_margin impossible_margin warnings natural_frequency_hz peak_displacement_m amplitude_m \
                   stick_fraction sticks_per_period";
     assert_eq!(keys, wanted.split_whitespace().collect::<Vec<_>>());
     assert_eq!(found["scene"], "sliding");

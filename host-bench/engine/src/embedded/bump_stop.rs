@@ -28,6 +28,7 @@ pub(super) use self::held::{held, identify};
 pub use self::shapes::{DeflectedShape, ShapePoint, deflected_shapes};
 use super::bridge::bridge;
 use super::excitation::{HostExcitation, Setting};
+use super::limits::{Gauge, limits};
 use super::recorder::{dense, dense_voltage};
 use super::report::{Found, Report};
 use super::run::{Run, refuse_parameter, refuse_start};
@@ -285,6 +286,37 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
         let open = Load::Resistor { resistance_ohm: f64::INFINITY };
         let bending = parameters::<S>(self, open).clamp_bending::<MOST_MODES, MOST_MODES>(beam, rod).ok()?;
         Some(Clamp::new(ClampMeter::new(bending, excitation)))
+    }
+
+    /// At the ends of steps, the strain at the extremes of the curvature within them.
+    fn gauge<'a>(&'a self, setting: Setting<'a, S>) -> Gauge<'a, S> {
+        let from = &self.parameters;
+        let [strain, piezo_strain, piezo_field, slope, speed] = limits(setting.scene);
+        let mut clamp = Report::<S, Stepper<S, P, B, R, ALL>>::clamp(self, setting.excitation);
+        let core = parameters::<f64>(self, setting.scene.load);
+        let modes = (1..).take(from.beam_modes);
+        let slopes = modes.map(|number| core.beam_mode(number).shape(1.0).slope / from.beam_length_m);
+        let slopes: Vec<f64> = slopes.collect();
+        let has_stop = self.stop.is_some();
+        let at = move |step: &AcceptedStep<'_, S>, fraction: S| {
+            let begins = fraction == S::ZERO;
+            let outputs = if begins { &step.start } else { &step.end };
+            let state = outputs.state.iter().step_by(2);
+            let tilt: f64 = slopes.iter().zip(state).map(|(slope, at)| slope * at.to_f64()).sum();
+            // A step counts once.
+            let strains = clamp.as_mut().map_or([0.0; 2], |clamp| clamp.strains((!begins).then_some(step)));
+            let meets = has_stop && step.start.penetration <= S::ZERO && step.end.penetration > S::ZERO;
+            let [_, beam, rod] = step.start.motions;
+            let closing = if meets { (beam.rate - rod.rate).to_f64().abs() } else { 0.0 };
+            [
+                [strains[0], strain],
+                [strains[1], piezo_strain],
+                [outputs.voltage.to_f64().abs() / from.piezo_thickness_m, piezo_field],
+                [tilt.abs(), slope],
+                [closing, speed],
+            ]
+        };
+        (Box::new(at), 1)
     }
 
     fn describe(&self, outputs: &Outputs<'_, S>) -> String {

@@ -4,6 +4,7 @@ use std::marker::PhantomData;
 
 use model_core::clock::Instant;
 use model_core::energy::Residual;
+use model_core::observer::AcceptedStep;
 use model_core::part::VACUUM_PERMITTIVITY;
 use model_core::part::load::AnyLoad;
 use model_core::part::parasitic::ParasiticCapacitance;
@@ -13,12 +14,16 @@ use model_core::scene::contact_separation::{
     self, AnyChoices, AnyForceLaw, Choices, ContactSeparation as Harvester, Parameters, Start,
 };
 
+use super::limits::{Gauge, UNUSED, limits};
+use super::recorder::{dense, dense_voltage};
 use super::report::Found;
 use super::run::refuse_parameter;
-use super::triboelectric::{STATES, Triboelectric, explicit_step_into, unit_of_charge};
+use super::triboelectric::{PARTS, STATES, Triboelectric, explicit_step_into, unit_of_charge};
 use harvester_scene::method::Failure;
 use harvester_scene::outcome::{CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Particular};
-use harvester_scene::scene_file::{ContactSeparation, ForceLaw, Load, Restitution, Scene, StickCharge};
+use harvester_scene::scene_file::{
+    ContactSeparation, ForceLaw, Load, Restitution, Scene, StickCharge, breakdown_voltage_v, fringing,
+};
 
 /// The core's parameters of a scene.
 pub fn parameters<S: Scalar, M: Mathematics<S>>(
@@ -118,6 +123,25 @@ impl Triboelectric for ContactSeparation {
             ForceLaw::GapField => residual.total(),
             ForceLaw::TransferredCharge | ForceLaw::None => residual.largest(),
         }
+    }
+
+    fn gauge<'a, S: Scalar>(&'a self, scene: &'a Scene) -> Gauge<'a, S> {
+        let from = &self.parameters;
+        let [pressure, fringe, speed] = limits(scene);
+        let dielectric = from.dielectric_thickness_m / from.relative_permittivity;
+        let at = move |step: &AcceptedStep<'_, S>, fraction| {
+            let [gap, charge] =
+                [[step.start.coordinate(), step.end.coordinate()], [step.start.charge, step.end.charge]]
+                    .map(|[start, end]| dense(start, end, step.step, fraction).to_f64());
+            // A step that ends in an impact ends up to a tick beyond contact.
+            let gap = gap.max(0.0);
+            let plates = charge + from.parasitic_capacitance_f * dense_voltage(step, fraction).to_f64();
+            let density = from.charge_density_c_per_m2 - plates / from.electrode_area_m2;
+            let voltage = (density * gap / VACUUM_PERMITTIVITY).abs();
+            let edges = fringing(gap + dielectric, from.electrode_area_m2);
+            [[voltage, breakdown_voltage_v(pressure * gap)], [edges, fringe], [0.0, speed], UNUSED, UNUSED]
+        };
+        (Box::new(at), PARTS)
     }
 
     fn particular<S: Scalar>(

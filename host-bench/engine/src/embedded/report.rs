@@ -1,7 +1,8 @@
 //! What the report of a run takes from the scene.
 
 use super::bump_stop::Clamp;
-use super::excitation::HostExcitation;
+use super::excitation::{HostExcitation, Setting};
+use super::limits::Gauge;
 use harvester_scene::outcome::Particular;
 use model_core::clock::Instant;
 use model_core::energy::{Residual, RunMeter};
@@ -30,6 +31,9 @@ pub(super) trait Report<S: Scalar, H: Harvester<S>> {
     fn clamp<'a>(&self, _excitation: HostExcitation<'a, S>) -> Option<Clamp<'a, S>> {
         None
     }
+
+    /// What compares the steps of a run with the limits of the model.
+    fn gauge<'a>(&'a self, setting: Setting<'a, S>) -> Gauge<'a, S>;
 
     /// The numbers that only this kind of scene has.
     fn particular(&self, harvester: &H, found: &Found<'_, S>, end: &H::State) -> Particular;

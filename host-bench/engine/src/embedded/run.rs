@@ -15,12 +15,15 @@ use super::auto;
 use super::blocks::Blocks;
 use super::bump_stop::Clamp;
 use super::excitation::Setting;
+use super::limits::Compared;
 use super::recorder::Recorder;
 use super::report::{Found, Report};
 use super::{DEFAULT_TOLERANCE, precision_name};
 use crate::steady_state::Total;
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
-use harvester_scene::outcome::{Accuracy, CreatedEnergy, EnergyFlow, Outcome, Recording, StoreOutcome};
+use harvester_scene::outcome::{
+    Accuracy, CreatedEnergy, EnergyFlow, Margins, Outcome, Recording, StoreOutcome,
+};
 use harvester_scene::progress;
 use harvester_scene::scene_file::{Random, RunSpan, Scene};
 
@@ -134,6 +137,7 @@ pub(super) struct Run<'a, S: Scalar, H, R> {
 struct Meters<'a, S: Scalar> {
     whole: Option<(Ledger<S>, RunMeter<S>)>,
     window: RunMeter<S>,
+    margins: Option<Compared<'a, S>>,
     blocks: Option<Blocks>,
     clamp: Option<Clamp<'a, S>>,
 }
@@ -151,6 +155,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         let mut meters = Meters {
             whole: (!options.bare).then(|| (Ledger::open(&outputs), RunMeter::new())),
             window: RunMeter::new(),
+            margins: (!options.bare).then(|| Compared::new(scene, self.report.gauge(self.setting))),
             blocks: None,
             clamp: None,
         };
@@ -168,7 +173,8 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 meters.clamp = (!options.bare).then(|| self.report.clamp(excitation)).flatten();
             }
             let mut pair = meters.whole.as_mut().map(|(ledger, meter)| (ledger, meter));
-            let mut whole = pair.as_mut();
+            let mut margins = meters.margins.as_mut();
+            let mut whole = (&mut pair.as_mut(), &mut margins);
             let mut recording = options.trace_every_s.map(|_| &mut recorder);
             let mut window = measured.then_some(&mut meters.window);
             let mut blocks = meters.blocks.as_mut();
@@ -303,6 +309,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                     created_j: spent(PowerIndex::FieldWork) - spent(PowerIndex::ElectrostaticWork),
                 }
             }),
+            margins: meters.margins.as_ref().map_or_else(Margins::default, Compared::margins),
             accuracy: Accuracy::default(),
             branches: None,
             warnings: Vec::new(),

@@ -1,7 +1,9 @@
 //! A sliding run on the embedded core.
 
 use model_core::energy::Residual;
+use model_core::observer::AcceptedStep;
 use model_core::part::VACUUM_PERMITTIVITY;
+use model_core::part::beam::Cantilever;
 use model_core::part::load::AnyLoad;
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::sliding::{
@@ -9,9 +11,11 @@ use model_core::scene::sliding::{
 };
 
 use super::contact_separation::{force_law, sticking};
+use super::limits::{Gauge, UNUSED, limits};
+use super::recorder::dense;
 use super::report::Found;
 use super::run::refuse_parameter;
-use super::triboelectric::{STATES, Triboelectric, explicit_step_into, unit_of_charge};
+use super::triboelectric::{PARTS, STATES, Triboelectric, explicit_step_into, unit_of_charge};
 use harvester_scene::method::Failure;
 use harvester_scene::outcome::{Particular, SLIDING_COLUMNS, SlidingOutcome};
 use harvester_scene::scene_file::{Load, Scene, Sliding};
@@ -90,6 +94,30 @@ impl Triboelectric for Sliding {
     /// ledger closes by itself only.
     fn residual<S: Scalar>(&self, residual: &Residual<S>) -> Option<S> {
         if self.parameters.lateral_force { residual.total() } else { residual.largest() }
+    }
+
+    /// In the first mode of the beam with the slider.
+    fn gauge<'a, S: Scalar>(&'a self, scene: &'a Scene) -> Gauge<'a, S> {
+        let from = &self.parameters;
+        let [strain, slope] = limits(scene);
+        let (length, thickness) = (from.beam_length_m, from.beam_thickness_m);
+        let section = from.beam_width_m * thickness;
+        let beam = Cantilever {
+            length,
+            bending_stiffness: from.young_modulus_pa * section * thickness * thickness / 12.0,
+            mass_per_length: from.density_kg_per_m3 * section,
+            tip_mass: from.slider_mass_kg,
+        };
+        let mode = beam.mode(1);
+        let (clamp, tip) = (mode.shape(0.0), mode.shape(1.0));
+        let strain_by_tip = 0.5 * thickness * clamp.curvature / (length * length * tip.value);
+        let slope_by_tip = tip.slope / (length * tip.value);
+        let at = move |step: &AcceptedStep<'_, S>, fraction| {
+            let [start, end] = [step.start, step.end].map(|outputs| outputs.coordinate());
+            let tip = dense(start, end, step.step, fraction).to_f64().abs();
+            [[strain_by_tip * tip, strain], [slope_by_tip * tip, slope], UNUSED, UNUSED, UNUSED]
+        };
+        (Box::new(at), PARTS)
     }
 
     fn particular<S: Scalar>(

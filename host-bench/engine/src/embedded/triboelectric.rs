@@ -13,6 +13,7 @@ use model_core::scene::{Harvester, Scene as CoreScene, Simulation};
 
 use super::bridge::bridge;
 use super::excitation::Setting;
+use super::limits::Gauge;
 use super::method_name;
 use super::recorder::{dense, dense_voltage};
 use super::report::{Found, Report};
@@ -23,6 +24,9 @@ use harvester_scene::scene_file::{Draw, Load, Scene};
 
 /// States of a bare triboelectric scene: position in m, velocity in m/s, charge in units of the scene.
 pub(super) const STATES: usize = 3;
+
+/// Parts of a step at whose ends a scene is compared with its limits.
+pub(super) const PARTS: u32 = 4;
 
 /// A triboelectric model of a scene file, for the core.
 pub(super) trait Triboelectric {
@@ -49,6 +53,9 @@ pub(super) trait Triboelectric {
     /// The relative residual of the energy ledger that holds for this scene.
     fn residual<S: Scalar>(&self, residual: &Residual<S>) -> Option<S>;
 
+    /// What compares the steps of a run with the limits of the model.
+    fn gauge<'a, S: Scalar>(&'a self, scene: &'a Scene) -> Gauge<'a, S>;
+
     /// The numbers that only this kind of scene has.
     fn particular<S: Scalar>(&self, harvester: &impl Harvester<S>, found: &Found<'_, S>) -> Particular;
 }
@@ -69,6 +76,10 @@ impl<S: Scalar, H: Harvester<S>, T: Triboelectric> Report<S, H> for T {
 
     fn created_energy(&self, window: &RunMeter<S>) -> Option<S> {
         window.report().rms_voltage.map(|_| created_energy(window.integrals()))
+    }
+
+    fn gauge<'a>(&'a self, setting: Setting<'a, S>) -> Gauge<'a, S> {
+        Triboelectric::gauge(self, setting.scene)
     }
 
     fn particular(&self, harvester: &H, found: &Found<'_, S>, _end: &H::State) -> Particular {

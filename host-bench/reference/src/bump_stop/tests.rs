@@ -41,6 +41,7 @@ fn scene([beam_modes, rod_modes]: [usize; 2], [settle_s, duration_s]: [f64; 2]) 
         load: Load::Resistor { resistance_ohm: 1e6 },
         excitation: Excitation::Sine(tone),
         run: RunSpan { duration_s, settle_s },
+        limits: Vec::new(),
     };
     (model, scene)
 }

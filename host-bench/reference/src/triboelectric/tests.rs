@@ -15,7 +15,7 @@ pub(crate) fn with_resistor(
     [settle_s, duration_s]: [f64; 2],
 ) -> Scene {
     let (load, run) = (Load::Resistor { resistance_ohm }, RunSpan { duration_s, settle_s });
-    Scene { file: "test".into(), model, load, excitation, run }
+    Scene { file: "test".into(), model, load, excitation, run, limits: Vec::new() }
 }
 
 /// Asserts that [`Harvester::rates_along`] is the derivative of [`Harvester::rates`], by central differences.

@@ -65,12 +65,20 @@ fn a_template_is_the_scene_that_its_values_are_of() {
 }
 
 /// Every kind of table with its keys, as options that make it of a template that has the tables around.
-const KINDS: [(&str, &[&str]); 24] = [
+const KINDS: [(&str, &[&str]); 27] = [
     ("contact-separation", &[]),
     ("contact-separation", &["parameters.restitution={kind='constant', coefficient=0.5}"]),
     ("contact-separation", &["initial={gap_m=1e-3, velocity_m_per_s=0, charge_c=0}"]),
     ("sliding", &["initial={displacement_m=1e-3, velocity_m_per_s=0, charge_c=0}"]),
     ("bump-stop-tip-mass", &["tip_mass.offset_m=0"]),
+    ("contact-separation", &["limits={pressure_pa=1e5, fringing=0.1, contact_speed_m_per_s=1}"]),
+    ("sliding", &["limits={strain=5e-3, slope_rad=0.1}"]),
+    (
+        "bump-stop",
+        &[
+            "limits={strain=5e-3, piezo_strain=2e-3, piezo_field_v_per_m=6e5, slope_rad=0.1, contact_speed_m_per_s=1}",
+        ],
+    ),
     (
         "bump-stop",
         &["stop.contact='restitution'", "stop.restitution=0.5", "stop.contact_compliance_m_per_n=0"],

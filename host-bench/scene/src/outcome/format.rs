@@ -56,15 +56,25 @@ pub fn text(of: &impl Serialize, format: Format) -> String {
     }
 }
 
-/// The fields with those of a nested object in its place, as `object_field`.
-pub fn flattened(fields: Fields) -> Fields {
+/// The fields with those of a nested object in its place, as `object_field`; those of an object with a name, in a list, as
+/// `list_name_field`.
+pub fn flattened(all: Fields) -> Fields {
+    let named = |prefix: &str, nested: Fields| -> Vec<(String, Value)> {
+        nested.into_iter().map(|(field, value)| (format!("{prefix}_{field}"), value)).collect()
+    };
     let of = |(name, value): (String, Value)| match value {
-        Value::Object(nested) => {
-            nested.into_iter().map(|(field, value)| (format!("{name}_{field}"), value)).collect::<Vec<_>>()
+        Value::Object(nested) => named(&name, nested),
+        Value::Array(items) if items.iter().any(Value::is_object) => {
+            let item = |item: Value| {
+                let mut nested = fields(&item);
+                let own = nested.remove("name").as_ref().map(cell).unwrap_or_default();
+                named(&format!("{name}_{own}"), nested)
+            };
+            items.into_iter().flat_map(item).collect()
         }
         other => vec![(name, other)],
     };
-    fields.into_iter().flat_map(of).collect()
+    all.into_iter().flat_map(of).collect()
 }
 
 /// Some columns of rows as CSV; a cell is empty where its row has no such field.

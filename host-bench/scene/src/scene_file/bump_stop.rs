@@ -5,6 +5,7 @@ use model_core::scene::bump_stop::{Parameters, Restitution, Start, Stop, TipMass
 use super::bounds::{Bound, CoreTable, Short, between};
 use super::document::SceneError;
 use super::key::{Kind, Table, Value, core, number, other, whole, words};
+use super::limits;
 use super::modes::BumpStopModes;
 use super::scene::{
     BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, Model, StopParameters, TipMassParameters,
@@ -39,6 +40,8 @@ pub(super) static KIND: Kind = Kind {
             .or_said("the cantilever swings freely"),
         other("initial", Value::Table(&INITIAL), "The state at the start")
             .or_said("at rest, without voltage"),
+        other("limits", Value::Table(&limits::BUMP_STOP), "The limits of the model")
+            .or_said("the defaults below"),
     ],
 };
 

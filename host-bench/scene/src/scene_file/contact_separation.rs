@@ -7,6 +7,7 @@ use model_core::scene::contact_separation::{Parameters, Start};
 use super::bounds::{self, CoreTable};
 use super::document::SceneError;
 use super::key::{Key, Kind, Table, Value, core, number, other};
+use super::limits;
 use super::scene::{
     ContactSeparation, ContactSeparationParameters, ContactSeparationStart, Model, Restitution,
 };
@@ -26,6 +27,8 @@ pub(super) static KIND: Kind = Kind {
         other("parameters", Value::Table(&PARAMETERS), "The harvester"),
         other("initial", Value::Table(&INITIAL), "The state at the start")
             .or_said("at rest, without voltage"),
+        other("limits", Value::Table(&limits::CONTACT_SEPARATION), "The limits of the model")
+            .or_said("the defaults below"),
     ],
 };
 

@@ -18,7 +18,7 @@ pub(super) struct Section<'a> {
     /// Keys that lead here, each with its dot.
     prefix: String,
     entries: &'a [(String, Node)],
-    table: &'static Table,
+    pub(super) table: &'static Table,
     /// Its kind, once that is read.
     kind: Option<&'static Kind>,
 }

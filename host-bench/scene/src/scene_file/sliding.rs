@@ -6,6 +6,7 @@ use model_core::scene::sliding::{Parameters, Start};
 use super::bounds::{self, CoreTable, Short, between};
 use super::document::SceneError;
 use super::key::{Kind, Table, Value, core, number, other};
+use super::limits;
 use super::scene::{Model, Sliding, SlidingParameters, SlidingStart};
 use super::section::{Section, numbers};
 use super::triboelectric::{FORCE_LAW, STICK_CHARGE, force_law, stick_charge};
@@ -22,6 +23,8 @@ pub(super) static KIND: Kind = Kind {
         other("parameters", Value::Table(&PARAMETERS), "The harvester"),
         other("initial", Value::Table(&INITIAL), "The state at the start")
             .or_said("at rest, without voltage"),
+        other("limits", Value::Table(&limits::SLIDING), "The limits of the model")
+            .or_said("the defaults below"),
     ],
 };
 

@@ -4,23 +4,29 @@ use super::{Axis, Point, SweepArguments, indices, place, scene};
 use crate::doubt::Best;
 use crate::embedded;
 use crate::method::Options;
+use crate::outcome::{LIMIT, MODEL};
 use crate::resolution::is_of_a_far_sine;
 use crate::run::run_scene;
 
 /// The warnings of the points together. A row has its own warnings in JSON and CSV.
 pub(super) fn warnings(axes: &[Axis], points: &[Point]) -> impl Iterator<Item = String> {
-    let [inaccurate, branched] =
-        [is_of_accuracy, is_of_attractors].map(|is_of_kind| Some(first_of(axes, points, is_of_kind)?.1));
-    [most_created(axes, points), all_far(axes, points), inaccurate, branched].into_iter().flatten()
+    let first = |kind| first_of(axes, points, |warning| warning.starts_with(kind)).map(|(_, text)| text);
+    let others = [most_created(axes, points), all_far(axes, points)];
+    others.into_iter().chain(KINDS.map(first)).flatten()
 }
+
+/// Beginnings of the warnings of which the first is printed: of the accuracy of the numbers, of other steady motions, and of
+/// the limits of the model.
+const KINDS: [&str; 4] = ["accuracy:", "attractors:", LIMIT, MODEL];
 
 /// The warning of the point whose force law created the largest share of the delivered energy, with the number of the
 /// points that warn.
 fn most_created(axes: &[Axis], points: &[Point]) -> Option<String> {
     let warned = points.iter().filter_map(|point| {
         let share = point.number("created_energy_share").map_or(0.0, f64::abs);
-        let is_known = [is_of_accuracy, is_of_attractors, is_of_a_far_sine];
-        let is_other = |warning: &&str| !is_known.iter().any(|is_of_kind| is_of_kind(warning));
+        let is_other = |warning: &&str| {
+            !KINDS.iter().any(|kind| warning.starts_with(kind)) && !is_of_a_far_sine(warning)
+        };
         let warning = point.warnings().find(is_other)?;
         Some((point, warning, share))
     });
@@ -81,11 +87,6 @@ pub(super) fn is_of_accuracy(warning: &str) -> bool {
     warning.starts_with("accuracy:")
 }
 
-/// Whether a warning is about other steady motions.
-fn is_of_attractors(warning: &str) -> bool {
-    warning.starts_with("attractors:")
-}
-
 /// The warning of sines that are far from every resonance, where all points have it: a sweep may go beyond the resonances on
 /// purpose.
 fn all_far(axes: &[Axis], points: &[Point]) -> Option<String> {
@@ -93,7 +94,7 @@ fn all_far(axes: &[Axis], points: &[Point]) -> Option<String> {
 }
 
 /// How many points have a warning of a kind, and the first of them in words.
-fn first_of(axes: &[Axis], points: &[Point], is_of_kind: fn(&str) -> bool) -> Option<(usize, String)> {
+fn first_of(axes: &[Axis], points: &[Point], is_of_kind: impl Fn(&str) -> bool) -> Option<(usize, String)> {
     let warned = points
         .iter()
         .filter_map(|point| Some((point, point.warnings().find(|warning| is_of_kind(warning))?)));

@@ -3,7 +3,7 @@
 use model_core::integrate::Cubic;
 
 use super::system::{State, System};
-use crate::outcome::{Accuracy, BumpStopOutcome, Outcome, Particular};
+use crate::outcome::{Accuracy, BumpStopOutcome, Margins, Outcome, Particular};
 use crate::scene_file::{Random, Scene};
 
 #[derive(Debug, Clone, Copy)]
@@ -156,6 +156,7 @@ impl<'a> Meter<'a> {
             flow: None,
             accuracy: Accuracy::default(),
             branches: None,
+            margins: Margins::default(),
             warnings: Vec::new(),
             block_energies_j: Vec::new(),
             trace: None,

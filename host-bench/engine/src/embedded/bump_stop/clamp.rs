@@ -24,6 +24,13 @@ impl<'a, S: Scalar> Clamp<'a, S> {
         Self { meter, cycles: Rainflow::default(), seconds: 0.0 }
     }
 
+    /// Largest strain of each outer fibre, the substrate's first, after a further step.
+    pub(crate) fn strains(&mut self, step: Option<&AcceptedStep<'_, S>>) -> [f64; 2] {
+        step.into_iter().for_each(|step| self.meter.step(step));
+        let (bending, peak) = (self.meter.bending(), self.meter.curvature().magnitude());
+        [bending.substrate, bending.piezo].map(|fibre| fibre.strain(peak).to_f64())
+    }
+
     pub(crate) fn outcome(&self) -> ClampOutcome {
         let bent = |fibre: &Fibre<S>| {
             let (distance, young_modulus) = (fibre.distance.to_f64(), fibre.young_modulus.to_f64());

@@ -1,0 +1,75 @@
+//! The least margins of a run to the limits of its model.
+
+use harvester_scene::outcome::{Margin, Margins};
+use harvester_scene::scene_file::Scene;
+use model_core::clock::Instant;
+use model_core::observer::{AcceptedStep, Event, Observer};
+use model_core::scalar::Scalar;
+
+/// Name of the limit that an impact is compared with.
+const CONTACT_SPEED: &str = "contact_speed_m_per_s";
+
+/// Magnitude and limit of each compared quantity at a fraction of a step, in the order of `[limits]`, and then unused places.
+pub(super) type Pairs = [[f64; 2]; 5];
+
+/// An unused place.
+pub(super) const UNUSED: [f64; 2] = [0.0, 1.0];
+
+/// What compares the steps of a scene with the limits of its model, and the number of equal parts of a step at whose ends it
+/// does.
+pub(super) type Gauge<'a, S> = (Box<dyn FnMut(&AcceptedStep<'_, S>, S) -> Pairs + 'a>, u32);
+
+/// The values of the limits of a scene.
+pub(super) fn limits<const N: usize>(scene: &Scene) -> [f64; N] {
+    std::array::from_fn(|index| scene.limits.get(index).map_or(f64::INFINITY, |(_, limit)| *limit))
+}
+
+/// The observer of a whole run, its start included.
+pub(super) struct Compared<'a, S> {
+    scene: &'a Scene,
+    gauge: Gauge<'a, S>,
+    found: Vec<Margin>,
+}
+
+impl<'a, S: Scalar> Compared<'a, S> {
+    pub(super) fn new(scene: &'a Scene, gauge: Gauge<'a, S>) -> Self {
+        Self { scene, gauge, found: Vec::new() }
+    }
+
+    pub(super) fn margins(&self) -> Margins {
+        Margins::new(self.found.clone())
+    }
+
+    fn include(&mut self, index: usize, name: &'static str, [value, limit]: [f64; 2], at: Instant) {
+        let new = || {
+            let margin = Some(limit / value).filter(|margin| margin.is_finite());
+            Margin { name, value, limit, margin, at_s: at.seconds() }
+        };
+        match self.found.get_mut(index) {
+            None => self.found.push(new()),
+            Some(found) if value * found.limit > found.value * limit => *found = new(),
+            Some(_) => {}
+        }
+    }
+}
+
+impl<S: Scalar> Observer<S> for Compared<'_, S> {
+    fn step(&mut self, step: &AcceptedStep<'_, S>) {
+        let parts = self.gauge.1;
+        for part in u32::from(!self.found.is_empty())..=parts {
+            let fraction = S::from_u32(part) / S::from_u32(parts);
+            let at = step.from.after((u64::from(step.ticks) * u64::from(part) / u64::from(parts)) as u32);
+            let compared = (self.gauge.0)(step, fraction);
+            for (index, (&(name, _), pair)) in self.scene.limits.iter().zip(compared).enumerate() {
+                self.include(index, name, pair, at);
+            }
+        }
+    }
+
+    fn event(&mut self, event: &Event<'_, S>) {
+        let place = self.found.iter().position(|found| found.name == CONTACT_SPEED);
+        if let (Some(speed), Some(index)) = (event.impact_speed, place) {
+            self.include(index, CONTACT_SPEED, [speed.to_f64(), self.found[index].limit], event.at);
+        }
+    }
+}
