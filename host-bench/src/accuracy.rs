@@ -13,7 +13,7 @@ mod statement;
 mod statements;
 mod warnings;
 
-use self::runs::MOST_ATTEMPTS;
+pub(crate) use self::runs::MOST_ATTEMPTS;
 use self::statement::state;
 pub(crate) use self::statements::{Statements, tell_warnings};
 pub use self::warnings::imbalance;

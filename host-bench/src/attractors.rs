@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use crate::accuracy::{MOST_ATTEMPTS, has_own_steps, takes_power};
+use crate::accuracy::{MOST_ATTEMPTS, has_own_steps};
 use crate::method::{Method, Options};
 use crate::outcome::{Branch, Outcome, standard_error_of_sum};
 use crate::resolution::resonances;
@@ -55,8 +55,13 @@ impl Place {
             // These lead from one motion to another by themselves.
             Excitation::Sweep(_) | Excitation::Random(_) | Excitation::File(_) | Excitation::Silence => false,
         };
-        let fills = matches!(scene.load, Load::RectifiedStore(_));
-        let motion = outcome.largest_motion_m().filter(|_| is_periodic && !fills && takes_power(scene))?;
+        // A storage fills, and the powers of two motions cannot be compared where the load takes none.
+        let takes_power = match scene.load {
+            Load::Resistor { resistance_ohm } => resistance_ohm > 0.0 && resistance_ohm.is_finite(),
+            Load::DcBus { .. } => true,
+            Load::RectifiedStore(_) => false,
+        };
+        let motion = outcome.largest_motion_m().filter(|_| is_periodic && takes_power)?;
         let (rest_m, size_m, ends_m) = match &scene.model {
             Model::ContactSeparation(model) => {
                 let gap = model.parameters.initial_gap_m;

@@ -8,17 +8,20 @@ use super::difference::{Difference, difference};
 use super::runs::{Runs, to_compare};
 use crate::method::{Options, Precision};
 use crate::outcome::Outcome;
+use crate::shift::SHIFT;
 
 /// Relative differences of the parts above which a motion is chaotic: from the run in half the steps, and from that of a
 /// displaced start.
 const CHAOTIC: [f64; 2] = [1e-4, 1e-6];
 /// Further displaced starts in the steps of the run: in double precision besides that of the test of chaos, and in single
-/// precision.
-const DISPLACED: [&[i32]; 2] = [&[-1, 2, -2, 3, -3], &[1, -1, 2, -2]];
+/// precision. The displacements are as large as errors by the step: runs of smaller ones stay together for longer than a run
+/// stays with the exact motion, and scatter less than its error.
+const DISPLACED: [&[f64]; 2] = [&[-1e-5, 2e-5, -2e-5, 3e-5, -3e-5], &[1e-5, -1e-5, 2e-5, -2e-5]];
 /// Displaced starts in half the steps.
-const DISPLACED_IN_HALVES: &[i32] = &[1, -1, 2, -2];
-/// Standard errors of the mean that are stated: by Student's distribution with ten degrees of freedom 95 % are within 2.2.
-const CONFIDENCE: f64 = 2.2;
+const DISPLACED_IN_HALVES: &[f64] = &[1e-5, -1e-5, 2e-5, -2e-5];
+/// Standard errors of the mean that are stated, fitted to random scenes: the powers of short windows have heavier tails than a
+/// normal distribution, of which 95 % would be within 2.2.
+const CONFIDENCE: f64 = 3.0;
 
 /// The energies delivered in the window, over displaced starts, in J.
 pub(super) struct Ensemble {
@@ -45,7 +48,7 @@ pub(super) fn chaotic(
     between: &Difference,
 ) -> Option<Outcome> {
     let [by_step, by_start] = CHAOTIC;
-    let other = if between.parts > by_step { runs.at(double, &[1]).pop() } else { None };
+    let other = if between.parts > by_step { runs.at(double, &[SHIFT]).pop() } else { None };
     other.filter(|other| difference(alike, other).is_some_and(|other| other.parts > by_start))
 }
 

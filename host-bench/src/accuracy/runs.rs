@@ -6,14 +6,12 @@ use crate::method::{Options, Precision};
 use crate::outcome::Outcome;
 use crate::run::run_scene;
 use crate::scene_file::Scene;
-use crate::shift::{SHIFT, displaced, shaken};
+use crate::shift::{displaced, shaken};
 
 /// Most attempted steps of a comparison, where the run itself has no limit.
-pub(super) const MOST_ATTEMPTS: u64 = 1 << 26;
+pub(crate) const MOST_ATTEMPTS: u64 = 1 << 26;
 /// Most attempted steps of a comparison over those of the run.
 const MORE_ATTEMPTS: u64 = 4;
-/// Relative change of a start in single precision: of some units of rounding.
-const SHIFT_OF_SINGLE: f64 = 4.0 * f32::EPSILON as f64;
 
 /// What runs a scene to compare with.
 pub(super) struct Runs<'a> {
@@ -25,24 +23,22 @@ pub(super) struct Runs<'a> {
 impl Runs<'_> {
     /// The run of the scene; `None` if it cannot be run to its end.
     pub(super) fn get(&mut self, options: &Options) -> Option<Outcome> {
-        self.at(options, &[0]).pop()
+        self.at(options, &[0.0]).pop()
     }
 
-    /// The runs of displaced starts, on all cores: the base acceleration, or the start where the base is at rest, is changed by so
-    /// many times a small part. Runs that do not come to their end are left out.
-    pub(super) fn at(&mut self, options: &Options, places: &[i32]) -> Vec<Outcome> {
+    /// The runs of displaced starts, on all cores: the base acceleration, or the start where the base is at rest, is changed by
+    /// such parts. Runs that do not come to their end are left out.
+    pub(super) fn at(&mut self, options: &Options, shifts: &[f64]) -> Vec<Outcome> {
         let scene = self.scene;
         let found: Vec<Outcome> =
-            places.par_iter().filter_map(|place| run_at(scene, options, *place)).collect();
+            shifts.par_iter().filter_map(|shift| run_at(scene, options, *shift)).collect();
         self.steps += found.iter().map(|run| run.steps).sum::<u64>();
         found
     }
 }
 
-fn run_at(scene: &Scene, options: &Options, place: i32) -> Option<Outcome> {
-    let shift = if options.precision == Some(Precision::F32) { SHIFT_OF_SINGLE } else { SHIFT };
-    let shift = f64::from(place) * shift;
-    let other = (place != 0).then(|| shaken(scene, shift).or_else(|| displaced(scene, shift)));
+fn run_at(scene: &Scene, options: &Options, shift: f64) -> Option<Outcome> {
+    let other = (shift != 0.0).then(|| shaken(scene, shift).or_else(|| displaced(scene, shift)));
     companion(other.as_ref().map_or(Some(scene), Option::as_ref)?, options)
 }
 

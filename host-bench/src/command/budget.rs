@@ -65,6 +65,10 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     if arguments.exact && !bridged {
         check_overrides(&arguments.overrides, &[("run", "--exact runs the whole day")])?;
     }
+    let is_looped = arguments.exact && bridged;
+    if is_looped {
+        income::check_looped(&scene, &node)?;
+    }
     let watch = arguments.exact.then(Watch::new);
     let mut statements = Statements::default();
     let (income, whole_day) = if arguments.exact && !bridged {
@@ -77,10 +81,6 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     };
     let stated = statements.fields(&[]);
     tell_warnings(&stated);
-    let is_looped = arguments.exact && bridged;
-    if is_looped {
-        income::check_looped(&scene, &node)?;
-    }
     let in_loop = is_looped.then_some((&scene, &options));
     let day = simulate(&node, &income, learning_days, arguments.precision, in_loop)?;
     drop(watch);

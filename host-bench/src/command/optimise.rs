@@ -137,9 +137,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
     let found = optimise(&request, &|count| bar.set_length(bar.position() + count as u64));
     bar.finish_and_clear();
     let found = found?;
-    for warning in found.warnings() {
-        tell(&format!("warning: {warning}"));
-    }
+    found.warnings().for_each(|warning| tell(&format!("warning: {warning}")));
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let title = format!("{name}: {}{}", request.quantity, margin(found.outcome.margins.smallest_margin));
     for path in pictures.iter().flatten() {

@@ -113,6 +113,7 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
         broadband: None,
         periods: 0.0,
         axes,
+        statements: Statements::default(),
     };
     let picture = draw(&map, 0, "a linear beam").expect("a picture");
     // A resistor has no voltage of a slice; this map has neither boundaries nor places that check it.
@@ -170,7 +171,18 @@ fn a_picture_says_what_its_lines_and_dots_are_and_its_voltage() {
     let checked = vec![judge(told, [level_of(1.5), level_of(0.8)], place, truth)];
     let agreement = Agreement::of(&checked).expect("an error");
     let slices = slices.to_vec();
-    let map = Map { image, axes, slices, checked, agreement, margin: 0.0, broadband: None, periods: 0.0 };
+    let statements = Statements::default();
+    let map = Map {
+        image,
+        axes,
+        slices,
+        checked,
+        agreement,
+        margin: 0.0,
+        broadband: None,
+        periods: 0.0,
+        statements,
+    };
     let picture = draw(&map, 0, "rectified.toml").expect("a picture");
     for words in [
         "rectified.toml, storage at 3.00",

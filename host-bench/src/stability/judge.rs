@@ -159,8 +159,8 @@ impl Judge {
     }
 
     fn finding_of(&self, scene: &Scene, precision: Precision) -> Finding {
-        let options = Options { precision: Some(precision), ..self.options };
-        let (outcome, options) = match run_with_steps(scene, &options) {
+        let own = Options { precision: Some(precision), ..self.options };
+        let (outcome, options) = match run_with_steps(scene, &own) {
             Ok(found) => found,
             Err(Failure::Input(reason)) => return Finding::new(Class::Refused, reason),
             Err(Failure::Step(reason)) => return Finding::new(Class::NamedError, reason),
@@ -180,8 +180,7 @@ impl Judge {
         else {
             return finding;
         };
-        let [double, single] = RIGHT;
-        let allowed = if precision == Precision::F64 { double } else { single };
+        let allowed = RIGHT[usize::from(precision == Precision::F32)];
         let mut by = (exact, *by_reference);
         let (mut quantity, mut error) = compared_with(&found, exact);
         if *by_reference && !(error <= allowed) {
@@ -195,13 +194,11 @@ impl Judge {
             }
         }
         let (exact, by_reference) = by;
-        finding.quantity = Some(quantity);
-        finding.error = Some(error);
-        finding.by_reference = by_reference;
         if finding.is_chaotic {
             error = relative(found.value(quantity), self.ensemble(scene, &options, true).mean(quantity));
-            finding.error = Some(error);
         }
+        (finding.quantity, finding.error) = (Some(quantity), Some(error));
+        finding.by_reference = by_reference;
         let is_off = !(error <= allowed);
         let comparison = is_off.then(|| self.compared(scene, &options, (&found, quantity, allowed)));
         finding.class = match (comparison, finding.is_warned) {
@@ -212,13 +209,13 @@ impl Judge {
             (Some(Comparison::Differ), false) => Class::Wrong,
         };
         finding.reason = if is_off { found.difference(exact, quantity) } else { String::new() };
-        if !is_off && quantity == Quantity::Power && self.effort.by_reference {
-            let broken = self.broken_identity(scene, &options, &outcome, allowed);
-            if let Some(reason) = broken.filter(|_| !finding.is_warned) {
-                return Finding { class: Class::Wrong, reason, ..finding };
-            }
+        let is_right = !is_off && !finding.is_warned && !finding.is_chaotic;
+        let has_identities = is_right && quantity == Quantity::Power && self.effort.by_reference;
+        let broken = has_identities.then(|| self.broken_identity(scene, &options, &outcome, allowed));
+        match broken.flatten() {
+            Some(reason) => Finding { class: Class::Wrong, reason, ..finding },
+            None => finding,
         }
-        finding
     }
 
     /// The identity that a right run does not hold within `allowed`: the window split in two, or the scene in other units. A

@@ -64,7 +64,7 @@ fn the_statistics_are_those_of_the_runs_of_the_seeds() {
 fn tables_have_a_row_for_each_quantity() {
     let text = accepted(&seeds(&["--seeds", "2", "--no-accuracy", "--format", "csv"]));
     assert!(text.starts_with(
-        "quantity,count,mean,standard_deviation,confidence_low,confidence_high,least,largest,accuracy_step,"
+        "quantity,count,mean,standard_deviation,confidence_low,confidence_high,least,largest,accuracy_chaos,accuracy_step,"
     ));
     assert!(text.contains("\nmean_power_w,2,"));
     let text = accepted(&seeds(&["--seeds", "2"]));

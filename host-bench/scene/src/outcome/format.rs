@@ -64,7 +64,7 @@ pub fn flattened(all: Fields) -> Fields {
     };
     let of = |(name, value): (String, Value)| match value {
         Value::Object(nested) => named(&name, nested),
-        Value::Array(items) if items.iter().any(Value::is_object) => {
+        Value::Array(items) if items.iter().any(|item| item.get("name").is_some()) => {
             let item = |item: Value| {
                 let mut nested = fields(&item);
                 let own = nested.remove("name").as_ref().map(cell).unwrap_or_default();

@@ -94,7 +94,7 @@ impl Input {
             Flaw::Lost(settling) => settings.settling_seconds = settling as f32,
             Flaw::Rate(part) => {
                 settings.rate_tolerance = part as f32;
-                true_rate *= if random.next() % 2 == 0 { 1.0 + part } else { 1.0 - part };
+                true_rate *= if random.next().is_multiple_of(2) { 1.0 + part } else { 1.0 - part };
             }
             _ => {}
         }
@@ -108,7 +108,7 @@ impl Input {
             let peak = values.iter().flatten().fold(0.0_f64, |peak, a| peak.max(a.abs()));
             let range = (1..10).map(|n| f64::from(1 << n) * GRAVITY).find(|range| *range > peak);
             // The range of the peak, or the next one.
-            let range = range.expect("a range") * if random.next() % 3 == 0 { 2.0 } else { 1.0 };
+            let range = range.expect("a range") * if random.next().is_multiple_of(3) { 2.0 } else { 1.0 };
             let half = 1_u16 << (bits - 1);
             let scale = range / f64::from(half);
             settings.format = SampleFormat::counts(scale as f32, half - 1);
@@ -227,7 +227,7 @@ fn runs(seed: u64, count: u32, flaws: &[Flaw]) -> Vec<Run> {
         match number % 4 {
             0 | 1 => {
                 let scenes = contact_scenes(random.between(80.0, 250.0), load);
-                let (name, [low, high]) = if number % 4 == 0 {
+                let (name, [low, high]) = if number.is_multiple_of(4) {
                     ("contact, weak", [0.3, 3.0])
                 } else {
                     ("contact, strong", [3.0, 20.0])
