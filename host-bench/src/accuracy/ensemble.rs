@@ -19,9 +19,9 @@ const CHAOTIC: [f64; 2] = [1e-4, 1e-6];
 const DISPLACED: [&[f64]; 2] = [&[-1e-5, 2e-5, -2e-5, 3e-5, -3e-5], &[1e-5, -1e-5, 2e-5, -2e-5]];
 /// Displaced starts in half the steps.
 const DISPLACED_IN_HALVES: &[f64] = &[1e-5, -1e-5, 2e-5, -2e-5];
-/// Standard errors of the mean that are stated, fitted to random scenes: the powers of short windows have heavier tails than a
-/// normal distribution, of which 95 % would be within 2.2.
-const CONFIDENCE: f64 = 3.0;
+/// Standard errors of the mean that are stated, fitted to random scenes: the errors by the step that are below the scatter of
+/// so few runs are in it too, and the powers of short windows have heavy tails.
+const CONFIDENCE: f64 = 6.0;
 
 /// The energies delivered in the window, over displaced starts, in J.
 pub(super) struct Ensemble {
