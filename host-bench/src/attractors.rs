@@ -84,7 +84,15 @@ impl Place {
     /// The start at some sizes of the motion from rest.
     fn at(&self, [displacement, velocity]: [f64; 2]) -> [f64; 2] {
         let [low, high] = self.ends_m;
-        [(self.rest_m + self.size[0] * displacement).clamp(low, high), self.size[1] * velocity]
+        let at = (self.rest_m + self.size[0] * displacement).clamp(low, high);
+        // A slider that is faster leaves the overlap of the patches.
+        let left = if low.is_finite() && high.is_finite() {
+            (high * high - at * at).max(0.0).sqrt()
+        } else {
+            f64::INFINITY
+        };
+        let most = self.size[1] / self.size[0] * left;
+        [at, (self.size[1] * velocity).clamp(-most, most)]
     }
 
     /// The least and the largest displacement in m and velocity in m/s of a start.

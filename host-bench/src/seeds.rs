@@ -147,8 +147,11 @@ impl Statistics {
         accuracy: bool,
         done: impl Fn() + Sync,
     ) -> Result<Self, Failure> {
-        let (first, options) =
+        let (mut first, options) =
             if accuracy { run_with_steps(scene, options)? } else { (run_scene(scene, options)?, *options) };
+        if !accuracy {
+            first.warnings.extend(imbalance(&first));
+        }
         done();
         let others: Vec<Outcome> = (1..seeds.count)
             .into_par_iter()

@@ -204,7 +204,7 @@ impl Study {
             }
             let found = corner.compared_here(&corner.here(scene), options.unwrap_or(&corner.options), None);
             let (change, _) = found.map_err(|error| format!("at {}: {error}", corner_name(*at)))?;
-            if change.most() > worst.most() {
+            if change.is_within(self.accuracy) == Some(false) || change.most() > worst.most() {
                 worst = Change { at: Some(*at), ..change };
             }
         }

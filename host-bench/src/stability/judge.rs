@@ -128,7 +128,8 @@ pub struct Judge {
     repeats: OnceCell<bool>,
     /// The run that judges where the reference does not.
     tighter: OnceCell<Option<Numbers>>,
-    ensemble: OnceCell<Ensemble>,
+    /// Those of a motion that is not stated as chaotic, and of one that is, with more runs.
+    ensembles: [OnceCell<Ensemble>; 2],
 }
 
 impl Judge {
@@ -144,7 +145,7 @@ impl Judge {
             exact: OnceCell::new(),
             repeats: OnceCell::new(),
             tighter: OnceCell::new(),
-            ensemble: OnceCell::new(),
+            ensembles: [const { OnceCell::new() }; 2],
         }
     }
 
@@ -253,7 +254,8 @@ impl Judge {
     }
 
     fn ensemble(&self, scene: &Scene, options: &Options, is_chaotic: bool) -> &Ensemble {
-        self.ensemble.get_or_init(|| Ensemble::of(scene, options, PAIRS[usize::from(is_chaotic)]))
+        let kind = usize::from(is_chaotic);
+        self.ensembles[kind].get_or_init(|| Ensemble::of(scene, options, PAIRS[kind]))
     }
 
     /// How a run that is off by more than `allowed` compares with those from slightly displaced starts. Where these do

@@ -190,3 +190,11 @@ fn rows_have_the_margins_and_an_optimum_keeps_them() {
         &["limits.pressure_pa", "strain"],
     );
 }
+
+/// The event comes before the first step.
+#[test]
+fn an_impact_at_the_start_has_its_speed() {
+    let start = ["initial={gap_m=0,velocity_m_per_s=-3}", "run={duration_s=0.01,settle_s=0}"];
+    let found = run("contact-separation-passive", &start);
+    assert_eq!(margin(&found, "contact_speed_m_per_s").value, 3.0);
+}

@@ -29,11 +29,13 @@ pub(super) struct Compared<'a, S> {
     scene: &'a Scene,
     gauge: Gauge<'a, S>,
     found: Vec<Margin>,
+    /// Speed in m/s and instant of an impact before the first step.
+    first_impact: Option<(f64, Instant)>,
 }
 
 impl<'a, S: Scalar> Compared<'a, S> {
     pub(super) fn new(scene: &'a Scene, gauge: Gauge<'a, S>) -> Self {
-        Self { scene, gauge, found: Vec::new() }
+        Self { scene, gauge, found: Vec::new(), first_impact: None }
     }
 
     pub(super) fn margins(&self) -> Margins {
@@ -53,6 +55,15 @@ impl<'a, S: Scalar> Compared<'a, S> {
     }
 }
 
+impl<S: Scalar> Compared<'_, S> {
+    fn include_impact(&mut self, speed: f64, at: Instant) {
+        match self.found.iter().position(|found| found.name == CONTACT_SPEED) {
+            Some(index) => self.include(index, CONTACT_SPEED, [speed, self.found[index].limit], at),
+            None => self.first_impact = Some((speed, at)),
+        }
+    }
+}
+
 impl<S: Scalar> Observer<S> for Compared<'_, S> {
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         let parts = self.gauge.1;
@@ -64,12 +75,14 @@ impl<S: Scalar> Observer<S> for Compared<'_, S> {
                 self.include(index, name, pair, at);
             }
         }
+        if let Some((speed, at)) = self.first_impact.take() {
+            self.include_impact(speed, at);
+        }
     }
 
     fn event(&mut self, event: &Event<'_, S>) {
-        let place = self.found.iter().position(|found| found.name == CONTACT_SPEED);
-        if let (Some(speed), Some(index)) = (event.impact_speed, place) {
-            self.include(index, CONTACT_SPEED, [speed.to_f64(), self.found[index].limit], event.at);
+        if let Some(speed) = event.impact_speed {
+            self.include_impact(speed.to_f64(), event.at);
         }
     }
 }

@@ -25,7 +25,7 @@ use harvester_scene::outcome::{
     Accuracy, CreatedEnergy, EnergyFlow, Margins, Outcome, Recording, StoreOutcome,
 };
 use harvester_scene::progress;
-use harvester_scene::scene_file::{Random, RunSpan, Scene};
+use harvester_scene::scene_file::{Load, Random, RunSpan, Scene};
 
 /// The refusal of a parameter by the core.
 pub(super) fn refuse_parameter(scene: &Scene, error: &dyn Display) -> Failure {
@@ -117,7 +117,8 @@ pub(super) fn remainder<S: Scalar>(ledger: &Ledger<S>) -> f64 {
 pub(super) const BUDGET: u32 = 1 << 16;
 
 /// Attempted steps, and radians of the motion that as many must pass: a storage of picofarads in `f32`, whose voltage is
-/// below the roundings of the harvester's, takes steps without end. A right run takes at most 10,000 attempts a radian.
+/// below the roundings of the harvester's, takes steps without end. A right run of a storage in `f32` takes at most 10,000
+/// attempts a radian.
 const STUCK: (u64, f64) = (1 << 19, 8.0);
 
 /// The least length in s, and in distances of the ends of steps, of the first step where those are given.
@@ -212,7 +213,10 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
     ) -> Result<(), Failure> {
         let Self { setting: Setting { scene, options, excitation, .. }, harvester, .. } = *self;
         let frequency = harvester.angular_frequency().max(excitation.angular_frequency()).to_f64();
-        let adaptive = H::ESTIMATES_ERROR && options.step_s.is_none();
+        let may_be_stuck = H::ESTIMATES_ERROR
+            && options.step_s.is_none()
+            && matches!(scene.load, Load::RectifiedStore(_))
+            && precision_name::<S>() == "f32";
         let mut mark = (total.attempts(), harvester.clock(state).seconds::<f64>());
         while harvester.clock(state) < until {
             let left = options.most_attempts.map_or(u64::MAX, |most| most.saturating_sub(total.attempts()));
@@ -226,7 +230,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             total.add(&advance.work);
             let at = harvester.clock(state).seconds::<f64>();
             progress::report(at / scene.run.duration_s, [total.attempts(), total.events]);
-            if adaptive && total.attempts() >= mark.0 + STUCK.0 {
+            if may_be_stuck && total.attempts() >= mark.0 + STUCK.0 {
                 if frequency * (at - mark.1) < STUCK.1 && harvester.clock(state) < until {
                     let steps = total.attempts() - mark.0;
                     return Err(Failure::Step(format!(

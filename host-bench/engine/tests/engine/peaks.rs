@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use harvester_engine::embedded;
-use harvester_scene::method::{Failure, Options, Precision};
+use harvester_scene::method::{Failure, Method, Options, Precision};
 use harvester_scene::outcome::{ClampOutcome, Outcome};
 use harvester_scene::scene_file::{self, Override};
 
@@ -128,4 +128,14 @@ fn a_storage_of_a_picofarad_in_single_precision_runs_or_says_why_not() {
         .expect_err("its voltage is within roundings");
     assert!(failure.to_string().starts_with("steps without end at"), "{failure}");
     run("contact-separation", &changes, &in_precision(Precision::F64)).expect("runs");
+}
+
+/// A tight tolerance takes a hundred thousand steps a radian and is no run without end.
+#[test]
+fn a_tight_tolerance_of_tr_bdf2_comes_to_its_end() {
+    let options =
+        Options { method: Method::TrBdf2, tolerance: Some(1e-10), bare: true, ..Options::default() };
+    let short = [("run.duration_s", "0.05"), ("run.settle_s", "0")];
+    let found = run("contact-separation-passive", &short, &options).expect("comes to its end");
+    assert!(found.steps > 1 << 19, "{}", found.steps);
 }

@@ -160,7 +160,10 @@ pub fn cell(value: &Value) -> String {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),
         // A list, such as the natural frequencies, is one cell.
-        Value::Array(items) => items.iter().map(cell).collect::<Vec<_>>().join(" "),
+        Value::Array(items) if !items.iter().any(Value::is_object) => {
+            items.iter().map(cell).collect::<Vec<_>>().join(" ")
+        }
+        // A list of objects stays JSON.
         other => other.to_string(),
     }
 }

@@ -17,7 +17,7 @@ const PRESSURE: Limit = (
 );
 const FRINGING: Limit = (
     number("fringing", "1", between(1e-4, 10.0), "Part of the capacitance beyond the edges").or_number(0.1),
-    "the plates are too small for a uniform field",
+    "the plates are small, and the capacitance at the largest gap is above that of a uniform field",
     Some(|value, _| value),
 );
 const CONTACT_SPEED: Limit = (

@@ -165,8 +165,9 @@ pub struct Uncertainty<S> {
     /// Error of the mean power by the tolerance of the rate, relative.
     pub rate: S,
     /// Total relative uncertainty: the errors by step and rounding over the energy, those by sampling, irregularity, noise
-    /// and rate, and the uncertain and unknown time: in it the power is from 0 to twice that of the other time, and the
-    /// estimate half of it, as that of a motion that rises from rest. Above 1 the energy may be any up to that multiple.
+    /// and rate, and the uncertain and unknown time: in uncertain time the power is from 0 to one and a half times that of
+    /// the other time, and the estimate half of it, as that of a motion that rises from rest; in unknown time it is from 0 to that
+    /// of the other time. Above 1 the energy may be any up to that multiple.
     /// `None` where [`Uncertainty::step`] or [`Uncertainty::sampling`] is unknown, or the sum is not finite.
     pub relative: Option<S>,
 }
