@@ -14,8 +14,16 @@ pub(crate) fn shaken(scene: &Scene, shift: f64) -> Option<Scene> {
     (!is_at_rest).then(|| Scene { excitation, ..scene.clone() })
 }
 
+/// The scene with a changed base acceleration, or with a displaced start where the base is at rest; the scene itself at 0.
+pub(crate) fn shifted(scene: &Scene, shift: f64) -> Option<Scene> {
+    if shift == 0.0 {
+        return Some(scene.clone());
+    }
+    shaken(scene, shift).or_else(|| displaced(scene, shift))
+}
+
 /// The scene with a start displaced by a part of the gap or of the radius of the patch; `None` for a beam.
-pub(crate) fn displaced(scene: &Scene, shift: f64) -> Option<Scene> {
+fn displaced(scene: &Scene, shift: f64) -> Option<Scene> {
     let [at, rate] = start(scene);
     let length = match &scene.model {
         Model::ContactSeparation(_) => at,

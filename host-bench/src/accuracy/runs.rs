@@ -6,7 +6,7 @@ use crate::method::{Options, Precision};
 use crate::outcome::Outcome;
 use crate::run::run_scene;
 use crate::scene_file::Scene;
-use crate::shift::{displaced, shaken};
+use crate::shift::shifted;
 
 /// Most attempted steps of a comparison, where the run itself has no limit.
 pub(crate) const MOST_ATTEMPTS: u64 = 1 << 26;
@@ -30,16 +30,11 @@ impl Runs<'_> {
     /// such parts. Runs that do not come to their end are left out.
     pub(super) fn at(&mut self, options: &Options, shifts: &[f64]) -> Vec<Outcome> {
         let scene = self.scene;
-        let found: Vec<Outcome> =
-            shifts.par_iter().filter_map(|shift| run_at(scene, options, *shift)).collect();
+        let run = |shift: &f64| companion(&shifted(scene, *shift)?, options);
+        let found: Vec<Outcome> = shifts.par_iter().filter_map(run).collect();
         self.steps += found.iter().map(|run| run.steps).sum::<u64>();
         found
     }
-}
-
-fn run_at(scene: &Scene, options: &Options, shift: f64) -> Option<Outcome> {
-    let other = (shift != 0.0).then(|| shaken(scene, shift).or_else(|| displaced(scene, shift)));
-    companion(other.as_ref().map_or(Some(scene), Option::as_ref)?, options)
 }
 
 /// A run to compare with; `None` if it cannot be run to its end.

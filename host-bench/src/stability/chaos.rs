@@ -6,7 +6,7 @@ use super::exact::{Numbers, Quantity, relative, tighter};
 use crate::method::Options;
 use crate::outcome::standard_error_of_sum;
 use crate::scene_file::Scene;
-use crate::shift::{SHIFT, displaced, shaken};
+use crate::shift::{SHIFT, shifted};
 
 /// Standard errors by which the statistics of two runs of a chaotic motion may differ: 3 in 1000 differ by more.
 const STANDARD_ERRORS: f64 = 3.0;
@@ -37,13 +37,7 @@ pub(super) struct Ensemble(Vec<Numbers>);
 impl Ensemble {
     /// With `pairs` of runs besides that of the scene itself.
     pub(super) fn of(scene: &Scene, options: &Options, pairs: i32) -> Self {
-        let scene_at = |place: i32| {
-            let shift = f64::from(place) * SHIFT;
-            match place {
-                0 => Some(scene.clone()),
-                _ => shaken(scene, shift).or_else(|| displaced(scene, shift)),
-            }
-        };
+        let scene_at = |place: i32| shifted(scene, f64::from(place) * SHIFT);
         // The scene itself is the first.
         let places: Vec<i32> =
             std::iter::once(0).chain((1..=pairs).flat_map(|place| [place, -place])).collect();
