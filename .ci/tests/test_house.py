@@ -107,8 +107,8 @@ class Limits(unittest.TestCase):
         identity = ["-c", "user.name=test", "-c", "user.email=test@example.org", "-c", "commit.gpgsign=false"]
         subprocess.run(["git", *identity, *arguments], check=True)
 
-    def commit(self, limits, message, other=""):
-        lines = ["[limits]"] + [f'"{name}" = {value}' for name, value in limits.items()]
+    def commit(self, limits, message, other="", top=()):
+        lines = [*top, "[limits]"] + [f'"{name}" = {value}' for name, value in limits.items()]
         Path(".ci").mkdir(exist_ok=True)
         Path(house.LIMITS).write_text("\n".join(lines) + "\n")
         Path("other").write_text(other)
@@ -128,6 +128,16 @@ class Limits(unittest.TestCase):
     def test_a_limit_is_not_raised_with_another_change(self):
         self.commit({"files": 5, "lines": 1}, "Added\n\nThe body does not help.", other="changed")
         self.assertEqual(self.faults(), ["raises limits: lines and changes other files"])
+
+    def test_what_is_counted_is_changed_alone(self):
+        for key in ('since = "a"', 'vendored = ["a"]', 'floors = ["a"]'):
+            self.commit({"files": 5}, "Changed\n\nWith a body.", top=[key])
+            self.assertEqual(self.faults(), [])
+            self.commit({"files": 5}, "Changed\n\nWith a body.", top=[key.replace("a\"", "b\"")], other=key)
+            other = key.replace('"', "'").replace("'a'", "b" if key[0] == "s" else "'b'")
+            self.assertEqual(self.faults(), [f"raises {other} and changes other files"])
+            self.commit({"files": 5}, "Changed\n\nWith a body.")
+            self.first = house.git("rev-parse", "HEAD").strip()
 
     def test_an_unknown_start_means_all_history(self):
         self.commit({"files": 6}, "Raised")
