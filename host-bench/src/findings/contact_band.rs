@@ -1,11 +1,7 @@
 //! The impacting band of contact-separation over frequency: findings 33 to 36, 40, 41 and 43.
 
-use std::ops::Neg;
-
-use harvester_scene::root::lowest_point;
-
 use super::scenes::{Changes, each, run, value};
-use super::statistics::largest;
+use super::statistics::{largest, least};
 use super::{Bound, Check, Measured};
 use crate::method::Failure;
 
@@ -25,6 +21,7 @@ const FINE: u32 = 40;
 const PEAK: f64 = 1e-3;
 
 /// A run from rest.
+#[derive(Clone, Copy)]
 struct Point {
     /// Largest gap in m in the window.
     peak_m: f64,
@@ -47,7 +44,7 @@ struct Band {
     points: Vec<Point>,
     /// First and last frequency in Hz with an impact; not-a-number where the frequencies do not go beyond.
     edges: [f64; 2],
-    /// Largest gap in mm over all frequencies.
+    /// Largest gap in mm over all frequencies; not-a-number if it is at the first or the last.
     peak_mm: f64,
 }
 
@@ -63,13 +60,11 @@ impl Band {
             points.iter().rposition(|point| point.is_impacting),
         );
         let edges = [edge(first, -EVERY_HZ)?, edge(last, EVERY_HZ)?];
-        let most = (1..points.len() - 1)
-            .max_by(|one, other| points[*one].peak_m.total_cmp(&points[*other].peak_m))
-            .unwrap_or(0);
-        let peak_m = |frequency_hz: f64| Point::new(changes, frequency_hz).map(|point| point.peak_m);
-        let range = [frequencies[most - 1], frequencies[most + 1]];
-        let highest = peak_m(lowest_point(|frequency_hz| peak_m(frequency_hz).map(f64::neg), range, PEAK)?)?;
-        Ok(Self { edges, peak_mm: 1e3 * highest.max(points[most].peak_m), points })
+        let at = |frequency_hz: f64| Point::new(changes, frequency_hz);
+        let (highest, is_inside) =
+            least(&points, |place| frequencies[place], at, |point| -point.peak_m, PEAK)?;
+        let peak_mm = if is_inside { 1e3 * highest.peak_m } else { f64::NAN };
+        Ok(Self { edges, peak_mm, points })
     }
 
     fn width(&self) -> f64 {

@@ -1,9 +1,7 @@
 //! The resonance of the sliding harvester over charge density and resistance: findings 21 to 30.
 
-use harvester_scene::root::lowest_point;
-
 use super::scenes::{Changes, each, each_of, scene, value};
-use super::statistics::{largest, smallest, spread};
+use super::statistics::{largest, least, smallest, spread};
 use super::{Bound, Check, Measured};
 use crate::embedded::resonance_peak;
 use crate::method::{Failure, Options};
@@ -27,6 +25,7 @@ const RESISTANCE: &str = "load.resistance_ohm";
 const AMPLITUDE: &str = "excitation.amplitude_g";
 
 /// The peak of the steady state over frequency.
+#[derive(Clone, Copy)]
 struct Peak {
     /// Its frequency less the natural frequency, in mHz.
     shift_mhz: f64,
@@ -59,7 +58,7 @@ fn natural_frequency_hz(scene: &Scene) -> Result<f64, Failure> {
 /// The peaks over the resistances.
 struct OverResistance {
     peaks: Vec<Peak>,
-    /// That of the lowest frequency and that of the largest amplitude, at any resistance.
+    /// That of the lowest frequency and that of the largest amplitude, at any resistance, the ends included.
     lowest: Peak,
     highest: Peak,
 }
@@ -68,18 +67,11 @@ impl OverResistance {
     fn new(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Self, Failure> {
         let at = |resistance: &str| peak(&[changes, &[(RESISTANCE, resistance)]].concat(), range_hz);
         let peaks = each(&RESISTANCES, |resistance| at(resistance))?;
-        // Between the resistances beside that of the least value, by their logarithm.
-        let least = |of: fn(&Peak) -> f64| {
-            let inner = 1..peaks.len() - 1;
-            let place =
-                inner.min_by(|one, other| of(&peaks[*one]).total_cmp(&of(&peaks[*other]))).unwrap_or(1);
-            let exponent =
-                |place: usize| RESISTANCES[place].parse().unwrap_or(0.0_f64).max(LEAST_OHM).log10();
-            let between = |exponent: f64| at(&format!("{:e}", 10_f64.powf(exponent)));
-            let range = [exponent(place - 1), exponent(place + 1)];
-            between(lowest_point(|exponent| between(exponent).map(|peak| of(&peak)), range, WITHIN)?)
-        };
-        let (lowest, highest) = (least(|peak| peak.shift_mhz)?, least(|peak| -peak.amplitude_mm)?);
+        let exponent = |place: usize| RESISTANCES[place].parse().unwrap_or(0.0_f64).max(LEAST_OHM).log10();
+        let between = |exponent: f64| at(&format!("{:e}", 10_f64.powf(exponent)));
+        let least = |of: fn(&Peak) -> f64| least(&peaks, exponent, between, of, WITHIN);
+        let (lowest, _) = least(|peak| peak.shift_mhz)?;
+        let (highest, _) = least(|peak| -peak.amplitude_mm)?;
         Ok(Self { peaks, lowest, highest })
     }
 }

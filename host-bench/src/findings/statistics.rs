@@ -1,4 +1,26 @@
-//! Statistics of sampled signals.
+//! Statistics of sampled signals, and extremes over a grid.
+
+use harvester_scene::root::lowest_point;
+
+use crate::method::Failure;
+
+/// The point of the least `of` among those of a grid and those that `at` measures beside the least of these, at places that are found to
+/// the part `within`; and whether it is inside: at an end of the grid there may be a lower one beyond.
+pub(super) fn least<P: Copy>(
+    points: &[P],
+    place: impl Fn(usize) -> f64,
+    at: impl Fn(f64) -> Result<P, Failure>,
+    of: impl Fn(&P) -> f64,
+    within: f64,
+) -> Result<(P, bool), Failure> {
+    let last = points.len() - 1;
+    let inner = (0..=last).min_by(|one, other| of(&points[*one]).total_cmp(&of(&points[*other])));
+    let lowest = inner.unwrap_or(0);
+    let range = [lowest.saturating_sub(1), last.min(lowest + 1)].map(place);
+    let between = at(lowest_point(|place| at(place).map(|point| of(&point)), range, within)?)?;
+    let is_between = of(&between) < of(&points[lowest]);
+    Ok((if is_between { between } else { points[lowest] }, is_between || (1..last).contains(&lowest)))
+}
 
 /// Root of the mean square.
 pub(super) fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {

@@ -1,4 +1,4 @@
-use super::statistics::{correlation, largest, median, share_above, smallest, spread};
+use super::statistics::{correlation, largest, least, median, share_above, smallest, spread};
 use super::*;
 
 #[test]
@@ -125,5 +125,22 @@ fn an_extreme_of_nothing_or_of_not_a_number_is_not_a_number() {
     for values in [&[][..], &[f64::NAN], &[f64::NAN, 1.0], &[1.0, f64::NAN], &[1.0, f64::NAN, 2.0]] {
         let values = || values.iter().copied();
         assert!([largest(values()), smallest(values()), spread(values())].iter().all(|found| found.is_nan()));
+    }
+}
+
+/// A cubic with a minimum at 1, in grids around it, from it on, and beyond which it falls.
+#[test]
+fn an_extreme_at_an_end_of_a_range_is_found_and_marked() {
+    let of = |x: &f64| x * x * x / 3.0 - 0.65 * x * x + 0.3 * x;
+    for (grid, lowest, inside) in [
+        (&[0.5, 0.9, 1.4, 2.0][..], 1.0, true),
+        (&[1.0, 1.5, 2.0], 1.0, false),
+        (&[0.9, 1.4, 2.0], 1.0, true),
+        (&[2.0, 1.5, 1.0, 0.7, -1.0], -1.0, false),
+        (&[0.4, 1.0, 1.6], 1.0, true),
+    ] {
+        let (found, is_inside) = least(grid, |place| grid[place], Ok, of, 1e-6).expect("no failure");
+        assert!((found - lowest).abs() < 1e-3, "{grid:?}: {found}");
+        assert_eq!(is_inside, inside, "{grid:?}");
     }
 }
