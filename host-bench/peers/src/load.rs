@@ -5,7 +5,7 @@
 //! conducts, `V = s (V_s + 2 V_D)` and `C_s V_s' = |I| − i_out`, which gives
 //! `I = (j + s (C/C_s) i_out) / (1 + C/C_s)`.
 
-use harvester_scene::scene_file::{Draw, Lockout, RectifiedStore};
+use harvester_scene::scene_file::{Draw, RectifiedStore};
 
 use crate::Stop;
 use crate::harvester::{Base, GUARDS, Harvester, Mode, NEVER};
@@ -192,13 +192,6 @@ pub(crate) struct WithBridge<T> {
 type Outflow = [f64; 2];
 
 impl<T: Transducer> WithBridge<T> {
-    fn lockout(&self) -> Option<Lockout> {
-        match self.store.draw {
-            Draw::Power { lockout, .. } => Some(lockout),
-            _ => None,
-        }
-    }
-
     #[inline]
     fn outflow(&self, stored: f64, connected: bool) -> Outflow {
         let leakage = self.store.leakage_ohm.recip();
@@ -249,7 +242,8 @@ impl<T: Transducer, const N: usize> Harvester<N> for WithBridge<T> {
         let mut state = [0.0; N];
         let after = self.transducer.start(&mut state[..N - 3]);
         state[N - 2] = self.store.initial_v;
-        let connected = self.lockout().is_some_and(|lockout| self.store.initial_v >= lockout.turn_on_v);
+        let connected =
+            self.store.draw.lockout().is_some_and(|lockout| self.store.initial_v >= lockout.turn_on_v);
         let stand_in = self.transducer.released(0.0, &state[..N - 3], 0.0);
         (mode::<T>(after, stand_in, connected), state)
     }
@@ -324,7 +318,7 @@ impl<T: Transducer, const N: usize> Harvester<N> for WithBridge<T> {
             let out = self.outflow(stored, mode.connected);
             [mode.sign * self.current(port, mode.sign, out), NEVER]
         };
-        let draw = self.lockout().map_or(NEVER, |lockout| {
+        let draw = self.store.draw.lockout().map_or(NEVER, |lockout| {
             if mode.connected { stored - lockout.turn_off_v } else { lockout.turn_on_v - stored }
         });
         [first, second, third, fourth, draw]
