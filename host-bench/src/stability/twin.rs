@@ -157,6 +157,25 @@ mod tests {
         }
     }
 
+    /// A case of each excitation of the features, of the scene whose runs are short.
+    #[test]
+    fn the_power_of_a_featured_case_is_rescaled() {
+        for kind in ["random", "sines", "sweep", "bursts"] {
+            let is_of = |case: &Case| {
+                let is_short = case.scene == "contact-separation" && case.precision == Precision::F64;
+                let has = |(key, text): &(String, String)| key == "excitation" && text.contains(kind);
+                is_short && case.changes.len() < 6 && case.changes.iter().any(has)
+            };
+            let case = (0..).map(|number| draw_varied(5, number)).find(is_of).expect("one of many");
+            let power = |case: &Case| {
+                let scene = case.read().expect("a scene");
+                run_scene(&scene, &case.options()).expect("a run").mean_power_w.expect("a power")
+            };
+            let [one, two] = [power(&case), power(&rescaled(&case).expect("a twin"))];
+            assert!(one > 0.0 && (two / (POWER * one) - 1.0).abs() < 1e-3, "{kind}: {one} {two} {case:?}");
+        }
+    }
+
     #[test]
     fn every_varied_case_is_read_and_has_a_twin() {
         let of = |number| draw_varied(5, number);

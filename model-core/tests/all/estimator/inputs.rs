@@ -249,8 +249,9 @@ fn runs(seed: u64, count: u32, flaws: &[Flaw]) -> Vec<Run> {
     (0..count).flat_map(of).collect()
 }
 
-/// Prints a row for each flaw, with the part inside by harvester; gives the parts inside and without a statement.
-fn table(runs: &[Run], flaws: &[Flaw]) -> Vec<(f64, f64)> {
+/// Prints a row for each flaw, with the part inside by harvester; gives the parts inside and without a statement, and the median
+/// statement in percent.
+fn table(runs: &[Run], flaws: &[Flaw]) -> Vec<(f64, f64, f64)> {
     const HARVESTERS: [&str; 4] = ["contact, weak", "contact, strong", "sliding", "bump-stop"];
     println!("| flaw | runs | error | stated | unknown | inside | {} |", HARVESTERS.join(" | "));
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
@@ -272,7 +273,7 @@ fn table(runs: &[Run], flaws: &[Flaw]) -> Vec<(f64, f64)> {
         println!(
             "| {flaw:?} | {count} | {error:.2} % | {stated:.1} % | {unknown_part:.1} % | {part:.1} % | {parts} |"
         );
-        (all, unknown)
+        (all, unknown, stated)
     };
     flaws.iter().map(row).collect()
 }
@@ -287,8 +288,10 @@ fn the_error_by_a_few_flawed_samples_is_stated() {
         Flaw::Rate(0.05),
         Flaw::Lost(0.0),
     ];
-    for (inside, unknown) in table(&runs(TESTED, 28, &flaws), &flaws) {
-        assert!(inside >= 0.85 && unknown <= 0.2, "{inside} {unknown}");
+    for (flaw, (inside, unknown, stated)) in flaws.iter().zip(table(&runs(TESTED, 28, &flaws), &flaws)) {
+        assert!(inside >= 0.85 && unknown <= 0.2, "{flaw:?}: {inside} {unknown}");
+        // A rate that is 5 % off may miss a resonance altogether, and nothing bounds that.
+        assert!(stated <= 100.0 || matches!(flaw, Flaw::Rate(_)), "{flaw:?}: {stated} %");
     }
 }
 
@@ -297,7 +300,7 @@ fn the_error_by_a_few_flawed_samples_is_stated() {
 fn the_error_by_flawed_samples_is_stated_in_95_of_100_inputs() {
     for seed in [FITTED, TESTED] {
         println!("\nseed {seed}");
-        for (inside, unknown) in table(&runs(seed, 192, &FLAWS), &FLAWS) {
+        for (inside, unknown, _) in table(&runs(seed, 192, &FLAWS), &FLAWS) {
             assert!(inside >= 0.95 && unknown <= 0.2, "seed {seed}: {inside} {unknown}");
         }
     }
