@@ -6,7 +6,7 @@ use diffsol::ode_solver::OdeSolverStatistics;
 use super::ledger::{Ledger, integral};
 use super::recorder::Recorder;
 use super::storage::Storage;
-use harvester_scene::outcome::{Accuracy, CreatedEnergy, Margins, Outcome, Particular, Recording};
+use harvester_scene::outcome::{CreatedEnergy, Outcome, Particular, Recording};
 use harvester_scene::scene_file::{Random, Scene};
 
 /// Work of the integrator.
@@ -66,7 +66,6 @@ impl Totals {
             duration_s: scene.run.duration_s,
             settle_s: scene.run.settle_s,
             mean_power_w: Some(self.delivered_energy / length),
-            mean_power_standard_error_w: None,
             rms_voltage_v: Some((window[integral::VOLTAGE_SQUARED].max(0.0) / length).sqrt()),
             peak_voltage_v: Some(self.peak_voltage),
             mean_voltage_v: Some(window[integral::VOLTAGE] / length),
@@ -83,18 +82,12 @@ impl Totals {
             processor_s: began.elapsed().as_secs_f64(),
             particular: self.particular,
             store: self.storage.map(|storage| storage.outcome(voltage, losses)),
-            steady_state: None,
-            flow: None,
-            accuracy: Accuracy::default(),
-            branches: None,
-            margins: Margins::default(),
-            warnings: Vec::new(),
-            block_energies_j: Vec::new(),
             trace: self.recorder.map(|recorder| Recording {
                 columns,
                 rows: recorder.rows,
                 impacts_s: Vec::new(),
             }),
+            ..Outcome::default()
         }
     }
 }

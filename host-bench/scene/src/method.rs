@@ -79,7 +79,7 @@ pub struct Options {
     #[arg(long = "long-step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
     pub long_step_s: Option<f64>,
     /// Relative error of the mean power to aim at, by exponential Radau, and by run in a bump-stop scene; tolerance or steps
-    /// follow [default: 1e-6; 1e-5 in f32; 1e-3 in a bump-stop scene]
+    /// follow [default: 1e-6; 3e-6 of a slider in f32; 1e-3 in a bump-stop scene]
     #[arg(long, value_name = "REL", conflicts_with_all = ["step_s", "tolerance"], allow_hyphen_values = true)]
     pub accuracy: Option<f64>,
     /// Relative tolerance of the adaptive step of a triboelectric scene [default: by --accuracy; 1e-5 with tr-bdf2, 1e-12

@@ -20,9 +20,8 @@ pub use self::limits::{LIMIT, MODEL, Margin, Margins};
 
 /// The result of one run.
 ///
-/// Numbers that do not exist (a mean over an empty window, a ratio to zero) are `None`, and `null` in JSON. In JSON a
-/// number that is not finite is `null` too.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Numbers that do not exist (a mean over an empty window, a ratio to zero) are `None`. In JSON they are `null`, as those not finite.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Outcome {
     /// Name of the scene.
     pub scene: &'static str,
@@ -36,8 +35,7 @@ pub struct Outcome {
     pub duration_s: f64,
     /// Start of the measuring window in s.
     pub settle_s: f64,
-    /// Mean power delivered to the load over the window in W: `V²/R`, or the power into the storage or bus behind a
-    /// bridge.
+    /// Mean power over the window in W into the load: the resistor, or the storage or bus behind a bridge.
     pub mean_power_w: Option<f64>,
     /// Standard error in W of a mean power that is that of an ensemble of displaced starts; `None` where the motion is not
     /// chaotic. Every other number is that of the scene's own start.
@@ -56,8 +54,7 @@ pub struct Outcome {
     /// Root mean square of a random base acceleration in m/s², by its spectral density. Absent for any other.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_rms_m_per_s2: Option<f64>,
-    /// Residual of the energy ledger of the whole run, over the larger of `∫ |base power| dt` and the peak stored
-    /// energy.
+    /// Residual of the energy ledger of the run, over the larger of `∫ |base power| dt` and the peak stored energy.
     pub energy_residual: Option<f64>,
     /// Accepted steps, whole run.
     pub steps: u64,
@@ -95,8 +92,7 @@ pub struct Outcome {
     /// Where the energy of the whole run went; not part of the JSON object. Only the embedded core keeps it.
     #[serde(skip)]
     pub flow: Option<EnergyFlow>,
-    /// Energy in J delivered in each of [`BLOCKS`] equal parts of the window, if they were asked for; not part of the
-    /// JSON object.
+    /// Energy in J delivered in each of [`BLOCKS`] parts of the window, if asked for; not part of the JSON object.
     #[serde(skip)]
     pub block_energies_j: Vec<f64>,
 }
@@ -143,8 +139,7 @@ impl Outcome {
         if let Particular::BumpStop(found) = &self.particular { Some(found) } else { None }
     }
 
-    /// The largest gap, the amplitude of the slider, or the largest displacement of the tip in m; `None` without a
-    /// measuring window.
+    /// The largest gap, the amplitude of the slider, or the largest displacement of the tip in m, in the window.
     pub fn largest_motion_m(&self) -> Option<f64> {
         match &self.particular {
             Particular::ContactSeparation(found) => found.peak_gap_m,
@@ -226,6 +221,12 @@ pub enum Particular {
     BumpStop(BumpStopOutcome),
 }
 
+impl Default for Particular {
+    fn default() -> Self {
+        Self::Sliding(SlidingOutcome::default())
+    }
+}
+
 /// The numbers of a contact-separation run only.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ContactSeparationOutcome {
@@ -252,7 +253,7 @@ pub const CONTACT_SEPARATION_COLUMNS: [&str; 7] =
     ["time_s", "gap_m", "velocity_m_per_s", "charge_c", "voltage_v", "base_acceleration_m_per_s2", "stuck"];
 
 /// The numbers of a sliding run only.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct SlidingOutcome {
     /// Natural frequency in Hz of the undamped beam with its slider, free of friction.
     pub natural_frequency_hz: Option<f64>,

@@ -3,6 +3,7 @@
 use super::difference::{Difference, delivers, difference};
 use super::ensemble::{chaotic, ensemble};
 use super::runs::{Runs, companion, in_double_precision};
+use super::warnings::differing_peak;
 use super::{LEAST, has_own_steps, has_tolerance};
 use crate::embedded::DEFAULT_SHORT_STEP_S;
 use crate::method::{Options, Precision};
@@ -46,6 +47,7 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     let finer = finer(&mut runs, &double, alike, is_layered);
     let between = finer.as_ref().and_then(|(_, finer)| difference(alike, finer));
     let can_be = delivers(outcome) && !is_coarse(scene, &double);
+    let peaks = finer.as_ref().and_then(|(_, finer)| differing_peak(outcome, finer));
     let between_steps = between.filter(|_| can_be);
     let displaced = between_steps.and_then(|between| chaotic(&mut runs, &double, alike, &between));
     let found = displaced
@@ -64,6 +66,7 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
         outcome.accuracy = Accuracy { chaos: Some(chaos), step: Some(step.max(LEAST)), ..accuracy }.summed();
         return;
     }
+    outcome.warnings.extend(peaks);
     accuracy.step = between.map(stated).map(|step| step.max(LEAST));
     accuracy.rounding = exact.as_ref().and_then(|exact| difference(outcome, exact)).map(|found| found.whole);
     if is_layered {

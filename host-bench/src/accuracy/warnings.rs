@@ -2,9 +2,10 @@
 
 use super::LEAST;
 use super::difference::delivers;
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, fields};
 use crate::resolution::natural_frequency_hz;
 use crate::scene_file::{Excitation, Load, Scene};
+use serde_json::Value;
 
 /// Estimated relative error of the mean power above which a run warns.
 const NOTABLE: f64 = 5e-3;
@@ -14,6 +15,8 @@ const UNKNOWN: f64 = 1.0;
 const BEYOND: f64 = 1.1;
 /// Relative residual of the energy ledger above which a run warns.
 const UNBALANCED: f64 = 1e-2;
+/// Relative difference of a peak in finer steps above which a run warns, so that one without a warning is within 2 %.
+const PEAK: f64 = 1e-2;
 /// Parts of the energy that a harvester exchanges below which the energy delivered to a resistor, which is quadratic in
 /// the voltage, and through a bridge, which is linear in the charge, are not resolved in double precision.
 const UNRESOLVED: [f64; 2] = [1e-26, 1e-12];
@@ -54,25 +57,41 @@ pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
     })
 }
 
-/// The warning of a trace whose straight lines differ notably from a smooth curve through its samples.
+/// The warning of the peak that differs most from that of a run in finer steps.
+pub(super) fn differing_peak(outcome: &Outcome, finer: &Outcome) -> Option<String> {
+    let finer = fields(finer);
+    let is_peak = |name: &str| ["peak", "largest_range", "max_"].iter().any(|part| name.contains(part));
+    let apart = |(name, value): (String, Value)| {
+        let (one, other) = (value.as_f64()?, finer.get(&name)?.as_f64()?);
+        (one != other && is_peak(&name)).then(|| (name, (one / other - 1.0).abs()))
+    };
+    let differing = fields(outcome).into_iter().filter_map(apart).filter(|(_, apart)| *apart > PEAK);
+    let (name, apart) = differing.max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+    Some(format!("peaks: {name} differs by {apart:.1e} in finer steps (--accuracy, --step or --tolerance)"))
+}
+
+/// The warning of a trace whose straight lines differ notably from a smooth curve through its samples, or cannot be compared with it.
 pub(super) fn sampled(scene: &Scene, outcome: &Outcome) -> Option<String> {
-    let sampling = outcome.accuracy.sampling.filter(|sampling| *sampling > NOTABLE)?;
-    let remedy = more_samples(scene, outcome).unwrap_or_default();
-    Some(format!("excitation.rate_hz: {sampling:.1e} of the mean power by the sampling of the trace{remedy}"))
+    let Excitation::File(trace) = &scene.excitation else { return None };
+    let Some(sampling) = outcome.accuracy.sampling else {
+        return Some("excitation.rate_hz: the error by the sampling is unknown: the run on a smoother trace did not end".to_owned());
+    };
+    let remedy = natural_frequency_hz(scene, outcome).map(|natural| more_samples(trace.rate_hz, natural));
+    (sampling > NOTABLE).then(|| {
+        let remedy = remedy.unwrap_or_default();
+        format!("excitation.rate_hz: {sampling:.1e} of the mean power by the sampling of the trace{remedy}")
+    })
 }
 
 /// What helps against an error by the sampling of a trace. Straight lines between `n` samples in a period take
 /// `1 − sinc²(1/n)` ≈ `π²/(3 n²)` of the amplitude of a sine, and twice as much of the power of a linear harvester.
-fn more_samples(scene: &Scene, outcome: &Outcome) -> Option<String> {
-    let Excitation::File(trace) = &scene.excitation else { return None };
-    let natural = natural_frequency_hz(scene, outcome)?;
+fn more_samples(rate_hz: f64, natural_hz: f64) -> String {
     let enough = std::f64::consts::PI * (2.0 / (3.0 * NOTABLE)).sqrt();
-    Some(format!(
-        "; a higher sampling rate helps: {} Hz are {:.1} samples in a period of the natural frequency of {natural:.4} Hz, about \
-         {enough:.0} make the error of a linear harvester {NOTABLE:e}",
-        trace.rate_hz,
-        trace.rate_hz / natural
-    ))
+    format!(
+        "; a higher sampling rate helps: {rate_hz} Hz are {:.1} samples in a period of the natural frequency of {natural_hz:.4} Hz, \
+         about {enough:.0} make the error of a linear harvester {NOTABLE:e}",
+        rate_hz / natural_hz
+    )
 }
 
 /// The warning of an energy ledger that does not close.
@@ -117,4 +136,23 @@ pub(super) fn beyond_threshold(scene: &Scene, outcome: &Outcome) -> Option<Strin
     Some(format!(
         "accuracy: rms_voltage_v = {rms_v:.3e} is above the {most_v:.3e} V at which the bridge conducts: a conduction was missed"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene_file::{Override, read, shipped};
+
+    #[test]
+    fn a_trace_that_could_not_be_compared_with_a_smoother_one_is_announced() {
+        let outcome = Outcome::default();
+        let noise = "{kind=\"file\",path=\"noise.csv\",column=1,rate_hz=400,scale_m_per_s2=1,repeat=true}";
+        let run = Override::new("run", "{duration_s=1.0,settle_s=0.5}");
+        let changes = [run, Override::new("excitation", noise)];
+        for (changes, is_recorded) in [(&changes[..], true), (&changes[..1], false)] {
+            let scene = read(&shipped("sliding"), changes).expect("a shipped scene");
+            let text = sampled(&scene, &outcome);
+            assert_eq!(text.is_some_and(|text| text.contains("is unknown")), is_recorded);
+        }
+    }
 }

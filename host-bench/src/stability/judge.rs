@@ -22,7 +22,7 @@ pub(super) const RIGHT: [f64; 2] = [0.01, 0.02];
 const PAIRS: [i32; 2] = [2, 32];
 
 /// What became of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Class {
     /// The mean power is within 1 % in double precision and 2 % in single precision of that of the more accurate run;
@@ -43,6 +43,7 @@ pub enum Class {
     /// Stopped after the most attempted steps.
     TooDear,
     /// No more accurate run came to its end.
+    #[default]
     Unjudged,
     /// The mean power is off, and nothing says so.
     Wrong,
@@ -69,7 +70,7 @@ pub struct Effort {
 }
 
 /// A run that was judged.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Finding {
     /// What became of it.
     pub class: Class,
@@ -93,18 +94,7 @@ pub struct Finding {
 
 impl Finding {
     fn new(class: Class, reason: impl Into<String>) -> Self {
-        let reason = reason.into();
-        Self {
-            class,
-            quantity: None,
-            error: None,
-            stated: None,
-            is_warned: false,
-            by_reference: false,
-            is_chaotic: false,
-            work: 0.0,
-            reason,
-        }
+        Self { class, reason: reason.into(), ..Self::default() }
     }
 }
 
@@ -246,11 +236,9 @@ impl Judge {
     fn exact(&self, scene: &Scene, options: &Options) -> Option<&(Numbers, bool)> {
         let Effort { most_attempts, by_reference: asked } = self.effort;
         let reference = || asked.then(|| by_reference(scene, most_attempts)).flatten();
-        let exact = self.exact.get_or_init(|| {
-            let reference = reference().map(|found| (found, true));
-            reference.or_else(|| Some((tighter(scene, options)?, false)))
-        });
-        exact.as_ref()
+        let by = |is_reference| move |found| (found, is_reference);
+        let find = || reference().map(by(true)).or_else(|| tighter(scene, options).map(by(false)));
+        self.exact.get_or_init(find).as_ref()
     }
 
     fn ensemble(&self, scene: &Scene, options: &Options, is_chaotic: bool) -> &Ensemble {

@@ -3,6 +3,7 @@
 use host_bench::embedded;
 use host_bench::method::Precision;
 use host_bench::reference::ReferenceOptions;
+use host_bench::scene_file::{read, shipped};
 
 use super::tool::{SHIPPED, accepted, folder, refused};
 
@@ -98,9 +99,13 @@ fn that_the_method_or_the_scene_does_not_use() {
 fn help_names_the_defaults_that_hold() {
     let help = accepted(&["run", "--help"]);
     let lines: Vec<&str> = help.lines().map(str::trim).collect();
+    let slider = read(&shipped("sliding"), &[]).expect("a shipped scene").model;
     for (option, default) in [
-        ("--accuracy", format!("default: {:e}", embedded::default_accuracy(Precision::F64))),
-        ("--accuracy", format!("{:e} in f32", embedded::default_accuracy(Precision::F32))),
+        ("--accuracy", format!("default: {:e}", embedded::default_accuracy(&slider, Precision::F64))),
+        (
+            "--accuracy",
+            format!("{:e} of a slider in f32", embedded::default_accuracy(&slider, Precision::F32)),
+        ),
         ("--tolerance", format!("{:e} with tr-bdf2", embedded::DEFAULT_TOLERANCE)),
         ("--tolerance", format!("{:e} with the reference", ReferenceOptions::default().tolerance)),
         ("--precision", "default: f64; f32 with micromath".to_owned()),

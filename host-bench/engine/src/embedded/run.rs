@@ -21,9 +21,7 @@ use super::report::{Found, Report};
 use super::{DEFAULT_TOLERANCE, precision_name};
 use crate::steady_state::Total;
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
-use harvester_scene::outcome::{
-    Accuracy, CreatedEnergy, EnergyFlow, Margins, Outcome, Recording, StoreOutcome,
-};
+use harvester_scene::outcome::{CreatedEnergy, EnergyFlow, Margins, Outcome, Recording, StoreOutcome};
 use harvester_scene::progress;
 use harvester_scene::scene_file::{Load, Random, RunSpan, Scene};
 
@@ -96,7 +94,7 @@ pub(super) fn step_control<S: Scalar>(
             let tolerance = tolerance.unwrap_or_else(|| match method {
                 Method::TrBdf2 => DEFAULT_TOLERANCE,
                 _ => {
-                    let by_default = auto::default_accuracy(options.chosen_precision());
+                    let by_default = auto::default_accuracy(&scene.model, options.chosen_precision());
                     auto::tolerance(scene, options.accuracy.unwrap_or(by_default))
                 }
             });
@@ -171,7 +169,9 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             if measured {
                 meters.window = RunMeter::starting_at(&harvester.outputs(state));
                 meters.blocks = options.blocks.then(|| Blocks::new(settled, end));
-                meters.clamp = (!options.bare).then(|| self.report.clamp(excitation)).flatten();
+                // Runs that are compared have blocks.
+                meters.clamp =
+                    (options.blocks || !options.bare).then(|| self.report.clamp(excitation)).flatten();
             }
             let mut pair = meters.whole.as_mut().map(|(ledger, meter)| (ledger, meter));
             let mut margins = meters.margins.as_mut();
@@ -274,7 +274,6 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             duration_s: span.duration_s,
             settle_s: span.settle_s,
             mean_power_w: number(window.mean_power()),
-            mean_power_standard_error_w: None,
             rms_voltage_v: window.report().rms_voltage.and_then(number),
             peak_voltage_v: number(window.report().voltage.magnitude()),
             mean_voltage_v: ledger.and_then(|_| number(window.integrals().mean(PowerIndex::Voltage))),
@@ -301,7 +300,6 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 drawn_energy_j: spent(PowerIndex::Draw),
                 cycles: meters.blocks.as_ref().and_then(Blocks::cycles),
             }),
-            steady_state: None,
             flow: ledger.map(|ledger| {
                 let spent = |power| ledger.integrals().integral(power).to_f64();
                 EnergyFlow {
@@ -314,14 +312,11 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 }
             }),
             margins: meters.margins.as_ref().map_or_else(Margins::default, Compared::margins),
-            accuracy: Accuracy::default(),
-            branches: None,
-            warnings: Vec::new(),
             block_energies_j: meters
                 .blocks
                 .as_ref()
                 .map_or_else(Vec::new, |blocks| blocks.energies_j.to_vec()),
-            trace: None,
+            ..Outcome::default()
         }
     }
 

@@ -3,7 +3,7 @@
 use model_core::integrate::Cubic;
 
 use super::system::{State, System};
-use crate::outcome::{Accuracy, BumpStopOutcome, Margins, Outcome, Particular};
+use crate::outcome::{BumpStopOutcome, Outcome, Particular};
 use crate::scene_file::{Random, Scene};
 
 #[derive(Debug, Clone, Copy)]
@@ -117,26 +117,16 @@ impl<'a> Meter<'a> {
         let delivered_energy = self.voltage_squared * self.system.conductance;
         Outcome {
             scene: scene.name(),
-            method: String::new(),
             precision: "f64",
             math: "std",
             duration_s: scene.run.duration_s,
             settle_s: scene.run.settle_s,
             mean_power_w: Some(delivered_energy / length),
-            mean_power_standard_error_w: None,
             rms_voltage_v: Some((self.voltage_squared.max(0.0) / length).sqrt()),
             peak_voltage_v: Some(self.peaks[VOLTAGE]),
             mean_voltage_v: Some(self.voltage / length),
             delivered_energy_j: Some(delivered_energy),
-            created: None,
             base_rms_m_per_s2: scene.excitation.random().map(Random::rms_m_per_s2),
-            // These methods keep no energy ledger.
-            energy_residual: None,
-            steps: 0,
-            rejected_steps: 0,
-            newton_iterations: 0,
-            events: 0,
-            processor_s: 0.0,
             particular: Particular::BumpStop(BumpStopOutcome {
                 beam_natural_frequencies_hz,
                 rod_natural_frequencies_hz,
@@ -151,15 +141,8 @@ impl<'a> Meter<'a> {
                 clamp: None,
                 end_state: self.system.scaled(end),
             }),
-            store: None,
-            steady_state: None,
-            flow: None,
-            accuracy: Accuracy::default(),
-            branches: None,
-            margins: Margins::default(),
-            warnings: Vec::new(),
-            block_energies_j: Vec::new(),
-            trace: None,
+            // These methods keep no energy ledger.
+            ..Outcome::default()
         }
     }
 }
