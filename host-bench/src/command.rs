@@ -124,14 +124,15 @@ pub(crate) fn progress(count: usize) -> ProgressBar {
 }
 
 /// Counts one more case of a long command on the bar. Where standard error is no terminal and the bar is hidden, prints a
-/// line for each tenth of the cases.
+/// line for each tenth of the cases, after the first seconds.
 pub(crate) fn one_more(bar: &ProgressBar) {
     bar.inc(1);
     let (done, all) = (bar.position(), bar.length().unwrap_or(0));
+    let elapsed = bar.elapsed().as_secs_f64();
     // Whether this case completes a tenth.
-    if bar.is_hidden() && done * 10 / all.max(1) > done.saturating_sub(1) * 10 / all.max(1) {
-        let elapsed = bar.elapsed().as_secs_f64();
-        let to_go = elapsed * (all - done) as f64 / done as f64;
+    let is_tenth = done * 10 / all.max(1) > done.saturating_sub(1) * 10 / all.max(1);
+    if bar.is_hidden() && is_tenth && elapsed >= watch::EVERY.as_secs_f64() {
+        let to_go = elapsed * all.saturating_sub(done) as f64 / done as f64;
         note(&format!("{done}/{all}  {elapsed:.0} s elapsed, {to_go:.0} s to go"));
     }
 }

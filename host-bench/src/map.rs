@@ -245,7 +245,7 @@ fn of_slices(
     let stated = checked
         .iter()
         .take(STATED)
-        .map(|Judged { place, .. }| (&scenes[place.slice], [place.amplitude, place.frequency_hz]));
+        .map(|Judged { place, .. }| (&scenes[place.slice], [place.amplitude, place.frequency_hz], None));
     let statements = Statements::of_orbits(&stated.collect::<Vec<_>>(), options)?;
     Ok(Map { image, axes, slices, checked, agreement, margin, broadband, periods, statements })
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::files::{Outputs, make_folder, report_folder};
 use super::watch::Watch;
 use super::{NODE, check_keys, note, print, tell};
+use crate::accuracy::{Statements, tell_warnings};
 use crate::method::{Failure, Options};
 use crate::motion::{self, LogAxis, Series, View, Wanted};
 use crate::report::setting::{margin, setting};
@@ -106,12 +107,12 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
     };
     let watch = Watch::new();
     let (mut series, mut method) = (Vec::new(), String::new());
-    let (mut smallest, mut warnings) = (Vec::new(), Vec::new());
+    let (mut smallest, mut stated) = (Vec::new(), Statements::default());
     for (name, scene) in &scenes {
         let outcome = run_scene(scene, &options).map_err(|failure| failure.of_case(name))?;
         series.push(Series::of(name.as_str(), scene, &outcome));
         smallest.extend(outcome.margins.smallest_margin);
-        warnings.extend(outcome.warnings);
+        stated.add(&outcome);
         method = outcome.method;
     }
     drop(watch);
@@ -127,7 +128,7 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
         logarithmic: &arguments.log,
         ..usual
     };
-    warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+    tell_warnings(&stated.fields(&[]));
     let picture = motion::of_file(&file, &wanted, &series)?;
     if arguments.output.is_none() {
         make_folder(&report_folder())?;

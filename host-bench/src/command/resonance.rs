@@ -2,18 +2,16 @@
 
 mod short_open;
 
-use std::time::{Duration, Instant};
-
 use serde_json::json;
 
 use super::storage_voltage::StorageVoltage;
-use super::{NODE, SceneArguments, Unused, check_overrides, note, print};
+use super::{NODE, SceneArguments, Unused, check_overrides, one_more, print, progress};
 use crate::accuracy::{Statements, tell_warnings};
-use crate::embedded::{Search, search};
+use crate::embedded::{Search, search as peaks};
 use crate::method::{Failure, Options};
 use crate::outcome::{Fields, fields, text};
 use crate::scene_file::{self, Excitation, Load, Scene};
-use crate::steady_state::{DEFAULT_POINTS, Resonance};
+use crate::steady_state::{DEFAULT_POINTS, Peak, Resonance};
 
 /// Keys that the search does not use.
 const UNUSED: [Unused; 3] = [
@@ -23,8 +21,8 @@ const UNUSED: [Unused; 3] = [
 ];
 /// Most frequencies of a scan.
 const MOST_POINTS: usize = 100_000;
-/// Time from one line about the progress to the next.
-const TOLD_EVERY: Duration = Duration::from_secs(3);
+/// Steady states that narrowing down the peaks takes, beside those of the scan: thrice a dozen.
+const NARROWING: usize = 36;
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct ResonanceArguments {
@@ -67,45 +65,54 @@ pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
     let unused = [&UNUSED[..], if short_open { std::slice::from_ref(&load) } else { &[] }].concat();
     check_overrides(&arguments.scene.overrides, &storage_voltage.unused(&unused))?;
     storage_voltage.hold(&mut scene)?;
-    let mut progress = Progress::new(points);
+    let bar = progress(points + NARROWING);
     let range_hz = [from, to];
     let options = &arguments.scene.options;
     let found = if short_open {
-        short_open::compared(&scene, range_hz, points, options, &mut progress)?
+        short_open::compared(&scene, range_hz, points, options, &bar)?
     } else {
         let search = Search { range_hz, points, with_power: true };
-        let (found, periods) = peaks(&scene, &search, arguments, &mut progress)?;
+        let (found, periods) = peaks(&scene, &search, options, &mut || one_more(&bar))?;
+        let found = found.ok_or_else(|| no_orbit(range_hz))?;
         let peaks = [Some(found.amplitude), Some(found.rms_voltage), found.mean_power];
-        let mut peaks: Vec<f64> = peaks.into_iter().flatten().map(|peak| peak.frequency_hz).collect();
-        peaks.dedup();
+        let mut peaks: Vec<Peak> = peaks.into_iter().flatten().collect();
+        let names = ["amplitude", "rms_voltage", "mean_power"].into_iter();
+        let doubts: Vec<String> = names.zip(&peaks).filter_map(at_edge).collect();
+        peaks.dedup_by(|one, other| one.frequency_hz == other.frequency_hz);
+        let of = |peak: &Peak| {
+            let there = found.responses.iter().find(|(frequency_hz, _)| *frequency_hz == peak.frequency_hz);
+            let power_w = there.and_then(|(_, response)| Some(response.as_ref()?.mean_power_w));
+            (&scene, peak.frequency_hz, power_w.filter(|power_w| *power_w > 0.0))
+        };
         let mut named = described(&scene, &found, periods);
-        named.extend(stated(&peaks.into_iter().map(|peak| (&scene, peak)).collect::<Vec<_>>(), options)?);
+        named.extend(stated(&peaks.iter().rev().map(of).collect::<Vec<_>>(), &doubts, options)?);
         named
     };
+    bar.finish_and_clear();
     tell_warnings(&found);
     print(&text(&found, arguments.scene.format))
 }
 
-/// What the steady motions of scenes at some frequencies in Hz state.
-fn stated(peaks: &[(&Scene, f64)], options: &Options) -> Result<Fields, Failure> {
+/// The warning of a peak that is at an edge of the range.
+fn at_edge((name, peak): (&str, &Peak)) -> Option<String> {
+    let hz = peak.frequency_hz;
+    peak.at_edge
+        .then(|| format!("range: the largest {name} is at its edge, {hz} Hz: a larger one may be beyond"))
+}
+
+/// What the steady motions of scenes at some frequencies in Hz and with a mean power in W, if it is known, state.
+fn stated(
+    peaks: &[(&Scene, f64, Option<f64>)],
+    doubts: &[String],
+    options: &Options,
+) -> Result<Fields, Failure> {
     let amplitude = |scene: &Scene| match &scene.excitation {
         Excitation::Sine(tone) => tone.amplitude_m_per_s2,
         _ => 0.0,
     };
-    let places: Vec<(&Scene, [f64; 2])> =
-        peaks.iter().map(|(scene, peak)| (*scene, [amplitude(scene), *peak])).collect();
-    Statements::of_orbits(&places, options).map(|statements| statements.fields(&[]))
-}
-
-/// The peaks of a scene, and the simulated periods that they took.
-fn peaks(
-    scene: &Scene,
-    range: &Search,
-    arguments: &ResonanceArguments,
-    progress: &mut Progress,
-) -> Result<(Resonance, f64), Failure> {
-    let (found, periods) = search(scene, range, &arguments.scene.options, &mut || progress.one_more())?;
-    Ok((found.ok_or_else(|| no_orbit(range.range_hz))?, periods))
+    let place = |&(scene, hz, power_w): &(_, f64, _)| (scene, [amplitude(scene), hz], power_w);
+    let places: Vec<_> = peaks.iter().map(place).collect();
+    Statements::of_orbits(&places, options).map(|statements| statements.fields(doubts))
 }
 
 /// There is nothing to follow.
@@ -149,38 +156,4 @@ fn described(scene: &Scene, found: &Resonance, periods: f64) -> Fields {
         "simulated_periods": periods,
     })));
     named
-}
-
-/// Tells on standard error every few seconds how far a search is. How many frequencies a peak takes is estimated.
-pub(super) struct Progress {
-    began: Instant,
-    told: Instant,
-    done: usize,
-    expected: usize,
-}
-
-/// Steady states that narrowing down the peaks takes, beside those of the scan: thrice a dozen.
-const NARROWING: usize = 36;
-
-impl Progress {
-    /// Of a search that scans this many points.
-    fn new(points: usize) -> Self {
-        let began = Instant::now();
-        Self { began, told: began, done: 0, expected: points + NARROWING }
-    }
-
-    fn one_more(&mut self) {
-        if self.told.elapsed() >= TOLD_EVERY {
-            let elapsed = self.began.elapsed().as_secs_f64();
-            // A search that takes longer than most has its own number as the expected one.
-            self.expected = self.expected.max(self.done + 1);
-            let to_go = elapsed * (self.expected - self.done) as f64 / self.done.max(1) as f64;
-            note(&format!(
-                "{} steady states of about {}, {elapsed:.0} s elapsed, about {to_go:.0} s to go",
-                self.done, self.expected
-            ));
-            self.told = Instant::now();
-        }
-        self.done += 1;
-    }
 }

@@ -10,7 +10,7 @@ use harvester_scene::progress;
 use super::tell;
 
 /// Time from one line to the next, and before the first.
-const EVERY: Duration = Duration::from_secs(3);
+pub(super) const EVERY: Duration = Duration::from_secs(3);
 
 /// Time from one look at the progress to the next.
 const LOOK: Duration = Duration::from_millis(100);

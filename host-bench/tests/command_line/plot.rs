@@ -103,3 +103,14 @@ fn a_quiet_command_tells_warnings_only() {
     let told = String::from_utf8(output.stderr).expect("text");
     assert!(told.lines().all(|line| line.starts_with("warning: ")), "{told}");
 }
+
+#[test]
+fn a_warning_of_several_runs_is_told_once() {
+    let picture = folder("plot-warnings").join("runs.svg");
+    let picture = picture.to_str().expect("a plain path");
+    let compare = ["--compare", "excitation.frequency_hz=20,20.2,20.4", "--output", picture];
+    let output = host_bench(&[&["plot", PASSIVE], &compare[..]].concat());
+    let told = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(told.matches("model: fringing").count(), 1, "{told}");
+    assert!(told.contains("3 of 3 runs: model: fringing"), "{told}");
+}

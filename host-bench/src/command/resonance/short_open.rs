@@ -4,10 +4,12 @@
 //! power into the best resistor has a peak at both. The field of a triboelectric harvester pulls: its frequencies depend on
 //! the amplitude.
 
+use indicatif::ProgressBar;
 use serde_json::json;
 
-use super::{Progress, no_orbit, stated};
+use super::{at_edge, no_orbit, stated};
 use crate::closed_form::undamped_frequencies;
+use crate::command::one_more;
 use crate::embedded::{Search, best_resistance, search};
 use crate::method::{Failure, Options};
 use crate::outcome::{Fields, fields};
@@ -29,9 +31,9 @@ pub(super) fn compared(
     range_hz: [f64; 2],
     points: usize,
     options: &Options,
-    progress: &mut Progress,
+    bar: &ProgressBar,
 ) -> Result<Fields, Failure> {
-    let mut end = |resistance_ohm| end(scene, resistance_ohm, (range_hz, points), options, progress);
+    let end = |resistance_ohm| end(scene, resistance_ohm, (range_hz, points), options, bar);
     let [short, open] = [end(0.0)?, end(f64::INFINITY)?];
     let mut named = fields(&json!({ "scene": scene.name() }));
     for (name, end) in [("short_circuit", &short), ("open_circuit", &open)] {
@@ -63,8 +65,11 @@ pub(super) fn compared(
     }
     let loaded = [0.0, f64::INFINITY]
         .map(|resistance_ohm| Scene { load: Load::Resistor { resistance_ohm }, ..scene.clone() });
-    let peaks: Vec<(&Scene, f64)> = loaded.iter().zip(frequencies).collect();
-    named.extend(stated(&peaks, options)?);
+    let peaks: Vec<_> = loaded.iter().zip(frequencies).map(|(scene, peak)| (scene, peak, None)).collect();
+    let ends =
+        [("amplitude (short circuit)", &short.amplitude), ("amplitude (open circuit)", &open.amplitude)];
+    let doubts: Vec<String> = ends.into_iter().filter_map(at_edge).collect();
+    named.extend(stated(&peaks, &doubts, options)?);
     named.extend([("simulated_periods".to_owned(), (short.periods + open.periods).into())]);
     Ok(named)
 }
@@ -79,11 +84,11 @@ fn end(
     resistance_ohm: f64,
     (range_hz, points): ([f64; 2], usize),
     options: &Options,
-    progress: &mut Progress,
+    bar: &ProgressBar,
 ) -> Result<End, Failure> {
     let mut scene = Scene { load: Load::Resistor { resistance_ohm }, ..scene.clone() };
     let range = Search { range_hz, points, with_power: false };
-    let (found, periods) = search(&scene, &range, options, &mut || progress.one_more())?;
+    let (found, periods) = search(&scene, &range, options, &mut || one_more(bar))?;
     let found = found.ok_or_else(|| no_orbit(range_hz))?;
     let amplitude = found.amplitude;
     let there = found.responses.iter().find(|(frequency, _)| *frequency == amplitude.frequency_hz);
@@ -92,6 +97,6 @@ fn end(
     if let Excitation::Sine(tone) = &mut scene.excitation {
         tone.frequency_hz = amplitude.frequency_hz;
     }
-    let (best, further) = best_resistance(&scene, options, &mut || progress.one_more())?;
+    let (best, further) = best_resistance(&scene, options, &mut || one_more(bar))?;
     Ok(End { amplitude, rms_voltage_v, best, periods: periods + further })
 }
