@@ -193,7 +193,7 @@ impl Request<'_> {
         let numbers = flattened(fields(outcome));
         let value = |name: &str| {
             let found = numbers.get(name).and_then(Value::as_f64).filter(|value| value.is_finite());
-            // A run that approaches no limit has an ample margin.
+            // A run that approaches no limit has an ample margin, of which the result warns.
             found.or_else(|| {
                 (name.ends_with("_margin") && !outcome.margins.limits.is_empty()).then_some(100.0)
             })
@@ -205,6 +205,14 @@ impl Request<'_> {
             .map(|constraint| Some(constraint.margin(value(&constraint.quantity)?)))
             .collect();
         Some((sought, margins?))
+    }
+
+    /// A warning where the result has no margin of which a constraint is.
+    fn unapproached(&self, outcome: &Outcome) -> Option<String> {
+        let numbers = flattened(fields(outcome));
+        let is_unknown = |one: &&Constraint| numbers.get(&one.quantity).is_none_or(Value::is_null);
+        let name = self.constraints.iter().find(is_unknown)?.text();
+        Some(format!("{name} is not checked: the best run approaches no such limit and has no margin"))
     }
 
     /// The option that names the quantity.

@@ -185,11 +185,14 @@ fn entries(found: &Found, request: &Request<'_>) -> Vec<Entry> {
     values.map(entry).collect()
 }
 
-/// The result without the numbers of the best run.
+/// The result without the numbers of the best run; each constraint as a field of its own.
 fn short(found: &Found, request: &Request<'_>) -> serde_json::Map<String, serde_json::Value> {
     let mut all = found.json(request);
     all.remove("result");
-    all.remove("constraints");
+    for constraint in all.get_mut("constraints").and_then(|all| all.as_array_mut()).into_iter().flatten() {
+        constraint["name"] = constraint["constraint"].take();
+        constraint.as_object_mut().map(|fields| fields.remove("constraint"));
+    }
     all
 }
 

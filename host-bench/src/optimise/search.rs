@@ -93,7 +93,8 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     let level = is_level.then(|| {
         format!("{} is the same at all points of the grid: the keys do not change it", request.quantity)
     });
-    let doubts = level.into_iter().chain(doubt(request, &best, &outcome)).collect();
+    let doubts = level.into_iter().chain(doubt(request, &best, &outcome));
+    let doubts = doubts.chain(request.unapproached(&outcome)).collect();
     let runs = request.runs.counts();
     Ok(Found { best, unconstrained, flat, outcome, points, runs, doubts })
 }

@@ -210,3 +210,15 @@ fn what_cannot_be_sought_is_refused() {
     let over: Vec<&str> = five.iter().flat_map(|range| ["--over", range.as_str()]).collect();
     with(&[&["--maximise", "mean_power_w"], &over[..]].concat(), &["one to four times", "5"]);
 }
+
+#[test]
+fn csv_has_the_constraints_and_a_margin_that_is_not_there_is_told() {
+    let range = format!("{FREQUENCY}=19:21");
+    let over = ["optimise", SCENE, "--maximise", "peak_gap_m", "--over", &range, "--grid", "3"];
+    let bound = ["--subject-to", "impossible_margin>=1", "--set", "parameters.charge_density_c_per_m2=0"];
+    let csv = accepted(&[&over[..], &bound, &["--steady-state", "--format", "csv"]].concat());
+    assert!(csv.contains("constraints_impossible_margin>=1e0_value"), "{csv}");
+    assert!(csv.contains(
+        "impossible_margin>=1e0 is not checked: the best run approaches no such limit and has no margin | "
+    ));
+}

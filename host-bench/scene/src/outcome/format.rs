@@ -159,9 +159,10 @@ pub fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),
-        // A list, such as the natural frequencies, is one cell.
+        // A list, such as the natural frequencies or the warnings, is one cell. No warning has a vertical bar.
         Value::Array(items) if !items.iter().any(Value::is_object) => {
-            items.iter().map(cell).collect::<Vec<_>>().join(" ")
+            let between = if items.iter().any(Value::is_string) { " | " } else { " " };
+            items.iter().map(cell).collect::<Vec<_>>().join(between)
         }
         // A list of objects stays JSON.
         other => other.to_string(),
@@ -175,7 +176,8 @@ pub fn shown(value: &Value) -> String {
         Value::Number(number) if number.is_f64() => {
             let value = number.as_f64().unwrap_or(f64::NAN);
             let plain = (1e-3..1e6).contains(&value.abs()) || value == 0.0;
-            if plain { short(&format!("{value:.6}")) } else { format!("{value:.5e}") }
+            let rounded = || format!("{value:.6}").parse::<f64>().unwrap_or(value);
+            if plain { rounded().to_string() } else { format!("{value:.5e}") }
         }
         Value::Array(items) => items.iter().map(shown).collect::<Vec<_>>().join(", "),
         Value::Object(fields) => {
@@ -184,8 +186,4 @@ pub fn shown(value: &Value) -> String {
         }
         other => cell(other),
     }
-}
-
-fn short(text: &str) -> String {
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
