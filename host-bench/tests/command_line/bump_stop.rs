@@ -284,3 +284,20 @@ fn tip_masses_out_of_bounds_are_refused() {
     refused_with(&["parameters.beam_thickness_m=1"], &["unknown key"]);
     refused_with(&["tip_mass=1"], &["tip_mass", "table"]);
 }
+
+/// Without a stop there is nothing to penetrate, and the beam is linear: a start to the other side gives the same numbers.
+#[test]
+fn a_beam_without_a_stop_starts_at_both_sides() {
+    let power = |sign: &str| {
+        let start = format!("initial.modal_displacement=[{sign}1e-6,0,0,0,0,0,0,0,0,0]");
+        let set =
+            ["--set", &start, "--set", "excitation={kind=\"silence\"}", "--no-accuracy", "--format", "json"];
+        let run = ["run", concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml")];
+        let found: serde_json::Value = serde_json::from_str(&accepted(
+            &[&run[..], &set, &["--set", "run={duration_s=0.05,settle_s=0}"]].concat(),
+        ))
+        .expect("JSON");
+        found["mean_power_w"].as_f64().expect("a power")
+    };
+    assert!(power("") > 0.0 && power("") == power("-"));
+}

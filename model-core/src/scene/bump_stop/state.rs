@@ -113,7 +113,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         state.moved_charge = state.strain_charge - self.capacitance * voltage;
         if ContactOf::<S, P>::POSSIBLE {
             state.gap = self.stop_point(&state)[0] - self.rod_tip(&state)[0] - self.gap;
-            Bounds { lowest: -S::INFINITY, highest: S::ZERO }.check("penetration at the start", state.gap)?;
+            let highest =
+                if matches!(self.contact.kind(), ContactKind::None) { S::INFINITY } else { S::ZERO };
+            Bounds { lowest: -S::INFINITY, highest }.check("penetration at the start", state.gap)?;
         }
         Ok(state)
     }
