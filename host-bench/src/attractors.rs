@@ -9,8 +9,9 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use crate::accuracy::{MOST_ATTEMPTS, has_own_steps};
-use crate::method::{Method, Options};
+use crate::method::{Failure, Method, Options};
 use crate::outcome::{Branch, Outcome, standard_error_of_sum};
+use crate::report::setting::setting;
 use crate::resolution::resonances;
 use crate::run::run_scene;
 use crate::scene_file::{Excitation, Load, Model, RunSpan, Scene};
@@ -33,6 +34,10 @@ const LONGEST: f64 = 10.0;
 const FEW: [[f64; 2]; 2] = [[-0.25, 2.25], [-0.25, 0.5]];
 /// The same of all starts, at most.
 const REACH: f64 = 2.25;
+
+/// The warning of displaced starts whose runs cannot be compared.
+pub(crate) const UNSETTLED: &str = "attractors: runs from displaced starts have not settled where they are compared: transients \
+    take more than ten times run.duration_s; whether there are other steady motions is unknown";
 
 /// From where a scene is started.
 #[derive(Debug, Clone, Copy)]
@@ -79,6 +84,11 @@ impl Place {
         let (frequencies, _) = resonances(scene, outcome);
         let size = [size_m, size_m * TAU * frequencies.into_iter().reduce(f64::min)?];
         (size_m > 0.0).then_some(Self { rest_m, size, ends_m })
+    }
+
+    /// The starts of `run`.
+    pub(crate) fn few(&self) -> [[f64; 2]; 2] {
+        FEW.map(|sizes| self.at(sizes))
     }
 
     /// The start at some sizes of the motion from rest.
@@ -141,20 +151,24 @@ fn period(scene: &Scene, outcome: &Outcome) -> Option<usize> {
     (1..=MOST_PERIODS.min(at.len() / 2)).find(repeats)
 }
 
-/// Where the runs from some starts end, on all cores, without those that fail; `done` is called after each.
-pub(crate) fn ends(scene: &Scene, asked: &Options, starts: &[[f64; 2]], done: impl Fn() + Sync) -> Vec<End> {
+/// The options of the runs from displaced starts.
+pub(crate) fn options(scene: &Scene, asked: &Options) -> Options {
     let chooses = matches!(asked.method, Method::Auto | Method::ExponentialRadau) && !asked.steady_state;
     let is_free = chooses && asked.step_s.is_none() && asked.tolerance.is_none();
     let by_default = is_free.then_some(ACCURACY);
-    let every_s = scene.excitation.single_frequency().map(|frequency_hz| 1.0 / frequency_hz);
-    let options = Options {
+    Options {
         accuracy: asked.accuracy.or(by_default).filter(|_| !has_own_steps(scene, asked)),
-        blocks: true,
-        bare: true,
-        trace_every_s: every_s.filter(|_| !asked.steady_state),
         most_attempts: asked.most_attempts.or(Some(MOST_ATTEMPTS)),
+        trace_every_s: None,
         ..*asked
-    };
+    }
+}
+
+/// Where the runs from some starts end, on all cores, without those that fail; `done` is called after each.
+pub(crate) fn ends(scene: &Scene, asked: &Options, starts: &[[f64; 2]], done: impl Fn() + Sync) -> Vec<End> {
+    let every_s = scene.excitation.single_frequency().map(|frequency_hz| 1.0 / frequency_hz);
+    let trace_every_s = every_s.filter(|_| !asked.steady_state);
+    let options = Options { blocks: true, bare: true, trace_every_s, ..options(scene, asked) };
     let end = |start: &[f64; 2]| {
         let outcome = run_scene(&started(scene, *start), &options);
         done();
@@ -173,8 +187,16 @@ pub(crate) fn settled(scene: &Scene, outcome: &Outcome, from_s: f64) -> Option<S
     (settle_s <= LONGEST * scene.run.duration_s).then(|| Scene { run, ..scene.clone() })
 }
 
-/// The motions in which runs end, in the order of the first run of each.
-pub(crate) fn branches(ends: &[End]) -> Vec<Branch> {
+/// What is to be said of the runs from `starts` starts that failed, if any did.
+pub(crate) fn failed(ends: &[End], starts: usize) -> Option<String> {
+    let failed = starts - ends.len();
+    (failed > 0).then(|| {
+        format!("attractors: {failed} of {starts} runs failed: to which motions their starts lead is unknown")
+    })
+}
+
+/// The motions in which the runs from `starts` starts end, in the order of the first run of each.
+pub(crate) fn branches(ends: &[End], starts: usize) -> Vec<Branch> {
     let mut found: Vec<(&End, usize)> = Vec::new();
     for end in ends {
         match found.iter_mut().find(|(first, _)| first.agrees(end)) {
@@ -185,7 +207,7 @@ pub(crate) fn branches(ends: &[End]) -> Vec<Branch> {
     let branch = |(end, count): (&End, usize)| Branch {
         mean_power_w: Some(end.power_w),
         period: end.period,
-        share: count as f64 / ends.len() as f64,
+        share: count as f64 / starts as f64,
         displacement_m: end.start[0],
         velocity_m_per_s: end.start[1],
     };
@@ -195,7 +217,10 @@ pub(crate) fn branches(ends: &[End]) -> Vec<Branch> {
 /// Seeks other motions of a scene that has given `outcome` by two displaced starts. If one seems to end elsewhere, all are
 /// run again with a later window.
 pub(crate) fn add_branches(scene: &Scene, asked: &Options, outcome: &mut Outcome) {
-    outcome.branches = found(scene, asked, outcome);
+    match found(scene, asked, outcome) {
+        Ok(branches) => outcome.branches = branches,
+        Err(unknown) => outcome.warnings.push(unknown),
+    }
     if let Some(branches) = &outcome.branches {
         let motion = |branch: &Branch| {
             let Branch { mean_power_w, displacement_m, velocity_m_per_s, .. } = branch;
@@ -211,14 +236,44 @@ pub(crate) fn add_branches(scene: &Scene, asked: &Options, outcome: &mut Outcome
     }
 }
 
-fn found(scene: &Scene, asked: &Options, outcome: &Outcome) -> Option<Vec<Branch>> {
-    let place = Place::new(scene, outcome)?;
-    let own = End::new(scene, start(scene), outcome, None)?;
-    let starts = FEW.map(|sizes| place.at(sizes));
-    if ends(scene, asked, &starts, || ()).iter().all(|end| end.agrees(&own)) {
-        return None;
+/// The motions if there are several; a warning where that is unknown.
+fn found(scene: &Scene, asked: &Options, outcome: &Outcome) -> Result<Option<Vec<Branch>>, String> {
+    let own = End::new(scene, start(scene), outcome, None);
+    let Some((place, own)) = Place::new(scene, outcome).zip(own) else { return Ok(None) };
+    let starts = place.few();
+    let found = ends(scene, asked, &starts, || ());
+    if found.iter().all(|end| end.agrees(&own)) {
+        return failed(&found, starts.len()).map_or(Ok(None), Err);
     }
-    let later = settled(scene, outcome, scene.run.duration_s)?;
-    let branches = branches(&ends(&later, asked, &[own.start, starts[0], starts[1]], || ()));
-    (branches.len() > 1).then_some(branches)
+    let later = settled(scene, outcome, scene.run.duration_s).ok_or(UNSETTLED)?;
+    let starts = [own.start, starts[0], starts[1]];
+    let found = ends(&later, asked, &starts, || ());
+    let branches = branches(&found, starts.len());
+    if branches.len() > 1 { Ok(Some(branches)) } else { failed(&found, starts.len()).map_or(Ok(None), Err) }
+}
+
+/// The warning, with its setting, of each scene that has other steady motions or of which that is unknown; on all cores.
+pub(crate) fn elsewhere(scenes: &[(Scene, Options)]) -> Result<Vec<Option<String>>, Failure> {
+    let of = |(scene, options): &(Scene, Options)| {
+        let mut outcome = run_scene(scene, &Options { blocks: true, ..*options })?;
+        outcome.warnings.clear();
+        add_branches(scene, options, &mut outcome);
+        Ok(outcome.warnings.pop().map(|warning| format!("{}: {warning}", setting(scene, &[]))))
+    };
+    scenes.par_iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_start_whose_run_fails_agrees_with_none() {
+        let end = |power_w: f64| End { start: [0.0; 2], power_w, error_w: 0.0, period: None };
+        let ended = [end(1.0), end(1.001), end(3.0)];
+        let shares: Vec<f64> = branches(&ended, 4).iter().map(|branch| branch.share).collect();
+        assert_eq!(shares, [0.5, 0.25]);
+        assert!(failed(&ended, 4).is_some_and(|text| text.contains("1 of 4 runs failed")));
+        assert_eq!(failed(&ended, 3), None);
+    }
 }

@@ -9,6 +9,7 @@ pub use self::page::page;
 
 use rayon::prelude::*;
 
+use crate::attractors::elsewhere;
 use crate::method::{Failure, Options};
 use crate::outcome::name;
 use crate::report::plot::{self, Plot};
@@ -68,6 +69,8 @@ pub struct Chapter {
     pub title: &'static str,
     /// Text on all of its figures, in HTML paragraphs.
     pub introduction: String,
+    /// Runs whose starts are displaced in search of other motions.
+    pub(crate) points: Vec<(Scene, Options)>,
     pub figures: Vec<Figure>,
 }
 
@@ -95,8 +98,9 @@ impl Subject {
         }
     }
 
-    /// Makes its figures from the shipped scenes, on all cores; `done` is called after each run.
-    pub fn build(self, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
+    /// Makes its figures from the shipped scenes, on all cores; `done` is called after each run. Displaced starts are left out
+    /// for a `single_start`.
+    pub fn build(self, single_start: bool, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
         let mut chapter = match self {
             Self::Sliding => sliding::build(&shipped("sliding")?, done),
             Self::ContactSeparation => contact_separation::build(&shipped("contact-separation")?, done),
@@ -106,6 +110,11 @@ impl Subject {
         let outcomes = each(&scenes, &|| {}, |name| run_scene(&shipped(name)?, &Options::default()))?;
         for (name, outcome) in scenes.iter().zip(outcomes) {
             chapter.introduction += &format!("<p>{name}{}</p>\n", margin(outcome.margins.smallest_margin));
+        }
+        if !single_start {
+            for warning in elsewhere(&chapter.points)?.into_iter().flatten() {
+                chapter.introduction += &format!("<p>{warning}</p>\n");
+            }
         }
         Ok(chapter)
     }

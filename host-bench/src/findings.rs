@@ -17,14 +17,14 @@ mod shunt;
 mod statistics;
 mod storage;
 
-pub(crate) use self::check::CheckFields;
 pub use self::check::{Bound, Check};
 pub use self::list::{FINDINGS, Finding};
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::method::Failure;
+use crate::attractors::elsewhere;
+use crate::method::{Failure, Options};
 use crate::run::stopped_as_text;
 
 /// Whether a finding is shown.
@@ -89,12 +89,26 @@ struct Experiment {
 
 impl Experiment {
     /// The checks of its findings. A run that stops on its way is the only check of each of them, so that the others go on.
-    fn measured(&self) -> Result<Measured, Failure> {
+    /// Without a `single_start` each says whether displaced starts of the runs lead elsewhere.
+    fn measured(&self, single_start: bool) -> Result<Measured, Failure> {
         let stopped = |error: String| {
             let checks = vec![Check::new(error.split(": ").next().unwrap_or_default(), [], Bound::Completes)];
             self.numbers.iter().map(|number| (*number, checks.clone())).collect()
         };
-        Ok(stopped_as_text((self.measure)())?.unwrap_or_else(stopped))
+        let mut found = stopped_as_text((self.measure)())?.unwrap_or_else(stopped);
+        let of_runs =
+            found.iter_mut().flat_map(|(_, checks)| checks).flat_map(|check| check.scenes.drain(..));
+        let scenes: Vec<_> = of_runs.map(|scene| (scene, Options::default())).collect();
+        if single_start {
+            return Ok(found);
+        }
+        let warnings: Vec<String> = elsewhere(&scenes)?.into_iter().flatten().collect();
+        if let Some(first) = warnings.first() {
+            let quantity = format!("of {} runs these may have other motions: {first}", scenes.len());
+            let check = Check::new(quantity, [warnings.len() as f64], Bound::Reported);
+            found.iter_mut().for_each(|(_, checks)| checks.push(check.clone()));
+        }
+        Ok(found)
     }
 }
 
@@ -123,7 +137,11 @@ static EXPERIMENTS: [Experiment; 13] = [
 ///
 /// # Errors
 /// A number that is not in the list, a scene that is refused, or a finding that its experiment does not measure.
-pub fn measure(only: &[String], done: &(dyn Fn(usize) + Sync)) -> Result<Vec<Row>, Failure> {
+pub fn measure(
+    only: &[String],
+    single_start: bool,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Vec<Row>, Failure> {
     let wanted = wanted(only)?;
     let is_wanted = |number: &str| wanted.iter().any(|finding| finding.number == number);
     let experiments: Vec<&Experiment> = EXPERIMENTS
@@ -134,7 +152,7 @@ pub fn measure(only: &[String], done: &(dyn Fn(usize) + Sync)) -> Result<Vec<Row
         .par_iter()
         .with_max_len(1)
         .map(|experiment| {
-            let found = experiment.measured();
+            let found = experiment.measured(single_start);
             done(experiment.numbers.iter().filter(|number| is_wanted(number)).count());
             found
         })

@@ -3,23 +3,30 @@
 use std::path::PathBuf;
 
 use comfy_table::presets;
+use rayon::prelude::*;
 
 use super::files::Outputs;
 use super::sweep::picture::{Quantity, Words, draw};
 use super::sweep::{Axis, page, values};
-use super::{NODE, SceneArguments, check_overrides, json_text, one_more, print, progress, tell};
-use crate::attractors::{End, Place, branches, ends, settled};
+use super::{NODE, SceneArguments, check_overrides, json_text, one_more, print, progress};
+use crate::accuracy::{Statements, run_as_it_is, tell_warnings};
+use crate::attractors::{self, Place, UNSETTLED, branches, ends, failed, settled};
 use crate::method::Failure;
-use crate::outcome::{Fields, Format, fields, rows_csv, shown, table};
+use crate::outcome::{Branch, Fields, Format, Outcome, fields, flattened, rows_csv, shown, table};
 use crate::report::html::is_page;
 use crate::run::run_scene;
 use crate::scene_file;
-use crate::shift::start;
+use crate::shift::{start, started};
+
+/// The help of `--accuracy`.
+const ACCURACY: &str = "Relative error of the mean power to aim at, by exponential Radau; the tolerance follows [default: 1e-4; \
+                        a bump-stop scene has its default steps]";
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(
     after_help = "Run time: that of its runs on all cores: a second for triboelectric scenes, minutes for a beam that \
-                  hits a stop"
+                  hits a stop",
+    mut_arg("accuracy", |arg| arg.help(ACCURACY))
 )]
 pub struct AttractorsArguments {
     #[command(flatten)]
@@ -48,29 +55,27 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
         Failure::of_file(&scene, reason)
     })?;
     let later = settled(&scene, &outcome, scene.run.settle_s);
-    if later.is_none() {
-        tell(
-            "warning: run.settle_s: transients have not decayed where the window begins, and take more than ten times \
-             run.duration_s",
-        );
-    }
+    let unsettled = later.is_none().then(|| UNSETTLED.to_owned());
+    let later = later.unwrap_or(scene);
     let side = f64::from(arguments.starts).sqrt().ceil() as usize;
     let [displacements, velocities] = place.ranges();
     // The last one goes across.
     let axes =
         [("velocity at the start [m/s]", velocities), ("displacement at the start [m]", displacements)]
-            .map(|(name, [low, high])| format!("{name}={low:e}:{high:e}:{side}").parse::<Axis>())
-            .into_iter()
-            .collect::<Result<Vec<Axis>, _>>()
-            .map_err(Failure::Input)?;
+            .map(|(name, ends)| Axis::linear(name, ends, side));
     let grid = (0..side * side).map(|index| values(&axes, index)).map(|at| [at[1], at[0]]);
-    let starts: Vec<[f64; 2]> = std::iter::once(start(&scene)).chain(grid).collect();
+    let starts: Vec<[f64; 2]> = std::iter::once(start(&later)).chain(grid).collect();
     let bar = progress(starts.len());
-    let ends = ends(later.as_ref().unwrap_or(&scene), options, &starts, || one_more(&bar));
+    let ends = ends(&later, options, &starts, || one_more(&bar));
     bar.finish_and_clear();
-    if ends.len() < starts.len() {
-        tell(&format!("warning: {} of {} runs failed", starts.len() - ends.len(), starts.len()));
-    }
+    let mut found = branches(&ends, starts.len());
+    found.sort_by(|one, other| other.share.total_cmp(&one.share));
+    let stated = |branch: &Branch| {
+        let from = started(&later, [branch.displacement_m, branch.velocity_m_per_s]);
+        run_as_it_is(&from, &attractors::options(&later, options))
+    };
+    let outcomes: Vec<Outcome> = found.par_iter().map(stated).collect::<Result<_, _>>()?;
+    let doubts: Vec<String> = unsettled.into_iter().chain(failed(&ends, starts.len())).collect();
     if let Some(path) = &arguments.picture {
         let power = |start: &[f64; 2]| Some(ends.iter().find(|end| end.start == *start)?.power_w);
         let powers = starts.iter().skip(1).map(power).collect();
@@ -83,20 +88,28 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
             outputs.write(path, &drawn)?;
         }
     }
-    print(&text(&ends, *format)?)
+    tell_warnings(&Statements::of(&outcomes).fields(&doubts));
+    print(&text(&found, &outcomes, &doubts, *format)?)
 }
 
-fn text(ends: &[End], format: Format) -> Result<String, Failure> {
-    let mut found = branches(ends);
-    found.sort_by(|one, other| other.share.total_cmp(&one.share));
-    let rows: Vec<Fields> = found.iter().map(fields).collect();
-    let names = || rows.iter().take(1).flat_map(Fields::keys);
+/// Columns of the table.
+const COLUMNS: [&str; 6] =
+    ["mean_power_w", "period", "share", "displacement_m", "velocity_m_per_s", "accuracy_total"];
+
+/// A row for each motion, with the statement and the warnings of its first run, those of the command first.
+fn text(found: &[Branch], runs: &[Outcome], doubts: &[String], format: Format) -> Result<String, Failure> {
+    let row = |(branch, outcome): (&Branch, &Outcome)| -> Fields {
+        fields(branch).into_iter().chain(Statements::of([outcome]).fields(doubts)).collect()
+    };
+    let rows: Vec<Fields> = found.iter().zip(runs).map(row).collect();
+    let flat: Vec<Fields> = rows.iter().cloned().map(flattened).collect();
     Ok(match format {
-        Format::Json => json_text(&found)?,
-        Format::Csv => rows_csv(names(), &rows),
+        Format::Json => json_text(&rows)?,
+        Format::Csv => rows_csv(flat.iter().take(1).flat_map(Fields::keys), &flat),
         Format::Table => {
-            let cells = rows.iter().map(|row| row.values().map(shown).collect::<Vec<_>>());
-            table(presets::NOTHING, names().collect::<Vec<_>>(), cells, 0)
+            let cells =
+                flat.iter().map(|row| COLUMNS.map(|name| row.get(name).map(shown).unwrap_or_default()));
+            table(presets::NOTHING, COLUMNS.to_vec(), cells, 0)
         }
     })
 }

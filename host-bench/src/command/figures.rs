@@ -24,6 +24,9 @@ pub struct FiguresArguments {
     /// report/figures]
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Leave out the runs from displaced starts, which seek other motions at the points that the pages name
+    #[arg(long)]
+    single_start: bool,
 }
 
 /// Runs all that the figures need, then writes pictures, numbers and a page for each harvester, and prints
@@ -44,7 +47,7 @@ pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
     }
     let bar = progress(subjects.iter().map(|subject| subject.runs()).sum());
     for subject in subjects {
-        let chapter = subject.build(&|| bar.inc(1))?;
+        let chapter = subject.build(arguments.single_start, &|| bar.inc(1))?;
         let folder = root.join(subject.name());
         for figure in &chapter.figures {
             outputs.write(&folder.join(format!("{}.csv", figure.stem())), &figure.csv)?;

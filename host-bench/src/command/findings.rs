@@ -1,9 +1,9 @@
 //! `findings`: what the two papers find, measured on the shipped scenes.
 
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::{json_text, print, progress};
-use crate::findings::{self, CheckFields, Mark, Row, wanted};
+use crate::findings::{self, Check, Finding, Mark, Row, wanted};
 use crate::method::Failure;
 use crate::outcome::{Format, csv};
 
@@ -13,6 +13,9 @@ pub struct FindingsArguments {
     /// Numbers of the findings to measure, such as 8,9 [default: all]
     #[arg(long, value_delimiter = ',', value_name = "NUMBERS")]
     only: Vec<String>,
+    /// Leave out the runs from displaced starts, which seek other motions at the points from which numbers are taken
+    #[arg(long)]
+    single_start: bool,
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -24,11 +27,11 @@ pub struct FindingsArguments {
 /// An unknown number, a scene that is refused, or a finding whose mark is not the expected one.
 pub fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
     let bar = progress(wanted(&arguments.only)?.len());
-    let rows = findings::measure(&arguments.only, &|count| bar.inc(count as u64))?;
+    let rows = findings::measure(&arguments.only, arguments.single_start, &|count| bar.inc(count as u64))?;
     bar.finish_and_clear();
     print(&match arguments.format {
         Format::Table => text(&rows),
-        Format::Json => json_text(&rows.iter().map(RowFields::from).collect::<Vec<_>>())?,
+        Format::Json => json_text(&rows.iter().map(object).collect::<Vec<_>>())?,
         Format::Csv => csv_text(&rows),
     })?;
     let other: Vec<&str> =
@@ -78,32 +81,26 @@ fn row_text(row: &Row) -> String {
 }
 
 /// A row as an object of JSON.
-#[derive(Debug, Serialize)]
-struct RowFields {
-    number: &'static str,
-    source: &'static str,
-    statement: &'static str,
-    scene: &'static str,
-    mark: Mark,
-    expected: Mark,
-    note: &'static str,
-    checks: Vec<CheckFields>,
-}
-
-impl From<&Row> for RowFields {
-    fn from(row: &Row) -> Self {
-        let finding = row.finding;
-        Self {
-            number: finding.number,
-            source: finding.source,
-            statement: finding.statement,
-            scene: finding.scene,
-            mark: row.mark(),
-            expected: finding.mark,
-            note: finding.note,
-            checks: row.checks.iter().map(CheckFields::from).collect(),
-        }
-    }
+fn object(row: &Row) -> Value {
+    let check = |check: &Check| {
+        json!({
+            "quantity": check.quantity,
+            "assertion": check.assertion(),
+            "values": check.values,
+            "holds": check.holds(),
+        })
+    };
+    let Finding { number, source, statement, scene, mark, note } = row.finding;
+    json!({
+        "number": number,
+        "source": source,
+        "statement": statement,
+        "scene": scene,
+        "mark": row.mark(),
+        "expected": mark,
+        "note": note,
+        "checks": row.checks.iter().map(check).collect::<Vec<_>>(),
+    })
 }
 
 /// A line for each quantity.

@@ -11,7 +11,7 @@ mod shapes;
 pub use self::motion::{CONTACT_FORCE, Motion, ROD, STOP_POINT, TIP, VOLTAGE};
 
 use super::{Chapter, Figure, Panel, each, shipped, sine};
-use crate::method::Failure;
+use crate::method::{Failure, Options};
 use crate::report::setting::setting;
 use crate::scene_file::{Model, Scene};
 
@@ -65,6 +65,7 @@ pub fn build(done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
     Ok(Chapter {
         title: "Bump-stop harvester: figures 6 to 11 rebuilt",
         introduction: INTRODUCTION.to_owned(),
+        points: scenes.iter().chain(&stiff).map(|scene| (scene.clone(), Options::default())).collect(),
         figures: figures().map_err(Failure::Input)?,
     })
 }

@@ -8,8 +8,8 @@ mod response;
 
 use self::bifurcation::diagram;
 use self::history::FREQUENCIES;
-use self::motion::Grid;
-use self::response::{pairs, sweeps};
+use self::motion::{Case, Grid};
+use self::response::{Sweep, pairs, sweeps};
 
 use super::{Chapter, Figure, Panel, each, sine, table};
 use crate::method::Failure;
@@ -50,6 +50,11 @@ pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, F
     let sweeps = sweeps(base, &pairs(), RESPONSES, RESPONSE_TOLERANCE, done)?;
     let nine = history::nine(base, STRONG, MOTION_TOLERANCE, of, done)?;
     let diagram = diagram(base, STRONG, DIAGRAM, MOTION_TOLERANCE, done)?;
+    let [charge_density, resistance] = STRONG;
+    let of_nine = FREQUENCIES.map(|frequency| Case { charge_density, resistance, frequency, settle: SETTLE });
+    let points = sweeps.iter().flat_map(Sweep::marked).map(|case| case.point(base, RESPONSE_TOLERANCE));
+    let points =
+        points.chain(of_nine.map(|case| case.point(base, MOTION_TOLERANCE))).collect::<Result<_, _>>()?;
     let rest = || -> Result<[Figure; 3], String> {
         Ok([
             response::eight(&sweeps, RESPONSES, of)?,
@@ -61,6 +66,7 @@ pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, F
     Ok(Chapter {
         title: "Contact-separation harvester: figures 8 to 11 rebuilt",
         introduction: introduction(),
+        points,
         figures: vec![eight, nine, ten, eleven],
     })
 }

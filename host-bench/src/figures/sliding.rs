@@ -10,7 +10,7 @@ mod response;
 pub(crate) use self::resonance::{Case, Peak};
 
 use super::{Chapter, Figure, Panel, each, sine};
-use crate::method::Failure;
+use crate::method::{Failure, Options};
 use crate::scene_file::{GRAVITY, Scene};
 
 /// Relative tolerance of the steps. From here to 1e-7 the frequency of a resonance changes by less than 1e-5 Hz, and its
@@ -49,6 +49,7 @@ pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, F
     Ok(Chapter {
         title: "Sliding harvester: figures 3 to 6 rebuilt",
         introduction: introduction(),
+        points: vec![(base.clone(), Options::default())],
         figures: figures().map_err(Failure::Input)?,
     })
 }

@@ -1,6 +1,6 @@
 //! Measured values and what is asserted of them.
 
-use serde::Serialize;
+use crate::scene_file::Scene;
 
 /// What is asserted of measured values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,11 +32,18 @@ pub struct Check {
     pub quantity: String,
     pub values: Vec<f64>,
     pub bound: Bound,
+    /// Scenes of runs from which its experiment takes values, where other starts may lead elsewhere.
+    pub(super) scenes: Vec<Scene>,
 }
 
 impl Check {
     pub(super) fn new(quantity: impl Into<String>, values: impl Into<Vec<f64>>, bound: Bound) -> Self {
-        Self { quantity: quantity.into(), values: values.into(), bound }
+        Self { quantity: quantity.into(), values: values.into(), bound, scenes: Vec::new() }
+    }
+
+    /// With the scenes of its runs.
+    pub(super) fn of(self, scenes: impl IntoIterator<Item = Scene>) -> Self {
+        Self { scenes: scenes.into_iter().collect(), ..self }
     }
 
     /// Whether the assertion holds; not-a-number and an empty list meet none, and one value neither falls nor rises.
@@ -88,42 +95,9 @@ impl Check {
     }
 }
 
-/// A number to four significant digits.
+/// A number to four significant digits, to three with an exponent.
 fn digits(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let exponent = value.abs().log10().floor() as i32;
-    if !(-3..6).contains(&exponent) {
-        return short(&format!("{value:.2e}"));
-    }
-    let places = usize::try_from(3 - exponent).unwrap_or(0);
-    let text = format!("{value:.places$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-}
-
-/// A number in exponent form without trailing zeros of its mantissa.
-fn short(text: &str) -> String {
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((text, "0"));
-    format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
-}
-
-/// A check as an object of JSON.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct CheckFields {
-    quantity: String,
-    assertion: String,
-    values: Vec<f64>,
-    holds: bool,
-}
-
-impl From<&Check> for CheckFields {
-    fn from(check: &Check) -> Self {
-        Self {
-            quantity: check.quantity.clone(),
-            assertion: check.assertion(),
-            values: check.values.clone(),
-            holds: check.holds(),
-        }
-    }
+    let rounded = |places: usize| format!("{value:.places$e}").parse().unwrap_or(value);
+    let is_plain = value == 0.0 || !value.is_finite() || (1e-3..1e6).contains(&value.abs());
+    if is_plain { format!("{}", rounded(3)) } else { format!("{:e}", rounded(2)) }
 }

@@ -1,9 +1,11 @@
 //! The impacting band of contact-separation over frequency: findings 33 to 36, 40, 41 and 43.
 
-use super::scenes::{Changes, each, run, value};
+use super::scenes::{Changes, each, scene, value};
 use super::statistics::{largest, least};
 use super::{Bound, Check, Measured};
-use crate::method::Failure;
+use crate::method::{Failure, Options};
+use crate::run::run_scene;
+use crate::scene_file::Scene;
 
 /// Lowest frequency in Hz, distance and number of the frequencies.
 const FIRST_HZ: f64 = 18.0;
@@ -20,9 +22,16 @@ const EDGE_HZ: f64 = 1e-4;
 const FINE: u32 = 40;
 const PEAK: f64 = 1e-3;
 
+/// The scene with these keys changed at a frequency in Hz.
+fn at(changes: Changes<'_>, frequency_hz: f64) -> Result<Scene, Failure> {
+    let frequency = format!("{frequency_hz}");
+    scene("contact-separation", &[changes, &[("excitation.frequency_hz", &frequency)]].concat())
+}
+
 /// A run from rest.
 #[derive(Clone, Copy)]
 struct Point {
+    frequency_hz: f64,
     /// Largest gap in m in the window.
     peak_m: f64,
     is_impacting: bool,
@@ -30,12 +39,10 @@ struct Point {
 
 impl Point {
     fn new(changes: Changes<'_>, frequency_hz: f64) -> Result<Self, Failure> {
-        let frequency = format!("{frequency_hz}");
-        let outcome =
-            run("contact-separation", &[changes, &[("excitation.frequency_hz", &frequency)]].concat())?;
+        let outcome = run_scene(&at(changes, frequency_hz)?, &Options::default())?;
         let motion = outcome.contact_separation();
         let peak_m = value(motion.and_then(|motion| motion.peak_gap_m));
-        Ok(Self { peak_m, is_impacting: motion.is_some_and(|motion| motion.impacts > 0) })
+        Ok(Self { frequency_hz, peak_m, is_impacting: motion.is_some_and(|motion| motion.impacts > 0) })
     }
 }
 
@@ -46,6 +53,8 @@ struct Band {
     edges: [f64; 2],
     /// Largest gap in mm over all frequencies; not-a-number if it is at the first or the last.
     peak_mm: f64,
+    /// The scenes at both edges and at the largest gap.
+    scenes: Vec<Scene>,
 }
 
 impl Band {
@@ -60,11 +69,13 @@ impl Band {
             points.iter().rposition(|point| point.is_impacting),
         );
         let edges = [edge(first, -EVERY_HZ)?, edge(last, EVERY_HZ)?];
-        let at = |frequency_hz: f64| Point::new(changes, frequency_hz);
+        let measured = |frequency_hz: f64| Point::new(changes, frequency_hz);
         let (highest, is_inside) =
-            least(&points, |place| frequencies[place], at, |point| -point.peak_m, PEAK)?;
+            least(&points, |place| frequencies[place], measured, |point| -point.peak_m, PEAK)?;
         let peak_mm = if is_inside { 1e3 * highest.peak_m } else { f64::NAN };
-        Ok(Self { edges, peak_mm, points })
+        let places = edges.into_iter().chain([highest.frequency_hz]).filter(|place| place.is_finite());
+        let scenes = places.map(|frequency_hz| at(changes, frequency_hz)).collect::<Result<_, _>>()?;
+        Ok(Self { edges, peak_mm, points, scenes })
     }
 
     fn width(&self) -> f64 {
@@ -126,11 +137,12 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     let same_edges = small
         .map(|band| (band.edges[0] - small[0].edges[0]).abs() + (band.edges[1] - small[0].edges[1]).abs());
     let same_peaks = small.map(|band| (band.peak_mm / small[0].peak_mm - 1.0).abs());
+    let scenes = [&high, &low, &middle, &energy].into_iter().flatten().flat_map(|band| band.scenes.clone());
     Ok(vec![
         (
             "33",
             vec![
-                Check::new("largest gap [mm], 5 to 50 µC/m², 100 MΩ", peaks(&high), Bound::Falls),
+                Check::new("largest gap [mm], 5 to 50 µC/m², 100 MΩ", peaks(&high), Bound::Falls).of(scenes),
                 Check::new("the same at 1 MΩ [mm]", peaks(&low), Bound::Falls),
                 Check::new("last / first, 100 MΩ and 1 MΩ", [ratio(&high), ratio(&low)], Bound::Below(0.93)),
                 Check::new("law gap-field: last / first", [ratio(&energy)], Bound::Reported),

@@ -132,6 +132,10 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     let light = phases_of(&PAPER, &[("parameters.damping_ratio", "0.001"), ("stop.gap_m", "5e-6")])?;
     let mut measured = chatter([&paper[0], &paper[1]], [&near[0], &near[1]], &light)?;
     measured.extend(voltages(&paper, &near));
+    let scenes = paper.into_iter().chain(near).map(|history| history.scene).collect();
+    if let Some(check) = measured.iter_mut().flat_map(|(_, checks)| checks).next() {
+        check.scenes = scenes;
+    }
     Ok(measured)
 }
 

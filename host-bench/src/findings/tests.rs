@@ -46,14 +46,14 @@ fn the_mark_is_that_of_the_checks() {
 #[test]
 fn a_run_that_stops_marks_its_findings_and_the_others_go_on() {
     let stops = || Err(Failure::Step("displacement = -0.02 is outside the model's domain".to_owned()));
-    let stopped = Experiment { numbers: &["8"], measure: stops }.measured().expect("no bad input");
+    let stopped = Experiment { numbers: &["8"], measure: stops }.measured(true).expect("no bad input");
     let measured = [stopped, vec![("9", vec![Check::new("", [1.0], Bound::Reported)])]].concat();
     let wanted = wanted(&["8".to_owned(), "9".to_owned()]).expect("both are in the list");
     let rows = rows(wanted, measured).expect("both are there");
     assert_eq!(rows.iter().map(Row::mark).collect::<Vec<_>>(), [Mark::Stopped, Mark::Chosen]);
     assert!(!rows[0].is_as_expected() && rows[0].checks[0].quantity.contains("domain"), "{:?}", rows[0]);
     let refused = || Err(Failure::Input("bad".to_owned()));
-    assert!(Experiment { numbers: &["8"], measure: refused }.measured().is_err());
+    assert!(Experiment { numbers: &["8"], measure: refused }.measured(true).is_err());
 }
 
 #[test]

@@ -20,9 +20,7 @@ pub(crate) fn prefix(magnitude: f64) -> (&'static str, f64) {
 /// A value with its unit, such as 100 MΩ; a value without a magnitude has the unit alone.
 pub(crate) fn with_unit(value: f64, unit: &str) -> String {
     let (prefix, factor) = prefix(value.abs());
-    let digits = format!("{:.4}", value * factor);
-    let digits = digits.trim_end_matches('0').trim_end_matches('.');
-    format!("{digits} {prefix}{unit}")
+    format!("{} {prefix}{unit}", rounded(value * factor))
 }
 
 /// The smallest of some margins to limits of a model, for the title of a picture after other text; empty for none.

@@ -53,12 +53,11 @@ pub(crate) fn together((width, height): (u32, u32), parts: &[(u32, u32, String)]
 /// A number with three digits, without trailing zeros.
 pub(crate) fn tick(value: f64) -> String {
     let plain = value == 0.0 || (1e-2..1e4).contains(&value.abs());
-    let text = if plain { format!("{value:.3}") } else { format!("{value:.2e}") };
-    match text.split_once('e') {
-        None => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        Some((digits, exponent)) => {
-            format!("{}e{exponent}", digits.trim_end_matches('0').trim_end_matches('.'))
-        }
+    let rounded = |text: String| text.parse().unwrap_or(value);
+    if plain {
+        rounded(format!("{value:.3}")).to_string()
+    } else {
+        format!("{:e}", rounded(format!("{value:.2e}")))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::tool::{PASSIVE, SHIPPED, accepted, folder, refused};
+use super::tool::{PASSIVE, SHIPPED, accepted, folder, host_bench, refused};
 
 const BEAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
 const BISTABLE: [&str; 2] = ["--set", "excitation.frequency_hz=22.5"];
@@ -63,7 +63,11 @@ fn all_starts_are_shared_among_the_motions_that_they_find() {
     let all = json(&[&command[..], &BISTABLE].concat());
     let all = all.as_array().expect("rows");
     let keys: Vec<&String> = all[0].as_object().expect("an object").keys().collect();
-    assert_eq!(keys, ["mean_power_w", "period", "share", "displacement_m", "velocity_m_per_s"]);
+    assert_eq!(keys[..5], ["mean_power_w", "period", "share", "displacement_m", "velocity_m_per_s"]);
+    for row in all {
+        assert!(row["accuracy"]["total"].as_f64().is_some_and(|total| total < 0.1), "{row}");
+        assert!(row["warnings"].to_string().contains("model: fringing"), "{row}");
+    }
     let shares: Vec<f64> = all.iter().filter_map(|row| row["share"].as_f64()).collect();
     assert!(
         shares.len() == 2 && (shares.iter().sum::<f64>() - 1.0).abs() < 1e-12 && shares[1] > 0.2,
@@ -76,4 +80,44 @@ fn all_starts_are_shared_among_the_motions_that_they_find() {
         &["attractors", SHIPPED, "--set", "excitation={kind=\"silence\"}"],
         &["must be a moving harvester under a sine"],
     );
+}
+
+#[test]
+fn starts_that_have_not_settled_are_warned_of() {
+    let short = ["--set", "run={duration_s=0.6,settle_s=0.3}"];
+    let found = json(&[&["run", PASSIVE], &BISTABLE[..], &short].concat());
+    let warnings = found["warnings"].to_string();
+    assert!(
+        found["branches"].is_null() && warnings.contains("attractors: runs from displaced starts have not")
+    );
+    let all = json(&[&["attractors", PASSIVE, "--starts", "4"], &BISTABLE[..], &short].concat());
+    assert!(all[0]["warnings"].to_string().contains("have not settled"), "{all}");
+}
+
+#[test]
+fn the_help_has_the_accuracy_of_the_runs_and_a_short_command_no_progress() {
+    let help = accepted(&["attractors", "--help"]);
+    assert!(help.contains("1e-4; a bump-stop") && !help.contains("[default: 1e-6; 1e-5 in f32"), "{help}");
+    let told = host_bench(&[&["attractors", PASSIVE, "--starts", "9"], &BISTABLE[..]].concat()).stderr;
+    assert!(!String::from_utf8_lossy(&told).contains("elapsed"));
+}
+
+/// The lower power is that of the start, at the edge of the range that the orbit is followed to.
+#[test]
+fn a_resonance_warns_of_another_motion_and_of_a_peak_at_an_edge() {
+    let found = json(&["resonance", PASSIVE, "--from", "18", "--to", "22", "--points", "11"]);
+    let warnings = found["warnings"].to_string();
+    assert!(found["accuracy"]["total"].is_null() && found["peak_at_edge"] == true, "{found}");
+    assert!(
+        warnings.contains("it has 8.1") && warnings.contains("the motion from the start 1.2"),
+        "{warnings}"
+    );
+    assert!(warnings.contains("range: the largest amplitude is at its edge, 22 Hz"), "{warnings}");
+}
+
+#[test]
+fn a_finding_names_other_motions_of_its_runs() {
+    let of = |more: &[&str]| json(&[&["findings", "--only", "37"], more].concat()).to_string();
+    assert!(of(&[]).contains("of 4 runs these may have other motions: 50 µC/m², 100 MΩ"));
+    assert!(!of(&["--single-start"]).contains("other motions"));
 }

@@ -17,6 +17,8 @@ const SHOWN: [(&str, &str); 4] = [
 fn the_figures_of_the_documentation_are_those_that_the_command_makes() {
     let made = folder("figures");
     accepted(&["figures", "--output", made.to_str().expect("a plain path")]);
+    let page = std::fs::read_to_string(made.join("contact-separation/index.html")).expect("a page");
+    assert!(page.contains("50 µC/m², 100 MΩ, 1.962 m/s², 20.2 Hz: attractors: the start decides"));
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("figures");
     for (name, file) in SHOWN {
         let text = |path: &Path| std::fs::read_to_string(path).expect("a figure");

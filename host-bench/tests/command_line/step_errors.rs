@@ -59,7 +59,7 @@ fn a_run_whose_energy_ledger_does_not_close_warns() {
 #[test]
 fn a_sweep_keeps_the_points_that_got_to_the_end() {
     let over = ["--over", "load.resistance_ohm=1e3:1e9:3:log", "--set", "run.duration_s=1"];
-    let window = ["--set", "run.settle_s=0", "--format", "csv"];
+    let window = ["--set", "run.settle_s=0", "--single-start", "--format", "csv"];
     let output = host_bench(&[&["sweep", SHIPPED], &BLOWS_UP[..], &over[..], &window[..]].concat());
     let told = String::from_utf8(output.stderr).expect("text");
     assert_eq!(output.status.code(), Some(3), "{told}");

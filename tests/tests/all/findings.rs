@@ -5,7 +5,7 @@ use host_bench::findings::{Row, measure};
 /// Measures findings and asserts their marks.
 fn as_expected(numbers: &str) -> Vec<Row> {
     let numbers: Vec<String> = numbers.split_whitespace().map(str::to_owned).collect();
-    let rows = measure(&numbers, &|_| ()).unwrap_or_else(|failure| panic!("{failure}"));
+    let rows = measure(&numbers, true, &|_| ()).unwrap_or_else(|failure| panic!("{failure}"));
     assert_eq!(rows.len(), numbers.len());
     for row in &rows {
         for check in &row.checks {

@@ -18,6 +18,11 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// Evenly spread values.
+    pub(in crate::command) fn linear(key: &str, [from, to]: [f64; 2], count: usize) -> Self {
+        Self { key: key.to_owned(), from, to, count, logarithmic: false }
+    }
+
     /// Number of values.
     pub fn count(&self) -> usize {
         self.count

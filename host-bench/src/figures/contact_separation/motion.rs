@@ -28,8 +28,8 @@ impl Case {
         self.settle + WINDOW
     }
 
-    /// The scene of this case, at rest at the initial gap as in the scene file.
-    fn scene(&self, base: &Scene) -> Result<Scene, Failure> {
+    /// The scene of this case, at rest at the initial gap as in the scene file, with its options.
+    pub(super) fn point(&self, base: &Scene, tolerance: f64) -> Result<(Scene, Options), Failure> {
         let mut scene = base.clone();
         scene.contact_separation_mut()?.parameters.charge_density_c_per_m2 = self.charge_density * 1e-6;
         scene.load = Load::Resistor { resistance_ohm: self.resistance * 1e6 };
@@ -38,7 +38,8 @@ impl Case {
             duration_s: f64::from(self.end()) / self.frequency,
             settle_s: f64::from(self.settle) / self.frequency,
         };
-        Ok(scene)
+        let precision = Some(Precision::F64);
+        Ok((scene, Options { precision, tolerance: Some(tolerance), ..Options::default() }))
     }
 
     /// The outcome of the run, over the measuring window, and its numbers of this scene only.
@@ -48,13 +49,8 @@ impl Case {
         tolerance: f64,
         trace_every_s: Option<f64>,
     ) -> Result<(Outcome, ContactSeparationOutcome), Failure> {
-        let options = Options {
-            precision: Some(Precision::F64),
-            tolerance: Some(tolerance),
-            trace_every_s,
-            ..Options::default()
-        };
-        let outcome = run_scene(&self.scene(base)?, &options).map_err(|failure| {
+        let (scene, options) = self.point(base, tolerance)?;
+        let outcome = run_scene(&scene, &Options { trace_every_s, ..options }).map_err(|failure| {
             let Self { charge_density, resistance, frequency, .. } = self;
             failure.of_case(&format!("{charge_density} uC/m^2, {resistance} megohm, {frequency} Hz"))
         })?;

@@ -41,6 +41,15 @@ impl Sweep {
         self.responses.iter().filter_map(point).collect()
     }
 
+    /// The runs at both ends of the band, and that with the largest gap.
+    pub(super) fn marked(&self) -> Vec<Case> {
+        let gap = |response: &&Response| response.found.peak_gap_m.unwrap_or(0.0);
+        let most = self.responses.iter().max_by(|one, other| gap(one).total_cmp(&gap(other)));
+        let frequencies = self.band().into_iter().flatten().chain(most.map(|most| most.frequency));
+        let &Self { charge_density, resistance, .. } = self;
+        frequencies.map(|frequency| Case { charge_density, resistance, frequency, settle: SETTLE }).collect()
+    }
+
     /// First and last frequency in Hz at which the mass hits the dielectric.
     pub(crate) fn band(&self) -> Option<[f64; 2]> {
         let mut hit = self.responses.iter().filter(|response| response.found.impacts > 0);
