@@ -13,100 +13,139 @@ use crate::shift::SHIFT;
 /// Relative differences of the parts above which a motion is chaotic: from the run in half the steps, and from that of a
 /// displaced start.
 const CHAOTIC: [f64; 2] = [1e-4, 1e-6];
-/// Further displaced starts in the steps of the run: in double precision besides that of the test of chaos, and in single
-/// precision. The displacements are as large as errors by the step: runs of smaller ones stay together for longer than a run
-/// stays with the exact motion, and scatter less than its error.
-const DISPLACED: [&[f64]; 2] = [&[-1e-5, 2e-5, -2e-5, 3e-5, -3e-5], &[1e-5, -1e-5, 2e-5, -2e-5]];
-/// Displaced starts in half the steps.
-const DISPLACED_IN_HALVES: &[f64] = &[1e-5, -1e-5, 2e-5, -2e-5];
-/// Standard errors of the mean that are stated, fitted to random scenes: the errors by the step that are below the scatter of
-/// so few runs are in it too, and the powers of short windows have heavy tails.
-const CONFIDENCE: f64 = 6.0;
+/// Relative difference of the parts of a run in single precision from one in double precision up to which a motion is not
+/// chaotic: its roundings are displacements, too.
+const BY_ROUNDING: f64 = 1e-4;
+/// Displaced starts in the steps of the run, in double and in single precision, and in half the steps. The displacements are as
+/// large as errors by the step: runs of smaller ones stay together for longer than a run stays with the exact motion, and
+/// scatter less than its error.
+const DISPLACED: [&[f64]; 2] = [&[-1e-4, 2e-4, -2e-4, 3e-4, -3e-4], &[1e-4, -1e-4, 2e-4, -2e-4]];
+const DISPLACED_IN_HALVES: &[f64] = &[1e-4, -1e-4, 2e-4, -2e-4];
+/// Standard errors that are stated, fitted to random scenes: the variances are those of a dozen runs.
+const CONFIDENCE: f64 = 4.0;
 
 /// The energies delivered in the window, over displaced starts, in J.
 pub(super) struct Ensemble {
     pub(super) mean_j: f64,
-    /// Standard error of the mean.
+    /// Standard error of the mean from the mean of accurate runs.
     pub(super) standard_error_j: f64,
     /// By the step: the difference of the means in the steps of the run and in half of them, less its own standard error.
     pub(super) bias_j: f64,
 }
 
 impl Ensemble {
-    /// The stated relative errors by the finite number of starts, and by the step.
+    /// The stated relative errors by the scatter of the starts, and by the step.
     pub(super) fn errors(&self) -> [f64; 2] {
         [CONFIDENCE * self.standard_error_j, self.bias_j].map(|error_j| error_j / self.mean_j.abs())
     }
 }
 
 /// The run of a displaced start by which a motion is chaotic, if it is: of a run in double precision that differs from that in
-/// half the steps by `between`.
+/// half the steps by `between`, and from that in single precision by `rounding`.
 pub(super) fn chaotic(
     runs: &mut Runs<'_>,
     double: &Options,
     alike: &Outcome,
-    between: &Difference,
+    [between, rounding]: [Option<Difference>; 2],
 ) -> Option<Outcome> {
     let [by_step, by_start] = CHAOTIC;
-    let other = if between.parts > by_step { runs.at(double, &[SHIFT]).pop() } else { None };
+    let may_be = between.is_some_and(|between| between.parts > by_step)
+        && rounding.is_none_or(|rounding| rounding.parts > BY_ROUNDING);
+    let other = if may_be { runs.at(double, &[SHIFT]).pop() } else { None };
     other.filter(|other| difference(alike, other).is_some_and(|other| other.parts > by_start))
 }
 
-/// The ensemble of a run of a chaotic motion, with a run of a displaced start in double precision, and one in half the steps with
-/// its options.
+/// The ensemble of a run of a chaotic motion, with two runs in double precision from starts that are next to each other, and
+/// one in half the steps with its options.
 pub(super) fn ensemble(
     runs: &mut Runs<'_>,
     options: &Options,
-    [outcome, displaced]: [&Outcome; 2],
+    (outcome, alike): (&Outcome, [&Outcome; 2]),
     (finer, half): &(Options, Outcome),
 ) -> Option<Ensemble> {
     let is_single = options.chosen_precision() == Precision::F32;
     let mut own = runs.at(&to_compare(options), DISPLACED[usize::from(is_single)]);
-    own.extend((!is_single).then(|| displaced.clone()));
     own.push(outcome.clone());
     let mut halves = runs.at(finer, DISPLACED_IN_HALVES);
     halves.push(half.clone());
-    of_energies(&energies(&own)?, &energies(&halves)?)
+    let [own, halves] = [&own, &halves].map(|runs| runs.iter().map(energies).collect::<Vec<_>>());
+    of_energies([&own, &halves], &alike.map(energies))
 }
 
-fn energies(runs: &[Outcome]) -> Option<Vec<f64>> {
-    runs.iter().map(|run| run.delivered_energy_j).collect()
+/// The energies that a run delivers in the parts of the window, in J.
+fn energies(run: &Outcome) -> &[f64] {
+    &run.block_energies_j
 }
 
-/// Of energies in the steps of the run and in half of them, in J; `None` of fewer than two.
-fn of_energies(own: &[f64], halves: &[f64]) -> Option<Ensemble> {
-    let count = |energies: &[f64]| energies.len() as f64;
-    let mean = |energies: &[f64]| energies.iter().sum::<f64>() / count(energies);
-    let squares = |energies: &[f64]| {
-        let mean = mean(energies);
-        energies.iter().map(|energy| (energy - mean).powi(2)).sum::<f64>()
-    };
-    let (one, two) = (count(own), count(halves));
-    if own.len() < 2 || halves.len() < 2 {
+/// Of energies in the parts of the window, of runs in the steps of the run and in half of them, and of two runs from starts
+/// next to each other, in J; `None` of fewer than two.
+///
+/// Accurate runs from near starts stay together until they have diverged, and a run in steps leaves them before. The energy of
+/// the time in between is that of one motion, from which the mean of an ensemble is as far as another motion is. The part of
+/// the variance that accurate runs show is that by which the runs of near starts differ.
+fn of_energies(runs: [&[&[f64]]; 2], near: &[&[f64]; 2]) -> Option<Ensemble> {
+    let [one, two] = runs.map(|runs| runs.len() as f64);
+    if runs.iter().any(|runs| runs.len() < 2) {
         return None;
     }
-    let variance = (squares(own) + squares(halves)) / (one + two - 2.0);
-    let apart = (mean(own) - mean(halves)).powi(2) - variance * (1.0 / one + 1.0 / two);
+    let [own, halves] = runs.map(|runs| runs.iter().map(|parts| parts.iter().sum()).collect::<Vec<f64>>());
+    let variance = pooled([&own, &halves]);
+    let in_part =
+        |part: usize| runs.map(|runs| runs.iter().filter_map(|parts| parts.get(part).copied()).collect());
+    let of_parts = |part: usize| {
+        let [own, halves]: [Vec<f64>; 2] = in_part(part);
+        pooled([&own, &halves])
+    };
+    let scatter: f64 = (0..near[0].len()).map(of_parts).sum();
+    let apart: f64 = near[0].iter().zip(near[1]).map(|(one, other)| 0.5 * (one - other).powi(2)).sum();
+    let together = if scatter > 0.0 { (1.0 - apart / scatter).max(0.0) } else { 0.0 };
+    let bias = (mean(&own) - mean(&halves)).powi(2) - variance * (1.0 / one + 1.0 / two);
     Some(Ensemble {
-        mean_j: (mean(own) * one + mean(halves) * two) / (one + two),
-        standard_error_j: (variance / (one + two)).sqrt(),
-        bias_j: apart.max(0.0).sqrt(),
+        mean_j: (mean(&own) * one + mean(&halves) * two) / (one + two),
+        standard_error_j: (variance * (together + 1.0 / (one + two))).sqrt(),
+        bias_j: bias.max(0.0).sqrt(),
     })
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The variance of two groups about their own means.
+fn pooled(groups: [&[f64]; 2]) -> f64 {
+    let squares = groups.map(|group| {
+        let mean = mean(group);
+        group.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
+    });
+    let count: usize = groups.iter().map(|group| group.len()).sum();
+    squares.iter().sum::<f64>() / (count as f64 - 2.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn of(own: &[f64], halves: &[f64], near: [f64; 2]) -> Option<Ensemble> {
+        let [own, halves] = [own, halves].map(|runs| runs.chunks(1).collect::<Vec<_>>());
+        of_energies([&own, &halves], &[&near[..1], &near[1..]])
+    }
+
     #[test]
     fn a_bias_counts_above_its_standard_error() {
-        // By hand: means 2 and 2, squares 2 + 2, variance 4/4 = 1.
-        let found = of_energies(&[1.0, 2.0, 3.0], &[1.0, 2.0, 3.0]).expect("enough");
+        // By hand: means 2 and 2, squares 2 + 2, variance 4/4 = 1; near starts differ by as much.
+        let scattered = [1.0, 1.0 + 2.0_f64.sqrt()];
+        let found = of(&[1.0, 2.0, 3.0], &[1.0, 2.0, 3.0], scattered).expect("enough");
         assert_eq!([found.mean_j, found.bias_j], [2.0, 0.0]);
-        assert!((found.standard_error_j - (1.0_f64 / 6.0).sqrt()).abs() < 1e-15);
+        assert!((found.standard_error_j - (1.0_f64 / 6.0).sqrt()).abs() < 1e-7);
         // The means differ by 4, with a variance of 1/3 + 1/3.
-        let found = of_energies(&[1.0, 2.0, 3.0], &[5.0, 6.0, 7.0]).expect("enough");
+        let found = of(&[1.0, 2.0, 3.0], &[5.0, 6.0, 7.0], scattered).expect("enough");
         assert!((found.bias_j - (16.0_f64 - 2.0 / 3.0).sqrt()).abs() < 1e-15 && found.mean_j == 4.0);
-        assert!(of_energies(&[1.0], &[1.0, 2.0]).is_none());
+        assert!(of(&[1.0], &[1.0, 2.0], scattered).is_none());
+    }
+
+    #[test]
+    fn where_near_starts_stay_together_the_mean_is_off_by_the_scatter() {
+        let found = of(&[1.0, 2.0, 3.0], &[1.0, 2.0, 3.0], [2.0, 2.0]).expect("enough");
+        assert!((found.standard_error_j - (7.0_f64 / 6.0).sqrt()).abs() < 1e-15);
     }
 }

@@ -49,10 +49,11 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     let can_be = delivers(outcome) && !is_coarse(scene, &double);
     let peaks = finer.as_ref().and_then(|(_, finer)| differing_peak(outcome, finer));
     let between_steps = between.filter(|_| can_be);
-    let displaced = between_steps.and_then(|between| chaotic(&mut runs, &double, alike, &between));
+    let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
+    let displaced = chaotic(&mut runs, &double, alike, [between_steps, rounding]);
     let found = displaced
         .zip(finer)
-        .and_then(|(displaced, finer)| ensemble(&mut runs, options, [outcome, &displaced], &finer));
+        .and_then(|(displaced, finer)| ensemble(&mut runs, options, (outcome, [alike, &displaced]), &finer));
     let work = runs.steps as f64 / outcome.steps.max(1) as f64;
     let window = (found.is_some() || scene.excitation.is_irregular()).then(|| window(outcome)).flatten();
     let mut accuracy = Accuracy { sampling, window, work, ..Accuracy::default() };
@@ -68,7 +69,7 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     }
     outcome.warnings.extend(peaks);
     accuracy.step = between.map(stated).map(|step| step.max(LEAST));
-    accuracy.rounding = exact.as_ref().and_then(|exact| difference(outcome, exact)).map(|found| found.whole);
+    accuracy.rounding = rounding.map(|found| found.whole);
     if is_layered {
         accuracy.boundary_layers = accuracy.step;
     }
@@ -97,7 +98,8 @@ fn finer(
     }
     let more = if has_tolerance(scene, double) { TOLERANCE_HALVINGS } else { 1 };
     let shorter = Options { halvings: double.halvings + more, ..*double };
-    if is_layered {
+    // Steps end at the samples of a trace at any tolerance.
+    if is_layered || matches!(scene.excitation, Excitation::File(_)) && has_tolerance(scene, double) {
         return in_halves(runs, &shorter, alike);
     }
     let found = runs.get(&shorter).filter(|finer| is_comparable(finer, alike));

@@ -52,6 +52,17 @@ pub enum Class {
 }
 
 impl Class {
+    /// Of a run that is off if there is a comparison of its statistics.
+    fn of(comparison: Option<Comparison>, is_warned: bool) -> Self {
+        match (comparison, is_warned) {
+            (None, _) => Self::Right,
+            (Some(Comparison::Agree), _) => Self::Chaotic,
+            (Some(_), true) => Self::Warned,
+            (Some(Comparison::Undecided), false) => Self::Undecided,
+            (Some(Comparison::Differ), false) => Self::Wrong,
+        }
+    }
+
     /// Whether nothing explains it.
     #[must_use]
     pub fn is_failure(self) -> bool {
@@ -167,19 +178,23 @@ impl Judge {
         if !is_finite(&outcome) {
             return Finding { class: Class::Broken, reason: "a number is not finite".to_owned(), ..finding };
         }
-        let (Some((exact, by_reference)), Some(found)) = (self.exact(scene, &options), Numbers::of(&outcome))
-        else {
+        let tighter = || self.tighter.get_or_init(|| tighter(scene, &options)).as_ref();
+        // The mean of a chaotic motion is compared with that of accurate runs below.
+        let exact = if finding.is_chaotic {
+            tighter().map(|exact| (exact, false))
+        } else {
+            self.exact(scene, &options)
+        };
+        let (Some((exact, by_reference)), Some(found)) = (exact, Numbers::of(&outcome)) else {
             return finding;
         };
         let allowed = RIGHT[usize::from(precision == Precision::F32)];
-        let mut by = (exact, *by_reference);
+        let mut by = (exact, by_reference);
         let (mut quantity, mut error) = compared_with(&found, exact);
-        if *by_reference && !(error <= allowed) {
+        if by_reference && !(error <= allowed) {
             let doubted = (exact, quantity, allowed);
             if !self.repeats.get_or_init(|| reference_repeats(scene, self.effort.most_attempts, doubted)) {
-                let Some(tighter) = self.tighter.get_or_init(|| tighter(scene, &options)) else {
-                    return finding;
-                };
+                let Some(tighter) = tighter() else { return finding };
                 by = (tighter, false);
                 (quantity, error) = compared_with(&found, tighter);
             }
@@ -192,13 +207,7 @@ impl Judge {
         finding.by_reference = by_reference;
         let is_off = !(error <= allowed);
         let comparison = is_off.then(|| self.compared(scene, &options, (&found, quantity, allowed)));
-        finding.class = match (comparison, finding.is_warned) {
-            (None, _) => Class::Right,
-            (Some(Comparison::Agree), _) => Class::Chaotic,
-            (Some(_), true) => Class::Warned,
-            (Some(Comparison::Undecided), false) => Class::Undecided,
-            (Some(Comparison::Differ), false) => Class::Wrong,
-        };
+        finding.class = Class::of(comparison, finding.is_warned);
         finding.reason = if is_off { found.difference(exact, quantity) } else { String::new() };
         let is_right = !is_off && !finding.is_warned && !finding.is_chaotic;
         let has_identities = is_right && quantity == Quantity::Power && self.effort.by_reference;
@@ -233,12 +242,14 @@ impl Judge {
         (error > allowed && !chaotic()).then(|| format!("{identity} differs by {error:.1e}"))
     }
 
-    fn exact(&self, scene: &Scene, options: &Options) -> Option<&(Numbers, bool)> {
+    fn exact(&self, scene: &Scene, options: &Options) -> Option<(&Numbers, bool)> {
         let Effort { most_attempts, by_reference: asked } = self.effort;
         let reference = || asked.then(|| by_reference(scene, most_attempts)).flatten();
-        let by = |is_reference| move |found| (found, is_reference);
-        let find = || reference().map(by(true)).or_else(|| tighter(scene, options).map(by(false)));
-        self.exact.get_or_init(find).as_ref()
+        let exact = self.exact.get_or_init(|| {
+            let reference = reference().map(|found| (found, true));
+            reference.or_else(|| Some((tighter(scene, options)?, false)))
+        });
+        exact.as_ref().map(|(exact, by_reference)| (exact, *by_reference))
     }
 
     fn ensemble(&self, scene: &Scene, options: &Options, is_chaotic: bool) -> &Ensemble {
