@@ -1,5 +1,5 @@
-//! Links the firmware for the board that the environment variable `HARVESTER_BOARD` names, and makes
-//! tables of the trace and of the day that the nodes play.
+//! Links the firmware for the board that the environment variable `HARVESTER_BOARD` names, and makes a table of the day
+//! that the node lives through.
 //!
 //! A variable and not a Cargo feature for each board: a firmware has exactly one memory map, and
 //! features are meant to be added together.
@@ -62,9 +62,6 @@ const BOARDS: [Board; 6] = [
 /// The scene that `needs --emit` made, for the variant `emitted::bench`.
 const SCENE: &str = "scene/contact_separation.rs";
 
-/// Raw counts of an accelerometer, one a line.
-const TRACE: &str = "trace/machine.csv";
-
 /// Minutes of a day, by `host-bench on-target --day`: two amplitudes with their frequencies, and the harvested energy.
 const DAY: &str = "trace/day.csv";
 
@@ -74,10 +71,9 @@ fn main() {
     println!("cargo::rerun-if-env-changed=HARVESTER_SCENE");
     println!("cargo::rerun-if-changed=../memory.x");
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rerun-if-changed={TRACE}");
     println!("cargo::rerun-if-changed={DAY}");
 
-    if let Err(reason) = write_trace().and_then(|()| write_day()).and_then(|()| copy_scene()) {
+    if let Err(reason) = write_day().and_then(|()| copy_scene()) {
         println!("cargo::error={reason}");
         return;
     }
@@ -140,19 +136,6 @@ fn copy_scene() -> Result<(), String> {
     let folder = env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
     fs::copy(&from, Path::new(&folder).join("scene.rs")).map_err(|error| format!("{from}: {error}"))?;
     Ok(())
-}
-
-/// Writes the samples of the trace as a Rust table.
-fn write_trace() -> Result<(), String> {
-    let text = fs::read_to_string(TRACE).map_err(|error| format!("{TRACE}: {error}"))?;
-    let mut counts = Vec::new();
-    let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
-    for line in lines {
-        counts.push(line.parse::<i16>().map_err(|error| format!("{TRACE}: {line:?}: {error}"))?);
-    }
-    let table = format!("static COUNTS: [i16; {}] = {counts:?};\n", counts.len());
-    let folder = env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
-    fs::write(Path::new(&folder).join("trace.rs"), table).map_err(|error| format!("trace.rs: {error}"))
 }
 
 /// Writes the minutes of the day as a Rust table.

@@ -1,6 +1,6 @@
 //! What the firmware binaries have in common: workloads, measuring, logging, and ending.
 //!
-//! Only the workloads and the nodes exist on the host too, which runs them to compare the bits. All
+//! Only the workloads, the node and the boards exist on the host too, which runs them to compare the bits. All
 //! else is for bare metal, so that `cargo build --workspace` needs no microcontroller.
 //!
 //! | module | subject |
@@ -12,7 +12,6 @@
 //! | `variant` | the variants of the bench by name |
 //! | `workload` | the workloads of the variants: scenes whole, with parts left out, at several settings |
 //! | `node` | a node of `model_core::node` on a simulated plant: a day with losses of power |
-//! | `following` | the laboratory node, which follows its harvester: acceleration samples in, a decision a second out |
 //! | `board` | boards of `model_core::node` over `embedded-hal`: an accelerometer's driver, slots in flash |
 //! | `arithmetic` | products, sums and comparisons of `f32` for a Cortex-M0, in half to two thirds of the instructions |
 //! | `logger` | defmt frames over semihosting |
@@ -26,7 +25,6 @@ pub mod board;
 mod calibration;
 #[cfg(target_os = "none")]
 mod counter;
-pub mod following;
 #[cfg(target_os = "none")]
 mod logger;
 #[cfg(target_os = "none")]

@@ -60,14 +60,11 @@ variants! {
     node_parts::bus,
     node_parts::storage,
     node_parts::estimator,
-    node_parts::budget,
-    node_parts::snapshot,
     bump_stop::others,
     bump_stop::precision,
     estimators::all,
     response_map::all,
     emitted::bench,
-    following::node,
     peer::smooth,
 }
 

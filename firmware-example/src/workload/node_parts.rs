@@ -1,30 +1,36 @@
-//! What the parts of a node add to its harvester: the bridge, the storage, the estimator, the budget, the snapshots.
+//! What the parts of a node that steps its harvester's model add to the harvester: the bridge, the storage, the estimator.
 //!
-//! Each variant has the parts of those before it. The base moves as in [`PASSIVE`]; from the estimator on its
-//! acceleration comes as samples.
+//! Each variant has the parts of those before it. The base moves as in [`PASSIVE`]; the estimator takes its acceleration as
+//! samples.
 
 use core::hint::black_box;
 
 use model_core::clock::Instant;
 use model_core::energy::Estimator;
+use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
 use model_core::excitation::{Excitation, Sine};
 use model_core::integrate::{Adaptive, ExponentialRadau};
-use model_core::part::storage::DcBus;
+use model_core::part::draw::NoDraw;
+use model_core::part::load::OpenCircuit;
+use model_core::part::storage::{Capacitor, DcBus, StorageCapacitor, StorageElement};
 use model_core::scene::contact_separation::Start;
+use model_core::scene::rectified::{FullBridge, Rectified};
 use model_core::scene::{Harvester, Simulation};
 
 use super::contact_separation::parts::{self, LOAD};
 use super::contact_separation::{PASSIVE, TOLERANCE};
 use super::run::{self, Run};
 use super::{Progress, Visit, Workload, show};
-use crate::following::{
-    Board, Decision, Following, RATE_HZ, SCALE, SLOT_BYTES, behind_bridge, charging, settings,
-};
-
-pub use crate::following::{CAPACITANCE, DIODE_DROP};
 
 /// Voltage in volts of the bus, and of the storage at the start.
 pub const VOLTAGE: f32 = 2.6;
+/// Capacitance of the storage in farads.
+pub const CAPACITANCE: f32 = 22e-6;
+/// Forward voltage in volts of each of the bridge's diodes.
+pub const DIODE_DROP: f32 = 0.3;
+/// Samples per second, and metres per second squared in a raw count: a range of 2 g in 16 bits.
+const RATE_HZ: u32 = 400;
+const SCALE: f32 = model_core::part::GRAVITY as f32 / 16384.0;
 /// Samples in two periods of the base.
 const PERIOD: usize = 39;
 /// Whole seconds of a run.
@@ -39,12 +45,34 @@ pub fn resistor(visit: Visit<'_>) -> Option<()> {
 
 /// The harvester behind a bridge into a bus of a constant voltage.
 pub fn bus(visit: Visit<'_>) -> Option<()> {
-    show(visit, shaken(behind_bridge(DcBus { voltage: VOLTAGE }).ok()?))
+    show(visit, shaken(behind_bridge(DcBus { voltage: VOLTAGE })?))
 }
 
 /// The harvester behind a bridge that charges a storage.
 pub fn storage(visit: Visit<'_>) -> Option<()> {
-    show(visit, shaken(charging(VOLTAGE).ok()?))
+    show(visit, shaken(charging()?))
+}
+
+/// The estimator of the harvester that charges a storage.
+pub fn estimator(visit: Visit<'_>) -> Option<()> {
+    let settings = Settings {
+        rate: RATE_HZ as f32,
+        format: SampleFormat::counts(SCALE, i16::MAX.unsigned_abs()),
+        longest_gap: 4,
+        settling_seconds: 0.0,
+        rate_tolerance: 0.0,
+        jitter: 0.0,
+        interpolation: Interpolation::DroopCompensated,
+        bias_seconds: None,
+    };
+    let sine = Sine::<f32>::new(black_box(PASSIVE.amplitude), black_box(PASSIVE.frequency), 0.0).ok()?;
+    let mut counts = [0; PERIOD];
+    for (place, count) in (0_u16..).zip(&mut counts) {
+        let raw: f32 = sine.acceleration(Instant::from_seconds(f32::from(place) / RATE_HZ as f32)?) / SCALE;
+        *count = raw as i16;
+    }
+    let estimator = Estimator::new(charging()?, settings).ok()?;
+    show(visit, Some(Sampled { estimator, counts, place: 0, seconds: 0, energy: 0.0, bits: [0; 5] }))
 }
 
 #[inline(never)]
@@ -52,107 +80,46 @@ fn shaken<H: Harvester<f32, Start = Start<f32>>>(harvester: H) -> Option<impl Wo
     Run::new(PASSIVE, harvester, &Start::default(), run::outputs)
 }
 
-/// The estimator of the harvester that charges a storage.
-pub fn estimator(visit: Visit<'_>) -> Option<()> {
-    let mut board = SineBoard::new()?;
-    let mut estimator = Estimator::new(charging(VOLTAGE).ok()?, settings()).ok()?;
-    each_second(visit, |_, energy, words| {
-        let mut steps = 0;
-        for _ in 0..RATE_HZ {
-            steps += estimator.push_count(board.acceleration()?, u32::MAX).ok()?.work.steps;
-        }
-        let estimate = estimator.estimate();
-        estimator.clear();
-        *energy += estimate.energy;
-        let relative = estimate.uncertainty.relative.unwrap_or(f32::INFINITY);
-        *words = [estimate.energy, estimate.mean_power, relative].map(f32::to_bits);
-        Some(steps)
-    })
+fn charging() -> Option<impl Harvester<f32, Start = Start<f32>>> {
+    let capacitor = Capacitor { capacitance: CAPACITANCE, leakage_resistance: f32::INFINITY };
+    behind_bridge(StorageCapacitor { capacitor, initial_voltage: VOLTAGE, draw: NoDraw })
 }
 
-/// The same with the budget, and a decision each second.
-pub fn budget(visit: Visit<'_>) -> Option<()> {
-    let mut node = Following::new(SineBoard::new()?, charging(VOLTAGE).ok()?).ok()?;
-    each_second(visit, |_, energy, words| {
-        let report = node.second().ok()?;
-        *energy += report.harvested;
-        *words = [report.harvested.to_bits(), report.stored.to_bits(), report.decision as u32];
-        Some(report.steps)
-    })
+/// The harvester behind a full bridge that charges `storage`.
+fn behind_bridge(storage: impl StorageElement<f32>) -> Option<impl Harvester<f32, Start = Start<f32>>> {
+    let bridge = FullBridge { diode_drop: DIODE_DROP, storage };
+    // The bridge is what is at the terminals.
+    let alone = black_box(parts::passive(OpenCircuit)).build().ok()?;
+    let scene = Rectified::new(alone, black_box(bridge)).ok()?;
+    Some(Simulation::new(scene, ExponentialRadau, Adaptive::new(TOLERANCE).ok()?))
 }
 
-/// The same with an image of all states each second.
-pub fn snapshot(visit: Visit<'_>) -> Option<()> {
-    let mut node = Following::new(SineBoard::new()?, charging(VOLTAGE).ok()?).ok()?;
-    let mut slot = [0; SLOT_BYTES];
-    each_second(visit, |second, energy, words| {
-        let report = node.second().ok()?;
-        *energy += report.harvested;
-        let bytes = node.save(second, &mut slot).ok()?;
-        // The CRC-32 of the image.
-        let checksum = u32::from_le_bytes(*slot.get(..bytes)?.last_chunk()?);
-        *words = [report.harvested.to_bits(), report.stored.to_bits(), checksum];
-        Some(report.steps)
-    })
-}
-
-/// A board whose base moves as in [`PASSIVE`].
+/// An estimator that is fed a sine. A sample of the workload is a whole second.
 #[derive(Debug)]
-struct SineBoard {
+struct Sampled<H: Harvester<f32>> {
+    estimator: Estimator<f32, H>,
     counts: [i16; PERIOD],
     place: usize,
-    awake: bool,
-}
-
-impl SineBoard {
-    fn new() -> Option<Self> {
-        let sine = Sine::<f32>::new(black_box(PASSIVE.amplitude), black_box(PASSIVE.frequency), 0.0).ok()?;
-        let mut counts = [0; PERIOD];
-        for (place, count) in (0_u16..).zip(&mut counts) {
-            let at = Instant::from_seconds(f32::from(place) / RATE_HZ as f32)?;
-            let raw: f32 = sine.acceleration(at) / SCALE;
-            *count = raw as i16;
-        }
-        Some(Self { counts, place: 0, awake: false })
-    }
-}
-
-impl Board for SineBoard {
-    fn acceleration(&mut self) -> Option<i16> {
-        let count = self.counts.get(self.place).copied();
-        self.place += 1;
-        if self.place == PERIOD {
-            self.place = 0;
-        }
-        count
-    }
-
-    fn storage_voltage(&mut self) -> Option<f32> {
-        (!core::mem::replace(&mut self.awake, true)).then_some(VOLTAGE)
-    }
-
-    fn carry_out(&mut self, _decision: Decision) {}
-}
-
-/// Shows a workload whose samples are whole seconds. `second` takes the number of the second and the energy so far in J,
-/// writes its words, and gives the steps.
-fn each_second(
-    visit: Visit<'_>,
-    second: impl FnMut(u32, &mut f32, &mut [u32; 3]) -> Option<u32>,
-) -> Option<()> {
-    show(visit, Some(EachSecond { second, seconds: 0, energy: 0.0, bits: [0; 5] }))
-}
-
-/// A workload by seconds.
-struct EachSecond<F> {
-    second: F,
     seconds: u32,
     /// Energy so far in J.
     energy: f32,
     bits: [u32; 5],
 }
 
-impl<F: FnMut(u32, &mut f32, &mut [u32; 3]) -> Option<u32>> Workload for EachSecond<F> {
+impl<H: Harvester<f32>> Sampled<H> {
+    /// Takes a second of samples; gives the steps.
+    fn second(&mut self) -> Option<u32> {
+        let mut steps = 0;
+        for _ in 0..RATE_HZ {
+            let count = *self.counts.get(self.place)?;
+            self.place = if self.place + 1 == PERIOD { 0 } else { self.place + 1 };
+            steps += self.estimator.push_count(count, u32::MAX).ok()?.work.steps;
+        }
+        Some(steps)
+    }
+}
+
+impl<H: Harvester<f32>> Workload for Sampled<H> {
     fn name(&self) -> &'static str {
         "node"
     }
@@ -162,12 +129,13 @@ impl<F: FnMut(u32, &mut f32, &mut [u32; 3]) -> Option<u32>> Workload for EachSec
             return Progress::Finished;
         }
         self.seconds += 1;
-        let mut words = [0; 3];
-        let Some(steps) = (self.second)(self.seconds, &mut self.energy, &mut words) else {
-            return Progress::Failed;
-        };
-        let [one, two, three] = words;
-        self.bits = [one, two, three, self.seconds, self.energy.to_bits()];
+        let Some(steps) = self.second() else { return Progress::Failed };
+        let estimate = self.estimator.estimate();
+        self.estimator.clear();
+        self.energy += estimate.energy;
+        let relative = estimate.uncertainty.relative.unwrap_or(f32::INFINITY);
+        let [energy, power, relative] = [estimate.energy, estimate.mean_power, relative].map(f32::to_bits);
+        self.bits = [energy, power, relative, self.seconds, self.energy.to_bits()];
         Progress::Sample { steps, simulated_us: 1_000_000 }
     }
 

@@ -42,7 +42,7 @@ pub struct OnTargetArguments {
     #[arg(long, group = "report")]
     leave_outs: bool,
 
-    /// The sensor nodes: a day with losses of power, its log compared with the host's [default: M4F and M0]
+    /// The sensor node: a day with losses of power, its log compared with the host's [default: M4F and M0]
     #[arg(long, group = "report")]
     node: bool,
 

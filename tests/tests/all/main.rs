@@ -22,7 +22,6 @@ mod on_target_bits;
 mod published_rows;
 mod rectified;
 mod response_map;
-mod sensor_node;
 mod sliding_agreement;
 mod sliding_convergence;
 mod sliding_limits;

@@ -1,4 +1,4 @@
-//! The energy of an estimate on the parts that have the measured core, and its share of the node's income.
+//! The energy of an estimate on the parts that have the measured core.
 
 use model_core::energy::cost::{Accelerometer, Code, Cost, CostModel, Evidence, Processor};
 use serde_json::{Value, json};
@@ -6,11 +6,8 @@ use serde_json::{Value, json};
 use super::output::Output;
 use super::rows::Row;
 use crate::on_target::core::Core;
-use crate::on_target::{Bench, Error};
-use firmware_example::following::{FlashBoard, Following, NodeError, RATE_HZ, following};
-use firmware_example::variant::named;
 
-/// What a node does for its estimate of each second.
+/// What a node that steps the model does for its estimate of each second.
 #[derive(Debug, Clone)]
 pub(super) struct Estimate {
     name: String,
@@ -29,44 +26,10 @@ impl Estimate {
         let samples = (counted.steps as f64 / counted.seconds).round() as u32;
         Self { name, samples, instructions: counted.instructions_per_second(), code }
     }
-
-    /// The whole loop of the node that follows its harvester, measured by the second.
-    ///
-    /// # Errors
-    ///
-    /// If the firmware does not build or run, or computes other bits than the host.
-    pub(super) fn of_node(bench: &Bench) -> Result<Self, Error> {
-        let variant = &const { named("following::node") };
-        let measured = bench.measure(variant)?;
-        let instructions =
-            measured.workloads.iter().map(|workload| workload.whole().instructions_per_second());
-        Ok(Self {
-            name: variant.name.to_owned(),
-            samples: RATE_HZ,
-            instructions: instructions.sum(),
-            code: Code::Trajectory,
-        })
-    }
 }
 
-/// Mean power in W that the node that follows its harvester harvests in its first 64 s, on the host.
-///
-/// # Errors
-///
-/// If the node cannot go on.
-pub(super) fn income() -> Result<f64, Error> {
-    const SECONDS: u32 = 64;
-    let fail = |error: NodeError| Error::Host(format!("the node fails: {error:?}"));
-    let mut node = Following::new(FlashBoard::default(), following().map_err(fail)?).map_err(fail)?;
-    let mut energy = 0.0;
-    for _ in 0..SECONDS {
-        energy += f64::from(node.second().map_err(fail)?.harvested);
-    }
-    Ok(energy / f64::from(SECONDS))
-}
-
-/// Prints the energy of each estimate on each part with `core`, and its share of the income in W.
-pub(super) fn report(core: Core, estimates: &[Estimate], income: f64, output: &mut Output) {
+/// Prints the energy of each estimate on each part with `core`.
+pub(super) fn report(core: Core, estimates: &[Estimate], output: &mut Output) {
     let rows: Vec<Line> = estimates
         .iter()
         .flat_map(|estimate| parts(core).into_iter().filter_map(|part| Line::new(estimate, part)))
@@ -83,16 +46,14 @@ pub(super) fn report(core: Core, estimates: &[Estimate], income: f64, output: &m
         "transfer",
         "wake-ups",
         "uJ per estimate",
-        "share of income",
     ];
     let note = format!(
-        "{core}. Energy in uJ of an estimate once a second from an accelerometer that always runs, and its share of the
-income of {:.2} uW of the node that follows its harvester. Sleep is not in it. {UNCONFIRMED} marks an energy per cycle that was not confirmed.",
-        1e6 * income
+        "{core}. Energy in uJ of an estimate once a second from an accelerometer that always runs. Sleep is not in it.
+{UNCONFIRMED} marks an energy per cycle that was not confirmed."
     );
-    output.table(header, rows.iter().map(|line| line.cells(income)).collect(), 3, &note);
+    output.table(header, rows.iter().map(|line| line.cells()).collect(), 3, &note);
     for line in &rows {
-        output.object(line.json(core, income));
+        output.object(line.json(core));
     }
 }
 
@@ -138,7 +99,7 @@ impl<'a> Line<'a> {
         Some(Self { estimate, processor, accelerometer, cost })
     }
 
-    fn cells(&self, income: f64) -> Vec<String> {
+    fn cells(&self) -> Vec<String> {
         // An accelerometer that always runs has no supply that is switched off, and no waiting.
         let Cost { computing, sensor, transfer, wake_up, waiting: _ } = self.cost;
         let mut cells =
@@ -147,11 +108,10 @@ impl<'a> Line<'a> {
             [computing, sensor, transfer, wake_up, self.cost.total()]
                 .map(|joules| format!("{:.2}", 1e6 * joules)),
         );
-        cells.push(format!("{:.1} x", self.cost.share_of(income)));
         cells
     }
 
-    fn json(&self, core: Core, income: f64) -> Value {
+    fn json(&self, core: Core) -> Value {
         json!({
             "core": core.to_string(),
             "part": self.processor.name,
@@ -162,8 +122,6 @@ impl<'a> Line<'a> {
             "sensor_j": self.cost.sensor,
             "transfer_j": self.cost.transfer,
             "wake_up_j": self.cost.wake_up,
-            "income_w": income,
-            "share_of_income": self.cost.share_of(income),
         })
     }
 }

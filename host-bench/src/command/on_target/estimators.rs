@@ -45,7 +45,7 @@ A response map is called once a second. Each estimate has the host's bits.";
     output.rows(&found, &columns, 2, note);
     let sampled = found.iter().filter(|row| row.case.by_sample);
     let estimates: Vec<Estimate> = sampled.map(|row| Estimate::sampled(row, code(row.case.scene))).collect();
-    estimate_energy::report(bench.core(), &estimates, estimate_energy::income()?, output);
+    estimate_energy::report(bench.core(), &estimates, output);
     Ok(())
 }
 

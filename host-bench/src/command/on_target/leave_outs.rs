@@ -185,7 +185,7 @@ fn with_modes(model: &mut BumpStop, [beam, rod]: [usize; 2]) {
     }
 }
 
-/// The parts of a node, each with those before it.
+/// The parts of a node that steps the model, each with those before it.
 fn node() -> Result<Variants, Error> {
     use contact_separation::{PASSIVE, TOLERANCE};
     let case = |name, change: fn(&mut Load)| {
@@ -196,11 +196,6 @@ fn node() -> Result<Variants, Error> {
         Case::of_scene(name, &scene, RADAU, Steps::Tolerance(TOLERANCE))
     };
     let charging = |load: &mut Load| *load = node_storage();
-    // From the budget on the actions of the node change the voltage, which the reference does not know.
-    let alone = |name| {
-        let steps = Steps::Tolerance(TOLERANCE);
-        Case { steps, ..Case::new(name, "contact-separation", RADAU) }
-    };
     Ok(vec![
         (const { named("node_parts::resistor") }, case("harvester with a resistor", |_| {})?),
         (
@@ -214,12 +209,10 @@ fn node() -> Result<Variants, Error> {
         ),
         (const { named("node_parts::storage") }, case("bridge into a storage", charging)?),
         (const { named("node_parts::estimator") }, case("and estimator", charging)?),
-        (const { named("node_parts::budget") }, alone("and budget")),
-        (const { named("node_parts::snapshot") }, alone("and snapshot")),
     ])
 }
 
-/// The storage of the node, which its budget discharges.
+/// The storage of the node, which nothing discharges here.
 fn node_storage() -> Load {
     Load::RectifiedStore(RectifiedStore {
         capacitance_f: f64::from(node_parts::CAPACITANCE),
@@ -271,9 +264,8 @@ steps of {} us near contact and {} us in free flight, for other numbers of modes
 fn node_note() -> String {
     format!(
         "What a node adds, each row with the parts of those before it: contact-separation under the force of the field, 0.2 g
-at {:.2} Hz, 3 s from rest; exponential Radau with tolerance {}. The bus and the storage have {} V at the start. From the
-estimator on the base acceleration comes as 400 samples a second; budget and snapshot do their work once a second.
-Error: of the mean power; of the last two rows it is not known, because the node's actions discharge its storage.",
+at {:.2} Hz, 3 s from rest; exponential Radau with tolerance {}. The bus and the storage have {} V at the start. The
+estimator takes the base acceleration as 400 samples a second. Error: of the mean power.",
         contact_separation::PASSIVE.frequency,
         contact_separation::TOLERANCE,
         node_parts::VOLTAGE,

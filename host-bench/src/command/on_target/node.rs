@@ -9,13 +9,13 @@ use model_core::node::IncomeOfTime;
 use serde_json::{Value, json};
 
 use super::announce;
-use super::estimate_energy::{self, Estimate, UNCONFIRMED, marked, parts};
+use super::estimate_energy::{UNCONFIRMED, marked, parts};
 use super::output::Output;
+use crate::on_target::Error;
 use crate::on_target::core::Core;
 use crate::on_target::node::{self, Followed, calls};
-use crate::on_target::{Bench, Error};
 
-/// Runs the node of each core; on a core with floating point, what it costs to follow the harvester instead.
+/// Runs the node of each core.
 ///
 /// # Errors
 ///
@@ -27,11 +27,6 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
         hours(core, &found, output);
         counted(core, &found, output);
         knowing(core, &found, output);
-    }
-    let floating = |core: &&Core| matches!(core, Core::M4f | Core::M7 | Core::M33);
-    for &core in cores.iter().filter(floating) {
-        let estimate = Estimate::of_node(&Bench::new(core, limit)?)?;
-        estimate_energy::report(core, &[estimate], estimate_energy::income()?, output);
     }
     Ok(())
 }
