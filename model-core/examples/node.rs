@@ -19,7 +19,7 @@ use model_core::node::{
 /// The map: charge per second into a storage of 1.8 to 4.6 V. Its head has the command that made it.
 #[allow(unreachable_pub, reason = "a module that `map` wrote")]
 #[path = "node/map.rs"]
-mod map;
+pub(crate) mod map;
 
 /// Samples of the accelerometer in a second, and m/s² of a count.
 const RATE: u32 = 100;

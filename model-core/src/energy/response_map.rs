@@ -56,6 +56,7 @@ pub use image::{
 };
 pub use words::{Bounds, Columns, Part, Word, Words};
 
+use crate::scalar::Scalar;
 use image::Head;
 use plan::{Place, Plan, boundaries};
 
@@ -314,6 +315,12 @@ impl<W: Words> ResponseMap<W> {
 
     fn voltage_level(&self, slice: u16) -> i32 {
         i32::from(self.words.word(HEAD + usize::from(slice)))
+    }
+
+    /// Resonance of the harvester in Hz.
+    pub(crate) fn resonance(&self) -> f32 {
+        // A unit of 2^−shift Hz.
+        f32::from_i32(self.plan.resonance) * f32::from_bits((self.plan.right - 31) << 23)
     }
 
     /// Whether the map reaches over a frequency in Hz.

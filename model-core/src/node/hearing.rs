@@ -228,6 +228,10 @@ impl Blocks {
             return Modelled { hearing: Hearing::TwoMotions, lower, upper };
         }
         let [lowest, _] = map.amplitudes();
+        // The strongest line of noise or of no signal is any bin, which the map need not have: the yield at rest is then bounded
+        // by that at the resonance.
+        let at = if map.has_frequency(frequency) { frequency } else { map.resonance() };
+        let edge = look_up(map, lowest * 1.001, at, voltage).income();
         if amplitude < lowest || self.purity <= BROADBAND * count {
             if let Some(found) = broadband(self.density) {
                 let value = found.value * scale;
@@ -245,7 +249,6 @@ impl Blocks {
                     return one(Hearing::Broadband, Yield { value, noise, systematic: 0.0 });
                 }
                 // The yield of the linear motion grows with the square of the amplitude.
-                let edge = look_up(map, lowest * 1.001, frequency, voltage).income();
                 let part = amplitude / lowest;
                 let line = edge.map_or(0.0, |edge| 0.5 * edge.high * scale * part * part);
                 return one(Hearing::Rest, Yield { value, noise: Scalar::max(noise, line), systematic: 0.0 });
@@ -253,7 +256,6 @@ impl Blocks {
             let peak = if self.purity >= LINE * count { amplitude } else { NOISE_PEAK * amplitude };
             if peak < lowest {
                 // The yield grows with the amplitude.
-                let edge = look_up(map, lowest * 1.001, frequency, voltage).income();
                 return edge.map_or(nothing(Hearing::Outside(Outside::AmplitudeBelow)), |edge| {
                     let noise = 0.5 * edge.high * scale;
                     one(Hearing::Rest, Yield { value: 0.0, noise, systematic: 0.0 })

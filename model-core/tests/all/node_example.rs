@@ -4,6 +4,10 @@
 #[path = "../../examples/node.rs"]
 mod node;
 
+use model_core::energy::ResponseMap;
+use model_core::excitation::LineBank;
+use model_core::node::{Hearing, Modelled};
+
 #[test]
 fn the_node_of_the_example_tells_its_day_within_its_bound_for_about_a_hundredth_of_it() {
     let day = node::day().expect("a day");
@@ -11,4 +15,32 @@ fn the_node_of_the_example_tells_its_day_within_its_bound_for_about_a_hundredth_
     assert!(error <= day.bound && day.bound < 0.15 * day.truth, "{error} {} {}", day.bound, day.truth);
     assert!(day.hours >= 20 && day.inside + 2 >= day.hours, "{} of {}", day.inside, day.hours);
     assert!(day.share > 0.0 && day.share < 0.02, "{}", day.share);
+}
+
+#[test]
+fn a_sensor_that_is_exactly_still_is_at_rest_as_a_noisy_one_is() {
+    let map = ResponseMap::new(&node::map::MAP[..], node::map::FINGERPRINT).expect("a map");
+    // The second bank reaches below the frequencies of the map.
+    for resonance in [node::map::RESONANCE_HZ, 18.6] {
+        let bank = LineBank::<20, 16>::new(100.0, resonance, 0.083, 9.806_65e-3).expect("in bounds");
+        let mut random = 1_u32;
+        for (mean, noise) in [(0.0, 0.0), (1000.0, 0.0), (-731.0, 0.0), (1000.4, 0.3), (0.5, 0.3)] {
+            let mut state = bank.start();
+            let samples: Vec<i16> = (0..bank.block())
+                .map(|_| {
+                    let normal: f64 = (0..12)
+                        .map(|_| {
+                            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                            f64::from(random >> 8) / f64::from(1 << 24) - 0.5
+                        })
+                        .sum();
+                    (mean + noise * normal).round() as i16
+                })
+                .collect();
+            let (_, lines) = bank.take(&mut state, &samples);
+            let modelled = Modelled::of_blocks(&map, &[lines.expect("a block")], 3.0);
+            assert_eq!(modelled.hearing, Hearing::Rest, "{resonance} Hz, {mean} and {noise} counts");
+            assert!(modelled.lower.value == 0.0 && modelled.lower.noise > 0.0, "{modelled:?}");
+        }
+    }
 }

@@ -89,8 +89,8 @@ pub(super) struct Plan {
     amplitudes: Edges,
     frequencies: Edges,
     /// By how much a frequency is moved right at the exponent 0.
-    right: u32,
-    resonance: i32,
+    pub(super) right: u32,
+    pub(super) resonance: i32,
     slope: u32,
     /// From a detuning to a [`Place`], and the place of the resonance.
     factor: u32,

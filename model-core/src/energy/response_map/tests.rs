@@ -67,6 +67,7 @@ fn a_stored_node_is_read_from_words_and_from_bytes() {
     let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
     let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
     let of_bytes = ResponseMap::new(&bytes[..], FINGERPRINT).expect("valid");
+    assert_eq!(map.resonance(), 20.0);
     // The resonance is column 16. Row 3 is two octaves above the falling boundary of 1 m/s².
     assert_eq!(row_distance(3, SPACING), 4096);
     let (branch, income) = one(map.at(4.0, 20.0));
