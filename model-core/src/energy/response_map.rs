@@ -213,7 +213,7 @@ impl<W: Words> ResponseMap<W> {
     /// CRC-32 of the map.
     #[must_use]
     pub fn checksum(&self) -> u32 {
-        let end = self.words.count();
+        let end = usize::from(self.words.word(2));
         let word = |back: usize| u32::from(self.words.word(end.saturating_sub(back)));
         word(2) | word(1) << 16
     }

@@ -65,6 +65,12 @@ fn one(response: Response) -> (Branch, Bounded) {
 fn a_stored_node_is_read_from_words_and_from_bytes() {
     let words = built(&BOTH);
     let map = ResponseMap::new(&words[..], FINGERPRINT).expect("valid");
+    // A map is identified by its own words, in a longer buffer too.
+    let checksum = u32::from(words[words.len() - 2]) | u32::from(words[words.len() - 1]) << 16;
+    let longer = [&words[..], &[7; 100]].concat();
+    for given in [&words, &longer] {
+        assert_eq!(ResponseMap::new(&given[..], FINGERPRINT).expect("valid").checksum(), checksum);
+    }
     let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
     let of_bytes = ResponseMap::new(&bytes[..], FINGERPRINT).expect("valid");
     assert_eq!(map.resonance(), 20.0);
