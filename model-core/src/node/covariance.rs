@@ -25,6 +25,9 @@ pub(super) const ALL: usize = 5;
 /// Roundings of a variance that remain at least after a measurement.
 const LEAST_LEFT: f64 = 8.0;
 
+/// Largest variance, in squares of SI units.
+const MOST: f64 = 1e14;
+
 /// The covariances, each state with itself and those after it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -254,6 +257,33 @@ impl<S: Scalar> Covariance<S> {
         limit(&mut self.draw, variances);
         let [_, variances @ ..] = variances;
         limit(&mut self.hour, variances);
+    }
+
+    /// Scales each state whose variance is above [`MOST`] to that variance, with its covariances: nothing is known of it, and
+    /// an image takes no number that is much larger.
+    #[inline]
+    pub(super) fn limit_variances(&mut self) {
+        let most = S::from_f64(MOST);
+        for index in 0..STATES {
+            if self.variance(index) > most {
+                self.scale(index, (most / self.variance(index)).sqrt());
+            }
+        }
+    }
+
+    /// Multiplies a state by a factor.
+    #[cold]
+    #[inline(never)]
+    fn scale(&mut self, index: usize, factor: S) {
+        let Self { store, power, gain, draw, hour, all } = self;
+        let rows: [&mut [S]; STATES] = [store, power, gain, draw, hour, core::slice::from_mut(all)];
+        for (row, entries) in rows.into_iter().enumerate() {
+            for (column, entry) in entries.iter_mut().enumerate() {
+                for of in [row, row + column] {
+                    *entry = if of == index { *entry * factor } else { *entry };
+                }
+            }
+        }
     }
 
     /// Whether all variances are 0 or more.

@@ -298,6 +298,7 @@ impl<S: Scalar> Filter<S> {
         }
         self.widen_gain(state, self.gain_drift * time);
         state.covariance.widen(DRAW, self.draw_drift * time);
+        state.covariance.limit_variances();
         state.since = state.since.saturating_add(seconds);
         state.of_hour = state.of_hour.saturating_add(seconds);
         relaxation

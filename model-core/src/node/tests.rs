@@ -1,9 +1,11 @@
 //! The filter against closed forms of its covariances, and over random incomes.
 
+use super::covariance::{ALL, POWER};
 use super::filter::{Filter, FilterState, Growth, StoreReading};
 use super::heard::PowerMeasurement;
 use crate::energy::{Capacitor, Storage, StorageParameters};
 use crate::scalar::Scalar;
+use crate::snapshot;
 
 /// Random numbers by SplitMix64.
 #[derive(Debug, Clone, Copy)]
@@ -332,5 +334,26 @@ fn the_stated_deviation_is_that_of_the_errors_over_random_incomes() {
         let (inside, ratio, relative) = hours(capacitance, listen_every, 100);
         println!("{capacitance} F, {listen_every} min: {inside} {ratio} {relative}");
         assert!(inside > 0.92 && (0.6..1.2).contains(&ratio), "{capacitance}: {inside} {ratio} {relative}");
+    }
+}
+
+#[test]
+fn an_image_takes_the_state_of_a_filter_that_has_known_nothing_for_years() {
+    // A harvester of up to 1 kW in a storage that cannot be read, and a jump as large as a number.
+    let filter = Filter { power: 1e3, ..filter(1e-3) };
+    for (jump, days) in [(0.0, 1), (0.0, 3650), (1e16, 1), (1e30, 1)] {
+        let mut state = filter.start();
+        state.widen_power(jump);
+        for _ in 0..days {
+            filter.predict(&mut state, 86_400, true, 0.0, only(1e-3));
+        }
+        let mut bytes = [0; 512];
+        snapshot::save(&state, 0, &mut bytes).expect("room");
+        assert_eq!(snapshot::restore(0, &bytes), Ok(state), "{jump} {days}");
+        assert!(state.power().deviation() > 5e2 && state.all().deviation() > 9e6, "{:?}", state.all());
+        // The power and its integral stay correlated.
+        let [power, all] = [POWER, ALL].map(|index| state.covariance.variance(index));
+        let correlation = state.covariance.row(POWER)[ALL] / (power * all).sqrt();
+        assert!(correlation > 0.8 && correlation <= 1.0 + 1e-9, "{correlation}");
     }
 }
