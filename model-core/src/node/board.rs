@@ -270,8 +270,10 @@ impl<
         let (sequence, slot) = (newest.wrapping_add(1), 1 - taken.min(1));
         let size = save_image(&self.node, &self.state, sequence, buffer).map_err(SaveError::Buffer)?;
         let image = buffer.get_mut(..size).unwrap_or(&mut []);
+        let checksum = image.last_chunk::<4>().copied();
         self.board.write_slot(slot, image).map_err(|Fault| SaveError::Memory)?;
-        if self.sequence_in(slot, image) != Ok(sequence) {
+        // The image of an attempt that failed may be whole, of another state and of the same number.
+        if self.sequence_in(slot, image) != Ok(sequence) || image.last_chunk().copied() != checksum {
             return Err(SaveError::Memory);
         }
         self.newest = Some((sequence, slot));

@@ -92,6 +92,10 @@ enum Memory {
     Fails,
     /// Erases the slot, and does not notice that the bytes are not there.
     Forgets,
+    /// Takes the bytes, and gives others back.
+    Garbles,
+    /// Does nothing.
+    Ignores,
 }
 
 /// Power in W that a [`Bench`] stores, the standing power off, and the power in W that is harvested for it.
@@ -202,14 +206,20 @@ impl Board for Bench {
 
     fn read_slot(&mut self, slot: usize, bytes: &mut [u8]) {
         bytes.copy_from_slice(&self.slots[slot][..bytes.len()]);
+        if self.memory == Memory::Garbles {
+            bytes[40] ^= 1;
+        }
     }
 
     fn write_slot(&mut self, slot: usize, bytes: &[u8]) -> Result<(), Fault> {
+        if self.memory == Memory::Ignores {
+            return Ok(());
+        }
         self.slots[slot].fill(0xff);
         match self.memory {
-            Memory::Works => self.slots[slot][..bytes.len()].copy_from_slice(bytes),
+            Memory::Works | Memory::Garbles => self.slots[slot][..bytes.len()].copy_from_slice(bytes),
             Memory::Fails => return Err(Fault),
-            Memory::Forgets => {}
+            Memory::Forgets | Memory::Ignores => {}
         }
         Ok(())
     }
@@ -327,6 +337,22 @@ fn a_memory_that_fails_is_told_and_leaves_the_only_image() {
         assert_eq!(*runner.state(), saved, "{memory:?}");
         step(&mut runner);
         assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Ok(3));
+    }
+}
+
+#[test]
+fn an_image_of_a_save_that_failed_is_not_taken_for_a_later_one() {
+    let mut runner = OneRunner::new(Bench::new(), node(), 0);
+    step(&mut runner);
+    assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Ok(1));
+    // The second image is whole in its slot, and the node does not know it.
+    for memory in [Memory::Garbles, Memory::Ignores] {
+        runner.board_mut().memory = memory;
+        while runner.state().second() < 28_800 {
+            step(&mut runner);
+        }
+        assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Err(SaveError::Memory), "{memory:?}");
+        step(&mut runner);
     }
 }
 
