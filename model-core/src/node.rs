@@ -219,12 +219,19 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     /// Advances the time to the second `now`, with the code of the converter for the storage's voltage where it was read,
     /// and says what to do.
     ///
-    /// The clock is that of [`Node::start`]; a time before the last one counts as the last one.
+    /// The clock is that of [`Node::start`]. Where it has gone back, the node goes on from the new time as by
+    /// [`Node::wake_after_unknown_gap`], asks for a reading at once if it has none, and counts the seconds
+    /// ([`NodeState::clock_went_back`]).
     ///
     /// Cost: a step of the filter and of the budget, with a reading also a correction of both, and all of this twice where a
     /// glance is taken in before it; the decision on an action as [`Budget::can_run_now`].
     #[inline(never)]
     pub fn wake(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
+        let Some(now) = self.present(state, now) else {
+            let wake = self.wake_after_unknown_gap(state, code);
+            let read = Wake { task: Task::Sleep, again_in: 1, read: true };
+            return if code.is_some() { wake } else { state.ask(read) };
+        };
         if let Some(wake) = self.look(state, now, code) {
             return wake;
         }

@@ -5,7 +5,7 @@
 //! | bytes | content |
 //! | --- | --- |
 //! | 4 | `VEHI` |
-//! | 2 | version of this layout, 4 |
+//! | 2 | version of this layout, 5 |
 //! | 2 | length of the state in bytes |
 //! | 4 | fingerprint of the model that the state belongs to ([`Fingerprint`]) |
 //! | … | the state, field by field ([`Snapshot`]) |
@@ -48,7 +48,7 @@ pub(crate) use image::{newest_slot, read_image};
 
 const MAGIC: u32 = u32::from_le_bytes(*b"VEHI");
 /// Version of the layout of the snapshot and of every state in it.
-const VERSION: u16 = 4;
+const VERSION: u16 = 5;
 /// Bytes before the state.
 const HEAD: usize = 12;
 /// Bytes after the state.

@@ -105,9 +105,12 @@ fn start<'a, M: Meter>(part: Part, world: &'a mut World, meter: &'a M) -> Result
 #[inline(never)]
 fn resume<M: Meter>(runner: &mut Node<'_, M>, log: &mut dyn FnMut(&Entry)) {
     let mut buffer = [0; IMAGE_BYTES];
-    // The second is that of the image, because a time before it counts as it.
-    if let Ok(sequence) = runner.resume(&mut buffer, Gap::OnUntil(0)) {
-        let second = runner.state().second();
+    // The simulated clock stood still since the image, whose second only its state has.
+    if runner.resume(&mut buffer, Gap::Unknown).is_err() {
+        return;
+    }
+    let second = runner.state().second();
+    if let Ok(sequence) = runner.resume(&mut buffer, Gap::OnUntil(second)) {
         let world = &mut runner.board_mut().world;
         world.set_back(second);
         log(&Entry::Resumed { losses: world.losses() as u32, sequence, second });

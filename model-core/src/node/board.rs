@@ -230,7 +230,8 @@ impl<
             }
         }
         // The books wait for the end of the listen, because they cost more than a burst.
-        let is_over = now.saturating_sub(self.state.second()) >= self.wake.again_in;
+        let since = now.checked_sub(self.state.second());
+        let is_over = since.is_none_or(|since| since >= self.wake.again_in);
         if heard.is_some() || is_over {
             self.ask(now, None);
         }

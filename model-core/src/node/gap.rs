@@ -37,7 +37,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         now: u32,
         code: Option<u32>,
     ) -> Wake {
-        let asleep = now.min(state.asked_for).saturating_sub(state.second);
+        let asleep = state.second_of(now).min(state.asked_for).saturating_sub(state.second);
         let largest = self.largest_standing_power(state) * real(asleep);
         self.return_from_gap(state, now, code, largest)
     }
@@ -50,7 +50,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         now: u32,
         code: Option<u32>,
     ) -> Wake {
-        let seconds = real(now.saturating_sub(state.second));
+        let seconds = real(state.second_of(now).saturating_sub(state.second));
         let cost = &self.parameters.cost;
         let mut power = self.largest_standing_power(state)
             + cost.listen / real(self.parameters.listening.shortest)
@@ -91,6 +91,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         code: Option<u32>,
         largest_drawn: f32,
     ) -> Wake {
+        let Some(now) = self.present(state, now) else { return self.wake_after_unknown_gap(state, code) };
         state.abandon();
         self.settle(state, now, None);
         self.advance(state, state.second, true);
@@ -111,6 +112,18 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         state.filter.widen_store(deviation * deviation);
         self.read(state, code, true);
         self.decide(state)
+    }
+
+    /// The second of the state at a second of the clock; `None` if the clock has gone back, by which it is set.
+    #[inline]
+    pub(super) fn present(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, clock: u32) -> Option<u32> {
+        let now = state.second_of(clock);
+        if now >= state.second {
+            return Some(now);
+        }
+        state.ahead = state.second.wrapping_sub(clock);
+        self.budget.set_clock(&mut state.budget, clock);
+        None
     }
 
     /// As [`Node::wake_after_gap`] where no clock knows how long the node was off: the time goes on from the last call. The

@@ -17,10 +17,12 @@ pub(super) const BOUND: f32 = 2.5;
 /// The state of a [`Node`](super::Node): all that it has learnt, and a listen that is under way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeState<const P: usize, const SLOTS: usize, const ACTIONS: usize> {
-    /// Seconds of the clock at the last wake.
+    /// Second at the last wake. Seconds of the state are those of the clock and [`Self::ahead`], which never go back.
     pub(super) second: u32,
-    /// Seconds of the clock up to which filter and budget have come.
+    /// Second up to which filter and budget have come.
     pub(super) settled: u32,
+    /// Seconds by which the clock has gone back.
+    pub(super) ahead: u32,
     pub(super) glances: Glances<ACTIONS>,
     pub(super) filter: FilterState<f32>,
     pub(super) listening: ListeningState<f32>,
@@ -100,6 +102,7 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
         Self {
             second,
             settled: second,
+            ahead: 0,
             glances: Glances::new(second),
             filter,
             listening,
@@ -133,7 +136,19 @@ impl<const P: usize, const SLOTS: usize, const ACTIONS: usize> NodeState<P, SLOT
     /// Seconds of the clock at the last wake.
     #[must_use]
     pub fn second(&self) -> u32 {
-        self.second
+        self.second.wrapping_sub(self.ahead)
+    }
+
+    /// Seconds by which the clock has gone back since the start, in all. The node then went on from the new time as after a gap
+    /// that no clock knows ([`Gap::Unknown`](super::Gap::Unknown)).
+    #[must_use]
+    pub fn clock_went_back(&self) -> u32 {
+        self.ahead
+    }
+
+    /// The second of the state at a second of the clock.
+    pub(super) fn second_of(&self, clock: u32) -> u32 {
+        clock.wrapping_add(self.ahead)
     }
 
     /// The income of the last whole hour; of a longer time if the node was off at its end. `None` before the first.
@@ -298,7 +313,7 @@ snapshot_fields!(impl [const P: usize] Listen<P> { bank, blocks, start_up, missi
 });
 
 snapshot_fields!(impl [const P: usize, const SLOTS: usize, const ACTIONS: usize] NodeState<P, SLOTS, ACTIONS> {
-    second, settled, glances, filter, listening, budget, listen, last_listen, last_reading, last_missing, asked_for, last_run, listens, misses, readings,
+    second, settled, ahead, glances, filter, listening, budget, listen, last_listen, last_reading, last_missing, asked_for, last_run, listens, misses, readings,
     last_modelled, last_heard, fluctuation, last_motions, departure, reading, spent, knowing, booked, started, hour_start, hour, silent, silent_before,
 } if |state| {
     let before = [state.last_listen, state.last_reading, state.last_missing, state.listen.started, state.hour_start];

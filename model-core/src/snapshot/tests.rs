@@ -88,6 +88,6 @@ fn another_model_state_or_version_is_foreign() {
     assert_eq!(restore::<[f64; 3]>(99, &snapshot()), Err(SnapshotError::ForeignModel));
     assert_eq!(restore::<Sample>(99, &[0xff; SIZE]), Err(SnapshotError::NotASnapshot));
     let mut later = snapshot();
-    later[4] = 5;
-    assert_eq!(restore::<Sample>(99, &later), Err(SnapshotError::ForeignVersion { version: 5 }));
+    later[4] = 6;
+    assert_eq!(restore::<Sample>(99, &later), Err(SnapshotError::ForeignVersion { version: 6 }));
 }

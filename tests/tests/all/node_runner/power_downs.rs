@@ -64,6 +64,47 @@ fn after_a_power_down_of_a_known_time_its_income_is_told() {
 }
 
 #[test]
+fn a_clock_that_goes_back_is_told_and_the_node_goes_on_from_the_new_time() {
+    // While the node sleeps, and at a reset.
+    for (back, is_reset) in [(7200, false), (20_000, false), (7200, true)] {
+        let mut runner =
+            OneRunner::new(Bench { shaking: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
+        while runner.state().second() < 21_600 {
+            step(&mut runner);
+        }
+        let (before, ran) = (*runner.state(), runner.board().ran);
+        assert_eq!(before.clock_went_back(), 0);
+        runner.save(&mut [0; SLOT_BYTES]).expect("room");
+        runner.board_mut().second -= back;
+        if is_reset {
+            let second = runner.board().second;
+            runner = OneRunner::new(runner.into_board(), dear_node(), second);
+            runner.resume(&mut [0; SLOT_BYTES], Gap::OnUntil(second)).expect("an image");
+        }
+        let start = runner.board().second;
+        let (mut last, mut hours) = (before.last_hour(), 0);
+        while runner.board().second < start + 3 * 3600 {
+            step(&mut runner);
+            let second = runner.state().second();
+            assert!(second == runner.board().second && second < 50_000, "{second}");
+            runner.save(&mut [0; SLOT_BYTES]).expect("its own image");
+            if runner.state().last_hour() != last {
+                last = runner.state().last_hour();
+                hours += 1;
+                // The first hour lacks the income of the time that no clock knows.
+                if hours > 1 {
+                    assert_inside(last.expect("an hour"));
+                }
+            }
+        }
+        let state = runner.state();
+        assert!(hours >= 2 && runner.board().ran[0] > ran[0] + 30, "{hours} {:?}", runner.board().ran);
+        assert!((1..=back).contains(&state.clock_went_back()), "{} of {back}", state.clock_went_back());
+        assert_eq!(state.budget().second(), state.second());
+    }
+}
+
+#[test]
 fn after_a_power_down_of_no_time_nothing_has_changed_but_the_certainty() {
     let [before, after, _] = resumed_after(Gap::OffUntil, |_| {});
     assert_eq!(after.second(), before.second());
