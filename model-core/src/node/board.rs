@@ -53,7 +53,8 @@ pub struct Fault;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Gap {
-    /// The node was on until this second of its clock, and lost its memory only.
+    /// The node was on until this second of its clock, and lost its memory only. What it did after the image is unknown: the
+    /// income since is uncertain by the energy of what it could have run.
     OnUntil(u32),
     /// The node was off from the image until this second of its clock: nothing was drawn. An image is then saved at the
     /// power-down. What the node spends after the image is taken for an income that was missing.
@@ -335,8 +336,13 @@ impl<
         self.is_listening = false;
         match gap {
             Gap::OnUntil(now) => {
-                self.node.interrupt(&mut self.state);
-                self.ask(now, None);
+                if now == self.state.second() {
+                    self.node.interrupt(&mut self.state);
+                    self.ask(now, None);
+                } else {
+                    let code = self.board.storage_code();
+                    self.wake = self.node.wake_after_reset(&mut self.state, now, code);
+                }
             }
             Gap::OffUntil(now) => {
                 let code = self.board.storage_code();

@@ -23,7 +23,21 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         now: u32,
         code: Option<u32>,
     ) -> Wake {
-        self.return_from_gap(state, now, code, 0.0)
+        self.return_from_gap(state, now, code, 0.0, false)
+    }
+
+    /// As [`Node::wake`] after a reset that lost what is newer than `state`: the node was on until `now`. It ran any part of what it
+    /// could have run, and heard something that is lost; the income since is uncertain by that part.
+    #[cold]
+    #[inline(never)]
+    pub fn wake_after_reset(
+        &self,
+        state: &mut NodeState<P, SLOTS, ACTIONS>,
+        now: u32,
+        code: Option<u32>,
+    ) -> Wake {
+        let largest = self.largest_spent(state, now, 0.0);
+        self.return_from_gap(state, now, code, largest, true)
     }
 
     /// As [`Node::wake_after_gap`] where the node went off at an unknown time between the last call and the wake that was due
@@ -39,7 +53,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     ) -> Wake {
         let asleep = state.second_of(now).min(state.asked_for).saturating_sub(state.second);
         let largest = self.largest_standing_power(state) * real(asleep);
-        self.return_from_gap(state, now, code, largest)
+        self.return_from_gap(state, now, code, largest, false)
     }
 
     /// As [`Node::wake_after_lock_out`], of a node that was awake after the last call too: it also ran any part of what it runs
@@ -50,18 +64,32 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         now: u32,
         code: Option<u32>,
     ) -> Wake {
-        let seconds = real(state.second_of(now).saturating_sub(state.second));
-        let cost = &self.parameters.cost;
-        let mut power = self.largest_standing_power(state)
-            + cost.listen / real(self.parameters.listening.shortest)
-            + cost.reading / real(cost.shortest_reading);
-        for regular in &self.parameters.actions {
-            power += regular.action.energy() / real(regular.every);
-        }
+        let largest = self.largest_spent(state, now, self.largest_standing_power(state));
+        self.return_from_gap(state, now, code, largest, false)
+    }
+
+    /// The largest energy in J that the node spent since the last call, with a standing power in W: actions, listens and
+    /// readings at their shortest intervals, as far as the storage and the income of the time allowed it.
+    fn largest_spent(&self, state: &NodeState<P, SLOTS, ACTIONS>, now: u32, standing: f32) -> f32 {
+        let now = state.second_of(now);
+        let gap = now.saturating_sub(state.second);
+        let (seconds, cost) = (real(gap), &self.parameters.cost);
+        // Each of them may have been due at the start.
+        let times =
+            |since: u32, every: u32| (real(since.min(gap.saturating_add(every))) / real(every)).to_u32();
+        let knowing = [
+            (cost.listen, state.last_listen, self.parameters.listening.shortest),
+            (cost.reading, state.last_reading, cost.shortest_reading),
+        ];
+        let actions = self.parameters.actions.iter().zip(state.last_run);
+        let actions = actions.map(|(regular, last)| (regular.action.energy(), last, regular.every));
+        let spent =
+            knowing.into_iter().chain(actions).fold(standing * seconds, |sum, (energy, last, every)| {
+                sum + energy * real(times(now.saturating_sub(last), every))
+            });
         let [stored, bound] = state.stored();
         let above = Scalar::max(stored + bound - self.budget.storage().lock_out(), 0.0);
-        let there = above + OF_USUAL * state.usual_power() * seconds;
-        self.return_from_gap(state, now, code, Scalar::min(power * seconds, there))
+        Scalar::min(spent, above + OF_USUAL * state.usual_power() * seconds)
     }
 
     /// Growth of variances in a gap: an income of some times that of the usual power may have come at any time in it. A storage that
@@ -83,28 +111,34 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         Scalar::max(self.filter.standing + excess.mean + 2.0 * excess.deviation(), 0.0)
     }
 
-    /// Wakes from a time in which nothing was heard, and any energy up to `largest_drawn` in J was drawn.
+    /// Wakes from a time of which nothing is known that was heard, and any energy up to `largest_drawn` in J was drawn, in
+    /// addition to the standing power if the node was on.
     fn return_from_gap(
         &self,
         state: &mut NodeState<P, SLOTS, ACTIONS>,
         now: u32,
         code: Option<u32>,
         largest_drawn: f32,
+        is_on: bool,
     ) -> Wake {
         let Some(now) = self.present(state, now) else { return self.wake_after_unknown_gap(state, code) };
         state.abandon();
         self.settle(state, now, None);
         self.advance(state, state.second, true);
         let seconds = now.saturating_sub(state.settled);
-        self.lose(state, 0.0);
-        self.be_off(state, now);
+        let mut growth = self.growth(state);
+        if !is_on {
+            self.lose(state, 0.0);
+            self.be_off(state, now);
+            growth = self.growth_in_gap(state, seconds, largest_drawn);
+        }
         let half = 0.5 * largest_drawn;
         self.budget.spend(&mut state.budget, half);
         state.spent += half;
         // Glances assume the largest drop of the code since the last one.
         self.pay(state, 2.0 * half);
         if seconds > 0 {
-            self.advance_by(state, seconds, false, self.growth_in_gap(state, seconds, largest_drawn));
+            self.advance_by(state, seconds, is_on, growth);
             state.second = state.second.max(now);
         }
         // Each energy up to the largest one is as likely.

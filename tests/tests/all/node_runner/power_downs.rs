@@ -64,6 +64,43 @@ fn after_a_power_down_of_a_known_time_its_income_is_told() {
 }
 
 #[test]
+fn after_a_reset_between_two_images_what_was_done_since_the_image_is_no_missing_income() {
+    let bench = Bench { shaking: 2.5, actions: DEAR, ..Bench::new() };
+    let mut runner = OneRunner::new(bench, dear_node(), 0);
+    let (mut saved, mut last, mut random) = (0, None, 1_u32);
+    let (mut hours, mut inside, mut bounds) = (0, 0, 0.0);
+    // An image each hour, and a reset 5 to 55 minutes after it.
+    let mut reset = u32::MAX;
+    while runner.state().second() < 60 * 3600 {
+        step(&mut runner);
+        let second = runner.state().second();
+        if second >= saved + 3600 {
+            saved = second;
+            runner.save(&mut [0; SLOT_BYTES]).expect("room");
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            reset = second + 300 + (random >> 16) % 3000;
+        }
+        if second >= reset {
+            reset = u32::MAX;
+            runner = OneRunner::new(runner.into_board(), dear_node(), second);
+            runner.resume(&mut [0; SLOT_BYTES], Gap::OnUntil(second)).expect("an image");
+            assert_eq!(runner.state().second(), second);
+        }
+        if runner.state().last_hour() != last {
+            last = runner.state().last_hour();
+            let hour = last.expect("an hour");
+            let [told, bound, truth] =
+                [hour.energy.into(), hour.bound.into(), POWER * f64::from(hour.seconds)];
+            hours += 1;
+            inside += u32::from((told - truth).abs() <= bound);
+            bounds += bound / truth;
+        }
+    }
+    assert!(hours > 40 && 100 * inside >= 95 * hours, "{inside} of {hours}");
+    assert!(bounds < 0.1 * f64::from(hours), "{bounds}");
+}
+
+#[test]
 fn a_clock_that_goes_back_is_told_and_the_node_goes_on_from_the_new_time() {
     // While the node sleeps, and at a reset.
     for (back, is_reset) in [(7200, false), (20_000, false), (7200, true)] {
