@@ -39,6 +39,8 @@ type ThisRunner = Runner<Bench, &'static [u16], SECTION, SECTIONS, SLOTS, ACTION
 const CAPACITANCE: f32 = 47e-3;
 const LEAKAGE: f32 = 4e6;
 const OUT_OF_STORAGE: f32 = 0.9;
+/// Voltage in V below which the node is off.
+const LOCK_OUT: f32 = 1.9;
 /// Energies of the actions in J at the load.
 const MEASURE: f32 = 300e-6;
 const TRANSMIT: f32 = 5e-3;
@@ -73,7 +75,7 @@ fn parameters() -> Result<(NodeParameters<ACTIONS>, f32), Box<dyn std::error::Er
                 discharging_efficiency: OUT_OF_STORAGE,
                 // V at which the protection shunts what comes in; V of the under-voltage lock-out, and of its release.
                 highest_voltage: 4.5,
-                lock_out_voltage: 1.9,
+                lock_out_voltage: LOCK_OUT,
                 turn_on_voltage: 2.2,
             },
             // s over which the mean income is taken, and weight of the newest day in a slot.
@@ -115,7 +117,7 @@ fn parameters() -> Result<(NodeParameters<ACTIONS>, f32), Box<dyn std::error::Er
             highest_voltage: 0.03, // 4.5 V to 3 %, the ADC's reference included
             power: 100e-6,      // W, the largest power of such a harvester
         },
-        reserve: 36_000.0 * standing_power, // J for ten hours asleep
+        reserve: reserve(12.0 * 3600.0, standing_power), // J for a night, and two hours more
         // The most important first: energy in J, duration in s, and s from one to the next.
         actions: [
             Regular { action: Action::new("measure", MEASURE, 0.1)?, every: 600 },
@@ -123,6 +125,14 @@ fn parameters() -> Result<(NodeParameters<ACTIONS>, f32), Box<dyn std::error::Er
         ],
     };
     Ok((parameters, glance))
+}
+
+/// Energy in J at the load, above the lock-out, that draw and leakage leave at the lock-out after so many seconds: the storage with
+/// the time constant R·C/2 relaxes towards what the draw over that time would have it lack.
+fn reserve(seconds: f32, standing_power: f32) -> f32 {
+    let constant = 0.5 * LEAKAGE * CAPACITANCE;
+    let at_lock_out = 0.5 * CAPACITANCE * LOCK_OUT * LOCK_OUT;
+    (OUT_OF_STORAGE * at_lock_out + standing_power * constant) * (seconds / constant).exp_m1()
 }
 
 fn node() -> Result<ThisNode, Box<dyn std::error::Error>> {
@@ -172,7 +182,7 @@ impl Bench {
 
     /// Takes energy in J at the load.
     fn draw(&mut self, energy: f64) {
-        self.stored -= energy / f64::from(OUT_OF_STORAGE);
+        self.stored = (self.stored - energy / f64::from(OUT_OF_STORAGE)).max(0.0);
     }
 
     fn live(&mut self, seconds: u32) {
@@ -240,20 +250,23 @@ impl Board for Bench {
     }
 }
 
-/// What the node says of a day, and the truth in J.
-pub(crate) struct Day {
+/// What the node says of some days, and the truth in J.
+pub(crate) struct Days {
     pub(crate) told: f64,
     pub(crate) bound: f64,
     pub(crate) truth: f64,
     /// Energy spent on knowing, of the harvested one.
     pub(crate) share: f64,
-    /// Hours of the day, and those whose income is within its bound.
+    /// Hours, and those whose income is within its bound.
     pub(crate) hours: u32,
     pub(crate) inside: u32,
+    /// Readings of the voltage that were taken in, and the lowest voltage in V.
+    pub(crate) readings: u32,
+    pub(crate) lowest: f64,
 }
 
-/// Lives through a day.
-pub(crate) fn day() -> Result<Day, Box<dyn std::error::Error>> {
+/// Lives through some days.
+pub(crate) fn days(count: u32) -> Result<Days, Box<dyn std::error::Error>> {
     let node = node()?;
     let board = Bench {
         map: ResponseMap::new(&map::MAP[..], map::FINGERPRINT)?,
@@ -269,8 +282,9 @@ pub(crate) fn day() -> Result<Day, Box<dyn std::error::Error>> {
     let mut runner: ThisRunner = Runner::new(board, node, 0);
     let mut image = [0; ThisRunner::image_bytes()];
     let (mut hour, mut before, mut saved) = (runner.state().last_hour(), 0.0, 0);
-    let (mut hours, mut inside) = (0, 0);
-    while runner.state().second() < 24 * 3600 {
+    let (mut hours, mut inside, mut lowest) = (0, 0, f64::INFINITY);
+    while runner.state().second() < count * 24 * 3600 {
+        lowest = lowest.min(runner.board().voltage());
         let known = f64::from(runner.state().spent_on_knowing());
         let step = runner.step();
         // The made-up storage pays what the node says that knowing costs.
@@ -306,21 +320,26 @@ pub(crate) fn day() -> Result<Day, Box<dyn std::error::Error>> {
         "gain of the map {gain:.2} ± {of_gain:.2}, true 0.80; {measured} measurements, {transmitted} transmissions"
     );
     let told = state.overall();
-    Ok(Day {
+    Ok(Days {
         told: told.energy.into(),
         bound: told.bound.into(),
         truth: board.harvested,
         share: state.share_spent_on_knowing().into(),
         hours,
         inside,
+        readings: state.instruments()[0],
+        lowest,
     })
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let Day { told, bound, truth, share, hours, inside } = day()?;
+    let Days { told, bound, truth, share, hours, inside, readings, lowest } = days(1)?;
     let of_day = |energy: f64| 1e6 * energy / 86_400.0;
     println!("{inside} of {hours} hours are within their bounds");
     println!("income of the day {:.2} ± {:.2} uW, true {:.2} uW", of_day(told), of_day(bound), of_day(truth));
-    println!("spent on knowing it {:.2} % of the income", 100.0 * share);
+    println!(
+        "spent on knowing it {:.2} % of the income, {readings} readings; lowest voltage {lowest:.2} V",
+        100.0 * share
+    );
     Ok(())
 }

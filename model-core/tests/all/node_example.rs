@@ -10,11 +10,19 @@ use model_core::node::{Hearing, Modelled};
 
 #[test]
 fn the_node_of_the_example_tells_its_day_within_its_bound_for_about_a_hundredth_of_it() {
-    let day = node::day().expect("a day");
+    let day = node::days(1).expect("a day");
     let error = (day.told - day.truth).abs();
     assert!(error <= day.bound && day.bound < 0.15 * day.truth, "{error} {} {}", day.bound, day.truth);
     assert!(day.hours >= 20 && day.inside + 2 >= day.hours, "{} of {}", day.inside, day.hours);
     assert!(day.share > 0.0 && day.share < 0.02, "{}", day.share);
+}
+
+#[test]
+fn the_node_of_the_example_lives_through_its_nights() {
+    let days = node::days(5).expect("days");
+    assert!(days.lowest > 1.9 && days.truth > 0.0, "{} V", days.lowest);
+    assert!((days.told - days.truth).abs() <= days.bound, "{} ± {}, {}", days.told, days.bound, days.truth);
+    assert!(20 * days.inside >= 19 * days.hours, "{} of {}", days.inside, days.hours);
 }
 
 #[test]
