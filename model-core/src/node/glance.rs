@@ -49,9 +49,6 @@ pub(super) struct Thresholds<const ACTIONS: usize> {
     /// The code from which on an action leaves the reserve in the storage, and that energy in J.
     affordable: [u32; ACTIONS],
     energy: [f32; ACTIONS],
-    /// Codes by which the storage must rise before the budget is asked again about an action that it refused: a quarter of
-    /// what the action takes.
-    rise: [u32; ACTIONS],
 }
 
 impl<const ACTIONS: usize> Thresholds<ACTIONS> {
@@ -76,10 +73,6 @@ impl<const ACTIONS: usize> Thresholds<ACTIONS> {
             (code(storage.voltage(energy)) + above).to_u32().saturating_add(1)
         });
         let below = 1.5 + 2.0 * noise;
-        let rise = |regular: &Regular| {
-            let drop = storage.drawn(regular.action.energy()) * drop_of_full;
-            ((0.25 / PARTS) * drop).to_u32().saturating_add(1)
-        };
         Self {
             least_full: Scalar::max(code(highest * (1.0 - parameters.spread.highest_voltage)) - below, 0.0)
                 .to_u32(),
@@ -91,7 +84,6 @@ impl<const ACTIONS: usize> Thresholds<ACTIONS> {
             leaking: (leaked * drop_of_full).to_u32().saturating_add(u32::from(leaked > 0.0)),
             affordable,
             energy: affordable.map(|code| storage.energy(real(code) * filter.cell)),
-            rise: actions.map(rise),
         }
     }
 }
@@ -318,7 +310,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         // A forecast is not exact to an eighth of the energy between both.
         if code >= granted - (granted.saturating_sub(refused) >> 3) {
             Verdict::Run
-        } else if code < refused.saturating_add(at(&self.thresholds.rise)) {
+        } else if refused > 0 {
+            // The next reading asks again: with little energy each rise of the code would cost one.
             Verdict::Wait
         } else {
             Verdict::Ask
