@@ -195,7 +195,7 @@ fn scenes_that_were_found_wrong_are_right_or_warn() {
     let effort = Effort { most_attempts: MOST_ATTEMPTS, by_reference: true };
     let cases: Vec<(Case, Effort)> = found().into_iter().map(|case| (case, effort)).collect();
     let findings = none_fails(&cases);
-    assert!(findings.iter().all(|finding| finding.by_reference), "{findings:?}");
+    assert!(findings.iter().all(|finding| finding.by_reference || finding.is_chaotic), "{findings:?}");
 }
 
 #[test]
@@ -234,6 +234,16 @@ fn errors_that_the_next_smaller_step_shares_are_within_the_statement() {
         let (error, stated) = (finding.error.expect("an error"), finding.stated.expect("a statement"));
         assert!(finding.is_warned && error <= stated, "{finding:?}");
     }
+}
+
+/// A case of seed 13 that bounces at a rigid stop without a gap: steps of 1/16 and 1/32 µs agreed by chance, 1 % off.
+const BOUNCING: u64 = 8656;
+
+#[test]
+fn steps_that_agree_by_chance_at_a_rigid_stop_are_warned() {
+    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true };
+    let findings = none_fails(&[(draw(13, BOUNCING), effort)]);
+    assert!(findings.iter().all(|finding| finding.is_warned), "{findings:?}");
 }
 
 /// Cases of seed 27 with a start charge or voltage, or with a storage that is empty within a step: of six the reference did not connect the draw of a storage that was charged at
