@@ -417,27 +417,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         fingerprint.name("node");
         fingerprint.numbers(&[self.map.fingerprint(), self.map.checksum()]);
         self.bank.identify(fingerprint);
-        self.budget.identify(fingerprint);
-        self.listening.identify(fingerprint);
-        let NodeParameters { sensor, cost, spread, .. } = &self.parameters;
-        fingerprint.numbers(&[sensor.rate, f32::from(sensor.clipped)]);
-        fingerprint.numbers(&[sensor.start_up, sensor.blocks, cost.shortest_reading, cost.reading_doublings]);
-        fingerprint.numbers(&[cost.listen, cost.reading, cost.reading_share]);
-        fingerprint.numbers(&[
-            spread.standing,
-            spread.action,
-            spread.income,
-            spread.gain_by_place,
-            spread.highest_voltage,
-            spread.power,
-        ]);
-        let Filter { cell, noise, lasting, gain_variance, gain_drift, full_code, .. } = self.filter;
-        fingerprint.numbers(&[cell, noise, lasting, gain_variance, gain_drift]);
-        fingerprint.numbers(&[full_code]);
-        fingerprint.numbers(&[self.parameters.reserve, self.glance.unwrap_or(-1.0)]);
-        for Regular { action, every } in &self.parameters.actions {
-            fingerprint.numbers(&[action.energy(), action.duration()]);
-            fingerprint.numbers(&[*every]);
-        }
+        self.budget.storage().identify(fingerprint);
+        // Energies, shares, intervals and uncertainties may change: what was learnt is still true.
+        fingerprint.numbers(&[self.filter.cell]);
+        fingerprint.numbers(&[self.filter.full_code]);
     }
 }

@@ -118,7 +118,7 @@ impl<S: Scalar> Storage<S> {
     }
 
     /// Includes all parameters in a fingerprint.
-    pub(super) fn identify(&self, fingerprint: &mut Fingerprint) {
+    pub(crate) fn identify(&self, fingerprint: &mut Fingerprint) {
         let StorageParameters { capacitor, .. } = self.parameters;
         fingerprint.numbers(&[
             capacitor.capacitance,

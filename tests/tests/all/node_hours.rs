@@ -191,8 +191,8 @@ fn a_node_that_is_restored_from_its_image_after_each_sleep_ends_with_the_same_bi
     });
     assert!(sequence > 20, "{sequence}");
     assert_eq!(whole, restored);
-    // An image of a node with another reserve is foreign.
-    let other = line.node(&Build { reserve: 0.0, ..build });
+    // An image of a node with another storage is foreign.
+    let other = line.node(&Build { capacitance: 1.01e-3, ..build });
     let foreign = snapshot::newest_image(&other, [&slots[0], &slots[1]]);
     assert_eq!(foreign.err(), Some(snapshot::SnapshotError::ForeignModel));
 }

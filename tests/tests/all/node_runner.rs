@@ -360,6 +360,37 @@ fn an_image_of_a_save_that_failed_is_not_taken_for_a_later_one() {
 }
 
 #[test]
+fn what_was_learnt_survives_an_update_of_all_but_map_bank_slots_and_storage() {
+    let mut runner = OneRunner::new(Bench::new(), node(), 0);
+    step(&mut runner);
+    runner.save(&mut [0; SLOT_BYTES]).expect("room");
+    let board = runner.into_board();
+    let resumed = |change: fn(&mut NodeParameters<2>)| {
+        let mut parameters = parameters();
+        change(&mut parameters);
+        let node = built(parameters, RATE, 20.13).expect("valid");
+        let mut runner = OneRunner::new(board.clone(), node, board.second);
+        runner.resume(&mut [0; SLOT_BYTES], Gap::OnUntil(board.second))
+    };
+    let changes: [fn(&mut NodeParameters<2>); 9] = [
+        |of| of.reserve *= 1.01,
+        |of| of.actions[0].every += 1,
+        |of| of.actions[1].action = Action::new("transmit", 303e-6, 0.1).expect("valid"),
+        |of| of.cost.listen *= 1.01,
+        |of| of.cost.reading_share *= 1.01,
+        |of| of.cost.shortest_reading += 1,
+        |of| of.listening.share *= 1.01,
+        |of| of.listening.shortest += 3,
+        |of| of.budget.standing_power *= 1.01,
+    ];
+    for (index, change) in changes.into_iter().enumerate() {
+        assert_eq!(resumed(change), Ok(1), "{index}");
+    }
+    let other = |of: &mut NodeParameters<2>| of.budget.storage.capacitor.capacitance *= 1.01;
+    assert_eq!(resumed(other), Err(SnapshotError::ForeignModel));
+}
+
+#[test]
 fn an_image_is_saved_by_an_idle_node_only_and_needs_room() {
     let mut runner = OneRunner::new(Bench::new(), node(), 0);
     assert!(!runner.is_idle(), "the first task is a listen");
