@@ -73,6 +73,7 @@ mod board {
             // SAFETY: the handler of this interrupt touches nothing that is used here.
             unsafe { NVIC::unmask(Interrupt::RTC0) };
             while self.look() < end {
+                clear_float_exceptions();
                 // The interrupt sets the event if it comes before this instruction.
                 cortex_m::asm::wfe();
             }
@@ -87,6 +88,16 @@ mod board {
             self.last = counter;
             self.ticks
         }
+    }
+
+    /// Clears the flags of the floating-point unit, and its interrupt. Anomaly 87 of the nRF52832: a rounding leaves the interrupt
+    /// pending, and the processor then sleeps at milliamperes.
+    fn clear_float_exceptions() {
+        // SAFETY: the instructions clear exception flags, which no code reads.
+        unsafe {
+            core::arch::asm!("vmrs {0}, fpscr", "bic {0}, {0}, #0x9f", "vmsr fpscr, {0}", out(reg) _);
+        }
+        NVIC::unpend(Interrupt::FPU);
     }
 
     /// Waits of the accelerometer's start, asleep.
