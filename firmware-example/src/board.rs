@@ -5,14 +5,12 @@
 //! | `adxl362` | the registers of an accelerometer with a FIFO, over SPI |
 //! | `flash` | two slots for images in NOR flash |
 //! | `hal` | a board of any microcontroller whose crate implements the traits |
-//! | `instructions` | what a node computes, for its costs |
 //! | `example` | the parameters of a node on such a board |
 
 pub mod adxl362;
 pub mod example;
 pub mod flash;
 pub mod hal;
-pub mod instructions;
 
 #[cfg(test)]
 mod tests;

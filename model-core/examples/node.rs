@@ -6,7 +6,7 @@
 //! The board is made up: its storage is integrated with the power of a harvester that yields 0.8 of what the map says. Replace
 //! [`Bench`] by your hardware, `map` by your map, and the numbers of [`parameters`] by those of your parts.
 
-use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
+use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor, node_instructions};
 use model_core::energy::{
     Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
     ResponseMap, StorageParameters,
@@ -57,10 +57,11 @@ fn parameters() -> Result<(NodeParameters<ACTIONS>, f32), Box<dyn std::error::Er
             + cost.start_energy()
             + cost.processor.computing(instructions, Code::Filter)
     };
-    let (reading, glance) = (of_code(120_000.0), of_code(600.0));
+    let of = node_instructions(cost.processor.core);
+    let (reading, glance) = (of_code(of.reading), of_code(of.glance));
     let samples = (SECTION * SECTIONS) as u32;
     let listen = cost
-        .listen(samples, RATE as f32, samples as f32 * 40.0 + 155_000.0, Code::Filter)
+        .listen(samples, RATE as f32, samples as f32 * of.sample + of.block, Code::Filter)
         .ok_or("the sensor has no such rate")?;
     // What the node draws with everything asleep: processor with its clock, sensor, and nothing else here.
     let standing_power = cost.standing_power().ok_or("no figure asleep")?;

@@ -1,7 +1,9 @@
 //! The parameters of a node on a board with an ADXL362, and its energies by the figures of `energy::cost`.
 
 use model_core::bounds::ParameterError;
-use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor, Radio};
+use model_core::energy::cost::{
+    Accelerometer, Code, CostModel, Instructions, Processor, Radio, node_instructions,
+};
 use model_core::energy::response_map::MapError;
 use model_core::energy::{
     Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
@@ -11,7 +13,6 @@ use model_core::excitation::{ExcitationError, LineBank};
 use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, Regular, Sensor, Spread};
 
 use super::adxl362::{Range, Rate};
-use super::instructions::{Instructions, node_instructions};
 use crate::workload::response_map::contact_separation;
 
 /// Samples of a section of the bank of lines, and sections of a block: 3.2 s at 400 Hz.

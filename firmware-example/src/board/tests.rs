@@ -17,14 +17,13 @@ use embedded_hal_mock::eh1::spi::{Mock as Spi, Transaction};
 use embedded_storage::nor_flash::{
     NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
-use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
+use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor, node_instructions};
 use model_core::node::{Board, Fault, Gap, Hearing, Step};
 
 use super::adxl362::{Adxl362, Adxl362Error, Axis, Range, Rate};
 use super::example::{self, BURST, Runner};
 use super::flash::Slots;
 use super::hal::HalBoard;
-use super::instructions::node_instructions;
 
 fn written(bytes: &[u8]) -> Vec<Transaction<u8>> {
     vec![

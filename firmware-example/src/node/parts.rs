@@ -1,7 +1,7 @@
 //! What the node is made of. Energies are those of `energy::cost` for its processor.
 
 use model_core::bounds::ParameterError;
-use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
+use model_core::energy::cost::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
 use model_core::energy::response_map::MapError;
 use model_core::energy::{
     Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
@@ -9,8 +9,6 @@ use model_core::energy::{
 };
 use model_core::excitation::{ExcitationError, LineBank};
 use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, NodeState, Regular, Sensor, Spread};
-
-use crate::board::instructions::{Instructions, node_instructions};
 
 /// The map of `node.toml`: contact-separation under the force of the field, 20 g on 320 N/m, with impacts.
 #[path = "../../map/node.rs"]

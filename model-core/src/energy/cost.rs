@@ -18,6 +18,7 @@ mod accelerometer;
 mod adc;
 mod asleep;
 mod clock;
+mod instructions;
 mod processor;
 mod radio;
 
@@ -25,6 +26,7 @@ pub use accelerometer::{Accelerometer, RatedCurrent};
 pub use adc::Adc;
 pub use asleep::{Asleep, ColdStart};
 pub use clock::Clock;
+pub use instructions::{Instructions, node_instructions};
 pub use processor::{Code, Core, Processor};
 pub use radio::Radio;
 

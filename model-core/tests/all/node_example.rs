@@ -23,7 +23,7 @@ fn the_node_of_the_example_lives_through_its_nights() {
     assert!(days.lowest > 1.9 && days.truth > 0.0, "{} V", days.lowest);
     assert!((days.told - days.truth).abs() <= days.bound, "{} ± {}, {}", days.told, days.bound, days.truth);
     // An action that is due and refused waits for the next reading.
-    assert!(days.readings < 5 * 40 && days.share < 0.01, "{} {}", days.readings, days.share);
+    assert!(days.readings < 5 * 100 && days.share < 0.01, "{} {}", days.readings, days.share);
     assert!(20 * days.inside >= 19 * days.hours, "{} of {}", days.inside, days.hours);
 }
 

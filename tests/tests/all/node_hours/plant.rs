@@ -1,7 +1,6 @@
 //! A node on a plant: storage, converter and sensor, with an income that is known minute by minute.
 
-use firmware_example::board::instructions::{Instructions, node_instructions};
-use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
+use model_core::energy::cost::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
 use model_core::energy::{
     Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
     ResponseMap, StorageParameters,

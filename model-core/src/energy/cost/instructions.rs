@@ -1,6 +1,6 @@
-//! Instructions of a node of `model_core::node`, by which boards and simulations state what knowing costs.
+//! Instructions of a [`Node`](crate::node::Node), by which firmware and simulations state what knowing costs.
 
-use model_core::energy::cost::Core;
+use super::Core;
 
 /// Instructions of a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,8 +16,7 @@ pub struct Instructions {
 }
 
 /// Instructions under QEMU of the node of `on-target --node` over its day, with its decisions on two actions and the forecasts for
-/// them: the table "Cost" of `docs/node.md`, rounded up. Those of the M0 are with
-/// [`cortex_m0_arithmetic!`](crate::cortex_m0_arithmetic).
+/// them: the table "Cost" of `docs/node.md`, rounded up. Those of the M0 are with the arithmetic of `firmware-example`.
 #[must_use]
 pub const fn node_instructions(core: Core) -> Instructions {
     match core {
